@@ -1,0 +1,28 @@
+#pragma once
+
+#include <functional>
+#include <stop_token>
+#include <string_view>
+
+#include "core/base/result.h"
+
+namespace isoslider {
+
+/// How long work talks to whoever started it. Both members may be empty.
+/// `progress` may be called from any worker thread, never from two at once.
+struct JobControl {
+    using ProgressFunction = std::function<void(double fraction, std::string_view stage)>;
+
+    std::stop_token stop;
+    ProgressFunction progress;
+
+    bool isStopRequested() const { return stop.stop_requested(); }
+    void report(double fraction, std::string_view stage) const {
+        if (progress)
+            progress(fraction, stage);
+    }
+};
+
+inline Error cancelledError() { return makeError(ErrorCode::Cancelled, "cancelled"); }
+
+} // namespace isoslider

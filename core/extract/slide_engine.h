@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "core/base/job_control.h"
+#include "core/extract/surface_frame.h"
+#include "core/extract/surface_mesh.h"
+#include "core/index/index_info.h"
+
+namespace isoslider::extract {
+
+struct SlideOptions {
+    std::uint64_t cacheBytes = std::uint64_t{256} << 20; ///< bound on decoded pages kept in memory
+};
+
+/// The live surface over one index: moves from isovalue to isovalue and keeps the arrays current.
+/// One thread at a time (it uses TBB inside). After a failed or cancelled move the engine holds no
+/// surface; the next move builds it anew.
+class SlideEngine {
+public:
+    /// Errors: NotFound, IoError, Corruption, UnsupportedVersion.
+    static Result<std::unique_ptr<SlideEngine>> open(const std::filesystem::path& indexPath,
+                                                     const SlideOptions& options = {});
+    virtual ~SlideEngine() = default;
+
+    virtual const index::IndexInfo& info() const = 0;
+
+    /// Moves the surface to `isovalue`. O(log N + K), K the edges that change, plus interpolation of
+    /// the active edges. Errors: Cancelled, IoError, Corruption, InvalidArgument (NaN).
+    virtual Result<SlideStats> slideTo(double isovalue, std::stop_token stop = {}) = 0;
+
+    /// The surface as the window needs it: a copy of the live arrays.
+    virtual void copyFrame(SurfaceFrame& frame) const = 0;
+    /// The surface welded and compacted, in grid order: comparable with extractFull.
+    virtual SurfaceMesh mesh() const = 0;
+};
+
+} // namespace isoslider::extract

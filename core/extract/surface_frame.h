@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "core/grid/grid_geometry.h"
+
+namespace isoslider::extract {
+
+/// One stretch of the walk along the skip list during a move.
+struct WalkStep {
+    int skipLevel = 0;
+    std::uint64_t blocks = 0; ///< blocks read at this level
+    std::uint64_t edges = 0;  ///< edge entries decoded there
+    std::uint64_t bytes = 0;  ///< encoded bytes decoded there (cached pages included)
+};
+
+/// What one move cost, counted where the work happens.
+struct SlideStats {
+    double isovalue = 0.0;
+    std::uint64_t edgesAdded = 0;
+    std::uint64_t edgesRemoved = 0;
+    std::uint64_t edgesTouched = 0; ///< edge entries looked at, redundant ones included
+    std::uint64_t cellsRetriangulated = 0;
+    std::uint64_t activeEdges = 0;
+    std::uint64_t triangles = 0;
+    std::uint64_t bytesRead = 0; ///< bytes read from the index file (page cache misses only)
+    double updateMs = 0.0;
+    double interpolateMs = 0.0;
+    bool hasRebuilt = false; ///< the surface was built anew instead of patched
+    std::vector<WalkStep> walk;
+};
+
+/// An immutable picture of the surface, handed from the worker to the window.
+/// `indices` may contain degenerate triples (0,0,0): unused room between bricks, drawn as nothing.
+struct SurfaceFrame {
+    GridGeometry geometry;
+    double isovalue = 0.0;
+    std::vector<glm::vec3> positions; ///< grid index units
+    std::vector<glm::vec3> normals;   ///< unit, along the grid's axes, towards lower scalars
+    std::vector<std::uint32_t> indices;
+    std::vector<std::uint32_t> changedIndices; ///< triangles retriangulated by the last move
+    SlideStats stats;
+    bool isFromIndex = false; ///< false: a plain full extraction, before the index was there
+};
+
+} // namespace isoslider::extract

@@ -1,0 +1,40 @@
+#include <cstring>
+
+#include "core/volume_io/volume_source.h"
+
+namespace isoslider::io {
+namespace {
+
+class MemorySource final : public VolumeSource {
+public:
+    MemorySource(std::shared_ptr<const ScalarGrid> grid, std::string format) : grid_(std::move(grid)) {
+        info_.geometry = grid_->geometry();
+        info_.type = grid_->type();
+        info_.format = std::move(format);
+    }
+
+    const VolumeInfo& info() const override { return info_; }
+
+    Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) override {
+        const auto plane = static_cast<std::size_t>(grid_->dims()[0] * grid_->dims()[1]) *
+                           scalarTypeSizeBytes(grid_->type());
+        const auto bytes = grid_->bytes().subspan(static_cast<std::size_t>(zBegin) * plane,
+                                                  static_cast<std::size_t>(zEnd - zBegin) * plane);
+        ISO_CHECK(bytes.size() == out.size());
+        if (!bytes.empty())
+            std::memcpy(out.data(), bytes.data(), bytes.size());
+        return {};
+    }
+
+private:
+    std::shared_ptr<const ScalarGrid> grid_;
+    VolumeInfo info_;
+};
+
+} // namespace
+
+std::unique_ptr<VolumeSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid, std::string format) {
+    return std::make_unique<MemorySource>(std::move(grid), std::move(format));
+}
+
+} // namespace isoslider::io

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/base/result.h"
+#include "core/grid/scalar_grid.h"
+
+namespace isoslider::io {
+
+/// What a volume is, known before its samples are read.
+struct VolumeInfo {
+    GridGeometry geometry;
+    ScalarType type = ScalarType::U8;
+    std::string format;    ///< "MetaImage", "NRRD", "NIfTI", "VTK image", "PLOT3D", "raw", "generated"
+    std::string fieldName; ///< the scalar field, where the format names it
+};
+
+/// Samples delivered in slabs of whole z planes, so that preprocessing never needs them all at once.
+/// One thread at a time.
+class VolumeSource {
+public:
+    virtual ~VolumeSource() = default;
+    virtual const VolumeInfo& info() const = 0;
+
+    /// Fills `out` with planes [zBegin, zEnd), x fastest, in the type of info().
+    /// REQUIRES: out.size() is exactly that many samples. On failure `out` is unspecified.
+    virtual Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) = 0;
+};
+
+/// Slabs of a grid in memory; shares ownership.
+std::unique_ptr<VolumeSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid,
+                                               std::string format = "generated");
+
+} // namespace isoslider::io

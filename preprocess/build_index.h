@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "core/base/job_control.h"
+#include "core/index/index_info.h"
+#include "core/volume_io/volume_source.h"
+
+namespace isoslider::preprocess {
+
+struct BuildOptions {
+    int skipLevels = 5;                 ///< levels written, level 0 included; 1..8
+    double redundancyThreshold = 1.0;   ///< k: a block ends when redundant edges exceed k * active edges
+    std::uint64_t memoryBytes = std::uint64_t{1} << 30;
+    int threads = 0;                    ///< 0: all cores
+    std::filesystem::path temporaryFolder; ///< for sort runs; empty: beside the index
+    std::string sourceName;
+};
+
+/// Smallest accepted BuildOptions::memoryBytes.
+inline constexpr std::uint64_t kMinBuildMemoryBytes = std::uint64_t{64} << 20;
+
+struct BuildReport {
+    double seconds = 0.0;
+    std::uint64_t peakRssBytes = 0;
+    index::IndexInfo info;
+};
+
+/// Builds the index of edge blocks for a volume and publishes it at `indexPath`: written to a
+/// temporary file beside it, synced, renamed. The same bytes for any thread count and memory budget.
+/// On failure or cancel nothing is left behind and an earlier index at `indexPath` is untouched.
+/// Errors: InvalidArgument, IoError, OutOfSpace, Cancelled, whatever the source reports.
+Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::path& indexPath,
+                               const BuildOptions& options = {}, const JobControl& job = {});
+
+} // namespace isoslider::preprocess
