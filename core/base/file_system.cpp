@@ -1,0 +1,310 @@
+#include "core/base/file_system.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+namespace isoslider {
+namespace fs = std::filesystem;
+namespace {
+
+// Linux transfers at most 0x7ffff000 bytes per call whatever is asked.
+constexpr std::size_t kMaxTransfer = std::size_t{1} << 30;
+
+class FileDescriptor {
+public:
+    explicit FileDescriptor(int number) : number_(number) {}
+    FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+    FileDescriptor& operator=(FileDescriptor&&) = delete;
+    ~FileDescriptor() {
+        if (number_ >= 0)
+            ::close(number_);
+    }
+    int get() const { return number_; }
+    bool isOpen() const { return number_ >= 0; }
+    int release() { return std::exchange(number_, -1); }
+
+private:
+    int number_;
+};
+
+int openRetrying(const fs::path& path, int flags, mode_t mode = 0) {
+    int number = -1;
+    do {
+        number = ::open(path.c_str(), flags | O_CLOEXEC, mode);
+    } while (number < 0 && errno == EINTR);
+    return number;
+}
+
+std::string_view kindName(mode_t mode) {
+    if (S_ISDIR(mode))
+        return "a folder";
+    if (S_ISFIFO(mode))
+        return "a pipe";
+    if (S_ISSOCK(mode))
+        return "a socket";
+    return "a device";
+}
+
+Error notRegularError(mode_t mode, const fs::path& path) {
+    return makeError(ErrorCode::InvalidArgument,
+                     "is " + std::string(kindName(mode)) + "; a regular file was expected", path);
+}
+
+Status writeFully(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes,
+                  const fs::path& path) {
+    while (!bytes.empty()) {
+        const ssize_t written = ::pwrite(descriptor, bytes.data(), std::min(bytes.size(), kMaxTransfer),
+                                         static_cast<off_t>(offset));
+        if (written < 0 && errno == EINTR)
+            continue;
+        if (written <= 0)
+            return systemError(written == 0 ? EIO : errno, "cannot write", path);
+        bytes = bytes.subspan(static_cast<std::size_t>(written));
+        offset += static_cast<std::uint64_t>(written);
+    }
+    return {};
+}
+
+class PosixRandomAccessFile final : public RandomAccessFile {
+public:
+    PosixRandomAccessFile(fs::path path, FileDescriptor descriptor, std::uint64_t size)
+        : path_(std::move(path)), descriptor_(std::move(descriptor)), size_(size) {}
+
+    const fs::path& path() const override { return path_; }
+    std::uint64_t sizeBytes() const override { return size_; }
+
+    Result<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> out) const override {
+        std::size_t done = 0;
+        while (done < out.size()) {
+            const ssize_t got = ::pread(descriptor_.get(), out.data() + done,
+                                        std::min(out.size() - done, kMaxTransfer),
+                                        static_cast<off_t>(offset + done));
+            if (got < 0 && errno == EINTR)
+                continue;
+            if (got < 0)
+                return systemError(errno, "cannot read", path_);
+            if (got == 0)
+                break;
+            done += static_cast<std::size_t>(got);
+        }
+        return done;
+    }
+
+private:
+    fs::path path_;
+    FileDescriptor descriptor_;
+    std::uint64_t size_;
+};
+
+class PosixWritableFile final : public WritableFile {
+public:
+    PosixWritableFile(fs::path path, FileDescriptor descriptor)
+        : path_(std::move(path)), descriptor_(std::move(descriptor)) {}
+
+    const fs::path& path() const override { return path_; }
+    std::uint64_t sizeBytes() const override { return size_; }
+
+    Status writeAll(std::span<const std::byte> bytes) override {
+        ISO_TRY(writeFully(descriptor_.get(), size_, bytes, path_));
+        size_ += bytes.size();
+        return {};
+    }
+
+    Status writeAt(std::uint64_t offset, std::span<const std::byte> bytes) override {
+        ISO_CHECK(offset <= size_ && bytes.size() <= size_ - offset);
+        return writeFully(descriptor_.get(), offset, bytes, path_);
+    }
+
+    Status sync() override {
+        int outcome = 0;
+        do {
+            outcome = ::fsync(descriptor_.get());
+        } while (outcome != 0 && errno == EINTR);
+        if (outcome != 0)
+            return systemError(errno, "cannot sync", path_);
+        return {};
+    }
+
+    // After close() fails the descriptor is gone on Linux, EINTR included: never retried.
+    Status close() override {
+        if (descriptor_.isOpen() && ::close(descriptor_.release()) != 0 && errno != EINTR)
+            return systemError(errno, "cannot close", path_);
+        return {};
+    }
+
+private:
+    fs::path path_;
+    FileDescriptor descriptor_;
+    std::uint64_t size_ = 0;
+};
+
+Status syncFolder(const fs::path& folder) {
+    const FileDescriptor descriptor(openRetrying(folder, O_RDONLY | O_DIRECTORY));
+    if (!descriptor.isOpen())
+        return systemError(errno, "cannot open folder", folder);
+    // Some network file systems cannot sync a folder and say EINVAL; there is nothing better to do.
+    if (::fsync(descriptor.get()) != 0 && errno != EINVAL)
+        return systemError(errno, "cannot sync folder", folder);
+    return {};
+}
+
+fs::path folderOf(const fs::path& path) {
+    const fs::path parent = path.parent_path();
+    return parent.empty() ? fs::path(".") : parent;
+}
+
+class PosixFileSystem final : public FileSystem {
+public:
+    Result<std::unique_ptr<RandomAccessFile>> openForReading(const fs::path& path) override {
+        // O_NONBLOCK: opening a pipe must not wait for a writer; it means nothing to regular files.
+        FileDescriptor descriptor(openRetrying(path, O_RDONLY | O_NONBLOCK | O_NOCTTY));
+        if (!descriptor.isOpen())
+            return errno == ENXIO ? notRegularError(S_IFSOCK, path) : systemError(errno, "cannot open", path);
+        struct stat facts {};
+        if (::fstat(descriptor.get(), &facts) != 0)
+            return systemError(errno, "cannot inspect", path);
+        if (!S_ISREG(facts.st_mode))
+            return notRegularError(facts.st_mode, path);
+        return std::unique_ptr<RandomAccessFile>(std::make_unique<PosixRandomAccessFile>(
+            path, std::move(descriptor), static_cast<std::uint64_t>(facts.st_size)));
+    }
+
+    Result<std::unique_ptr<WritableFile>> create(const fs::path& path) override {
+        // Not O_TRUNC: a second writer must be refused before it empties the first one's file.
+        for (int attempt = 0; attempt < 100; ++attempt) {
+            FileDescriptor descriptor(
+                openRetrying(path, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0666));
+            if (!descriptor.isOpen())
+                return systemError(errno, "cannot create", path);
+            struct stat facts {};
+            if (::fstat(descriptor.get(), &facts) != 0)
+                return systemError(errno, "cannot inspect", path);
+            if (!S_ISREG(facts.st_mode))
+                return notRegularError(facts.st_mode, path);
+            if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+                return makeError(ErrorCode::InvalidArgument, "is being written by another program", path);
+            // Its former owner may have renamed or removed it between our open and our lock.
+            struct stat named {};
+            if (::stat(path.c_str(), &named) != 0 || named.st_ino != facts.st_ino ||
+                named.st_dev != facts.st_dev)
+                continue;
+            if (::ftruncate(descriptor.get(), 0) != 0)
+                return systemError(errno, "cannot empty", path);
+            return std::unique_ptr<WritableFile>(
+                std::make_unique<PosixWritableFile>(path, std::move(descriptor)));
+        }
+        return makeError(ErrorCode::IoError, "keeps being replaced by another program", path);
+    }
+
+    Status renameDurably(const fs::path& from, const fs::path& to) override {
+        if (::rename(from.c_str(), to.c_str()) != 0)
+            return systemError(errno, "cannot rename to its final name", to);
+        return syncFolder(folderOf(to));
+    }
+
+    Status removeFile(const fs::path& path) override {
+        if (::unlink(path.c_str()) != 0 && errno != ENOENT)
+            return systemError(errno, "cannot remove", path);
+        return {};
+    }
+};
+
+} // namespace
+
+Status RandomAccessFile::readExactlyAt(std::uint64_t offset, std::span<std::byte> out) const {
+    auto got = readAt(offset, out);
+    if (!got.isOk())
+        return std::move(got).error();
+    if (got.value() != out.size())
+        return makeError(ErrorCode::Corruption,
+                         "file ends early: " + std::to_string(out.size()) + " bytes expected, " +
+                             std::to_string(got.value()) + " found",
+                         path(), offset);
+    return {};
+}
+
+FileSystem& defaultFileSystem() {
+    static PosixFileSystem fileSystem;
+    return fileSystem;
+}
+
+fs::path partialPath(const fs::path& path) {
+    fs::path partial = path;
+    partial += ".partial";
+    return partial;
+}
+
+AtomicFile::AtomicFile(fs::path path, std::unique_ptr<WritableFile> file, FileSystem& fileSystem)
+    : path_(std::move(path)), file_(std::move(file)), fileSystem_(fileSystem) {}
+
+Result<std::unique_ptr<AtomicFile>> AtomicFile::create(const fs::path& path, FileSystem& fileSystem) {
+    ISO_TRY(checkOutputPath(path));
+    auto file = fileSystem.create(partialPath(path));
+    if (!file.isOk())
+        return std::move(file).error();
+    return std::unique_ptr<AtomicFile>(new AtomicFile(path, std::move(file).value(), fileSystem));
+}
+
+AtomicFile::~AtomicFile() {
+    // Removed while still locked, so that it can only be ours. Nobody is left to hear of a failure.
+    if (!isPublished_)
+        static_cast<void>(fileSystem_.removeFile(partialPath(path_)));
+}
+
+Status AtomicFile::publish() {
+    ISO_CHECK(!isPublished_);
+    ISO_TRY(file_->sync());
+    // Renamed before it is closed: the lock holds until the name is taken.
+    ISO_TRY(fileSystem_.renameDurably(partialPath(path_), path_));
+    isPublished_ = true;
+    return file_->close();
+}
+
+Status checkOutputPath(const fs::path& path) {
+    if (path.empty() || !path.has_filename())
+        return makeError(ErrorCode::InvalidArgument, "is not the name of a file to write", path);
+    const fs::path folder = folderOf(path);
+    struct stat facts {};
+    if (::stat(folder.c_str(), &facts) != 0)
+        return systemError(errno, "cannot use folder", folder);
+    if (!S_ISDIR(facts.st_mode))
+        return makeError(ErrorCode::InvalidArgument, "is not a folder", folder);
+    if (::access(folder.c_str(), W_OK | X_OK) != 0)
+        return systemError(errno, "cannot write in folder", folder);
+    if (::stat(path.c_str(), &facts) == 0 && !S_ISREG(facts.st_mode))
+        return notRegularError(facts.st_mode, path);
+    return {};
+}
+
+Result<std::vector<std::byte>> readWholeFile(const fs::path& path, std::uint64_t maxBytes,
+                                             FileSystem& fileSystem) {
+    auto file = fileSystem.openForReading(path);
+    if (!file.isOk())
+        return std::move(file).error();
+    const std::uint64_t size = file.value()->sizeBytes();
+    if (size > maxBytes)
+        return makeError(ErrorCode::InvalidArgument,
+                         "has " + std::to_string(size) + " bytes; at most " + std::to_string(maxBytes) +
+                             " are accepted here",
+                         path);
+    std::vector<std::byte> bytes(size);
+    ISO_TRY(file.value()->readExactlyAt(0, bytes));
+    return bytes;
+}
+
+Error systemError(int errorNumber, std::string_view action, const fs::path& path) {
+    ErrorCode code = ErrorCode::IoError;
+    if (errorNumber == ENOSPC || errorNumber == EDQUOT)
+        code = ErrorCode::OutOfSpace;
+    else if (errorNumber == ENOENT || errorNumber == ENOTDIR)
+        code = ErrorCode::NotFound;
+    return makeError(code, std::string(action) + ": " + std::generic_category().message(errorNumber), path);
+}
+
+} // namespace isoslider

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace isoslider {
+
+/// A regular file open for reading at any offset. Any number of threads at once.
+class RandomAccessFile {
+public:
+    virtual ~RandomAccessFile() = default;
+    virtual const std::filesystem::path& path() const = 0;
+    /// Size when the file was opened.
+    virtual std::uint64_t sizeBytes() const = 0;
+
+    /// Reads up to out.size() bytes; fewer only where the file ends. Errors: IoError.
+    virtual Result<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> out) const = 0;
+
+    /// Fills `out` entirely. Errors: Corruption when the file ends first, IoError.
+    Status readExactlyAt(std::uint64_t offset, std::span<std::byte> out) const;
+};
+
+/// A regular file open for writing, read back by opening it again. One thread at a time.
+/// Errors of every member: OutOfSpace, IoError; bytes of the failed call may be partly there.
+class WritableFile {
+public:
+    virtual ~WritableFile() = default;
+    virtual const std::filesystem::path& path() const = 0;
+    /// Number of bytes appended so far: where the next append goes.
+    virtual std::uint64_t sizeBytes() const = 0;
+
+    virtual Status writeAll(std::span<const std::byte> bytes) = 0;
+    /// Overwrites bytes that have been appended already. REQUIRES: offset + bytes.size() <= sizeBytes().
+    virtual Status writeAt(std::uint64_t offset, std::span<const std::byte> bytes) = 0;
+    /// Returns when the bytes would survive a power loss.
+    virtual Status sync() = 0;
+    /// Reports errors that only appear on closing; the destructor closes without a word.
+    virtual Status close() = 0;
+};
+
+/// The one door to the disk. Tests pass one whose nth call fails.
+class FileSystem {
+public:
+    virtual ~FileSystem() = default;
+
+    /// Refuses directories, FIFOs, sockets and devices (InvalidArgument) without blocking on them.
+    /// Errors: NotFound, InvalidArgument, IoError.
+    virtual Result<std::unique_ptr<RandomAccessFile>> openForReading(const std::filesystem::path& path) = 0;
+    /// Creates or empties a file and locks it until it is closed.
+    /// Errors: InvalidArgument when another writer holds it, OutOfSpace, IoError.
+    virtual Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) = 0;
+    /// Replaces `to` if it exists, in one step, and makes the change survive a power loss.
+    virtual Status renameDurably(const std::filesystem::path& from, const std::filesystem::path& to) = 0;
+    /// No error when there is no such file.
+    virtual Status removeFile(const std::filesystem::path& path) = 0;
+};
+
+FileSystem& defaultFileSystem();
+
+/// A file that appears under its name whole or not at all. Written as `name.partial` in the same
+/// folder; destroyed before publish() it removes the partial and leaves an earlier file untouched.
+class AtomicFile {
+public:
+    static Result<std::unique_ptr<AtomicFile>> create(const std::filesystem::path& path,
+                                                      FileSystem& fileSystem = defaultFileSystem());
+    ~AtomicFile();
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+    std::uint64_t sizeBytes() const { return file_->sizeBytes(); }
+    Status writeAll(std::span<const std::byte> bytes) { return file_->writeAll(bytes); }
+    Status writeAt(std::uint64_t offset, std::span<const std::byte> bytes) {
+        return file_->writeAt(offset, bytes);
+    }
+    Status sync() { return file_->sync(); }
+
+    /// Syncs, renames to path(), syncs the folder. Call once; nothing may be written afterwards.
+    /// On failure the partial is removed.
+    Status publish();
+
+private:
+    AtomicFile(std::filesystem::path path, std::unique_ptr<WritableFile> file, FileSystem& fileSystem);
+
+    std::filesystem::path path_;
+    std::unique_ptr<WritableFile> file_;
+    FileSystem& fileSystem_;
+    bool isPublished_ = false;
+};
+
+/// `path` with ".partial" appended: the name an AtomicFile has before it is published.
+std::filesystem::path partialPath(const std::filesystem::path& path);
+
+/// Says before any work whether a file could be written at `path`: its folder exists and is
+/// writable, and the path is free or a regular file. Errors: NotFound (no such folder),
+/// InvalidArgument, IoError (no permission).
+Status checkOutputPath(const std::filesystem::path& path);
+
+/// A whole small file. Errors: those of openForReading; InvalidArgument beyond `maxBytes`.
+Result<std::vector<std::byte>> readWholeFile(const std::filesystem::path& path, std::uint64_t maxBytes,
+                                             FileSystem& fileSystem = defaultFileSystem());
+
+/// Error for a failed system call: OutOfSpace for a full disk or quota, NotFound for a missing
+/// file, IoError otherwise, with the system's own words. `action`: "cannot read".
+Error systemError(int errorNumber, std::string_view action, const std::filesystem::path& path);
+
+} // namespace isoslider

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <utility>
+
+#include "core/base/file_system.h"
+
+namespace isoslider::test {
+
+/// The real file system, except that call number `failingCall` (from 0, counting every create,
+/// write, sync, close, rename and removal) fails with `errorNumber`. -1: none fails.
+class FaultyFileSystem final : public FileSystem {
+public:
+    explicit FaultyFileSystem(int failingCall, int errorNumber) : failingCall_(failingCall), errorNumber_(errorNumber) {}
+
+    int calls() const { return *calls_; }
+
+    Result<std::unique_ptr<RandomAccessFile>> openForReading(const std::filesystem::path& path) override {
+        return defaultFileSystem().openForReading(path);
+    }
+
+    Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) override {
+        ISO_TRY(countCall(path));
+        auto file = defaultFileSystem().create(path);
+        if (!file.isOk())
+            return std::move(file).error();
+        return std::unique_ptr<WritableFile>(std::make_unique<File>(*this, std::move(file).value()));
+    }
+
+    Status renameDurably(const std::filesystem::path& from, const std::filesystem::path& to) override {
+        ISO_TRY(countCall(to));
+        return defaultFileSystem().renameDurably(from, to);
+    }
+
+    // Never fails: a test must find what the code under test leaves behind, not what it could not remove.
+    Status removeFile(const std::filesystem::path& path) override { return defaultFileSystem().removeFile(path); }
+
+private:
+    class File final : public WritableFile {
+    public:
+        File(FaultyFileSystem& owner, std::unique_ptr<WritableFile> file) : owner_(owner), file_(std::move(file)) {}
+        const std::filesystem::path& path() const override { return file_->path(); }
+        std::uint64_t sizeBytes() const override { return file_->sizeBytes(); }
+        Status writeAll(std::span<const std::byte> bytes) override {
+            // A full disk takes part of the bytes before it says so.
+            if (auto status = owner_.countCall(path()); !status.isOk()) {
+                static_cast<void>(file_->writeAll(bytes.first(bytes.size() / 2)));
+                return status;
+            }
+            return file_->writeAll(bytes);
+        }
+        Status writeAt(std::uint64_t offset, std::span<const std::byte> bytes) override {
+            ISO_TRY(owner_.countCall(path()));
+            return file_->writeAt(offset, bytes);
+        }
+        Status sync() override {
+            ISO_TRY(owner_.countCall(path()));
+            return file_->sync();
+        }
+        Status close() override {
+            ISO_TRY(owner_.countCall(path()));
+            return file_->close();
+        }
+
+    private:
+        FaultyFileSystem& owner_;
+        std::unique_ptr<WritableFile> file_;
+    };
+
+    Status countCall(const std::filesystem::path& path) {
+        if ((*calls_)++ == failingCall_)
+            return systemError(errorNumber_, "cannot write", path);
+        return {};
+    }
+
+    int failingCall_;
+    int errorNumber_;
+    std::shared_ptr<std::atomic<int>> calls_ = std::make_shared<std::atomic<int>>(0);
+};
+
+} // namespace isoslider::test

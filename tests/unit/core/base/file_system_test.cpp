@@ -1,0 +1,139 @@
+#include "core/base/file_system.h"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/faulty_file_system.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider {
+namespace {
+
+using test::TemporaryFolder;
+
+std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+TEST(FileSystem, ReadsAtAnyOffset) {
+    const TemporaryFolder folder;
+    const auto file = defaultFileSystem().openForReading(folder.write("a", "0123456789"));
+    ASSERT_TRUE(file.isOk());
+    EXPECT_EQ(file.value()->sizeBytes(), 10u);
+    std::array<std::byte, 4> four{};
+    EXPECT_EQ(file.value()->readAt(3, four).value(), 4u);
+    EXPECT_EQ(four[0], std::byte{'3'});
+    EXPECT_EQ(file.value()->readAt(8, four).value(), 2u);
+    EXPECT_EQ(file.value()->readAt(1000, four).value(), 0u);
+    const auto tooFar = file.value()->readExactlyAt(8, four);
+    ASSERT_FALSE(tooFar.isOk());
+    EXPECT_EQ(tooFar.error().code, ErrorCode::Corruption);
+}
+
+TEST(FileSystem, RefusesWhatIsNotARegularFile) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+    const std::filesystem::path paths[] = {folder.path(), folder / "pipe", "/dev/zero"};
+    for (const auto& path : paths) {
+        const auto file = defaultFileSystem().openForReading(path);
+        ASSERT_FALSE(file.isOk()) << path;
+        EXPECT_EQ(file.error().code, ErrorCode::InvalidArgument) << file.error().line();
+    }
+    EXPECT_EQ(defaultFileSystem().openForReading(folder / "none").error().code, ErrorCode::NotFound);
+}
+
+TEST(AtomicFile, AppearsOnlyWhenPublished) {
+    const TemporaryFolder folder;
+    const auto path = folder / "out";
+    {
+        auto file = AtomicFile::create(path);
+        ASSERT_TRUE(file.isOk());
+        ASSERT_TRUE(file.value()->writeAll(bytesOf("abcdef")).isOk());
+        ASSERT_TRUE(file.value()->writeAt(1, bytesOf("XY")).isOk());
+        EXPECT_EQ(file.value()->sizeBytes(), 6u);
+        EXPECT_FALSE(std::filesystem::exists(path));
+        ASSERT_TRUE(file.value()->publish().isOk());
+    }
+    EXPECT_EQ(test::readText(path), "aXYdef");
+    EXPECT_FALSE(std::filesystem::exists(partialPath(path)));
+}
+
+TEST(AtomicFile, LeavesTheEarlierFileWhenAbandoned) {
+    const TemporaryFolder folder;
+    const auto path = folder.write("out", "old");
+    {
+        auto file = AtomicFile::create(path);
+        ASSERT_TRUE(file.isOk());
+        ASSERT_TRUE(file.value()->writeAll(bytesOf("new")).isOk());
+    }
+    EXPECT_EQ(test::readText(path), "old");
+    EXPECT_FALSE(std::filesystem::exists(partialPath(path)));
+}
+
+TEST(AtomicFile, RefusesASecondWriter) {
+    const TemporaryFolder folder;
+    auto first = AtomicFile::create(folder / "out");
+    ASSERT_TRUE(first.isOk());
+    ASSERT_TRUE(first.value()->writeAll(bytesOf("first")).isOk());
+    const auto second = AtomicFile::create(folder / "out");
+    ASSERT_FALSE(second.isOk());
+    EXPECT_EQ(second.error().code, ErrorCode::InvalidArgument);
+    ASSERT_TRUE(first.value()->publish().isOk());
+    EXPECT_EQ(test::readText(folder / "out"), "first");
+}
+
+TEST(AtomicFile, TakesOverAPartialLeftByACrash) {
+    const TemporaryFolder folder;
+    folder.write("out.partial", "a longer text of a program that died");
+    auto file = AtomicFile::create(folder / "out");
+    ASSERT_TRUE(file.isOk());
+    ASSERT_TRUE(file.value()->writeAll(bytesOf("new")).isOk());
+    ASSERT_TRUE(file.value()->publish().isOk());
+    EXPECT_EQ(test::readText(folder / "out"), "new");
+}
+
+TEST(AtomicFile, IsOldOrNewWhicheverCallFails) {
+    bool everSucceeded = false;
+    for (int failing = 0; !everSucceeded; ++failing) {
+        const TemporaryFolder folder;
+        const auto path = folder.write("out", "old");
+        test::FaultyFileSystem faulty(failing, ENOSPC);
+        const Status status = [&]() -> Status {
+            auto file = AtomicFile::create(path, faulty);
+            if (!file.isOk())
+                return std::move(file).error();
+            ISO_TRY(file.value()->writeAll(bytesOf("new ")));
+            ISO_TRY(file.value()->writeAll(bytesOf("text")));
+            return file.value()->publish();
+        }();
+        everSucceeded = status.isOk();
+        if (!status.isOk()) {
+            EXPECT_EQ(status.error().code, ErrorCode::OutOfSpace);
+        }
+        const std::string text = test::readText(path);
+        EXPECT_TRUE(text == "old" || text == "new text") << text;
+        EXPECT_FALSE(std::filesystem::exists(partialPath(path)));
+        ASSERT_LT(failing, 20);
+    }
+}
+
+TEST(CheckOutputPath, NamesWhatStandsInTheWay) {
+    const TemporaryFolder folder;
+    EXPECT_TRUE(checkOutputPath(folder / "new.ply").isOk());
+    EXPECT_EQ(checkOutputPath(folder.path()).error().code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(checkOutputPath(folder / "none/new.ply").error().code, ErrorCode::NotFound);
+    EXPECT_EQ(checkOutputPath("/dev/null").error().code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(checkOutputPath("").error().code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(checkOutputPath(folder.write("file", "") / "x").error().code, ErrorCode::InvalidArgument);
+}
+
+TEST(ReadWholeFile, IsBounded) {
+    const TemporaryFolder folder;
+    const auto path = folder.write("a", "12345");
+    EXPECT_EQ(readWholeFile(path, 5).value().size(), 5u);
+    EXPECT_EQ(readWholeFile(path, 4).error().code, ErrorCode::InvalidArgument);
+}
+
+} // namespace
+} // namespace isoslider
