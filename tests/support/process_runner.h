@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace isoslider::test {
+
+/// How a program ended and what it said.
+struct ProcessResult {
+    int exitCode = -1; ///< -1 when a signal ended it
+    int signal = 0; ///< the signal that ended it, or 0
+    bool hasTimedOut = false; ///< it was killed when its time was up
+    std::string standardOutput;
+    std::string standardError;
+    std::chrono::milliseconds elapsed{0};
+};
+
+struct ProcessOptions {
+    std::vector<std::pair<std::string, std::string>> environment; ///< added to the test's own
+    std::filesystem::path workingFolder; ///< empty: the test's own
+    std::chrono::milliseconds timeout{20000};
+    bool closesStandardOutput = false; ///< close the reading end before the program writes (EPIPE)
+    std::filesystem::path standardOutputFile; ///< write there instead of capturing, e.g. /dev/full
+    int signalToSend = 0; ///< sent once, after `signalWhen` has become true
+    std::function<bool()> signalWhen; ///< polled each millisecond; empty: at once
+    std::uint64_t addressSpaceBytes = 0; ///< RLIMIT_AS, 0 for none
+};
+
+/// Runs `program` with `arguments`, no shell between, standard input empty, and waits for its end.
+ProcessResult runProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                         const ProcessOptions& options = {});
+
+} // namespace isoslider::test
