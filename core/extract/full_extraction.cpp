@@ -1,0 +1,307 @@
+#include "core/extract/full_extraction.h"
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+
+#include <tbb/parallel_for.h>
+
+#include "core/extract/case_table.h"
+#include "core/extract/edge_interpolation.h"
+#include "core/grid/classification.h"
+#include "core/grid/gradient.h"
+
+namespace isoslider::extract {
+namespace {
+
+// Two passes over z planes. The first counts each plane's vertices and triangles; prefix sums give
+// every plane its place in the output. The second fills it. Each task takes a run of planes and
+// carries the previous plane's signs and vertex numbers along, so a sample is read about twice.
+
+constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
+
+enum PointFlag : std::uint8_t { kAbove = 1, kMissing = 2 };
+
+template <class Sample>
+class Extractor {
+    using Live = std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>,
+                                    double, float>;
+
+public:
+    Extractor(const ScalarGrid& grid, double isovalue, const JobControl& job)
+        : view_{grid.values<Sample>().data(), grid.dims()}, isovalue_(isovalue), job_(job) {
+        nx_ = view_.dims[0];
+        ny_ = view_.dims[1];
+        nz_ = view_.dims[2];
+        for (int axis = 0; axis < 3; ++axis)
+            inverseSpacing_[axis] = static_cast<float>(1.0 / std::abs(grid.geometry().spacing[axis]));
+    }
+
+    Status run(SurfaceMesh& mesh) {
+        if (nx_ < 2 || ny_ < 2 || nz_ < 2)
+            return {};
+        findMissingPlanes();
+        vertexBegin_.assign(static_cast<std::size_t>(nz_) + 1, 0);
+        triangleBegin_.assign(static_cast<std::size_t>(nz_) + 1, 0);
+        forPlanes([this](std::int64_t z0, std::int64_t z1) { countPlanes(z0, z1); });
+        if (job_.isStopRequested())
+            return cancelledError();
+        const std::uint64_t vertices = prefixSum(vertexBegin_);
+        const std::uint64_t triangles = prefixSum(triangleBegin_);
+        if (vertices >= kNoVertex)
+            return makeError(ErrorCode::OutOfSpace, "the surface has more than 2^32 vertices");
+        mesh.positions.resize(vertices);
+        mesh.normals.resize(vertices);
+        mesh.edgeIds.resize(vertices);
+        mesh.triangles.resize(3 * triangles);
+        forPlanes([this, &mesh](std::int64_t z0, std::int64_t z1) { fillPlanes(z0, z1, mesh); });
+        if (job_.isStopRequested())
+            return cancelledError();
+        return {};
+    }
+
+private:
+    // One z plane: flags per point, and the vertex numbers of the x, y and z edges that start there.
+    struct Plane {
+        std::vector<std::uint8_t> flags;
+        std::vector<std::uint32_t> edgeVertex[3];
+    };
+
+    template <class Function>
+    void forPlanes(const Function& function) {
+        constexpr std::int64_t kPlanesPerTask = 8;
+        const std::int64_t tasks = (nz_ + kPlanesPerTask - 1) / kPlanesPerTask;
+        tbb::parallel_for(std::int64_t{0}, tasks, [&](std::int64_t task) {
+            if (!job_.isStopRequested())
+                function(task * kPlanesPerTask, std::min(nz_, (task + 1) * kPlanesPerTask));
+        });
+    }
+
+    static std::uint64_t prefixSum(std::vector<std::uint64_t>& counts) {
+        std::uint64_t sum = 0;
+        for (std::uint64_t& count : counts)
+            sum += std::exchange(count, sum);
+        return sum;
+    }
+
+    void classify(std::int64_t z, Plane& plane) const {
+        const Sample* samples = view_.samples + view_.offset(0, 0, z);
+        plane.flags.resize(static_cast<std::size_t>(nx_ * ny_));
+        for (std::size_t i = 0; i < plane.flags.size(); ++i)
+            plane.flags[i] = static_cast<std::uint8_t>((isAbove(samples[i], isovalue_) ? kAbove : 0) |
+                                                       (isMissing(samples[i]) ? kMissing : 0));
+    }
+
+    // Flags of the eight corners of cell (x, y, z): low byte signs, high byte missing.
+    int cornerFlags(const Plane& lower, const Plane& upper, std::size_t i) const {
+        const std::size_t row = static_cast<std::size_t>(nx_);
+        const std::uint8_t f[8] = {lower.flags[i],       lower.flags[i + 1],       lower.flags[i + row],
+                                   lower.flags[i + row + 1], upper.flags[i],       upper.flags[i + 1],
+                                   upper.flags[i + row], upper.flags[i + row + 1]};
+        int signs = 0;
+        int missing = 0;
+        for (int c = 0; c < 8; ++c) {
+            signs |= (f[c] & kAbove) << c;
+            missing |= (f[c] & kMissing) << c;
+        }
+        return missing ? -1 : signs;
+    }
+
+    bool isCellUsable(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        if (x < 0 || y < 0 || z < 0 || x + 1 >= nx_ || y + 1 >= ny_ || z + 1 >= nz_)
+            return false;
+        for (int c = 0; c < 8; ++c)
+            if (isMissing(view_.samples[view_.offset(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))]))
+                return false;
+        return true;
+    }
+
+    // Beside missing values an edge counts only if one of its four cells is whole: vertices that no
+    // triangle could use do not exist.
+    bool hasUsableCell(std::int64_t x, std::int64_t y, std::int64_t z, int axis) const {
+        const int u = (axis + 1) % 3;
+        const int v = (axis + 2) % 3;
+        for (int k = 0; k < 4; ++k) {
+            std::int64_t cell[3] = {x, y, z};
+            cell[u] -= k & 1;
+            cell[v] -= k >> 1;
+            if (isCellUsable(cell[0], cell[1], cell[2]))
+                return true;
+        }
+        return false;
+    }
+
+    bool isActive(std::uint8_t a, std::uint8_t b, bool checksMissing, std::int64_t x, std::int64_t y,
+                  std::int64_t z, int axis) const {
+        if (!((a ^ b) & kAbove))
+            return false;
+        return !checksMissing || (!((a | b) & kMissing) && hasUsableCell(x, y, z, axis));
+    }
+
+    // Calls visit(x, y, axis) for each active edge that starts in plane z, in (y, x, axis) order.
+    template <class Visit>
+    void forActiveEdges(std::int64_t z, const Plane& plane, const Plane* upper, const Visit& visit) const {
+        // A missing sample in a neighbouring plane matters too, two planes away at most.
+        const bool checksMissing = std::is_floating_point_v<Sample> && hasMissingNear(z);
+        const std::size_t row = static_cast<std::size_t>(nx_);
+        for (std::int64_t y = 0; y < ny_; ++y)
+            for (std::int64_t x = 0; x < nx_; ++x) {
+                const std::size_t i = static_cast<std::size_t>(x) + row * static_cast<std::size_t>(y);
+                const std::uint8_t here = plane.flags[i];
+                if (x + 1 < nx_ && isActive(here, plane.flags[i + 1], checksMissing, x, y, z, 0))
+                    visit(x, y, 0);
+                if (y + 1 < ny_ && isActive(here, plane.flags[i + row], checksMissing, x, y, z, 1))
+                    visit(x, y, 1);
+                if (upper && isActive(here, upper->flags[i], checksMissing, x, y, z, 2))
+                    visit(x, y, 2);
+            }
+    }
+
+    bool hasMissingNear(std::int64_t z) const {
+        for (std::int64_t k = std::max<std::int64_t>(0, z - 1); k <= std::min(nz_ - 1, z + 1); ++k)
+            if (planeHasMissing_[static_cast<std::size_t>(k)])
+                return true;
+        return false;
+    }
+
+    void countPlanes(std::int64_t z0, std::int64_t z1) {
+        Plane planes[2];
+        classify(z0, planes[z0 & 1]);
+        for (std::int64_t z = z0; z < z1; ++z) {
+            const Plane& lower = planes[z & 1];
+            Plane* upper = nullptr;
+            if (z + 1 < nz_) {
+                upper = &planes[(z + 1) & 1];
+                classify(z + 1, *upper);
+            }
+            std::uint64_t vertices = 0;
+            forActiveEdges(z, lower, upper, [&](std::int64_t, std::int64_t, int) { ++vertices; });
+            vertexBegin_[static_cast<std::size_t>(z)] = vertices;
+            if (upper)
+                triangleBegin_[static_cast<std::size_t>(z)] = countTriangles(lower, *upper);
+        }
+    }
+
+    std::uint64_t countTriangles(const Plane& lower, const Plane& upper) const {
+        std::uint64_t triangles = 0;
+        forActiveCells(lower, upper, [&](std::size_t, const CellCase& cell) { triangles += cell.triangleCount; });
+        return triangles;
+    }
+
+    template <class Visit>
+    void forActiveCells(const Plane& lower, const Plane& upper, const Visit& visit) const {
+        const auto& table = caseTable();
+        for (std::int64_t y = 0; y + 1 < ny_; ++y)
+            for (std::int64_t x = 0; x + 1 < nx_; ++x) {
+                const std::size_t i = static_cast<std::size_t>(x + nx_ * y);
+                const int signs = cornerFlags(lower, upper, i);
+                if (signs > 0 && signs < 255)
+                    visit(i, table[static_cast<std::size_t>(signs)]);
+            }
+    }
+
+    void fillPlanes(std::int64_t z0, std::int64_t z1, SurfaceMesh& mesh) const {
+        Plane planes[3];
+        const auto prepare = [&](std::int64_t z) {
+            Plane& plane = planes[z % 3];
+            for (auto& numbers : plane.edgeVertex)
+                numbers.assign(static_cast<std::size_t>(nx_ * ny_), kNoVertex);
+        };
+        const auto number = [&](std::int64_t z, bool writes) {
+            Plane& plane = planes[z % 3];
+            const Plane* upper = z + 1 < nz_ ? &planes[(z + 1) % 3] : nullptr;
+            std::uint64_t next = vertexBegin_[static_cast<std::size_t>(z)];
+            forActiveEdges(z, plane, upper, [&](std::int64_t x, std::int64_t y, int axis) {
+                plane.edgeVertex[axis][static_cast<std::size_t>(x + nx_ * y)] = static_cast<std::uint32_t>(next);
+                if (writes)
+                    writeVertex(x, y, z, axis, next, mesh);
+                ++next;
+            });
+        };
+        classify(z0, planes[z0 % 3]);
+        if (z0 + 1 < nz_)
+            classify(z0 + 1, planes[(z0 + 1) % 3]);
+        prepare(z0);
+        number(z0, true);
+        for (std::int64_t z = z0; z < z1 && z + 1 < nz_; ++z) {
+            if (z + 2 < nz_)
+                classify(z + 2, planes[(z + 2) % 3]);
+            prepare(z + 1);
+            number(z + 1, z + 1 < z1);
+            std::uint32_t* out = mesh.triangles.data() + 3 * triangleBegin_[static_cast<std::size_t>(z)];
+            writeTriangles(planes[z % 3], planes[(z + 1) % 3], out);
+        }
+    }
+
+    void writeTriangles(const Plane& lower, const Plane& upper, std::uint32_t* out) const {
+        const std::size_t row = static_cast<std::size_t>(nx_);
+        forActiveCells(lower, upper, [&](std::size_t i, const CellCase& cell) {
+            const std::uint32_t vertices[12] = {
+                lower.edgeVertex[0][i], lower.edgeVertex[0][i + row], upper.edgeVertex[0][i],
+                upper.edgeVertex[0][i + row], lower.edgeVertex[1][i], lower.edgeVertex[1][i + 1],
+                upper.edgeVertex[1][i], upper.edgeVertex[1][i + 1], lower.edgeVertex[2][i],
+                lower.edgeVertex[2][i + 1], lower.edgeVertex[2][i + row], lower.edgeVertex[2][i + row + 1]};
+            for (int k = 0; k < 3 * cell.triangleCount; ++k)
+                *out++ = vertices[cell.edges[static_cast<std::size_t>(k)]];
+        });
+    }
+
+    void writeVertex(std::int64_t x, std::int64_t y, std::int64_t z, int axis, std::uint64_t index,
+                     SurfaceMesh& mesh) const {
+        const std::ptrdiff_t here = view_.offset(x, y, z);
+        const Live s1 = static_cast<Live>(view_.samples[here]);
+        const Live s2 = static_cast<Live>(view_.samples[here + view_.stride(axis)]);
+        const float t = static_cast<float>(edgeFraction<Live>(s1, s2, static_cast<Live>(isovalue_)));
+        glm::vec3 position(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+        position[axis] += t;
+        std::int64_t far[3] = {x, y, z};
+        ++far[axis];
+        const glm::vec3 n1 = normalizedOrZero(-gradientAt(view_, x, y, z, inverseSpacing_));
+        const glm::vec3 n2 = normalizedOrZero(-gradientAt(view_, far[0], far[1], far[2], inverseSpacing_));
+        glm::vec3 normal = normalizedOrZero(n1 + t * (n2 - n1));
+        if (normal == glm::vec3(0.0f))
+            normal[axis] = s1 < s2 ? -1.0f : 1.0f; // flat at both ends: along the edge, towards below
+        mesh.positions[index] = position;
+        mesh.normals[index] = normal;
+        mesh.edgeIds[index] = 4 * static_cast<EdgeId>(here) + static_cast<EdgeId>(axis);
+    }
+
+    void findMissingPlanes() {
+        planeHasMissing_.assign(static_cast<std::size_t>(nz_), 0);
+        if constexpr (std::is_floating_point_v<Sample>) {
+            tbb::parallel_for(std::int64_t{0}, nz_, [this](std::int64_t z) {
+                const Sample* samples = view_.samples + view_.offset(0, 0, z);
+                const std::int64_t count = nx_ * ny_;
+                bool missing = false;
+                for (std::int64_t i = 0; i < count; ++i)
+                    missing |= isMissing(samples[i]);
+                planeHasMissing_[static_cast<std::size_t>(z)] = missing;
+            });
+        }
+    }
+
+    SampleView<Sample> view_;
+    std::int64_t nx_ = 0, ny_ = 0, nz_ = 0;
+    double isovalue_;
+    const JobControl& job_;
+    glm::vec3 inverseSpacing_{1.0f};
+    std::vector<std::uint8_t> planeHasMissing_;
+    std::vector<std::uint64_t> vertexBegin_;
+    std::vector<std::uint64_t> triangleBegin_;
+};
+
+} // namespace
+
+Result<SurfaceMesh> extractFull(const ScalarGrid& grid, double isovalue, const JobControl& job) {
+    SurfaceMesh mesh;
+    mesh.geometry = grid.geometry();
+    mesh.isovalue = isovalue;
+    const Status status = visitScalarType(grid.type(), [&](auto sample) {
+        Extractor<decltype(sample)> extractor(grid, isovalue, job);
+        return extractor.run(mesh);
+    });
+    ISO_TRY(status);
+    return mesh;
+}
+
+} // namespace isoslider::extract
