@@ -1,0 +1,154 @@
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/command.h"
+#include "app/cli/input_kind.h"
+#include "app/cli/level_json.h"
+#include "app/cli/number_parsing.h"
+#include "app/cli/options.h"
+#include "app/cli/output_check.h"
+#include "app/cli/progress_bar.h"
+#include "preprocess/build_index.h"
+
+namespace isoslider::cli {
+namespace {
+
+constexpr std::int64_t kMaxSkipLevels = 8;
+constexpr std::int64_t kMaxThreads = 1024;
+
+std::uint64_t memoryOrThrow(const std::string& text) {
+    const auto bytes = parseSizeBytes(text);
+    const std::string least = "at least " + sizeText(preprocess::kMinBuildMemoryBytes);
+    if (!bytes)
+        throw CLI::ValidationError(
+            "--memory", fmt::format("'{}' is not a size; give one as 512M or 2G, {}", text, least));
+    if (*bytes < preprocess::kMinBuildMemoryBytes)
+        throw CLI::ValidationError("--memory", fmt::format("'{}' is too little; give {}", text, least));
+    return *bytes;
+}
+
+void checkIndexKind(const std::string& text) {
+    if (text == "metacells")
+        throw CLI::ValidationError("--index", "metacells is not available in this version");
+    if (text != "edges" && text != "auto")
+        throw CLI::ValidationError("--index",
+                                   fmt::format("'{}' is not a kind of index; known: edges, auto", text));
+}
+
+Json jsonOf(const preprocess::BuildReport& report) {
+    Json json;
+    json["seconds"] = report.seconds;
+    json["peak_rss_bytes"] = report.peakRssBytes;
+    json["index_bytes"] = report.info.indexBytes;
+    json["distinct_values"] = report.info.distinctValues;
+    json["levels"] = levelsJson(report.info);
+    return json;
+}
+
+class BuildCommand final : public Command {
+public:
+    CLI::App* declare(CLI::App& program) override {
+        auto* command = program.add_subcommand("build", "Build the index of a volume, for sliding");
+        command->add_option("VOLUME", volumePath_, "volume to index")->required();
+        command->add_option("-o,--output", indexPath_, "index to write, INDEX.isx")->required();
+        addIndexOptions(*command);
+        addMachineOptions(*command);
+        addVolumeOptions(*command, volume_);
+        return command;
+    }
+
+    Outcome run(Session& session) override {
+        const auto kind = sniffInput(volumePath_, volume_.readOptions());
+        if (!kind.isOk())
+            return kind.error();
+        if (kind.value() == InputKind::Index)
+            return makeError(ErrorCode::InvalidArgument, "is an index; build needs a volume", volumePath_);
+        ISO_CLI_TRY(checkOutput(indexPath_, volumePath_));
+        ProgressBar bar(session.showsProgress, session.stop);
+        const auto report = build(bar.job());
+        bar.wipe();
+        if (!report.isOk())
+            return report.error();
+        if (session.isJson)
+            session.output.writeJson(jsonOf(report.value()));
+        else
+            session.output.write(textOf(report.value()));
+        return {};
+    }
+
+private:
+    void addIndexOptions(CLI::App& command) {
+        addInteger(command, "--skip-levels", skipLevels_, 1, kMaxSkipLevels,
+                   fmt::format("levels written, 1 to {} ({})", kMaxSkipLevels, skipLevels_));
+        addNumber(command, "--redundancy", redundancy_,
+                  "a block ends when its redundant edges exceed this many times its active ones (1)")
+            ->check(CLI::Validator(
+                [](const std::string& text) {
+                    const auto value = parseFinite(text);
+                    return value && *value < 0.0 ? std::string("is below zero") : std::string();
+                },
+                ""));
+        command
+            .add_option_function<std::string>(
+                "--index", [](const std::string& text) { checkIndexKind(text); },
+                "kind of index: edges or auto (auto)")
+            ->type_name("KIND");
+        addLodError(command);
+    }
+
+    void addMachineOptions(CLI::App& command) {
+        command
+            .add_option_function<std::string>(
+                "--memory", [this](const std::string& text) { memoryBytes_ = memoryOrThrow(text); },
+                fmt::format("memory to keep within, as 512M or 2G ({})", sizeText(memoryBytes_)))
+            ->type_name("SIZE");
+        addInteger(command, "--threads", threads_, 1, kMaxThreads, "threads to use (all cores)");
+        command
+            .add_flag_callback(
+                "--resume",
+                [] { throw CLI::ValidationError("--resume", "is not available in this version"); })
+            ->group("");
+    }
+
+    Result<preprocess::BuildReport> build(const JobControl& job) {
+        auto source = io::openVolume(volumePath_, volume_.readOptions());
+        if (!source.isOk())
+            return std::move(source).error();
+        preprocess::BuildOptions options;
+        options.skipLevels = static_cast<int>(skipLevels_);
+        options.redundancyThreshold = redundancy_.value_or(options.redundancyThreshold);
+        options.memoryBytes = memoryBytes_;
+        options.threads = static_cast<int>(threads_);
+        options.sourceName = std::filesystem::path(volumePath_).filename().string();
+        return preprocess::buildIndex(*source.value(), indexPath_, options, job);
+    }
+
+    std::string textOf(const preprocess::BuildReport& report) const {
+        std::string text =
+            fmt::format("{}: {} in {:.2f} s, peak memory {}\n", indexPath_, sizeText(report.info.indexBytes),
+                        report.seconds, sizeText(report.peakRssBytes));
+        text += fmt::format("{} distinct values, {} skip levels\n", report.info.distinctValues,
+                            report.info.levels.size());
+        return text;
+    }
+
+    std::string volumePath_;
+    std::string indexPath_;
+    VolumeOptions volume_;
+    std::int64_t skipLevels_ = preprocess::BuildOptions{}.skipLevels;
+    std::optional<double> redundancy_;
+    std::uint64_t memoryBytes_ = preprocess::BuildOptions{}.memoryBytes;
+    std::int64_t threads_ = 0;
+};
+
+} // namespace
+
+std::unique_ptr<Command> makeBuildCommand() { return std::make_unique<BuildCommand>(); }
+
+} // namespace isoslider::cli

@@ -1,0 +1,43 @@
+#include "app/cli/input_kind.h"
+
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <string_view>
+#include <system_error>
+
+#include "core/base/file_system.h"
+
+namespace isoslider::cli {
+namespace {
+
+constexpr std::string_view kIndexMagic = "ISOSLIDE";
+
+Result<bool> hasIndexMagic(const std::filesystem::path& path) {
+    auto file = defaultFileSystem().openForReading(path);
+    if (!file.isOk())
+        return std::move(file).error();
+    std::array<std::byte, kIndexMagic.size()> head{};
+    const auto count = file.value()->readAt(0, head);
+    if (!count.isOk())
+        return count.error();
+    return std::memcmp(head.data(), kIndexMagic.data(), head.size()) == 0;
+}
+
+} // namespace
+
+Result<InputKind> sniffInput(const std::filesystem::path& path, const io::ReadOptions& options) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored))
+        return InputKind::Volume;
+    const auto isIndex = hasIndexMagic(path);
+    if (!isIndex.isOk())
+        return isIndex.error();
+    if (isIndex.value())
+        return InputKind::Index;
+    if (path.extension() != ".isx" || io::openVolume(path, options).isOk())
+        return InputKind::Volume;
+    return InputKind::Index;
+}
+
+} // namespace isoslider::cli

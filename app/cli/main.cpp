@@ -1,0 +1,108 @@
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "app/cli/command.h"
+#include "app/cli/interrupt_watch.h"
+
+namespace isoslider::cli {
+namespace {
+
+/// A message of several lines, from a library, becomes one.
+void printFailure(std::string line) {
+    for (char& c : line)
+        c = c == '\n' || c == '\r' ? ' ' : c;
+    fmt::print(stderr, "isoslider-cli: {}\n", line);
+}
+
+struct Entry {
+    std::unique_ptr<Command> command;
+    CLI::App* parser = nullptr;
+};
+
+/// Words that the documentation reserves; refused by name instead of as unknown.
+void addLaterCommands(CLI::App& program) {
+    for (const char* name : {"topology", "validate", "resample", "report"}) {
+        auto* command = program.add_subcommand(name, "")->group("")->allow_extras();
+        command->set_help_flag();
+        command->parse_complete_callback(
+            [name] { throw CLI::ValidationError(name, "is not available in this version"); });
+    }
+}
+
+class Program {
+public:
+    Program() : parser_("Slides isosurfaces through large volumes.", "isoslider-cli") {
+        parser_.require_subcommand(1);
+        parser_.set_version_flag("--version", std::string("isoslider-cli ") + ISOSLIDER_VERSION);
+        parser_.option_defaults()->always_capture_default(false);
+        for (const auto make : {makeInfoCommand, makeBuildCommand, makeStatsCommand, makeExtractCommand,
+                                makeSlideCommand, makeCheckCommand})
+            add(make());
+        addLaterCommands(parser_);
+    }
+
+    Outcome run(int argc, char** argv) {
+        try {
+            parser_.parse(argc, argv);
+        } catch (const CLI::Success& request) {
+            parser_.exit(request); // --help or --version, to standard output
+            return {};
+        } catch (const CLI::ParseError& error) {
+            return Outcome::wrongUsage(error.what());
+        }
+        const InterruptWatch interrupts;
+        session_.stop = interrupts.stop();
+        session_.showsProgress = !session_.isJson && ::isatty(STDERR_FILENO) == 1;
+        for (const auto& entry : entries_) {
+            if (entry.parser->parsed())
+                return finish(entry.command->run(session_));
+        }
+        return Outcome::wrongUsage("a command is required; see --help");
+    }
+
+private:
+    void add(std::unique_ptr<Command> command) {
+        auto* parser = command->declare(parser_);
+        parser->add_flag("--json", session_.isJson, "one JSON object on standard output and nothing else");
+        entries_.push_back({std::move(command), parser});
+    }
+
+    Outcome finish(Outcome outcome) {
+        const auto written = session_.output.flush();
+        return outcome.isSuccess() && !written.isOk() ? Outcome(written.error()) : outcome;
+    }
+
+    CLI::App parser_;
+    Session session_;
+    std::vector<Entry> entries_;
+};
+
+int runProgram(int argc, char** argv) {
+    std::signal(SIGPIPE, SIG_IGN);
+    try {
+        const Outcome outcome = Program().run(argc, argv);
+        if (!outcome.isSuccess())
+            printFailure(outcome.line());
+        return static_cast<int>(outcome.code());
+    } catch (const std::bad_alloc&) {
+        printFailure("out of memory");
+    } catch (const std::exception& error) {
+        printFailure(error.what());
+    }
+    return static_cast<int>(ExitCode::IoFailure);
+}
+
+} // namespace
+} // namespace isoslider::cli
+
+int main(int argc, char** argv) { return isoslider::cli::runProgram(argc, argv); }

@@ -1,0 +1,161 @@
+#include "app/cli/options.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "app/cli/number_parsing.h"
+
+namespace isoslider::cli {
+namespace {
+
+/// An option that hands its text to `parse`, which throws when it will not do.
+template <class Parse>
+CLI::Option* addText(CLI::App& command, const std::string& name, Parse parse, const std::string& help) {
+    return command.add_option_function<std::string>(
+        name, [name, parse](const std::string& text) { parse(name, text); }, help);
+}
+
+[[noreturn]] void refuse(const std::string& name, const std::string& text, const std::string& expected) {
+    throw CLI::ValidationError(name, fmt::format("'{}' is not {}", text, expected));
+}
+
+double finiteOrThrow(const std::string& name, std::string_view text) {
+    const auto value = parseFinite(text);
+    if (!value)
+        refuse(name, std::string(text), "a finite number (a point marks decimals, as in 1.5)");
+    return *value;
+}
+
+std::array<std::string_view, 3> threePartsOrThrow(const std::string& name, const std::string& text) {
+    const auto parts = splitAt(text, ',');
+    if (parts.size() != 3)
+        refuse(name, text, "three numbers with commas between");
+    return {parts[0], parts[1], parts[2]};
+}
+
+GridDims dimsOrThrow(const std::string& name, const std::string& text) {
+    const auto parts = threePartsOrThrow(name, text);
+    GridDims dims{};
+    std::int64_t points = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto size = parseInteger(parts[axis]);
+        if (!size || *size < 1 || *size > kMaxDim)
+            refuse(name, text, fmt::format("three sizes from 1 to {}", kMaxDim));
+        dims[axis] = *size;
+        if (points > kMaxPoints / *size)
+            refuse(name, text, fmt::format("a grid of at most {} points", kMaxPoints));
+        points *= *size;
+    }
+    return dims;
+}
+
+glm::dvec3 spacingOrThrow(const std::string& name, const std::string& text) {
+    const auto parts = threePartsOrThrow(name, text);
+    glm::dvec3 spacing{};
+    for (int axis = 0; axis < 3; ++axis) {
+        spacing[axis] = finiteOrThrow(name, parts[static_cast<std::size_t>(axis)]);
+        if (spacing[axis] <= 0.0)
+            refuse(name, text, "three distances above zero");
+    }
+    return spacing;
+}
+
+std::string knownScalarTypes() {
+    std::string names;
+    for (const auto type : kAllScalarTypes)
+        names += (names.empty() ? "" : ", ") + std::string(scalarTypeName(type));
+    return names;
+}
+
+ScalarType typeOrThrow(const std::string& name, const std::string& text) {
+    const auto type = scalarTypeFromName(text);
+    if (!type)
+        refuse(name, text, "a sample type; known: " + knownScalarTypes());
+    return *type;
+}
+
+} // namespace
+
+CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional<double>& target,
+                       const std::string& help) {
+    return addText(
+        command, name,
+        [&target](const std::string& option, const std::string& text) {
+            target = finiteOrThrow(option, text);
+        },
+        help);
+}
+
+CLI::Option* addInteger(CLI::App& command, const std::string& name, std::int64_t& target, std::int64_t least,
+                        std::int64_t most, const std::string& help) {
+    return addText(
+        command, name,
+        [&target, least, most](const std::string& option, const std::string& text) {
+            const auto value = parseInteger(text);
+            if (!value || *value < least || *value > most)
+                refuse(option, text, fmt::format("a whole number from {} to {}", least, most));
+            target = *value;
+        },
+        help);
+}
+
+CLI::Option* addLodError(CLI::App& command) {
+    const auto parse = [](const std::string& name, const std::string& text) {
+        const bool hasUnit = text.ends_with('%') || text.ends_with('c');
+        const auto bound = parseFinite(std::string_view(text).substr(0, text.size() - (hasUnit ? 1 : 0)));
+        if (!bound || *bound < 0.0)
+            refuse(name, text, "an error bound, as 0.5% of the value range or 0.25c cells");
+        if (*bound != 0.0)
+            throw CLI::ValidationError(name, "merging of cells is not available in this version");
+    };
+    return addText(command, "--lod-error", parse, "")->group("");
+}
+
+io::ReadOptions VolumeOptions::readOptions() const {
+    io::ReadOptions options;
+    options.field = field;
+    if (type) {
+        options.raw = io::RawLayout{
+            dims, *type, spacing, static_cast<std::uint64_t>(skipBytes), isBigEndian, allowsTrailing};
+    }
+    return options;
+}
+
+void addVolumeOptions(CLI::App& command, VolumeOptions& target) {
+    auto* dims = addText(
+        command, "--raw-dims",
+        [&target](const std::string& name, const std::string& text) {
+            target.dims = dimsOrThrow(name, text);
+        },
+        "read a headerless file of NX,NY,NZ samples, x fastest");
+    auto* type = addText(
+        command, "--raw-type",
+        [&target](const std::string& name, const std::string& text) {
+            target.type = typeOrThrow(name, text);
+        },
+        "its sample type: " + knownScalarTypes());
+    auto* spacing = addText(
+        command, "--raw-spacing",
+        [&target](const std::string& name, const std::string& text) {
+            target.spacing = spacingOrThrow(name, text);
+        },
+        "its distances between samples, A,B,C (1,1,1)");
+    auto* skip = addInteger(command, "--raw-skip", target.skipBytes, 0,
+                            std::numeric_limits<std::int64_t>::max(), "bytes before its first sample (0)");
+    auto* bigEndian = command.add_flag("--big-endian", target.isBigEndian, "its bytes are big-endian");
+    auto* trailing =
+        command.add_flag("--allow-trailing", target.allowsTrailing, "accept bytes behind its last sample");
+    auto* field =
+        command.add_option("--field", target.field, "scalar field to take where a file has several");
+    dims->needs(type)->type_name("NX,NY,NZ");
+    type->needs(dims)->type_name("TYPE");
+    spacing->type_name("A,B,C");
+    field->type_name("NAME");
+    for (auto* option : {spacing, skip, bigEndian, trailing})
+        option->needs(dims);
+    for (auto* option : {dims, type, spacing, skip, bigEndian, trailing, field})
+        option->group("Volumes");
+}
+
+} // namespace isoslider::cli

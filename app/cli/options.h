@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "core/volume_io/volume_reader.h"
+
+namespace isoslider::cli {
+
+/// Options that several commands share. All throw CLI::ValidationError on a text that will not do.
+
+/// A finite number: "nan", "inf", "1e999", "1,5" and an empty text are refused.
+CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional<double>& target,
+                       const std::string& help);
+CLI::Option* addInteger(CLI::App& command, const std::string& name, std::int64_t& target, std::int64_t least,
+                        std::int64_t most, const std::string& help);
+/// --lod-error: only zero is known in this version.
+CLI::Option* addLodError(CLI::App& command);
+
+/// How to read a headerless volume, as given on the command line.
+struct VolumeOptions {
+    GridDims dims{0, 0, 0};
+    std::optional<ScalarType> type;
+    glm::dvec3 spacing{1.0};
+    std::int64_t skipBytes = 0;
+    bool isBigEndian = false;
+    bool allowsTrailing = false;
+    std::string field;
+
+    bool hasRawLayout() const { return type.has_value(); }
+    io::ReadOptions readOptions() const;
+};
+
+/// Adds --raw-dims, --raw-type and their companions, and --field.
+void addVolumeOptions(CLI::App& command, VolumeOptions& target);
+
+} // namespace isoslider::cli

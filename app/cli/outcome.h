@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+
+#include "core/base/result.h"
+
+namespace isoslider::cli {
+
+/// What the shell gets back. The numbers are part of the program's interface.
+enum class ExitCode : int {
+    Success = 0,
+    FoundFault = 1, ///< a check ran and found a fault
+    WrongUsage = 2, ///< the command line asks for something that does not exist or cannot be
+    Refused = 3, ///< an input that is damaged, unsupported or not what it should be
+    IoFailure = 4, ///< the operating system could not read or write, or there is no room
+    Interrupted = 130,
+};
+
+/// How a command ended: a code and, unless it is Success, one line for people.
+class Outcome {
+public:
+    Outcome() = default; ///< success
+    Outcome(const Error& error);
+    static Outcome wrongUsage(std::string line) { return {ExitCode::WrongUsage, std::move(line)}; }
+    static Outcome foundFault(std::string line) { return {ExitCode::FoundFault, std::move(line)}; }
+
+    bool isSuccess() const { return code_ == ExitCode::Success; }
+    ExitCode code() const { return code_; }
+    const std::string& line() const { return line_; }
+
+private:
+    Outcome(ExitCode code, std::string line) : code_(code), line_(std::move(line)) {}
+
+    ExitCode code_ = ExitCode::Success;
+    std::string line_;
+};
+
+/// Returns the outcome of `expr` from the calling function, unless it is success.
+#define ISO_CLI_TRY(expr) \
+    do { \
+        ::isoslider::cli::Outcome isoOutcome_ = (expr); \
+        if (!isoOutcome_.isSuccess()) \
+            return isoOutcome_; \
+    } while (false)
+
+} // namespace isoslider::cli

@@ -1,0 +1,102 @@
+#include <numeric>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/command.h"
+#include "app/cli/geometry_text.h"
+#include "app/cli/level_json.h"
+#include "core/extract/slide_engine.h"
+
+namespace isoslider::cli {
+namespace {
+
+/// Over the lower ends of the histogram's bins: even steps through the range of isovalues.
+double meanActiveEdges(const index::IndexInfo& info) {
+    const auto& counts = info.activeEdgesPerBin;
+    const double sum = std::accumulate(counts.begin(), counts.end(), 0.0);
+    return counts.empty() ? 0.0 : sum / static_cast<double>(counts.size());
+}
+
+/// Edges that come or go from one distinct value to the next.
+double meanChange(const index::IndexInfo& info) {
+    if (info.levels.empty() || info.levels[0].blocks == 0)
+        return 0.0;
+    return static_cast<double>(info.levels[0].edges) / static_cast<double>(info.levels[0].blocks);
+}
+
+double bytesPerPoint(const index::IndexInfo& info, std::uint64_t bytes) {
+    return static_cast<double>(bytes) /
+           static_cast<double>(std::max<std::int64_t>(1, pointCount(info.geometry.dims)));
+}
+
+Json jsonOf(const index::IndexInfo& info) {
+    Json json;
+    json["source_name"] = info.sourceName;
+    json["dims"] = info.geometry.dims;
+    json["scalar_type"] = scalarTypeName(info.type);
+    json["distinct_values"] = info.distinctValues;
+    json["average_active_edges"] = meanActiveEdges(info);
+    json["average_change"] = meanChange(info);
+    json["redundancy"] = info.redundancyThreshold;
+    json["index_bytes"] = info.indexBytes;
+    json["bytes_per_voxel"] = bytesPerPoint(info, info.indexBytes);
+    json["levels"] = levelsJson(info);
+    return json;
+}
+
+std::string textOf(const index::IndexInfo& info) {
+    std::string text = "Table 1: the model\n";
+    text += fmt::format("  model                 {}\n", info.sourceName);
+    text += fmt::format("  resolution            {}\n", dimsText(info.geometry.dims));
+    text += fmt::format("  scalar type           {}\n", scalarTypeName(info.type));
+    text += fmt::format("  distinct isovalues    {}\n", info.distinctValues);
+    text += fmt::format("  average active edges  {:.0f}\n\n", meanActiveEdges(info));
+    text += "Table 2: the preprocessing\n";
+    text += "  error                 0 % (no merging)\n";
+    text += fmt::format("  redundancy k          {}\n", info.redundancyThreshold);
+    text += fmt::format("  change per value      {:.1f} edges\n", meanChange(info));
+    text += fmt::format("  index                 {} bytes, {:.2f} bytes per voxel\n\n", info.indexBytes,
+                        bytesPerPoint(info, info.indexBytes));
+    text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks", "points",
+                        "edges", "redundant", "bytes", "bytes/voxel");
+    for (std::size_t level = 0; level < info.levels.size(); ++level) {
+        const index::SkipLevelInfo& facts = info.levels[level];
+        text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11.2f}\n", level, facts.blocks,
+                            facts.points, facts.edges, facts.redundantRemoved, facts.bytes,
+                            bytesPerPoint(info, facts.bytes));
+    }
+    return text;
+}
+
+class StatsCommand final : public Command {
+public:
+    CLI::App* declare(CLI::App& program) override {
+        auto* command =
+            program.add_subcommand("stats", "Tables 1 and 2 of the paper for an index, and its levels");
+        command->add_option("INDEX", path_, "index to describe")->required();
+        return command;
+    }
+
+    Outcome run(Session& session) override {
+        const auto engine = extract::SlideEngine::open(path_);
+        if (!engine.isOk())
+            return engine.error();
+        if (session.isJson)
+            session.output.writeJson(jsonOf(engine.value()->info()));
+        else
+            session.output.write(textOf(engine.value()->info()));
+        return {};
+    }
+
+private:
+    std::string path_;
+};
+
+} // namespace
+
+std::unique_ptr<Command> makeStatsCommand() { return std::make_unique<StatsCommand>(); }
+
+} // namespace isoslider::cli
