@@ -1,0 +1,146 @@
+#include "core/mesh/mesh_export.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <limits>
+#include <mutex>
+#include <new>
+#include <ostream>
+#include <streambuf>
+#include <vector>
+
+#include "core/base/file_system.h"
+#include "core/mesh/mesh_import.h"
+#include "core/mesh/mesh_writers.h"
+#include "core/mesh/open_mesh_adapter.h"
+
+namespace isoslider::mesh {
+namespace {
+
+/// OpenMesh writes to streams, which only know "failed": the buffer keeps the reason.
+class FileBuffer final : public std::streambuf {
+public:
+    explicit FileBuffer(AtomicFile& file) : file_(file), buffer_(std::size_t{1} << 20) {
+        setp(buffer_.data(), buffer_.data() + buffer_.size());
+    }
+    const Status& status() const { return status_; }
+
+protected:
+    int_type overflow(int_type c) override {
+        if (sync() != 0)
+            return traits_type::eof();
+        if (!traits_type::eq_int_type(c, traits_type::eof())) {
+            *pptr() = traits_type::to_char_type(c);
+            pbump(1);
+        }
+        return traits_type::not_eof(c);
+    }
+
+    int sync() override {
+        if (status_.isOk())
+            status_ = file_.writeAll(std::as_bytes(std::span(pbase(), static_cast<std::size_t>(pptr() - pbase()))));
+        setp(buffer_.data(), buffer_.data() + buffer_.size());
+        return status_.isOk() ? 0 : -1;
+    }
+
+    // Enough for tellp().
+    pos_type seekoff(off_type offset, std::ios_base::seekdir way, std::ios_base::openmode) override {
+        if (offset != 0 || way != std::ios_base::cur)
+            return pos_type(off_type(-1));
+        return pos_type(static_cast<off_type>(file_.sizeBytes()) + (pptr() - pbase()));
+    }
+
+private:
+    AtomicFile& file_;
+    std::vector<char> buffer_;
+    Status status_;
+};
+
+/// OpenMesh's native writer tells the standard log stream how many bytes it wrote.
+class QuietLog {
+public:
+    QuietLog() : before_(std::clog.rdbuf(&nothing_)) {}
+    ~QuietLog() { std::clog.rdbuf(before_); }
+    QuietLog(const QuietLog&) = delete;
+    QuietLog& operator=(const QuietLog&) = delete;
+
+private:
+    struct Nothing final : std::streambuf {
+        int_type overflow(int_type c) override { return traits_type::not_eof(c); }
+    } nothing_;
+    std::streambuf* before_;
+};
+
+// Far from the world's origin neighbouring vertices would round to one float.
+Precision neededPrecision(const TriangleSoup& soup, const extract::SurfaceMesh& mesh) {
+    double farthest = 0.0;
+    for (const glm::dvec3& p : soup.positions)
+        farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    const glm::dvec3& spacing = mesh.geometry.spacing;
+    const double cell = std::min({std::abs(spacing.x), std::abs(spacing.y), std::abs(spacing.z)});
+    return farthest * std::numeric_limits<float>::epsilon() > cell * 1e-3 ? Precision::Double : Precision::Float;
+}
+
+template <class Mesh>
+Status writeOm(const TriangleSoup& soup, AtomicFile& file) {
+    Mesh mesh;
+    fillOpenMesh(soup, RefusedFaces::Separate, mesh);
+    FileBuffer buffer(file);
+    std::ostream stream(&buffer);
+    OpenMesh::IO::Options options = OpenMesh::IO::Options::Binary;
+    if (!soup.normals.empty())
+        options += OpenMesh::IO::Options::VertexNormal;
+    bool isWritten = false;
+    {
+        static std::mutex oneAtATime;
+        const std::scoped_lock lock(oneAtATime);
+        const QuietLog quiet;
+        isWritten = OpenMesh::IO::write_mesh(mesh, stream, ".om", options);
+    }
+    stream.flush();
+    ISO_TRY(buffer.status());
+    if (!isWritten || !stream)
+        return makeError(ErrorCode::IoError, "OpenMesh could not write the mesh", file.path());
+    return {};
+}
+
+Status writeSoup(const TriangleSoup& soup, Precision precision, const std::string& suffix, AtomicFile& file) {
+    if (suffix == ".ply")
+        return writePly(soup, precision, file);
+    if (suffix == ".obj")
+        return writeObj(soup, precision, file);
+    if (suffix == ".off")
+        return writeOff(soup, precision, file);
+    if (suffix == ".stl")
+        return writeStl(soup, file);
+    return precision == Precision::Double ? writeOm<DoubleMesh>(soup, file) : writeOm<FloatMesh>(soup, file);
+}
+
+} // namespace
+
+bool isExportSuffix(const std::filesystem::path& path) { return !meshSuffix(path).empty(); }
+
+Status exportMesh(const extract::SurfaceMesh& mesh, const std::filesystem::path& path) {
+    if (!isExportSuffix(path))
+        return makeError(ErrorCode::InvalidArgument, "cannot be exported to: expected .ply .obj .stl .off or .om",
+                         path);
+    if (mesh.positions.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()) ||
+        mesh.triangleCount() > std::numeric_limits<std::uint32_t>::max())
+        return makeError(ErrorCode::InvalidArgument, "the mesh has more than 2^31 vertices or 2^32 triangles", path);
+    auto file = AtomicFile::create(path);
+    if (!file.isOk())
+        return std::move(file).error();
+    try {
+        TriangleSoup soup = worldSoup(mesh);
+        dropUnusedVertices(soup);
+        ISO_TRY(writeSoup(soup, neededPrecision(soup, mesh), meshSuffix(path), *file.value()));
+    } catch (const std::bad_alloc&) {
+        return makeError(ErrorCode::OutOfSpace, "not enough memory to export the mesh", path);
+    } catch (const std::exception& problem) {
+        return makeError(ErrorCode::IoError, std::string("cannot write the mesh: ") + problem.what(), path);
+    }
+    return file.value()->publish();
+}
+
+} // namespace isoslider::mesh

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/result.h"
+#include "core/mesh/triangle_soup.h"
+
+namespace isoslider::mesh {
+
+/// ".ply" and so on, in lower case; empty when it is none of .ply .obj .stl .off .om.
+std::string meshSuffix(const std::filesystem::path& path);
+
+/// Reads a mesh file as triangles, nothing repaired; polygons are cut into fans, normals are left
+/// out. STL corners at exactly equal positions become one vertex. Errors: see checkMeshFile.
+Result<TriangleSoup> readMeshFile(const std::filesystem::path& path);
+
+/// Binary and text STL. Errors: Corruption, InvalidArgument.
+Result<TriangleSoup> readStl(const std::filesystem::path& path);
+
+} // namespace isoslider::mesh

@@ -1,0 +1,180 @@
+#include "core/mesh/soup_topology.h"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include <tbb/parallel_sort.h>
+
+namespace isoslider::mesh {
+namespace {
+
+class DisjointSets {
+public:
+    explicit DisjointSets(std::size_t count) : parent_(count) {
+        std::iota(parent_.begin(), parent_.end(), std::uint64_t{0});
+    }
+    std::uint64_t find(std::uint64_t i) {
+        while (parent_[i] != i)
+            i = parent_[i] = parent_[parent_[i]]; // path halving
+        return i;
+    }
+    void join(std::uint64_t a, std::uint64_t b) {
+        a = find(a);
+        b = find(b);
+        // The smaller index stays the root: the same answer whatever the order of joins.
+        parent_[std::max(a, b)] = std::min(a, b);
+    }
+
+private:
+    std::vector<std::uint64_t> parent_;
+};
+
+// Corner 3 * t + c is vertex c of triangle t, and also names the edge from it to the next vertex.
+using Corner = std::uint64_t;
+
+struct EdgeUse {
+    std::uint64_t key; // smaller vertex in the high half, larger in the low half
+    Corner corner;
+    bool operator<(const EdgeUse& other) const {
+        return key != other.key ? key < other.key : corner < other.corner;
+    }
+};
+
+class Analysis {
+public:
+    Analysis(std::span<const Triangle> triangles, std::size_t vertexCount)
+        : triangles_(triangles), vertexCount_(vertexCount), fans_(3 * triangles.size()) {}
+
+    SoupTopology run() {
+        countDuplicates();
+        collectEdgeUses();
+        visitEdges();
+        countFans();
+        countComponents();
+        countBoundaryLoops();
+        return topology_;
+    }
+
+private:
+    std::uint32_t vertexOf(Corner corner) const { return triangles_[corner / 3][corner % 3]; }
+    static Corner next(Corner corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+    bool runsForward(Corner corner) const { return vertexOf(corner) < vertexOf(next(corner)); }
+    // The corners of an edge use that lie at the edge's smaller and larger vertex.
+    Corner smallerEnd(Corner corner) const { return runsForward(corner) ? corner : next(corner); }
+    Corner largerEnd(Corner corner) const { return runsForward(corner) ? next(corner) : corner; }
+
+    void countDuplicates() {
+        std::vector<Triangle> sorted;
+        sorted.reserve(triangles_.size());
+        for (Triangle triangle : triangles_) {
+            if (!hasThreeVertices(triangle)) {
+                ++topology_.trianglesWithRepeats;
+                continue;
+            }
+            std::sort(triangle.begin(), triangle.end());
+            sorted.push_back(triangle);
+        }
+        tbb::parallel_sort(sorted.begin(), sorted.end());
+        for (std::size_t i = 1; i < sorted.size(); ++i)
+            topology_.duplicateTriangles += sorted[i] == sorted[i - 1];
+    }
+
+    void collectEdgeUses() {
+        uses_.reserve(3 * triangles_.size());
+        for (std::size_t t = 0; t < triangles_.size(); ++t) {
+            if (!hasThreeVertices(triangles_[t]))
+                continue;
+            for (Corner corner = 3 * t; corner < 3 * t + 3; ++corner) {
+                const std::uint64_t a = vertexOf(corner), b = vertexOf(next(corner));
+                uses_.push_back({std::min(a, b) << 32 | std::max(a, b), corner});
+            }
+        }
+        tbb::parallel_sort(uses_.begin(), uses_.end());
+    }
+
+    void visitEdges() {
+        for (std::size_t begin = 0, end = 0; begin < uses_.size(); begin = end) {
+            while (end < uses_.size() && uses_[end].key == uses_[begin].key)
+                ++end;
+            visitEdge(std::span(uses_).subspan(begin, end - begin));
+        }
+    }
+
+    void visitEdge(std::span<const EdgeUse> uses) {
+        ++topology_.edges;
+        if (uses.size() == 1) {
+            ++topology_.boundaryEdges;
+            boundary_.push_back(uses[0].corner);
+        }
+        topology_.crowdedEdges += uses.size() > 2;
+        std::size_t forward = 0;
+        for (const EdgeUse& use : uses) {
+            forward += runsForward(use.corner);
+            fans_.join(smallerEnd(uses[0].corner), smallerEnd(use.corner));
+            fans_.join(largerEnd(uses[0].corner), largerEnd(use.corner));
+        }
+        topology_.disagreeingEdges += forward > 1 || uses.size() - forward > 1;
+    }
+
+    void countFans() {
+        std::vector<std::uint8_t> fansOfVertex(vertexCount_, 0);
+        for (const EdgeUse& use : uses_) // every corner of a sound triangle starts one edge use
+            if (fans_.find(use.corner) == use.corner) {
+                std::uint8_t& fans = fansOfVertex[vertexOf(use.corner)];
+                fans = static_cast<std::uint8_t>(std::min(fans + 1, 2));
+            }
+        for (const std::uint8_t fans : fansOfVertex) {
+            topology_.usedVertices += fans > 0;
+            topology_.verticesOfSeveralFans += fans > 1;
+        }
+    }
+
+    void countComponents() {
+        DisjointSets vertices(vertexCount_);
+        topology_.components = topology_.usedVertices;
+        for (const EdgeUse& use : uses_) {
+            const std::uint64_t a = vertices.find(use.key >> 32), b = vertices.find(use.key & 0xffffffffu);
+            topology_.components -= a != b;
+            vertices.join(a, b);
+        }
+    }
+
+    // Followed from fan to fan, not from vertex to vertex: two disks that touch in a point have two loops.
+    void countBoundaryLoops() {
+        std::vector<std::uint64_t> fans;
+        fans.reserve(2 * boundary_.size());
+        for (const Corner corner : boundary_) {
+            fans.push_back(fans_.find(corner));
+            fans.push_back(fans_.find(next(corner)));
+        }
+        std::vector<std::uint64_t> known = fans;
+        std::sort(known.begin(), known.end());
+        known.erase(std::unique(known.begin(), known.end()), known.end());
+        const auto rank = [&](std::uint64_t fan) {
+            return static_cast<std::uint64_t>(std::lower_bound(known.begin(), known.end(), fan) - known.begin());
+        };
+        DisjointSets loops(known.size());
+        topology_.boundaryLoops = known.size();
+        for (std::size_t i = 0; i < fans.size(); i += 2) {
+            const std::uint64_t a = loops.find(rank(fans[i])), b = loops.find(rank(fans[i + 1]));
+            topology_.boundaryLoops -= a != b;
+            loops.join(a, b);
+        }
+    }
+
+    std::span<const Triangle> triangles_;
+    std::size_t vertexCount_;
+    DisjointSets fans_;
+    std::vector<EdgeUse> uses_;
+    std::vector<Corner> boundary_;
+    SoupTopology topology_;
+};
+
+} // namespace
+
+SoupTopology analyseTopology(std::span<const Triangle> triangles, std::size_t vertexCount) {
+    return Analysis(triangles, vertexCount).run();
+}
+
+} // namespace isoslider::mesh

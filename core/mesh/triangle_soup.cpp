@@ -1,0 +1,84 @@
+#include "core/mesh/triangle_soup.h"
+
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include <glm/geometric.hpp>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+namespace isoslider::mesh {
+
+TriangleSoup worldSoup(const extract::SurfaceMesh& mesh) {
+    TriangleSoup soup;
+    const GridGeometry& geometry = mesh.geometry;
+    const bool hasNormals = mesh.normals.size() == mesh.positions.size();
+    soup.positions.resize(mesh.positions.size());
+    soup.normals.resize(hasNormals ? mesh.positions.size() : 0);
+    const glm::dmat3 normalMap = geometry.normalToWorld();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 4096), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+            soup.positions[i] =
+                geometry.origin + geometry.direction * (geometry.spacing * glm::dvec3(mesh.positions[i]));
+            if (hasNormals)
+                soup.normals[i] = glm::vec3(normalMap * glm::dvec3(mesh.normals[i]));
+        }
+    });
+    const bool flips = geometry.isLeftHanded();
+    soup.triangles.resize(mesh.triangleCount());
+    for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+        soup.triangles[i] = {mesh.triangles[3 * i], mesh.triangles[3 * i + 1], mesh.triangles[3 * i + 2]};
+        if (flips)
+            std::swap(soup.triangles[i][1], soup.triangles[i][2]);
+    }
+    return soup;
+}
+
+void dropUnusedVertices(TriangleSoup& soup) {
+    constexpr std::uint32_t kUnused = ~std::uint32_t{0};
+    std::vector<std::uint32_t> newIndex(soup.positions.size(), kUnused);
+    for (const Triangle& triangle : soup.triangles)
+        for (const std::uint32_t vertex : triangle)
+            newIndex[vertex] = 0;
+    std::uint32_t used = 0;
+    for (std::size_t i = 0; i < newIndex.size(); ++i) {
+        if (newIndex[i] == kUnused)
+            continue;
+        soup.positions[used] = soup.positions[i];
+        if (!soup.normals.empty())
+            soup.normals[used] = soup.normals[i];
+        newIndex[i] = used++;
+    }
+    soup.positions.resize(used);
+    if (!soup.normals.empty())
+        soup.normals.resize(used);
+    for (Triangle& triangle : soup.triangles)
+        for (std::uint32_t& vertex : triangle)
+            vertex = newIndex[vertex];
+}
+
+void weldEqualPositions(TriangleSoup& soup) {
+    const auto key = [&](std::uint32_t i) {
+        const glm::dvec3& p = soup.positions[i];
+        return std::tuple(p.x, p.y, p.z); // operator== and < of doubles already take -0 as +0
+    };
+    std::vector<std::uint32_t> order(soup.positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const auto keyA = key(a), keyB = key(b);
+        return keyA < keyB || (keyA == keyB && a < b);
+    });
+    std::vector<std::uint32_t> representative(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool isSame = i > 0 && key(order[i]) == key(order[i - 1]);
+        representative[order[i]] = isSame ? representative[order[i - 1]] : order[i];
+    }
+    for (Triangle& triangle : soup.triangles)
+        for (std::uint32_t& vertex : triangle)
+            vertex = representative[vertex];
+    dropUnusedVertices(soup);
+}
+
+} // namespace isoslider::mesh

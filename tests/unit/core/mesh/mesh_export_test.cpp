@@ -1,0 +1,144 @@
+#include "core/mesh/mesh_export.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "core/mesh/mesh_checks.h"
+#include "core/mesh/mesh_import.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/core/mesh/test_meshes.h"
+
+namespace isoslider::mesh {
+namespace {
+
+using test::TemporaryFolder;
+
+class EveryFormat : public testing::TestWithParam<const char*> {};
+
+TEST_P(EveryFormat, ComesBackTheSame) {
+    const TemporaryFolder folder;
+    const auto path = folder / (std::string("torus") + GetParam());
+    auto mesh = test::torus(40, 16);
+    mesh.geometry.spacing = {0.5, 0.25, 1.5};
+    mesh.geometry.origin = {-7.125, 3.3, 100.0};
+    mesh.positions.emplace_back(1, 2, 3); // not used by any triangle
+    mesh.normals.emplace_back(0, 0, 1);
+    const Status status = exportMesh(mesh, path);
+    ASSERT_TRUE(status.isOk()) << status.error().line();
+    EXPECT_FALSE(std::filesystem::exists(path.string() + ".partial"));
+    const auto report = checkMeshFile(path);
+    ASSERT_TRUE(report.isOk()) << report.error().line();
+    const MeshReport before = checkMesh(mesh);
+    EXPECT_TRUE(report.value().isManifold && report.value().isClosed && report.value().isOriented);
+    EXPECT_EQ(report.value().vertices, before.vertices);
+    EXPECT_EQ(report.value().edges, before.edges);
+    EXPECT_EQ(report.value().triangles, before.triangles);
+    EXPECT_EQ(report.value().genus, 1);
+    EXPECT_NEAR(report.value().enclosedVolume, before.enclosedVolume, 1e-4 * before.enclosedVolume);
+    EXPECT_NEAR(report.value().area, before.area, 1e-4 * before.area);
+}
+
+TEST_P(EveryFormat, KeepsLeftHandedSurfacesOutward) {
+    const TemporaryFolder folder;
+    const auto path = folder / (std::string("mesh") + GetParam());
+    auto mesh = test::tetrahedron();
+    mesh.geometry.direction[2] = {0, 0, -1};
+    ASSERT_TRUE(exportMesh(mesh, path).isOk());
+    const auto report = checkMeshFile(path);
+    ASSERT_TRUE(report.isOk()) << report.error().line();
+    EXPECT_NEAR(report.value().enclosedVolume, 1.0 / 6.0, 1e-6);
+}
+
+TEST_P(EveryFormat, KeepsNonManifoldTriangles) {
+    const TemporaryFolder folder;
+    const auto path = folder / (std::string("book") + GetParam());
+    ASSERT_TRUE(exportMesh(test::bookOfThree(), path).isOk());
+    const auto report = checkMeshFile(path);
+    ASSERT_TRUE(report.isOk()) << report.error().line();
+    EXPECT_EQ(report.value().triangles, 3u);
+}
+
+TEST_P(EveryFormat, WritesAnEmptyMesh) {
+    const TemporaryFolder folder;
+    const auto path = folder / (std::string("empty") + GetParam());
+    const Status status = exportMesh(extract::SurfaceMesh{}, path);
+    ASSERT_TRUE(status.isOk()) << status.error().line();
+    const auto report = checkMeshFile(path);
+    ASSERT_TRUE(report.isOk()) << report.error().line();
+    EXPECT_EQ(report.value().triangles, 0u);
+}
+
+TEST_P(EveryFormat, SaysWhyItCannotWrite) {
+    const TemporaryFolder folder;
+    const Status noFolder = exportMesh(test::tetrahedron(), folder / (std::string("none/mesh") + GetParam()));
+    ASSERT_FALSE(noFolder.isOk());
+    EXPECT_EQ(noFolder.error().code, ErrorCode::NotFound);
+    const auto path = folder / (std::string("taken") + GetParam());
+    std::filesystem::create_directory(path);
+    EXPECT_EQ(exportMesh(test::tetrahedron(), path).error().code, ErrorCode::InvalidArgument);
+}
+
+TEST_P(EveryFormat, LeavesNothingWhenTheDiskFails) {
+    const TemporaryFolder folder;
+    const auto path = folder.write(std::string("mesh") + GetParam(), "old");
+    const auto mesh = test::torus(400, 100);
+    // A file size limit stands for a full disk.
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    const rlimit small{100'000, before.rlim_max};
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    const Status status = exportMesh(mesh, path);
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+    std::signal(SIGXFSZ, handler);
+    ASSERT_FALSE(status.isOk());
+    EXPECT_EQ(status.error().code, ErrorCode::IoError) << status.error().line();
+    EXPECT_EQ(test::readText(path), "old");
+    EXPECT_FALSE(std::filesystem::exists(path.string() + ".partial"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat, testing::Values(".ply", ".obj", ".stl", ".off", ".om"),
+                         [](const auto& parameter) { return std::string(parameter.param).substr(1); });
+
+TEST(MeshExport, RefusesUnknownSuffix) {
+    const TemporaryFolder folder;
+    EXPECT_EQ(exportMesh(test::tetrahedron(), folder / "a.xyz").error().code, ErrorCode::InvalidArgument);
+    EXPECT_TRUE(isExportSuffix("A.PLY"));
+    EXPECT_FALSE(isExportSuffix("ply"));
+}
+
+TEST(MeshExport, KeepsVerticesApartFarFromTheOrigin) {
+    const TemporaryFolder folder;
+    auto mesh = test::tetrahedron();
+    mesh.geometry.spacing = {1e-3, 1e-3, 1e-3};
+    mesh.geometry.origin = {1e6, 1e6, 1e6};
+    for (const char* suffix : {".ply", ".obj", ".off", ".om"})
+        ASSERT_TRUE(exportMesh(mesh, folder / (std::string("far") + suffix)).isOk());
+    EXPECT_NE(test::readText(folder / "far.obj").find("v 1000000.001 1e+06 1e+06\n"), std::string::npos);
+    EXPECT_NE(test::readText(folder / "far.off").find("\n1000000.001 1e+06 1e+06 "), std::string::npos);
+    EXPECT_NE(test::readText(folder / "far.ply").find("property double x"), std::string::npos);
+    const auto report = checkMeshFile(folder / "far.om");
+    ASSERT_TRUE(report.isOk());
+    EXPECT_NEAR(report.value().enclosedVolume, 1e-9 / 6.0, 1e-14);
+}
+
+TEST(MeshExport, WritesPositionsToTheLastBit) {
+    for (const char* suffix : {".ply", ".obj", ".off", ".om", ".stl"}) {
+        const TemporaryFolder folder;
+        auto mesh = test::tetrahedron();
+        mesh.positions[1].x = 1.00000012f;
+        const auto path = folder / (std::string("mesh") + suffix);
+        ASSERT_TRUE(exportMesh(mesh, path).isOk());
+        const auto soup = readMeshFile(path);
+        ASSERT_TRUE(soup.isOk());
+        double largest = 0;
+        for (const auto& p : soup.value().positions)
+            largest = std::max(largest, p.x);
+        EXPECT_EQ(static_cast<float>(largest), 1.00000012f) << suffix;
+    }
+}
+
+} // namespace
+} // namespace isoslider::mesh
