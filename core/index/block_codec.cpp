@@ -1,0 +1,423 @@
+#include "core/index/block_codec.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include <zstd.h>
+
+#include "core/index/byte_codec.h"
+
+namespace isoslider::index {
+namespace {
+
+// Layout: FORMAT.md, "Page". Columns of residuals, cut into byte planes, each plane stored as one
+// constant, as it is, or compressed. High planes of small residuals are nearly constant and low
+// planes nearly random: apart, the entropy coder gets both right and the random ones cost a copy.
+
+constexpr int kCompressionLevel = 1;
+constexpr std::size_t kPageHeaderBytes = 32;
+constexpr std::size_t kMinGain = 16; // smaller savings do not pay for a decompression call
+
+enum PlaneMode : std::uint32_t { kConstant = 0, kRaw = 1, kZstd = 2 };
+constexpr std::uint32_t kPlaneModeShift = 30;
+constexpr std::uint32_t kPlaneLengthMask = (1u << kPlaneModeShift) - 1;
+
+enum PageFlag : std::uint8_t { kSecondDifferences = 1, kMirroredNormals = 2 };
+constexpr std::uint8_t kKnownFlags = kSecondDifferences | kMirroredNormals;
+
+int bytesFor(std::uint64_t largest) { return std::max(1, (static_cast<int>(std::bit_width(largest)) + 7) / 8); }
+
+template <class Key>
+Key zigzag(Key difference) {
+    constexpr int kTop = 8 * sizeof(Key) - 1;
+    return static_cast<Key>(static_cast<Key>(difference << 1) ^ static_cast<Key>(Key(0) - (difference >> kTop)));
+}
+
+template <class Key>
+Key unzigzag(Key code) {
+    return static_cast<Key>((code >> 1) ^ static_cast<Key>(Key(0) - (code & 1)));
+}
+
+// What the far scalar across the edge's axis suggests: the field goes on in a straight line.
+template <class Key>
+Key mirrored(Key key, Key opposite) {
+    return static_cast<Key>(key + key - opposite);
+}
+
+// Byte by byte, modulo 256.
+NormalCode subtractNormal(NormalCode a, NormalCode b) {
+    return static_cast<NormalCode>(((a - b) & 0xff) | (((a >> 8) - (b >> 8)) & 0xff) << 8);
+}
+NormalCode addNormal(NormalCode a, NormalCode b) {
+    return static_cast<NormalCode>(((a + b) & 0xff) | (((a >> 8) + (b >> 8)) & 0xff) << 8);
+}
+NormalCode mirroredNormal(NormalCode normal, NormalCode opposite) {
+    return subtractNormal(addNormal(normal, normal), opposite);
+}
+
+struct CompressionContext {
+    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{ZSTD_createCCtx(), &ZSTD_freeCCtx};
+    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+    std::vector<std::uint8_t> plane;
+    std::vector<std::byte> packed;
+};
+
+CompressionContext& compressionContext() {
+    thread_local CompressionContext context;
+    return context;
+}
+
+// ---- writing
+
+class PageWriter {
+public:
+    PageWriter(std::size_t points, int planes) { bytes_.reserve(points * 32 + 512); tableSlots_ = planes; }
+
+    std::vector<std::byte>& bytes() { return bytes_; }
+
+    void beginPlanes() {
+        tableAt_ = bytes_.size();
+        bytes_.resize(bytes_.size() + 4 * static_cast<std::size_t>(tableSlots_));
+    }
+
+    template <class Value>
+    void addColumn(const std::vector<Value>& values, int planes) {
+        CompressionContext& context = compressionContext();
+        context.plane.resize(values.size());
+        for (int p = 0; p < planes; ++p) {
+            for (std::size_t i = 0; i < values.size(); ++i)
+                context.plane[i] = static_cast<std::uint8_t>(values[i] >> (8 * p));
+            addPlane(context);
+        }
+    }
+
+    std::vector<std::byte> finish() {
+        ISO_CHECK(slot_ == tableSlots_);
+        return std::move(bytes_);
+    }
+
+private:
+    void addPlane(CompressionContext& context) {
+        const std::vector<std::uint8_t>& plane = context.plane;
+        const bool isConstant = std::all_of(plane.begin(), plane.end(), [&](std::uint8_t b) { return b == plane[0]; });
+        if (plane.empty() || isConstant) {
+            const std::uint8_t value = plane.empty() ? 0 : plane[0];
+            put(kConstant, std::as_bytes(std::span(&value, 1)));
+            return;
+        }
+        context.packed.resize(ZSTD_compressBound(plane.size()));
+        const std::size_t packed = ZSTD_compressCCtx(context.compress.get(), context.packed.data(), context.packed.size(),
+                                                     plane.data(), plane.size(), kCompressionLevel);
+        if (!ZSTD_isError(packed) && packed + kMinGain < plane.size())
+            put(kZstd, std::span(context.packed).first(packed));
+        else
+            put(kRaw, std::as_bytes(std::span(plane)));
+    }
+
+    void put(PlaneMode mode, std::span<const std::byte> data) {
+        storeLittle<std::uint32_t>(bytes_.data() + tableAt_ + 4 * static_cast<std::size_t>(slot_++),
+                                   static_cast<std::uint32_t>(data.size()) | (mode << kPlaneModeShift));
+        bytes_.insert(bytes_.end(), data.begin(), data.end());
+    }
+
+    std::vector<std::byte> bytes_;
+    std::size_t tableAt_ = 0;
+    int tableSlots_ = 0;
+    int slot_ = 0;
+};
+
+template <class Key>
+struct FarColumns {
+    std::vector<Key> keys;
+    std::vector<NormalCode> normals;
+};
+
+// Upward edges first in each axis pair, so that the downward one can be predicted from it.
+template <class Key>
+FarColumns<Key> farResiduals(std::span<const PointRecord<Key>> records, bool mirrors) {
+    FarColumns<Key> columns;
+    columns.keys.reserve(records.size() * kPointEdges);
+    columns.normals.reserve(records.size() * kPointEdges);
+    for (const PointRecord<Key>& r : records)
+        for (int e = 0; e < kPointEdges; ++e) {
+            if (!(r.edgeMask >> e & 1))
+                continue;
+            const bool predicts = mirrors && !(e & 1) && (r.edgeMask >> (e + 1) & 1);
+            const Key predicted = predicts ? mirrored(r.key, r.farKeys[e + 1]) : r.key;
+            const NormalCode predictedNormal = predicts ? mirroredNormal(r.normal, r.farNormals[e + 1]) : r.normal;
+            columns.keys.push_back(zigzag(static_cast<Key>(r.farKeys[e] - predicted)));
+            columns.normals.push_back(subtractNormal(r.farNormals[e], predictedNormal));
+        }
+    return columns;
+}
+
+template <class Key>
+std::uint64_t bitCost(const std::vector<Key>& residuals) {
+    std::uint64_t bits = 0;
+    for (const Key residual : residuals)
+        bits += static_cast<std::uint64_t>(std::bit_width(residual));
+    return bits;
+}
+
+std::uint64_t normalBitCost(const std::vector<NormalCode>& residuals) {
+    std::uint64_t bits = 0;
+    for (const NormalCode residual : residuals)
+        for (const int byte : {residual & 0xff, residual >> 8})
+            bits += static_cast<std::uint64_t>(std::bit_width(static_cast<unsigned>(byte < 128 ? byte : 256 - byte)));
+    return bits;
+}
+
+} // namespace
+
+template <class Key>
+std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, PageOrder order, const BrickGrid& grid) {
+    ISO_CHECK(!records.empty() && records.size() <= kMaxPagePoints);
+    Key base = records.front().key;
+    for (const PointRecord<Key>& r : records)
+        base = std::min(base, r.key);
+    const std::uint64_t idCount = grid.idCount();
+    std::vector<Key> keys;
+    std::vector<std::uint64_t> ids;
+    std::vector<std::uint8_t> masks;
+    std::vector<NormalCode> normals;
+    keys.reserve(records.size());
+    ids.reserve(records.size());
+    masks.reserve(records.size());
+    normals.reserve(records.size());
+    Key previousKey = base;
+    PointId previousId = 0;
+    NormalCode previousNormal = 0;
+    for (const PointRecord<Key>& r : records) {
+        keys.push_back(static_cast<Key>(r.key - (order == PageOrder::Value ? previousKey : base)));
+        ids.push_back(r.id() >= previousId ? r.id() - previousId : r.id() + (idCount - previousId));
+        masks.push_back(r.edgeMask);
+        normals.push_back(subtractNormal(r.normal, previousNormal));
+        previousKey = r.key;
+        previousId = r.id();
+        previousNormal = r.normal;
+    }
+    FarColumns<Key> far = farResiduals(records, false);
+    FarColumns<Key> second = farResiduals(records, true);
+    std::uint8_t flags = 0;
+    if (bitCost(second.keys) < bitCost(far.keys)) {
+        far.keys.swap(second.keys);
+        flags |= kSecondDifferences;
+    }
+    if (normalBitCost(second.normals) < normalBitCost(far.normals)) {
+        far.normals.swap(second.normals);
+        flags |= kMirroredNormals;
+    }
+
+    constexpr int kKeyBytes = sizeof(Key);
+    const int idBytes = bytesFor(idCount);
+    const int planes = kKeyBytes + idBytes + 1 + 2 + kKeyBytes + 2;
+    PageWriter writer(records.size(), planes);
+    ByteWriter header(writer.bytes());
+    header.put<std::uint32_t>(static_cast<std::uint32_t>(records.size()));
+    header.put<std::uint32_t>(static_cast<std::uint32_t>(far.keys.size()));
+    header.put<std::uint64_t>(base);
+    header.put<std::uint8_t>(kKeyBytes);
+    header.put<std::uint8_t>(static_cast<std::uint8_t>(idBytes));
+    header.put<std::uint8_t>(static_cast<std::uint8_t>(order));
+    header.put<std::uint8_t>(flags);
+    header.put<std::uint32_t>(static_cast<std::uint32_t>(planes));
+    header.put<std::uint64_t>(0); // reserved
+    writer.beginPlanes();
+    writer.addColumn(keys, kKeyBytes);
+    writer.addColumn(ids, idBytes);
+    writer.addColumn(masks, 1);
+    writer.addColumn(normals, 2);
+    writer.addColumn(far.keys, kKeyBytes);
+    writer.addColumn(far.normals, 2);
+    return writer.finish();
+}
+
+// ---- reading
+
+namespace {
+
+class PageReader {
+public:
+    PageReader(std::span<const std::byte> bytes, const std::string& path) : bytes_(bytes), path_(path) {}
+
+    Error corrupt(const char* field) const {
+        return makeError(ErrorCode::Corruption, std::string("index page is damaged: ") + field, path_);
+    }
+
+    Status beginPlanes(std::size_t at, std::uint32_t count) {
+        if (bytes_.size() < at + 4 * std::size_t{count})
+            return corrupt("plane table is cut off");
+        tableAt_ = at;
+        dataAt_ = at + 4 * std::size_t{count};
+        return {};
+    }
+
+    // One column of `planes` byte planes into `values`, low plane first.
+    template <class Value>
+    Status readColumn(std::vector<Value>& values, std::size_t count, int planes) {
+        values.assign(count, Value{0});
+        for (int p = 0; p < planes; ++p) {
+            const std::uint32_t entry = loadLittle<std::uint32_t>(bytes_.data() + tableAt_ + 4 * slot_++);
+            const std::size_t length = entry & kPlaneLengthMask;
+            if (length > bytes_.size() - dataAt_)
+                return corrupt("plane length");
+            const std::span<const std::byte> data = bytes_.subspan(dataAt_, length);
+            dataAt_ += length;
+            ISO_TRY(addPlane(entry >> kPlaneModeShift, data, values, 8 * p));
+        }
+        return {};
+    }
+
+    bool isAtEnd() const { return dataAt_ == bytes_.size(); }
+
+private:
+    template <class Value>
+    Status addPlane(std::uint32_t mode, std::span<const std::byte> data, std::vector<Value>& values, int shift) {
+        if (mode == kConstant) {
+            if (data.size() != 1)
+                return corrupt("constant plane");
+            const Value value = static_cast<Value>(static_cast<Value>(data[0]) << shift);
+            if (value != 0)
+                for (Value& v : values)
+                    v |= value;
+            return {};
+        }
+        const std::uint8_t* source = reinterpret_cast<const std::uint8_t*>(data.data());
+        if (mode == kZstd) {
+            CompressionContext& context = compressionContext();
+            context.plane.resize(values.size());
+            const std::size_t size = ZSTD_decompressDCtx(context.decompress.get(), context.plane.data(),
+                                                         context.plane.size(), data.data(), data.size());
+            if (ZSTD_isError(size) || size != values.size())
+                return corrupt("compressed plane");
+            source = context.plane.data();
+        } else if (mode != kRaw || data.size() != values.size()) {
+            return corrupt("plane mode or size");
+        }
+        Value* out = values.data();
+        const std::size_t count = values.size();
+        for (std::size_t i = 0; i < count; ++i)
+            out[i] |= static_cast<Value>(static_cast<Value>(source[i]) << shift);
+        return {};
+    }
+
+    std::span<const std::byte> bytes_;
+    const std::string& path_;
+    std::size_t tableAt_ = 0;
+    std::size_t dataAt_ = 0;
+    std::size_t slot_ = 0;
+};
+
+// Residuals back to ids, keys and normals, checking every id and edge against the grid.
+template <class Key>
+Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const BrickGrid& grid, const PageReader& reader) {
+    const std::uint64_t idCount = grid.idCount();
+    Key previousKey = base;
+    PointId previousId = 0;
+    NormalCode previousNormal = 0;
+    std::size_t edges = 0;
+    for (std::size_t i = 0; i < page.pointCount(); ++i) {
+        const Key key = static_cast<Key>(page.keys[i] + (order == PageOrder::Value ? previousKey : base));
+        if (key < previousKey && order == PageOrder::Value)
+            return reader.corrupt("keys out of order");
+        page.keys[i] = previousKey = key;
+        if (page.ids[i] >= idCount)
+            return reader.corrupt("point id");
+        PointId id = previousId + page.ids[i];
+        id = id >= idCount ? id - idCount : id;
+        page.ids[i] = previousId = id;
+        page.normals[i] = previousNormal = addNormal(page.normals[i], previousNormal);
+        const auto p = grid.pointCoords(id);
+        std::uint8_t allowed = 0;
+        for (int a = 0; a < 3; ++a) {
+            if (p[a] >= grid.dims()[a])
+                return reader.corrupt("point id outside the grid");
+            allowed |= static_cast<std::uint8_t>((p[a] > 0) << (2 * a) | (p[a] + 1 < grid.dims()[a]) << (2 * a + 1));
+        }
+        if (page.masks[i] & ~allowed)
+            return reader.corrupt("edge outside the grid");
+        edges += static_cast<std::size_t>(std::popcount(page.masks[i]));
+    }
+    if (edges != page.edgeCount())
+        return reader.corrupt("edge count");
+    return {};
+}
+
+template <class Key>
+void restoreEdges(DecodedPage<Key>& page, std::uint8_t flags) {
+    const bool mirrorsKeys = flags & kSecondDifferences;
+    const bool mirrorsNormals = flags & kMirroredNormals;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < page.pointCount(); ++i) {
+        const Key key = page.keys[i];
+        const NormalCode normal = page.normals[i];
+        unsigned mask = page.masks[i];
+        while (mask != 0) {
+            const int e = std::countr_zero(mask);
+            const bool hasPair = !(e & 1) && (mask >> (e + 1) & 1);
+            const Key first = unzigzag(page.farKeys[at]);
+            mask &= mask - 1;
+            if (!hasPair) {
+                page.farKeys[at] = static_cast<Key>(first + key);
+                page.farNormals[at] = addNormal(page.farNormals[at], normal);
+                ++at;
+                continue;
+            }
+            const Key upper = static_cast<Key>(unzigzag(page.farKeys[at + 1]) + key);
+            const NormalCode upperNormal = addNormal(page.farNormals[at + 1], normal);
+            page.farKeys[at] = static_cast<Key>(first + (mirrorsKeys ? mirrored(key, upper) : key));
+            page.farNormals[at] = addNormal(page.farNormals[at], mirrorsNormals ? mirroredNormal(normal, upperNormal) : normal);
+            page.farKeys[at + 1] = upper;
+            page.farNormals[at + 1] = upperNormal;
+            at += 2;
+            mask &= mask - 1;
+        }
+    }
+}
+
+} // namespace
+
+template <class Key>
+Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, DecodedPage<Key>& page, const std::string& path) {
+    PageReader reader(bytes, path);
+    if (bytes.size() < kPageHeaderBytes)
+        return reader.corrupt("header is cut off");
+    ByteReader header(bytes.first(kPageHeaderBytes));
+    const std::size_t points = header.get<std::uint32_t>();
+    const std::size_t edges = header.get<std::uint32_t>();
+    const std::uint64_t base = header.get<std::uint64_t>();
+    const int keyBytes = header.get<std::uint8_t>();
+    const int idBytes = header.get<std::uint8_t>();
+    const std::uint8_t order = header.get<std::uint8_t>();
+    const std::uint8_t flags = header.get<std::uint8_t>();
+    const std::uint32_t planes = header.get<std::uint32_t>();
+    if (points == 0 || points > kMaxPagePoints || edges > points * kPointEdges)
+        return reader.corrupt("point or edge count");
+    if (keyBytes != sizeof(Key) || idBytes != bytesFor(grid.idCount()) || order > 1 || (flags & ~kKnownFlags) != 0 ||
+        planes != static_cast<std::uint32_t>(2 * keyBytes + idBytes + 5) || base > std::numeric_limits<Key>::max())
+        return reader.corrupt("header field");
+    ISO_TRY(reader.beginPlanes(kPageHeaderBytes, planes));
+    ISO_TRY(reader.readColumn(page.keys, points, keyBytes));
+    ISO_TRY(reader.readColumn(page.ids, points, idBytes));
+    ISO_TRY(reader.readColumn(page.masks, points, 1));
+    ISO_TRY(reader.readColumn(page.normals, points, 2));
+    ISO_TRY(reader.readColumn(page.farKeys, edges, keyBytes));
+    ISO_TRY(reader.readColumn(page.farNormals, edges, 2));
+    if (!reader.isAtEnd())
+        return reader.corrupt("bytes after the last plane");
+    ISO_TRY(restorePoints(page, static_cast<Key>(base), static_cast<PageOrder>(order), grid, reader));
+    restoreEdges(page, flags);
+    return {};
+}
+
+template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint16_t>>, PageOrder, const BrickGrid&);
+template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint32_t>>, PageOrder, const BrickGrid&);
+template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint64_t>>, PageOrder, const BrickGrid&);
+template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint16_t>&, const std::string&);
+template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint32_t>&, const std::string&);
+template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint64_t>&, const std::string&);
+
+} // namespace isoslider::index

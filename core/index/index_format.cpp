@@ -1,0 +1,263 @@
+#include "core/index/index_format.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <xxhash.h>
+#include <zstd.h>
+
+#include "core/index/byte_codec.h"
+
+namespace isoslider::index {
+namespace {
+
+constexpr std::size_t kMaxStringBytes = 4096;
+constexpr std::size_t kMaxHistogramBins = 1u << 16;
+constexpr std::size_t kMissingCellsBytes = 4 + 64;
+
+std::uint64_t hashBytes(std::span<const std::byte> bytes, std::uint64_t seed) {
+    return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
+}
+
+void putGeometry(ByteWriter& out, const GridGeometry& geometry) {
+    for (int a = 0; a < 3; ++a)
+        out.put<std::int64_t>(geometry.dims[a]);
+    for (int a = 0; a < 3; ++a)
+        out.put<double>(geometry.spacing[a]);
+    for (int a = 0; a < 3; ++a)
+        out.put<double>(geometry.origin[a]);
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
+            out.put<double>(geometry.direction[column][row]);
+}
+
+bool getGeometry(ByteReader& in, GridGeometry& geometry) {
+    bool isSane = true;
+    for (int a = 0; a < 3; ++a) {
+        geometry.dims[a] = in.get<std::int64_t>();
+        isSane = isSane && geometry.dims[a] >= 1 && geometry.dims[a] <= kMaxDim;
+    }
+    for (int a = 0; a < 3; ++a) {
+        geometry.spacing[a] = in.get<double>();
+        isSane = isSane && std::isfinite(geometry.spacing[a]) && geometry.spacing[a] != 0.0;
+    }
+    for (int a = 0; a < 3; ++a)
+        geometry.origin[a] = in.get<double>();
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
+            geometry.direction[column][row] = in.get<double>();
+    return isSane && !in.hasFailed() && pointCount(geometry.dims) <= kMaxPoints;
+}
+
+void putLevel(ByteWriter& out, const SkipLevelInfo& info, const LevelDirectory& level) {
+    for (const std::uint64_t value : {info.blocks, info.points, info.edges, info.activatedEdges, info.bytes, info.redundantRemoved})
+        out.put<std::uint64_t>(value);
+    out.put<std::uint64_t>(level.pages.size());
+    out.put<std::uint64_t>(level.blocks.size());
+    for (const PageEntry& page : level.pages) {
+        for (const std::uint64_t value : {page.firstKey, page.lastKey, page.offset, page.checksum})
+            out.put<std::uint64_t>(value);
+        for (const std::uint32_t value : {page.bytes, page.points, page.edges})
+            out.put<std::uint32_t>(value);
+    }
+    for (const BlockEntry& block : level.blocks)
+        for (const std::uint64_t value : {block.firstKey, block.lastKey, block.firstPage, block.pageCount})
+            out.put<std::uint64_t>(value);
+}
+
+constexpr std::size_t kPageEntryBytes = 44;
+constexpr std::size_t kBlockEntryBytes = 32;
+
+// Says what is wrong, or nothing.
+const char* getLevel(ByteReader& in, SkipLevelInfo& info, LevelDirectory& level, const Preamble& preamble) {
+    for (std::uint64_t* value : {&info.blocks, &info.points, &info.edges, &info.activatedEdges, &info.bytes, &info.redundantRemoved})
+        *value = in.get<std::uint64_t>();
+    const std::uint64_t pages = in.get<std::uint64_t>();
+    const std::uint64_t blocks = in.get<std::uint64_t>();
+    if (in.hasFailed() || pages > in.remaining() / kPageEntryBytes || blocks > in.remaining() / kBlockEntryBytes)
+        return "level directory is cut off";
+    level.pages.resize(pages);
+    level.blocks.resize(blocks);
+    for (PageEntry& page : level.pages) {
+        for (std::uint64_t* value : {&page.firstKey, &page.lastKey, &page.offset, &page.checksum})
+            *value = in.get<std::uint64_t>();
+        for (std::uint32_t* value : {&page.bytes, &page.points, &page.edges})
+            *value = in.get<std::uint32_t>();
+        if (page.firstKey > page.lastKey || page.offset < kPreambleBytes || page.offset > preamble.metaOffset ||
+            page.bytes > preamble.metaOffset - page.offset)
+            return "page entry";
+    }
+    std::uint64_t nextPage = 0;
+    for (std::size_t i = 0; i < level.blocks.size(); ++i) {
+        BlockEntry& block = level.blocks[i];
+        for (std::uint64_t* value : {&block.firstKey, &block.lastKey, &block.firstPage, &block.pageCount})
+            *value = in.get<std::uint64_t>();
+        if (block.firstKey > block.lastKey || (i > 0 && block.firstKey <= level.blocks[i - 1].lastKey) ||
+            block.firstPage != nextPage || block.pageCount > pages - nextPage)
+            return "block entry";
+        nextPage += block.pageCount;
+    }
+    return in.hasFailed() ? "level directory is cut off" : nullptr;
+}
+
+void putMissingCells(ByteWriter& out, const std::vector<MissingCells>& bricks) {
+    std::vector<std::byte> plain;
+    ByteWriter writer(plain);
+    for (const MissingCells& brick : bricks) {
+        writer.put<std::uint32_t>(brick.brick);
+        for (const std::uint64_t cells : brick.cells)
+            writer.put<std::uint64_t>(cells);
+    }
+    std::vector<std::byte> packed(ZSTD_compressBound(plain.size()));
+    packed.resize(ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), 3));
+    out.put<std::uint64_t>(bricks.size());
+    out.put<std::uint64_t>(packed.size());
+    out.putBytes(packed);
+}
+
+bool getMissingCells(ByteReader& in, std::vector<MissingCells>& bricks, const BrickGrid& grid) {
+    const std::uint64_t count = in.get<std::uint64_t>();
+    const std::uint64_t packedBytes = in.get<std::uint64_t>();
+    if (in.hasFailed() || count > grid.brickCount() || packedBytes > in.remaining())
+        return false;
+    const auto packed = in.getBytes(packedBytes);
+    std::vector<std::byte> plain(count * kMissingCellsBytes);
+    const std::size_t size = ZSTD_decompress(plain.data(), plain.size(), packed.data(), packed.size());
+    if (ZSTD_isError(size) || size != plain.size())
+        return false;
+    ByteReader reader(plain);
+    bricks.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        bricks[i].brick = reader.get<std::uint32_t>();
+        for (std::uint64_t& cells : bricks[i].cells)
+            cells = reader.get<std::uint64_t>();
+        if (bricks[i].brick >= grid.brickCount() || (i > 0 && bricks[i].brick <= bricks[i - 1].brick))
+            return false;
+    }
+    return true;
+}
+
+} // namespace
+
+bool hasIndexMagic(std::span<const std::byte> firstBytes) {
+    return firstBytes.size() >= sizeof kIndexMagic && std::memcmp(firstBytes.data(), kIndexMagic, sizeof kIndexMagic) == 0;
+}
+
+std::uint64_t metaChecksum(std::span<const std::byte> bytes) { return hashBytes(bytes, 0); }
+
+std::uint64_t pageChecksum(std::span<const std::byte> bytes, std::uint64_t seed, std::uint64_t offset) {
+    return hashBytes(bytes, seed ^ (offset * 0x9e3779b97f4a7c15ull));
+}
+
+std::vector<std::byte> encodePreamble(const Preamble& preamble) {
+    std::vector<std::byte> bytes;
+    ByteWriter out(bytes);
+    out.putBytes(std::as_bytes(std::span(kIndexMagic)));
+    out.put<std::uint16_t>(preamble.major);
+    out.put<std::uint16_t>(preamble.minor);
+    for (const std::uint64_t value : {preamble.metaOffset, preamble.metaBytes, preamble.metaChecksum, preamble.fileBytes, preamble.seed})
+        out.put<std::uint64_t>(value);
+    out.put<std::uint64_t>(hashBytes(bytes, 0));
+    ISO_CHECK(bytes.size() == kPreambleBytes);
+    return bytes;
+}
+
+Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t fileBytes, const std::string& path) {
+    if (!hasIndexMagic(bytes))
+        return makeError(ErrorCode::InvalidArgument, "not an ISOSLIDER index: it does not begin with \"ISOSLIDE\"", path, 0);
+    ByteReader in(bytes);
+    in.getBytes(sizeof kIndexMagic);
+    Preamble preamble;
+    preamble.major = in.get<std::uint16_t>();
+    preamble.minor = in.get<std::uint16_t>();
+    if (bytes.size() < kPreambleBytes)
+        return makeError(ErrorCode::Corruption, "index ends inside its header", path, bytes.size());
+    if (preamble.major != kFormatMajor)
+        return makeError(ErrorCode::UnsupportedVersion,
+                         "index has format version " + std::to_string(preamble.major) + ", this program reads version " +
+                             std::to_string(kFormatMajor) + "; build it again from its volume",
+                         path, sizeof kIndexMagic);
+    for (std::uint64_t* value : {&preamble.metaOffset, &preamble.metaBytes, &preamble.metaChecksum, &preamble.fileBytes, &preamble.seed})
+        *value = in.get<std::uint64_t>();
+    if (in.get<std::uint64_t>() != hashBytes(bytes.first(kPreambleBytes - 8), 0))
+        return makeError(ErrorCode::Corruption, "index header fails its checksum", path, 0);
+    if (preamble.fileBytes != fileBytes)
+        return makeError(ErrorCode::Corruption, "index should have " + std::to_string(preamble.fileBytes) + " bytes, the file has " + std::to_string(fileBytes), path);
+    if (preamble.metaOffset < kPreambleBytes || preamble.metaOffset > fileBytes || preamble.metaBytes > fileBytes - preamble.metaOffset ||
+        preamble.metaBytes > kMaxMetaBytes)
+        return makeError(ErrorCode::Corruption, "index header points outside the file", path, 16);
+    return preamble;
+}
+
+std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
+    std::vector<std::byte> bytes;
+    ByteWriter out(bytes);
+    const IndexInfo& info = meta.info;
+    out.put<std::uint8_t>(static_cast<std::uint8_t>(info.type));
+    putGeometry(out, info.geometry);
+    out.put<double>(info.min);
+    out.put<double>(info.max);
+    out.put<std::uint64_t>(info.distinctValues);
+    out.put<std::uint64_t>(info.nanCount);
+    out.put<double>(info.redundancyThreshold);
+    out.putString(info.sourceName);
+    out.put<double>(info.histogram.min);
+    out.put<double>(info.histogram.max);
+    out.put<std::uint32_t>(static_cast<std::uint32_t>(info.histogram.counts.size()));
+    for (std::size_t i = 0; i < info.histogram.counts.size(); ++i) {
+        out.put<std::uint64_t>(info.histogram.counts[i]);
+        out.put<std::uint64_t>(info.activeEdgesPerBin[i]);
+    }
+    out.put<std::uint32_t>(static_cast<std::uint32_t>(meta.levels.size()));
+    for (std::size_t i = 0; i < meta.levels.size(); ++i)
+        putLevel(out, info.levels[i], meta.levels[i]);
+    putMissingCells(out, meta.missingCells);
+    return bytes;
+}
+
+Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& preamble, const std::string& path) {
+    const auto corrupt = [&](const char* what) {
+        return makeError(ErrorCode::Corruption, std::string("index directory is damaged: ") + what, path, preamble.metaOffset);
+    };
+    IndexMeta meta;
+    IndexInfo& info = meta.info;
+    ByteReader in(bytes);
+    const std::uint8_t type = in.get<std::uint8_t>();
+    if (type >= kAllScalarTypes.size())
+        return corrupt("scalar type");
+    info.type = static_cast<ScalarType>(type);
+    if (!getGeometry(in, info.geometry))
+        return corrupt("geometry");
+    info.min = in.get<double>();
+    info.max = in.get<double>();
+    info.distinctValues = in.get<std::uint64_t>();
+    info.nanCount = in.get<std::uint64_t>();
+    info.redundancyThreshold = in.get<double>();
+    info.sourceName = in.getString(kMaxStringBytes);
+    info.histogram.min = in.get<double>();
+    info.histogram.max = in.get<double>();
+    const std::size_t bins = in.get<std::uint32_t>();
+    if (in.hasFailed() || bins > kMaxHistogramBins || !(info.min <= info.max))
+        return corrupt("value range or histogram");
+    for (std::size_t i = 0; i < bins; ++i) {
+        info.histogram.counts.push_back(in.get<std::uint64_t>());
+        info.activeEdgesPerBin.push_back(in.get<std::uint64_t>());
+    }
+    const std::size_t levels = in.get<std::uint32_t>();
+    if (levels < 1 || levels > kMaxSkipLevels)
+        return corrupt("number of skip levels");
+    info.levels.resize(levels);
+    meta.levels.resize(levels);
+    for (std::size_t i = 0; i < levels; ++i)
+        if (const char* fault = getLevel(in, info.levels[i], meta.levels[i], preamble))
+            return corrupt(fault);
+    if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
+        return corrupt("missing cells");
+    if (in.hasFailed() || in.remaining() != 0)
+        return corrupt("length");
+    info.indexBytes = preamble.fileBytes;
+    return meta;
+}
+
+} // namespace isoslider::index

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "core/base/file_system.h"
+#include "core/index/index_format.h"
+
+namespace isoslider::index {
+
+/// An open index: its directory in memory, its pages on disk. Any number of threads at once.
+class IndexReader {
+public:
+    /// Reads preamble and directory, nothing else. Errors: NotFound, IoError, InvalidArgument (not an
+    /// index), UnsupportedVersion, Corruption.
+    static Result<std::unique_ptr<IndexReader>> open(const std::filesystem::path& path,
+                                                     FileSystem& fileSystem = defaultFileSystem());
+
+    const IndexMeta& meta() const { return meta_; }
+    const IndexInfo& info() const { return meta_.info; }
+    const BrickGrid& grid() const { return grid_; }
+    std::string pathString() const { return file_->path().string(); }
+
+    /// One page's bytes into `bytes`, its checksum verified. Errors: IoError, Corruption.
+    Status readPage(const PageEntry& page, std::vector<std::byte>& bytes) const;
+
+private:
+    IndexReader() = default;
+
+    std::unique_ptr<RandomAccessFile> file_;
+    std::uint64_t seed_ = 0;
+    IndexMeta meta_;
+    BrickGrid grid_;
+};
+
+} // namespace isoslider::index

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "core/base/file_system.h"
+#include "core/index/index_format.h"
+
+namespace isoslider::index {
+
+/// Writes an index front to back: pages as they come, then the directory, then the preamble.
+/// The file appears under its name only when finish() succeeds. One thread at a time.
+class IndexWriter {
+public:
+    /// `seed` is any number that depends on the volume and the parameters only.
+    static Result<std::unique_ptr<IndexWriter>> create(const std::filesystem::path& path, std::uint64_t seed,
+                                                       FileSystem& fileSystem = defaultFileSystem());
+
+    /// Appends one encoded page to a level; its place and checksum are filled in here.
+    Status addPage(int level, PageEntry entry, std::span<const std::byte> bytes);
+    /// Ends a block of a level above 0: all pages added there since the last one.
+    void endBlock(int level, std::uint64_t firstKey, std::uint64_t lastKey);
+
+    /// Number of bytes written so far.
+    std::uint64_t sizeBytes() const { return file_->sizeBytes(); }
+
+    /// Writes what is left and publishes. `meta.levels` is filled in here; `meta.info.levels` must
+    /// have an entry per level, its bytes and edge sums are completed. Returns the finished info.
+    Result<IndexInfo> finish(IndexMeta meta);
+
+private:
+    IndexWriter(std::unique_ptr<AtomicFile> file, std::uint64_t seed) : file_(std::move(file)), seed_(seed) {}
+
+    std::unique_ptr<AtomicFile> file_;
+    std::uint64_t seed_;
+    std::vector<LevelDirectory> levels_;
+};
+
+} // namespace isoslider::index

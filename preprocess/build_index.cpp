@@ -1,0 +1,303 @@
+#include "preprocess/build_index.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <xxhash.h>
+
+#include "core/base/file_system.h"
+#include "core/grid/classification.h"
+#include "core/index/index_writer.h"
+#include "preprocess/external_sort.h"
+#include "preprocess/level_builder.h"
+#include "preprocess/record_generator.h"
+
+namespace isoslider::preprocess {
+namespace {
+
+// Three passes. 1: counts by key prefix (partitions, span bins, range). 2: records, generated brick
+// by brick, distributed by value. 3: partitions sorted one after the other, cut into blocks, encoded.
+
+constexpr int kPrefixBits = 16;
+constexpr std::size_t kHistogramBins = 512;
+
+std::uint64_t peakRss() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+// Number of distinct finite values, counted along the sorted stream.
+class DistinctCounter {
+public:
+    void setLonelyKeys(std::vector<std::uint64_t> keys) {
+        std::sort(keys.begin(), keys.end());
+        keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+        lonely_ = std::move(keys);
+        count_ = lonely_.size();
+    }
+    void add(std::uint64_t key) {
+        if (hasKey_ && key == lastKey_)
+            return;
+        hasKey_ = true;
+        lastKey_ = key;
+        while (next_ < lonely_.size() && lonely_[next_] < key)
+            ++next_;
+        const bool isCounted = next_ < lonely_.size() && lonely_[next_] == key;
+        count_ += !isCounted;
+    }
+    std::uint64_t count() const { return count_; }
+
+private:
+    std::vector<std::uint64_t> lonely_;
+    std::size_t next_ = 0;
+    bool hasKey_ = false;
+    std::uint64_t lastKey_ = 0;
+    std::uint64_t count_ = 0;
+};
+
+template <class Sample>
+class IndexBuild {
+public:
+    using Key = KeyOf<Sample>;
+    using Record = index::PointRecord<Key>;
+    static constexpr int kKeyShift = 8 * sizeof(Key) - kPrefixBits;
+
+    IndexBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options, const JobControl& job)
+        : source_(source), geometry_(source.info().geometry), grid_(geometry_.dims), path_(path), options_(options), job_(job) {}
+
+    Result<index::IndexInfo> run() {
+        ISO_TRY(countSamples());
+        auto writer = index::IndexWriter::create(path_, seed());
+        if (!writer.isOk())
+            return std::move(writer).error();
+        const SpanBins bins = makeSpanBins(countsByPrefix_, kKeyShift);
+        SpanHistogram histogram(bins.count());
+        ExternalSort<Key> sort(countsByPrefix_, kKeyShift, sortMemory(), spillPath());
+        ISO_TRY(generateRecords(bins, histogram, sort));
+        LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlockBegins(histogram, bins, options_.skipLevels, options_.redundancyThreshold));
+        beginCurves();
+        ISO_TRY(sort.drain([&](std::span<const Record> records) { return consume(records, levels); }, part(0.4, 1.0)));
+        ISO_TRY(levels.finish());
+        if (job_.isStopRequested())
+            return cancelledError();
+        return writer.value()->finish(makeMeta(levels.levelInfos()));
+    }
+
+private:
+    // A share of the whole job's progress.
+    JobControl part(double from, double to) const {
+        JobControl share;
+        share.stop = job_.stop;
+        if (job_.progress)
+            share.progress = [this, from, to](double f, std::string_view stage) { job_.report(from + f * (to - from), stage); };
+        return share;
+    }
+
+    std::int64_t layerCount() const { return grid_.bricks()[2]; }
+
+    Status countSamples() {
+        const JobControl share = part(0.0, 0.1);
+        countsByPrefix_.assign(std::size_t{1} << kPrefixBits, 0);
+        SlabWindow<Sample> window(source_);
+        double low = std::numeric_limits<double>::infinity();
+        double high = -low;
+        std::uint64_t finite = 0;
+        for (std::int64_t layer = 0; layer < layerCount(); ++layer) {
+            if (job_.isStopRequested())
+                return cancelledError();
+            share.report(static_cast<double>(layer) / static_cast<double>(layerCount()), "reading values");
+            const std::int64_t z0 = layer * kBrickSide;
+            const std::int64_t z1 = std::min(geometry_.dims[2], z0 + kBrickSide);
+            ISO_TRY(window.advance(z0, z1));
+            const Sample* samples = window.plane(z0);
+            const std::size_t count = static_cast<std::size_t>((z1 - z0) * geometry_.dims[0] * geometry_.dims[1]);
+            for (std::size_t i = 0; i < count; ++i) {
+                if (isMissing(samples[i]))
+                    continue;
+                ++finite;
+                ++countsByPrefix_[static_cast<std::size_t>(keyOf(samples[i]) >> kKeyShift)];
+                low = std::min(low, static_cast<double>(samples[i]));
+                high = std::max(high, static_cast<double>(samples[i]));
+            }
+        }
+        if (finite == 0)
+            return makeError(ErrorCode::InvalidArgument, "the volume has no finite sample", options_.sourceName);
+        info_.min = low + 0.0;
+        info_.max = high + 0.0;
+        info_.nanCount = static_cast<std::uint64_t>(pointCount(geometry_.dims)) - finite;
+        return {};
+    }
+
+    Status generateRecords(const SpanBins& bins, SpanHistogram& histogram, ExternalSort<Key>& sort) {
+        const JobControl share = part(0.1, 0.4);
+        beginHistogram();
+        SlabWindow<Sample> window(source_);
+        LayerRecords<Key> layerRecords;
+        std::vector<std::uint64_t> lonely;
+        for (std::int64_t layer = 0; layer < layerCount(); ++layer) {
+            if (job_.isStopRequested())
+                return cancelledError();
+            share.report(static_cast<double>(layer) / static_cast<double>(layerCount()), "collecting edges");
+            const std::int64_t z0 = std::max<std::int64_t>(0, layer * kBrickSide - kLayerApron);
+            const std::int64_t z1 = std::min(geometry_.dims[2], (layer + 1) * kBrickSide + kLayerApron);
+            ISO_TRY(window.advance(z0, z1));
+            countIntoHistogram(window, layer);
+            generateLayer<Sample>(window, geometry_, layer, bins, histogram, layerRecords);
+            for (const auto& brick : layerRecords.bricks)
+                ISO_TRY(sort.add(brick));
+            missingCells_.insert(missingCells_.end(), layerRecords.missingCells.begin(), layerRecords.missingCells.end());
+            lonely.insert(lonely.end(), layerRecords.lonelyKeys.begin(), layerRecords.lonelyKeys.end());
+        }
+        if (info_.min == info_.max)
+            lonely.push_back(keyOf(static_cast<Sample>(info_.min)));
+        distinct_.setLonelyKeys(std::move(lonely));
+        return {};
+    }
+
+    void beginHistogram() {
+        info_.histogram.min = info_.min;
+        info_.histogram.max = info_.max;
+        info_.histogram.counts.assign(kHistogramBins, 0);
+    }
+
+    void countIntoHistogram(const SlabWindow<Sample>& window, std::int64_t layer) {
+        const std::int64_t z0 = layer * kBrickSide;
+        const std::int64_t z1 = std::min(geometry_.dims[2], z0 + kBrickSide);
+        const Sample* samples = window.plane(z0);
+        const std::size_t count = static_cast<std::size_t>((z1 - z0) * geometry_.dims[0] * geometry_.dims[1]);
+        // Halves: max - min may overflow.
+        const double range = info_.max * 0.5 - info_.min * 0.5;
+        const double scale = range > 0.0 ? static_cast<double>(kHistogramBins) / range : 0.0;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (isMissing(samples[i]))
+                continue;
+            const double at = (static_cast<double>(samples[i]) * 0.5 - info_.min * 0.5) * scale;
+            ++info_.histogram.counts[std::min(kHistogramBins - 1, static_cast<std::size_t>(at))];
+        }
+    }
+
+    void beginCurves() {
+        info_.activeEdgesPerBin.assign(kHistogramBins, 0);
+        for (std::size_t bin = 0; bin < kHistogramBins; ++bin) {
+            const double at = static_cast<double>(bin) / static_cast<double>(kHistogramBins);
+            binThresholds_.push_back(thresholdOf<Sample>(info_.min * (1.0 - at) + info_.max * at));
+        }
+    }
+
+    Status consume(std::span<const Record> records, LevelBuilder<Key>& levels) {
+        for (const Record& record : records) {
+            while (nextBin_ < kHistogramBins && record.key >= binThresholds_[nextBin_])
+                info_.activeEdgesPerBin[nextBin_++] = static_cast<std::uint64_t>(activeEdges_);
+            distinct_.add(record.key);
+            for (int e = 0; e < index::kPointEdges; ++e)
+                if (record.edgeMask >> e & 1)
+                    activeEdges_ += record.farKeys[e] > record.key ? 1 : -1;
+        }
+        return levels.add(records);
+    }
+
+    index::IndexMeta makeMeta(std::vector<index::SkipLevelInfo> levels) {
+        info_.geometry = geometry_;
+        info_.type = source_.info().type;
+        info_.distinctValues = distinct_.count();
+        info_.redundancyThreshold = options_.redundancyThreshold;
+        info_.sourceName = options_.sourceName;
+        info_.levels = std::move(levels);
+        index::IndexMeta meta;
+        meta.info = info_;
+        meta.missingCells = std::move(missingCells_);
+        return meta;
+    }
+
+    std::uint64_t sortMemory() const {
+        // What the window of planes and the layer's records take comes off the budget first.
+        const std::uint64_t plane = static_cast<std::uint64_t>(geometry_.dims[0] * geometry_.dims[1]);
+        const std::uint64_t working = plane * (12 * sizeof(Sample) + 10 * (sizeof(Key) + 3) + 8 * sizeof(Record) * 3 / 2);
+        const std::uint64_t usable = options_.memoryBytes - options_.memoryBytes / 8;
+        return std::max<std::uint64_t>(usable > working ? usable - working : 0, std::uint64_t{16} << 20);
+    }
+
+    std::filesystem::path spillPath() const {
+        std::filesystem::path name = path_.filename();
+        name += ".sort.partial";
+        return options_.temporaryFolder.empty() ? path_.parent_path() / name : options_.temporaryFolder / name;
+    }
+
+    // Depends on the volume's frame and the parameters: the same input gives the same bytes.
+    std::uint64_t seed() const {
+        XXH3_state_t* state = XXH3_createState();
+        XXH3_64bits_reset(state);
+        XXH3_64bits_update(state, geometry_.dims.data(), sizeof geometry_.dims);
+        XXH3_64bits_update(state, countsByPrefix_.data(), countsByPrefix_.size() * sizeof countsByPrefix_[0]);
+        XXH3_64bits_update(state, &options_.skipLevels, sizeof options_.skipLevels);
+        XXH3_64bits_update(state, &options_.redundancyThreshold, sizeof options_.redundancyThreshold);
+        const std::uint64_t digest = XXH3_64bits_digest(state);
+        XXH3_freeState(state);
+        return digest;
+    }
+
+    io::VolumeSource& source_;
+    GridGeometry geometry_;
+    BrickGrid grid_;
+    const std::filesystem::path& path_;
+    const BuildOptions& options_;
+    const JobControl& job_;
+    index::IndexInfo info_;
+    std::vector<std::uint64_t> countsByPrefix_;
+    std::vector<index::MissingCells> missingCells_;
+    DistinctCounter distinct_;
+    std::vector<std::uint64_t> binThresholds_;
+    std::size_t nextBin_ = 0;
+    std::int64_t activeEdges_ = 0;
+};
+
+Status checkOptions(const BuildOptions& options, const GridGeometry& geometry) {
+    if (options.skipLevels < 1 || options.skipLevels > index::kMaxSkipLevels)
+        return makeError(ErrorCode::InvalidArgument, "skip levels must be 1 to " + std::to_string(index::kMaxSkipLevels));
+    if (!(options.redundancyThreshold > 0.0) || !std::isfinite(options.redundancyThreshold))
+        return makeError(ErrorCode::InvalidArgument, "redundancy threshold must be a positive number");
+    if (options.memoryBytes < kMinBuildMemoryBytes)
+        return makeError(ErrorCode::InvalidArgument, "memory budget is below the minimum of 64M");
+    if (options.threads < 0)
+        return makeError(ErrorCode::InvalidArgument, "number of threads is negative");
+    for (const std::int64_t dim : geometry.dims)
+        if (dim < 1 || dim > kMaxDim)
+            return makeError(ErrorCode::InvalidArgument, "the volume has an extent outside 1 to " + std::to_string(kMaxDim));
+    if (BrickGrid(geometry.dims).brickCount() > std::numeric_limits<BrickIndex>::max())
+        return makeError(ErrorCode::InvalidArgument, "the volume has more than 2^32 bricks of 8^3 points");
+    return {};
+}
+
+} // namespace
+
+Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::path& indexPath,
+                               const BuildOptions& options, const JobControl& job) {
+    const auto start = std::chrono::steady_clock::now();
+    ISO_TRY(checkOptions(options, source.info().geometry));
+    ISO_TRY(checkOutputPath(indexPath));
+    const auto run = [&] {
+        return visitScalarType(source.info().type, [&](auto sample) {
+            return IndexBuild<decltype(sample)>(source, indexPath, options, job).run();
+        });
+    };
+    tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);
+    std::optional<Result<index::IndexInfo>> info;
+    arena.execute([&] { info.emplace(run()); });
+    if (!info->isOk())
+        return std::move(*info).error();
+    BuildReport report;
+    report.info = std::move(*info).value();
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.peakRssBytes = peakRss();
+    return report;
+}
+
+} // namespace isoslider::preprocess
