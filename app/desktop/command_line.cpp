@@ -1,0 +1,74 @@
+#include "app/desktop/command_line.h"
+
+#include <cmath>
+
+#include <QCommandLineParser>
+#include <QRegularExpression>
+
+namespace isoslider::desktop {
+namespace {
+
+ParsedCommandLine wrongUsage(const QString& message) {
+    return {{}, kWrongUsage, QStringLiteral("isoslider: %1; see isoslider --help\n").arg(message)};
+}
+
+std::optional<QSize> parseSize(const QString& text) {
+    static const QRegularExpression pattern(QStringLiteral("^([0-9]{2,5})x([0-9]{2,5})$"));
+    const auto match = pattern.match(text);
+    const QSize size(match.captured(1).toInt(), match.captured(2).toInt());
+    const bool isUsable = match.hasMatch() && size.width() >= 64 && size.height() >= 64 && size.width() <= 16384 &&
+                          size.height() <= 16384;
+    return isUsable ? std::optional(size) : std::nullopt;
+}
+
+} // namespace
+
+ParsedCommandLine parseCommandLine(const QStringList& arguments) {
+    QCommandLineParser parser;
+    parser.setApplicationDescription(QStringLiteral("Slides isosurfaces through large volumes."));
+    parser.addPositionalArgument(QStringLiteral("FILE"), QStringLiteral("Volume or index to open."), QStringLiteral("[FILE…]"));
+    const QCommandLineOption help({QStringLiteral("h"), QStringLiteral("help")}, QStringLiteral("Show this help and exit."));
+    const QCommandLineOption version({QStringLiteral("v"), QStringLiteral("version")}, QStringLiteral("Show the version and exit."));
+    const QCommandLineOption isovalue(QStringLiteral("isovalue"), QStringLiteral("Isovalue to show first, in data units."), QStringLiteral("X"));
+    const QCommandLineOption size(QStringLiteral("size"), QStringLiteral("Size of the window in pixels."), QStringLiteral("1600x1000"));
+    const QCommandLineOption screenshot(QStringLiteral("screenshot"),
+                                        QStringLiteral("Write a picture of the window when the surface is shown and the index is ready, then exit."),
+                                        QStringLiteral("out.png"));
+    QCommandLineOption selfTest(QStringLiteral("self-test"), QStringLiteral("Start, show a built-in volume and exit."));
+    selfTest.setFlags(QCommandLineOption::HiddenFromHelp);
+    parser.addOptions({help, version, isovalue, size, screenshot, selfTest});
+    if (!parser.parse(arguments)) {
+        QString message = parser.errorText();
+        message.remove(QRegularExpression(QStringLiteral("\\.$")));
+        return wrongUsage(message);
+    }
+    if (parser.isSet(help))
+        return {{}, kSuccess, parser.helpText()};
+    if (parser.isSet(version))
+        return {{}, kSuccess, QStringLiteral("isoslider " ISOSLIDER_VERSION "\n")};
+
+    ParsedCommandLine parsed;
+    auto& line = parsed.commandLine;
+    const QStringList files = parser.positionalArguments();
+    line.file = files.value(0);
+    line.furtherFiles = files.mid(1);
+    if (parser.isSet(isovalue)) {
+        bool isNumber = false;
+        const double value = parser.value(isovalue).toDouble(&isNumber);
+        if (!isNumber || !std::isfinite(value))
+            return wrongUsage(QStringLiteral("--isovalue: '%1' is not a finite number").arg(parser.value(isovalue)));
+        line.isovalue = value;
+    }
+    if (parser.isSet(size)) {
+        line.size = parseSize(parser.value(size));
+        if (!line.size)
+            return wrongUsage(QStringLiteral("--size: '%1' is not a size like 1600x1000, 64 to 16384 each").arg(parser.value(size)));
+    }
+    line.screenshot = parser.value(screenshot);
+    if (parser.isSet(screenshot) && line.screenshot.isEmpty())
+        return wrongUsage(QStringLiteral("--screenshot needs a file name"));
+    line.isSelfTest = parser.isSet(selfTest);
+    return parsed;
+}
+
+} // namespace isoslider::desktop

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+
+#include <QSize>
+#include <QString>
+#include <QStringList>
+
+namespace isoslider::desktop {
+
+enum ExitCode : int { kSuccess = 0, kFault = 1, kWrongUsage = 2, kRefusedInput = 3, kIoFailure = 4 };
+
+/// What the user asked for when starting the program.
+struct CommandLine {
+    QString file;
+    QStringList furtherFiles; ///< one volume is shown at a time: these are not opened
+    std::optional<double> isovalue;
+    std::optional<QSize> size;
+    QString screenshot;
+    bool isSelfTest = false;
+};
+
+/// The command line, or what to print and the code to exit with.
+struct ParsedCommandLine {
+    CommandLine commandLine;
+    std::optional<ExitCode> exitCode;
+    QString output; ///< for stdout on success, for stderr otherwise
+};
+
+/// `arguments` as of QCoreApplication::arguments(). Needs no application object for --help, --version
+/// and wrong usage.
+ParsedCommandLine parseCommandLine(const QStringList& arguments);
+
+} // namespace isoslider::desktop

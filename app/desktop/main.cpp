@@ -1,0 +1,106 @@
+#include <cstdio>
+#include <memory>
+
+#include <QApplication>
+#include <QIcon>
+#include <QStandardPaths>
+#include <QSurfaceFormat>
+#include <QTimer>
+
+#include "app/desktop/command_line.h"
+#include "app/desktop/preprocess_index_builder.h"
+#include "app/desktop/sample_loader.h"
+#include "app/desktop/screenshot_runner.h"
+#include "ui/model/session.h"
+#include "ui/render/gl_program.h"
+#include "ui/render/gl_support.h"
+#include "ui/widgets/file_dialogs.h"
+#include "ui/widgets/main_window.h"
+#include "ui/widgets/message_bar.h"
+#include "ui/widgets/settings_store.h"
+
+namespace isoslider::desktop {
+namespace {
+
+/// Before any application object: wrong usage and --help must not need a display.
+QStringList argumentsOf(int argc, char** argv) {
+    QStringList arguments;
+    for (int i = 0; i < argc; ++i)
+        arguments << QString::fromLocal8Bit(argv[i]);
+    return arguments;
+}
+
+int print(const ParsedCommandLine& parsed) {
+    std::FILE* stream = *parsed.exitCode == kSuccess ? stdout : stderr;
+    std::fputs(qPrintable(parsed.output), stream);
+    return *parsed.exitCode;
+}
+
+void setUpApplication() {
+    QApplication::setApplicationName(QStringLiteral("isoslider"));
+    QApplication::setApplicationDisplayName(QStringLiteral("ISOSLIDER"));
+    QApplication::setApplicationVersion(QStringLiteral(ISOSLIDER_VERSION));
+    QApplication::setDesktopFileName(QStringLiteral("isoslider"));
+    render::initializeResources();
+}
+
+model::SessionServices makeServices() {
+    model::SessionServices services;
+    services.postToMain = [](std::function<void()> function) {
+        // The application object is the context: once it is gone, nothing is run.
+        if (auto* application = QCoreApplication::instance())
+            QMetaObject::invokeMethod(application, std::move(function), Qt::QueuedConnection);
+    };
+    services.indexBuilder = std::make_shared<PreprocessIndexBuilder>();
+    services.sampleLoader = makeSampleLoader();
+    const QString cache = QStandardPaths::writableLocation(QStandardPaths::GenericCacheLocation);
+    services.cacheFolder = std::filesystem::path(cache.toStdU16String()) / "isoslider" / "indexes";
+    return services;
+}
+
+void openFirst(widgets::MainWindow& window, model::Session& session, const CommandLine& line) {
+    model::OpenRequest request;
+    request.isovalue = line.isovalue;
+    if (line.isSelfTest)
+        request.sampleName = "shell";
+    else if (!line.file.isEmpty())
+        request.path = std::filesystem::path(line.file.toStdU16String());
+    else
+        return;
+    session.open(std::move(request));
+    if (!line.furtherFiles.isEmpty())
+        window.messageBar().showNotice({model::Notice::Severity::Information,
+                                        widgets::MainWindow::tr("One volume is shown at a time").toStdString(),
+                                        widgets::MainWindow::tr("Not opened: %1").arg(line.furtherFiles.join(QStringLiteral(", "))).toStdString()});
+}
+
+int run(int argc, char** argv, const CommandLine& line) {
+    QApplication application(argc, argv);
+    setUpApplication();
+    const bool isInteractive = line.screenshot.isEmpty() && !line.isSelfTest;
+    widgets::SettingsStore settings;
+    widgets::PlatformFileDialogs dialogs;
+    model::Session session(makeServices());
+    widgets::MainWindow window(session, settings, dialogs);
+    if (isInteractive && !line.size)
+        window.restoreLayout();
+    if (line.size)
+        window.resize(*line.size);
+    window.show();
+    std::unique_ptr<ScreenshotRunner> runner;
+    if (!isInteractive)
+        runner = std::make_unique<ScreenshotRunner>(window, session, line.screenshot);
+    QTimer::singleShot(0, &window, [&] { openFirst(window, session, line); });
+    return QApplication::exec();
+}
+
+} // namespace
+} // namespace isoslider::desktop
+
+int main(int argc, char** argv) {
+    using namespace isoslider::desktop;
+    const auto parsed = parseCommandLine(argumentsOf(argc, argv));
+    if (parsed.exitCode)
+        return print(parsed);
+    return run(argc, argv, parsed.commandLine);
+}

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "ui/model/index_builder.h"
+
+namespace isoslider::desktop {
+
+/// Has indexes built by the preprocessor, in this process.
+class PreprocessIndexBuilder final : public model::IndexBuilder {
+public:
+    Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
+                 const std::filesystem::path& indexPath, const JobControl& job) override;
+};
+
+} // namespace isoslider::desktop

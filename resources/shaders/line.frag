@@ -1,0 +1,6 @@
+#version 330 core
+uniform vec4 lineColour;
+
+out vec4 colour;
+
+void main() { colour = lineColour; }

@@ -1,0 +1,48 @@
+#version 330 core
+// Two-sided: a key light over the viewer's left shoulder, a headlight, a cool fill from below right.
+in vec3 viewPosition;
+in vec3 viewNormal;
+
+uniform vec3 frontColour; // linear light
+uniform vec3 backColour;
+uniform vec4 glowColour;  // a: how much of it covers the surface
+uniform float perspective; // 1 perspective, 0 orthographic
+
+out vec4 colour;
+
+vec3 shadingNormal() {
+    float size = length(viewNormal);
+    // Where the gradient vanishes the facet's own normal serves.
+    vec3 facet = cross(dFdx(viewPosition), dFdy(viewPosition));
+    vec3 normal = size > 1e-4 ? viewNormal / size : normalize(facet + vec3(0.0, 0.0, 1e-20));
+    return normal;
+}
+
+void main() {
+    vec3 toViewer = perspective > 0.5 ? normalize(-viewPosition) : vec3(0.0, 0.0, 1.0);
+    vec3 normal = shadingNormal();
+    if (!gl_FrontFacing)
+        normal = -normal;
+    vec3 base = gl_FrontFacing ? frontColour : backColour;
+
+    const vec3 keyDirection = normalize(vec3(-0.45, 0.62, 0.75));
+    const vec3 fillDirection = normalize(vec3(0.75, -0.45, 0.35));
+    float key = max(dot(normal, keyDirection), 0.0);
+    float head = max(dot(normal, toViewer), 0.0);
+    float fill = max(dot(normal, fillDirection), 0.0);
+    float sky = 0.5 + 0.5 * normal.y;
+
+    vec3 light = vec3(0.055) + 0.05 * sky * vec3(0.9, 0.95, 1.0);
+    light += 0.62 * key * vec3(1.0, 0.97, 0.92);
+    light += 0.26 * head;
+    light += 0.10 * fill * vec3(0.75, 0.85, 1.0);
+
+    vec3 halfway = normalize(keyDirection + toViewer);
+    float shine = pow(max(dot(normal, halfway), 0.0), 48.0) * 0.16;
+    shine += pow(max(dot(normal, toViewer), 0.0), 90.0) * 0.05;
+    vec3 lit = base * light + vec3(shine) * (gl_FrontFacing ? 1.0 : 0.3);
+
+    vec3 glow = glowColour.rgb * (0.25 + 0.75 * head);
+    lit = mix(lit, glow, glowColour.a);
+    colour = vec4(pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2)), 1.0);
+}

@@ -1,0 +1,18 @@
+#version 330 core
+// Grid index units in, view space out. The matrices come from doubles and hold the centring.
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+
+uniform mat4 modelToView;
+uniform mat4 viewToClip;
+uniform mat3 normalToView;
+
+out vec3 viewPosition;
+out vec3 viewNormal;
+
+void main() {
+    vec4 place = modelToView * vec4(position, 1.0);
+    viewPosition = place.xyz;
+    viewNormal = normalToView * normal;
+    gl_Position = viewToClip * place;
+}

@@ -1,0 +1,170 @@
+#include "ui/model/dataset.h"
+
+#include <sstream>
+#include <system_error>
+
+#include "core/grid/volume_statistics.h"
+#include "ui/model/histogram_model.h"
+
+namespace isoslider::model {
+namespace fs = std::filesystem;
+namespace {
+
+/// The part of a job's bar that one of its steps fills.
+JobControl part(const JobControl& job, double begin, double end) {
+    JobControl inner;
+    inner.stop = job.stop;
+    inner.progress = [&job, begin, end](double fraction, std::string_view stage) {
+        job.report(begin + fraction * (end - begin), stage);
+    };
+    return inner;
+}
+
+std::string layoutText(const io::ReadOptions& options) {
+    std::ostringstream text;
+    text << options.field;
+    if (options.raw) {
+        const auto& raw = *options.raw;
+        for (int axis = 0; axis < 3; ++axis)
+            text << ',' << raw.dims[static_cast<std::size_t>(axis)] << ',' << raw.spacing[axis];
+        text << ',' << raw.skipBytes << (raw.isBigEndian ? "be" : "le") << scalarTypeName(raw.type);
+    }
+    return text.str();
+}
+
+fs::path cachedIndexPath(const OpenRequest& request, const IndexCache& cache) {
+    if (!request.sampleName.empty())
+        return cache.pathForSample(request.sampleName);
+    return cache.pathForFile(request.path, layoutText(request.readOptions));
+}
+
+void adoptIndex(Dataset& dataset, const index::IndexInfo& info) {
+    dataset.geometry = info.geometry;
+    dataset.type = info.type;
+    dataset.min = info.min;
+    dataset.max = info.max;
+    dataset.distinctValues = info.distinctValues;
+    dataset.missingSamples = info.nanCount;
+    dataset.histogram = info.histogram;
+    dataset.index = info;
+}
+
+LoadedDataset fromEngine(Dataset dataset, std::unique_ptr<extract::SlideEngine> engine,
+                         const OpenRequest& request) {
+    LoadedDataset loaded;
+    adoptIndex(dataset, engine->info());
+    loaded.isovalue = request.isovalue.value_or(suggestIsovalue(dataset.histogram));
+    loaded.dataset = std::move(dataset);
+    loaded.engine = std::move(engine);
+    return loaded;
+}
+
+Result<LoadedDataset> loadIndexFile(const OpenRequest& request) {
+    auto engine = extract::SlideEngine::open(request.path);
+    if (!engine.isOk())
+        return engine.error();
+    Dataset dataset;
+    dataset.name = displayName(request);
+    dataset.path = request.path;
+    dataset.format = "ISOSLIDER index";
+    dataset.indexPath = request.path;
+    return fromEngine(std::move(dataset), std::move(engine).value(), request);
+}
+
+/// The cached index, if there is a whole one that is of this volume's shape.
+std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
+    std::error_code ignored;
+    if (!fs::exists(dataset.indexPath, ignored))
+        return nullptr;
+    auto engine = extract::SlideEngine::open(dataset.indexPath);
+    if (engine.isOk() && engine.value()->info().geometry == dataset.geometry &&
+        engine.value()->info().type == dataset.type)
+        return std::move(engine).value();
+    return nullptr; // damaged or of another shape: the next build replaces it
+}
+
+Status readGrid(const OpenRequest& request, const SampleLoader& samples, const JobControl& job,
+                LoadedDataset& loaded) {
+    const auto reading = part(job, 0.0, 0.7);
+    auto grid = request.sampleName.empty() ? io::readVolume(request.path, request.readOptions, reading)
+                                           : samples(request.sampleName, reading);
+    if (!grid.isOk())
+        return grid.error();
+    loaded.grid = std::move(grid).value();
+    loaded.dataset.geometry = loaded.grid->geometry();
+    loaded.dataset.type = loaded.grid->type();
+    return {};
+}
+
+Status addStatistics(LoadedDataset& loaded, const JobControl& job) {
+    job.report(0.7, "Counting values");
+    auto statistics = computeStatistics(*loaded.grid, true, 512, part(job, 0.7, 0.95));
+    if (!statistics.isOk())
+        return statistics.error();
+    const auto& facts = statistics.value();
+    auto& dataset = loaded.dataset;
+    const auto points = static_cast<std::uint64_t>(pointCount(dataset.geometry.dims));
+    if (facts.nanCount >= points)
+        return makeError(ErrorCode::InvalidArgument,
+                         "every sample is missing (NaN or infinite), so there is no isosurface; choose another file or field",
+                         dataset.path.string());
+    dataset.min = facts.min;
+    dataset.max = facts.max;
+    dataset.distinctValues = facts.distinctValues;
+    dataset.missingSamples = facts.nanCount;
+    dataset.histogram = facts.histogram;
+    return {};
+}
+
+} // namespace
+
+std::uint64_t Dataset::sampleBytes() const {
+    return static_cast<std::uint64_t>(pointCount(geometry.dims)) * scalarTypeSizeBytes(type);
+}
+
+double Dataset::bytesPerVoxel() const {
+    const auto points = pointCount(geometry.dims);
+    return index && points > 0 ? static_cast<double>(index->indexBytes) / static_cast<double>(points) : 0.0;
+}
+
+bool isIndexFile(const fs::path& path) { return path.extension() == ".isx"; }
+
+std::string displayName(const OpenRequest& request) {
+    if (!request.sampleName.empty())
+        return request.sampleName;
+    const auto name = request.path.filename().string();
+    return name.empty() ? request.path.parent_path().filename().string() : name;
+}
+
+Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache,
+                                  const SampleLoader& samples, const JobControl& job) {
+    if (request.sampleName.empty() && isIndexFile(request.path))
+        return loadIndexFile(request);
+    LoadedDataset loaded;
+    auto& dataset = loaded.dataset;
+    dataset.name = displayName(request);
+    dataset.path = request.path;
+    dataset.format = "built-in sample";
+    dataset.indexPath = cachedIndexPath(request, cache);
+    if (request.sampleName.empty()) {
+        auto source = io::openVolume(request.path, request.readOptions);
+        if (!source.isOk())
+            return source.error();
+        const auto& info = source.value()->info();
+        dataset.geometry = info.geometry;
+        dataset.type = info.type;
+        dataset.format = info.format;
+        dataset.fieldName = info.fieldName;
+        if (auto engine = openCached(dataset))
+            return fromEngine(std::move(dataset), std::move(engine), request);
+    }
+    ISO_TRY(readGrid(request, samples, job, loaded));
+    if (!request.sampleName.empty())
+        if (auto engine = openCached(dataset))
+            return fromEngine(std::move(dataset), std::move(engine), request);
+    ISO_TRY(addStatistics(loaded, job));
+    loaded.isovalue = request.isovalue.value_or(suggestIsovalue(dataset.histogram));
+    return loaded;
+}
+
+} // namespace isoslider::model

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "core/base/job_control.h"
+#include "core/grid/scalar_grid.h"
+
+namespace isoslider::model {
+
+/// How the window has an index built, without knowing the preprocessor.
+class IndexBuilder {
+public:
+    virtual ~IndexBuilder() = default;
+
+    /// Builds the index of `grid` and publishes it at `indexPath`, whose folder exists. On failure
+    /// or cancel nothing is left behind. Runs on a worker thread; several may run at once.
+    virtual Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
+                         const std::filesystem::path& indexPath, const JobControl& job) = 0;
+};
+
+} // namespace isoslider::model

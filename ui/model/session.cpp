@@ -1,0 +1,300 @@
+#include "ui/model/session.h"
+
+#include <system_error>
+
+#include "core/mesh/mesh_export.h"
+#include "ui/model/histogram_model.h"
+
+namespace isoslider::model {
+namespace fs = std::filesystem;
+
+/// Between the worker and the window: the newest frame only, and at most one message on its way.
+struct Session::FrameSlot {
+    std::mutex mutex;
+    std::shared_ptr<const extract::SurfaceFrame> frame;
+    SourceGeneration generation{};
+    bool isPosted = false;
+};
+
+Session::Session(SessionServices services)
+    : services_(std::move(services)), cache_(services_.cacheFolder), slot_(std::make_shared<FrameSlot>()),
+      worker_(std::make_unique<SlideWorker>(workerCallbacks())),
+      runner_(std::make_unique<JobRunner>(jobs_, services_.postToMain)) {
+    requestSubscription_ = isovalue_.observeRequest([this](double isovalue) { worker_->request(isovalue); });
+}
+
+Session::~Session() = default;
+
+SlideWorker::Callbacks Session::workerCallbacks() {
+    SlideWorker::Callbacks callbacks;
+    const std::weak_ptr<FrameSlot> weakSlot = slot_;
+    callbacks.onFrame = [this, weakSlot, post = services_.postToMain](auto frame, SourceGeneration generation) {
+        const auto slot = weakSlot.lock();
+        if (!slot)
+            return;
+        {
+            const std::lock_guard lock(slot->mutex);
+            slot->frame = std::move(frame);
+            slot->generation = generation;
+            if (std::exchange(slot->isPosted, true))
+                return;
+        }
+        post([this, weakSlot] {
+            if (weakSlot.lock())
+                takeFrame();
+        });
+    };
+    callbacks.onError = [this, weakSlot, post = services_.postToMain](Error error, SourceGeneration generation) {
+        post([this, weakSlot, error = std::move(error), generation] {
+            if (weakSlot.lock())
+                onSlideError(error, generation);
+        });
+    };
+    return callbacks;
+}
+
+void Session::open(OpenRequest request) {
+    if (loadJob_)
+        runner_->cancel(*loadJob_);
+    const auto ticket = ++loadTicket_;
+    const auto name = displayName(request);
+    loadJob_ = runner_->run<LoadedDataset>(
+        "Open " + name,
+        [request = std::move(request), cache = cache_, samples = services_.sampleLoader](const JobControl& job) {
+            return loadDataset(request, cache, samples, job);
+        },
+        [this, ticket, name](Result<LoadedDataset> loaded) {
+            if (ticket == loadTicket_)
+                onLoaded(std::move(loaded), name);
+        });
+    datasetChanged_.notify();
+}
+
+void Session::onLoaded(Result<LoadedDataset> loaded, const std::string& name) {
+    loadJob_.reset();
+    if (loaded.isOk())
+        adopt(std::move(loaded).value());
+    else
+        datasetChanged_.notify();
+    if (!loaded.isOk() && !loaded.isCancelled())
+        fail("Could not open " + name, loaded.error());
+}
+
+void Session::forgetDataset() {
+    ++datasetTicket_;
+    if (indexJob_)
+        runner_->cancel(*indexJob_);
+    indexJob_.reset();
+    indexState_ = IndexState::None;
+    dataset_.reset();
+    grid_.reset();
+    frame_.reset();
+    meshReport_.reset();
+    isCheckingMesh_ = false;
+}
+
+void Session::adopt(LoadedDataset loaded) {
+    forgetDataset();
+    dataset_ = std::move(loaded.dataset);
+    grid_ = std::move(loaded.grid);
+    isovalue_.setDomain(dataset_->min, dataset_->max, loaded.isovalue);
+    if (loaded.engine) {
+        indexState_ = IndexState::Ready;
+        useSource(makeIndexSource(std::move(loaded.engine)));
+    } else {
+        useSource(makeFullExtractionSource(grid_));
+    }
+    datasetChanged_.notify();
+    frameChanged_.notify();
+    meshReportChanged_.notify();
+}
+
+void Session::close() {
+    if (loadJob_)
+        runner_->cancel(*loadJob_);
+    loadJob_.reset();
+    ++loadTicket_;
+    forgetDataset();
+    generation_ = worker_->setSource(nullptr);
+    isovalue_.clearDomain();
+    datasetChanged_.notify();
+    frameChanged_.notify();
+    meshReportChanged_.notify();
+}
+
+void Session::useSource(std::shared_ptr<SurfaceSource> source) {
+    generation_ = worker_->setSource(std::move(source));
+    worker_->request(isovalue_.requested());
+}
+
+void Session::takeFrame() {
+    SourceGeneration generation{};
+    std::shared_ptr<const extract::SurfaceFrame> frame;
+    {
+        const std::lock_guard lock(slot_->mutex);
+        slot_->isPosted = false;
+        frame = std::exchange(slot_->frame, nullptr);
+        generation = slot_->generation;
+    }
+    if (!frame || generation != generation_)
+        return;
+    frame_ = std::move(frame);
+    isovalue_.setDisplayed(frame_->isovalue, frame_->stats.updateMs + frame_->stats.interpolateMs);
+    frameChanged_.notify();
+    // The first picture has both cores for itself; the index comes after it.
+    if (indexState_ == IndexState::None)
+        startIndexBuild();
+}
+
+void Session::onSlideError(const Error& error, SourceGeneration generation) {
+    if (generation != generation_)
+        return;
+    fail("The surface could not be moved", error);
+    if (indexState_ == IndexState::None)
+        startIndexBuild();
+}
+
+void Session::buildIndex() {
+    if (indexState_ == IndexState::Failed || indexState_ == IndexState::Cancelled)
+        startIndexBuild();
+}
+
+void Session::startIndexBuild() {
+    if (!grid_ || !services_.indexBuilder)
+        return;
+    indexState_ = IndexState::Building;
+    auto work = [builder = services_.indexBuilder, grid = grid_, name = dataset_->name,
+                 path = dataset_->indexPath](const JobControl& job) -> Status {
+        std::error_code error;
+        fs::create_directories(path.parent_path(), error);
+        if (error)
+            return makeError(ErrorCode::IoError, "the folder for indexes cannot be made: " + error.message(),
+                             path.parent_path().string());
+        return builder->build(grid, name, path, job);
+    };
+    indexJob_ = runner_->run<void>("Build index of " + dataset_->name, std::move(work),
+                                   [this, ticket = datasetTicket_](const Status& status) {
+                                       if (ticket == datasetTicket_)
+                                           onIndexBuilt(status);
+                                   });
+    datasetChanged_.notify();
+}
+
+void Session::onIndexBuilt(const Status& status) {
+    indexJob_.reset();
+    if (status.isOk())
+        return openBuiltIndex();
+    indexState_ = status.isCancelled() ? IndexState::Cancelled : IndexState::Failed;
+    datasetChanged_.notify();
+    if (!status.isCancelled())
+        fail("The index could not be built; every move extracts the whole surface", status.error());
+}
+
+void Session::openBuiltIndex() {
+    indexJob_ = runner_->run<OpenedIndex>(
+        "Open index of " + dataset_->name,
+        [path = dataset_->indexPath](const JobControl&) -> Result<OpenedIndex> {
+            auto engine = extract::SlideEngine::open(path);
+            if (!engine.isOk())
+                return engine.error();
+            OpenedIndex opened;
+            opened.info = engine.value()->info();
+            opened.source = makeIndexSource(std::move(engine).value());
+            return opened;
+        },
+        [this, ticket = datasetTicket_](Result<OpenedIndex> opened) {
+            if (ticket != datasetTicket_)
+                return;
+            indexJob_.reset();
+            if (opened.isOk())
+                return useIndex(std::move(opened).value());
+            indexState_ = IndexState::Failed;
+            datasetChanged_.notify();
+            if (!opened.isCancelled())
+                fail("The index could not be opened", opened.error());
+        });
+}
+
+void Session::useIndex(OpenedIndex opened) {
+    indexState_ = IndexState::Ready;
+    dataset_->distinctValues = opened.info.distinctValues;
+    dataset_->index = std::move(opened.info);
+    grid_.reset(); // exploring needs memory in proportion to the surface, not to the volume
+    useSource(std::move(opened.source));
+    datasetChanged_.notify();
+}
+
+void Session::checkMesh() {
+    if (!frame_ || isCheckingMesh_)
+        return;
+    isCheckingMesh_ = true;
+    meshReportIsovalue_ = isovalue_.requested();
+    runner_->run<mesh::MeshReport>(
+        "Check mesh",
+        [worker = worker_.get()](const JobControl& job) -> Result<mesh::MeshReport> {
+            job.report(0.05, "Taking the surface");
+            auto surface = worker->takeMesh(job);
+            if (!surface.isOk())
+                return surface.error();
+            job.report(0.3, "Checking with OpenMesh");
+            return mesh::checkMesh(surface.value());
+        },
+        [this, ticket = datasetTicket_](Result<mesh::MeshReport> report) {
+            if (ticket != datasetTicket_)
+                return;
+            isCheckingMesh_ = false;
+            if (report.isOk())
+                meshReport_ = report.value();
+            meshReportChanged_.notify();
+            if (!report.isOk() && !report.isCancelled())
+                fail("The mesh could not be checked", report.error());
+        });
+    meshReportChanged_.notify();
+}
+
+void Session::exportMesh(const fs::path& path) {
+    if (!frame_)
+        return;
+    if (!mesh::isExportSuffix(path))
+        return fail("The mesh was not exported",
+                    makeError(ErrorCode::InvalidArgument,
+                              "the file name must end in .ply, .obj, .stl, .off or .om", path.string()));
+    runner_->run<void>(
+        "Export " + path.filename().string(),
+        [worker = worker_.get(), path](const JobControl& job) -> Status {
+            job.report(0.05, "Taking the surface");
+            auto surface = worker->takeMesh(job);
+            if (!surface.isOk())
+                return surface.error();
+            job.report(0.4, "Writing");
+            return mesh::exportMesh(surface.value(), path);
+        },
+        [this, path](const Status& status) {
+            if (status.isOk())
+                noticePosted_.notify(Notice{Notice::Severity::Information, "Mesh exported", path.string()});
+            else if (!status.isCancelled())
+                fail("The mesh was not exported", status.error());
+        });
+}
+
+void Session::cancelJob(JobId id) { runner_->cancel(id); }
+
+bool Session::isSettled() const {
+    if (jobs_.runningCount() > 0)
+        return false;
+    if (!dataset_)
+        return true;
+    if (!frame_ || isovalue_.isLagging())
+        return false;
+    switch (indexState_) {
+        case IndexState::None: return !grid_ || !services_.indexBuilder;
+        case IndexState::Ready: return frame_->isFromIndex;
+        default: return true;
+    }
+}
+
+void Session::fail(const std::string& title, const Error& error) {
+    noticePosted_.notify(Notice{Notice::Severity::Error, title, error.line(), error.code});
+}
+
+} // namespace isoslider::model

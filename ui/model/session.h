@@ -1,0 +1,119 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/extract/surface_frame.h"
+#include "core/mesh/mesh_checks.h"
+#include "ui/model/dataset.h"
+#include "ui/model/index_builder.h"
+#include "ui/model/isovalue_model.h"
+#include "ui/model/job_model.h"
+#include "ui/model/job_runner.h"
+#include "ui/model/slide_worker.h"
+
+namespace isoslider::model {
+
+enum class IndexState { None, Building, Ready, Failed, Cancelled };
+
+/// Something to tell the user without stopping them.
+struct Notice {
+    enum class Severity { Information, Error };
+    Severity severity = Severity::Information;
+    std::string title;
+    std::string detail;
+    ErrorCode code = ErrorCode::InvalidArgument; ///< of an Error
+};
+
+struct SessionServices {
+    MainThread postToMain;
+    std::shared_ptr<IndexBuilder> indexBuilder; ///< null: indexes are never built
+    SampleLoader sampleLoader;
+    std::filesystem::path cacheFolder;
+};
+
+/// One open volume and everything that happens to it: loading, index, slide, checks, export.
+/// Window thread only; every call returns at once, results arrive through the observers.
+/// Opening another volume keeps the present one until the new one has been read.
+class Session {
+public:
+    explicit Session(SessionServices services);
+    ~Session();
+
+    void open(OpenRequest request);
+    void close();
+    /// Starts the index build again after it failed or was cancelled.
+    void buildIndex();
+    void checkMesh();
+    void exportMesh(const std::filesystem::path& path);
+    void cancelJob(JobId id);
+
+    bool isLoading() const { return loadJob_.has_value(); }
+    /// Nothing is being read, built, checked, written or moved.
+    bool isSettled() const;
+    const Dataset* dataset() const { return dataset_ ? &*dataset_ : nullptr; }
+    /// Differs between any two volumes opened in this session.
+    std::uint64_t datasetKey() const { return datasetTicket_; }
+    IndexState indexState() const { return indexState_; }
+    /// Null until the first surface.
+    std::shared_ptr<const extract::SurfaceFrame> frame() const { return frame_; }
+    IsovalueModel& isovalue() { return isovalue_; }
+    const JobModel& jobs() const { return jobs_; }
+    JobModel& jobs() { return jobs_; }
+    const std::optional<mesh::MeshReport>& meshReport() const { return meshReport_; }
+    double meshReportIsovalue() const { return meshReportIsovalue_; }
+    bool isCheckingMesh() const { return isCheckingMesh_; }
+
+    ObserverList<>& datasetChanged() { return datasetChanged_; } ///< dataset, loading or index state
+    ObserverList<>& frameChanged() { return frameChanged_; }
+    ObserverList<>& meshReportChanged() { return meshReportChanged_; }
+    ObserverList<const Notice&>& noticePosted() { return noticePosted_; }
+
+private:
+    struct FrameSlot;
+    struct OpenedIndex {
+        index::IndexInfo info;
+        std::shared_ptr<SurfaceSource> source;
+    };
+
+    void onLoaded(Result<LoadedDataset> loaded, const std::string& name);
+    void adopt(LoadedDataset loaded);
+    void startIndexBuild();
+    void onIndexBuilt(const Status& status);
+    void openBuiltIndex();
+    void useIndex(OpenedIndex opened);
+    void forgetDataset();
+    void useSource(std::shared_ptr<SurfaceSource> source);
+    void takeFrame();
+    void onSlideError(const Error& error, SourceGeneration generation);
+    void fail(const std::string& title, const Error& error);
+    SlideWorker::Callbacks workerCallbacks();
+
+    SessionServices services_;
+    IndexCache cache_;
+    IsovalueModel isovalue_;
+    JobModel jobs_;
+    std::optional<Dataset> dataset_;
+    std::shared_ptr<const ScalarGrid> grid_; ///< until the index is there
+    std::shared_ptr<const extract::SurfaceFrame> frame_;
+    IndexState indexState_ = IndexState::None;
+    std::optional<JobId> loadJob_;
+    std::optional<JobId> indexJob_;
+    std::optional<mesh::MeshReport> meshReport_;
+    double meshReportIsovalue_ = 0.0;
+    bool isCheckingMesh_ = false;
+    std::uint64_t loadTicket_ = 0;    ///< tells a superseded load from the present one
+    std::uint64_t datasetTicket_ = 0; ///< tells results about an earlier volume from present ones
+    ObserverList<> datasetChanged_;
+    ObserverList<> frameChanged_;
+    ObserverList<> meshReportChanged_;
+    ObserverList<const Notice&> noticePosted_;
+    Subscription requestSubscription_;
+    std::shared_ptr<FrameSlot> slot_;
+    SourceGeneration generation_{};
+    std::unique_ptr<SlideWorker> worker_;
+    std::unique_ptr<JobRunner> runner_; // last: jobs use the worker
+};
+
+} // namespace isoslider::model

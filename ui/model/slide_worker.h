@@ -1,0 +1,76 @@
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "ui/model/frame_pool.h"
+#include "ui/model/surface_source.h"
+
+namespace isoslider::model {
+
+/// Names the source that a frame came from; grows with every setSource.
+enum class SourceGeneration : std::uint64_t {};
+
+/// The thread that moves the surface. A mailbox holds the latest requested isovalue only: while one
+/// move runs, newer requests replace each other, and the newest is served next. A running move is
+/// finished, not cancelled, by a newer request, so a long drag still shows pictures on its way.
+/// All members but takeMesh return at once; they may be called from any thread.
+class SlideWorker {
+public:
+    /// Both are called on the worker's thread.
+    struct Callbacks {
+        std::function<void(std::shared_ptr<const extract::SurfaceFrame>, SourceGeneration)> onFrame;
+        std::function<void(Error, SourceGeneration)> onError;
+    };
+
+    explicit SlideWorker(Callbacks callbacks);
+    /// Cancels the running move and waits for it. Waiting takeMesh calls return Cancelled.
+    ~SlideWorker();
+
+    /// Replaces the source (null: none), forgets the pending request, cancels the running move.
+    /// Frames of earlier generations may still be delivered once.
+    SourceGeneration setSource(std::shared_ptr<SurfaceSource> source);
+    void request(double isovalue);
+
+    /// The surface as a mesh, after all pending moves. Blocks: call it from a job, never the window.
+    /// Errors: Cancelled; InvalidArgument without a source.
+    Result<extract::SurfaceMesh> takeMesh(const JobControl& job);
+
+private:
+    struct MeshOrder {
+        JobControl job;
+        std::promise<Result<extract::SurfaceMesh>> mesh;
+    };
+    struct Work {
+        std::shared_ptr<SurfaceSource> source;
+        SourceGeneration generation{};
+        std::optional<double> isovalue;
+        std::unique_ptr<MeshOrder> order;
+        std::stop_token stop;
+        std::vector<std::shared_ptr<SurfaceSource>> retired;
+    };
+
+    void loop(std::stop_token stop);
+    bool waitForWork(std::stop_token stop, Work& work);
+    void move(const Work& work);
+    bool isCurrent(SourceGeneration generation);
+
+    Callbacks callbacks_;
+    FramePool pool_;
+    std::mutex mutex_;
+    std::condition_variable_any wake_;
+    std::shared_ptr<SurfaceSource> source_;
+    std::vector<std::shared_ptr<SurfaceSource>> retired_;
+    SourceGeneration generation_{};
+    std::optional<double> mailbox_;
+    std::unique_ptr<MeshOrder> order_;
+    std::stop_source moveStop_;
+    std::jthread thread_; // last: joins before the members above go
+};
+
+} // namespace isoslider::model

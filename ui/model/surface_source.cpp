@@ -1,0 +1,86 @@
+#include "ui/model/surface_source.h"
+
+#include <chrono>
+
+#include "core/extract/full_extraction.h"
+
+namespace isoslider::model {
+namespace {
+
+class FullExtractionSource final : public SurfaceSource {
+public:
+    explicit FullExtractionSource(std::shared_ptr<const ScalarGrid> grid) : grid_(std::move(grid)) {}
+
+    Status moveTo(double isovalue, std::stop_token stop, extract::SurfaceFrame& frame) override {
+        const auto begin = std::chrono::steady_clock::now();
+        JobControl job;
+        job.stop = stop;
+        auto surface = extract::extractFull(*grid_, isovalue, job);
+        if (!surface.isOk())
+            return surface.error();
+        isovalue_ = isovalue;
+        auto& mesh = surface.value();
+        frame.stats = {};
+        frame.stats.isovalue = isovalue;
+        frame.stats.activeEdges = mesh.positions.size();
+        frame.stats.triangles = mesh.triangleCount();
+        frame.stats.cellsRetriangulated = 0;
+        frame.stats.hasRebuilt = true;
+        frame.geometry = grid_->geometry();
+        frame.isovalue = isovalue;
+        frame.isFromIndex = false;
+        frame.positions = std::move(mesh.positions);
+        frame.normals = std::move(mesh.normals);
+        frame.indices = std::move(mesh.triangles);
+        frame.changedIndices.clear();
+        frame.stats.updateMs =
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+        return {};
+    }
+
+    Result<extract::SurfaceMesh> mesh(const JobControl& job) override {
+        return extract::extractFull(*grid_, isovalue_, job);
+    }
+
+private:
+    std::shared_ptr<const ScalarGrid> grid_;
+    double isovalue_ = 0.0;
+};
+
+class IndexSource final : public SurfaceSource {
+public:
+    explicit IndexSource(std::unique_ptr<extract::SlideEngine> engine) : engine_(std::move(engine)) {}
+
+    Status moveTo(double isovalue, std::stop_token stop, extract::SurfaceFrame& frame) override {
+        auto stats = engine_->slideTo(isovalue, stop);
+        if (!stats.isOk())
+            return stats.error();
+        engine_->copyFrame(frame);
+        frame.stats = std::move(stats).value();
+        frame.geometry = engine_->info().geometry;
+        frame.isovalue = isovalue;
+        frame.isFromIndex = true;
+        return {};
+    }
+
+    Result<extract::SurfaceMesh> mesh(const JobControl& job) override {
+        if (job.isStopRequested())
+            return cancelledError();
+        return engine_->mesh();
+    }
+
+private:
+    std::unique_ptr<extract::SlideEngine> engine_;
+};
+
+} // namespace
+
+std::unique_ptr<SurfaceSource> makeFullExtractionSource(std::shared_ptr<const ScalarGrid> grid) {
+    return std::make_unique<FullExtractionSource>(std::move(grid));
+}
+
+std::unique_ptr<SurfaceSource> makeIndexSource(std::unique_ptr<extract::SlideEngine> engine) {
+    return std::make_unique<IndexSource>(std::move(engine));
+}
+
+} // namespace isoslider::model

@@ -1,0 +1,228 @@
+#include "ui/render/scene_renderer.h"
+
+#include <array>
+
+#include <QMatrix3x3>
+#include <QMatrix4x4>
+#include <QOpenGLVersionFunctionsFactory>
+#include <QVector3D>
+#include <QVector4D>
+
+#include <glm/geometric.hpp>
+
+#include "ui/render/surface_buffers.h"
+
+namespace isoslider::render {
+namespace {
+
+constexpr int kBoxVertices = 24;
+
+QMatrix4x4 toQt(const glm::dmat4& matrix) {
+    QMatrix4x4 result;
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            result(row, column) = static_cast<float>(matrix[column][row]);
+    return result;
+}
+
+QMatrix3x3 toQt(const glm::dmat3& matrix) {
+    QMatrix3x3 result;
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
+            result(row, column) = static_cast<float>(matrix[column][row]);
+    return result;
+}
+
+QVector3D toQt(glm::vec3 v) { return {v.x, v.y, v.z}; }
+QVector4D toQt(glm::vec4 v) { return {v.x, v.y, v.z, v.w}; }
+
+glm::dvec3 lastPoint(const GridGeometry& geometry) {
+    return glm::dvec3(geometry.dims[0], geometry.dims[1], geometry.dims[2]) - 1.0;
+}
+
+/// The twelve edges of the box [0, last], as point pairs.
+std::array<glm::vec3, kBoxVertices> boxLines(glm::vec3 last) {
+    std::array<glm::vec3, kBoxVertices> points{};
+    std::size_t next = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        for (int corner = 0; corner < 4; ++corner) {
+            glm::vec3 begin(0.0f);
+            begin[(axis + 1) % 3] = (corner & 1) != 0 ? last[(axis + 1) % 3] : 0.0f;
+            begin[(axis + 2) % 3] = (corner & 2) != 0 ? last[(axis + 2) % 3] : 0.0f;
+            glm::vec3 end = begin;
+            end[axis] = last[axis];
+            points[next++] = begin;
+            points[next++] = end;
+        }
+    return points;
+}
+
+} // namespace
+
+struct SceneRenderer::Matrices {
+    QMatrix4x4 modelToView;
+    QMatrix4x4 viewToClip;
+    QMatrix3x3 normalToView;
+};
+
+struct SceneRenderer::Resources {
+    explicit Resources(Gl& functions) : gl(functions), surface(functions) {
+        gl.glGenVertexArrays(1, &emptyArray);
+        gl.glGenVertexArrays(1, &boxArray);
+        gl.glGenBuffers(1, &boxBuffer);
+    }
+    ~Resources() {
+        gl.glDeleteBuffers(1, &boxBuffer);
+        gl.glDeleteVertexArrays(1, &boxArray);
+        gl.glDeleteVertexArrays(1, &emptyArray);
+    }
+
+    Gl& gl;
+    SurfaceBuffers surface;
+    GLuint emptyArray = 0;
+    GLuint boxArray = 0;
+    GLuint boxBuffer = 0;
+    std::unique_ptr<QOpenGLShaderProgram> backgroundProgram;
+    std::unique_ptr<QOpenGLShaderProgram> lineProgram;
+    std::unique_ptr<QOpenGLShaderProgram> surfaceProgram;
+};
+
+double sceneRadius(const GridGeometry& geometry) {
+    const double radius = 0.5 * glm::length(lastPoint(geometry) * geometry.spacing);
+    return radius > 0.0 ? radius : 1.0;
+}
+
+glm::dmat4 indexToCentredWorld(const GridGeometry& geometry) {
+    glm::dmat4 map = geometry.indexToWorld();
+    const glm::dvec3 centre = 0.5 * lastPoint(geometry);
+    map[3] = glm::dvec4(-(glm::dmat3(map) * centre), 1.0);
+    return map;
+}
+
+SceneRenderer::SceneRenderer() = default;
+SceneRenderer::~SceneRenderer() = default;
+
+bool SceneRenderer::initialize() {
+    auto* gl = QOpenGLVersionFunctionsFactory::get<Gl>();
+    if (gl == nullptr || !gl->initializeOpenGLFunctions())
+        return false;
+    resources_ = std::make_unique<Resources>(*gl);
+    resources_->backgroundProgram = loadProgram("background");
+    resources_->lineProgram = loadProgram("line");
+    resources_->surfaceProgram = loadProgram("surface");
+    isFrameNew_ = true;
+    if (resources_->backgroundProgram && resources_->lineProgram && resources_->surfaceProgram)
+        return true;
+    resources_.reset();
+    return false;
+}
+
+void SceneRenderer::release() { resources_.reset(); }
+
+void SceneRenderer::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame) {
+    if (frame == frame_)
+        return;
+    frame_ = std::move(frame);
+    isFrameNew_ = true;
+}
+
+void SceneRenderer::uploadIfNew() {
+    if (!std::exchange(isFrameNew_, false))
+        return;
+    if (!frame_)
+        return resources_->surface.clear();
+    resources_->surface.upload(*frame_);
+    auto& gl = resources_->gl;
+    const auto lines = boxLines(glm::vec3(lastPoint(frame_->geometry)));
+    gl.glBindVertexArray(resources_->boxArray);
+    gl.glBindBuffer(GL_ARRAY_BUFFER, resources_->boxBuffer);
+    gl.glBufferData(GL_ARRAY_BUFFER, sizeof lines, lines.data(), GL_STATIC_DRAW);
+    gl.glEnableVertexAttribArray(0);
+    gl.glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
+    gl.glBindVertexArray(0);
+}
+
+void SceneRenderer::draw(const model::Camera& camera, const model::ViewOptions& options, glm::ivec2 pixels) {
+    if (!resources_ || pixels.x <= 0 || pixels.y <= 0)
+        return;
+    uploadIfNew();
+    auto& gl = resources_->gl;
+    gl.glViewport(0, 0, pixels.x, pixels.y);
+    gl.glDepthMask(GL_TRUE);
+    gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    gl.glDisable(GL_CULL_FACE);
+    drawBackground();
+    if (!frame_)
+        return;
+    const glm::dmat4 view = camera.viewMatrix();
+    Matrices matrices;
+    matrices.modelToView = toQt(view * indexToCentredWorld(frame_->geometry));
+    matrices.viewToClip = toQt(camera.projectionMatrix(static_cast<double>(pixels.x) / pixels.y));
+    matrices.normalToView = toQt(glm::dmat3(view) * frame_->geometry.normalToWorld());
+    gl.glEnable(GL_DEPTH_TEST);
+    gl.glDepthFunc(GL_LEQUAL);
+    drawSurface(matrices, camera.isPerspective(), options.showsChanged);
+    if (options.showsBox)
+        drawBox(matrices);
+    gl.glDisable(GL_DEPTH_TEST);
+}
+
+void SceneRenderer::drawBackground() {
+    auto& gl = resources_->gl;
+    auto& program = *resources_->backgroundProgram;
+    gl.glDisable(GL_DEPTH_TEST);
+    gl.glDisable(GL_BLEND);
+    program.bind();
+    program.setUniformValue("bottomColour", toQt(colours_.backgroundBottom));
+    program.setUniformValue("topColour", toQt(colours_.backgroundTop));
+    gl.glBindVertexArray(resources_->emptyArray);
+    gl.glDrawArrays(GL_TRIANGLES, 0, 3);
+    gl.glBindVertexArray(0);
+    program.release();
+}
+
+void SceneRenderer::drawBox(const Matrices& matrices) {
+    auto& gl = resources_->gl;
+    auto& program = *resources_->lineProgram;
+    gl.glEnable(GL_BLEND);
+    gl.glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    program.bind();
+    program.setUniformValue("modelToView", matrices.modelToView);
+    program.setUniformValue("viewToClip", matrices.viewToClip);
+    program.setUniformValue("lineColour", toQt(colours_.box));
+    gl.glBindVertexArray(resources_->boxArray);
+    gl.glDrawArrays(GL_LINES, 0, kBoxVertices);
+    gl.glBindVertexArray(0);
+    program.release();
+    gl.glDisable(GL_BLEND);
+}
+
+void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, bool showsChanged) {
+    auto& surface = resources_->surface;
+    if (surface.isEmpty())
+        return;
+    auto& gl = resources_->gl;
+    auto& program = *resources_->surfaceProgram;
+    // Triangles are counter-clockwise from outside in index space; a mirroring map turns them.
+    gl.glFrontFace(frame_->geometry.isLeftHanded() ? GL_CW : GL_CCW);
+    program.bind();
+    program.setUniformValue("modelToView", matrices.modelToView);
+    program.setUniformValue("viewToClip", matrices.viewToClip);
+    program.setUniformValue("normalToView", matrices.normalToView);
+    program.setUniformValue("frontColour", toQt(colours_.front));
+    program.setUniformValue("backColour", toQt(colours_.back));
+    program.setUniformValue("glowColour", QVector4D());
+    program.setUniformValue("perspective", isPerspective ? 1.0f : 0.0f);
+    surface.drawSurface();
+    if (showsChanged && surface.hasChanged()) {
+        program.setUniformValue("glowColour", toQt(colours_.glow));
+        gl.glEnable(GL_POLYGON_OFFSET_FILL);
+        gl.glPolygonOffset(-1.0f, -1.0f);
+        surface.drawChanged();
+        gl.glDisable(GL_POLYGON_OFFSET_FILL);
+    }
+    program.release();
+    gl.glFrontFace(GL_CCW);
+}
+
+} // namespace isoslider::render

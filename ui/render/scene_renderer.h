@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "core/extract/surface_frame.h"
+#include "ui/model/camera.h"
+#include "ui/model/view_state.h"
+
+namespace isoslider::render {
+
+/// Colours of the scene, linear light but for the background, which is as seen.
+struct SceneColours {
+    glm::vec3 front{0.80f, 0.70f, 0.54f}; ///< warm ivory
+    glm::vec3 back{0.36f, 0.20f, 0.15f};
+    glm::vec4 glow{1.0f, 0.035f, 0.02f, 0.86f};
+    glm::vec4 box{0.78f, 0.82f, 0.88f, 0.38f};
+    glm::vec3 backgroundBottom{0.085f, 0.092f, 0.105f};
+    glm::vec3 backgroundTop{0.225f, 0.240f, 0.265f};
+};
+
+/// World units; half the diagonal of the volume's box. 1 for a volume without extent.
+double sceneRadius(const GridGeometry& geometry);
+/// Grid index units to world space moved so that the volume's centre is the origin.
+glm::dmat4 indexToCentredWorld(const GridGeometry& geometry);
+
+/// Draws background, bounding box, surface and the changed part of it into the bound framebuffer.
+/// Made in initialize() and gone in release(); every call but the constructor and setFrame needs
+/// the same context current.
+class SceneRenderer {
+public:
+    SceneRenderer();
+    ~SceneRenderer();
+
+    /// False if the context has no OpenGL 3.3 core or a shader is refused: nothing will be drawn.
+    bool initialize();
+    /// Frees every GPU object; initialize() may follow in another context.
+    void release();
+
+    /// The surface to draw from now on; null for none. Uploaded at the next draw, once.
+    void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame);
+    void setColours(const SceneColours& colours) { colours_ = colours; }
+
+    void draw(const model::Camera& camera, const model::ViewOptions& options, glm::ivec2 pixels);
+
+private:
+    struct Resources;
+    struct Matrices;
+
+    void uploadIfNew();
+    void drawBackground();
+    void drawBox(const Matrices& matrices);
+    void drawSurface(const Matrices& matrices, bool isPerspective, bool showsChanged);
+
+    std::unique_ptr<Resources> resources_;
+    std::shared_ptr<const extract::SurfaceFrame> frame_;
+    SceneColours colours_;
+    bool isFrameNew_ = false;
+};
+
+} // namespace isoslider::render

@@ -1,0 +1,68 @@
+#include "ui/render/surface_buffers.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace isoslider::render {
+
+SurfaceBuffers::SurfaceBuffers(Gl& gl) : gl_(gl) {
+    gl_.glGenVertexArrays(1, &vertexArray_);
+    for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_})
+        gl_.glGenBuffers(1, &buffer->name);
+    gl_.glBindVertexArray(vertexArray_);
+    GLuint location = 0;
+    for (const Buffer* buffer : {&positions_, &normals_}) {
+        gl_.glBindBuffer(GL_ARRAY_BUFFER, buffer->name);
+        gl_.glEnableVertexAttribArray(location);
+        gl_.glVertexAttribPointer(location++, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
+    }
+    gl_.glBindVertexArray(0);
+}
+
+SurfaceBuffers::~SurfaceBuffers() {
+    for (const Buffer* buffer : {&positions_, &normals_, &indices_, &changed_})
+        gl_.glDeleteBuffers(1, &buffer->name);
+    gl_.glDeleteVertexArrays(1, &vertexArray_);
+}
+
+void SurfaceBuffers::upload(const extract::SurfaceFrame& frame) {
+    gl_.glBindVertexArray(vertexArray_);
+    const auto bytesOf = [](const auto& values) { return values.size() * sizeof(values[0]); };
+    fill(GL_ARRAY_BUFFER, positions_, frame.positions.data(), bytesOf(frame.positions));
+    fill(GL_ARRAY_BUFFER, normals_, frame.normals.data(), bytesOf(frame.normals));
+    fill(GL_ELEMENT_ARRAY_BUFFER, indices_, frame.indices.data(), bytesOf(frame.indices));
+    fill(GL_ELEMENT_ARRAY_BUFFER, changed_, frame.changedIndices.data(), bytesOf(frame.changedIndices));
+    gl_.glBindVertexArray(0);
+    surfaceIndices_ = frame.indices.size();
+    changedIndices_ = frame.changedIndices.size();
+}
+
+void SurfaceBuffers::clear() { surfaceIndices_ = changedIndices_ = 0; }
+
+void SurfaceBuffers::fill(GLenum target, Buffer& buffer, const void* data, std::size_t bytes) {
+    gl_.glBindBuffer(target, buffer.name);
+    if (bytes > buffer.capacityBytes) // room to grow, so that a slide seldom allocates
+        buffer.capacityBytes = bytes + bytes / 4;
+    // A fresh store each time: the driver need not wait for the draw that reads the old one.
+    gl_.glBufferData(target, static_cast<GLsizeiptr>(buffer.capacityBytes), nullptr, GL_STREAM_DRAW);
+    if (bytes > 0)
+        gl_.glBufferSubData(target, 0, static_cast<GLsizeiptr>(bytes), data);
+}
+
+void SurfaceBuffers::drawSurface() { draw(indices_, surfaceIndices_); }
+void SurfaceBuffers::drawChanged() { draw(changed_, changedIndices_); }
+
+void SurfaceBuffers::draw(const Buffer& indices, std::size_t count) {
+    gl_.glBindVertexArray(vertexArray_);
+    gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.name);
+    // glDrawElements counts in int; larger surfaces go in parts of whole triangles.
+    constexpr std::size_t kMostPerCall = std::size_t{std::numeric_limits<GLsizei>::max()} / 3 * 3;
+    for (std::size_t begin = 0; begin < count; begin += kMostPerCall) {
+        const auto part = static_cast<GLsizei>(std::min(kMostPerCall, count - begin));
+        gl_.glDrawElements(GL_TRIANGLES, part, GL_UNSIGNED_INT,
+                           reinterpret_cast<const void*>(begin * sizeof(std::uint32_t)));
+    }
+    gl_.glBindVertexArray(0);
+}
+
+} // namespace isoslider::render

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+
+#include "core/extract/surface_frame.h"
+#include "ui/render/gl_program.h"
+
+namespace isoslider::render {
+
+/// One surface on the GPU. Buffers grow and are filled again, never shrunk while in use.
+/// REQUIRES for every call: the context it was made in is current.
+class SurfaceBuffers {
+public:
+    explicit SurfaceBuffers(Gl& gl);
+    ~SurfaceBuffers();
+    SurfaceBuffers(const SurfaceBuffers&) = delete;
+    SurfaceBuffers& operator=(const SurfaceBuffers&) = delete;
+
+    void upload(const extract::SurfaceFrame& frame);
+    void clear();
+
+    bool isEmpty() const { return surfaceIndices_ == 0; }
+    bool hasChanged() const { return changedIndices_ > 0; }
+    void drawSurface();
+    void drawChanged();
+
+private:
+    struct Buffer {
+        GLuint name = 0;
+        std::size_t capacityBytes = 0;
+    };
+    void fill(GLenum target, Buffer& buffer, const void* data, std::size_t bytes);
+    void draw(const Buffer& indices, std::size_t count);
+
+    Gl& gl_;
+    GLuint vertexArray_ = 0;
+    Buffer positions_;
+    Buffer normals_;
+    Buffer indices_;
+    Buffer changed_;
+    std::size_t surfaceIndices_ = 0;
+    std::size_t changedIndices_ = 0;
+};
+
+} // namespace isoslider::render

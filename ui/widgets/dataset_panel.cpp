@@ -1,0 +1,168 @@
+#include "ui/widgets/dataset_panel.h"
+
+#include <QAction>
+#include <QDir>
+#include <QLabel>
+#include <QPushButton>
+#include <QScrollArea>
+#include <QStackedWidget>
+#include <QVBoxLayout>
+
+#include "ui/model/number_text.h"
+#include "ui/model/session.h"
+#include "ui/widgets/action_registry.h"
+#include "ui/widgets/small_widgets.h"
+
+namespace isoslider::widgets {
+namespace {
+
+QString fromStd(const std::string& text) { return QString::fromStdString(text); }
+
+QString valueTriple(const glm::dvec3& v) {
+    return QStringLiteral("%1 × %2 × %3")
+        .arg(fromStd(model::valueText(v.x, 6)), fromStd(model::valueText(v.y, 6)), fromStd(model::valueText(v.z, 6)));
+}
+
+QString pointText(const glm::dvec3& v) {
+    return QStringLiteral("(%1, %2, %3)")
+        .arg(fromStd(model::valueText(v.x, 6)), fromStd(model::valueText(v.y, 6)), fromStd(model::valueText(v.z, 6)));
+}
+
+QString typeText(ScalarType type) {
+    const QString bits = QString::number(8 * scalarTypeSizeBytes(type));
+    const auto name = scalarTypeName(type);
+    const QString kind = isFloatType(type) ? DatasetPanel::tr("floating point")
+                         : name.front() == 'u' ? DatasetPanel::tr("unsigned integer")
+                                               : DatasetPanel::tr("signed integer");
+    return QStringLiteral("%1 (%2, %3)").arg(QString::fromUtf8(name.data(), static_cast<qsizetype>(name.size())), kind,
+                                              DatasetPanel::tr("%1 bits").arg(bits));
+}
+
+std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isInMemory) {
+    using model::groupedText;
+    const auto& geometry = dataset.geometry;
+    const QString path = fromStd(dataset.path.string());
+    std::vector<Fact> facts;
+    facts.push_back({DatasetPanel::tr("File"), fromStd(dataset.name), QDir::toNativeSeparators(path)});
+    facts.push_back({DatasetPanel::tr("Format"), fromStd(dataset.format), {}});
+    if (!dataset.fieldName.empty())
+        facts.push_back({DatasetPanel::tr("Field"), fromStd(dataset.fieldName), {}});
+    facts.push_back({DatasetPanel::tr("Grid points"),
+                     QStringLiteral("%1 × %2 × %3 = %4")
+                         .arg(geometry.dims[0]).arg(geometry.dims[1]).arg(geometry.dims[2])
+                         .arg(fromStd(groupedText(pointCount(geometry.dims)))), {}});
+    facts.push_back({DatasetPanel::tr("Spacing"), valueTriple(geometry.spacing), DatasetPanel::tr("in the file's units of length")});
+    facts.push_back({DatasetPanel::tr("Origin"), pointText(geometry.origin), DatasetPanel::tr("in the file's units of length")});
+    if (geometry.direction != glm::dmat3(1.0))
+        facts.push_back({DatasetPanel::tr("Axes"),
+                         geometry.isLeftHanded() ? DatasetPanel::tr("turned, left-handed") : DatasetPanel::tr("turned"),
+                         DatasetPanel::tr("x %1\ny %2\nz %3").arg(pointText(geometry.direction[0]),
+                                                                 pointText(geometry.direction[1]),
+                                                                 pointText(geometry.direction[2]))});
+    facts.push_back({DatasetPanel::tr("Sample type"), typeText(dataset.type), {}});
+    facts.push_back({DatasetPanel::tr("Values"), QStringLiteral("%1 … %2").arg(fromStd(model::valueText(dataset.min, 8)),
+                                                                               fromStd(model::valueText(dataset.max, 8))), {}});
+    if (dataset.distinctValues > 0)
+        facts.push_back({DatasetPanel::tr("Distinct values"), fromStd(groupedText(dataset.distinctValues)), {}});
+    facts.push_back({DatasetPanel::tr("Missing samples"),
+                     dataset.missingSamples == 0 ? DatasetPanel::tr("none") : fromStd(groupedText(dataset.missingSamples)),
+                     DatasetPanel::tr("NaN and infinite samples make no surface")});
+    facts.push_back({DatasetPanel::tr("Sample data"),
+                     QStringLiteral("%1, %2").arg(fromStd(model::bytesText(dataset.sampleBytes())),
+                                                  isInMemory ? DatasetPanel::tr("in memory") : DatasetPanel::tr("not in memory")), {}});
+    return facts;
+}
+
+std::vector<Fact> indexFactsOf(const model::Dataset& dataset) {
+    const auto& info = *dataset.index;
+    const QString path = fromStd(dataset.indexPath.string());
+    return {{DatasetPanel::tr("File"), fromStd(dataset.indexPath.filename().string()), QDir::toNativeSeparators(path)},
+            {DatasetPanel::tr("Size"),
+             QStringLiteral("%1 (%2)").arg(fromStd(model::bytesText(info.indexBytes)),
+                                           DatasetPanel::tr("%1 bytes").arg(fromStd(model::groupedText(info.indexBytes)))), {}},
+            {DatasetPanel::tr("Bytes per voxel"), fromStd(model::valueText(dataset.bytesPerVoxel(), 4)), {}},
+            {DatasetPanel::tr("Skip levels"), QString::number(info.levels.size()), {}}};
+}
+
+QString indexStateText(model::IndexState state) {
+    switch (state) {
+        case model::IndexState::None: return DatasetPanel::tr("No index yet.");
+        case model::IndexState::Building:
+            return DatasetPanel::tr("Being built in the background; until then every move extracts the whole surface.");
+        case model::IndexState::Ready: return {};
+        case model::IndexState::Failed: return DatasetPanel::tr("Could not be built; every move extracts the whole surface.");
+        case model::IndexState::Cancelled: return DatasetPanel::tr("Cancelled; every move extracts the whole surface.");
+    }
+    return {};
+}
+
+} // namespace
+
+DatasetPanel::DatasetPanel(model::Session& session, const ActionRegistry& actions, QWidget* parent)
+    : QWidget(parent), session_(session), pages_(new QStackedWidget(this)) {
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(0, 0, 0, 0);
+    layout->addWidget(pages_);
+    pages_->addWidget(makeEmptyPage(actions));
+    pages_->addWidget(makeFactsPage(actions));
+    subscription_ = session_.datasetChanged().observe([this] { showDataset(); });
+    showDataset();
+}
+
+QWidget* DatasetPanel::makeEmptyPage(const ActionRegistry& actions) {
+    auto* page = new QWidget(this);
+    auto* layout = new QVBoxLayout(page);
+    auto* text = new QLabel(tr("No volume is open."), page);
+    text->setAlignment(Qt::AlignCenter);
+    text->setForegroundRole(QPalette::PlaceholderText);
+    auto* open = new QPushButton(actions.action("file.open")->icon(), tr("Open Volume…"), page);
+    connect(open, &QPushButton::clicked, actions.action("file.open"), &QAction::trigger);
+    layout->addStretch(1);
+    layout->addWidget(text);
+    layout->addWidget(open, 0, Qt::AlignHCenter);
+    layout->addStretch(1);
+    return page;
+}
+
+QWidget* DatasetPanel::makeFactsPage(const ActionRegistry& actions) {
+    auto* scroll = new QScrollArea(this);
+    scroll->setWidgetResizable(true);
+    scroll->setFrameShape(QFrame::NoFrame);
+    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    auto* page = new QWidget(scroll);
+    auto* layout = new QVBoxLayout(page);
+    layout->setContentsMargins(10, 8, 10, 8);
+    layout->setSpacing(6);
+    volumeFacts_ = new FactForm(page);
+    indexFacts_ = new FactForm(page);
+    indexState_ = new QLabel(page);
+    indexState_->setWordWrap(true);
+    build_ = new QPushButton(tr("Build Index"), page);
+    connect(build_, &QPushButton::clicked, actions.action("index.build"), &QAction::trigger);
+    layout->addWidget(makeHeading(tr("Volume"), page));
+    layout->addWidget(volumeFacts_);
+    layout->addSpacing(8);
+    layout->addWidget(makeHeading(tr("Index"), page));
+    layout->addWidget(indexState_);
+    layout->addWidget(indexFacts_);
+    layout->addWidget(build_, 0, Qt::AlignLeft);
+    layout->addStretch(1);
+    scroll->setWidget(page);
+    return scroll;
+}
+
+void DatasetPanel::showDataset() {
+    const auto* dataset = session_.dataset();
+    pages_->setCurrentIndex(dataset != nullptr ? 1 : 0);
+    if (dataset == nullptr)
+        return;
+    const auto state = session_.indexState();
+    volumeFacts_->setFacts(volumeFactsOf(*dataset, state != model::IndexState::Ready));
+    indexFacts_->setFacts(dataset->index ? indexFactsOf(*dataset) : std::vector<Fact>{});
+    const QString text = indexStateText(state);
+    indexState_->setText(text);
+    indexState_->setVisible(!text.isEmpty());
+    build_->setVisible(state == model::IndexState::Failed || state == model::IndexState::Cancelled);
+}
+
+} // namespace isoslider::widgets

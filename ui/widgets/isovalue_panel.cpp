@@ -1,0 +1,195 @@
+#include "ui/widgets/isovalue_panel.h"
+
+#include <QAction>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QFrame>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+#include "ui/model/number_text.h"
+#include "ui/model/session.h"
+#include "ui/widgets/action_registry.h"
+#include "ui/widgets/histogram_plot.h"
+#include "ui/widgets/icon_loader.h"
+#include "ui/widgets/isovalue_edit.h"
+#include "ui/widgets/settings_store.h"
+#include "ui/widgets/small_widgets.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kPlayIntervalMs = 16;
+
+struct ModeName {
+    const char* key;
+    model::PlaybackMode mode;
+};
+constexpr std::array<ModeName, 3> kModes{{{"once", model::PlaybackMode::Once},
+                                          {"loop", model::PlaybackMode::Loop},
+                                          {"pingpong", model::PlaybackMode::PingPong}}};
+
+} // namespace
+
+IsovaluePanel::IsovaluePanel(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
+                             QWidget* parent)
+    : QWidget(parent), session_(session), plot_(new HistogramPlot(this)), edit_(new IsovalueEdit(this)) {
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(8, 6, 8, 8);
+    layout->setSpacing(6);
+    layout->addWidget(makeControls(actions));
+    layout->addWidget(plot_, 1);
+    connectControls(settings, actions);
+    datasetSubscription_ = session_.datasetChanged().observe([this] { showDataset(); });
+    isovalueSubscription_ = session_.isovalue().observe([this] { showIsovalue(); });
+    showDataset();
+    showIsovalue();
+}
+
+QWidget* IsovaluePanel::makeControls(const ActionRegistry& actions) {
+    auto* row = new QWidget(this);
+    auto* layout = new QHBoxLayout(row);
+    layout->setContentsMargins(0, 0, 0, 0);
+    layout->setSpacing(6);
+    auto* name = new QLabel(tr("Isovalue"), row);
+    name->setBuddy(edit_);
+    edit_->setFixedWidth(fontMetrics().horizontalAdvance(QStringLiteral("-0.00000000e+00")) + 16);
+    edit_->setToolTip(tr("Isovalue in the volume's units. Enter or leaving the field takes it; "
+                         "up and down step by 0.1 % of the range, with Shift by 0.01 %."));
+    range_ = new QLabel(row);
+    range_->setForegroundRole(QPalette::PlaceholderText);
+    mode_ = new QComboBox(row);
+    mode_->setAccessibleName(tr("Animation mode"));
+    mode_->addItems({tr("Once"), tr("Loop"), tr("Ping-pong")});
+    speed_ = new QDoubleSpinBox(row);
+    speed_->setAccessibleName(tr("Animation speed"));
+    speed_->setRange(0.01, 100.0);
+    speed_->setDecimals(2);
+    speed_->setSuffix(tr(" %/s"));
+    speed_->setToolTip(tr("Speed of the animation: percent of the value range per second"));
+    for (QWidget* widget : {static_cast<QWidget*>(name), static_cast<QWidget*>(edit_), static_cast<QWidget*>(range_)})
+        layout->addWidget(widget);
+    layout->addWidget(makeSeparator(row));
+    layout->addWidget(makeToolButton(actions.action("isovalue.play"), Qt::ToolButtonTextBesideIcon, row));
+    layout->addWidget(mode_);
+    layout->addWidget(speed_);
+    layout->addWidget(makeSeparator(row));
+    auto* log = makeToolButton(actions.action("isovalue.logCounts"), Qt::ToolButtonTextOnly, row);
+    log->setText(tr("Log"));
+    layout->addWidget(log);
+    layout->addWidget(makeToolButton(actions.action("isovalue.resetZoom"), Qt::ToolButtonIconOnly, row));
+    layout->addStretch(1);
+    requested_ = addReadout(layout, tr("Requested"), "requestedReadout", row);
+    displayed_ = addReadout(layout, tr("Displayed"), "displayedReadout", row);
+    elapsed_ = addReadout(layout, tr("Update"), "elapsedReadout", row);
+    return row;
+}
+
+void IsovaluePanel::connectControls(SettingsStore& settings, const ActionRegistry& actions) {
+    auto& isovalue = session_.isovalue();
+    connect(plot_, &HistogramPlot::isovalueRequested, this, [&isovalue](double value) { isovalue.request(value); });
+    connect(plot_, &HistogramPlot::stepRequested, this, [&isovalue](double step) { isovalue.step(step); });
+    connect(edit_, &IsovalueEdit::valueCommitted, this, [&isovalue](double value) { isovalue.request(value); });
+    connect(edit_, &IsovalueEdit::stepRequested, this, [&isovalue](double step) { isovalue.step(step); });
+
+    QAction* log = actions.action("isovalue.logCounts");
+    log->setChecked(settings.boolean("histogram/logCounts"));
+    plot_->setLogCounts(log->isChecked());
+    connect(log, &QAction::toggled, this, [this, &settings](bool isLog) {
+        plot_->setLogCounts(isLog);
+        settings.set("histogram/logCounts", isLog);
+    });
+    connect(actions.action("isovalue.resetZoom"), &QAction::triggered, plot_, &HistogramPlot::showWholeRange);
+    connect(actions.action("isovalue.edit"), &QAction::triggered, this, [this] {
+        edit_->setFocus(Qt::ShortcutFocusReason);
+        edit_->selectAll();
+    });
+
+    const QString modeKey = settings.text("playback/mode");
+    for (std::size_t i = 0; i < kModes.size(); ++i)
+        if (modeKey == QLatin1String(kModes[i].key))
+            mode_->setCurrentIndex(static_cast<int>(i));
+    playback_.setMode(kModes[static_cast<std::size_t>(mode_->currentIndex())].mode);
+    speed_->setValue(settings.number("playback/percentPerSecond"));
+    playback_.setSpeed(speed_->value() / 100.0);
+    connect(mode_, &QComboBox::currentIndexChanged, this, [this, &settings](int index) {
+        const auto& mode = kModes[static_cast<std::size_t>(index)];
+        playback_.setMode(mode.mode);
+        settings.set("playback/mode", QString(QLatin1String(mode.key)));
+    });
+    connect(speed_, &QDoubleSpinBox::valueChanged, this, [this, &settings](double percent) {
+        playback_.setSpeed(percent / 100.0);
+        settings.set("playback/percentPerSecond", percent);
+    });
+    QAction* play = actions.action("isovalue.play");
+    connect(play, &QAction::toggled, this, [this, play](bool isPlaying) { setPlaying(isPlaying, play); });
+    playTimer_.setInterval(kPlayIntervalMs);
+    playTimer_.setTimerType(Qt::PreciseTimer);
+    connect(&playTimer_, &QTimer::timeout, this, [this, play] { advance(play); });
+}
+
+void IsovaluePanel::setPlaying(bool isPlaying, QAction* action) {
+    action->setText(isPlaying ? tr("&Pause") : tr("&Play"));
+    action->setIcon(themedIcon(isPlaying ? QStringLiteral("pause") : QStringLiteral("play"), palette()));
+    if (isPlaying && session_.isovalue().hasDomain()) {
+        playback_.start(session_.isovalue().fraction());
+        playedValue_ = session_.isovalue().requested();
+        playClock_.start();
+        playTimer_.start();
+    } else {
+        playback_.stop();
+        playTimer_.stop();
+        if (isPlaying)
+            action->setChecked(false);
+    }
+}
+
+void IsovaluePanel::advance(QAction* action) {
+    auto& isovalue = session_.isovalue();
+    const double seconds = static_cast<double>(playClock_.restart()) / 1000.0;
+    if (isovalue.isLagging())
+        return; // the surface is the clock: a slow one is played slowly, not in jumps
+    if (isovalue.requested() != playedValue_) // the user took the handle: go on from there
+        playback_.start(isovalue.fraction());
+    isovalue.request(isovalue.atFraction(playback_.advance(seconds)));
+    playedValue_ = isovalue.requested();
+    if (!playback_.isPlaying() || !isovalue.hasDomain())
+        action->setChecked(false);
+}
+
+void IsovaluePanel::showDataset() {
+    const auto* dataset = session_.dataset();
+    const bool hasDataset = dataset != nullptr;
+    for (QWidget* control : {static_cast<QWidget*>(edit_), static_cast<QWidget*>(mode_), static_cast<QWidget*>(speed_)})
+        control->setEnabled(hasDataset);
+    if (!hasDataset) {
+        range_->setText(tr("no volume"));
+        return plot_->clearHistogram();
+    }
+    range_->setText(tr("in %1 … %2").arg(QString::fromStdString(model::valueText(dataset->min)),
+                                         QString::fromStdString(model::valueText(dataset->max))));
+    static const std::vector<std::uint64_t> kNone;
+    plot_->setHistogram(dataset->histogram, dataset->index ? dataset->index->activeEdgesPerBin : kNone);
+}
+
+void IsovaluePanel::showIsovalue() {
+    const auto& isovalue = session_.isovalue();
+    const auto text = [](double value) { return QString::fromStdString(model::valueText(value, 7)); };
+    if (!isovalue.hasDomain()) {
+        edit_->showNothing();
+        for (QLabel* label : {requested_, displayed_, elapsed_})
+            label->setText(QStringLiteral("–"));
+        return;
+    }
+    edit_->showValue(isovalue.requested());
+    requested_->setText(text(isovalue.requested()));
+    const bool hasDisplayed = isovalue.hasDisplayed();
+    displayed_->setText(hasDisplayed ? text(isovalue.displayed()) : QStringLiteral("–"));
+    elapsed_->setText(hasDisplayed ? QString::fromStdString(model::millisecondsText(isovalue.lastUpdateMs()))
+                                   : QStringLiteral("–"));
+    plot_->setIsovalues(isovalue.requested(), hasDisplayed ? isovalue.displayed() : isovalue.requested());
+}
+
+} // namespace isoslider::widgets

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QTimer>
+#include <QWidget>
+
+#include "ui/model/observers.h"
+#include "ui/model/playback_model.h"
+
+class QComboBox;
+class QDoubleSpinBox;
+class QLabel;
+class QToolButton;
+
+namespace isoslider::model {
+class Session;
+}
+
+namespace isoslider::widgets {
+
+class ActionRegistry;
+class HistogramPlot;
+class IsovalueEdit;
+class SettingsStore;
+
+/// The isovalue: histogram with its handle, typed value, animation, and what the last move took.
+class IsovaluePanel : public QWidget {
+    Q_OBJECT
+public:
+    IsovaluePanel(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
+                  QWidget* parent = nullptr);
+
+    HistogramPlot& plot() { return *plot_; }
+    IsovalueEdit& edit() { return *edit_; }
+
+private:
+    QWidget* makeControls(const ActionRegistry& actions);
+    void connectControls(SettingsStore& settings, const ActionRegistry& actions);
+    void showDataset();
+    void showIsovalue();
+    void setPlaying(bool isPlaying, QAction* action);
+    void advance(QAction* action);
+
+    model::Session& session_;
+    HistogramPlot* plot_ = nullptr;
+    IsovalueEdit* edit_ = nullptr;
+    QLabel* range_ = nullptr;
+    QLabel* requested_ = nullptr;
+    QLabel* displayed_ = nullptr;
+    QLabel* elapsed_ = nullptr;
+    QComboBox* mode_ = nullptr;
+    QDoubleSpinBox* speed_ = nullptr;
+    model::PlaybackModel playback_;
+    QTimer playTimer_;
+    QElapsedTimer playClock_;
+    double playedValue_ = 0.0;
+    model::Subscription datasetSubscription_;
+    model::Subscription isovalueSubscription_;
+};
+
+} // namespace isoslider::widgets

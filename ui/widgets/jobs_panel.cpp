@@ -1,0 +1,61 @@
+#include "ui/widgets/jobs_panel.h"
+
+#include <QLabel>
+#include <QPushButton>
+#include <QScrollArea>
+#include <QVBoxLayout>
+
+#include "ui/model/session.h"
+#include "ui/widgets/job_row.h"
+
+namespace isoslider::widgets {
+
+JobsPanel::JobsPanel(model::Session& session, QWidget* parent)
+    : QWidget(parent), session_(session), rowsLayout_(nullptr), empty_(new QLabel(tr("No jobs."), this)),
+      clear_(new QPushButton(tr("Clear Finished"), this)) {
+    auto* outer = new QVBoxLayout(this);
+    outer->setContentsMargins(0, 0, 0, 0);
+    auto* scroll = new QScrollArea(this);
+    scroll->setWidgetResizable(true);
+    scroll->setFrameShape(QFrame::NoFrame);
+    auto* page = new QWidget(scroll);
+    auto* layout = new QVBoxLayout(page);
+    layout->setContentsMargins(10, 8, 10, 8);
+    rowsLayout_ = new QVBoxLayout;
+    rowsLayout_->setSpacing(4);
+    empty_->setForegroundRole(QPalette::PlaceholderText);
+    layout->addWidget(empty_);
+    layout->addLayout(rowsLayout_);
+    layout->addWidget(clear_, 0, Qt::AlignLeft);
+    layout->addStretch(1);
+    scroll->setWidget(page);
+    outer->addWidget(scroll);
+    connect(clear_, &QPushButton::clicked, this, [this] { session_.jobs().clearFinished(); });
+    subscription_ = session_.jobs().observe([this] { showJobs(); });
+    showJobs();
+}
+
+void JobsPanel::showJobs() {
+    const auto& entries = session_.jobs().entries();
+    for (auto row = rows_.begin(); row != rows_.end();) {
+        if (session_.jobs().find(row->first) != nullptr) {
+            ++row;
+            continue;
+        }
+        row->second->deleteLater();
+        row = rows_.erase(row);
+    }
+    for (const auto& entry : entries) {
+        JobRow*& row = rows_[entry.id];
+        if (row == nullptr) {
+            row = new JobRow(this);
+            rowsLayout_->insertWidget(0, row);
+            connect(row, &JobRow::cancelRequested, this, [this, id = entry.id] { session_.cancelJob(id); });
+        }
+        row->showJob(entry);
+    }
+    empty_->setVisible(entries.empty());
+    clear_->setVisible(entries.size() > session_.jobs().runningCount());
+}
+
+} // namespace isoslider::widgets

@@ -1,0 +1,177 @@
+#include "ui/widgets/levels_panel.h"
+
+#include <QHeaderView>
+#include <QLabel>
+#include <QScrollArea>
+#include <QTableView>
+#include <QVBoxLayout>
+
+#include "ui/model/number_text.h"
+#include "ui/model/session.h"
+#include "ui/widgets/small_widgets.h"
+#include "ui/widgets/text_table_model.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kMoveIntervalMs = 60;
+
+QString compact(std::uint64_t value) { return QString::fromStdString(model::compactText(value)).trimmed(); }
+QString bytes(std::uint64_t value) { return QString::fromStdString(model::bytesText(value)); }
+QString grouped(std::uint64_t value) { return QString::fromStdString(model::groupedText(value)); }
+
+std::vector<TextTableModel::Column> levelColumns() {
+    return {{LevelsPanel::tr("Level"), LevelsPanel::tr("Skip level; 0 has one block per distinct value")},
+            {LevelsPanel::tr("Blocks"), {}},
+            {LevelsPanel::tr("Points"), LevelsPanel::tr("Point records")},
+            {LevelsPanel::tr("Edges"), LevelsPanel::tr("Edge entries, activated and deactivated")},
+            {LevelsPanel::tr("Bytes"), LevelsPanel::tr("Encoded size")},
+            {LevelsPanel::tr("B/voxel"), LevelsPanel::tr("Encoded bytes per grid point of the volume")},
+            {LevelsPanel::tr("Removed"), LevelsPanel::tr("Share of the level below's edge entries that were redundant here")}};
+}
+
+std::vector<TextTableModel::Column> walkColumns() {
+    return {{LevelsPanel::tr("Level"), LevelsPanel::tr("Skip level of this part of the walk")},
+            {LevelsPanel::tr("Blocks"), LevelsPanel::tr("Blocks read")},
+            {LevelsPanel::tr("Edges"), LevelsPanel::tr("Edge entries decoded")},
+            {LevelsPanel::tr("Bytes"), LevelsPanel::tr("Encoded bytes decoded")}};
+}
+
+std::vector<QStringList> levelRows(const model::Dataset& dataset) {
+    std::vector<QStringList> rows;
+    const auto& info = *dataset.index;
+    const auto points = static_cast<double>(std::max<std::int64_t>(1, pointCount(dataset.geometry.dims)));
+    index::SkipLevelInfo all;
+    for (std::size_t level = 0; level < info.levels.size(); ++level) {
+        const auto& counts = info.levels[level];
+        const auto below = level > 0 ? info.levels[level - 1].edges : 0;
+        const QString removed =
+            below == 0 ? QStringLiteral("–")
+                       : QStringLiteral("%1 %").arg(100.0 * static_cast<double>(counts.redundantRemoved) /
+                                                        static_cast<double>(below), 0, 'f', 1);
+        rows.push_back({QString::number(level), compact(counts.blocks), compact(counts.points), compact(counts.edges),
+                        bytes(counts.bytes), QString::number(static_cast<double>(counts.bytes) / points, 'f', 2), removed});
+        all.blocks += counts.blocks;
+        all.points += counts.points;
+        all.edges += counts.edges;
+        all.bytes += counts.bytes;
+    }
+    rows.push_back({LevelsPanel::tr("All"), compact(all.blocks), compact(all.points), compact(all.edges),
+                    bytes(all.bytes), QString::number(static_cast<double>(all.bytes) / points, 'f', 2), {}});
+    return rows;
+}
+
+std::vector<Fact> factsOfMove(const extract::SurfaceFrame& frame, const model::IsovalueModel& isovalue) {
+    const auto& stats = frame.stats;
+    const auto value = [](double v) { return QString::fromStdString(model::valueText(v, 8)); };
+    const auto time = [](double ms) { return QString::fromStdString(model::millisecondsText(ms)); };
+    std::vector<Fact> facts{
+        {LevelsPanel::tr("Isovalue"),
+         LevelsPanel::tr("%1 requested, %2 displayed").arg(value(isovalue.requested()), value(isovalue.displayed())), {}},
+        {LevelsPanel::tr("Way"),
+         !frame.isFromIndex ? LevelsPanel::tr("whole extraction, no index yet")
+         : stats.hasRebuilt ? LevelsPanel::tr("rebuilt: most of the surface changed")
+                            : LevelsPanel::tr("patched"), {}}};
+    if (frame.isFromIndex) {
+        facts.push_back({LevelsPanel::tr("Edges"),
+                         LevelsPanel::tr("%1 added, %2 removed, %3 touched")
+                             .arg(grouped(stats.edgesAdded), grouped(stats.edgesRemoved), grouped(stats.edgesTouched)),
+                         LevelsPanel::tr("Touched counts every entry looked at, redundant ones included")});
+        facts.push_back({LevelsPanel::tr("Retriangulated"), LevelsPanel::tr("%1 cells").arg(grouped(stats.cellsRetriangulated)), {}});
+        facts.push_back({LevelsPanel::tr("Read from disk"), bytes(stats.bytesRead), {}});
+    }
+    facts.push_back({LevelsPanel::tr("Active edges"), grouped(stats.activeEdges), {}});
+    facts.push_back({LevelsPanel::tr("Time"),
+                     frame.isFromIndex ? LevelsPanel::tr("%1 update + %2 interpolate").arg(time(stats.updateMs), time(stats.interpolateMs))
+                                       : time(stats.updateMs), {}});
+    return facts;
+}
+
+} // namespace
+
+LevelsPanel::LevelsPanel(model::Session& session, QWidget* parent)
+    : QWidget(parent), session_(session), levels_(new TextTableModel(levelColumns(), this)),
+      walk_(new TextTableModel(walkColumns(), this)), levelsHint_(new QLabel(this)), walkHint_(new QLabel(this)),
+      levelsTable_(makeTable(levels_, QStringLiteral("levelsTable"))),
+      walkTable_(makeTable(walk_, QStringLiteral("walkTable"))), moveFacts_(new FactForm(this)),
+      moveThrottle_(kMoveIntervalMs, [this] { showMove(); }) {
+    auto* outer = new QVBoxLayout(this);
+    outer->setContentsMargins(0, 0, 0, 0);
+    auto* scroll = new QScrollArea(this);
+    scroll->setWidgetResizable(true);
+    scroll->setFrameShape(QFrame::NoFrame);
+    auto* page = new QWidget(scroll);
+    auto* layout = new QVBoxLayout(page);
+    layout->setContentsMargins(10, 8, 10, 8);
+    layout->setSpacing(6);
+    for (QLabel* hint : {levelsHint_, walkHint_}) {
+        hint->setWordWrap(true);
+        hint->setForegroundRole(QPalette::PlaceholderText);
+    }
+    layout->addWidget(makeHeading(tr("Skip levels"), page));
+    layout->addWidget(levelsHint_);
+    layout->addWidget(levelsTable_);
+    layout->addSpacing(6);
+    layout->addWidget(makeHeading(tr("Last move"), page));
+    layout->addWidget(walkHint_);
+    layout->addWidget(moveFacts_);
+    layout->addWidget(walkTable_);
+    layout->addStretch(1);
+    scroll->setWidget(page);
+    outer->addWidget(scroll);
+    datasetSubscription_ = session_.datasetChanged().observe([this] { showLevels(); });
+    frameSubscription_ = session_.frameChanged().observe([this] { moveThrottle_.trigger(); });
+    showLevels();
+    showMove();
+}
+
+QTableView* LevelsPanel::makeTable(TextTableModel* model, const QString& name) {
+    auto* table = new QTableView(this);
+    table->setObjectName(name);
+    table->setModel(model);
+    table->setFrameShape(QFrame::NoFrame);
+    table->setShowGrid(false);
+    table->setAlternatingRowColors(true);
+    table->setSelectionBehavior(QAbstractItemView::SelectRows);
+    table->setWordWrap(false);
+    table->setTabKeyNavigation(false);
+    table->verticalHeader()->hide();
+    table->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
+    table->horizontalHeader()->setSectionResizeMode(QHeaderView::Stretch);
+    table->horizontalHeader()->setMinimumSectionSize(30);
+    table->horizontalHeader()->setHighlightSections(false);
+    table->setVerticalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    const auto fitHeight = [table, model] {
+        const int rows = model->rowCount();
+        table->setFixedHeight(table->horizontalHeader()->sizeHint().height() + rows * table->verticalHeader()->defaultSectionSize() + 4);
+        table->setVisible(rows > 0);
+    };
+    connect(model, &QAbstractItemModel::modelReset, table, fitHeight);
+    fitHeight();
+    return table;
+}
+
+void LevelsPanel::showLevels() {
+    const auto* dataset = session_.dataset();
+    const bool hasIndex = dataset != nullptr && dataset->index.has_value();
+    levels_->setRows(hasIndex ? levelRows(*dataset) : std::vector<QStringList>{});
+    levelsHint_->setVisible(!hasIndex);
+    levelsHint_->setText(dataset == nullptr ? tr("No volume is open.")
+                         : session_.indexState() == model::IndexState::Building
+                             ? tr("The index is being built; its levels will stand here.")
+                             : tr("This volume has no index."));
+}
+
+void LevelsPanel::showMove() {
+    const auto frame = session_.frame();
+    walkHint_->setVisible(!frame);
+    walkHint_->setText(tr("Move the isovalue to see what it costs."));
+    std::vector<QStringList> rows;
+    if (frame)
+        for (const auto& step : frame->stats.walk)
+            rows.push_back({QString::number(step.skipLevel), grouped(step.blocks), grouped(step.edges), bytes(step.bytes)});
+    walk_->setRows(std::move(rows));
+    moveFacts_->setFacts(frame ? factsOfMove(*frame, session_.isovalue()) : std::vector<Fact>{});
+}
+
+} // namespace isoslider::widgets

@@ -1,0 +1,224 @@
+#include "ui/widgets/main_window.h"
+
+#include <QAction>
+#include <QCloseEvent>
+#include <QDir>
+#include <QDockWidget>
+#include <QDragEnterEvent>
+#include <QFileInfo>
+#include <QIcon>
+#include <QMimeData>
+#include <QVBoxLayout>
+
+#include "ui/model/session.h"
+#include "ui/widgets/action_registry.h"
+#include "ui/widgets/dataset_panel.h"
+#include "ui/widgets/file_dialogs.h"
+#include "ui/widgets/file_filters.h"
+#include "ui/widgets/isovalue_panel.h"
+#include "ui/widgets/jobs_panel.h"
+#include "ui/widgets/levels_panel.h"
+#include "ui/widgets/mesh_panel.h"
+#include "ui/widgets/message_bar.h"
+#include "ui/widgets/settings_store.h"
+#include "ui/widgets/start_page.h"
+#include "ui/widgets/viewport_host.h"
+#include "ui/widgets/viewport_widget.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kMostRecentFiles = 10;
+constexpr int kLayoutVersion = 1;
+
+} // namespace
+
+MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs, QWidget* parent)
+    : QMainWindow(parent), session_(session), settings_(settings), dialogs_(dialogs),
+      actions_(new ActionRegistry(this)) {
+    setObjectName(QStringLiteral("mainWindow"));
+    setWindowTitle(QStringLiteral("ISOSLIDER"));
+    setWindowIcon(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")));
+    setAcceptDrops(true);
+    setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
+    setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
+    makeCentre();
+    makeDocks();
+    makeMenus();
+    makeToolBar();
+    connectActions();
+    subscriptions_.push_back(session_.datasetChanged().observe([this] { showDataset(); }));
+    subscriptions_.push_back(session_.frameChanged().observe([this] { updateActions(); }));
+    subscriptions_.push_back(session_.meshReportChanged().observe([this] { updateActions(); }));
+    subscriptions_.push_back(
+        session_.noticePosted().observe([this](const model::Notice& notice) { messageBar_->showNotice(notice); }));
+    resize(1600, 1000);
+    resetLayout();
+    showRecentFiles();
+    showDataset();
+}
+
+MainWindow::~MainWindow() = default;
+
+void MainWindow::makeCentre() {
+    auto* centre = new QWidget(this);
+    auto* layout = new QVBoxLayout(centre);
+    layout->setContentsMargins(0, 0, 0, 0);
+    layout->setSpacing(0);
+    messageBar_ = new MessageBar(centre);
+    host_ = new ViewportHost(session_, settings_, *actions_, centre);
+    layout->addWidget(messageBar_);
+    layout->addWidget(host_, 1);
+    setCentralWidget(centre);
+    connect(&host_->startPage(), &StartPage::openRequested, this, &MainWindow::openFile);
+}
+
+QDockWidget* MainWindow::addDock(const QString& title, const char* name, QWidget* panel) {
+    auto* dock = new QDockWidget(title, this);
+    dock->setObjectName(QLatin1String(name));
+    dock->setWidget(panel);
+    return dock;
+}
+
+void MainWindow::makeDocks() {
+    isovaluePanel_ = new IsovaluePanel(session_, settings_, *actions_, this);
+    datasetDock_ = addDock(tr("Dataset"), "datasetDock", new DatasetPanel(session_, *actions_, this));
+    isovalueDock_ = addDock(tr("Isovalue"), "isovalueDock", isovaluePanel_);
+    levelsDock_ = addDock(tr("Levels"), "levelsDock", new LevelsPanel(session_, this));
+    meshDock_ = addDock(tr("Mesh"), "meshDock", new MeshPanel(session_, *actions_, this));
+    jobsDock_ = addDock(tr("Jobs"), "jobsDock", new JobsPanel(session_, this));
+    setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
+}
+
+void MainWindow::resetLayout() {
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_}) {
+        removeDockWidget(dock);
+        dock->setFloating(false);
+    }
+    addDockWidget(Qt::BottomDockWidgetArea, isovalueDock_);
+    addDockWidget(Qt::RightDockWidgetArea, datasetDock_);
+    addDockWidget(Qt::RightDockWidgetArea, levelsDock_);
+    tabifyDockWidget(levelsDock_, meshDock_);
+    tabifyDockWidget(meshDock_, jobsDock_);
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})
+        dock->show();
+    levelsDock_->raise();
+    resizeDocks({datasetDock_, levelsDock_}, {430, 430}, Qt::Horizontal);
+    resizeDocks({datasetDock_, levelsDock_}, {300, 380}, Qt::Vertical);
+    resizeDocks({isovalueDock_}, {235}, Qt::Vertical);
+}
+
+void MainWindow::restoreLayout() {
+    restoreGeometry(settings_.bytes("window/geometry"));
+    restoreState(settings_.bytes("window/state"), kLayoutVersion);
+}
+
+void MainWindow::closeEvent(QCloseEvent* event) {
+    settings_.set("window/geometry", saveGeometry());
+    settings_.set("window/state", saveState(kLayoutVersion));
+    QMainWindow::closeEvent(event);
+}
+
+void MainWindow::openFile(const QString& path) {
+    messageBar_->hide();
+    model::OpenRequest request;
+    request.path = std::filesystem::path(QFileInfo(path).absoluteFilePath().toStdU16String());
+    session_.open(std::move(request));
+}
+
+void MainWindow::openSample(const QString& name) {
+    messageBar_->hide();
+    model::OpenRequest request;
+    request.sampleName = name.toStdString();
+    session_.open(std::move(request));
+}
+
+void MainWindow::askOpen() {
+    dialogs_.askOpen(this, tr("Open Volume"), settings_.text("files/openFolder"), volumeFilters(),
+                     [this](const QString& path) {
+                         settings_.set("files/openFolder", QFileInfo(path).path());
+                         openFile(path);
+                     });
+}
+
+void MainWindow::askExport() {
+    const auto* dataset = session_.dataset();
+    if (dataset == nullptr)
+        return;
+    const QString stem = QFileInfo(QString::fromStdString(dataset->name)).completeBaseName();
+    const QString name = QStringLiteral("%1_%2.ply").arg(stem).arg(session_.isovalue().requested(), 0, 'g', 6);
+    const QString folder = settings_.text("files/exportFolder");
+    dialogs_.askSave(this, tr("Export Mesh"), folder.isEmpty() ? QDir::home().filePath(name) : QDir(folder).filePath(name),
+                     meshFilters(), [this](const QString& path) {
+                         settings_.set("files/exportFolder", QFileInfo(path).path());
+                         session_.exportMesh(std::filesystem::path(path.toStdU16String()));
+                     });
+}
+
+void MainWindow::askSaveImage() {
+    if (host_->viewport() == nullptr)
+        return;
+    const QImage image = host_->viewport()->grabFramebuffer();
+    dialogs_.askSave(this, tr("Save View as Image"), QDir::home().filePath(QStringLiteral("isosurface.png")),
+                     tr("PNG image (*.png)"), [this, image](const QString& path) {
+                         const bool isSaved = image.save(path);
+                         using Severity = model::Notice::Severity;
+                         messageBar_->showNotice(
+                             {isSaved ? Severity::Information : Severity::Error,
+                              (isSaved ? tr("Image saved") : tr("The image could not be saved; choose another folder")).toStdString(),
+                              QDir::toNativeSeparators(path).toStdString()});
+                     });
+}
+
+void MainWindow::showDataset() {
+    const auto* dataset = session_.dataset();
+    setWindowTitle(dataset == nullptr ? QStringLiteral("ISOSLIDER")
+                                      : QStringLiteral("%1 – ISOSLIDER").arg(QString::fromStdString(dataset->name)));
+    if (dataset != nullptr && !dataset->path.empty())
+        rememberFile(QString::fromStdU16String(dataset->path.u16string()));
+    updateActions();
+}
+
+void MainWindow::rememberFile(const QString& path) {
+    QStringList recent = settings_.list("files/recent");
+    if (!recent.isEmpty() && recent.first() == path)
+        return;
+    recent.removeAll(path);
+    recent.prepend(path);
+    settings_.set("files/recent", QStringList(recent.mid(0, kMostRecentFiles)));
+    showRecentFiles();
+}
+
+void MainWindow::updateActions() {
+    const auto* dataset = session_.dataset();
+    const bool hasSurface = session_.frame() != nullptr;
+    const auto state = session_.indexState();
+    for (const char* id : {"isovalue.edit", "isovalue.play", "isovalue.resetZoom", "file.close"})
+        actions_->action(id)->setEnabled(dataset != nullptr);
+    actions_->action("mesh.export")->setEnabled(hasSurface);
+    actions_->action("file.saveImage")->setEnabled(hasSurface && host_->viewport() != nullptr);
+    actions_->action("mesh.check")->setEnabled(hasSurface && !session_.isCheckingMesh());
+    actions_->action("index.build")->setEnabled(state == model::IndexState::Failed || state == model::IndexState::Cancelled);
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
+    const auto urls = event->mimeData()->urls();
+    if (!urls.isEmpty() && urls.first().isLocalFile())
+        event->acceptProposedAction();
+}
+
+void MainWindow::dropEvent(QDropEvent* event) {
+    const auto urls = event->mimeData()->urls();
+    if (urls.isEmpty() || !urls.first().isLocalFile())
+        return;
+    event->acceptProposedAction();
+    openFile(urls.first().toLocalFile());
+}
+
+void MainWindow::changeEvent(QEvent* event) {
+    QMainWindow::changeEvent(event);
+    if (event->type() == QEvent::PaletteChange && actions_ != nullptr)
+        actions_->refreshIcons();
+}
+
+} // namespace isoslider::widgets

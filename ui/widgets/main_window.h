@@ -1,0 +1,86 @@
+#pragma once
+
+#include <vector>
+
+#include <QMainWindow>
+#include <QStringList>
+
+#include "ui/model/observers.h"
+
+class QDockWidget;
+class QMenu;
+
+namespace isoslider::model {
+class Session;
+struct OpenRequest;
+} // namespace isoslider::model
+
+namespace isoslider::widgets {
+
+class ActionRegistry;
+class FileDialogs;
+class IsovaluePanel;
+class MessageBar;
+class SettingsStore;
+class ViewportHost;
+
+/// The program's window: the view in the middle, panels round it, menus and tool bar. Everything it
+/// is given must outlive it.
+class MainWindow : public QMainWindow {
+    Q_OBJECT
+public:
+    MainWindow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs,
+               QWidget* parent = nullptr);
+    ~MainWindow() override;
+
+    /// Opens a volume or an index and remembers it among the recent files once it is open.
+    void openFile(const QString& path);
+    void openSample(const QString& name);
+    /// Place, size and panels as they were when the window was last closed.
+    void restoreLayout();
+    void resetLayout();
+
+    const ActionRegistry& actions() const { return *actions_; }
+    ViewportHost& viewportHost() { return *host_; }
+    IsovaluePanel& isovaluePanel() { return *isovaluePanel_; }
+    MessageBar& messageBar() { return *messageBar_; }
+
+protected:
+    void closeEvent(QCloseEvent* event) override;
+    void dragEnterEvent(QDragEnterEvent* event) override;
+    void dropEvent(QDropEvent* event) override;
+    void changeEvent(QEvent* event) override;
+
+private:
+    void makeCentre();
+    void makeDocks();
+    void makeMenus();
+    void makeToolBar();
+    void connectActions();
+    QDockWidget* addDock(const QString& title, const char* name, QWidget* panel);
+    void askOpen();
+    void askExport();
+    void askSaveImage();
+    void showDataset();
+    void showRecentFiles();
+    void rememberFile(const QString& path);
+    void updateActions();
+
+    model::Session& session_;
+    SettingsStore& settings_;
+    FileDialogs& dialogs_;
+    ActionRegistry* actions_;
+    MessageBar* messageBar_ = nullptr;
+    ViewportHost* host_ = nullptr;
+    IsovaluePanel* isovaluePanel_ = nullptr;
+    QMenu* recentMenu_ = nullptr;
+    QMenu* panelsMenu_ = nullptr;
+    QDockWidget* datasetDock_ = nullptr;
+    QDockWidget* isovalueDock_ = nullptr;
+    QDockWidget* levelsDock_ = nullptr;
+    QDockWidget* meshDock_ = nullptr;
+    QDockWidget* jobsDock_ = nullptr;
+    std::vector<model::Subscription> subscriptions_;
+};
+
+} // namespace isoslider::widgets

@@ -1,0 +1,137 @@
+#include <QAction>
+#include <QDir>
+#include <QDockWidget>
+#include <QFileInfo>
+#include <QMenu>
+#include <QMenuBar>
+#include <QToolBar>
+
+#include "ui/model/session.h"
+#include "ui/widgets/action_registry.h"
+#include "ui/widgets/help_dialogs.h"
+#include "ui/widgets/main_window.h"
+#include "ui/widgets/settings_store.h"
+#include "ui/widgets/start_page.h"
+#include "ui/widgets/viewport_host.h"
+
+namespace isoslider::widgets {
+
+void MainWindow::makeMenus() {
+    const auto add = [this](QMenu* menu, std::initializer_list<const char*> ids) {
+        for (const char* id : ids)
+            menu->addAction(actions_->action(id));
+    };
+    QMenu* file = menuBar()->addMenu(tr("&File"));
+    add(file, {"file.open"});
+    recentMenu_ = file->addMenu(tr("Open &Recent"));
+    QMenu* samples = file->addMenu(tr("Open &Sample"));
+    add(samples, {"file.sampleBluntFin", "file.sampleShell"});
+    file->addSeparator();
+    add(file, {"mesh.export", "file.saveImage"});
+    file->addSeparator();
+    add(file, {"file.close", "file.quit"});
+
+    QMenu* view = menuBar()->addMenu(tr("&View"));
+    add(view, {"view.reset", "view.perspective"});
+    QMenu* standard = view->addMenu(tr("&Standard Views"));
+    add(standard, {"view.front", "view.back", "view.right", "view.left", "view.top", "view.bottom"});
+    view->addSeparator();
+    add(view, {"view.changed", "view.box", "view.axes", "view.readout"});
+    view->addSeparator();
+    QMenu* panels = view->addMenu(tr("Pa&nels"));
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})
+        panels->addAction(dock->toggleViewAction());
+    panelsMenu_ = panels;
+    add(view, {"view.resetLayout", "view.fullScreen"});
+
+    QMenu* isovalue = menuBar()->addMenu(tr("&Isovalue"));
+    add(isovalue, {"isovalue.edit", "isovalue.play"});
+    isovalue->addSeparator();
+    add(isovalue, {"isovalue.logCounts", "isovalue.resetZoom"});
+
+    QMenu* mesh = menuBar()->addMenu(tr("&Mesh"));
+    add(mesh, {"mesh.check", "mesh.export"});
+    mesh->addSeparator();
+    add(mesh, {"index.build"});
+
+    QMenu* help = menuBar()->addMenu(tr("&Help"));
+    add(help, {"help.shortcuts"});
+    help->addSeparator();
+    add(help, {"help.about"});
+}
+
+void MainWindow::makeToolBar() {
+    auto* bar = addToolBar(tr("Main Tool Bar"));
+    bar->setObjectName(QStringLiteral("mainToolBar"));
+    bar->setMovable(false);
+    bar->setIconSize(QSize(20, 20));
+    bar->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    actions_->action("file.open")->setIconText(tr("Open"));
+    actions_->action("mesh.export")->setIconText(tr("Export"));
+    actions_->action("mesh.check")->setIconText(tr("Check"));
+    actions_->action("view.reset")->setIconText(tr("Fit"));
+    actions_->action("view.perspective")->setIconText(tr("Perspective"));
+    actions_->action("view.changed")->setIconText(tr("Glow"));
+    actions_->action("view.box")->setIconText(tr("Box"));
+    actions_->action("view.axes")->setIconText(tr("Axes"));
+    bar->addAction(actions_->action("file.open"));
+    bar->addAction(actions_->action("mesh.export"));
+    bar->addAction(actions_->action("mesh.check"));
+    bar->addSeparator();
+    for (const char* id : {"view.reset", "view.perspective", "view.changed", "view.box", "view.axes"})
+        bar->addAction(actions_->action(id));
+    panelsMenu_->addSeparator();
+    panelsMenu_->addAction(bar->toggleViewAction());
+}
+
+void MainWindow::connectActions() {
+    const auto on = [this](const char* id, auto handler) {
+        connect(actions_->action(id), &QAction::triggered, this, handler);
+    };
+    on("file.open", [this] { askOpen(); });
+    on("file.sampleBluntFin", [this] { openSample(QStringLiteral("bluntfin")); });
+    on("file.sampleShell", [this] { openSample(QStringLiteral("shell")); });
+    on("file.saveImage", [this] { askSaveImage(); });
+    on("file.close", [this] { session_.close(); });
+    on("file.quit", [this] { close(); });
+    on("mesh.check", [this] {
+        meshDock_->show();
+        meshDock_->raise();
+        session_.checkMesh();
+    });
+    on("mesh.export", [this] { askExport(); });
+    on("index.build", [this] { session_.buildIndex(); });
+    on("view.resetLayout", [this] { resetLayout(); });
+    on("view.fullScreen", [this](bool isFull) { isFull ? showFullScreen() : showNormal(); });
+    on("help.shortcuts", [this] { showShortcutSheet(*actions_, this); });
+    on("help.about", [this] { showAbout(this); });
+
+    QAction* perspective = actions_->action("view.perspective");
+    connect(perspective, &QAction::toggled, this, [this](bool isOn) { settings_.set("view/perspective", isOn); });
+    // Toggled once even when already so: the camera hears of it through the action.
+    perspective->setChecked(!settings_.boolean("view/perspective"));
+    perspective->toggle();
+}
+
+void MainWindow::showRecentFiles() {
+    const QStringList recent = settings_.list("files/recent");
+    recentMenu_->clear();
+    int number = 1;
+    for (const auto& path : recent) {
+        QAction* action = recentMenu_->addAction(QStringLiteral("&%1 %2").arg(number++).arg(QFileInfo(path).fileName()));
+        action->setToolTip(QDir::toNativeSeparators(path));
+        action->setStatusTip(action->toolTip());
+        connect(action, &QAction::triggered, this, [this, path] { openFile(path); });
+    }
+    recentMenu_->setToolTipsVisible(true);
+    recentMenu_->setEnabled(!recent.isEmpty());
+    recentMenu_->addSeparator();
+    QAction* clear = recentMenu_->addAction(tr("&Clear List"));
+    connect(clear, &QAction::triggered, this, [this] {
+        settings_.set("files/recent", QStringList());
+        showRecentFiles();
+    });
+    host_->startPage().setRecentFiles(recent);
+}
+
+} // namespace isoslider::widgets

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <qcustomplot.h>
+
+namespace isoslider::widgets {
+
+/// Plot colours that read on the palette's base, dark or light.
+struct PlotColours {
+    QColor counts;
+    QColor countsFill;
+    QColor curve;
+    QColor handle;
+    QColor handleText;
+};
+PlotColours plotColours(const QPalette& palette);
+
+/// Thin axis without minor ticks, in the palette's colours.
+void styleAxis(QCPAxis* axis, const QPalette& palette);
+
+/// Counts as "12.4 k".
+class CompactTicker : public QCPAxisTicker {
+public:
+    CompactTicker() { setTickCount(4); }
+
+protected:
+    QString getTickLabel(double tick, const QLocale& locale, QChar formatChar, int precision) override;
+};
+
+class CompactLogTicker : public QCPAxisTickerLog {
+protected:
+    QString getTickLabel(double tick, const QLocale& locale, QChar formatChar, int precision) override;
+};
+
+} // namespace isoslider::widgets

@@ -1,0 +1,91 @@
+#include "ui/widgets/small_widgets.h"
+
+#include <QAction>
+#include <QFormLayout>
+#include <QFrame>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QToolButton>
+
+namespace isoslider::widgets {
+
+QWidget* makeSeparator(QWidget* parent) {
+    auto* line = new QFrame(parent);
+    line->setFrameShape(QFrame::VLine);
+    line->setFrameShadow(QFrame::Plain);
+    QPalette palette = line->palette();
+    QColor colour = palette.color(QPalette::WindowText);
+    colour.setAlpha(60);
+    palette.setColor(QPalette::WindowText, colour);
+    line->setPalette(palette);
+    line->setFixedHeight(20);
+    return line;
+}
+
+QToolButton* makeToolButton(QAction* action, Qt::ToolButtonStyle style, QWidget* parent) {
+    auto* button = new QToolButton(parent);
+    button->setDefaultAction(action);
+    button->setToolButtonStyle(style);
+    button->setAutoRaise(true);
+    button->setFocusPolicy(Qt::TabFocus);
+    button->setIconSize(QSize(18, 18));
+    return button;
+}
+
+QLabel* addReadout(QHBoxLayout* row, const QString& caption, const char* objectName, QWidget* parent) {
+    auto* name = new QLabel(caption, parent);
+    name->setForegroundRole(QPalette::PlaceholderText);
+    auto* value = new QLabel(QStringLiteral("–"), parent);
+    value->setObjectName(QLatin1String(objectName));
+    value->setAccessibleName(caption);
+    value->setMinimumWidth(value->fontMetrics().horizontalAdvance(QStringLiteral("-0000.000")));
+    value->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    row->addSpacing(6);
+    row->addWidget(name);
+    row->addWidget(value);
+    return value;
+}
+
+QLabel* makeHeading(const QString& text, QWidget* parent) {
+    auto* label = new QLabel(text, parent);
+    QFont font = label->font();
+    font.setBold(true);
+    label->setFont(font);
+    return label;
+}
+
+FactForm::FactForm(QWidget* parent) : QWidget(parent), form_(new QFormLayout(this)) {
+    form_->setContentsMargins(0, 0, 0, 0);
+    form_->setHorizontalSpacing(14);
+    form_->setVerticalSpacing(3);
+    form_->setLabelAlignment(Qt::AlignLeft | Qt::AlignTop);
+    form_->setFormAlignment(Qt::AlignLeft | Qt::AlignTop);
+    form_->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
+}
+
+void FactForm::setFacts(const std::vector<Fact>& facts) {
+    while (names_.size() < facts.size()) {
+        auto* name = new QLabel(this);
+        name->setForegroundRole(QPalette::PlaceholderText);
+        auto* value = new QLabel(this);
+        value->setTextInteractionFlags(Qt::TextSelectableByMouse | Qt::TextSelectableByKeyboard);
+        value->setWordWrap(true);
+        value->setTextFormat(Qt::PlainText);
+        value->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+        form_->addRow(name, value);
+        names_.push_back(name);
+        values_.push_back(value);
+    }
+    for (std::size_t row = 0; row < names_.size(); ++row) {
+        const bool isUsed = row < facts.size();
+        form_->setRowVisible(static_cast<int>(row), isUsed);
+        if (!isUsed)
+            continue;
+        names_[row]->setText(facts[row].name);
+        values_[row]->setText(facts[row].value);
+        values_[row]->setToolTip(facts[row].tip);
+        values_[row]->setAccessibleName(facts[row].name);
+    }
+}
+
+} // namespace isoslider::widgets

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include <QString>
+#include <QWidget>
+
+class QAction;
+class QFormLayout;
+class QHBoxLayout;
+class QLabel;
+class QToolButton;
+
+namespace isoslider::widgets {
+
+/// A thin vertical line between groups of controls.
+QWidget* makeSeparator(QWidget* parent);
+/// A flat button for an action.
+QToolButton* makeToolButton(QAction* action, Qt::ToolButtonStyle style, QWidget* parent);
+/// Adds "caption value" to a row and returns the value's label, wide enough not to jump.
+QLabel* addReadout(QHBoxLayout* row, const QString& caption, const char* objectName, QWidget* parent);
+/// A heading within a panel.
+QLabel* makeHeading(const QString& text, QWidget* parent);
+
+struct Fact {
+    QString name;
+    QString value;
+    QString tip;
+};
+
+/// Names and values in two columns; values can be selected and copied.
+class FactForm : public QWidget {
+    Q_OBJECT
+public:
+    explicit FactForm(QWidget* parent = nullptr);
+    void setFacts(const std::vector<Fact>& facts);
+
+private:
+    QFormLayout* form_;
+    std::vector<QLabel*> names_;
+    std::vector<QLabel*> values_;
+};
+
+} // namespace isoslider::widgets

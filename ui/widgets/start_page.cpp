@@ -1,0 +1,92 @@
+#include "ui/widgets/start_page.h"
+
+#include <QAction>
+#include <QDir>
+#include <QFileInfo>
+#include <QIcon>
+#include <QLabel>
+#include <QPushButton>
+#include <QVBoxLayout>
+
+#include "ui/widgets/action_registry.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kMostRecent = 5;
+
+QPushButton* actionButton(QAction* action, const QString& text, QWidget* parent) {
+    auto* button = new QPushButton(action->icon(), text, parent);
+    button->setObjectName(QStringLiteral("start.") + action->objectName());
+    button->setToolTip(action->toolTip());
+    button->setMinimumHeight(34);
+    button->setIconSize(QSize(20, 20));
+    QObject::connect(button, &QPushButton::clicked, action, &QAction::trigger);
+    return button;
+}
+
+} // namespace
+
+StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
+    : QFrame(parent), recentLayout_(new QVBoxLayout), recentHeading_(new QLabel(tr("Recent files"), this)) {
+    setObjectName(QStringLiteral("startPage"));
+    setFrameShape(QFrame::NoFrame);
+    setAutoFillBackground(true);
+    setFixedWidth(440);
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(34, 28, 34, 26);
+    layout->setSpacing(8);
+    auto* logo = new QLabel(this);
+    logo->setPixmap(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")).pixmap(QSize(72, 72), devicePixelRatioF()));
+    auto* name = new QLabel(QStringLiteral("ISOSLIDER"), this);
+    QFont font = name->font();
+    font.setPointSizeF(font.pointSizeF() * 1.9);
+    font.setWeight(QFont::DemiBold);
+    font.setLetterSpacing(QFont::AbsoluteSpacing, 2.0);
+    name->setFont(font);
+    auto* claim = new QLabel(tr("Slide isosurfaces through large volumes"), this);
+    claim->setForegroundRole(QPalette::PlaceholderText);
+    layout->addWidget(logo, 0, Qt::AlignHCenter);
+    layout->addWidget(name, 0, Qt::AlignHCenter);
+    layout->addWidget(claim, 0, Qt::AlignHCenter);
+    layout->addSpacing(14);
+    auto* open = actionButton(actions.action("file.open"), tr("Open volume…"), this);
+    open->setDefault(true);
+    layout->addWidget(open);
+    layout->addWidget(actionButton(actions.action("file.sampleBluntFin"), tr("Open sample: Blunt Fin"), this));
+    layout->addWidget(actionButton(actions.action("file.sampleShell"), tr("Open sample: Spherical Shell"), this));
+    auto* drop = new QLabel(tr("or drop a file here"), this);
+    drop->setForegroundRole(QPalette::PlaceholderText);
+    layout->addWidget(drop, 0, Qt::AlignHCenter);
+    layout->addSpacing(8);
+    QFont bold = recentHeading_->font();
+    bold.setBold(true);
+    recentHeading_->setFont(bold);
+    layout->addWidget(recentHeading_);
+    recentLayout_->setSpacing(0);
+    layout->addLayout(recentLayout_);
+    setRecentFiles({});
+}
+
+void StartPage::setRecentFiles(const QStringList& paths) {
+    while (QLayoutItem* item = recentLayout_->takeAt(0)) {
+        delete item->widget();
+        delete item;
+    }
+    for (const auto& path : paths.mid(0, kMostRecent)) {
+        const QFileInfo file(path);
+        auto* button = new QPushButton(this);
+        button->setFlat(true);
+        button->setStyleSheet(QStringLiteral("text-align: left; padding: 4px 2px;"));
+        const QString folder = QDir::toNativeSeparators(file.path());
+        const int room = width() - 90 - fontMetrics().horizontalAdvance(file.fileName());
+        button->setText(QStringLiteral("%1   %2").arg(file.fileName(), fontMetrics().elidedText(folder, Qt::ElideMiddle, std::max(40, room))));
+        button->setToolTip(QDir::toNativeSeparators(path));
+        connect(button, &QPushButton::clicked, this, [this, path] { Q_EMIT openRequested(path); });
+        recentLayout_->addWidget(button);
+    }
+    recentHeading_->setVisible(!paths.isEmpty());
+    adjustSize();
+}
+
+} // namespace isoslider::widgets

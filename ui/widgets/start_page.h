@@ -1,0 +1,27 @@
+#pragma once
+
+#include <QFrame>
+
+class QLabel;
+class QVBoxLayout;
+
+namespace isoslider::widgets {
+
+class ActionRegistry;
+
+/// What an empty view shows: how to begin.
+class StartPage : public QFrame {
+    Q_OBJECT
+public:
+    explicit StartPage(const ActionRegistry& actions, QWidget* parent = nullptr);
+    void setRecentFiles(const QStringList& paths);
+
+Q_SIGNALS:
+    void openRequested(const QString& path);
+
+private:
+    QVBoxLayout* recentLayout_;
+    QLabel* recentHeading_;
+};
+
+} // namespace isoslider::widgets

@@ -1,0 +1,184 @@
+#include "ui/widgets/viewport_host.h"
+
+#include <QAction>
+#include <QEvent>
+#include <QLabel>
+#include <QVBoxLayout>
+
+#include "ui/model/number_text.h"
+#include "ui/model/session.h"
+#include "ui/render/gl_support.h"
+#include "ui/render/scene_renderer.h"
+#include "ui/widgets/action_registry.h"
+#include "ui/widgets/settings_store.h"
+#include "ui/widgets/start_page.h"
+#include "ui/widgets/viewport_overlay.h"
+#include "ui/widgets/viewport_widget.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kOverlayMargin = 12;
+
+struct OptionAction {
+    const char* action;
+    const char* setting;
+    bool model::ViewOptions::*member;
+};
+constexpr std::array<OptionAction, 4> kOptionActions{
+    {{"view.changed", "view/showsChanged", &model::ViewOptions::showsChanged},
+     {"view.box", "view/showsBox", &model::ViewOptions::showsBox},
+     {"view.axes", "view/showsAxes", &model::ViewOptions::showsAxes},
+     {"view.readout", "view/showsReadout", &model::ViewOptions::showsReadout}}};
+
+struct ViewAction {
+    const char* action;
+    model::StandardView view;
+};
+constexpr std::array<ViewAction, 6> kViewActions{{{"view.front", model::StandardView::Front},
+                                                  {"view.back", model::StandardView::Back},
+                                                  {"view.right", model::StandardView::Right},
+                                                  {"view.left", model::StandardView::Left},
+                                                  {"view.top", model::StandardView::Top},
+                                                  {"view.bottom", model::StandardView::Bottom}}};
+
+} // namespace
+
+ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
+                           QWidget* parent)
+    : QWidget(parent), session_(session) {
+    if (render::isOpenGlUsable())
+        view_ = viewport_ = new ViewportWidget(this);
+    else
+        view_ = makeFallback();
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(0, 0, 0, 0);
+    layout->addWidget(view_);
+    axes_ = new AxesGlyph(this);
+    readout_ = new ViewReadout(this);
+    loading_ = new ViewReadout(this);
+    loading_->setObjectName(QStringLiteral("loadingLabel"));
+    startPage_ = new StartPage(actions, this);
+    startPage_->installEventFilter(this);
+    connectActions(settings, actions);
+    connectViews(actions);
+    optionsSubscription_ = viewState_.observe([this] { applyOptions(); });
+    datasetSubscription_ = session_.datasetChanged().observe([this] { showState(); });
+    frameSubscription_ = session_.frameChanged().observe([this] { showFrame(); });
+    applyOptions();
+    showFrame();
+}
+
+QWidget* ViewportHost::makeFallback() {
+    auto* label = new QLabel(tr("OpenGL 3.3 is not available, so the surface cannot be drawn.\n"
+                                "The panels still work: isovalue, levels, mesh check and export.\n"
+                                "Install or enable a graphics driver with OpenGL 3.3 to see the surface."),
+                             this);
+    label->setObjectName(QStringLiteral("viewportFallback"));
+    label->setAlignment(Qt::AlignCenter);
+    label->setWordWrap(true);
+    label->setMargin(24);
+    label->setFocusPolicy(Qt::StrongFocus);
+    return label;
+}
+
+void ViewportHost::connectActions(SettingsStore& settings, const ActionRegistry& actions) {
+    model::ViewOptions options;
+    for (const auto& entry : kOptionActions) {
+        options.*entry.member = settings.boolean(entry.setting);
+        QAction* action = actions.action(entry.action);
+        action->setChecked(options.*entry.member);
+        connect(action, &QAction::toggled, this, [this, &settings, entry](bool isShown) {
+            auto changed = viewState_.options();
+            changed.*entry.member = isShown;
+            viewState_.setOptions(changed);
+            settings.set(entry.setting, isShown);
+        });
+    }
+    viewState_.setOptions(options);
+}
+
+void ViewportHost::connectViews(const ActionRegistry& actions) {
+    const bool hasView = viewport_ != nullptr;
+    actions.action("view.reset")->setEnabled(hasView);
+    actions.action("view.perspective")->setEnabled(hasView);
+    for (const auto& entry : kViewActions)
+        actions.action(entry.action)->setEnabled(hasView);
+    if (!hasView)
+        return;
+    connect(viewport_, &ViewportWidget::cameraChanged, this,
+            [this] { axes_->setOrientation(viewport_->camera().orientation()); });
+    connect(viewport_, &ViewportWidget::stepRequested, this,
+            [this](double step) { session_.isovalue().step(step); });
+    connect(actions.action("view.reset"), &QAction::triggered, this, [this] {
+        viewport_->changeCamera([](model::Camera& camera) { camera.reset(camera.sceneRadius()); });
+    });
+    connect(actions.action("view.perspective"), &QAction::toggled, this, [this](bool isPerspective) {
+        viewport_->changeCamera([isPerspective](model::Camera& camera) { camera.setPerspective(isPerspective); });
+    });
+    for (const auto& entry : kViewActions)
+        connect(actions.action(entry.action), &QAction::triggered, this, [this, view = entry.view] {
+            viewport_->changeCamera([view](model::Camera& camera) { camera.setStandardView(view); });
+        });
+    axes_->setOrientation(viewport_->camera().orientation());
+}
+
+void ViewportHost::showFrame() {
+    const auto frame = session_.frame();
+    if (viewport_ != nullptr) {
+        const auto* dataset = session_.dataset();
+        if (dataset != nullptr && std::exchange(framedDataset_, session_.datasetKey()) != session_.datasetKey())
+            viewport_->changeCamera([dataset](model::Camera& camera) { camera.reset(render::sceneRadius(dataset->geometry)); });
+        viewport_->setFrame(frame);
+    }
+    if (frame) {
+        const auto text = [](const std::string& s) { return QString::fromStdString(s); };
+        readout_->setText(tr("isovalue %1\n%2 triangles\n%3")
+                              .arg(text(model::valueText(frame->isovalue, 7)), text(model::groupedText(frame->stats.triangles)),
+                                   text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs))));
+        readout_->adjustSize();
+    }
+    showState();
+}
+
+void ViewportHost::showState() {
+    const bool isEmpty = session_.dataset() == nullptr && !session_.isLoading();
+    const bool isWaiting = session_.isLoading() || (session_.dataset() != nullptr && !session_.frame());
+    startPage_->setVisible(isEmpty);
+    loading_->setText(session_.isLoading() ? tr("Opening…") : tr("Extracting the first surface…"));
+    loading_->setVisible(isWaiting);
+    const auto& options = viewState_.options();
+    axes_->setVisible(options.showsAxes && viewport_ != nullptr && session_.dataset() != nullptr);
+    readout_->setVisible(options.showsReadout && viewport_ != nullptr && session_.frame() != nullptr);
+    placeOverlays();
+}
+
+void ViewportHost::applyOptions() {
+    if (viewport_ != nullptr)
+        viewport_->setOptions(viewState_.options());
+    showState();
+}
+
+void ViewportHost::placeOverlays() {
+    const auto centreOn = [this](QWidget* overlay) {
+        overlay->adjustSize();
+        overlay->move((width() - overlay->width()) / 2, std::max(0, (height() - overlay->height()) / 2));
+    };
+    readout_->move(kOverlayMargin, kOverlayMargin);
+    axes_->move(4, height() - axes_->height() - 4);
+    centreOn(startPage_);
+    centreOn(loading_);
+}
+
+void ViewportHost::resizeEvent(QResizeEvent* event) {
+    QWidget::resizeEvent(event);
+    placeOverlays();
+}
+
+bool ViewportHost::eventFilter(QObject* watched, QEvent* event) {
+    if (watched == startPage_ && event->type() == QEvent::LayoutRequest)
+        placeOverlays();
+    return QWidget::eventFilter(watched, event);
+}
+
+} // namespace isoslider::widgets

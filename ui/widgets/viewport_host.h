@@ -1,0 +1,63 @@
+#pragma once
+
+#include <QWidget>
+
+#include "ui/model/observers.h"
+#include "ui/model/view_state.h"
+
+class QLabel;
+
+namespace isoslider::model {
+class Session;
+}
+
+namespace isoslider::widgets {
+
+class ActionRegistry;
+class AxesGlyph;
+class SettingsStore;
+class StartPage;
+class ViewReadout;
+class ViewportWidget;
+
+/// The middle of the window: the 3-D view, or a word on why there is none, with the start page or
+/// the loading state and the readout over it.
+class ViewportHost : public QWidget {
+    Q_OBJECT
+public:
+    ViewportHost(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
+                 QWidget* parent = nullptr);
+
+    /// Null without usable OpenGL.
+    ViewportWidget* viewport() { return viewport_; }
+    StartPage& startPage() { return *startPage_; }
+    QSize sizeHint() const override { return {1100, 640}; }
+
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+private:
+    QWidget* makeFallback();
+    void connectActions(SettingsStore& settings, const ActionRegistry& actions);
+    void connectViews(const ActionRegistry& actions);
+    void showFrame();
+    void showState();
+    void applyOptions();
+    void placeOverlays();
+
+    model::Session& session_;
+    model::ViewState viewState_;
+    ViewportWidget* viewport_ = nullptr;
+    QWidget* view_ = nullptr;
+    StartPage* startPage_ = nullptr;
+    QLabel* loading_ = nullptr;
+    ViewReadout* readout_ = nullptr;
+    AxesGlyph* axes_ = nullptr;
+    std::uint64_t framedDataset_ = 0;
+    model::Subscription datasetSubscription_;
+    model::Subscription frameSubscription_;
+    model::Subscription optionsSubscription_;
+};
+
+} // namespace isoslider::widgets

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <QLabel>
+#include <QWidget>
+
+#include <glm/gtc/quaternion.hpp>
+
+namespace isoslider::widgets {
+
+/// The directions of X, Y and Z as the camera sees them; sits in a corner of the view and lets all
+/// pointer events through.
+class AxesGlyph : public QWidget {
+    Q_OBJECT
+public:
+    explicit AxesGlyph(QWidget* parent = nullptr);
+    void setOrientation(const glm::dquat& cameraToWorld);
+
+protected:
+    void paintEvent(QPaintEvent* event) override;
+
+private:
+    glm::dquat worldToCamera_{1.0, 0.0, 0.0, 0.0};
+};
+
+/// A line or two of text on the view, legible on any picture.
+class ViewReadout : public QLabel {
+    Q_OBJECT
+public:
+    explicit ViewReadout(QWidget* parent = nullptr);
+};
+
+} // namespace isoslider::widgets
