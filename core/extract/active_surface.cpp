@@ -1,0 +1,177 @@
+#include "core/extract/active_surface.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include <tbb/parallel_for.h>
+
+#include "core/extract/active_surface_detail.h"
+#include "core/extract/vertex_interpolation.h"
+
+namespace isoslider::extract {
+
+template <class Live>
+ActiveSurface<Live>::ActiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells)
+    : geometry_(geometry), table_(BrickGrid(geometry.dims), missingCells), scalars1_(kMaxVertices), scalars2_(kMaxVertices),
+      edgeNormals_(kMaxVertices), edges_(kMaxVertices), positions_(kMaxVertices), normals_(kMaxVertices),
+      indices_(3 * kMaxTriangles), runOwners_(kMaxTriangles), vertexRuns_(kVertexGranule, kMaxVertices),
+      triangleRuns_(kTriangleGranule, kMaxTriangles) {}
+
+template <class Live>
+void ActiveSurface<Live>::clear() {
+    // Index memory past the runs must read as zeros again; columns keep their pages for the next surface.
+    for (Brick* brick : table_.bricks())
+        if (brick->triangleBegin != kNoRun)
+            std::fill_n(indices_.data() + 3 * std::size_t{brick->triangleBegin}, 3 * std::size_t{brick->triangleCapacity}, 0u);
+    table_.clear();
+    vertexRuns_.clear();
+    triangleRuns_.clear();
+    dirtyBricks_.clear();
+    activeEdges_ = triangles_ = 0;
+}
+
+template <class Live>
+Status ActiveSurface<Live>::apply(const ChangeSet<Live>& changes, SlideStats& stats) {
+    for (Brick* brick : dirtyBricks_)
+        brick->changed = {};
+    dirtyBricks_.clear();
+
+    // 1. Edges. A partition's bricks belong to one task; marks in other bricks are atomic.
+    tbb::enumerable_thread_specific<Scratch> scratches;
+    std::atomic<bool> isConsistent{true};
+    tbb::parallel_for(0u, ChangeSet<Live>::kPartitions, [&](unsigned partition) {
+        Scratch& scratch = scratches.local();
+        chainChanges(changes, partition, scratch);
+        for (Brick* brick : scratch.touched)
+            if (!applyToBrick(*brick, scratch))
+                isConsistent.store(false, std::memory_order_relaxed);
+    });
+    std::int64_t edgeDifference = 0;
+    for (Scratch& scratch : scratches) {
+        dirtyBricks_.insert(dirtyBricks_.end(), scratch.dirty.begin(), scratch.dirty.end());
+        stats.edgesAdded += scratch.added;
+        stats.edgesRemoved += scratch.removed;
+        edgeDifference += static_cast<std::int64_t>(scratch.added) - static_cast<std::int64_t>(scratch.removed);
+    }
+    if (!isConsistent)
+        return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice");
+    activeEdges_ += static_cast<std::uint64_t>(edgeDifference);
+
+    // 2. Triangles.
+    tbb::parallel_for(std::size_t{0}, dirtyBricks_.size(), [&](std::size_t i) { retriangulate(*dirtyBricks_[i], scratches.local()); });
+    std::int64_t triangleDifference = 0;
+    for (Scratch& scratch : scratches) {
+        triangleDifference += scratch.triangleDifference;
+        stats.cellsRetriangulated += scratch.cells;
+    }
+    triangles_ += static_cast<std::uint64_t>(triangleDifference);
+    releaseEmptyBricks(dirtyBricks_);
+    std::erase_if(dirtyBricks_, [](const Brick* brick) { return brick->vertexBegin == kNoRun && brick->triangleBegin == kNoRun; });
+    stats.activeEdges = activeEdges_;
+    stats.triangles = triangles_;
+    return {};
+}
+
+template <class Live>
+void ActiveSurface<Live>::releaseEmptyBricks(const std::vector<Brick*>& candidates) {
+    for (Brick* brick : candidates) {
+        if (brick->vertexCount == 0 && brick->vertexBegin != kNoRun) {
+            vertexRuns_.free(brick->vertexBegin, brick->vertexCapacity);
+            brick->vertexBegin = kNoRun;
+            brick->vertexCapacity = 0;
+        }
+        if (brick->vertexBegin == kNoRun && brick->triangleBegin == kNoRun)
+            table_.remove(*brick);
+    }
+}
+
+template <class Live>
+void ActiveSurface<Live>::interpolate(double isovalue) {
+    const std::vector<Brick*>& bricks = table_.bricks();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, bricks.size(), 32), [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const Brick& brick = *bricks[i];
+            if (brick.vertexCount == 0)
+                continue;
+            const std::size_t begin = brick.vertexBegin;
+            const EdgeColumns<Live> columns{scalars1_.data() + begin, scalars2_.data() + begin, edgeNormals_.data() + begin,
+                                            edges_.data() + begin};
+            interpolateVertices(columns, brick.vertexCount, brick.origin, static_cast<Live>(isovalue),
+                                      positions_.data() + begin, normals_.data() + begin);
+        }
+    });
+}
+
+template <class Live>
+std::uint64_t ActiveSurface<Live>::memoryBytes() const {
+    constexpr std::uint64_t kVertexBytes = 2 * sizeof(Live) + 4 + sizeof(LocalEdge) + 2 * sizeof(glm::vec3);
+    return vertexRuns_.top() * kVertexBytes + triangleRuns_.top() * (3 * 4 + sizeof(LocalPoint)) + table_.memoryBytes();
+}
+
+template <class Live>
+void ActiveSurface<Live>::copyFrame(SurfaceFrame& frame) const {
+    frame.geometry = geometry_;
+    const std::size_t vertices = vertexRuns_.top();
+    const std::size_t indexCount = 3 * triangleRuns_.top();
+    frame.positions.assign(positions_.data(), positions_.data() + vertices);
+    frame.normals.assign(normals_.data(), normals_.data() + vertices);
+    frame.indices.assign(indices_.data(), indices_.data() + indexCount);
+    frame.changedIndices.clear();
+    for (const Brick* brick : dirtyBricks_)
+        forEachBit(brick->changed, [&](LocalPoint cell) {
+            const int t = caseTable()[brick->cellCase[cell]].triangleCount;
+            if (t == 0)
+                return;
+            const std::uint32_t* run = indices_.data() + 3 * std::size_t{runBegin(*brick, cell, t)};
+            frame.changedIndices.insert(frame.changedIndices.end(), run, run + 3 * t);
+        });
+}
+
+template <class Live>
+SurfaceMesh ActiveSurface<Live>::mesh(double isovalue) const {
+    SurfaceMesh mesh;
+    mesh.geometry = geometry_;
+    mesh.isovalue = isovalue;
+    const GridDims& dims = geometry_.dims;
+
+    // Vertices in edge id order, triangles in cell order: what a scan of the grid gives.
+    std::vector<std::pair<EdgeId, std::uint32_t>> order;
+    std::vector<std::pair<std::uint64_t, std::pair<const Brick*, LocalPoint>>> cells;
+    order.reserve(activeEdges_);
+    const auto pointIndex = [&](const Brick& brick, unsigned local) {
+        const std::int64_t x = brick.origin[0] + (local & 7), y = brick.origin[1] + (local >> 3 & 7), z = brick.origin[2] + (local >> 6);
+        return static_cast<std::uint64_t>(x + dims[0] * (y + dims[1] * z));
+    };
+    for (const Brick* brick : table_.bricks()) {
+        for (std::uint32_t i = 0; i < brick->vertexCount; ++i) {
+            const LocalEdge edge = edges_[brick->vertexBegin + i];
+            order.emplace_back(4 * pointIndex(*brick, edge & 511) + (edge >> 9), brick->vertexBegin + i);
+        }
+        for (LocalPoint cell = 0; cell < kBrickPoints; ++cell)
+            if (brick->cellCase[cell] != 0)
+                cells.push_back({pointIndex(*brick, cell), {brick, cell}});
+    }
+    std::sort(order.begin(), order.end());
+    std::sort(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+
+    std::vector<std::uint32_t> newIndex(vertexRuns_.top());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        newIndex[order[i].second] = static_cast<std::uint32_t>(i);
+        mesh.edgeIds.push_back(order[i].first);
+        mesh.positions.push_back(positions_[order[i].second]);
+        mesh.normals.push_back(normals_[order[i].second]);
+    }
+    for (const auto& [point, where] : cells) {
+        const auto [brick, cell] = where;
+        const int t = caseTable()[brick->cellCase[cell]].triangleCount;
+        const std::uint32_t* run = indices_.data() + 3 * std::size_t{runBegin(*brick, cell, t)};
+        for (int k = 0; k < 3 * t; ++k)
+            mesh.triangles.push_back(newIndex[run[k]]);
+    }
+    return mesh;
+}
+
+template class ActiveSurface<float>;
+template class ActiveSurface<double>;
+
+} // namespace isoslider::extract

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/base/result.h"
+#include "core/extract/brick_table.h"
+#include "core/extract/change_source.h"
+#include "core/extract/run_allocator.h"
+#include "core/extract/surface_frame.h"
+#include "core/extract/surface_mesh.h"
+#include "core/extract/virtual_array.h"
+
+namespace isoslider::extract {
+
+/// The live surface: the paper's E, I (five buckets), V, N, H_E, H_C (3.2), kept per brick of 8^3
+/// cells so that what changes together lies together. Knows nothing of where changes come from.
+///
+/// Layout. E, V, N are shared arrays in which each active brick owns one run with some room to grow;
+/// a vertex index is the brick's begin plus the edge's slot. I is a shared array of triangles in
+/// which each brick owns a run cut into five buckets. Slots and runs do not move unless something is
+/// deleted, so the triangles of cells that did not change stay as they are.
+///
+/// A move is three steps, each parallel over bricks with nothing shared but atomic marks:
+///  1. edges: per brick, deletions, then additions into the holes, then compaction from the end
+///     (paper 3.3); marks the four cells of every edge that changed or moved, in whatever brick;
+///  2. triangles: per marked brick, patch the marked cells bucket by bucket, or lay the brick out
+///     anew when many changed or a bucket is full;
+///  3. interpolation of V and N over all bricks.
+/// Work of 1 and 2 is in proportion to the change; of 3 to the active edges.
+template <class Live>
+class ActiveSurface {
+public:
+    /// `missingCells` must outlive the surface and be sorted by brick.
+    ActiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells);
+
+    /// Drops everything: the empty surface.
+    void clear();
+    /// Steps 1 and 2. Errors: Corruption when a change contradicts the live state (an active edge
+    /// activated, an inactive one deactivated); call clear() then.
+    Status apply(const ChangeSet<Live>& changes, SlideStats& stats);
+    /// Step 3.
+    void interpolate(double isovalue);
+
+    std::uint64_t activeEdges() const { return activeEdges_; }
+    std::uint64_t triangles() const { return triangles_; }
+    bool isEmpty() const { return table_.bricks().empty(); }
+    /// Bytes of the live state: arrays as far as they are used, bricks, tables.
+    std::uint64_t memoryBytes() const;
+
+    void copyFrame(SurfaceFrame& frame) const;
+    SurfaceMesh mesh(double isovalue) const;
+
+private:
+    struct Neighbourhood;
+    struct Scratch;
+
+    void chainChanges(const ChangeSet<Live>& changes, unsigned partition, Scratch& scratch);
+    bool applyToBrick(Brick& brick, Scratch& scratch);
+    void growVertices(Brick& brick, std::uint32_t count, Scratch& scratch);
+    void activate(Brick& brick, const ActivatedEdge<Live>& change, std::uint32_t slot);
+    void closeHoles(Brick& brick, Scratch& scratch);
+    void markEdge(Brick& brick, LocalEdge edge, bool isChange, Scratch& scratch);
+    void markBrick(Brick& brick, Scratch& scratch);
+
+    void retriangulate(Brick& brick, Scratch& scratch);
+    bool patchCells(Brick& brick, const Neighbourhood& around, Scratch& scratch);
+    void layOutBrick(Brick& brick, const Neighbourhood& around);
+    std::uint8_t caseOf(const Brick& brick, const Neighbourhood& around, LocalPoint cell) const;
+    void writeCell(const Neighbourhood& around, LocalPoint cell, std::uint8_t caseIndex, std::uint32_t* out) const;
+    void removeRun(Brick& brick, LocalPoint cell, int triangles);
+    void releaseEmptyBricks(const std::vector<Brick*>& candidates);
+
+    GridGeometry geometry_;
+    BrickTable table_;
+
+    // E
+    VirtualArray<Live> scalars1_, scalars2_;
+    VirtualArray<std::uint32_t> edgeNormals_;
+    VirtualArray<LocalEdge> edges_;
+    // V, N, I; the cell that each first triangle of a run belongs to
+    VirtualArray<glm::vec3> positions_, normals_;
+    VirtualArray<std::uint32_t> indices_;
+    VirtualArray<LocalPoint> runOwners_;
+
+    RunAllocator vertexRuns_;
+    RunAllocator triangleRuns_;
+    std::uint64_t activeEdges_ = 0;
+    std::uint64_t triangles_ = 0;
+    std::vector<Brick*> dirtyBricks_; ///< of the last move: what glows
+};
+
+extern template class ActiveSurface<float>;
+extern template class ActiveSurface<double>;
+
+} // namespace isoslider::extract

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+#include "core/grid/brick_grid.h"
+
+namespace isoslider::extract {
+
+/// Slot of an edge that is not active.
+inline constexpr std::uint16_t kNoSlot = std::numeric_limits<std::uint16_t>::max();
+inline constexpr std::uint32_t kNoRun = std::numeric_limits<std::uint32_t>::max();
+inline constexpr int kMaxCellTriangles = 5;
+
+/// One bit per cell or grid point of a brick: word z, bit x + 8 y.
+using BrickBits = std::array<std::uint64_t, 8>;
+
+/// The live state of one brick: its active edges and active cells (the paper's H_E and H_C, as plain
+/// tables, because a brick is small) and its runs in the shared arrays E, V, N and I.
+///
+/// Invariants, between moves: 1. slot[e] < vertexCount exactly for edges with their active bit set,
+/// and the vertex in that slot names e; slots have no holes. 2. cellCase[c] is the case of cell c, 0
+/// when the cell is inactive, missing or outside the box. 3. the triangles of an active cell with t
+/// triangles are run cellRun[c] of bucket t; runs of a bucket are numbered without holes; what is
+/// unused of the triangle run is zeros.
+struct Brick {
+    BrickIndex index = 0;
+    std::array<std::int32_t, 3> origin{}; ///< grid coordinates of its first point
+    std::uint32_t listPosition = 0;       ///< in the surface's list of bricks
+
+    std::uint32_t vertexBegin = kNoRun;
+    std::uint32_t vertexCapacity = 0;
+    std::uint32_t vertexCount = 0;
+
+    // Five buckets by triangles per cell (paper 3.2), one after the other in the brick's triangle run.
+    std::uint32_t triangleBegin = kNoRun;
+    std::uint32_t triangleCapacity = 0;
+    std::array<std::uint16_t, kMaxCellTriangles + 2> bucketBegin{}; ///< in triangles; [t] .. [t + 1]
+    std::array<std::uint16_t, kMaxCellTriangles + 1> bucketRuns{};  ///< runs in use
+
+    std::array<BrickBits, 3> active{}; ///< edges, by axis
+    std::array<BrickBits, 3> rising{}; ///< the lower grid point of an active edge is below
+    BrickBits usableCells{};           ///< inside the box, no missing corner
+
+    BrickBits dirty{};    ///< cells whose triangles must be written again
+    BrickBits changed{};  ///< cells with an edge that changed: what glows after a move
+    std::atomic<bool> isListedDirty{false};
+
+    // Changes waiting for this brick, as chains through the change set.
+    std::uint32_t firstActivated = kNoRun;
+    std::uint32_t firstDeactivated = kNoRun;
+    std::uint32_t activatedCount = 0;
+    std::uint32_t deactivatedCount = 0;
+
+    std::array<std::uint16_t, kBrickEdges> slot;
+    std::array<std::uint8_t, kBrickPoints> cellCase;
+    std::array<std::uint16_t, kBrickPoints> cellRun;
+
+    bool isActiveEdge(LocalEdge edge) const { return active[edge >> 9][(edge >> 6) & 7] >> (edge & 63) & 1; }
+    std::uint32_t bucketCapacity(int triangles) const {
+        return static_cast<std::uint32_t>(bucketBegin[triangles + 1] - bucketBegin[triangles]) / static_cast<std::uint32_t>(triangles);
+    }
+    std::uint32_t triangleCount() const {
+        std::uint32_t count = 0;
+        for (int t = 1; t <= kMaxCellTriangles; ++t)
+            count += static_cast<std::uint32_t>(t) * bucketRuns[t];
+        return count;
+    }
+};
+
+inline int countBits(const BrickBits& bits) {
+    int count = 0;
+    for (const std::uint64_t word : bits)
+        count += std::popcount(word);
+    return count;
+}
+
+/// Calls visit(local) for each set bit, in order.
+template <class Visit>
+inline void forEachBit(const BrickBits& bits, const Visit& visit) {
+    for (int z = 0; z < 8; ++z)
+        for (std::uint64_t word = bits[z]; word != 0; word &= word - 1)
+            visit(static_cast<LocalPoint>(64 * z + std::countr_zero(word)));
+}
+
+} // namespace isoslider::extract

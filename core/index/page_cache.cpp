@@ -1,0 +1,61 @@
+#include "core/index/page_cache.h"
+
+namespace isoslider::index {
+
+template <class Key>
+Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(int level, std::size_t pageIndex) {
+    const std::uint64_t id = static_cast<std::uint64_t>(level) << 56 | pageIndex;
+    {
+        const std::lock_guard lock(mutex_);
+        const auto found = byId_.find(id);
+        if (found != byId_.end()) {
+            entries_.splice(entries_.begin(), entries_, found->second);
+            return Lookup{found->second->page, 0};
+        }
+    }
+    const PageEntry& entry = reader_.meta().levels[static_cast<std::size_t>(level)].pages[pageIndex];
+    thread_local std::vector<std::byte> bytes;
+    ISO_TRY(reader_.readPage(entry, bytes));
+    auto page = std::make_shared<DecodedPage<Key>>();
+    ISO_TRY(decodePage<Key>(bytes, reader_.grid(), *page, reader_.pathString()));
+    if (page->pointCount() != entry.points || page->edgeCount() != entry.edges)
+        return makeError(ErrorCode::Corruption, "index page disagrees with the directory", reader_.pathString(), entry.offset);
+    insert(id, page);
+    return Lookup{std::move(page), entry.bytes};
+}
+
+template <class Key>
+void PageCache<Key>::insert(std::uint64_t id, std::shared_ptr<const DecodedPage<Key>> page) {
+    const std::uint64_t size = page->memoryBytes();
+    const std::lock_guard lock(mutex_);
+    if (size > maxBytes_ || byId_.contains(id))
+        return;
+    while (bytes_ + size > maxBytes_) {
+        bytes_ -= entries_.back().page->memoryBytes();
+        byId_.erase(entries_.back().id);
+        entries_.pop_back();
+    }
+    entries_.push_front({id, std::move(page)});
+    byId_[id] = entries_.begin();
+    bytes_ += size;
+}
+
+template <class Key>
+std::uint64_t PageCache<Key>::memoryBytes() const {
+    const std::lock_guard lock(mutex_);
+    return bytes_;
+}
+
+template <class Key>
+void PageCache<Key>::clear() {
+    const std::lock_guard lock(mutex_);
+    entries_.clear();
+    byId_.clear();
+    bytes_ = 0;
+}
+
+template class PageCache<std::uint16_t>;
+template class PageCache<std::uint32_t>;
+template class PageCache<std::uint64_t>;
+
+} // namespace isoslider::index

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+
+#include "core/index/block_codec.h"
+#include "core/index/index_reader.h"
+
+namespace isoslider::index {
+
+/// Decoded pages, least recently used out first, within a bound on their memory (a single page larger
+/// than the bound is handed out but not kept). Any number of threads; two that miss the same page at
+/// once both decode it.
+template <class Key>
+class PageCache {
+public:
+    PageCache(const IndexReader& reader, std::uint64_t maxBytes) : reader_(reader), maxBytes_(maxBytes) {}
+
+    struct Lookup {
+        std::shared_ptr<const DecodedPage<Key>> page;
+        std::uint64_t bytesRead = 0; ///< 0 on a hit
+    };
+
+    /// Errors: IoError, Corruption.
+    Result<Lookup> get(int level, std::size_t pageIndex);
+
+    std::uint64_t memoryBytes() const;
+    void clear();
+
+private:
+    struct Entry {
+        std::uint64_t id;
+        std::shared_ptr<const DecodedPage<Key>> page;
+    };
+
+    void insert(std::uint64_t id, std::shared_ptr<const DecodedPage<Key>> page);
+
+    const IndexReader& reader_;
+    std::uint64_t maxBytes_;
+    mutable std::mutex mutex_;
+    std::uint64_t bytes_ = 0;
+    std::list<Entry> entries_; // most recently used first
+    std::unordered_map<std::uint64_t, typename std::list<Entry>::iterator> byId_;
+};
+
+extern template class PageCache<std::uint16_t>;
+extern template class PageCache<std::uint32_t>;
+extern template class PageCache<std::uint64_t>;
+
+} // namespace isoslider::index

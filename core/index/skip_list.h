@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/grid/scalar_key.h"
+#include "core/index/index_format.h"
+
+namespace isoslider::index {
+
+/// A stretch of a walk: the points with keys in [beginKey, endKey), taken from one level. Above level
+/// 0 the stretch is made of whole blocks, at level 0 of pages that may stick out at its ends.
+struct WalkSegment {
+    int level = 0;
+    std::uint64_t beginKey = 0;
+    std::uint64_t endKey = 0;
+    std::size_t firstPage = 0;
+    std::size_t pageEnd = 0;
+    std::uint64_t blocks = 0; ///< 0 at level 0, where blocks are counted when pages are decoded
+};
+
+/// The walk between two positions on the isovalue axis (paper 2.1): up to the highest level whose
+/// blocks lie between them, along it, and down again. Blocks of a level are unions of blocks below,
+/// so taking at every level all blocks that fit into what is left touches the fewest edges.
+///
+/// The segments cover [lower, upper) once and come in key order. A walk in the other direction takes
+/// the same segments backwards. O(levels * log N).
+class SkipList {
+public:
+    /// `levels` must outlive the list.
+    explicit SkipList(std::span<const LevelDirectory> levels) : levels_(levels) {}
+
+    std::vector<WalkSegment> plan(KeyThreshold lower, KeyThreshold upper) const;
+
+    /// Edge entries on the pages of plan(lower, upper), those of half-covered pages in proportion.
+    std::uint64_t estimateEdges(KeyThreshold lower, KeyThreshold upper) const;
+
+    int levelCount() const { return static_cast<int>(levels_.size()); }
+    const PageEntry& page(int level, std::size_t index) const { return levels_[static_cast<std::size_t>(level)].pages[index]; }
+
+private:
+    void cover(int level, std::uint64_t begin, std::uint64_t end, std::vector<WalkSegment>& out) const;
+
+    std::span<const LevelDirectory> levels_;
+};
+
+} // namespace isoslider::index
