@@ -7,10 +7,10 @@ namespace {
 
 class MemorySource final : public VolumeSource {
 public:
-    MemorySource(std::shared_ptr<const ScalarGrid> grid, std::string format) : grid_(std::move(grid)) {
+    MemorySource(std::shared_ptr<const ScalarGrid> grid, VolumeInfo info)
+        : grid_(std::move(grid)), info_(std::move(info)) {
         info_.geometry = grid_->geometry();
         info_.type = grid_->type();
-        info_.format = std::move(format);
     }
 
     const VolumeInfo& info() const override { return info_; }
@@ -33,8 +33,14 @@ private:
 
 } // namespace
 
+std::unique_ptr<VolumeSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid, VolumeInfo info) {
+    return std::make_unique<MemorySource>(std::move(grid), std::move(info));
+}
+
 std::unique_ptr<VolumeSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid, std::string format) {
-    return std::make_unique<MemorySource>(std::move(grid), std::move(format));
+    VolumeInfo info;
+    info.format = std::move(format);
+    return makeMemorySource(std::move(grid), std::move(info));
 }
 
 } // namespace isoslider::io

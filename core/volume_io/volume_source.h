@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "core/grid/scalar_grid.h"
@@ -17,6 +18,7 @@ struct VolumeInfo {
     ScalarType type = ScalarType::U8;
     std::string format;    ///< "MetaImage", "NRRD", "NIfTI", "VTK image", "PLOT3D", "raw", "generated"
     std::string fieldName; ///< the scalar field, where the format names it
+    std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
 };
 
 /// Samples delivered in slabs of whole z planes, so that preprocessing never needs them all at once.
@@ -34,5 +36,7 @@ public:
 /// Slabs of a grid in memory; shares ownership.
 std::unique_ptr<VolumeSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid,
                                                std::string format = "generated");
+/// As above, with everything known of it. `info`'s geometry and type are set from the grid.
+std::unique_ptr<VolumeSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid, VolumeInfo info);
 
 } // namespace isoslider::io

@@ -1,0 +1,200 @@
+#include "core/grid/volume_statistics.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+#include <tbb/parallel_sort.h>
+
+namespace isoslider {
+namespace {
+
+constexpr std::size_t kGrain = std::size_t{1} << 20;
+
+template <class T>
+bool isMissing(T value) {
+    if constexpr (std::is_floating_point_v<T>)
+        return !std::isfinite(value);
+    return false;
+}
+
+template <class T>
+struct Range {
+    T min = std::numeric_limits<T>::max();
+    T max = std::numeric_limits<T>::lowest();
+    std::uint64_t missing = 0;
+
+    void add(T value) {
+        if (isMissing(value)) {
+            ++missing;
+            return;
+        }
+        min = std::min(min, value);
+        max = std::max(max, value);
+    }
+    void merge(const Range& other) {
+        min = std::min(min, other.min);
+        max = std::max(max, other.max);
+        missing += other.missing;
+    }
+};
+
+template <class T>
+Range<T> findRange(std::span<const T> values) {
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, values.size(), kGrain), Range<T>{},
+        [&](const auto& part, Range<T> range) {
+            for (std::size_t i = part.begin(); i != part.end(); ++i)
+                range.add(values[i]);
+            return range;
+        },
+        [](Range<T> a, const Range<T>& b) {
+            a.merge(b);
+            return a;
+        });
+}
+
+/// Counts every value of an 8- or 16-bit type: distinct values and histogram come from this alone.
+template <class T>
+std::vector<std::uint64_t> countEach(std::span<const T> values) {
+    using Counts = std::vector<std::uint64_t>;
+    constexpr std::size_t kValues = std::size_t{1} << (8 * sizeof(T));
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, values.size(), kGrain), Counts(kValues, 0),
+        [&](const auto& part, Counts counts) {
+            for (std::size_t i = part.begin(); i != part.end(); ++i)
+                ++counts[static_cast<std::make_unsigned_t<T>>(values[i])];
+            return counts;
+        },
+        [](Counts a, const Counts& b) {
+            for (std::size_t i = 0; i < a.size(); ++i)
+                a[i] += b[i];
+            return a;
+        });
+}
+
+/// An unsigned key in the order of the values, so that sorting needs no floating comparison.
+template <class T>
+auto orderedKey(T value) {
+    using Key = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+    constexpr Key kTop = Key{1} << (8 * sizeof(Key) - 1);
+    if constexpr (std::is_floating_point_v<T>) {
+        const auto bits = std::bit_cast<Key>(value + T{0}); // -0 becomes +0
+        return static_cast<Key>((bits & kTop) != 0 ? ~bits : bits | kTop);
+    } else {
+        return static_cast<Key>(static_cast<Key>(value) ^ kTop);
+    }
+}
+
+template <class T>
+std::uint64_t countDistinct(std::span<const T> values, std::uint64_t missing) {
+    std::vector<decltype(orderedKey(T{}))> keys;
+    keys.reserve(values.size() - missing);
+    for (const T value : values)
+        if (!isMissing(value))
+            keys.push_back(orderedKey(value));
+    tbb::parallel_sort(keys.begin(), keys.end());
+    return static_cast<std::uint64_t>(std::unique(keys.begin(), keys.end()) - keys.begin());
+}
+
+/// Bins of equal width over [min, max]; the top end belongs to the last bin.
+class Binning {
+public:
+    Binning(double min, double max, std::size_t bins) : min_(min), bins_(bins) {
+        // Halved first: max - min of doubles may overflow.
+        const double half = max / 2 - min / 2;
+        scale_ = half > 0.0 ? static_cast<double>(bins) / 2 / half : 0.0;
+    }
+    std::size_t operator()(double value) const {
+        const double place = (value / 2 - min_ / 2) * 2 * scale_;
+        return std::min(static_cast<std::size_t>(std::max(place, 0.0)), bins_ - 1);
+    }
+
+private:
+    double min_;
+    double scale_;
+    std::size_t bins_;
+};
+
+template <class T>
+std::vector<std::uint64_t> fillBins(std::span<const T> values, const Binning& binning, std::size_t bins) {
+    using Counts = std::vector<std::uint64_t>;
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, values.size(), kGrain), Counts(bins, 0),
+        [&](const auto& part, Counts counts) {
+            for (std::size_t i = part.begin(); i != part.end(); ++i)
+                if (!isMissing(values[i]))
+                    ++counts[binning(static_cast<double>(values[i]))];
+            return counts;
+        },
+        [](Counts a, const Counts& b) {
+            for (std::size_t i = 0; i < a.size(); ++i)
+                a[i] += b[i];
+            return a;
+        });
+}
+
+template <class T>
+void fillFromCounts(std::span<const T> values, VolumeStatistics& out, const Binning& binning) {
+    const auto counts = countEach(values);
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        if (counts[i] == 0)
+            continue;
+        ++out.distinctValues;
+        const auto value = static_cast<double>(static_cast<T>(static_cast<std::make_unsigned_t<T>>(i)));
+        out.histogram.counts[binning(value)] += counts[i];
+    }
+}
+
+template <class T>
+Result<VolumeStatistics> statisticsOf(std::span<const T> values, bool countsDistinct, std::size_t bins,
+                                      const JobControl& job) {
+    const Range<T> range = findRange(values);
+    if (range.missing == values.size())
+        return makeError(ErrorCode::InvalidArgument, "has no finite sample");
+    if (job.isStopRequested())
+        return cancelledError();
+    job.report(0.2, "statistics");
+    VolumeStatistics out;
+    out.min = static_cast<double>(range.min) + 0.0; // never -0
+    out.max = static_cast<double>(range.max) + 0.0;
+    out.nanCount = range.missing;
+    out.histogram.min = out.min;
+    out.histogram.max = out.max;
+    const Binning binning(out.min, out.max, bins);
+    if constexpr (sizeof(T) <= 2) {
+        out.histogram.counts.assign(bins, 0);
+        fillFromCounts(values, out, binning);
+        if (!countsDistinct)
+            out.distinctValues = 0;
+    } else {
+        out.histogram.counts = fillBins(values, binning, bins);
+        if (job.isStopRequested())
+            return cancelledError();
+        job.report(0.4, "statistics");
+        if (countsDistinct)
+            out.distinctValues = countDistinct(values, range.missing);
+    }
+    job.report(1.0, "statistics");
+    return out;
+}
+
+} // namespace
+
+Result<VolumeStatistics> computeStatistics(const ScalarGrid& grid, bool countsDistinct, int histogramBins,
+                                           const JobControl& job) {
+    if (histogramBins < 1)
+        return makeError(ErrorCode::InvalidArgument, "a histogram needs at least one bin");
+    if (grid.bytes().empty())
+        return makeError(ErrorCode::InvalidArgument, "has no finite sample");
+    return grid.visit([&](auto values) {
+        return statisticsOf(values, countsDistinct, static_cast<std::size_t>(histogramBins), job);
+    });
+}
+
+} // namespace isoslider

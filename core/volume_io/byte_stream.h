@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/file_system.h"
+
+namespace isoslider::io {
+
+/// The bytes of a volume's samples, wherever they lie. One thread at a time.
+class ByteStream {
+public:
+    virtual ~ByteStream() = default;
+    virtual std::uint64_t sizeBytes() const = 0;
+    /// Fills `out` from `offset` on. REQUIRES: the range lies within sizeBytes().
+    virtual Status readAt(std::uint64_t offset, std::span<std::byte> out) = 0;
+};
+
+/// Part of a file that holds samples as they are.
+struct FilePart {
+    std::filesystem::path path;
+    std::uint64_t offset = 0;
+};
+
+/// Parts of `partBytes` each, one after the other. Each file's size is checked here and again, by
+/// the read, when it is used. Errors: NotFound, Corruption (a file is too short), IoError.
+Result<std::unique_ptr<ByteStream>> openParts(std::vector<FilePart> parts, std::uint64_t partBytes);
+
+/// A gzip or zlib stream that starts at `offset` of a file and must unpack to exactly
+/// `skipBytes + sizeBytes` bytes, of which the first `skipBytes` are no samples. Unpacks as it is
+/// read: ascending offsets cost one pass, going back starts again. Holds no more than a buffer.
+/// The end of the stream and its checksum are verified when the last byte is read. Errors here and
+/// in reading: Corruption, IoError.
+Result<std::unique_ptr<ByteStream>> openDeflated(const std::filesystem::path& path, std::uint64_t offset,
+                                                 std::uint64_t skipBytes, std::uint64_t sizeBytes);
+
+/// The first bytes of a gzip file, unpacked; fewer than `maxBytes` where it ends.
+Result<std::vector<std::byte>> inflateStart(const std::filesystem::path& path, std::size_t maxBytes);
+
+} // namespace isoslider::io

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/grid/scalar_grid.h"
+
+namespace isoslider::io {
+
+/// Longest text header, and longest line in one, that is looked at.
+inline constexpr std::uint64_t kMaxHeaderBytes = std::uint64_t{1} << 20;
+inline constexpr std::size_t kMaxHeaderLine = 4000;
+
+/// "field: problem", as InvalidArgument.
+Error refuseField(std::string_view field, std::string_view problem, const std::filesystem::path& path);
+
+/// Whole text as one number; the locale plays no part. Accepts a leading '+'.
+std::optional<std::int64_t> parseInteger(std::string_view text);
+std::optional<double> parseReal(std::string_view text);
+bool parseIntegers(std::string_view text, std::vector<std::int64_t>& out);
+bool parseReals(std::string_view text, std::vector<double>& out);
+
+std::string_view trimmed(std::string_view text);
+std::vector<std::string_view> words(std::string_view text);
+std::string lowerCase(std::string_view text);
+/// Short and printable, for messages that quote a file.
+std::string inQuotes(std::string_view text);
+
+/// Checks extents as a header gives them: three, or more of which those beyond the third are 1;
+/// each within [1, kMaxDim], the product within kMaxPoints.
+Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view field,
+                           const std::filesystem::path& path);
+
+/// Finite positive spacing, finite origin, invertible direction.
+Status checkGeometry(const GridGeometry& geometry, std::string_view field, const std::filesystem::path& path);
+
+/// Where a data file named in a header really is. Refuses one that lies outside the header's
+/// folder once links are followed. Errors: NotFound, InvalidArgument.
+Result<std::filesystem::path> resolveDataFile(const std::filesystem::path& header, std::string_view name,
+                                              std::string_view field);
+
+/// Up to `maxBytes` from the start of a file, as text.
+Result<std::string> readStart(const std::filesystem::path& path, std::uint64_t maxBytes = kMaxHeaderBytes);
+
+/// Refuses a volume that is larger than this machine's memory. OutOfSpace.
+Status checkFitsMemory(std::uint64_t sizeBytes, const std::filesystem::path& path);
+
+} // namespace isoslider::io

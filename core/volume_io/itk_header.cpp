@@ -1,0 +1,83 @@
+#include "core/volume_io/itk_header.h"
+
+#include <mutex>
+
+#include <glm/geometric.hpp>
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+
+#include "core/volume_io/header_checks.h"
+
+namespace isoslider::io {
+namespace {
+
+itk::ImageIOBase::Pointer makeImageIo(ItkFormat format) {
+    switch (format) {
+        case ItkFormat::MetaImage: return itk::MetaImageIO::New().GetPointer();
+        case ItkFormat::Nrrd: return itk::NrrdImageIO::New().GetPointer();
+        case ItkFormat::Nifti: return itk::NiftiImageIO::New().GetPointer();
+    }
+    checkFailed("known ItkFormat", __FILE__, __LINE__);
+}
+
+// The last line of an ITK exception says what was wrong; the others name classes and addresses.
+std::string lastLine(std::string_view text) {
+    text = trimmed(text);
+    const auto end = text.find_last_of('\n');
+    text = trimmed(end == std::string_view::npos ? text : text.substr(end + 1));
+    const auto address = text.find("): "); // "ITK ERROR: Class(0x...): what was wrong"
+    return std::string(address == std::string_view::npos ? text : text.substr(address + 3));
+}
+
+Status checkAgreement(const itk::ImageIOBase& io, const GridDims& dims, const std::filesystem::path& path) {
+    if (io.GetNumberOfComponents() != 1)
+        return refuseField("components", "each sample has " + std::to_string(io.GetNumberOfComponents()) +
+                                             " of them; only scalar volumes are read", path);
+    for (unsigned axis = 0; axis < io.GetNumberOfDimensions(); ++axis) {
+        const std::int64_t expected = axis < 3 ? dims[axis] : 1;
+        if (static_cast<std::int64_t>(io.GetDimensions(axis)) != expected)
+            return refuseField("dimensions", "are read as something else by ITK", path);
+    }
+    return {};
+}
+
+GridGeometry geometryOf(const itk::ImageIOBase& io, const GridDims& dims) {
+    GridGeometry geometry;
+    geometry.dims = dims;
+    const unsigned known = std::min(io.GetNumberOfDimensions(), 3u);
+    for (unsigned axis = 0; axis < known; ++axis) {
+        const int column = static_cast<int>(axis);
+        geometry.spacing[column] = io.GetSpacing(axis);
+        geometry.origin[column] = io.GetOrigin(axis);
+        const std::vector<double> direction = io.GetDirection(axis);
+        for (unsigned row = 0; row < 3; ++row)
+            geometry.direction[column][static_cast<int>(row)] = row < direction.size() ? direction[row] : 0.0;
+    }
+    if (known == 2) // one slice: the third axis stands on it
+        geometry.direction[2] = glm::cross(geometry.direction[0], geometry.direction[1]);
+    return geometry;
+}
+
+} // namespace
+
+Result<GridGeometry> readItkGeometry(const std::filesystem::path& path, ItkFormat format, const GridDims& dims) {
+    // ITK's parsers keep state in globals.
+    static std::mutex oneAtATime;
+    const std::scoped_lock lock(oneAtATime);
+    itk::Object::SetGlobalWarningDisplay(false);
+    try {
+        const auto io = makeImageIo(format);
+        io->SetFileName(path.string());
+        io->ReadImageInformation();
+        ISO_TRY(checkAgreement(*io, dims, path));
+        return geometryOf(*io, dims);
+    } catch (const itk::ExceptionObject& problem) {
+        return makeError(ErrorCode::InvalidArgument, "header refused by ITK: " + lastLine(problem.GetDescription()),
+                         path);
+    } catch (const std::exception& problem) {
+        return makeError(ErrorCode::InvalidArgument, "header refused by ITK: " + lastLine(problem.what()), path);
+    }
+}
+
+} // namespace isoslider::io

@@ -1,0 +1,166 @@
+#include "core/volume_io/sample_source.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <type_traits>
+
+namespace isoslider::io {
+namespace {
+
+template <class Function>
+decltype(auto) visitFileType(FileType type, Function&& function) {
+    switch (type) {
+        case FileType::U8: return function(std::uint8_t{});
+        case FileType::I8: return function(std::int8_t{});
+        case FileType::U16: return function(std::uint16_t{});
+        case FileType::I16: return function(std::int16_t{});
+        case FileType::U32: return function(std::uint32_t{});
+        case FileType::I32: return function(std::int32_t{});
+        case FileType::U64: return function(std::uint64_t{});
+        case FileType::I64: return function(std::int64_t{});
+        case FileType::F32: return function(float{});
+        case FileType::F64: return function(double{});
+    }
+    checkFailed("known FileType", __FILE__, __LINE__);
+}
+
+void swapSamples(std::span<std::byte> bytes, std::size_t sampleBytes) {
+    for (std::size_t i = 0; i + sampleBytes <= bytes.size(); i += sampleBytes)
+        std::reverse(bytes.data() + i, bytes.data() + i + sampleBytes);
+}
+
+template <class T>
+bool isExactInDouble(T value) {
+    if constexpr (std::is_integral_v<T> && sizeof(T) == 8) {
+        const double converted = static_cast<double>(value);
+        // 2^63 and 2^64 do not convert back.
+        return converted < std::ldexp(1.0, std::is_signed_v<T> ? 63 : 64) && static_cast<T>(converted) == value;
+    }
+    return true;
+}
+
+class SampleSource final : public VolumeSource {
+public:
+    SampleSource(VolumeInfo info, SampleLayout layout, std::unique_ptr<ByteStream> bytes, std::filesystem::path path)
+        : info_(std::move(info)), layout_(layout), bytes_(std::move(bytes)), path_(std::move(path)) {
+        info_.type = memoryType(layout_.type);
+        if (layout_.rescale && !isFloatType(info_.type))
+            info_.type = ScalarType::F32;
+        const GridDims& dims = info_.geometry.dims;
+        planeSamples_ = static_cast<std::size_t>(dims[0] * dims[1]);
+        ISO_CHECK(bytes_->sizeBytes() ==
+                  static_cast<std::uint64_t>(pointCount(dims)) * fileTypeSizeBytes(layout_.type));
+    }
+
+    const VolumeInfo& info() const override { return info_; }
+
+    Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) override {
+        ISO_CHECK(zBegin >= 0 && zBegin <= zEnd && zEnd <= info_.geometry.dims[2]);
+        const std::size_t count = planeSamples_ * static_cast<std::size_t>(zEnd - zBegin);
+        ISO_CHECK(out.size() == count * scalarTypeSizeBytes(info_.type));
+        const std::size_t first = planeSamples_ * static_cast<std::size_t>(zBegin);
+        const bool isAsInFile = !layout_.rescale && fileTypeOf(info_.type) == layout_.type;
+        return isAsInFile ? readAsIs(first, out) : readConverted(first, count, out);
+    }
+
+private:
+    Status readAsIs(std::size_t first, std::span<std::byte> out) {
+        const std::size_t size = fileTypeSizeBytes(layout_.type);
+        ISO_TRY(bytes_->readAt(first * size, out));
+        if (needsSwap())
+            swapSamples(out, size);
+        return {};
+    }
+
+    Status readConverted(std::size_t first, std::size_t count, std::span<std::byte> out) {
+        constexpr std::size_t kChunk = std::size_t{1} << 17;
+        const std::size_t fileSize = fileTypeSizeBytes(layout_.type);
+        const std::size_t memorySize = scalarTypeSizeBytes(info_.type);
+        std::vector<std::byte> raw(std::min(kChunk, count) * fileSize);
+        for (std::size_t done = 0; done < count;) {
+            const std::size_t chunk = std::min(kChunk, count - done);
+            const auto bytes = std::span(raw).first(chunk * fileSize);
+            ISO_TRY(bytes_->readAt((first + done) * fileSize, bytes));
+            if (needsSwap())
+                swapSamples(bytes, fileSize);
+            ISO_TRY(convert(bytes, out.subspan(done * memorySize, chunk * memorySize)));
+            done += chunk;
+        }
+        return {};
+    }
+
+    Status convert(std::span<const std::byte> in, std::span<std::byte> out) const {
+        return visitFileType(layout_.type, [&](auto inSample) {
+            return visitScalarType(info_.type, [&](auto outSample) {
+                return convertAs<decltype(inSample), decltype(outSample)>(in, out);
+            });
+        });
+    }
+
+    template <class In, class Out>
+    Status convertAs(std::span<const std::byte> in, std::span<std::byte> out) const {
+        for (std::size_t i = 0; i < in.size() / sizeof(In); ++i) {
+            In sample;
+            std::memcpy(&sample, in.data() + i * sizeof(In), sizeof(In));
+            auto value = static_cast<Out>(sample);
+            // As ITK does: first to the result's type, then slope and intercept in double.
+            if (layout_.rescale)
+                value = static_cast<Out>(static_cast<double>(value) * layout_.rescale->slope +
+                                         layout_.rescale->intercept);
+            else if (!isExactInDouble(sample))
+                return makeError(ErrorCode::InvalidArgument,
+                                 "the 64-bit sample " + std::to_string(sample) + " has no exact value in f64", path_);
+            std::memcpy(out.data() + i * sizeof(Out), &value, sizeof(Out));
+        }
+        return {};
+    }
+
+    bool needsSwap() const { return layout_.isBigEndian != (std::endian::native == std::endian::big); }
+
+    VolumeInfo info_;
+    SampleLayout layout_;
+    std::unique_ptr<ByteStream> bytes_;
+    std::filesystem::path path_;
+    std::size_t planeSamples_ = 0;
+};
+
+} // namespace
+
+std::size_t fileTypeSizeBytes(FileType type) {
+    return visitFileType(type, [](auto sample) { return sizeof sample; });
+}
+
+ScalarType memoryType(FileType type) {
+    switch (type) {
+        case FileType::U8: return ScalarType::U8;
+        case FileType::I8: return ScalarType::I8;
+        case FileType::U16: return ScalarType::U16;
+        case FileType::I16: return ScalarType::I16;
+        case FileType::I32: return ScalarType::I32;
+        case FileType::F32: return ScalarType::F32;
+        default: return ScalarType::F64;
+    }
+}
+
+FileType fileTypeOf(ScalarType type) {
+    switch (type) {
+        case ScalarType::U8: return FileType::U8;
+        case ScalarType::I8: return FileType::I8;
+        case ScalarType::U16: return FileType::U16;
+        case ScalarType::I16: return FileType::I16;
+        case ScalarType::I32: return FileType::I32;
+        case ScalarType::F32: return FileType::F32;
+        case ScalarType::F64: return FileType::F64;
+    }
+    checkFailed("known ScalarType", __FILE__, __LINE__);
+}
+
+std::unique_ptr<VolumeSource> makeSampleSource(VolumeInfo info, SampleLayout layout, std::unique_ptr<ByteStream> bytes,
+                                               std::filesystem::path path) {
+    return std::make_unique<SampleSource>(std::move(info), layout, std::move(bytes), std::move(path));
+}
+
+} // namespace isoslider::io

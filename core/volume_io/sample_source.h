@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/volume_io/byte_stream.h"
+#include "core/volume_io/volume_source.h"
+
+namespace isoslider::io {
+
+/// Sample types that occur in files. Those without a ScalarType are widened to f64.
+enum class FileType { U8, I8, U16, I16, U32, I32, U64, I64, F32, F64 };
+
+std::size_t fileTypeSizeBytes(FileType type);
+/// The type of FileType's samples in memory, when no slope is applied.
+ScalarType memoryType(FileType type);
+FileType fileTypeOf(ScalarType type);
+
+/// value = slope * sample + intercept.
+struct Rescale {
+    double slope = 1.0;
+    double intercept = 0.0;
+};
+
+struct SampleLayout {
+    FileType type = FileType::U8;
+    bool isBigEndian = false;
+    std::optional<Rescale> rescale; ///< makes integers f32
+};
+
+/// Samples of a byte stream, swapped, widened and rescaled slab by slab. `info.type` is set here.
+/// REQUIRES: the stream's size is that of the samples.
+std::unique_ptr<VolumeSource> makeSampleSource(VolumeInfo info, SampleLayout layout,
+                                               std::unique_ptr<ByteStream> bytes, std::filesystem::path path);
+
+} // namespace isoslider::io
