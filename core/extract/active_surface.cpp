@@ -10,6 +10,8 @@
 
 namespace isoslider::extract {
 
+static_assert(kVertexGranule % kInterpolationGroup == 0, "runs hold whole groups");
+
 template <class Live>
 ActiveSurface<Live>::ActiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells)
     : geometry_(geometry), table_(BrickGrid(geometry.dims), missingCells), scalars1_(kMaxVertices), scalars2_(kMaxVertices),
@@ -33,10 +35,10 @@ void ActiveSurface<Live>::clear() {
 template <class Live>
 Status ActiveSurface<Live>::apply(const ChangeSet<Live>& changes, SlideStats& stats) {
     for (Brick* brick : dirtyBricks_)
-        brick->changed = {};
+        brick->changedCells = {};
     dirtyBricks_.clear();
 
-    // 1. Edges. A partition's bricks belong to one task; marks in other bricks are atomic.
+    // 1. Edges. A partition's bricks belong to one task.
     tbb::enumerable_thread_specific<Scratch> scratches;
     std::atomic<bool> isConsistent{true};
     tbb::parallel_for(0u, ChangeSet<Live>::kPartitions, [&](unsigned partition) {
@@ -65,6 +67,8 @@ Status ActiveSurface<Live>::apply(const ChangeSet<Live>& changes, SlideStats& st
         stats.cellsRetriangulated += scratch.cells;
     }
     triangles_ += static_cast<std::uint64_t>(triangleDifference);
+    for (Brick* brick : dirtyBricks_)
+        brick->touched = {};
     releaseEmptyBricks(dirtyBricks_);
     std::erase_if(dirtyBricks_, [](const Brick* brick) { return brick->vertexBegin == kNoRun && brick->triangleBegin == kNoRun; });
     stats.activeEdges = activeEdges_;
@@ -118,7 +122,7 @@ void ActiveSurface<Live>::copyFrame(SurfaceFrame& frame) const {
     frame.indices.assign(indices_.data(), indices_.data() + indexCount);
     frame.changedIndices.clear();
     for (const Brick* brick : dirtyBricks_)
-        forEachBit(brick->changed, [&](LocalPoint cell) {
+        forEachBit(brick->changedCells, [&](LocalPoint cell) {
             const int t = caseTable()[brick->cellCase[cell]].triangleCount;
             if (t == 0)
                 return;
@@ -147,9 +151,7 @@ SurfaceMesh ActiveSurface<Live>::mesh(double isovalue) const {
             const LocalEdge edge = edges_[brick->vertexBegin + i];
             order.emplace_back(4 * pointIndex(*brick, edge & 511) + (edge >> 9), brick->vertexBegin + i);
         }
-        for (LocalPoint cell = 0; cell < kBrickPoints; ++cell)
-            if (brick->cellCase[cell] != 0)
-                cells.push_back({pointIndex(*brick, cell), {brick, cell}});
+        forEachBit(brick->activeCells, [&](LocalPoint cell) { cells.push_back({pointIndex(*brick, cell), {brick, cell}}); });
     }
     std::sort(order.begin(), order.end());
     std::sort(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

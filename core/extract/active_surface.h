@@ -21,11 +21,12 @@ namespace isoslider::extract {
 /// which each brick owns a run cut into five buckets. Slots and runs do not move unless something is
 /// deleted, so the triangles of cells that did not change stay as they are.
 ///
-/// A move is three steps, each parallel over bricks with nothing shared but atomic marks:
+/// A move is three steps, each parallel over bricks with nothing shared but the list of bricks:
 ///  1. edges: per brick, deletions, then additions into the holes, then compaction from the end
-///     (paper 3.3); marks the four cells of every edge that changed or moved, in whatever brick;
-///  2. triangles: per marked brick, patch the marked cells bucket by bucket, or lay the brick out
-///     anew when many changed or a bucket is full;
+///     (paper 3.3); notes which edges changed or moved, and lists the bricks whose cells they touch;
+///  2. triangles: per listed brick, find the cells at touched edges and their cases, 64 cells to a
+///     machine word, and patch them bucket by bucket, or lay the brick out anew when many changed or
+///     a bucket is full;
 ///  3. interpolation of V and N over all bricks.
 /// Work of 1 and 2 is in proportion to the change; of 3 to the active edges.
 template <class Live>
@@ -57,17 +58,16 @@ private:
 
     void chainChanges(const ChangeSet<Live>& changes, unsigned partition, Scratch& scratch);
     bool applyToBrick(Brick& brick, Scratch& scratch);
-    void growVertices(Brick& brick, std::uint32_t count, Scratch& scratch);
+    void growVertices(Brick& brick, std::uint32_t count);
     void activate(Brick& brick, const ActivatedEdge<Live>& change, std::uint32_t slot);
     void closeHoles(Brick& brick, Scratch& scratch);
-    void markEdge(Brick& brick, LocalEdge edge, bool isChange, Scratch& scratch);
-    void markBrick(Brick& brick, Scratch& scratch);
+    void listBricks(Brick& brick, Scratch& scratch);
 
     void retriangulate(Brick& brick, Scratch& scratch);
+    void findCases(Brick& brick, const Neighbourhood& around, Scratch& scratch);
+    bool isLowerEndBelow(const Brick& brick, LocalEdge edge) const;
     bool patchCells(Brick& brick, const Neighbourhood& around, Scratch& scratch);
     void layOutBrick(Brick& brick, const Neighbourhood& around);
-    std::uint8_t caseOf(const Brick& brick, const Neighbourhood& around, LocalPoint cell) const;
-    void writeCell(const Neighbourhood& around, LocalPoint cell, std::uint8_t caseIndex, std::uint32_t* out) const;
     void removeRun(Brick& brick, LocalPoint cell, int triangles);
     void releaseEmptyBricks(const std::vector<Brick*>& candidates);
 

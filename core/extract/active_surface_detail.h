@@ -26,8 +26,9 @@ struct ActiveSurface<Live>::Scratch {
     std::vector<const DeactivatedEdge*> deactivated;
     std::vector<std::uint32_t> nextActivated, nextDeactivated;
     std::vector<std::uint16_t> holes;
-    // Marks for the brick at hand, kept aside so that only the sum is atomic.
-    BrickBits dirtyHere{}, changedHere{};
+    // Cells of the brick at hand that must be written again, and their new cases.
+    BrickBits rewritten{};
+    std::array<std::uint8_t, kBrickPoints> newCase;
 
     std::vector<Brick*> dirty;
     std::uint64_t added = 0;

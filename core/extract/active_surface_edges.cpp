@@ -8,13 +8,6 @@
 namespace isoslider::extract {
 namespace {
 
-// A set bit may be wanted by several threads at once: the owner and bricks below it.
-void setAtomically(std::uint64_t& word, std::uint64_t bits) {
-    std::atomic_ref<std::uint64_t> reference(word);
-    if ((reference.load(std::memory_order_relaxed) & bits) != bits)
-        reference.fetch_or(bits, std::memory_order_relaxed);
-}
-
 // Room for a brick to grow before its run must move.
 std::uint32_t withRoom(std::uint32_t count) { return count + count / 8 + 4; }
 
@@ -54,8 +47,6 @@ void ActiveSurface<Live>::chainChanges(const ChangeSet<Live>& changes, unsigned 
 
 template <class Live>
 bool ActiveSurface<Live>::applyToBrick(Brick& brick, Scratch& scratch) {
-    scratch.dirtyHere = {};
-    scratch.changedHere = {};
     bool isConsistent = brick.deactivatedCount <= brick.vertexCount;
 
     // PAPER 3.3: the Delete list first, so that additions fill the holes.
@@ -68,14 +59,15 @@ bool ActiveSurface<Live>::applyToBrick(Brick& brick, Scratch& scratch) {
         }
         scratch.holes.push_back(brick.slot[edge]);
         brick.slot[edge] = kNoSlot;
-        brick.active[edge >> 9][edge >> 6 & 7] &= ~(std::uint64_t{1} << (edge & 63));
-        markEdge(brick, edge, true, scratch);
+        const std::uint64_t bit = std::uint64_t{1} << (edge & 63);
+        brick.active[edge >> 9][edge >> 6 & 7] &= ~bit;
+        brick.touched[edge >> 9][edge >> 6 & 7] |= bit;
         ++scratch.removed;
     }
     const std::uint32_t holes = static_cast<std::uint32_t>(scratch.holes.size());
     const std::uint32_t finalCount = brick.vertexCount - holes + brick.activatedCount;
     if (finalCount > brick.vertexCapacity)
-        growVertices(brick, finalCount, scratch);
+        growVertices(brick, finalCount);
     for (std::uint32_t i = brick.firstActivated; i != kNoRun; i = scratch.nextActivated[i]) {
         const ActivatedEdge<Live>& change = *scratch.activated[i];
         if (brick.isActiveEdge(change.edge)) {
@@ -90,18 +82,13 @@ bool ActiveSurface<Live>::applyToBrick(Brick& brick, Scratch& scratch) {
             scratch.holes.pop_back();
         }
         activate(brick, change, slot);
-        markEdge(brick, change.edge, true, scratch);
         ++scratch.added;
     }
     closeHoles(brick, scratch);
 
     brick.firstActivated = brick.firstDeactivated = kNoRun;
     brick.activatedCount = brick.deactivatedCount = 0;
-    for (int z = 0; z < kBrickSide; ++z) {
-        setAtomically(brick.dirty[z], scratch.dirtyHere[z] & brick.usableCells[z]);
-        setAtomically(brick.changed[z], scratch.changedHere[z] & brick.usableCells[z]);
-    }
-    markBrick(brick, scratch);
+    listBricks(brick, scratch);
     return isConsistent;
 }
 
@@ -115,8 +102,7 @@ void ActiveSurface<Live>::activate(Brick& brick, const ActivatedEdge<Live>& chan
     brick.slot[change.edge] = static_cast<std::uint16_t>(slot);
     const std::uint64_t bit = std::uint64_t{1} << (change.edge & 63);
     brick.active[change.edge >> 9][change.edge >> 6 & 7] |= bit;
-    std::uint64_t& rising = brick.rising[change.edge >> 9][change.edge >> 6 & 7];
-    rising = change.scalar1 < change.scalar2 ? rising | bit : rising & ~bit;
+    brick.touched[change.edge >> 9][change.edge >> 6 & 7] |= bit;
 }
 
 // Entries from the end move into the holes that are left; their cells get new indices.
@@ -132,16 +118,16 @@ void ActiveSurface<Live>::closeHoles(Brick& brick, Scratch& scratch) {
         scalars1_[to] = scalars1_[from];
         scalars2_[to] = scalars2_[from];
         edgeNormals_[to] = edgeNormals_[from];
-        edges_[to] = edges_[from];
-        brick.slot[edges_[to]] = hole;
-        markEdge(brick, edges_[to], false, scratch);
+        const LocalEdge edge = edges_[to] = edges_[from];
+        brick.slot[edge] = hole;
+        brick.touched[edge >> 9][edge >> 6 & 7] |= std::uint64_t{1} << (edge & 63);
     }
 }
 
 // The brick's vertices move to a larger run: every triangle that uses one must be written again, in
 // this brick and in those below it.
 template <class Live>
-void ActiveSurface<Live>::growVertices(Brick& brick, std::uint32_t count, Scratch& scratch) {
+void ActiveSurface<Live>::growVertices(Brick& brick, std::uint32_t count) {
     const std::uint32_t capacity = vertexRuns_.roundUp(withRoom(count));
     const std::uint32_t begin = vertexRuns_.allocate(capacity);
     if (brick.vertexBegin != kNoRun) {
@@ -154,65 +140,56 @@ void ActiveSurface<Live>::growVertices(Brick& brick, std::uint32_t count, Scratc
         move(edges_);
         for (int axis = 0; axis < 3; ++axis)
             for (int z = 0; z < kBrickSide; ++z)
-                for (std::uint64_t word = brick.active[axis][z]; word != 0; word &= word - 1)
-                    markEdge(brick, static_cast<LocalEdge>(axis * kBrickPoints + 64 * z + std::countr_zero(word)), false, scratch);
+                brick.touched[axis][z] |= brick.active[axis][z];
         vertexRuns_.free(brick.vertexBegin, brick.vertexCapacity);
     }
     brick.vertexBegin = begin;
     brick.vertexCapacity = capacity;
 }
 
-// PAPER 2.2: an edge activates the four cells round it. Those of lower bricks are marked there.
+// PAPER 2.2: an edge activates the four cells round it. Cells of lower bricks are reached by edges
+// that lie in the face between; they will look at `touched` here when it is their turn.
 template <class Live>
-void ActiveSurface<Live>::markEdge(Brick& brick, LocalEdge edge, bool isChange, Scratch& scratch) {
-    static constexpr int kStrides[3] = {1, 8, 64};
-    const int axis = edge >> 9;
-    const int local = edge & 511;
-    const int u = axis == 0 ? 1 : 0;
-    const int v = axis == 2 ? 1 : 2;
-    const int coordinates[3] = {local & 7, local >> 3 & 7, local >> 6};
-    for (int k = 0; k < 4; ++k) {
-        const bool leavesU = (k & 1) && coordinates[u] == 0;
-        const bool leavesV = (k & 2) && coordinates[v] == 0;
-        // One step down, or round to the far side of the brick below.
-        const int cell = local + ((k & 1) ? (leavesU ? 7 : -1) * kStrides[u] : 0) + ((k & 2) ? (leavesV ? 7 : -1) * kStrides[v] : 0);
-        const std::uint64_t bit = std::uint64_t{1} << (cell & 63);
-        if (!leavesU && !leavesV) {
-            scratch.dirtyHere[cell >> 6] |= bit;
-            if (isChange)
-                scratch.changedHere[cell >> 6] |= bit;
+void ActiveSurface<Live>::listBricks(Brick& brick, Scratch& scratch) {
+    constexpr std::uint64_t kColumnX0 = 0x0101010101010101ull;
+    constexpr std::uint64_t kRowY0 = 0xffull;
+    std::uint64_t all[3] = {0, 0, 0};
+    for (int axis = 0; axis < 3; ++axis)
+        for (int z = 0; z < kBrickSide; ++z)
+            all[axis] |= brick.touched[axis][z];
+    const std::uint64_t x0 = brick.touched[0][0], y0 = brick.touched[1][0];
+    const bool reaches[8] = {true,
+                             ((all[1] | all[2]) & kColumnX0) != 0,
+                             ((all[0] | all[2]) & kRowY0) != 0,
+                             (all[2] & 1) != 0,
+                             (x0 | y0) != 0,
+                             (y0 & kColumnX0) != 0,
+                             (x0 & kRowY0) != 0,
+                             false};
+    const BrickGrid& grid = table_.grid();
+    for (int k = 0; k < 8; ++k) { // bit a of k: one brick down along axis a
+        bool exists = reaches[k];
+        std::int64_t index = brick.index;
+        for (int a = 0; a < 3; ++a)
+            if (k >> a & 1) {
+                exists = exists && brick.origin[a] > 0;
+                index -= grid.brickStride(a);
+            }
+        if (!exists)
             continue;
-        }
-        if ((leavesU && brick.origin[u] == 0) || (leavesV && brick.origin[v] == 0))
-            continue; // outside the box
-        const BrickGrid& grid = table_.grid();
-        const std::int64_t below = std::int64_t{brick.index} - (leavesU ? grid.brickStride(u) : 0) - (leavesV ? grid.brickStride(v) : 0);
-        Brick& other = table_.findOrCreate(static_cast<BrickIndex>(below));
-        if (!(other.usableCells[cell >> 6] & bit)) {
-            markBrick(other, scratch); // it may have just been made for nothing: looked at, and released
-            continue;
-        }
-        setAtomically(other.dirty[cell >> 6], bit);
-        if (isChange)
-            setAtomically(other.changed[cell >> 6], bit);
-        markBrick(other, scratch);
+        Brick& listed = k == 0 ? brick : table_.findOrCreate(static_cast<BrickIndex>(index));
+        if (!listed.isListedDirty.load(std::memory_order_relaxed) && !listed.isListedDirty.exchange(true, std::memory_order_relaxed))
+            scratch.dirty.push_back(&listed);
     }
-}
-
-template <class Live>
-void ActiveSurface<Live>::markBrick(Brick& brick, Scratch& scratch) {
-    if (!brick.isListedDirty.load(std::memory_order_relaxed) && !brick.isListedDirty.exchange(true, std::memory_order_relaxed))
-        scratch.dirty.push_back(&brick);
 }
 
 #define ISO_INSTANTIATE(Live)                                                                       \
     template void ActiveSurface<Live>::chainChanges(const ChangeSet<Live>&, unsigned, Scratch&);    \
     template bool ActiveSurface<Live>::applyToBrick(Brick&, Scratch&);                              \
-    template void ActiveSurface<Live>::growVertices(Brick&, std::uint32_t, Scratch&);               \
+    template void ActiveSurface<Live>::growVertices(Brick&, std::uint32_t);               \
     template void ActiveSurface<Live>::activate(Brick&, const ActivatedEdge<Live>&, std::uint32_t); \
     template void ActiveSurface<Live>::closeHoles(Brick&, Scratch&);                                \
-    template void ActiveSurface<Live>::markEdge(Brick&, LocalEdge, bool, Scratch&);                 \
-    template void ActiveSurface<Live>::markBrick(Brick&, Scratch&);
+    template void ActiveSurface<Live>::listBricks(Brick&, Scratch&);
 ISO_INSTANTIATE(float)
 ISO_INSTANTIATE(double)
 #undef ISO_INSTANTIATE

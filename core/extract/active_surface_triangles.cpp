@@ -3,130 +3,150 @@
 #include <algorithm>
 
 #include "core/extract/active_surface_detail.h"
+#include "core/extract/cell_words.h"
 
 namespace isoslider::extract {
 namespace {
 
-// Lower grid point and axis of each cell edge, as steps from the cell.
-struct EdgeStep {
-    int x, y, z;
-    int axis;
-    int local;  // x + 8 y + 64 z
-    int offset; // into the edge table, from the cell's own number
-};
+// Where the twelve edges of each cell of a brick start: brick of the neighbourhood << 11 | local edge.
+using EdgePlace = std::uint16_t;
+constexpr int kEdgeBits = 11;
+constexpr EdgePlace kEdgeMask = (1u << kEdgeBits) - 1;
 
-std::array<EdgeStep, 12> makeEdgeSteps() {
-    std::array<EdgeStep, 12> steps;
-    for (int e = 0; e < 12; ++e) {
-        const int corner = kCellEdges[e].lowerCorner;
-        const int axis = kCellEdges[e].axis;
-        const int local = (corner & 1) + 8 * (corner >> 1 & 1) + 64 * (corner >> 2);
-        steps[e] = {corner & 1, corner >> 1 & 1, corner >> 2, axis, local, axis * kBrickPoints + local};
-    }
-    return steps;
+std::array<std::array<EdgePlace, 12>, kBrickPoints> makeEdgePlaces() {
+    std::array<std::array<EdgePlace, 12>, kBrickPoints> places;
+    for (int cell = 0; cell < kBrickPoints; ++cell)
+        for (int e = 0; e < 12; ++e) {
+            const int corner = kCellEdges[e].lowerCorner;
+            const int x = (cell & 7) + (corner & 1), y = (cell >> 3 & 7) + (corner >> 1 & 1), z = (cell >> 6) + (corner >> 2);
+            const int brick = (x >> 3) | (y >> 3) << 1 | (z >> 3) << 2;
+            const int edge = kCellEdges[e].axis * kBrickPoints + (x & 7) + 8 * (y & 7) + 64 * (z & 7);
+            places[cell][e] = static_cast<EdgePlace>(brick << kEdgeBits | edge);
+        }
+    return places;
 }
 
-const std::array<EdgeStep, 12> kEdgeSteps = makeEdgeSteps();
-
-// Cells whose twelve edges all start in their own brick.
-bool isInner(LocalPoint cell) { return (cell & 7) < 7 && (cell >> 3 & 7) < 7 && (cell >> 6) < 7; }
-
-struct EdgePlace {
-    int brick; // in the neighbourhood
-    LocalEdge edge;
-};
-
-EdgePlace placeOf(LocalPoint cell, const EdgeStep& step) {
-    const int x = (cell & 7) + step.x, y = (cell >> 3 & 7) + step.y, z = (cell >> 6) + step.z;
-    return {(x >> 3) | (y >> 3) << 1 | (z >> 3) << 2,
-            static_cast<LocalEdge>(step.axis * kBrickPoints + (x & 7) + 8 * (y & 7) + 64 * (z & 7))};
+const std::array<std::array<EdgePlace, 12>, kBrickPoints>& edgePlaces() {
+    static const auto places = makeEdgePlaces();
+    return places;
 }
 
 constexpr int kWholeBrickShare = 3; // a brick is laid out anew when more than 1/3 of its cells change
 
-} // namespace
+// Vertex numbers of active edges, for the cells of one brick.
+template <class Around>
+class VertexFinder {
+public:
+    explicit VertexFinder(const Around& around) {
+        for (int k = 0; k < 8; ++k)
+            if (around.bricks[k]) {
+                begins_[k] = around.bricks[k]->vertexBegin;
+                slots_[k] = around.bricks[k]->slot.data();
+            }
+    }
 
-// The case follows from the twelve edges alone, up to its complement; which of the two, from the
-// direction of one of them.
-template <class Live>
-std::uint8_t ActiveSurface<Live>::caseOf(const Brick& brick, const Neighbourhood& around, LocalPoint cell) const {
-    unsigned mask = 0;
-    unsigned rising = 0;
-    if (isInner(cell)) {
-        const int z = cell >> 6;
-        const int s = cell & 63;
-        const auto gather = [&](const std::array<BrickBits, 3>& bits) {
-            const std::uint64_t x0 = bits[0][z] >> s, x1 = bits[0][z + 1] >> s;
-            const std::uint64_t y0 = bits[1][z] >> s, y1 = bits[1][z + 1] >> s;
-            const std::uint64_t zz = bits[2][z] >> s;
-            return static_cast<unsigned>((x0 & 1) | (x0 >> 7 & 2) | (x1 & 1) << 2 | (x1 >> 5 & 8) | (y0 & 3) << 4 | (y1 & 3) << 6 |
-                                         (zz & 3) << 8 | (zz >> 8 & 3) << 10);
-        };
-        mask = gather(brick.active);
-        rising = gather(brick.rising);
-    } else {
-        for (int e = 0; e < 12; ++e) {
-            const EdgePlace place = placeOf(cell, kEdgeSteps[e]);
-            const Brick* owner = around.bricks[place.brick];
-            if (!owner || !owner->isActiveEdge(place.edge))
-                continue;
-            mask |= 1u << e;
-            rising |= static_cast<unsigned>(owner->rising[place.edge >> 9][place.edge >> 6 & 7] >> (place.edge & 63) & 1) << e;
+    void writeCell(LocalPoint cell, const CellCase& cellCase, std::uint32_t* out) const {
+        const auto& places = places_[cell];
+        const int count = 3 * cellCase.triangleCount;
+        for (int k = 0; k < count; ++k) {
+            const EdgePlace place = places[cellCase.edges[k]];
+            out[k] = begins_[place >> kEdgeBits] + slots_[place >> kEdgeBits][place & kEdgeMask];
         }
     }
-    if (mask == 0)
-        return 0;
-    const std::uint8_t caseIndex = caseFromEdgeMask()[mask];
-    const int e = std::countr_zero(mask);
-    const bool lowerIsAbove = !(rising >> e & 1);
-    const bool lowerInCase = caseIndex >> kCellEdges[e].lowerCorner & 1;
-    return lowerIsAbove == lowerInCase ? caseIndex : static_cast<std::uint8_t>(~caseIndex);
-}
 
-template <class Live>
-void ActiveSurface<Live>::writeCell(const Neighbourhood& around, LocalPoint cell, std::uint8_t caseIndex, std::uint32_t* out) const {
-    const CellCase& cellCase = caseTable()[caseIndex];
-    const int count = 3 * cellCase.triangleCount;
-    const Brick& brick = *around.bricks[0];
-    if (isInner(cell)) {
-        const std::uint16_t* slots = brick.slot.data() + cell;
-        for (int k = 0; k < count; ++k)
-            out[k] = brick.vertexBegin + slots[kEdgeSteps[cellCase.edges[k]].offset];
-        return;
-    }
-    std::uint32_t vertices[12];
-    for (unsigned mask = cellCase.edgeMask; mask != 0; mask &= mask - 1) {
-        const int e = std::countr_zero(mask);
-        const EdgePlace place = placeOf(cell, kEdgeSteps[e]);
-        const Brick& owner = *around.bricks[place.brick];
-        vertices[e] = owner.vertexBegin + owner.slot[place.edge];
-    }
-    for (int k = 0; k < count; ++k)
-        out[k] = vertices[cellCase.edges[k]];
-}
+private:
+    const std::array<std::array<EdgePlace, 12>, kBrickPoints>& places_ = edgePlaces();
+    std::uint32_t begins_[8] = {};
+    const std::uint16_t* slots_[8] = {};
+};
+
+} // namespace
 
 template <class Live>
 void ActiveSurface<Live>::retriangulate(Brick& brick, Scratch& scratch) {
     brick.isListedDirty.store(false, std::memory_order_relaxed);
     Neighbourhood around;
+    EdgeBitsAround touched{};
     const BrickGrid& grid = table_.grid();
-    const auto coords = grid.brickCoords(brick.index);
     for (int k = 0; k < 8; ++k) {
         bool isInside = true;
         std::int64_t index = brick.index;
         for (int a = 0; a < 3; ++a)
             if (k >> a & 1) {
-                isInside = isInside && coords[a] + 1 < grid.bricks()[a];
+                isInside = isInside && brick.origin[a] + kBrickSide < grid.dims()[a];
                 index += grid.brickStride(a);
             }
-        around.bricks[k] = isInside ? table_.find(static_cast<BrickIndex>(index)) : nullptr;
+        around.bricks[k] = k == 0 ? &brick : isInside ? table_.find(static_cast<BrickIndex>(index)) : nullptr;
+        touched[k] = around.bricks[k] ? &around.bricks[k]->touched : nullptr;
     }
+    scratch.rewritten = cellsWithEdges(touched);
+    for (int z = 0; z < kBrickSide; ++z)
+        scratch.rewritten[z] &= brick.usableCells[z];
+
     const std::int64_t before = brick.triangleCount();
-    scratch.cells += static_cast<std::uint64_t>(countBits(brick.dirty));
+    findCases(brick, around, scratch);
     if (!patchCells(brick, around, scratch))
         layOutBrick(brick, around);
     scratch.triangleDifference += std::int64_t{brick.triangleCount()} - before;
-    brick.dirty = {};
+}
+
+template <class Live>
+bool ActiveSurface<Live>::isLowerEndBelow(const Brick& brick, LocalEdge edge) const {
+    const std::size_t at = brick.vertexOf(edge);
+    return scalars1_[at] < scalars2_[at];
+}
+
+// New cases of the cells to be rewritten. All signs follow from the active edges up to inversion;
+// one edge's scalars decide that. Beside missing values signs do not carry over from cell to cell, so
+// there each cell is solved on its own.
+template <class Live>
+void ActiveSurface<Live>::findCases(Brick& brick, const Neighbourhood& around, Scratch& scratch) {
+    const auto& places = edgePlaces();
+    const auto& table = caseTable();
+    const auto solveCell = [&](LocalPoint cell) -> std::uint8_t {
+        unsigned mask = 0;
+        for (int e = 0; e < 12; ++e) {
+            const Brick* owner = around.bricks[places[cell][e] >> kEdgeBits];
+            mask |= static_cast<unsigned>(owner && owner->isActiveEdge(places[cell][e] & kEdgeMask)) << e;
+        }
+        if (mask == 0)
+            return 0;
+        const std::uint8_t caseIndex = caseFromEdgeMask()[mask];
+        const int e = std::countr_zero(mask);
+        const bool isBelow = isLowerEndBelow(*around.bricks[places[cell][e] >> kEdgeBits], places[cell][e] & kEdgeMask);
+        const bool isBelowInCase = !(caseIndex >> kCellEdges[e].lowerCorner & 1);
+        const std::uint8_t solved = isBelow == isBelowInCase ? caseIndex : static_cast<std::uint8_t>(~caseIndex);
+        return table[solved].triangleCount > 0 ? solved : 0;
+    };
+
+    BrickBits active{};
+    if (brick.hasMissing) {
+        forEachBit(scratch.rewritten, [&](LocalPoint cell) {
+            scratch.newCase[cell] = solveCell(cell);
+            active[cell >> 6] |= std::uint64_t{scratch.newCase[cell] != 0} << (cell & 63);
+        });
+    } else {
+        EdgeBitsAround edges{};
+        for (int k = 0; k < 8; ++k)
+            edges[k] = around.bricks[k] ? &around.bricks[k]->active : nullptr;
+        const CornerWords corners = cornersFromEdges(edges);
+        active = mixedCells(corners);
+        int firstPlane = -1;
+        for (int z = kBrickSide - 1; z >= 0; --z) {
+            active[z] &= scratch.rewritten[z];
+            firstPlane = active[z] ? z : firstPlane;
+        }
+        if (firstPlane >= 0) {
+            const LocalPoint anchor = static_cast<LocalPoint>(64 * firstPlane + std::countr_zero(active[firstPlane]));
+            const bool inverted = caseOfCell(corners, anchor, false) != solveCell(anchor);
+            forEachBit(active, [&](LocalPoint cell) { scratch.newCase[cell] = caseOfCell(corners, cell, inverted); });
+        }
+    }
+    for (int z = 0; z < kBrickSide; ++z) {
+        for (std::uint64_t word = scratch.rewritten[z] & ~active[z]; word != 0; word &= word - 1)
+            scratch.newCase[64 * z + std::countr_zero(word)] = 0;
+        brick.activeCells[z] = (brick.activeCells[z] & ~scratch.rewritten[z]) | active[z];
+    }
 }
 
 // Moves a bucket's last run into the hole that a cell leaves.
@@ -147,35 +167,40 @@ void ActiveSurface<Live>::removeRun(Brick& brick, LocalPoint cell, int triangles
 
 // False when the brick must be laid out anew: its new cases are set then, its triangles undefined.
 template <class Live>
-bool ActiveSurface<Live>::patchCells(Brick& brick, const Neighbourhood& around, Scratch&) {
+bool ActiveSurface<Live>::patchCells(Brick& brick, const Neighbourhood& around, Scratch& scratch) {
     std::uint32_t runs = 0;
     for (int t = 1; t <= kMaxCellTriangles; ++t)
         runs += brick.bucketRuns[t];
-    const int dirtyCells = countBits(brick.dirty);
     const auto& table = caseTable();
-    bool patches = brick.triangleBegin != kNoRun && dirtyCells * kWholeBrickShare <= static_cast<int>(runs);
+    const bool patches = brick.triangleBegin != kNoRun && countBits(scratch.rewritten) * kWholeBrickShare <= static_cast<int>(runs);
 
     // Delete before add, so that the runs given up are there for the new ones.
     LocalPoint cells[kBrickPoints];
     int count = 0;
-    forEachBit(brick.dirty, [&](LocalPoint cell) {
-        const std::uint8_t caseIndex = caseOf(brick, around, cell);
-        const std::uint8_t newCase = table[caseIndex].triangleCount == 0 ? 0 : caseIndex;
-        const int before = table[brick.cellCase[cell]].triangleCount;
-        const int after = table[newCase].triangleCount;
-        if (patches && before != after && before > 0)
-            removeRun(brick, cell, before);
-        if (before != after)
-            brick.cellRun[cell] = kNoSlot;
-        brick.cellCase[cell] = newCase;
-        if (after > 0)
+    forEachBit(scratch.rewritten, [&](LocalPoint cell) {
+        const std::uint8_t oldCase = brick.cellCase[cell];
+        const std::uint8_t newCase = scratch.newCase[cell];
+        if (oldCase != newCase) {
+            const int before = table[oldCase].triangleCount;
+            brick.changedCells[cell >> 6] |= std::uint64_t{1} << (cell & 63);
+            brick.cellCase[cell] = newCase;
+            if (patches && before != table[newCase].triangleCount) {
+                if (before > 0)
+                    removeRun(brick, cell, before);
+                brick.cellRun[cell] = kNoSlot;
+            }
+        }
+        if (newCase != 0)
             cells[count++] = cell;
     });
+    scratch.cells += static_cast<std::uint64_t>(countBits(brick.changedCells));
     if (!patches)
         return false;
+    const VertexFinder finder(around);
     for (int i = 0; i < count; ++i) {
         const LocalPoint cell = cells[i];
-        const int t = table[brick.cellCase[cell]].triangleCount;
+        const CellCase& cellCase = table[brick.cellCase[cell]];
+        const int t = cellCase.triangleCount;
         if (brick.cellRun[cell] == kNoSlot) {
             if (brick.bucketRuns[t] == brick.bucketCapacity(t))
                 return false;
@@ -183,7 +208,7 @@ bool ActiveSurface<Live>::patchCells(Brick& brick, const Neighbourhood& around, 
         }
         const std::uint32_t begin = runBegin(brick, cell, t);
         runOwners_[begin] = cell;
-        writeCell(around, cell, brick.cellCase[cell], indices_.data() + 3 * std::size_t{begin});
+        finder.writeCell(cell, cellCase, indices_.data() + 3 * std::size_t{begin});
     }
     return true;
 }
@@ -192,53 +217,53 @@ template <class Live>
 void ActiveSurface<Live>::layOutBrick(Brick& brick, const Neighbourhood& around) {
     const auto& table = caseTable();
     std::array<std::uint32_t, kMaxCellTriangles + 1> runs{};
-    for (int cell = 0; cell < kBrickPoints; ++cell)
-        ++runs[table[brick.cellCase[cell]].triangleCount];
+    forEachBit(brick.activeCells, [&](LocalPoint cell) { ++runs[table[brick.cellCase[cell]].triangleCount]; });
     std::uint32_t total = 0;
-    std::array<std::uint16_t, kMaxCellTriangles + 2> begins{};
     bool isEmpty = true;
     for (int t = 1; t <= kMaxCellTriangles; ++t) {
-        begins[t] = static_cast<std::uint16_t>(total);
+        brick.bucketBegin[t] = static_cast<std::uint16_t>(total);
         total += static_cast<std::uint32_t>(t) * (runs[t] + runs[t] / 8 + (t <= 2 ? 2 : 1));
         isEmpty = isEmpty && runs[t] == 0;
     }
-    begins[kMaxCellTriangles + 1] = static_cast<std::uint16_t>(total);
+    brick.bucketBegin[kMaxCellTriangles + 1] = static_cast<std::uint16_t>(total);
+    brick.bucketRuns.fill(0);
 
     const std::uint32_t capacity = isEmpty ? 0 : triangleRuns_.roundUp(total);
-    if (brick.triangleBegin != kNoRun) {
+    if (brick.triangleBegin != kNoRun && (capacity > brick.triangleCapacity || capacity < brick.triangleCapacity / 2)) {
         std::fill_n(indices_.data() + 3 * std::size_t{brick.triangleBegin}, 3 * std::size_t{brick.triangleCapacity}, 0u);
-        if (capacity > brick.triangleCapacity || capacity < brick.triangleCapacity / 2) {
-            triangleRuns_.free(brick.triangleBegin, brick.triangleCapacity);
-            brick.triangleBegin = kNoRun;
-            brick.triangleCapacity = 0;
-        }
+        triangleRuns_.free(brick.triangleBegin, brick.triangleCapacity);
+        brick.triangleBegin = kNoRun;
+        brick.triangleCapacity = 0;
     }
-    brick.bucketRuns.fill(0);
-    brick.bucketBegin = begins;
     if (isEmpty)
         return;
     if (brick.triangleBegin == kNoRun) {
         brick.triangleBegin = triangleRuns_.allocate(capacity);
         brick.triangleCapacity = capacity;
     }
-    for (int cell = 0; cell < kBrickPoints; ++cell) {
-        const std::uint8_t caseIndex = brick.cellCase[cell];
-        if (caseIndex == 0)
-            continue;
-        const int t = table[caseIndex].triangleCount;
-        brick.cellRun[cell] = brick.bucketRuns[t]++;
-        const std::uint32_t begin = runBegin(brick, static_cast<LocalPoint>(cell), t);
-        runOwners_[begin] = static_cast<LocalPoint>(cell);
-        writeCell(around, static_cast<LocalPoint>(cell), caseIndex, indices_.data() + 3 * std::size_t{begin});
+    const VertexFinder finder(around);
+    forEachBit(brick.activeCells, [&](LocalPoint cell) {
+        const CellCase& cellCase = table[brick.cellCase[cell]];
+        brick.cellRun[cell] = brick.bucketRuns[cellCase.triangleCount]++;
+        const std::uint32_t begin = runBegin(brick, cell, cellCase.triangleCount);
+        runOwners_[begin] = cell;
+        finder.writeCell(cell, cellCase, indices_.data() + 3 * std::size_t{begin});
+    });
+    // What the runs leave free draws as nothing.
+    std::uint32_t* indices = indices_.data() + 3 * std::size_t{brick.triangleBegin};
+    for (int t = 1; t <= kMaxCellTriangles; ++t) {
+        const std::uint32_t used = brick.bucketBegin[t] + static_cast<std::uint32_t>(t) * brick.bucketRuns[t];
+        const std::uint32_t end = t == kMaxCellTriangles ? brick.triangleCapacity : brick.bucketBegin[t + 1];
+        std::fill(indices + 3 * used, indices + 3 * std::size_t{end}, 0u);
     }
 }
 
-#define ISO_INSTANTIATE(Live)                                                                                        \
-    template void ActiveSurface<Live>::retriangulate(Brick&, Scratch&);                                              \
-    template bool ActiveSurface<Live>::patchCells(Brick&, const Neighbourhood&, Scratch&);                           \
-    template void ActiveSurface<Live>::layOutBrick(Brick&, const Neighbourhood&);                                    \
-    template std::uint8_t ActiveSurface<Live>::caseOf(const Brick&, const Neighbourhood&, LocalPoint) const;         \
-    template void ActiveSurface<Live>::writeCell(const Neighbourhood&, LocalPoint, std::uint8_t, std::uint32_t*) const; \
+#define ISO_INSTANTIATE(Live)                                                                       \
+    template void ActiveSurface<Live>::retriangulate(Brick&, Scratch&);                             \
+    template bool ActiveSurface<Live>::isLowerEndBelow(const Brick&, LocalEdge) const;              \
+    template void ActiveSurface<Live>::findCases(Brick&, const Neighbourhood&, Scratch&);           \
+    template bool ActiveSurface<Live>::patchCells(Brick&, const Neighbourhood&, Scratch&);          \
+    template void ActiveSurface<Live>::layOutBrick(Brick&, const Neighbourhood&);                   \
     template void ActiveSurface<Live>::removeRun(Brick&, LocalPoint, int);
 ISO_INSTANTIATE(float)
 ISO_INSTANTIATE(double)

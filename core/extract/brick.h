@@ -41,12 +41,12 @@ struct Brick {
     std::array<std::uint16_t, kMaxCellTriangles + 2> bucketBegin{}; ///< in triangles; [t] .. [t + 1]
     std::array<std::uint16_t, kMaxCellTriangles + 1> bucketRuns{};  ///< runs in use
 
-    std::array<BrickBits, 3> active{}; ///< edges, by axis
-    std::array<BrickBits, 3> rising{}; ///< the lower grid point of an active edge is below
-    BrickBits usableCells{};           ///< inside the box, no missing corner
-
-    BrickBits dirty{};    ///< cells whose triangles must be written again
-    BrickBits changed{};  ///< cells with an edge that changed: what glows after a move
+    std::array<BrickBits, 3> active{};  ///< edges, by axis
+    std::array<BrickBits, 3> touched{}; ///< during a move: edges that changed or whose vertex moved
+    BrickBits usableCells{};            ///< inside the box, no missing corner
+    BrickBits activeCells{};
+    BrickBits changedCells{};           ///< whose case changed in the last move: what glows
+    bool hasMissing = false;            ///< some cell has a missing corner
     std::atomic<bool> isListedDirty{false};
 
     // Changes waiting for this brick, as chains through the change set.
@@ -69,6 +69,8 @@ struct Brick {
             count += static_cast<std::uint32_t>(t) * bucketRuns[t];
         return count;
     }
+    /// Vertex of an active edge, as triangles name it.
+    std::uint32_t vertexOf(LocalEdge edge) const { return vertexBegin + slot[edge]; }
 };
 
 inline int countBits(const BrickBits& bits) {

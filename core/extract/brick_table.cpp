@@ -46,9 +46,10 @@ void BrickTable::reset(Brick& brick, BrickIndex index) const {
     brick.bucketBegin.fill(0);
     brick.bucketRuns.fill(0);
     brick.active = {};
-    brick.rising = {};
-    brick.dirty = {};
-    brick.changed = {};
+    brick.touched = {};
+    brick.activeCells = {};
+    brick.changedCells = {};
+    brick.hasMissing = false;
     brick.isListedDirty.store(false, std::memory_order_relaxed);
     brick.firstActivated = brick.firstDeactivated = kNoRun;
     brick.activatedCount = brick.deactivatedCount = 0;
@@ -67,8 +68,10 @@ void BrickTable::reset(Brick& brick, BrickIndex index) const {
     const auto missing = std::lower_bound(missingCells_.begin(), missingCells_.end(), index,
                                           [](const index::MissingCells& m, BrickIndex i) { return m.brick < i; });
     if (missing != missingCells_.end() && missing->brick == index)
-        for (int z = 0; z < kBrickSide; ++z)
+        for (int z = 0; z < kBrickSide; ++z) {
             brick.usableCells[z] &= ~missing->cells[z];
+            brick.hasMissing = brick.hasMissing || missing->cells[z] != 0;
+        }
 }
 
 void BrickTable::remove(Brick& brick) {

@@ -17,7 +17,7 @@
 namespace isoslider::extract {
 namespace {
 
-constexpr std::size_t kBlock = 64; // columns of a block stay in the first-level cache
+constexpr std::size_t kBlock = kInterpolationGroup; // a constant count leaves the compiler no remainder loops
 
 struct Block {
     float t[kBlock];
@@ -42,19 +42,19 @@ inline __attribute__((always_inline)) Direction decode(std::uint32_t code) {
 }
 
 template <class Live>
-inline __attribute__((always_inline)) void interpolateBlock(const EdgeColumns<Live>& e, std::size_t first, std::size_t count,
+inline __attribute__((always_inline)) void interpolateBlock(const EdgeColumns<Live>& e, std::size_t first,
                                                             const std::array<std::int32_t, 3>& origin, Live isovalue,
                                                             Block& b) {
-    for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t i = 0; i < kBlock; ++i)
         b.t[i] = static_cast<float>(edgeFraction<Live>(e.scalars1[first + i], e.scalars2[first + i], isovalue));
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < kBlock; ++i) {
         const std::uint32_t edge = e.edges[first + i];
         const std::uint32_t axis = edge >> 9;
         b.x[i] = static_cast<float>(origin[0] + static_cast<std::int32_t>(edge & 7)) + (axis == 0 ? b.t[i] : 0.0f);
         b.y[i] = static_cast<float>(origin[1] + static_cast<std::int32_t>(edge >> 3 & 7)) + (axis == 1 ? b.t[i] : 0.0f);
         b.z[i] = static_cast<float>(origin[2] + static_cast<std::int32_t>(edge >> 6 & 7)) + (axis == 2 ? b.t[i] : 0.0f);
     }
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < kBlock; ++i) {
         const std::uint32_t codes = e.normals[first + i];
         const Direction d1 = decode(codes);
         const Direction d2 = decode(codes >> 16);
@@ -77,9 +77,8 @@ inline __attribute__((always_inline)) void interpolateBlock(const EdgeColumns<Li
     }
 }
 
-inline __attribute__((always_inline)) void interleave(const float* x, const float* y, const float* z, std::size_t count,
-                                                      float* out) {
-    for (std::size_t i = 0; i < count; ++i) {
+inline __attribute__((always_inline)) void interleave(const float* x, const float* y, const float* z, float* out) {
+    for (std::size_t i = 0; i < kBlock; ++i) {
         out[3 * i] = x[i];
         out[3 * i + 1] = y[i];
         out[3 * i + 2] = z[i];
@@ -92,10 +91,9 @@ inline __attribute__((always_inline)) void interpolateAll(const EdgeColumns<Live
                                                           glm::vec3* positions, glm::vec3* normals) {
     Block block;
     for (std::size_t first = 0; first < count; first += kBlock) {
-        const std::size_t size = std::min(kBlock, count - first);
-        interpolateBlock<Live>(edges, first, size, origin, isovalue, block);
-        interleave(block.x, block.y, block.z, size, &positions[first].x);
-        interleave(block.nx, block.ny, block.nz, size, &normals[first].x);
+        interpolateBlock<Live>(edges, first, origin, isovalue, block);
+        interleave(block.x, block.y, block.z, &positions[first].x);
+        interleave(block.nx, block.ny, block.nz, &normals[first].x);
     }
 }
 

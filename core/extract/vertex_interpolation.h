@@ -21,8 +21,13 @@ struct EdgeColumns {
     const LocalEdge* edges = nullptr;
 };
 
+/// Entries are processed in groups of this size.
+inline constexpr std::size_t kInterpolationGroup = 16;
+
 /// Fills V and N for `count` active edges of the brick whose first grid point is `origin`:
 /// positions in grid index units, unit normals. Vectorised; about 14 bytes read and 24 written an edge.
+/// REQUIRES: all arrays have room for `count` rounded up to kInterpolationGroup; the rest is filled with
+/// finite nonsense.
 void interpolateVertices(const EdgeColumns<float>& edges, std::size_t count, const std::array<std::int32_t, 3>& origin,
                          float isovalue, glm::vec3* positions, glm::vec3* normals);
 void interpolateVertices(const EdgeColumns<double>& edges, std::size_t count, const std::array<std::int32_t, 3>& origin,
