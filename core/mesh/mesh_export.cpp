@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/file_system.h"
+#include "core/base/quiet_stream.h"
 #include "core/mesh/mesh_import.h"
 #include "core/mesh/mesh_writers.h"
 #include "core/mesh/open_mesh_adapter.h"
@@ -57,21 +58,6 @@ private:
     Status status_;
 };
 
-/// OpenMesh's native writer tells the standard log stream how many bytes it wrote.
-class QuietLog {
-public:
-    QuietLog() : before_(std::clog.rdbuf(&nothing_)) {}
-    ~QuietLog() { std::clog.rdbuf(before_); }
-    QuietLog(const QuietLog&) = delete;
-    QuietLog& operator=(const QuietLog&) = delete;
-
-private:
-    struct Nothing final : std::streambuf {
-        int_type overflow(int_type c) override { return traits_type::not_eof(c); }
-    } nothing_;
-    std::streambuf* before_;
-};
-
 // Far from the world's origin neighbouring vertices would round to one float.
 Precision neededPrecision(const TriangleSoup& soup, const extract::SurfaceMesh& mesh) {
     double farthest = 0.0;
@@ -95,7 +81,7 @@ Status writeOm(const TriangleSoup& soup, AtomicFile& file) {
     {
         static std::mutex oneAtATime;
         const std::scoped_lock lock(oneAtATime);
-        const QuietLog quiet;
+        const QuietStream quiet(std::clog); // it is told how many bytes were written
         isWritten = OpenMesh::IO::write_mesh(mesh, stream, ".om", options);
     }
     stream.flush();

@@ -1,5 +1,9 @@
 #include "core/volume_io/itk_header.h"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <iostream>
 #include <mutex>
 
 #include <glm/geometric.hpp>
@@ -7,6 +11,7 @@
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
+#include "core/base/quiet_stream.h"
 #include "core/volume_io/header_checks.h"
 
 namespace isoslider::io {
@@ -59,16 +64,17 @@ GridGeometry geometryOf(const itk::ImageIOBase& io, const GridDims& dims) {
     return geometry;
 }
 
-} // namespace
-
-Result<GridGeometry> readItkGeometry(const std::filesystem::path& path, ItkFormat format, const GridDims& dims) {
+// `fileName` is what ITK opens, `path` what messages name.
+Result<GridGeometry> readGeometry(const std::string& fileName, ItkFormat format, const GridDims& dims,
+                                  const std::filesystem::path& path) {
     // ITK's parsers keep state in globals.
     static std::mutex oneAtATime;
     const std::scoped_lock lock(oneAtATime);
     itk::Object::SetGlobalWarningDisplay(false);
+    const QuietStream quietErrors(std::cerr), quietOutput(std::cout); // MetaIO prints what it throws
     try {
         const auto io = makeImageIo(format);
-        io->SetFileName(path.string());
+        io->SetFileName(fileName);
         io->ReadImageInformation();
         ISO_TRY(checkAgreement(*io, dims, path));
         return geometryOf(*io, dims);
@@ -78,6 +84,25 @@ Result<GridGeometry> readItkGeometry(const std::filesystem::path& path, ItkForma
     } catch (const std::exception& problem) {
         return makeError(ErrorCode::InvalidArgument, "header refused by ITK: " + lastLine(problem.what()), path);
     }
+}
+
+} // namespace
+
+Result<GridGeometry> readItkGeometry(const std::filesystem::path& path, ItkFormat format, const GridDims& dims) {
+    return readGeometry(path.string(), format, dims, path);
+}
+
+Result<GridGeometry> readItkGeometryOfText(std::string_view header, ItkFormat format, const GridDims& dims,
+                                           const std::filesystem::path& path) {
+    const int descriptor = ::memfd_create("header", MFD_CLOEXEC);
+    if (descriptor < 0 || ::write(descriptor, header.data(), header.size()) != static_cast<ssize_t>(header.size())) {
+        if (descriptor >= 0)
+            ::close(descriptor);
+        return makeError(ErrorCode::OutOfSpace, "no memory for a copy of its header", path);
+    }
+    auto geometry = readGeometry("/proc/self/fd/" + std::to_string(descriptor), format, dims, path);
+    ::close(descriptor);
+    return geometry;
 }
 
 } // namespace isoslider::io

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "core/volume_io/format_readers.h"
@@ -79,15 +81,17 @@ Result<GridDims> checkNumbers(const Fields& fields, const fs::path& path) {
         return refuseField("NDims", inQuotes(valueOr(fields, "NDims", "")) + " is not a number of dimensions", path);
     const auto hasCount = [&](std::string_view key, std::size_t count) {
         std::vector<double> numbers;
-        return !fields.contains(key) || (parseReals(fields.find(key)->second, numbers) && numbers.size() == count);
+        return !fields.contains(key) ||
+               (parseReals(fields.find(key)->second, numbers) && numbers.size() == count &&
+                std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); }));
     };
     const auto count = static_cast<std::size_t>(*axes);
     for (const std::string_view key : kPerAxis)
         if (!hasCount(key, count))
-            return refuseField(key, std::to_string(count) + " numbers expected", path);
+            return refuseField(key, std::to_string(count) + " finite numbers expected", path);
     for (const std::string_view key : kPerAxisPair)
         if (!hasCount(key, count * count))
-            return refuseField(key, std::to_string(count * count) + " numbers expected", path);
+            return refuseField(key, std::to_string(count * count) + " finite numbers expected", path);
     std::vector<std::int64_t> sizes;
     if (!parseIntegers(valueOr(fields, "DimSize", ""), sizes) || sizes.empty())
         return refuseField("DimSize", "whole numbers expected", path);

@@ -76,6 +76,8 @@ Result<Header> readHeader(const fs::path& path) {
     if (!text.isOk())
         return std::move(text).error();
     std::string_view rest = text.value();
+    if (rest.starts_with("\xef\xbb\xbf")) // byte order mark of an editor
+        rest.remove_prefix(3);
     Header header;
     header.isDetached = true; // until a blank line says otherwise
     bool isList = false;
@@ -270,12 +272,27 @@ Result<std::unique_ptr<ByteStream>> openBytes(const Header& header, std::uint64_
     return openParts(std::move(parts).value(), sampleBytes / count);
 }
 
+// Only what bears on geometry, in the order ITK's parser needs, without the byte order marks,
+// carriage returns and trailing blanks that it stumbles over.
+std::string headerForItk(const Header& header) {
+    std::string text = "NRRD0005\nencoding: raw\nendian: little\n";
+    const auto add = [&](std::string_view key) {
+        if (!header[key].empty())
+            text += std::string(key) + ": " + std::string(header[key]) + "\n";
+    };
+    for (const char* key : {"type", "dimension", "space", "space dimension", "sizes", "space directions",
+                            "space origin", "spacings", "axis mins", "axismins", "centers", "centerings", "kinds",
+                            "thicknesses"})
+        add(key);
+    return text + "\n";
+}
+
 Result<GridGeometry> readGeometry(const Header& header, const GridDims& dims, VolumeInfo& info, const fs::path& path) {
     std::vector<double> spacings;
     parseReals(header["spacings"], spacings);
     const bool hasSpace = !header["space"].empty() || !header["space dimension"].empty();
     if (!hasSpace || spacings.size() < 3 || !header["space directions"].empty())
-        return readItkGeometry(path, ItkFormat::Nrrd, dims);
+        return readItkGeometryOfText(headerForItk(header), ItkFormat::Nrrd, dims, path);
     // A space without directions, only scalar spacings: well-formed, but ITK refuses it.
     info.notes.push_back("names a space but no directions in it; the axes are taken as they are");
     GridGeometry geometry;

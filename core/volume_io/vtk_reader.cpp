@@ -4,6 +4,7 @@
 #include <vtkDataArray.h>
 #include <vtkDataArraySelection.h>
 #include <vtkImageData.h>
+#include <vtkLogger.h>
 #include <vtkMatrix3x3.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
@@ -44,7 +45,10 @@ vtkStandardNewMacro(QuietWindow);
 /// VTK reports through one window for the whole process: one reading at a time.
 class VtkSession {
 public:
-    VtkSession() : lock_(mutex()), before_(vtkOutputWindow::GetInstance()) { vtkOutputWindow::SetInstance(window_); }
+    VtkSession() : lock_(mutex()), before_(vtkOutputWindow::GetInstance()) {
+        vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF); // prints beside the window
+        vtkOutputWindow::SetInstance(window_);
+    }
     ~VtkSession() { vtkOutputWindow::SetInstance(before_); }
     VtkSession(const VtkSession&) = delete;
     VtkSession& operator=(const VtkSession&) = delete;
