@@ -36,7 +36,7 @@ std::string scaledText(double value, double base, const std::array<const char*, 
 std::string groupedText(std::uint64_t value) {
     std::string text = std::to_string(value);
     for (std::ptrdiff_t place = static_cast<std::ptrdiff_t>(text.size()) - 3; place > 0; place -= 3)
-        text.insert(static_cast<std::size_t>(place), ",");
+        text.insert(static_cast<std::size_t>(place), 1, ',');
     return text;
 }
 

@@ -4,6 +4,12 @@
 #include <limits>
 
 namespace isoslider::render {
+namespace {
+
+/// Share of the triangles up to which the changed ones are marked.
+constexpr double kLargestGlow = 0.95;
+
+} // namespace
 
 SurfaceBuffers::SurfaceBuffers(Gl& gl) : gl_(gl) {
     gl_.glGenVertexArrays(1, &vertexArray_);
@@ -34,7 +40,10 @@ void SurfaceBuffers::upload(const extract::SurfaceFrame& frame) {
     fill(GL_ELEMENT_ARRAY_BUFFER, changed_, frame.changedIndices.data(), bytesOf(frame.changedIndices));
     gl_.glBindVertexArray(0);
     surfaceIndices_ = frame.indices.size();
-    changedIndices_ = frame.changedIndices.size();
+    // Where all of the surface is new, red on all of it would say nothing.
+    const auto surfaceTriangles = static_cast<double>(frame.stats.triangles);
+    const bool isMostlyOld = static_cast<double>(frame.changedIndices.size()) < 3.0 * kLargestGlow * surfaceTriangles;
+    changedIndices_ = isMostlyOld ? frame.changedIndices.size() : 0;
 }
 
 void SurfaceBuffers::clear() { surfaceIndices_ = changedIndices_ = 0; }

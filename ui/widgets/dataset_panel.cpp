@@ -78,10 +78,9 @@ std::vector<Fact> indexFactsOf(const model::Dataset& dataset) {
     const QString path = fromStd(dataset.indexPath.string());
     return {{DatasetPanel::tr("File"), fromStd(dataset.indexPath.filename().string()), QDir::toNativeSeparators(path)},
             {DatasetPanel::tr("Size"),
-             QStringLiteral("%1 (%2)").arg(fromStd(model::bytesText(info.indexBytes)),
-                                           DatasetPanel::tr("%1 bytes").arg(fromStd(model::groupedText(info.indexBytes)))), {}},
-            {DatasetPanel::tr("Bytes per voxel"), fromStd(model::valueText(dataset.bytesPerVoxel(), 4)), {}},
-            {DatasetPanel::tr("Skip levels"), QString::number(info.levels.size()), {}}};
+             DatasetPanel::tr("%1, %2 bytes per voxel").arg(fromStd(model::bytesText(info.indexBytes)),
+                                                            fromStd(model::valueText(dataset.bytesPerVoxel(), 4))),
+             DatasetPanel::tr("%1 bytes").arg(fromStd(model::groupedText(info.indexBytes)))}};
 }
 
 QString indexStateText(model::IndexState state) {

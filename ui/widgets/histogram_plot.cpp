@@ -39,7 +39,6 @@ void HistogramPlot::setUpAxes() {
     counts_ = addGraph(xAxis, yAxis);
     counts_->setLineStyle(QCPGraph::lsStepLeft);
     activeEdges_ = addGraph(xAxis, yAxis2);
-    yAxis2->setVisible(true);
     yAxis->setTicker(QSharedPointer<CompactTicker>::create());
     yAxis2->setTicker(QSharedPointer<CompactTicker>::create());
     xAxis->ticker()->setTickCount(9);
@@ -59,6 +58,10 @@ void HistogramPlot::setUpHandle() {
     tag_->position->setTypeY(QCPItemPosition::ptAxisRectRatio);
     tag_->setPositionAlignment(Qt::AlignHCenter | Qt::AlignBottom);
     tag_->setPadding(QMargins(6, 1, 6, 2));
+    emptyHint_ = new QCPItemText(this);
+    emptyHint_->position->setType(QCPItemPosition::ptViewportRatio);
+    emptyHint_->position->setCoords(0.5, 0.5);
+    emptyHint_->setText(tr("The histogram of a volume stands here, with the isovalue handle on it."));
 }
 
 void HistogramPlot::setHistogram(const index::Histogram& histogram,
@@ -81,11 +84,11 @@ void HistogramPlot::setHistogram(const index::Histogram& histogram,
         edges.append(static_cast<double>(activeEdgesPerBin[bin]));
     }
     activeEdges_->setData(places, edges, true);
-    yAxis2->setTickLabels(!edges.isEmpty());
-    yAxis2->setTicks(!edges.isEmpty());
-    yAxis2->setLabel(edges.isEmpty() ? QString() : tr("active edges"));
+    yAxis2->setLabel(tr("active edges"));
     for (QCPAxis* axis : {xAxis, yAxis})
         axis->setVisible(true);
+    yAxis2->setVisible(!edges.isEmpty());
+    emptyHint_->setVisible(false);
     applyVerticalRange();
     if (!isSameRange)
         showWholeRange();
@@ -98,11 +101,9 @@ void HistogramPlot::clearHistogram() {
     min_ = max_ = requested_ = displayed_ = 0.0;
     counts_->data()->clear();
     activeEdges_->data()->clear();
-    for (QCPAxis* axis : {xAxis, yAxis})
+    for (QCPAxis* axis : {xAxis, yAxis, yAxis2})
         axis->setVisible(false);
-    yAxis2->setTickLabels(false);
-    yAxis2->setTicks(false);
-    yAxis2->setLabel({});
+    emptyHint_->setVisible(true);
     placeHandle();
     replot();
 }
@@ -315,6 +316,7 @@ void HistogramPlot::applyPalette() {
     displayedLine_->setPen(QPen(colours.handle, 1.0, Qt::DashLine));
     tag_->setBrush(colours.handle);
     tag_->setColor(colours.handleText);
+    emptyHint_->setColor(palette().color(QPalette::PlaceholderText));
     for (QCPAxis* axis : {xAxis, yAxis, yAxis2})
         styleAxis(axis, palette());
     yAxis2->setLabelColor(colours.curve);

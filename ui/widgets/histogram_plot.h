@@ -65,6 +65,7 @@ private:
     QCPItemStraightLine* requestedLine_ = nullptr;
     QCPItemStraightLine* displayedLine_ = nullptr;
     QCPItemText* tag_ = nullptr;
+    QCPItemText* emptyHint_ = nullptr;
     double min_ = 0.0;
     double max_ = 0.0;
     double requested_ = 0.0;

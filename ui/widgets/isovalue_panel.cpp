@@ -76,9 +76,8 @@ QWidget* IsovaluePanel::makeControls(const ActionRegistry& actions) {
     layout->addWidget(mode_);
     layout->addWidget(speed_);
     layout->addWidget(makeSeparator(row));
-    auto* log = makeToolButton(actions.action("isovalue.logCounts"), Qt::ToolButtonTextOnly, row);
-    log->setText(tr("Log"));
-    layout->addWidget(log);
+    actions.action("isovalue.logCounts")->setIconText(tr("Log"));
+    layout->addWidget(makeToolButton(actions.action("isovalue.logCounts"), Qt::ToolButtonTextOnly, row));
     layout->addWidget(makeToolButton(actions.action("isovalue.resetZoom"), Qt::ToolButtonIconOnly, row));
     layout->addStretch(1);
     requested_ = addReadout(layout, tr("Requested"), "requestedReadout", row);
@@ -132,6 +131,7 @@ void IsovaluePanel::connectControls(SettingsStore& settings, const ActionRegistr
 
 void IsovaluePanel::setPlaying(bool isPlaying, QAction* action) {
     action->setText(isPlaying ? tr("&Pause") : tr("&Play"));
+    action->setIconText(isPlaying ? tr("Pause") : tr("Play"));
     action->setIcon(themedIcon(isPlaying ? QStringLiteral("pause") : QStringLiteral("play"), palette()));
     if (isPlaying && session_.isovalue().hasDomain()) {
         playback_.start(session_.isovalue().fraction());

@@ -103,9 +103,9 @@ void MainWindow::resetLayout() {
     for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})
         dock->show();
     levelsDock_->raise();
-    resizeDocks({datasetDock_, levelsDock_}, {430, 430}, Qt::Horizontal);
-    resizeDocks({datasetDock_, levelsDock_}, {300, 380}, Qt::Vertical);
-    resizeDocks({isovalueDock_}, {235}, Qt::Vertical);
+    resizeDocks({datasetDock_, levelsDock_}, {450, 450}, Qt::Horizontal);
+    resizeDocks({datasetDock_, levelsDock_}, {300, 420}, Qt::Vertical);
+    resizeDocks({isovalueDock_}, {220}, Qt::Vertical);
 }
 
 void MainWindow::restoreLayout() {

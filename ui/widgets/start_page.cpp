@@ -5,6 +5,7 @@
 #include <QFileInfo>
 #include <QIcon>
 #include <QLabel>
+#include <QPainter>
 #include <QPushButton>
 #include <QVBoxLayout>
 
@@ -31,7 +32,6 @@ StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
     : QFrame(parent), recentLayout_(new QVBoxLayout), recentHeading_(new QLabel(tr("Recent files"), this)) {
     setObjectName(QStringLiteral("startPage"));
     setFrameShape(QFrame::NoFrame);
-    setAutoFillBackground(true);
     setFixedWidth(440);
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(34, 28, 34, 26);
@@ -87,6 +87,14 @@ void StartPage::setRecentFiles(const QStringList& paths) {
     }
     recentHeading_->setVisible(!paths.isEmpty());
     adjustSize();
+}
+
+void StartPage::paintEvent(QPaintEvent*) {
+    QPainter painter(this);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(palette().window());
+    painter.drawRoundedRect(rect(), 12.0, 12.0);
 }
 
 } // namespace isoslider::widgets

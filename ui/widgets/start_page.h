@@ -19,6 +19,9 @@ public:
 Q_SIGNALS:
     void openRequested(const QString& path);
 
+protected:
+    void paintEvent(QPaintEvent* event) override;
+
 private:
     QVBoxLayout* recentLayout_;
     QLabel* recentHeading_;

@@ -29,7 +29,12 @@ ViewportWidget::ViewportWidget(QWidget* parent)
     camera_.reset(1.0);
 }
 
-ViewportWidget::~ViewportWidget() { releaseGl(); }
+ViewportWidget::~ViewportWidget() {
+    releaseGl();
+    // The base class destroys the context next, when the renderer is gone already.
+    if (context() != nullptr)
+        disconnect(context(), nullptr, this, nullptr);
+}
 
 void ViewportWidget::releaseGl() {
     if (context() == nullptr)

@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.h"
+#include "ui/model/index_cache.h"
+#include "ui/model/number_text.h"
+
+namespace isoslider::model {
+namespace {
+
+TEST(NumberText, GroupsThousands) {
+    EXPECT_EQ(groupedText(std::uint64_t{0}), "0");
+    EXPECT_EQ(groupedText(std::uint64_t{999}), "999");
+    EXPECT_EQ(groupedText(std::uint64_t{1000}), "1,000");
+    EXPECT_EQ(groupedText(std::uint64_t{1234567}), "1,234,567");
+    EXPECT_EQ(groupedText(std::int64_t{-1234}), "-1,234");
+    EXPECT_EQ(groupedText(std::numeric_limits<std::int64_t>::min()), "-9,223,372,036,854,775,808");
+}
+
+TEST(NumberText, ShortensCountsAndBytes) {
+    EXPECT_EQ(compactText(9999), "9999");
+    EXPECT_EQ(compactText(12'400), "12.4 k");
+    EXPECT_EQ(compactText(999'999), "1.00 M");
+    EXPECT_EQ(compactText(3'810'000), "3.81 M");
+    EXPECT_EQ(bytesText(1023), "1023 B");
+    EXPECT_EQ(bytesText(1536), "1.50 KiB");
+    EXPECT_EQ(bytesText(std::uint64_t{5} << 30), "5.00 GiB");
+}
+
+TEST(NumberText, WritesValuesAndTimes) {
+    EXPECT_EQ(valueText(0.0), "0");
+    EXPECT_EQ(valueText(-0.0), "0");
+    EXPECT_EQ(valueText(1016.53), "1016.53");
+    EXPECT_EQ(valueText(1.5e-7), "1.5e-07");
+    EXPECT_EQ(millisecondsText(0.417), "0.42 ms");
+    EXPECT_EQ(millisecondsText(18.34), "18.3 ms");
+    EXPECT_EQ(millisecondsText(1240.0), "1.24 s");
+    EXPECT_EQ(millisecondsText(125'000.0), "2 min 05 s");
+}
+
+class IndexCacheTest : public ::testing::Test {
+protected:
+    test::TemporaryFolder folder_;
+    IndexCache cache_{"/cache"};
+};
+
+TEST_F(IndexCacheTest, NamesAFileTheSameEachTime) {
+    const auto volume = folder_.write("head.mhd", "header");
+    EXPECT_EQ(cache_.pathForFile(volume), cache_.pathForFile(volume));
+    EXPECT_EQ(cache_.pathForFile(volume).parent_path(), "/cache");
+    EXPECT_EQ(cache_.pathForFile(volume).extension(), ".isx");
+}
+
+TEST_F(IndexCacheTest, AnotherContentHasAnotherName) {
+    const auto volume = folder_.write("head.mhd", "header");
+    const auto before = cache_.pathForFile(volume);
+    folder_.write("head.mhd", "longer header");
+    EXPECT_NE(cache_.pathForFile(volume), before);
+}
+
+TEST_F(IndexCacheTest, CompanionFilesCount) {
+    const auto volume = folder_.write("head.mhd", "header");
+    const auto raw = folder_.write("head.raw", "samples");
+    const auto before = cache_.pathForFile(volume);
+    std::filesystem::last_write_time(raw, std::filesystem::last_write_time(raw) + std::chrono::seconds(5));
+    EXPECT_NE(cache_.pathForFile(volume), before);
+    const auto after = cache_.pathForFile(volume);
+    folder_.write("other.raw", "not of this volume");
+    EXPECT_EQ(cache_.pathForFile(volume), after);
+}
+
+TEST_F(IndexCacheTest, LayoutsAndSamplesDiffer) {
+    const auto volume = folder_.write("head.raw", "samples");
+    EXPECT_NE(cache_.pathForFile(volume, "u8"), cache_.pathForFile(volume, "u16"));
+    EXPECT_NE(cache_.pathForSample("shell"), cache_.pathForSample("bluntfin"));
+}
+
+} // namespace
+} // namespace isoslider::model
