@@ -105,19 +105,18 @@ std::uint64_t countDistinct(std::span<const T> values, std::uint64_t missing) {
 /// Bins of equal width over [min, max]; the top end belongs to the last bin.
 class Binning {
 public:
-    Binning(double min, double max, std::size_t bins) : min_(min), bins_(bins) {
-        // Halved first: max - min of doubles may overflow.
-        const double half = max / 2 - min / 2;
-        scale_ = half > 0.0 ? static_cast<double>(bins) / 2 / half : 0.0;
-    }
+    // Halved: max - min of doubles may overflow.
+    Binning(double min, double max, std::size_t bins) : min_(min), half_(max / 2 - min / 2), bins_(bins) {}
     std::size_t operator()(double value) const {
-        const double place = (value / 2 - min_ / 2) * 2 * scale_;
-        return std::min(static_cast<std::size_t>(std::max(place, 0.0)), bins_ - 1);
+        if (!(half_ > 0.0))
+            return 0;
+        const double fraction = (value / 2 - min_ / 2) / half_;
+        return std::min(static_cast<std::size_t>(fraction * static_cast<double>(bins_)), bins_ - 1);
     }
 
 private:
     double min_;
-    double scale_;
+    double half_;
     std::size_t bins_;
 };
 
