@@ -68,7 +68,10 @@ Status ActiveSurface<Live>::apply(const ChangeSet<Live>& changes, SlideStats& st
     }
     triangles_ += static_cast<std::uint64_t>(triangleDifference);
     for (Brick* brick : dirtyBricks_)
-        brick->touched = {};
+        if (brick->isTouched) {
+            brick->touched = {};
+            brick->isTouched = false;
+        }
     releaseEmptyBricks(dirtyBricks_);
     std::erase_if(dirtyBricks_, [](const Brick* brick) { return brick->vertexBegin == kNoRun && brick->triangleBegin == kNoRun; });
     stats.activeEdges = activeEdges_;

@@ -9,7 +9,7 @@ namespace isoslider::extract {
 namespace {
 
 // Room for a brick to grow before its run must move.
-std::uint32_t withRoom(std::uint32_t count) { return count + count / 8 + 4; }
+std::uint32_t withRoom(std::uint32_t count) { return count + count / 4 + 8; }
 
 } // namespace
 
@@ -88,6 +88,7 @@ bool ActiveSurface<Live>::applyToBrick(Brick& brick, Scratch& scratch) {
 
     brick.firstActivated = brick.firstDeactivated = kNoRun;
     brick.activatedCount = brick.deactivatedCount = 0;
+    brick.isTouched = true;
     listBricks(brick, scratch);
     return isConsistent;
 }

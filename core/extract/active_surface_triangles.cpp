@@ -33,11 +33,31 @@ const std::array<std::array<EdgePlace, 12>, kBrickPoints>& edgePlaces() {
 
 constexpr int kWholeBrickShare = 3; // a brick is laid out anew when more than 1/3 of its cells change
 
-// Vertex numbers of active edges, for the cells of one brick.
+// The twelve edges of an inner cell, as steps from its number into the brick's own edge table.
+std::array<std::array<std::uint16_t, 15>, 256> makeInnerSteps() {
+    std::array<std::array<std::uint16_t, 15>, 256> steps{};
+    for (int c = 0; c < 256; ++c)
+        for (int k = 0; k < 3 * caseTable()[c].triangleCount; ++k) {
+            const CellEdge& edge = kCellEdges[caseTable()[c].edges[k]];
+            steps[c][k] = static_cast<std::uint16_t>(edge.axis * kBrickPoints + (edge.lowerCorner & 1) +
+                                                     8 * (edge.lowerCorner >> 1 & 1) + 64 * (edge.lowerCorner >> 2));
+        }
+    return steps;
+}
+
+const std::array<std::array<std::uint16_t, 15>, 256>& innerSteps() {
+    static const auto steps = makeInnerSteps();
+    return steps;
+}
+
+// Cells whose twelve edges all start in their own brick.
+bool isInner(LocalPoint cell) { return (cell & 7) != 7 && (cell & 56) != 56 && cell < 448; }
+
+// Writes triangles of one brick's cells as vertex numbers.
 template <class Around>
-class VertexFinder {
+class CellWriter {
 public:
-    explicit VertexFinder(const Around& around) {
+    explicit CellWriter(const Around& around) {
         for (int k = 0; k < 8; ++k)
             if (around.bricks[k]) {
                 begins_[k] = around.bricks[k]->vertexBegin;
@@ -45,9 +65,16 @@ public:
             }
     }
 
-    void writeCell(LocalPoint cell, const CellCase& cellCase, std::uint32_t* out) const {
-        const auto& places = places_[cell];
+    void write(LocalPoint cell, std::uint8_t caseIndex, const CellCase& cellCase, std::uint32_t* out) const {
         const int count = 3 * cellCase.triangleCount;
+        if (isInner(cell)) {
+            const auto& steps = steps_[caseIndex];
+            const std::uint16_t* slots = slots_[0] + cell;
+            for (int k = 0; k < count; ++k)
+                out[k] = begins_[0] + slots[steps[k]];
+            return;
+        }
+        const auto& places = places_[cell];
         for (int k = 0; k < count; ++k) {
             const EdgePlace place = places[cellCase.edges[k]];
             out[k] = begins_[place >> kEdgeBits] + slots_[place >> kEdgeBits][place & kEdgeMask];
@@ -56,6 +83,7 @@ public:
 
 private:
     const std::array<std::array<EdgePlace, 12>, kBrickPoints>& places_ = edgePlaces();
+    const std::array<std::array<std::uint16_t, 15>, 256>& steps_ = innerSteps();
     std::uint32_t begins_[8] = {};
     const std::uint16_t* slots_[8] = {};
 };
@@ -77,7 +105,7 @@ void ActiveSurface<Live>::retriangulate(Brick& brick, Scratch& scratch) {
                 index += grid.brickStride(a);
             }
         around.bricks[k] = k == 0 ? &brick : isInside ? table_.find(static_cast<BrickIndex>(index)) : nullptr;
-        touched[k] = around.bricks[k] ? &around.bricks[k]->touched : nullptr;
+        touched[k] = around.bricks[k] && around.bricks[k]->isTouched ? &around.bricks[k]->touched : nullptr;
     }
     scratch.rewritten = cellsWithEdges(touched);
     for (int z = 0; z < kBrickSide; ++z)
@@ -196,7 +224,7 @@ bool ActiveSurface<Live>::patchCells(Brick& brick, const Neighbourhood& around, 
     scratch.cells += static_cast<std::uint64_t>(countBits(brick.changedCells));
     if (!patches)
         return false;
-    const VertexFinder finder(around);
+    const CellWriter writer(around);
     for (int i = 0; i < count; ++i) {
         const LocalPoint cell = cells[i];
         const CellCase& cellCase = table[brick.cellCase[cell]];
@@ -208,7 +236,7 @@ bool ActiveSurface<Live>::patchCells(Brick& brick, const Neighbourhood& around, 
         }
         const std::uint32_t begin = runBegin(brick, cell, t);
         runOwners_[begin] = cell;
-        finder.writeCell(cell, cellCase, indices_.data() + 3 * std::size_t{begin});
+        writer.write(cell, brick.cellCase[cell], cellCase, indices_.data() + 3 * std::size_t{begin});
     }
     return true;
 }
@@ -241,13 +269,13 @@ void ActiveSurface<Live>::layOutBrick(Brick& brick, const Neighbourhood& around)
         brick.triangleBegin = triangleRuns_.allocate(capacity);
         brick.triangleCapacity = capacity;
     }
-    const VertexFinder finder(around);
+    const CellWriter writer(around);
     forEachBit(brick.activeCells, [&](LocalPoint cell) {
         const CellCase& cellCase = table[brick.cellCase[cell]];
         brick.cellRun[cell] = brick.bucketRuns[cellCase.triangleCount]++;
         const std::uint32_t begin = runBegin(brick, cell, cellCase.triangleCount);
         runOwners_[begin] = cell;
-        finder.writeCell(cell, cellCase, indices_.data() + 3 * std::size_t{begin});
+        writer.write(cell, brick.cellCase[cell], cellCase, indices_.data() + 3 * std::size_t{begin});
     });
     // What the runs leave free draws as nothing.
     std::uint32_t* indices = indices_.data() + 3 * std::size_t{brick.triangleBegin};

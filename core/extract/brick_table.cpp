@@ -50,6 +50,7 @@ void BrickTable::reset(Brick& brick, BrickIndex index) const {
     brick.activeCells = {};
     brick.changedCells = {};
     brick.hasMissing = false;
+    brick.isTouched = false;
     brick.isListedDirty.store(false, std::memory_order_relaxed);
     brick.firstActivated = brick.firstDeactivated = kNoRun;
     brick.activatedCount = brick.deactivatedCount = 0;

@@ -30,20 +30,23 @@ struct DeactivatedEdge {
     LocalEdge edge;
 };
 
-/// Net edge changes of one move: no edge appears twice. Bricks are spread over kPartitions, so that
-/// producing and applying run on all cores without sharing; lists are per producing thread.
+/// Net edge changes of one move: no edge appears twice. Bricks are cut into kPartitions runs of brick
+/// numbers, so that producing and applying share nothing between threads and what is applied together
+/// lies together; lists are per producing thread.
 template <class Live>
 class ChangeSet {
 public:
-    static constexpr unsigned kPartitionBits = 6;
-    static constexpr unsigned kPartitions = 1u << kPartitionBits;
+    static constexpr unsigned kPartitions = 64;
 
     struct Lists {
         std::array<std::vector<ActivatedEdge<Live>>, kPartitions> activated;
         std::array<std::vector<DeactivatedEdge>, kPartitions> deactivated;
     };
 
-    static unsigned partitionOf(BrickIndex brick) { return (brick * 0x9e3779b9u) >> (32 - kPartitionBits); }
+    explicit ChangeSet(std::uint64_t brickCount)
+        : scale_(((std::uint64_t{kPartitions} << 32) - 1) / (brickCount > 0 ? brickCount : 1)) {}
+
+    unsigned partitionOf(BrickIndex brick) const { return static_cast<unsigned>(brick * scale_ >> 32); }
 
     Lists& local() { return lists_.local(); }
     template <class Visit>
@@ -62,6 +65,7 @@ public:
     void trim() { lists_.clear(); }
 
 private:
+    std::uint64_t scale_; ///< partitions per brick, 32 bits of fraction
     tbb::enumerable_thread_specific<Lists> lists_;
 };
 

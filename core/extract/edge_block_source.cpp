@@ -65,7 +65,7 @@ Status EdgeBlockSource<Sample>::collect(KeyThreshold from, KeyThreshold to, Chan
         bytesRead.fetch_add(lookup.value().bytesRead, std::memory_order_relaxed);
         Counts& counts = allCounts.local();
         counts.steps[static_cast<std::size_t>(task.segment->level)].bytes += skipList_.page(task.segment->level, task.page).bytes;
-        emit(*lookup.value().page, *task.segment, lower, upper, from < to, changes.local(), counts);
+        emit(*lookup.value().page, *task.segment, lower, upper, from < to, changes, counts);
     });
     if (firstError)
         return std::move(*firstError);
@@ -93,7 +93,8 @@ Status EdgeBlockSource<Sample>::collect(KeyThreshold from, KeyThreshold to, Chan
 
 template <class Sample>
 void EdgeBlockSource<Sample>::emit(const DecodedPage<Key>& page, const WalkSegment& segment, KeyThreshold lower, KeyThreshold upper,
-                                   bool goesUp, typename ChangeSet<Live>::Lists& lists, Counts& counts) const {
+                                   bool goesUp, ChangeSet<Live>& changes, Counts& counts) const {
+    typename ChangeSet<Live>::Lists& lists = changes.local();
     const BrickGrid& grid = reader_.grid();
     std::size_t begin = 0, end = page.pointCount();
     std::size_t edge = 0;
@@ -129,7 +130,7 @@ void EdgeBlockSource<Sample>::emit(const DecodedPage<Key>& page, const WalkSegme
                 local += (leaves ? 7 : -1) * kLocalStride[axis];
             }
             const LocalEdge localEdge = static_cast<LocalEdge>(axis * kBrickPoints + local);
-            const unsigned partition = ChangeSet<Live>::partitionOf(brick);
+            const unsigned partition = changes.partitionOf(brick);
             if ((farKey > key) != goesUp) {
                 lists.deactivated[partition].push_back({brick, localEdge});
                 continue;

@@ -33,7 +33,7 @@ public:
 private:
     struct Counts;
     void emit(const index::DecodedPage<Key>& page, const index::WalkSegment& segment, KeyThreshold lower, KeyThreshold upper,
-              bool goesUp, typename ChangeSet<Live>::Lists& lists, Counts& counts) const;
+              bool goesUp, ChangeSet<Live>& changes, Counts& counts) const;
 
     const index::IndexReader& reader_;
     index::SkipList skipList_;

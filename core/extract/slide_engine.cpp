@@ -21,7 +21,8 @@ class Engine final : public SlideEngine {
 public:
     Engine(std::unique_ptr<index::IndexReader> reader, const SlideOptions& options)
         : reader_(std::move(reader)), source_(*reader_, options.cacheBytes),
-          surface_(reader_->info().geometry, reader_->meta().missingCells), position_(source_.lowest()) {}
+          surface_(reader_->info().geometry, reader_->meta().missingCells), changes_(reader_->grid().brickCount()),
+          position_(source_.lowest()) {}
 
     const index::IndexInfo& info() const override { return reader_->info(); }
 
