@@ -44,7 +44,7 @@ void setUpApplication() {
     render::initializeResources();
 }
 
-model::SessionServices makeServices() {
+model::SessionServices makeServices(const CommandLine& line) {
     model::SessionServices services;
     services.postToMain = [](std::function<void()> function) {
         // The application object is the context: once it is gone, nothing is run.
@@ -52,7 +52,8 @@ model::SessionServices makeServices() {
             QMetaObject::invokeMethod(application, std::move(function), Qt::QueuedConnection);
     };
     services.indexBuilder = std::make_shared<PreprocessIndexBuilder>();
-    services.sampleLoader = makeSampleLoader();
+    // The self-test wants an answer, not a large picture.
+    services.sampleLoader = makeSampleLoader(line.isSelfTest ? GridDims{48, 48, 48} : GridDims{0, 0, 0});
     const QString cache = QStandardPaths::writableLocation(QStandardPaths::GenericCacheLocation);
     services.cacheFolder = std::filesystem::path(cache.toStdU16String()) / "isoslider" / "indexes";
     return services;
@@ -80,7 +81,7 @@ int run(int argc, char** argv, const CommandLine& line) {
     const bool isInteractive = line.screenshot.isEmpty() && !line.isSelfTest;
     widgets::SettingsStore settings;
     widgets::PlatformFileDialogs dialogs;
-    model::Session session(makeServices());
+    model::Session session(makeServices(line));
     widgets::MainWindow window(session, settings, dialogs);
     if (isInteractive && !line.size)
         window.restoreLayout();

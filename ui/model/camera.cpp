@@ -29,7 +29,7 @@ void Camera::reset(double sceneRadius) {
 
 void Camera::fit() {
     target_ = glm::dvec3(0.0);
-    distance_ = sceneRadius_ / std::sin(kHalfFieldOfView) * 0.88;
+    distance_ = sceneRadius_ / std::sin(kHalfFieldOfView);
 }
 
 void Camera::setStandardView(StandardView view) {

@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "core/grid/volume_statistics.h"
+#include "core/volume_io/sample_volumes.h"
 #include "ui/model/histogram_model.h"
 
 namespace isoslider::model {
@@ -130,8 +131,12 @@ double Dataset::bytesPerVoxel() const {
 bool isIndexFile(const fs::path& path) { return path.extension() == ".isx"; }
 
 std::string displayName(const OpenRequest& request) {
-    if (!request.sampleName.empty())
+    if (!request.sampleName.empty()) {
+        for (const auto& sample : io::sampleVolumes())
+            if (sample.name == request.sampleName)
+                return sample.title;
         return request.sampleName;
+    }
     const auto name = request.path.filename().string();
     return name.empty() ? request.path.parent_path().filename().string() : name;
 }

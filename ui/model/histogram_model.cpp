@@ -58,6 +58,14 @@ double suggestIsovalue(const index::Histogram& histogram) {
     return std::lerp(histogram.min, histogram.max, share);
 }
 
+std::size_t drawableBins(const index::Histogram& histogram, ScalarType type) {
+    const std::size_t bins = histogram.counts.size();
+    if (isFloatType(type))
+        return bins;
+    const double wholeNumbers = histogram.max - histogram.min + 1.0;
+    return std::max<std::size_t>(1, static_cast<std::size_t>(std::min(wholeNumbers, static_cast<double>(bins))));
+}
+
 HistogramOutline outlineOf(const index::Histogram& histogram, std::size_t maxBins) {
     HistogramOutline outline;
     const std::size_t bins = histogram.counts.size();

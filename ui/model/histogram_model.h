@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
+#include "core/grid/scalar_type.h"
 #include "core/index/index_info.h"
 
 namespace isoslider::model {
@@ -13,6 +15,10 @@ double binLowerEnd(const index::Histogram& histogram, std::size_t bin);
 /// two classes (Otsu 1979), on damped counts so that a huge background peak does not hide a small
 /// object. Always finite and within [min, max]; the middle of the range when there are no counts.
 double suggestIsovalue(const index::Histogram& histogram);
+
+/// The most bins that a volume's histogram can be drawn with: bins narrower than the step between
+/// whole numbers would show gaps that the data do not have.
+std::size_t drawableBins(const index::Histogram& histogram, ScalarType type);
 
 /// The histogram as an outline to draw: bins merged so that at most `maxBins` remain.
 struct HistogramOutline {

@@ -185,7 +185,8 @@ void SceneRenderer::drawBox(const Matrices& matrices) {
     auto& gl = resources_->gl;
     auto& program = *resources_->lineProgram;
     gl.glEnable(GL_BLEND);
-    gl.glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    // Alpha stays 1: the widget is composed as premultiplied, and a hole would overflow its colour.
+    gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     program.bind();
     program.setUniformValue("modelToView", matrices.modelToView);
     program.setUniformValue("viewToClip", matrices.viewToClip);

@@ -64,13 +64,13 @@ void HistogramPlot::setUpHandle() {
     emptyHint_->setText(tr("The histogram of a volume stands here, with the isovalue handle on it."));
 }
 
-void HistogramPlot::setHistogram(const index::Histogram& histogram,
+void HistogramPlot::setHistogram(const index::Histogram& histogram, ScalarType type,
                                  const std::vector<std::uint64_t>& activeEdgesPerBin) {
     const bool isSameRange = hasHistogram_ && min_ == histogram.min && max_ == histogram.max;
     min_ = histogram.min;
     max_ = histogram.max;
     hasHistogram_ = true;
-    auto outline = model::outlineOf(histogram, 1024);
+    auto outline = model::outlineOf(histogram, model::drawableBins(histogram, type));
     QVector<double> values(outline.values.begin(), outline.values.end());
     QVector<double> counts(outline.counts.begin(), outline.counts.end());
     if (!counts.isEmpty()) {

@@ -17,7 +17,9 @@ class HistogramPlot : public QCustomPlot {
 public:
     explicit HistogramPlot(QWidget* parent = nullptr);
 
-    void setHistogram(const index::Histogram& histogram, const std::vector<std::uint64_t>& activeEdgesPerBin);
+    /// `activeEdgesPerBin` may be empty: then there is no curve of the surface's size.
+    void setHistogram(const index::Histogram& histogram, ScalarType type,
+                      const std::vector<std::uint64_t>& activeEdgesPerBin);
     void clearHistogram();
     void setIsovalues(double requested, double displayed);
     void setLogCounts(bool isLog);

@@ -171,7 +171,7 @@ void IsovaluePanel::showDataset() {
     range_->setText(tr("in %1 … %2").arg(QString::fromStdString(model::valueText(dataset->min)),
                                          QString::fromStdString(model::valueText(dataset->max))));
     static const std::vector<std::uint64_t> kNone;
-    plot_->setHistogram(dataset->histogram, dataset->index ? dataset->index->activeEdgesPerBin : kNone);
+    plot_->setHistogram(dataset->histogram, dataset->type, dataset->index ? dataset->index->activeEdgesPerBin : kNone);
 }
 
 void IsovaluePanel::showIsovalue() {

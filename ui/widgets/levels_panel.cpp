@@ -114,8 +114,8 @@ LevelsPanel::LevelsPanel(model::Session& session, QWidget* parent)
     layout->addSpacing(6);
     layout->addWidget(makeHeading(tr("Last move"), page));
     layout->addWidget(walkHint_);
-    layout->addWidget(moveFacts_);
     layout->addWidget(walkTable_);
+    layout->addWidget(moveFacts_);
     layout->addStretch(1);
     scroll->setWidget(page);
     outer->addWidget(scroll);

@@ -92,8 +92,8 @@ void MainWindow::makeDocks() {
 
 void MainWindow::resetLayout() {
     for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_}) {
-        removeDockWidget(dock);
         dock->setFloating(false);
+        removeDockWidget(dock);
     }
     addDockWidget(Qt::BottomDockWidgetArea, isovalueDock_);
     addDockWidget(Qt::RightDockWidgetArea, datasetDock_);
@@ -104,8 +104,8 @@ void MainWindow::resetLayout() {
         dock->show();
     levelsDock_->raise();
     resizeDocks({datasetDock_, levelsDock_}, {450, 450}, Qt::Horizontal);
-    resizeDocks({datasetDock_, levelsDock_}, {300, 420}, Qt::Vertical);
-    resizeDocks({isovalueDock_}, {220}, Qt::Vertical);
+    resizeDocks({datasetDock_, levelsDock_}, {282, 440}, Qt::Vertical);
+    resizeDocks({isovalueDock_}, {210}, Qt::Vertical);
 }
 
 void MainWindow::restoreLayout() {

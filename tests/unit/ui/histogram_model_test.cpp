@@ -62,6 +62,14 @@ TEST(OutlineOf, MergesBinsAndKeepsTheSum) {
     EXPECT_EQ(outline.values.front(), 0.0);
 }
 
+TEST(DrawableBins, AreNoFinerThanWholeNumbers) {
+    const std::vector<std::uint64_t> counts(512, 1);
+    EXPECT_EQ(drawableBins(histogramOf(0.0, 255.0, counts), ScalarType::U8), 256u);
+    EXPECT_EQ(drawableBins(histogramOf(-1024.0, 3071.0, counts), ScalarType::I16), 512u);
+    EXPECT_EQ(drawableBins(histogramOf(0.0, 1.0, counts), ScalarType::F32), 512u);
+    EXPECT_EQ(drawableBins(histogramOf(7.0, 7.0, counts), ScalarType::U8), 1u);
+}
+
 TEST(OutlineOf, OfNothingIsEmpty) { EXPECT_TRUE(outlineOf({}, 256).values.empty()); }
 
 } // namespace

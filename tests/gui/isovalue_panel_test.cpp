@@ -1,0 +1,189 @@
+#include <cmath>
+
+#include <QAction>
+#include <QLabel>
+#include <QTest>
+#include <QWheelEvent>
+
+#include "tests/gui/window_fixture.h"
+#include "ui/widgets/action_registry.h"
+#include "ui/widgets/histogram_plot.h"
+#include "ui/widgets/isovalue_edit.h"
+#include "ui/widgets/isovalue_panel.h"
+
+namespace isoslider::test {
+namespace {
+
+class IsovaluePanelTest : public WindowTest {
+protected:
+    IsovaluePanelTest() { openBall(); }
+
+    widgets::HistogramPlot& plot() { return window_->isovaluePanel().plot(); }
+    widgets::IsovalueEdit& edit() { return window_->isovaluePanel().edit(); }
+    model::IsovalueModel& isovalue() { return session_->isovalue(); }
+    double range() { return isovalue().max() - isovalue().min(); }
+    bool waitUntilDisplayed() {
+        return waitUntil([this] { return !isovalue().isLagging(); });
+    }
+    QPoint onPlot(double value) { return {static_cast<int>(std::lround(plot().pixelOf(value))), plot().axisRect()->center().y()}; }
+    void drag(QPoint from, QPoint to, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
+        QTest::mousePress(&plot(), Qt::LeftButton, modifiers, from);
+        for (int step = 1; step <= 10; ++step) {
+            const QPoint point = from + (to - from) * step / 10;
+            QMouseEvent move(QEvent::MouseMove, point, plot().mapToGlobal(QPointF(point)), Qt::NoButton, Qt::LeftButton, modifiers);
+            QApplication::sendEvent(&plot(), &move);
+            QTest::qWait(2);
+        }
+        QTest::mouseRelease(&plot(), Qt::LeftButton, modifiers, to);
+    }
+    void wheel(QWidget& widget, QPointF point, int notches, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
+        QWheelEvent event(point, widget.mapToGlobal(point), {}, QPoint(0, 120 * notches), Qt::NoButton, modifiers,
+                          Qt::NoScrollPhase, false);
+        QApplication::sendEvent(&widget, &event);
+    }
+};
+
+TEST_F(IsovaluePanelTest, DraggingTheHandleMovesTheSurface) {
+    const auto trianglesBefore = session_->frame()->stats.triangles;
+    const double target = isovalue().min() + 0.8 * range();
+    drag(onPlot(isovalue().requested()), onPlot(target));
+    EXPECT_NEAR(isovalue().requested(), target, 0.01 * range());
+    ASSERT_TRUE(waitUntilDisplayed());
+    EXPECT_EQ(session_->frame()->isovalue, isovalue().requested());
+    EXPECT_NE(session_->frame()->stats.triangles, trianglesBefore);
+}
+
+TEST_F(IsovaluePanelTest, AFineStepIsATenthOfAStep) {
+    const double before = isovalue().requested();
+    plot().setFocus();
+    QTest::keyClick(&plot(), Qt::Key_Right, Qt::ShiftModifier);
+    EXPECT_NEAR(isovalue().requested() - before, 0.0001 * range(), 1e-9);
+}
+
+TEST_F(IsovaluePanelTest, PressingBesideTheHandleBringsItThere) {
+    const double target = isovalue().min() + 0.3 * range();
+    QTest::mouseClick(&plot(), Qt::LeftButton, {}, onPlot(target));
+    EXPECT_NEAR(isovalue().requested(), target, 0.01 * range());
+}
+
+TEST_F(IsovaluePanelTest, ShiftMakesTheDragTenTimesFiner) {
+    const double before = isovalue().requested();
+    const QPoint from = onPlot(before);
+    drag(from, from + QPoint(200, 0), Qt::ShiftModifier);
+    const double perPixel = plot().visibleRange().size() / plot().axisRect()->width();
+    EXPECT_NEAR(isovalue().requested() - before, 20.0 * perPixel, 0.5 * perPixel);
+}
+
+TEST_F(IsovaluePanelTest, DraggingBeyondTheEndStopsThere) {
+    drag(onPlot(isovalue().requested()), QPoint(plot().width() + 400, plot().axisRect()->center().y()));
+    EXPECT_EQ(isovalue().requested(), isovalue().max());
+}
+
+TEST_F(IsovaluePanelTest, TypingIsTakenOnEnterAndNotBefore) {
+    trigger("isovalue.edit");
+    const double before = isovalue().requested();
+    QTest::keyClicks(&edit(), QStringLiteral("-7.25"));
+    EXPECT_EQ(isovalue().requested(), before);
+    QTest::keyClick(&edit(), Qt::Key_Return);
+    EXPECT_EQ(isovalue().requested(), -7.25);
+    ASSERT_TRUE(waitUntilDisplayed());
+    EXPECT_EQ(child<QLabel>("displayedReadout")->text(), QStringLiteral("-7.25"));
+}
+
+TEST_F(IsovaluePanelTest, TypingIsTakenWhenTheFocusLeaves) {
+    trigger("isovalue.edit");
+    QTest::keyClicks(&edit(), QStringLiteral("-6.5"));
+    plot().setFocus();
+    EXPECT_EQ(isovalue().requested(), -6.5);
+}
+
+TEST_F(IsovaluePanelTest, WhatIsNoNumberIsPutBack) {
+    const double before = isovalue().requested();
+    for (const char* text : {"bone", "nan", "", "1e"}) {
+        trigger("isovalue.edit");
+        edit().selectAll();
+        QTest::keyClick(&edit(), Qt::Key_Delete);
+        QTest::keyClicks(&edit(), QLatin1String(text));
+        QTest::keyClick(&edit(), Qt::Key_Return);
+        EXPECT_EQ(isovalue().requested(), before) << text;
+        EXPECT_FALSE(edit().text().isEmpty());
+        EXPECT_NE(edit().text(), QLatin1String(text));
+    }
+}
+
+TEST_F(IsovaluePanelTest, ANumberOutOfRangeIsClampedAndShownSo) {
+    trigger("isovalue.edit");
+    QTest::keyClicks(&edit(), QStringLiteral("1e9"));
+    QTest::keyClick(&edit(), Qt::Key_Return);
+    EXPECT_EQ(isovalue().requested(), isovalue().max());
+    EXPECT_NEAR(edit().text().toDouble(), isovalue().max(), 1e-5);
+}
+
+TEST_F(IsovaluePanelTest, EscapePutsTheValueBack) {
+    trigger("isovalue.edit");
+    const QString shown = edit().text();
+    QTest::keyClicks(&edit(), QStringLiteral("-3"));
+    QTest::keyClick(&edit(), Qt::Key_Escape);
+    EXPECT_EQ(edit().text(), shown);
+}
+
+TEST_F(IsovaluePanelTest, TheWheelStepsAndControlZooms) {
+    const double before = isovalue().requested();
+    const QPointF point = onPlot(before);
+    wheel(plot(), point, 3);
+    EXPECT_NEAR(isovalue().requested(), before + 0.003 * range(), 1e-9);
+    const double requested = isovalue().requested();
+    const double wholeRange = plot().visibleRange().size();
+    wheel(plot(), point, 4, Qt::ControlModifier);
+    EXPECT_EQ(isovalue().requested(), requested);
+    EXPECT_LT(plot().visibleRange().size(), 0.6 * wholeRange);
+    QTest::mouseDClick(&plot(), Qt::LeftButton, {}, QPoint(plot().axisRect()->center().x(), plot().axisRect()->bottom() + 8));
+    EXPECT_NEAR(plot().visibleRange().size(), wholeRange, 1e-9);
+}
+
+TEST_F(IsovaluePanelTest, KeysStepPageAndJump) {
+    plot().setFocus();
+    isovalue().request(-8.0);
+    const auto expectStep = [&](Qt::Key key, Qt::KeyboardModifiers modifiers, double fraction) {
+        const double before = isovalue().requested();
+        QTest::keyClick(&plot(), key, modifiers);
+        EXPECT_NEAR(isovalue().requested() - before, fraction * range(), 1e-9) << key;
+    };
+    expectStep(Qt::Key_Right, Qt::NoModifier, 0.001);
+    expectStep(Qt::Key_Left, Qt::NoModifier, -0.001);
+    expectStep(Qt::Key_Up, Qt::ShiftModifier, 0.0001);
+    expectStep(Qt::Key_PageUp, Qt::NoModifier, 0.01);
+    expectStep(Qt::Key_PageDown, Qt::ControlModifier, -0.1);
+    QTest::keyClick(&plot(), Qt::Key_Home);
+    EXPECT_EQ(isovalue().requested(), isovalue().min());
+    QTest::keyClick(&plot(), Qt::Key_End);
+    EXPECT_EQ(isovalue().requested(), isovalue().max());
+    EXPECT_TRUE(waitUntilDisplayed());
+}
+
+TEST_F(IsovaluePanelTest, PlayMovesTheSurfaceAndPauseStopsIt) {
+    const double before = isovalue().requested();
+    trigger("isovalue.play");
+    EXPECT_TRUE(waitUntil([&] { return isovalue().displayed() > before + 0.002 * range(); }));
+    trigger("isovalue.play");
+    ASSERT_TRUE(waitUntilDisplayed());
+    const double after = isovalue().requested();
+    QTest::qWait(80);
+    EXPECT_EQ(isovalue().requested(), after);
+}
+
+TEST_F(IsovaluePanelTest, TheHandleHasAnAccessibleNameAndValue) {
+    isovalue().request(-7.5);
+    EXPECT_EQ(plot().accessibleName(), QStringLiteral("Isovalue"));
+    EXPECT_EQ(plot().accessibleDescription(), QStringLiteral("-7.5"));
+}
+
+TEST_F(IsovaluePanelTest, LogAndLinearCountsAreRemembered) {
+    trigger("isovalue.logCounts");
+    EXPECT_FALSE(settings_->boolean("histogram/logCounts"));
+    makeWindow();
+    EXPECT_FALSE(window_->actions().action("isovalue.logCounts")->isChecked());
+}
+
+} // namespace
+} // namespace isoslider::test

@@ -1,0 +1,269 @@
+#include <set>
+
+#include <QAbstractItemModelTester>
+#include <QAction>
+#include <QDialog>
+#include <QDockWidget>
+#include <QDropEvent>
+#include <QLabel>
+#include <QMenu>
+#include <QMimeData>
+#include <QPushButton>
+#include <QTableView>
+#include <QTest>
+#include <QToolButton>
+#include <QUrl>
+
+#include "core/mesh/mesh_checks.h"
+#include "tests/gui/window_fixture.h"
+#include "ui/widgets/action_registry.h"
+#include "ui/widgets/message_bar.h"
+#include "ui/widgets/start_page.h"
+#include "ui/widgets/viewport_host.h"
+#include "ui/widgets/viewport_widget.h"
+
+namespace isoslider::test {
+namespace {
+
+using MainWindowTest = WindowTest;
+
+QString qpath(const std::filesystem::path& path) { return QString::fromStdString(path.string()); }
+
+TEST_F(MainWindowTest, BeginsWithTheStartPage) {
+    EXPECT_TRUE(window_->viewportHost().startPage().isVisible());
+    for (const char* id : {"mesh.check", "mesh.export", "isovalue.play", "file.close"})
+        EXPECT_FALSE(window_->actions().action(id)->isEnabled()) << id;
+}
+
+TEST_F(MainWindowTest, OpensAFileFromTheStartPage) {
+    dialogs_.answers.push_back(qpath(writeBall(folder_, "ball.mha", 16)));
+    QTest::mouseClick(child<QPushButton>("start.file.open"), Qt::LeftButton);
+    ASSERT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
+    EXPECT_FALSE(window_->viewportHost().startPage().isVisible());
+    EXPECT_TRUE(window_->windowTitle().contains(QStringLiteral("ball.mha")));
+    EXPECT_EQ(settings_->list("files/recent").size(), 1);
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(session_->indexState(), model::IndexState::Ready);
+}
+
+TEST_F(MainWindowTest, OpensADroppedFile) {
+    QMimeData data;
+    data.setUrls({QUrl::fromLocalFile(qpath(writeBall(folder_, "ball.mha", 16)))});
+    QDragEnterEvent enter(QPoint(50, 50), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(window_.get(), &enter);
+    EXPECT_TRUE(enter.isAccepted());
+    QDropEvent drop(QPointF(50, 50), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(window_.get(), &drop);
+    EXPECT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
+}
+
+TEST_F(MainWindowTest, ABadFileShowsTheMessageBarAndKeepsTheOldSurface) {
+    openBall();
+    const auto frame = session_->frame();
+    const auto bad = folder_.write("bad.mha", "ObjectType = Image\nNDims = 3\nDimSize = 4 4 bananas\n");
+    window_->openFile(qpath(bad));
+    ASSERT_TRUE(waitUntil([&] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("bad.mha")));
+    EXPECT_EQ(session_->frame(), frame);
+    session_->isovalue().request(-5.0);
+    EXPECT_TRUE(waitUntil([&] { return session_->isovalue().displayed() == -5.0; }));
+    QTest::mouseClick(child<QToolButton>("messageBarClose"), Qt::LeftButton);
+    EXPECT_FALSE(window_->messageBar().isVisible());
+}
+
+TEST_F(MainWindowTest, AMissingFileIsToldOnTheStartPage) {
+    window_->openFile(qpath(folder_ / "nowhere.mha"));
+    ASSERT_TRUE(waitUntil([&] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(window_->viewportHost().startPage().isVisible());
+}
+
+TEST_F(MainWindowTest, ASecondOpenUsesTheIndexAtOnce) {
+    openBall();
+    makeWindow();
+    window_->openFile(qpath(folder_ / "ball.mha"));
+    ASSERT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
+    EXPECT_TRUE(session_->frame()->isFromIndex);
+    EXPECT_EQ(session_->jobs().entries().size(), 1u); // nothing was built
+}
+
+TEST_F(MainWindowTest, OpensAnIndexWithoutItsVolume) {
+    openBall();
+    const auto index = session_->dataset()->indexPath;
+    const auto triangles = session_->frame()->stats.triangles;
+    trigger("file.close");
+    EXPECT_TRUE(window_->viewportHost().startPage().isVisible());
+    std::filesystem::remove(folder_ / "ball.mha");
+    window_->openFile(qpath(index));
+    ASSERT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
+    EXPECT_EQ(session_->frame()->stats.triangles, triangles);
+}
+
+TEST_F(MainWindowTest, TheLevelsPanelIsFilledFromTheIndex) {
+    auto* levels = child<QTableView>("levelsTable");
+    auto* walk = child<QTableView>("walkTable");
+    QAbstractItemModelTester levelsTester(levels->model(), QAbstractItemModelTester::FailureReportingMode::Warning);
+    QAbstractItemModelTester walkTester(walk->model(), QAbstractItemModelTester::FailureReportingMode::Warning);
+    openBall();
+    EXPECT_EQ(levels->model()->rowCount(), static_cast<int>(session_->dataset()->index->levels.size()) + 1);
+    session_->isovalue().request(-3.0);
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_TRUE(waitUntil([&] { return walk->model()->rowCount() == static_cast<int>(session_->frame()->stats.walk.size()); }));
+}
+
+TEST_F(MainWindowTest, ChecksTheMesh) {
+    openBall();
+    session_->isovalue().request(-6.0);
+    trigger("mesh.check");
+    ASSERT_TRUE(waitUntil([&] { return session_->meshReport().has_value(); }));
+    EXPECT_TRUE(session_->meshReport()->isManifold);
+    EXPECT_TRUE(session_->meshReport()->isClosed);
+    EXPECT_EQ(session_->meshReport()->euler, 2);
+    EXPECT_TRUE(child<QDockWidget>("meshDock")->isVisible());
+    EXPECT_EQ(child<QPushButton>("checkMeshButton")->isEnabled(), true);
+}
+
+TEST_F(MainWindowTest, ExportsTheMeshInEveryFormat) {
+    openBall();
+    for (const char* name : {"a.ply", "a.obj", "a.stl", "a.off", "a.om"}) {
+        dialogs_.answers.push_back(qpath(folder_ / name));
+        trigger("mesh.export");
+        ASSERT_TRUE(waitUntilSettled());
+        const auto report = mesh::checkMeshFile(folder_ / name);
+        ASSERT_TRUE(report.isOk()) << name << ' ' << report.error().line();
+        EXPECT_EQ(report.value().triangles, session_->frame()->stats.triangles) << name;
+    }
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("a.om")));
+}
+
+TEST_F(MainWindowTest, AnExportThatFailsIsTold) {
+    openBall();
+    dialogs_.answers.push_back(qpath(folder_ / "no" / "such" / "folder.ply"));
+    trigger("mesh.export");
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_TRUE(window_->messageBar().isVisible());
+    EXPECT_EQ(session_->jobs().entries().back().state, model::JobState::Failed);
+}
+
+TEST_F(MainWindowTest, ABuildCanBeCancelledAndStartedAgain) {
+    builder_->holds = true;
+    openBall();
+    ASSERT_TRUE(waitUntil([&] { return session_->indexState() == model::IndexState::Building; }));
+    child<QDockWidget>("jobsDock")->raise();
+    QToolButton* cancel = nullptr;
+    ASSERT_TRUE(waitUntil([&] {
+        for (auto* button : window_->findChildren<QToolButton*>(QStringLiteral("cancelJobButton")))
+            if (button->isVisible())
+                cancel = button;
+        return cancel != nullptr;
+    }));
+    QTest::mouseClick(cancel, Qt::LeftButton);
+    ASSERT_TRUE(waitUntil([&] { return session_->indexState() == model::IndexState::Cancelled; }));
+    session_->isovalue().request(-4.0);
+    EXPECT_TRUE(waitUntil([&] { return session_->isovalue().displayed() == -4.0; }));
+    builder_->holds = false;
+    trigger("index.build");
+    EXPECT_TRUE(waitUntil([&] { return session_->indexState() == model::IndexState::Ready; }));
+}
+
+TEST_F(MainWindowTest, ClosingTheWindowDuringABuildIsSafe) {
+    builder_->holds = true;
+    openBall();
+    window_->close();
+    window_.reset();
+    session_.reset();
+    QTest::qWait(20);
+}
+
+TEST_F(MainWindowTest, PanelsCloseAndComeBack) {
+    for (const char* name : {"datasetDock", "isovalueDock", "levelsDock", "meshDock", "jobsDock"}) {
+        auto* dock = child<QDockWidget>(name);
+        dock->close();
+        EXPECT_TRUE(dock->isHidden()) << name;
+        dock->toggleViewAction()->trigger();
+        EXPECT_FALSE(dock->isHidden()) << name;
+    }
+    child<QDockWidget>("levelsDock")->setFloating(true);
+    child<QDockWidget>("datasetDock")->close();
+    trigger("view.resetLayout");
+    EXPECT_FALSE(child<QDockWidget>("levelsDock")->isFloating());
+    EXPECT_TRUE(child<QDockWidget>("datasetDock")->isVisible());
+}
+
+TEST_F(MainWindowTest, TheLayoutIsRestored) {
+    child<QDockWidget>("levelsDock")->close();
+    window_->close();
+    makeWindow();
+    EXPECT_FALSE(child<QDockWidget>("levelsDock")->isHidden());
+    window_->restoreLayout();
+    EXPECT_TRUE(child<QDockWidget>("levelsDock")->isHidden());
+}
+
+TEST_F(MainWindowTest, NoTwoActionsShareAShortcut) {
+    std::set<QString> seen;
+    for (const auto& section : window_->actions().sections())
+        for (const auto* action : section.actions)
+            for (const auto& keys : action->shortcuts())
+                EXPECT_TRUE(seen.insert(keys.toString()).second) << keys.toString().toStdString();
+}
+
+TEST_F(MainWindowTest, EveryActionHasATextAndATip) {
+    for (const auto& section : window_->actions().sections())
+        for (const auto* action : section.actions) {
+            EXPECT_FALSE(action->text().isEmpty()) << action->objectName().toStdString();
+            EXPECT_FALSE(action->statusTip().isEmpty()) << action->objectName().toStdString();
+        }
+}
+
+TEST_F(MainWindowTest, HelpOpensWithoutBlocking) {
+    trigger("help.shortcuts");
+    trigger("help.about");
+    EXPECT_TRUE(child<QDialog>("shortcutSheet")->isVisible());
+    EXPECT_TRUE(child<QDialog>("aboutDialog")->isVisible());
+}
+
+TEST_F(MainWindowTest, KeysAndMouseMoveTheCamera) {
+    auto* viewport = window_->viewportHost().viewport();
+    if (viewport == nullptr)
+        GTEST_SKIP() << "no OpenGL 3.3 here";
+    openBall();
+    viewport->setFocus();
+    QTest::keyClick(viewport, Qt::Key_7);
+    EXPECT_NEAR(viewport->camera().backward().z, 1.0, 1e-9);
+    QTest::keyClick(viewport, Qt::Key_1, Qt::ControlModifier);
+    EXPECT_NEAR(viewport->camera().backward().y, 1.0, 1e-9);
+    QTest::keyClick(viewport, Qt::Key_5);
+    EXPECT_FALSE(viewport->camera().isPerspective());
+    const auto before = viewport->camera().backward();
+    QTest::mousePress(viewport, Qt::LeftButton, {}, QPoint(200, 200));
+    QMouseEvent move(QEvent::MouseMove, QPointF(260, 220), viewport->mapToGlobal(QPointF(260, 220)), Qt::NoButton,
+                     Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(viewport, &move);
+    QTest::mouseRelease(viewport, Qt::LeftButton, {}, QPoint(260, 220));
+    EXPECT_GT(glm::length(viewport->camera().backward() - before), 0.05);
+    QTest::keyClick(viewport, Qt::Key_R);
+    EXPECT_EQ(viewport->camera().target(), glm::dvec3(0.0));
+}
+
+TEST_F(MainWindowTest, TypingDigitsInTheIsovalueFieldLeavesTheCameraAlone) {
+    auto* viewport = window_->viewportHost().viewport();
+    if (viewport == nullptr)
+        GTEST_SKIP() << "no OpenGL 3.3 here";
+    openBall();
+    const auto before = viewport->camera().backward();
+    trigger("isovalue.edit");
+    QTest::keyClicks(window_->focusWidget(), QStringLiteral("-7.1"));
+    EXPECT_EQ(viewport->camera().backward(), before);
+}
+
+TEST_F(MainWindowTest, WithoutOpenGlThePanelsStillWork) {
+    if (window_->viewportHost().viewport() != nullptr)
+        GTEST_SKIP() << "OpenGL 3.3 is there";
+    EXPECT_TRUE(child<QLabel>("viewportFallback")->text().contains(QStringLiteral("OpenGL 3.3")));
+    openBall();
+    EXPECT_TRUE(child<QLabel>("viewportFallback")->isVisible());
+    session_->isovalue().request(-3.0);
+    EXPECT_TRUE(waitUntil([&] { return session_->isovalue().displayed() == -3.0; }));
+}
+
+} // namespace
+} // namespace isoslider::test

@@ -1,0 +1,108 @@
+#include "tests/gui/window_fixture.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <QAction>
+#include <QApplication>
+#include <QElapsedTimer>
+#include <QTest>
+
+#include "core/volume_io/volume_source.h"
+#include "preprocess/build_index.h"
+#include "ui/widgets/action_registry.h"
+
+namespace isoslider::test {
+
+Status HoldableBuilder::build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
+                              const std::filesystem::path& indexPath, const JobControl& job) {
+    while (holds && !job.isStopRequested())
+        std::this_thread::yield();
+    if (job.isStopRequested())
+        return cancelledError();
+    const auto source = io::makeMemorySource(grid);
+    preprocess::BuildOptions options;
+    options.sourceName = sourceName;
+    auto report = preprocess::buildIndex(*source, indexPath, options, job);
+    return report.isOk() ? Status{} : Status{report.error()};
+}
+
+std::filesystem::path writeBall(const TemporaryFolder& folder, const char* name, int n) {
+    std::string bytes = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n";
+    const std::string size = std::to_string(n);
+    bytes.append("DimSize = ").append(size).append(" ").append(size).append(" ").append(size);
+    bytes += "\nElementSpacing = 1 1 1\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
+    const float middle = static_cast<float>(n - 1) / 2.0f;
+    for (int z = 0; z < n; ++z)
+        for (int y = 0; y < n; ++y)
+            for (int x = 0; x < n; ++x) {
+                const float value = -std::hypot(static_cast<float>(x) - middle, static_cast<float>(y) - middle,
+                                                static_cast<float>(z) - middle);
+                bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+            }
+    return folder.write(name, bytes);
+}
+
+WindowTest::WindowTest()
+    : settings_(std::make_unique<widgets::SettingsStore>(QString::fromStdString((folder_ / "settings.ini").string()))) {
+    makeWindow();
+}
+
+WindowTest::~WindowTest() {
+    window_.reset();
+    session_.reset();
+    QCoreApplication::sendPostedEvents();
+}
+
+void WindowTest::makeWindow() {
+    window_.reset();
+    session_.reset();
+    model::SessionServices services;
+    services.postToMain = [](std::function<void()> function) {
+        QMetaObject::invokeMethod(QCoreApplication::instance(), std::move(function), Qt::QueuedConnection);
+    };
+    services.indexBuilder = builder_;
+    services.cacheFolder = folder_ / "indexes";
+    services.sampleLoader = [](const std::string& name, const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
+        return makeError(ErrorCode::NotFound, "no such sample", name);
+    };
+    session_ = std::make_unique<model::Session>(std::move(services));
+    window_ = std::make_unique<widgets::MainWindow>(*session_, *settings_, dialogs_);
+    window_->resize(1400, 900);
+    window_->show();
+    ASSERT_TRUE(QTest::qWaitForWindowExposed(window_.get()));
+    // Shortcuts and focus need an active window, which a display without a window manager never makes.
+    QApplication::setActiveWindow(window_.get());
+}
+
+bool WindowTest::waitUntil(const std::function<bool()>& isDone) {
+    QElapsedTimer clock;
+    clock.start();
+    while (!isDone()) {
+        if (clock.elapsed() > 10'000)
+            return false;
+        QTest::qWait(5);
+    }
+    return true;
+}
+
+bool WindowTest::waitUntilSettled() {
+    return waitUntil([this] { return session_->isSettled(); });
+}
+
+void WindowTest::openBall(int n) {
+    window_->openFile(QString::fromStdString(writeBall(folder_, "ball.mha", n).string()));
+    ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr; }));
+    if (!builder_->holds) {
+        ASSERT_TRUE(waitUntilSettled());
+        ASSERT_EQ(session_->indexState(), model::IndexState::Ready);
+    }
+}
+
+void WindowTest::trigger(const char* actionId) {
+    QAction* action = window_->actions().action(actionId);
+    ASSERT_TRUE(action->isEnabled()) << actionId;
+    action->trigger();
+}
+
+} // namespace isoslider::test

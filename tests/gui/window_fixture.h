@@ -1,0 +1,77 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <QString>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.h"
+#include "ui/model/index_builder.h"
+#include "ui/model/session.h"
+#include "ui/widgets/file_dialogs.h"
+#include "ui/widgets/main_window.h"
+#include "ui/widgets/settings_store.h"
+
+namespace isoslider::test {
+
+/// Answers dialogs beforehand; an unexpected one fails the test.
+class AnsweringDialogs final : public widgets::FileDialogs {
+public:
+    std::deque<QString> answers;
+
+    void askOpen(QWidget*, const QString&, const QString&, const QString&, Chosen chosen) override { answer(chosen); }
+    void askSave(QWidget*, const QString&, const QString&, const QString&, Chosen chosen) override { answer(chosen); }
+
+private:
+    void answer(const Chosen& chosen) {
+        ASSERT_FALSE(answers.empty()) << "a dialog nobody expected";
+        const QString path = answers.front();
+        answers.pop_front();
+        chosen(path);
+    }
+};
+
+/// Builds real indexes, or holds a build until it is cancelled.
+class HoldableBuilder final : public model::IndexBuilder {
+public:
+    Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
+                 const std::filesystem::path& indexPath, const JobControl& job) override;
+    std::atomic<bool> holds{false};
+};
+
+/// -distance from the middle of an n^3 grid as a MetaImage file of floats: the isosurface at -r is
+/// a sphere of radius r cells.
+std::filesystem::path writeBall(const TemporaryFolder& folder, const char* name, int n);
+
+/// The whole window with real panels, on settings and a cache of its own.
+class WindowTest : public ::testing::Test {
+protected:
+    WindowTest();
+    ~WindowTest() override;
+
+    /// Handles events until `isDone`; false after ten seconds.
+    static bool waitUntil(const std::function<bool()>& isDone);
+    void makeWindow();
+    void openBall(int n = 24);
+    bool waitUntilSettled();
+    template <class Widget>
+    Widget* child(const char* name) {
+        auto* found = window_->findChild<Widget*>(QLatin1String(name));
+        EXPECT_NE(found, nullptr) << name;
+        return found;
+    }
+    void trigger(const char* actionId);
+
+    TemporaryFolder folder_;
+    AnsweringDialogs dialogs_;
+    std::shared_ptr<HoldableBuilder> builder_ = std::make_shared<HoldableBuilder>();
+    std::unique_ptr<widgets::SettingsStore> settings_;
+    std::unique_ptr<model::Session> session_;
+    std::unique_ptr<widgets::MainWindow> window_;
+};
+
+} // namespace isoslider::test

@@ -1,0 +1,238 @@
+// Pictures of the real viewport against what geometry says they must be.
+#include <cmath>
+#include <numbers>
+
+#include <QApplication>
+#include <QImage>
+#include <QMainWindow>
+#include <QTest>
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "core/extract/full_extraction.h"
+#include "ui/render/gl_support.h"
+#include "ui/render/scene_renderer.h"
+#include "ui/widgets/viewport_widget.h"
+
+namespace isoslider::test {
+namespace {
+
+constexpr int kPoints = 40;
+constexpr double kRadius = 14.0; // cells
+
+/// -distance from the middle: the isosurface at -r is a sphere of radius r cells.
+ScalarGrid ballGrid(const GridGeometry& geometry) {
+    std::vector<float> values;
+    const float middle = (kPoints - 1) / 2.0f;
+    for (int z = 0; z < kPoints; ++z)
+        for (int y = 0; y < kPoints; ++y)
+            for (int x = 0; x < kPoints; ++x)
+                values.push_back(-std::hypot(static_cast<float>(x) - middle, static_cast<float>(y) - middle,
+                                             static_cast<float>(z) - middle));
+    return ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values);
+}
+
+std::shared_ptr<extract::SurfaceFrame> sphereFrame(const GridGeometry& geometry, double radius = kRadius) {
+    auto mesh = extract::extractFull(ballGrid(geometry), -radius).value();
+    auto frame = std::make_shared<extract::SurfaceFrame>();
+    frame->geometry = geometry;
+    frame->isovalue = -radius;
+    frame->positions = std::move(mesh.positions);
+    frame->normals = std::move(mesh.normals);
+    frame->indices = std::move(mesh.triangles);
+    frame->stats.triangles = frame->indices.size() / 3;
+    return frame;
+}
+
+GridGeometry cubeGeometry() {
+    GridGeometry geometry;
+    geometry.dims = {kPoints, kPoints, kPoints};
+    return geometry;
+}
+
+/// The surface, and nothing of the grey background, is warm: clearly more red than blue.
+bool isSurface(QRgb pixel) { return qRed(pixel) > qBlue(pixel) + 12; }
+bool isGlow(QRgb pixel) { return qRed(pixel) > 110 && qRed(pixel) > 2 * qGreen(pixel); }
+
+template <class Predicate>
+std::size_t countPixels(const QImage& image, Predicate&& predicate) {
+    std::size_t count = 0;
+    for (int y = 0; y < image.height(); ++y)
+        for (int x = 0; x < image.width(); ++x)
+            count += predicate(image.pixel(x, y)) ? 1 : 0;
+    return count;
+}
+
+class ViewportImageTest : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (!render::isOpenGlUsable())
+            GTEST_SKIP() << "no OpenGL 3.3 here";
+        viewport_ = std::make_unique<widgets::ViewportWidget>();
+        viewport_->resize(600, 500);
+        options_.showsBox = false;
+        viewport_->setOptions(options_);
+        viewport_->show();
+        ASSERT_TRUE(QTest::qWaitForWindowExposed(viewport_.get()));
+    }
+
+    void show(std::shared_ptr<const extract::SurfaceFrame> frame, bool isPerspective = false) {
+        const double radius = render::sceneRadius(frame->geometry);
+        viewport_->changeCamera([&](model::Camera& camera) {
+            camera.reset(radius);
+            camera.setPerspective(isPerspective);
+        });
+        viewport_->setFrame(std::move(frame));
+    }
+
+    QImage grab() { return viewport_->grabFramebuffer().convertToFormat(QImage::Format_RGB32); }
+
+    /// Pixels per world unit on the target plane.
+    double pixelsPerUnit(const QImage& image) { return image.height() / (2.0 * viewport_->camera().halfHeight()); }
+
+    void expectArea(const QImage& image, double expectedPixels, double tolerance) {
+        const auto area = static_cast<double>(countPixels(image, isSurface));
+        EXPECT_NEAR(area / expectedPixels, 1.0, tolerance) << area << " of " << expectedPixels << " pixels";
+    }
+
+    std::unique_ptr<widgets::ViewportWidget> viewport_;
+    model::ViewOptions options_;
+};
+
+TEST_F(ViewportImageTest, AnOrthographicSphereCoversItsDisc) {
+    show(sphereFrame(cubeGeometry()));
+    const QImage image = grab();
+    const double radius = kRadius * pixelsPerUnit(image);
+    expectArea(image, std::numbers::pi * radius * radius, 0.02);
+}
+
+TEST_F(ViewportImageTest, APerspectiveSphereCoversItsSilhouette) {
+    show(sphereFrame(cubeGeometry()), true);
+    const QImage image = grab();
+    const double distance = viewport_->camera().distance();
+    const double silhouette = kRadius * distance / std::sqrt(distance * distance - kRadius * kRadius);
+    const double radius = silhouette * pixelsPerUnit(image);
+    expectArea(image, std::numbers::pi * radius * radius, 0.02);
+}
+
+TEST_F(ViewportImageTest, TheCentreIsBrightAndTheCornersAreBackground) {
+    show(sphereFrame(cubeGeometry()));
+    const QImage image = grab();
+    EXPECT_GT(qGray(image.pixel(image.width() / 2, image.height() / 2)), 150);
+    for (const QPoint corner : {QPoint(2, 2), QPoint(image.width() - 3, 2), QPoint(2, image.height() - 3),
+                                QPoint(image.width() - 3, image.height() - 3)}) {
+        EXPECT_FALSE(isSurface(image.pixel(corner)));
+        EXPECT_LT(qGray(image.pixel(corner)), 80);
+    }
+}
+
+TEST_F(ViewportImageTest, EveryPixelIsOpaque) {
+    options_.showsBox = true;
+    viewport_->setOptions(options_);
+    show(sphereFrame(cubeGeometry()));
+    const QImage image = viewport_->grabFramebuffer().convertToFormat(QImage::Format_ARGB32);
+    EXPECT_EQ(countPixels(image, [](QRgb pixel) { return qAlpha(pixel) != 255; }), 0u);
+}
+
+TEST_F(ViewportImageTest, AnisotropicSpacingStretchesTheSphere) {
+    auto geometry = cubeGeometry();
+    geometry.spacing = {1.0, 1.0, 2.0};
+    show(sphereFrame(geometry));
+    viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
+    const QImage image = grab();
+    const double scale = pixelsPerUnit(image);
+    expectArea(image, std::numbers::pi * kRadius * kRadius * 2.0 * scale * scale, 0.02);
+    const int x = image.width() / 2;
+    const int y = image.height() / 2;
+    EXPECT_TRUE(isSurface(image.pixel(x, y - static_cast<int>(kRadius * 1.8 * scale))));
+    EXPECT_FALSE(isSurface(image.pixel(x + static_cast<int>(kRadius * 1.1 * scale), y)));
+}
+
+TEST_F(ViewportImageTest, ALeftHandedVolumeIsSeenFromOutside) {
+    show(sphereFrame(cubeGeometry()));
+    viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
+    const QImage rightHanded = grab();
+    auto mirrored = cubeGeometry();
+    mirrored.direction[0] = {-1.0, 0.0, 0.0};
+    show(sphereFrame(mirrored));
+    viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
+    const QImage leftHanded = grab();
+    const QPoint centre(rightHanded.width() / 2, rightHanded.height() / 2);
+    // The back faces' darker tint would show at once.
+    EXPECT_NEAR(qGray(leftHanded.pixel(centre)), qGray(rightHanded.pixel(centre)), 6);
+    EXPECT_GT(qGray(leftHanded.pixel(centre + QPoint(-60, -60))), 120);
+}
+
+TEST_F(ViewportImageTest, FarFromTheOriginThePictureIsTheSame) {
+    show(sphereFrame(cubeGeometry()));
+    const QImage near = grab();
+    auto geometry = cubeGeometry();
+    geometry.origin = {1e7, -3e7, 2e7};
+    show(sphereFrame(geometry));
+    const QImage far = grab();
+    std::size_t different = 0;
+    for (int y = 0; y < near.height(); ++y)
+        for (int x = 0; x < near.width(); ++x)
+            different += std::abs(qGray(near.pixel(x, y)) - qGray(far.pixel(x, y))) > 8 ? 1 : 0;
+    EXPECT_LT(different, 20u);
+}
+
+TEST_F(ViewportImageTest, WhatChangedGlowsRedWhereItIs) {
+    auto frame = sphereFrame(cubeGeometry());
+    // The half nearer to the default camera's right: every triangle with x beyond the middle.
+    for (std::size_t i = 0; i + 2 < frame->indices.size(); i += 3)
+        if (frame->positions[frame->indices[i]].x > (kPoints - 1) / 2.0f)
+            frame->changedIndices.insert(frame->changedIndices.end(), frame->indices.begin() + static_cast<std::ptrdiff_t>(i),
+                                         frame->indices.begin() + static_cast<std::ptrdiff_t>(i) + 3);
+    show(frame);
+    viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
+    const QImage glowing = grab();
+    const auto surface = countPixels(glowing, isSurface);
+    const auto glow = countPixels(glowing, isGlow);
+    EXPECT_NEAR(static_cast<double>(glow) / static_cast<double>(surface), 0.5, 0.08);
+    const QPoint centre(glowing.width() / 2, glowing.height() / 2);
+    EXPECT_TRUE(isGlow(glowing.pixel(centre + QPoint(40, 0))));
+    EXPECT_FALSE(isGlow(glowing.pixel(centre - QPoint(40, 0))));
+
+    options_.showsChanged = false;
+    viewport_->setOptions(options_);
+    EXPECT_EQ(countPixels(grab(), isGlow), 0u);
+}
+
+TEST_F(ViewportImageTest, ASurfaceThatIsNewThroughoutDoesNotGlow) {
+    auto frame = sphereFrame(cubeGeometry());
+    frame->changedIndices = frame->indices;
+    show(frame);
+    EXPECT_EQ(countPixels(grab(), isGlow), 0u);
+}
+
+TEST_F(ViewportImageTest, ANewFrameReplacesTheOldOne) {
+    show(sphereFrame(cubeGeometry(), 14.0));
+    const auto large = countPixels(grab(), isSurface);
+    viewport_->setFrame(sphereFrame(cubeGeometry(), 7.0));
+    const auto small = countPixels(grab(), isSurface);
+    EXPECT_NEAR(static_cast<double>(small) / static_cast<double>(large), 0.25, 0.02);
+    viewport_->setFrame(nullptr);
+    EXPECT_EQ(countPixels(grab(), isSurface), 0u);
+}
+
+TEST_F(ViewportImageTest, ThePictureSurvivesANewContext) {
+    show(sphereFrame(cubeGeometry()));
+    const auto before = countPixels(grab(), isSurface);
+    // Another window means another context: everything on the GPU is made again.
+    QMainWindow other;
+    other.resize(600, 500);
+    auto* viewport = viewport_.get();
+    other.setCentralWidget(viewport_.release());
+    other.show();
+    ASSERT_TRUE(QTest::qWaitForWindowExposed(&other));
+    QTest::qWait(50);
+    const QImage image = viewport->grabFramebuffer().convertToFormat(QImage::Format_RGB32);
+    EXPECT_NEAR(static_cast<double>(countPixels(image, isSurface)) / static_cast<double>(before), 1.0, 0.03);
+}
+
+} // namespace
+} // namespace isoslider::test
