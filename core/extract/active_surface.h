@@ -34,6 +34,7 @@ class ActiveSurface {
 public:
     /// `missingCells` must outlive the surface and be sorted by brick.
     ActiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells);
+    ~ActiveSurface();
 
     /// Drops everything: the empty surface.
     void clear();
@@ -88,6 +89,7 @@ private:
     std::uint64_t activeEdges_ = 0;
     std::uint64_t triangles_ = 0;
     std::vector<Brick*> dirtyBricks_; ///< of the last move: what glows
+    tbb::enumerable_thread_specific<Scratch> scratches_;
 };
 
 extern template class ActiveSurface<float>;

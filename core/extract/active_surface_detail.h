@@ -17,6 +17,13 @@ inline std::uint32_t runBegin(const Brick& brick, LocalPoint cell, int triangles
     return brick.triangleBegin + brick.bucketBegin[triangles] + static_cast<std::uint32_t>(triangles) * brick.cellRun[cell];
 }
 
+/// Asks for a brick's lines before its turn: most of a move is waiting for memory.
+inline void prefetchBrick(const Brick& brick) {
+    const char* bytes = reinterpret_cast<const char*>(&brick);
+    for (std::size_t line = 0; line < sizeof(Brick); line += 64)
+        __builtin_prefetch(bytes + line, 1, 2);
+}
+
 /// What one thread needs during a move.
 template <class Live>
 struct ActiveSurface<Live>::Scratch {
@@ -35,6 +42,12 @@ struct ActiveSurface<Live>::Scratch {
     std::uint64_t removed = 0;
     std::uint64_t cells = 0;
     std::int64_t triangleDifference = 0;
+
+    void beginMove() {
+        dirty.clear();
+        added = removed = cells = 0;
+        triangleDifference = 0;
+    }
 };
 
 /// A brick and the seven above it, which own the far edges of its outermost cells. Bit 0: +x, bit 1:
