@@ -1,0 +1,174 @@
+// core/index/FORMAT.md against the code: its worked example, and every page of real indices.
+
+#include <bit>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "core/grid/scalar_key.h"
+#include "core/index/block_codec.h"
+#include "core/index/index_reader.h"
+#include "tests/format/document_decoder.h"
+#include "tests/property/test_volumes.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider::index {
+namespace {
+
+using test::IsOk;
+
+// The bytes of the ```hex block of the document; a '#' begins a remark.
+std::vector<std::byte> bytesOfWorkedExample() {
+    std::istringstream text(test::readText(std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "core/index/FORMAT.md"));
+    std::vector<std::byte> bytes;
+    bool isInside = false;
+    for (std::string line; std::getline(text, line);) {
+        if (line.rfind("```", 0) == 0) {
+            isInside = line == "```hex";
+            continue;
+        }
+        if (!isInside)
+            continue;
+        std::istringstream fields(line.substr(0, line.find('#')));
+        for (std::string field; fields >> field;)
+            bytes.push_back(static_cast<std::byte>(std::stoi(field, nullptr, 16)));
+    }
+    return bytes;
+}
+
+std::shared_ptr<const ScalarGrid> exampleVolume() {
+    return test::makeVolume<std::uint8_t>(ScalarType::U8, test::cubeGeometry(2),
+                                          [](auto x, auto y, auto z) { return x + y + z == 3 ? 9 : 3; });
+}
+
+template <class Key>
+void expectSame(const DecodedPage<Key>& page, const std::vector<test::DocumentPoint>& document) {
+    ASSERT_EQ(page.pointCount(), document.size());
+    std::size_t edge = 0;
+    for (std::size_t i = 0; i < document.size(); ++i) {
+        const auto& point = document[i];
+        ASSERT_EQ(page.keys[i], point.key) << i;
+        ASSERT_EQ(page.ids[i], point.id) << i;
+        ASSERT_EQ(page.masks[i], point.mask) << i;
+        ASSERT_EQ(page.normals[i], point.normal) << i;
+        for (std::size_t k = 0; k < point.farKeys.size(); ++k, ++edge) {
+            ASSERT_EQ(page.farKeys[edge], point.farKeys[k]) << i << " " << k;
+            ASSERT_EQ(page.farNormals[edge], point.farNormals[k]) << i << " " << k;
+        }
+    }
+    EXPECT_EQ(edge, page.edgeCount());
+}
+
+TEST(FormatDocument, ExampleSaysWhatItsTextSays) {
+    const auto bytes = bytesOfWorkedExample();
+    ASSERT_EQ(bytes.size(), 117u);
+    const auto points = test::DocumentDecoder(bytes).decode(512);
+    ASSERT_TRUE(points.has_value());
+    ASSERT_EQ(points->size(), 4u);
+    struct Expected {
+        std::uint64_t key, id;
+        int mask, normal;
+    };
+    const Expected expected[] = {{3, 9, 1 << 5, 0x7f7f}, {3, 65, 1 << 3, 0x8100}, {3, 72, 1 << 1, 0x0081}, {9, 73, 21, 0xabab}};
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ((*points)[i].key, expected[i].key);
+        EXPECT_EQ((*points)[i].id, expected[i].id);
+        EXPECT_EQ((*points)[i].mask, expected[i].mask);
+        EXPECT_EQ((*points)[i].normal, expected[i].normal);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ((*points)[i].farKeys, std::vector<std::uint64_t>{9});
+        EXPECT_EQ((*points)[i].farNormals, std::vector<int>{0xabab});
+    }
+    EXPECT_EQ((*points)[3].farKeys, (std::vector<std::uint64_t>{3, 3, 3}));
+    EXPECT_EQ((*points)[3].farNormals, (std::vector<int>{0x0081, 0x8100, 0x7f7f}));
+}
+
+TEST(FormatDocument, ExampleIsDecodedAlikeByTheProduct) {
+    const auto bytes = bytesOfWorkedExample();
+    DecodedPage<std::uint16_t> page;
+    ASSERT_THAT(decodePage<std::uint16_t>(bytes, BrickGrid({2, 2, 2}), page, "FORMAT.md"), IsOk());
+    const auto points = test::DocumentDecoder(bytes).decode(512);
+    ASSERT_TRUE(points.has_value());
+    expectSame(page, *points);
+}
+
+TEST(FormatDocument, ExampleIsWhatABuildWrites) {
+    const test::TemporaryFolder folder;
+    ASSERT_THAT(test::buildIndexOf(exampleVolume(), folder / "example.isx"), IsOk());
+    const auto reader = IndexReader::open(folder / "example.isx");
+    ASSERT_THAT(reader, IsOk());
+    const auto& levels = reader.value()->meta().levels;
+    ASSERT_EQ(levels[0].pages.size(), 1u);
+    std::vector<std::byte> bytes;
+    ASSERT_THAT(reader.value()->readPage(levels[0].pages[0], bytes), IsOk());
+    EXPECT_EQ(bytes, bytesOfWorkedExample());
+    // "Level 1 of this index is one block over the keys 3 to 9 without a page."
+    ASSERT_EQ(levels.size(), 2u);
+    EXPECT_TRUE(levels[1].pages.empty());
+    ASSERT_EQ(levels[1].blocks.size(), 1u);
+    EXPECT_EQ(levels[1].blocks[0].firstKey, 3u);
+    EXPECT_EQ(levels[1].blocks[0].lastKey, 9u);
+}
+
+TEST(FormatDocument, PreambleFieldsAreWhereTheTableSays) {
+    const test::TemporaryFolder folder;
+    ASSERT_THAT(test::buildIndexOf(exampleVolume(), folder / "example.isx"), IsOk());
+    const std::string file = test::readText(folder / "example.isx");
+    const auto number = [&](std::size_t at, int bytes) {
+        std::uint64_t value = 0;
+        for (int i = bytes - 1; i >= 0; --i)
+            value = value << 8 | static_cast<unsigned char>(file.at(at + static_cast<std::size_t>(i)));
+        return value;
+    };
+    EXPECT_EQ(file.substr(0, 12), std::string("ISOSLIDE\r\n\x1a\n"));
+    EXPECT_EQ(number(12, 2), 1u);
+    EXPECT_EQ(number(14, 2), 0u);
+    EXPECT_EQ(number(16, 8), 64u + 117u) << "meta follows the only page";
+    EXPECT_EQ(number(16, 8) + number(24, 8), file.size());
+    EXPECT_EQ(number(40, 8), file.size());
+    // Meta: scalar type, then the dims.
+    EXPECT_EQ(number(181, 1), 0u);
+    EXPECT_EQ(number(182, 8), 2u);
+    EXPECT_EQ(number(190, 8), 2u);
+    EXPECT_EQ(number(198, 8), 2u);
+}
+
+// Both orders, all plane modes and flags: whatever these volumes bring about.
+template <class Sample>
+void expectDocumentReadsAllPages(const std::shared_ptr<const ScalarGrid>& volume, int& compressed, int& mirrored) {
+    const test::TemporaryFolder folder;
+    ASSERT_THAT(test::buildIndexOf(volume, folder / "a.isx"), IsOk());
+    const auto opened = IndexReader::open(folder / "a.isx");
+    ASSERT_THAT(opened, IsOk());
+    const IndexReader& reader = *opened.value();
+    std::vector<std::byte> bytes;
+    DecodedPage<KeyOf<Sample>> page;
+    for (const auto& level : reader.meta().levels)
+        for (const PageEntry& entry : level.pages) {
+            ASSERT_THAT(reader.readPage(entry, bytes), IsOk());
+            ASSERT_THAT(decodePage<KeyOf<Sample>>(bytes, reader.grid(), page, "a.isx"), IsOk());
+            const auto points = test::DocumentDecoder(bytes).decode(reader.grid().idCount());
+            ASSERT_TRUE(points.has_value());
+            expectSame(page, *points);
+            mirrored |= static_cast<int>(bytes[19]);
+            for (std::uint32_t plane = 0; plane < static_cast<std::uint32_t>(bytes[20]); ++plane)
+                compressed += static_cast<int>(bytes[32 + 4 * plane + 3]) >> 6 == 2;
+        }
+}
+
+TEST(FormatDocument, ReadsEveryPageOfRealIndices) {
+    int compressed = 0, flags = 0;
+    expectDocumentReadsAllPages<std::uint16_t>(test::hillsVolume({40, 33, 21}), compressed, flags);
+    EXPECT_GT(compressed, 0);
+    EXPECT_EQ(flags, 3) << "no page of a smooth volume is predicted by mirroring";
+    expectDocumentReadsAllPages<std::uint8_t>(test::noiseVolume({19, 17, 18}, 7), compressed, flags);
+    const auto waves = test::makeVolume<double>(ScalarType::F64, test::cubeGeometry(14), [](auto x, auto y, auto z) {
+        return std::sin(0.7 * static_cast<double>(x)) - 1e-3 * static_cast<double>(y * z);
+    });
+    expectDocumentReadsAllPages<double>(waves, compressed, flags);
+}
+
+} // namespace
+} // namespace isoslider::index
