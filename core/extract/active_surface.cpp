@@ -84,9 +84,9 @@ Status ActiveSurface<Live>::apply(const ChangeSet<Live>& changes, SlideStats& st
     }
     triangles_ += static_cast<std::uint64_t>(triangleDifference);
     for (Brick* brick : dirtyBricks_)
-        if (brick->isTouched) {
+        if (table_.entry(brick->index).isTouched) {
             brick->touched = {};
-            brick->isTouched = false;
+            table_.setTouched(*brick, false);
         }
     releaseEmptyBricks(dirtyBricks_);
     std::erase_if(dirtyBricks_, [](const Brick* brick) { return brick->vertexBegin == kNoRun && brick->triangleBegin == kNoRun; });

@@ -88,7 +88,7 @@ bool ActiveSurface<Live>::applyToBrick(Brick& brick, Scratch& scratch) {
 
     brick.firstActivated = brick.firstDeactivated = kNoRun;
     brick.activatedCount = brick.deactivatedCount = 0;
-    brick.isTouched = true;
+    table_.setTouched(brick, true);
     listBricks(brick, scratch);
     return isConsistent;
 }

@@ -31,6 +31,7 @@ const std::array<std::array<EdgePlace, 12>, kBrickPoints>& edgePlaces() {
     return places;
 }
 
+constexpr int kFewCells = 12;       // up to which cells are solved one by one
 constexpr int kWholeBrickShare = 3; // a brick is laid out anew when more than 1/3 of its cells change
 
 // The twelve edges of an inner cell, as steps from its number into the brick's own edge table.
@@ -57,35 +58,29 @@ bool isInner(LocalPoint cell) { return (cell & 7) != 7 && (cell & 56) != 56 && c
 template <class Around>
 class CellWriter {
 public:
-    explicit CellWriter(const Around& around) {
-        for (int k = 0; k < 8; ++k)
-            if (around.bricks[k]) {
-                begins_[k] = around.bricks[k]->vertexBegin;
-                slots_[k] = around.bricks[k]->slot.data();
-            }
-    }
+    explicit CellWriter(const Around& around) : bricks_(around.bricks) {}
 
     void write(LocalPoint cell, std::uint8_t caseIndex, const CellCase& cellCase, std::uint32_t* out) const {
         const int count = 3 * cellCase.triangleCount;
         if (isInner(cell)) {
             const auto& steps = steps_[caseIndex];
-            const std::uint16_t* slots = slots_[0] + cell;
+            const std::uint16_t* slots = bricks_[0]->slot.data() + cell;
+            const std::uint32_t begin = bricks_[0]->vertexBegin;
             for (int k = 0; k < count; ++k)
-                out[k] = begins_[0] + slots[steps[k]];
+                out[k] = begin + slots[steps[k]];
             return;
         }
         const auto& places = places_[cell];
         for (int k = 0; k < count; ++k) {
             const EdgePlace place = places[cellCase.edges[k]];
-            out[k] = begins_[place >> kEdgeBits] + slots_[place >> kEdgeBits][place & kEdgeMask];
+            out[k] = bricks_[place >> kEdgeBits]->vertexOf(place & kEdgeMask);
         }
     }
 
 private:
     const std::array<std::array<EdgePlace, 12>, kBrickPoints>& places_ = edgePlaces();
     const std::array<std::array<std::uint16_t, 15>, 256>& steps_ = innerSteps();
-    std::uint32_t begins_[8] = {};
-    const std::uint16_t* slots_[8] = {};
+    const std::array<const Brick*, 8>& bricks_;
 };
 
 } // namespace
@@ -104,8 +99,11 @@ void ActiveSurface<Live>::retriangulate(Brick& brick, Scratch& scratch) {
                 isInside = isInside && brick.origin[a] + kBrickSide < grid.dims()[a];
                 index += grid.brickStride(a);
             }
-        around.bricks[k] = k == 0 ? &brick : isInside ? table_.find(static_cast<BrickIndex>(index)) : nullptr;
-        touched[k] = around.bricks[k] && around.bricks[k]->isTouched ? &around.bricks[k]->touched : nullptr;
+        if (!isInside)
+            continue;
+        const BrickTable::Entry entry = table_.entry(static_cast<BrickIndex>(index));
+        around.bricks[k] = entry.brick;
+        touched[k] = entry.isTouched ? &entry.brick->touched : nullptr;
     }
     scratch.rewritten = cellsWithEdges(touched);
     for (int z = 0; z < kBrickSide; ++z)
@@ -148,7 +146,7 @@ void ActiveSurface<Live>::findCases(Brick& brick, const Neighbourhood& around, S
     };
 
     BrickBits active{};
-    if (brick.hasMissing) {
+    if (brick.hasMissing || countBits(scratch.rewritten) <= kFewCells) {
         forEachBit(scratch.rewritten, [&](LocalPoint cell) {
             scratch.newCase[cell] = solveCell(cell);
             active[cell >> 6] |= std::uint64_t{scratch.newCase[cell] != 0} << (cell & 63);

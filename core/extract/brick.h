@@ -47,7 +47,6 @@ struct Brick {
     BrickBits activeCells{};
     BrickBits changedCells{};           ///< whose case changed in the last move: what glows
     bool hasMissing = false;            ///< some cell has a missing corner
-    bool isTouched = false;             ///< `touched` has a bit set
     std::atomic<bool> isListedDirty{false};
 
     // Changes waiting for this brick, as chains through the change set.

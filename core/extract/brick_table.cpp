@@ -1,11 +1,15 @@
 #include "core/extract/brick_table.h"
 
 #include <algorithm>
+#include <new>
+#include <type_traits>
 
 namespace isoslider::extract {
 
+static_assert(std::is_trivially_destructible_v<Brick>, "the pool is dropped as a whole");
+
 BrickTable::BrickTable(const BrickGrid& grid, const std::vector<index::MissingCells>& missingCells)
-    : grid_(grid), missingCells_(missingCells), leaves_((grid.brickCount() >> kLeafBits) + 1) {}
+    : grid_(grid), missingCells_(missingCells), leaves_((grid.brickCount() >> kLeafBits) + 1), pool_(grid.brickCount()) {}
 
 BrickTable::~BrickTable() {
     for (auto& leaf : leaves_)
@@ -20,19 +24,17 @@ Brick& BrickTable::create(BrickIndex index) {
         leaf = new Leaf;
         place.store(leaf, std::memory_order_release);
     }
-    std::atomic<Brick*>& entry = leaf->bricks[index & kLeafMask];
-    if (Brick* other = entry.load(std::memory_order_relaxed)) // another thread was first
-        return *other;
-    if (free_.empty()) {
-        owned_.push_back(std::make_unique<Brick>());
-        free_.push_back(owned_.back().get());
-    }
+    std::atomic<std::uintptr_t>& entry = leaf->bricks[index & kLeafMask];
+    if (const std::uintptr_t other = entry.load(std::memory_order_relaxed)) // another thread was first
+        return *reinterpret_cast<Brick*>(other & ~kTouchedBit);
+    if (free_.empty())
+        free_.push_back(new (&pool_[poolSize_++]) Brick);
     Brick& brick = *free_.back();
     free_.pop_back();
     reset(brick, index);
     brick.listPosition = static_cast<std::uint32_t>(bricks_.size());
     bricks_.push_back(&brick);
-    entry.store(&brick, std::memory_order_release);
+    entry.store(reinterpret_cast<std::uintptr_t>(&brick), std::memory_order_release);
     return brick;
 }
 
@@ -50,7 +52,6 @@ void BrickTable::reset(Brick& brick, BrickIndex index) const {
     brick.activeCells = {};
     brick.changedCells = {};
     brick.hasMissing = false;
-    brick.isTouched = false;
     brick.isListedDirty.store(false, std::memory_order_relaxed);
     brick.firstActivated = brick.firstDeactivated = kNoRun;
     brick.activatedCount = brick.deactivatedCount = 0;
@@ -77,7 +78,7 @@ void BrickTable::reset(Brick& brick, BrickIndex index) const {
 
 void BrickTable::remove(Brick& brick) {
     Leaf* leaf = leaves_[brick.index >> kLeafBits].load();
-    leaf->bricks[brick.index & kLeafMask].store(nullptr);
+    leaf->bricks[brick.index & kLeafMask].store(0);
     bricks_[brick.listPosition] = bricks_.back();
     bricks_[brick.listPosition]->listPosition = brick.listPosition;
     bricks_.pop_back();
@@ -89,6 +90,6 @@ void BrickTable::clear() {
         remove(*bricks_.back());
 }
 
-std::size_t BrickTable::memoryBytes() const { return owned_.size() * sizeof(Brick) + leaves_.size() * sizeof(leaves_[0]); }
+std::size_t BrickTable::memoryBytes() const { return poolSize_ * sizeof(Brick) + leaves_.size() * sizeof(leaves_[0]); }
 
 } // namespace isoslider::extract

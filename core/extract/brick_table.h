@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/extract/brick.h"
+#include "core/extract/virtual_array.h"
 #include "core/index/index_format.h"
 
 namespace isoslider::extract {
@@ -18,9 +19,20 @@ public:
     BrickTable(const BrickGrid& grid, const std::vector<index::MissingCells>& missingCells);
     ~BrickTable();
 
-    Brick* find(BrickIndex brick) const {
+    /// A live brick, and whether setTouched() has been called for it; known without looking at it.
+    struct Entry {
+        Brick* brick;
+        bool isTouched;
+    };
+    Entry entry(BrickIndex brick) const {
         const Leaf* leaf = leaves_[brick >> kLeafBits].load(std::memory_order_acquire);
-        return leaf ? leaf->bricks[brick & kLeafMask].load(std::memory_order_acquire) : nullptr;
+        const std::uintptr_t bits = leaf ? leaf->bricks[brick & kLeafMask].load(std::memory_order_acquire) : 0;
+        return {reinterpret_cast<Brick*>(bits & ~kTouchedBit), (bits & kTouchedBit) != 0};
+    }
+    Brick* find(BrickIndex brick) const { return entry(brick).brick; }
+    void setTouched(const Brick& brick, bool isTouched) {
+        leaves_[brick.index >> kLeafBits].load(std::memory_order_relaxed)->bricks[brick.index & kLeafMask].store(
+            reinterpret_cast<std::uintptr_t>(&brick) | (isTouched ? kTouchedBit : 0), std::memory_order_release);
     }
     Brick& findOrCreate(BrickIndex brick) {
         Brick* found = find(brick);
@@ -38,8 +50,9 @@ public:
 private:
     static constexpr int kLeafBits = 9;
     static constexpr BrickIndex kLeafMask = (1u << kLeafBits) - 1;
+    static constexpr std::uintptr_t kTouchedBit = 1;
     struct Leaf {
-        std::atomic<Brick*> bricks[1u << kLeafBits] = {};
+        std::atomic<std::uintptr_t> bricks[1u << kLeafBits] = {};
     };
 
     Brick& create(BrickIndex brick);
@@ -50,7 +63,8 @@ private:
     std::vector<std::atomic<Leaf*>> leaves_;
     std::mutex mutex_;
     std::vector<Brick*> bricks_;
-    std::vector<std::unique_ptr<Brick>> owned_;
+    VirtualArray<std::aligned_storage_t<sizeof(Brick), 64>> pool_;
+    std::size_t poolSize_ = 0;
     std::vector<Brick*> free_;
 };
 

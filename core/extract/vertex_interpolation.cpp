@@ -3,18 +3,16 @@
 #include <cmath>
 #include <cstring>
 
+#if defined(__x86_64__)
+#include <immintrin.h>
+#define ISO_TARGET_AVX2 __attribute__((target("arch=x86-64-v3")))
+#endif
+
 #include "core/extract/edge_interpolation.h"
 
 // Written in vectors of 8 (GCC and Clang vector extensions): left to itself the compiler cuts these
-// loops into pieces of four. One binary, AVX2 where the machine has it; sanitizers run before the
-// resolver of the clones can, so they get the plain version. (Vectors of 16 were tried: GCC 12 takes
-// them apart for AVX2, and fails on an AVX-512 clone.)
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define ISO_VECTOR_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
-#else
-#define ISO_VECTOR_CLONES
-#endif
+// loops into pieces of four. Compiled twice, for AVX2 and for any machine; chosen at run time.
+// (Vectors of 16 were tried: GCC 12 takes them apart for AVX2 and fails on AVX-512.)
 #define ISO_INLINE inline __attribute__((always_inline))
 
 namespace isoslider::extract {
@@ -87,21 +85,22 @@ ISO_INLINE void inverseSquareRoot(const Floats& x, Floats& out) {
 }
 
 // x0 y0 z0 x1 y1 z1 … for 8 vectors.
-ISO_INLINE void storeInterleaved(const Floats& x, const Floats& y, const Floats& z, float* out) {
+template <class Store>
+ISO_INLINE void storeInterleaved(const Floats& x, const Floats& y, const Floats& z, float* out, const Store& store) {
     const Floats a = __builtin_shufflevector(x, y, 0, 8, 0, 1, 9, 0, 2, 10);
     const Floats b = __builtin_shufflevector(x, y, 0, 3, 11, 0, 4, 12, 0, 5);
     const Floats c = __builtin_shufflevector(x, y, 13, 0, 6, 14, 0, 7, 15, 0);
     const Floats first = __builtin_shufflevector(a, z, 0, 1, 8, 3, 4, 9, 6, 7);
     const Floats second = __builtin_shufflevector(b, z, 10, 1, 2, 11, 4, 5, 12, 7);
     const Floats third = __builtin_shufflevector(c, z, 0, 13, 2, 3, 14, 5, 6, 15);
-    std::memcpy(out, &first, sizeof first);
-    std::memcpy(out + kLanes, &second, sizeof second);
-    std::memcpy(out + 2 * kLanes, &third, sizeof third);
+    store(out, first);
+    store(out + kLanes, second);
+    store(out + 2 * kLanes, third);
 }
 
-template <class Live>
+template <class Live, class Store>
 ISO_INLINE void interpolateGroup(const EdgeColumns<Live>& e, std::size_t at, const std::array<std::int32_t, 3>& origin, Live isovalue,
-                                 float* positions, float* normals) {
+                                 float* positions, float* normals, const Store& store) {
     Floats t;
     fractions(e.scalars1 + at, e.scalars2 + at, isovalue, t);
 
@@ -113,7 +112,7 @@ ISO_INLINE void interpolateGroup(const EdgeColumns<Live>& e, std::size_t at, con
     const Floats x = __builtin_convertvector((edges & 7) + origin[0], Floats) + (alongX ? t : Floats{});
     const Floats y = __builtin_convertvector((edges >> 3 & 7) + origin[1], Floats) + (alongY ? t : Floats{});
     const Floats z = __builtin_convertvector((edges >> 6 & 7) + origin[2], Floats) + (alongZ ? t : Floats{});
-    storeInterleaved(x, y, z, positions);
+    storeInterleaved(x, y, z, positions, store);
 
     Ints codes;
     load(codes, e.normals + at);
@@ -134,23 +133,64 @@ ISO_INLINE void interpolateGroup(const EdgeColumns<Live>& e, std::size_t at, con
     nx = isFlat ? (alongX ? down : Floats{}) : nx * scale;
     ny = isFlat ? (alongY ? down : Floats{}) : ny * scale;
     nz = isFlat ? (alongZ ? down : Floats{}) : nz * scale;
-    storeInterleaved(nx, ny, nz, normals);
+    storeInterleaved(nx, ny, nz, normals, store);
+}
+
+struct PlainStore {
+    ISO_INLINE void operator()(float* out, const Floats& value) const { std::memcpy(out, &value, sizeof value); }
+};
+
+template <class Live, class Store>
+ISO_INLINE void interpolateAll(const EdgeColumns<Live>& edges, std::size_t count, const std::array<std::int32_t, 3>& origin,
+                               Live isovalue, glm::vec3* positions, glm::vec3* normals, const Store& store) {
+    for (std::size_t at = 0; at < count; at += kLanes)
+        interpolateGroup<Live>(edges, at, origin, isovalue, &positions[at].x, &normals[at].x, store);
+}
+
+#if defined(__x86_64__)
+// Past the caches: V and N are written whole and read by others much later, so fetching their old
+// lines would only add to the traffic that decides the speed here.
+struct StreamingStore {
+    ISO_TARGET_AVX2 inline void operator()(float* out, const Floats& value) const {
+        __m256 bits;
+        std::memcpy(&bits, &value, sizeof bits);
+        _mm256_stream_ps(out, bits);
+    }
+};
+
+template <class Live>
+ISO_TARGET_AVX2 void interpolateAvx2(const EdgeColumns<Live>& edges, std::size_t count, const std::array<std::int32_t, 3>& origin,
+                                     Live isovalue, glm::vec3* positions, glm::vec3* normals) {
+    const bool isAligned = ((reinterpret_cast<std::uintptr_t>(positions) | reinterpret_cast<std::uintptr_t>(normals)) & 31) == 0;
+    if (isAligned)
+        interpolateAll<Live>(edges, count, origin, isovalue, positions, normals, StreamingStore{});
+    else
+        interpolateAll<Live>(edges, count, origin, isovalue, positions, normals, PlainStore{});
+    _mm_sfence();
+}
+#endif
+
+template <class Live>
+void interpolate(const EdgeColumns<Live>& edges, std::size_t count, const std::array<std::int32_t, 3>& origin, Live isovalue,
+                 glm::vec3* positions, glm::vec3* normals) {
+#if defined(__x86_64__)
+    static const bool hasAvx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    if (hasAvx2)
+        return interpolateAvx2<Live>(edges, count, origin, isovalue, positions, normals);
+#endif
+    interpolateAll<Live>(edges, count, origin, isovalue, positions, normals, PlainStore{});
 }
 
 } // namespace
 
-ISO_VECTOR_CLONES void interpolateVertices(const EdgeColumns<float>& edges, std::size_t count,
-                                           const std::array<std::int32_t, 3>& origin, float isovalue,
-                                           glm::vec3* positions, glm::vec3* normals) {
-    for (std::size_t at = 0; at < count; at += kLanes)
-        interpolateGroup<float>(edges, at, origin, isovalue, &positions[at].x, &normals[at].x);
+void interpolateVertices(const EdgeColumns<float>& edges, std::size_t count, const std::array<std::int32_t, 3>& origin,
+                         float isovalue, glm::vec3* positions, glm::vec3* normals) {
+    interpolate<float>(edges, count, origin, isovalue, positions, normals);
 }
 
-ISO_VECTOR_CLONES void interpolateVertices(const EdgeColumns<double>& edges, std::size_t count,
-                                           const std::array<std::int32_t, 3>& origin, double isovalue,
-                                           glm::vec3* positions, glm::vec3* normals) {
-    for (std::size_t at = 0; at < count; at += kLanes)
-        interpolateGroup<double>(edges, at, origin, isovalue, &positions[at].x, &normals[at].x);
+void interpolateVertices(const EdgeColumns<double>& edges, std::size_t count, const std::array<std::int32_t, 3>& origin,
+                         double isovalue, glm::vec3* positions, glm::vec3* normals) {
+    interpolate<double>(edges, count, origin, isovalue, positions, normals);
 }
 
 } // namespace isoslider::extract

@@ -14,7 +14,4 @@ std::string meshSuffix(const std::filesystem::path& path);
 /// out. STL corners at exactly equal positions become one vertex. Errors: see checkMeshFile.
 Result<TriangleSoup> readMeshFile(const std::filesystem::path& path);
 
-/// Binary and text STL. Errors: Corruption, InvalidArgument.
-Result<TriangleSoup> readStl(const std::filesystem::path& path);
-
 } // namespace isoslider::mesh
