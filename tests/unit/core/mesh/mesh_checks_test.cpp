@@ -155,6 +155,17 @@ TEST(CheckMeshFile, RefusesWhatIsNoMesh) {
         {"count.stl", binaryStl(1000, 184), ErrorCode::Corruption, "50084"},
         {"text.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 zero\n", ErrorCode::InvalidArgument, "zero"},
         {"end.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", ErrorCode::Corruption, "early"},
+        {"cut.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nend_header\n1\n", ErrorCode::Corruption,
+         "vertex 1"},
+        {"huge.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n1\n",
+         ErrorCode::Corruption, "4000000000"},
+        {"list.ply",
+         "ply\nformat ascii 1.0\nelement face 1\nproperty list uint int vertex_indices\nend_header\n4000000000 1 2\n",
+         ErrorCode::Corruption, "face 0"},
+        {"index.obj", "v 0 0 0\nf 1 2 x\n", ErrorCode::InvalidArgument, "line 2"},
+        {"before.obj", "v 0 0 0\nf -1 -2 -3\n", ErrorCode::InvalidArgument, "vertex -1"},
+        {"text.obj", "hello world\n", ErrorCode::InvalidArgument, "obj"},
+        {"cut.off", "OFF\n3 1 0\n0 0 0\n", ErrorCode::Corruption, "vertex 1"},
         {"range.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", ErrorCode::InvalidArgument, "vertex 7"},
         {"huge.off", "OFF\n2000000000 1 0\n0 0 0\n", ErrorCode::InvalidArgument, "header"},
         {"nan.stl", "solid a\nvertex nan 0 0\nvertex 0 0 0\nvertex 1 0 0\nendsolid\n", ErrorCode::InvalidArgument,
@@ -190,6 +201,39 @@ TEST(CheckMeshFile, CutsPolygonsAndKeepsNonManifoldFaces) {
     ASSERT_TRUE(book.isOk()) << book.error().line();
     EXPECT_EQ(book.value().triangles, 3u);
     EXPECT_EQ(book.value().nonManifoldEdges, 1u);
+}
+
+TEST(CheckMeshFile, ReadsEveryKindOfPly) {
+    const TemporaryFolder folder;
+    const std::string header = " 1.0\ncomment of somebody\nelement vertex 3\nproperty double x\nproperty float y\n"
+                               "property float z\nproperty uchar red\nelement other 1\nproperty list uchar short l\n"
+                               "element face 1\nproperty list uchar uint vertex_index\nend_header\n";
+    std::string bigEndian;
+    const auto add = [&](auto value) {
+        char bytes[sizeof value];
+        std::memcpy(bytes, &value, sizeof value);
+        bigEndian.append(std::make_reverse_iterator(bytes + sizeof value), std::make_reverse_iterator(bytes));
+    };
+    for (int i = 0; i < 3; ++i) {
+        add(i == 1 ? 2.0 : 0.0);
+        add(i == 2 ? 3.0f : 0.0f);
+        add(0.0f);
+        add(std::uint8_t{7});
+    }
+    for (const int number : {1, 258})
+        number == 1 ? add(std::uint8_t{1}) : add(std::int16_t{258});
+    add(std::uint8_t{3});
+    for (const std::uint32_t corner : {0u, 1u, 2u})
+        add(corner);
+    const std::string files[] = {
+        "ply\nformat ascii" + header + "0 0 0 7\n2 0 0 7\n0 3 0 7\n1 258\n3 0 1 2\n",
+        "ply\r\nformat binary_big_endian" + header + bigEndian,
+    };
+    for (const std::string& bytes : files) {
+        const auto report = checkMeshFile(folder.write("a.ply", bytes));
+        ASSERT_TRUE(report.isOk()) << report.error().line();
+        EXPECT_DOUBLE_EQ(report.value().area, 3.0);
+    }
 }
 
 } // namespace

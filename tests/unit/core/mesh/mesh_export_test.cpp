@@ -119,9 +119,11 @@ TEST(MeshExport, KeepsVerticesApartFarFromTheOrigin) {
     EXPECT_NE(test::readText(folder / "far.obj").find("v 1000000.001 1e+06 1e+06\n"), std::string::npos);
     EXPECT_NE(test::readText(folder / "far.off").find("\n1000000.001 1e+06 1e+06 "), std::string::npos);
     EXPECT_NE(test::readText(folder / "far.ply").find("property double x"), std::string::npos);
-    const auto report = checkMeshFile(folder / "far.om");
-    ASSERT_TRUE(report.isOk());
-    EXPECT_NEAR(report.value().enclosedVolume, 1e-9 / 6.0, 1e-14);
+    for (const char* suffix : {".ply", ".obj", ".off", ".om"}) {
+        const auto report = checkMeshFile(folder / (std::string("far") + suffix));
+        ASSERT_TRUE(report.isOk()) << report.error().line();
+        EXPECT_NEAR(report.value().enclosedVolume, 1e-9 / 6.0, 1e-14) << suffix;
+    }
 }
 
 TEST(MeshExport, WritesPositionsToTheLastBit) {
