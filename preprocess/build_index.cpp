@@ -71,7 +71,10 @@ public:
     static constexpr int kKeyShift = 8 * sizeof(Key) - kPrefixBits;
 
     IndexBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options, const JobControl& job)
-        : source_(source), geometry_(source.info().geometry), grid_(geometry_.dims), path_(path), options_(options), job_(job) {}
+        : source_(source), geometry_(source.info().geometry), grid_(geometry_.dims), path_(path), options_(options), job_(job),
+          redundancyThreshold_(options.redundancyThreshold > 0.0 ? options.redundancyThreshold
+                               : sizeof(Key) == 2                ? kRedundancyNarrow
+                                                                 : kRedundancyWide) {}
 
     Result<index::IndexInfo> run() {
         ISO_TRY(countSamples());
@@ -82,7 +85,7 @@ public:
         SpanHistogram histogram(bins.count());
         ExternalSort<Key> sort(countsByPrefix_, kKeyShift, sortMemory(), spillPath());
         ISO_TRY(generateRecords(bins, histogram, sort));
-        LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlockBegins(histogram, bins, options_.skipLevels, options_.redundancyThreshold));
+        LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlockBegins(histogram, bins, options_.skipLevels, redundancyThreshold_));
         beginCurves();
         ISO_TRY(sort.drain([&](std::span<const Record> records) { return consume(records, levels); }, part(0.4, 1.0)));
         ISO_TRY(levels.finish());
@@ -208,7 +211,7 @@ private:
         info_.geometry = geometry_;
         info_.type = source_.info().type;
         info_.distinctValues = distinct_.count();
-        info_.redundancyThreshold = options_.redundancyThreshold;
+        info_.redundancyThreshold = redundancyThreshold_;
         info_.sourceName = options_.sourceName;
         info_.levels = std::move(levels);
         index::IndexMeta meta;
@@ -238,7 +241,7 @@ private:
         XXH3_64bits_update(state, geometry_.dims.data(), sizeof geometry_.dims);
         XXH3_64bits_update(state, countsByPrefix_.data(), countsByPrefix_.size() * sizeof countsByPrefix_[0]);
         XXH3_64bits_update(state, &options_.skipLevels, sizeof options_.skipLevels);
-        XXH3_64bits_update(state, &options_.redundancyThreshold, sizeof options_.redundancyThreshold);
+        XXH3_64bits_update(state, &redundancyThreshold_, sizeof redundancyThreshold_);
         const std::uint64_t digest = XXH3_64bits_digest(state);
         XXH3_freeState(state);
         return digest;
@@ -250,6 +253,7 @@ private:
     const std::filesystem::path& path_;
     const BuildOptions& options_;
     const JobControl& job_;
+    double redundancyThreshold_;
     index::IndexInfo info_;
     std::vector<std::uint64_t> countsByPrefix_;
     std::vector<index::MissingCells> missingCells_;
@@ -262,8 +266,8 @@ private:
 Status checkOptions(const BuildOptions& options, const GridGeometry& geometry) {
     if (options.skipLevels < 1 || options.skipLevels > index::kMaxSkipLevels)
         return makeError(ErrorCode::InvalidArgument, "skip levels must be 1 to " + std::to_string(index::kMaxSkipLevels));
-    if (!(options.redundancyThreshold > 0.0) || !std::isfinite(options.redundancyThreshold))
-        return makeError(ErrorCode::InvalidArgument, "redundancy threshold must be a positive number");
+    if (!(options.redundancyThreshold >= 0.0) || !std::isfinite(options.redundancyThreshold))
+        return makeError(ErrorCode::InvalidArgument, "redundancy threshold must not be negative");
     if (options.memoryBytes < kMinBuildMemoryBytes)
         return makeError(ErrorCode::InvalidArgument, "memory budget is below the minimum of 64M");
     if (options.threads < 0)

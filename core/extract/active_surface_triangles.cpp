@@ -83,6 +83,25 @@ private:
     const std::array<const Brick*, 8>& bricks_;
 };
 
+// Asks for the slots of the edges just above a brick, which its outermost cells use: those at x = 0 of
+// the next brick along x lie in every line of its table, those at z = 0 in a few.
+void prefetchBorders(const std::array<const Brick*, 8>& bricks) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const Brick* above = bricks[std::size_t{1} << axis];
+        if (!above)
+            continue;
+        __builtin_prefetch(above);
+        for (int other = 0; other < 3; ++other) {
+            if (other == axis)
+                continue;
+            const std::uint16_t* slots = above->slot.data() + other * kBrickPoints;
+            const int lines = axis == 2 ? 2 : 16; // of 32 slots each
+            for (int line = 0; line < lines; ++line)
+                __builtin_prefetch(slots + 32 * line);
+        }
+    }
+}
+
 } // namespace
 
 template <class Live>
@@ -109,6 +128,8 @@ void ActiveSurface<Live>::retriangulate(Brick& brick, Scratch& scratch) {
     for (int z = 0; z < kBrickSide; ++z)
         scratch.rewritten[z] &= brick.usableCells[z];
 
+    if (countBits(scratch.rewritten) > kBrickPoints / 16)
+        prefetchBorders(around.bricks);
     const std::int64_t before = brick.triangleCount();
     findCases(brick, around, scratch);
     if (!patchCells(brick, around, scratch))
