@@ -15,7 +15,7 @@ namespace isoslider::test {
 
 /// A volume from a function of the grid point, cast to the sample type.
 template <class Sample, class Function>
-std::shared_ptr<const ScalarGrid> makeVolume(ScalarType type, const GridGeometry& geometry, const Function& valueAt) {
+std::shared_ptr<const ScalarGrid> makeVolume(ScalarType type, const GridGeometry& geometry, Function&& valueAt) {
     std::vector<Sample> values;
     values.reserve(static_cast<std::size_t>(pointCount(geometry.dims)));
     for (std::int64_t z = 0; z < geometry.dims[2]; ++z)

@@ -1,0 +1,60 @@
+// The law of the product on real volumes, where the folder with further test data is there.
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/extract/full_extraction.h"
+#include "core/extract/slide_engine.h"
+#include "core/volume_io/volume_reader.h"
+#include "preprocess/build_index.h"
+#include "tests/property/surface_comparison.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider::extract {
+namespace {
+
+using test::IsOk;
+
+class SharedSlide : public testing::TestWithParam<const char*> {};
+
+TEST_P(SharedSlide, SlidingGivesTheFreshSurface) {
+    const auto path = std::filesystem::path(ISOSLIDER_SHARED_DIR) / "data" / GetParam();
+    if (!std::filesystem::exists(path))
+        GTEST_SKIP() << "further test data is not here: " << path;
+    const auto grid = io::readVolume(path);
+    ASSERT_THAT(grid, IsOk());
+    const auto source = io::openVolume(path);
+    ASSERT_THAT(source, IsOk());
+    const test::TemporaryFolder folder;
+    const auto built = preprocess::buildIndex(*source.value(), folder / "a.isx");
+    ASSERT_THAT(built, IsOk());
+    const auto engine = SlideEngine::open(folder / "a.isx");
+    ASSERT_THAT(engine, IsOk());
+
+    // A jump, a slide of a hundredth, of a thousandth, back, a sample value, and through everything.
+    const double min = built.value().info.min, range = built.value().info.max - min;
+    std::mt19937 random(11);
+    const double middle = min + range * std::uniform_real_distribution<double>(0.3, 0.7)(random);
+    const double sample = grid.value()->valueAt(grid.value()->dims()[0] / 2, grid.value()->dims()[1] / 2, grid.value()->dims()[2] / 2);
+    for (const double isovalue : {middle, middle + 0.01 * range, middle + 0.009 * range, middle - 0.2 * range, sample, min + 0.97 * range}) {
+        SCOPED_TRACE(isovalue);
+        const auto moved = engine.value()->slideTo(isovalue);
+        ASSERT_THAT(moved, IsOk());
+        const auto fresh = extractFull(*grid.value(), isovalue);
+        ASSERT_THAT(fresh, IsOk());
+        const SurfaceMesh slid = engine.value()->mesh();
+        ASSERT_TRUE(test::isSameSurface(slid, fresh.value()));
+        ASSERT_TRUE(test::hasExpectedNormals(slid, *grid.value()));
+        EXPECT_EQ(moved.value().activeEdges, slid.edgeIds.size());
+        EXPECT_EQ(moved.value().triangles, slid.triangleCount());
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Volumes, SharedSlide,
+                         testing::Values("mhd/cranium.mhd", "mha/fuel.mha", "mha/hydrogenAtom.mha", "mha/marschnerlobb.mha",
+                                         "mha/neghip.mha", "mha/nucleon.mha", "mha/silicium.mha"));
+
+} // namespace
+} // namespace isoslider::extract
