@@ -4,6 +4,7 @@
 
 #include "core/extract/change_source.h"
 #include "core/index/index_reader.h"
+#include "core/index/lazy_levels.h"
 #include "core/index/page_cache.h"
 #include "core/index/skip_list.h"
 
@@ -32,12 +33,16 @@ public:
 
 private:
     struct Counts;
-    void emit(const index::DecodedPage<Key>& page, const index::WalkSegment& segment, KeyThreshold lower, KeyThreshold upper,
+    struct Task;
+    /// The pages of a walk; whole runs of top-level blocks come from lazy levels where there is room.
+    Result<std::vector<Task>> makeTasks(const std::vector<index::WalkSegment>& segments);
+    void emit(const index::DecodedPage<Key>& page, const Task& task, KeyThreshold lower, KeyThreshold upper,
               bool goesUp, ChangeSet<Live>& changes, Counts& counts) const;
 
     const index::IndexReader& reader_;
     index::SkipList skipList_;
     index::PageCache<Key> cache_;
+    index::LazyLevels<Key> lazyLevels_;
 };
 
 } // namespace isoslider::extract

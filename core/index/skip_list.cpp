@@ -20,7 +20,7 @@ void SkipList::cover(int level, std::uint64_t begin, std::uint64_t end, std::vec
         const auto last = std::partition_point(first, directory.pages.end(), [&](const PageEntry& p) { return p.firstKey < end; });
         if (first != last)
             out.push_back({0, begin, end, static_cast<std::size_t>(first - directory.pages.begin()),
-                           static_cast<std::size_t>(last - directory.pages.begin()), 0});
+                           static_cast<std::size_t>(last - directory.pages.begin()), 0, 0});
         return;
     }
     const auto& blocks = directory.blocks;
@@ -34,7 +34,7 @@ void SkipList::cover(int level, std::uint64_t begin, std::uint64_t end, std::vec
     const std::uint64_t coveredEnd = back.lastKey + 1;
     cover(level - 1, begin, first->firstKey, out);
     out.push_back({level, first->firstKey, coveredEnd, first->firstPage, back.firstPage + back.pageCount,
-                   static_cast<std::uint64_t>(last - first)});
+                   static_cast<std::uint64_t>(first - blocks.begin()), static_cast<std::uint64_t>(last - first)});
     cover(level - 1, coveredEnd, end, out);
 }
 

@@ -17,6 +17,7 @@ struct WalkSegment {
     std::uint64_t endKey = 0;
     std::size_t firstPage = 0;
     std::size_t pageEnd = 0;
+    std::uint64_t firstBlock = 0;
     std::uint64_t blocks = 0; ///< 0 at level 0, where blocks are counted when pages are decoded
 };
 
@@ -38,6 +39,8 @@ public:
 
     int levelCount() const { return static_cast<int>(levels_.size()); }
     const PageEntry& page(int level, std::size_t index) const { return levels_[static_cast<std::size_t>(level)].pages[index]; }
+    /// REQUIRES: level > 0.
+    const BlockEntry& block(int level, std::uint64_t index) const { return levels_[static_cast<std::size_t>(level)].blocks[index]; }
 
 private:
     void cover(int level, std::uint64_t begin, std::uint64_t end, std::vector<WalkSegment>& out) const;

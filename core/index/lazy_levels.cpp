@@ -1,0 +1,103 @@
+#include "core/index/lazy_levels.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace isoslider::index {
+namespace {
+
+// Appends the records of `from` without the edges whose far end lies in [begin, end).
+template <class Key>
+void appendWithoutRedundant(const DecodedPage<Key>& from, std::uint64_t begin, std::uint64_t end, DecodedPage<Key>& to) {
+    std::size_t edge = 0;
+    for (std::size_t i = 0; i < from.pointCount(); ++i) {
+        std::uint8_t mask = 0;
+        for (unsigned rest = from.masks[i]; rest != 0; rest &= rest - 1, ++edge) {
+            const std::uint64_t far = from.farKeys[edge];
+            if (far >= begin && far < end)
+                continue;
+            mask |= static_cast<std::uint8_t>(rest & (~rest + 1));
+            to.farKeys.push_back(from.farKeys[edge]);
+            to.farNormals.push_back(from.farNormals[edge]);
+        }
+        if (mask == 0)
+            continue;
+        to.keys.push_back(from.keys[i]);
+        to.ids.push_back(from.ids[i]);
+        to.masks.push_back(mask);
+        to.normals.push_back(from.normals[i]);
+    }
+}
+
+} // namespace
+
+template <class Key>
+std::vector<typename LazyLevels<Key>::Group> LazyLevels<Key>::groupsOf(std::uint64_t begin, std::uint64_t end) {
+    std::vector<Group> groups;
+    while (begin < end) {
+        int level = begin == 0 ? 63 : std::countr_zero(begin);
+        while (level > 0 && (level >= 63 || (std::uint64_t{1} << level) > end - begin))
+            --level;
+        groups.push_back({level, begin >> level});
+        begin += std::uint64_t{1} << level;
+    }
+    return groups;
+}
+
+template <class Key>
+typename LazyLevels<Key>::Page LazyLevels<Key>::find(const Group& group) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = blocks_.find({group.level, group.index});
+    return found == blocks_.end() ? nullptr : found->second;
+}
+
+template <class Key>
+bool LazyLevels<Key>::isFull() const {
+    const std::lock_guard lock(mutex_);
+    return bytes_ >= maxBytes_;
+}
+
+template <class Key>
+Result<typename LazyLevels<Key>::Page> LazyLevels<Key>::get(const Group& group, const Below& below) {
+    if (Page page = find(group))
+        return page;
+    if (isFull())
+        return Page{};
+    const auto [begin, end] = below.interval(group.firstBlock(), group.blockEnd());
+    auto merged = std::make_shared<DecodedPage<Key>>();
+    for (std::uint64_t half = 0; half < 2; ++half) {
+        if (group.level == 1) {
+            auto pages = below.pages(2 * group.index + half);
+            if (!pages.isOk())
+                return std::move(pages).error();
+            for (const Page& page : pages.value())
+                appendWithoutRedundant(*page, begin, end, *merged);
+        } else {
+            auto child = get({group.level - 1, 2 * group.index + half}, below);
+            if (!child.isOk() || !child.value())
+                return child;
+            appendWithoutRedundant(*child.value(), begin, end, *merged);
+        }
+    }
+    const std::lock_guard lock(mutex_);
+    const std::uint64_t size = merged->memoryBytes();
+    if (bytes_ + size > maxBytes_) {
+        bytes_ = std::max(bytes_, maxBytes_); // full from now on
+        return Page{};
+    }
+    const auto [place, isNew] = blocks_.emplace(std::pair{group.level, group.index}, merged);
+    bytes_ += isNew ? size : 0;
+    return place->second;
+}
+
+template <class Key>
+std::uint64_t LazyLevels<Key>::memoryBytes() const {
+    const std::lock_guard lock(mutex_);
+    return bytes_;
+}
+
+template class LazyLevels<std::uint16_t>;
+template class LazyLevels<std::uint32_t>;
+template class LazyLevels<std::uint64_t>;
+
+} // namespace isoslider::index
