@@ -30,13 +30,14 @@ ParsedCommandLine parseCommandLine(const QStringList& arguments) {
     const QCommandLineOption help({QStringLiteral("h"), QStringLiteral("help")}, QStringLiteral("Show this help and exit."));
     const QCommandLineOption version({QStringLiteral("v"), QStringLiteral("version")}, QStringLiteral("Show the version and exit."));
     const QCommandLineOption isovalue(QStringLiteral("isovalue"), QStringLiteral("Isovalue to show first, in data units."), QStringLiteral("X"));
+    const QCommandLineOption sample(QStringLiteral("sample"), QStringLiteral("Open a built-in volume instead of a FILE: bluntfin or shell."), QStringLiteral("NAME"));
     const QCommandLineOption size(QStringLiteral("size"), QStringLiteral("Size of the window in pixels."), QStringLiteral("1600x1000"));
     const QCommandLineOption screenshot(QStringLiteral("screenshot"),
                                         QStringLiteral("Write a picture of the window when the surface is shown and the index is ready, then exit."),
                                         QStringLiteral("out.png"));
     QCommandLineOption selfTest(QStringLiteral("self-test"), QStringLiteral("Start, show a built-in volume and exit."));
     selfTest.setFlags(QCommandLineOption::HiddenFromHelp);
-    parser.addOptions({help, version, isovalue, size, screenshot, selfTest});
+    parser.addOptions({help, version, sample, isovalue, size, screenshot, selfTest});
     if (!parser.parse(arguments)) {
         QString message = parser.errorText();
         message.remove(QRegularExpression(QStringLiteral("\\.$")));
@@ -52,6 +53,9 @@ ParsedCommandLine parseCommandLine(const QStringList& arguments) {
     const QStringList files = parser.positionalArguments();
     line.file = files.value(0);
     line.furtherFiles = files.mid(1);
+    line.sample = parser.value(sample);
+    if (!line.sample.isEmpty() && !line.file.isEmpty())
+        return wrongUsage(QStringLiteral("give a FILE or --sample, not both"));
     if (parser.isSet(isovalue)) {
         bool isNumber = false;
         const double value = parser.value(isovalue).toDouble(&isNumber);

@@ -14,6 +14,7 @@ enum ExitCode : int { kSuccess = 0, kFault = 1, kWrongUsage = 2, kRefusedInput =
 struct CommandLine {
     QString file;
     QStringList furtherFiles; ///< one volume is shown at a time: these are not opened
+    QString sample; ///< name of a built-in volume to open instead of a file
     std::optional<double> isovalue;
     std::optional<QSize> size;
     QString screenshot;

@@ -64,6 +64,8 @@ void openFirst(widgets::MainWindow& window, model::Session& session, const Comma
     request.isovalue = line.isovalue;
     if (line.isSelfTest)
         request.sampleName = "shell";
+    else if (!line.sample.isEmpty())
+        request.sampleName = line.sample.toStdString();
     else if (!line.file.isEmpty())
         request.path = std::filesystem::path(line.file.toStdU16String());
     else

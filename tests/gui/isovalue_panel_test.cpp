@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include <QAccessible>
 #include <QAction>
 #include <QLabel>
 #include <QTest>
@@ -176,6 +177,15 @@ TEST_F(IsovaluePanelTest, TheHandleHasAnAccessibleNameAndValue) {
     isovalue().request(-7.5);
     EXPECT_EQ(plot().accessibleName(), QStringLiteral("Isovalue"));
     EXPECT_EQ(plot().accessibleDescription(), QStringLiteral("-7.5"));
+    auto* interface = QAccessible::queryAccessibleInterface(&plot());
+    ASSERT_NE(interface, nullptr);
+    EXPECT_EQ(interface->role(), QAccessible::Slider);
+    auto* value = interface->valueInterface();
+    ASSERT_NE(value, nullptr);
+    EXPECT_EQ(value->currentValue().toDouble(), -7.5);
+    EXPECT_EQ(value->maximumValue().toDouble(), isovalue().max());
+    value->setCurrentValue(-6.25);
+    EXPECT_EQ(isovalue().requested(), -6.25);
 }
 
 TEST_F(IsovaluePanelTest, LogAndLinearCountsAreRemembered) {

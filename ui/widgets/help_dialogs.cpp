@@ -63,11 +63,10 @@ void addTable(QVBoxLayout* column, const QString& title, const std::vector<Gestu
     int row = 0;
     for (const auto& gesture : gestures) {
         auto* keys = new QLabel(gesture.keys, parent);
-        keys->setMinimumWidth(150);
+        keys->setMinimumWidth(186);
         grid->addWidget(keys, row, 0, Qt::AlignTop);
         auto* effect = new QLabel(gesture.effect, parent);
         effect->setForegroundRole(QPalette::PlaceholderText);
-        effect->setWordWrap(true);
         grid->addWidget(effect, row++, 1);
     }
     column->addLayout(grid);
@@ -100,8 +99,10 @@ void showShortcutSheet(const ActionRegistry& actions, QWidget* parent) {
     auto* columns = new QHBoxLayout(page);
     columns->setSpacing(36);
     std::array<QVBoxLayout*, 2> column{};
-    for (auto*& each : column)
+    for (auto*& each : column) {
         columns->addLayout(each = new QVBoxLayout, 1);
+        each->setSpacing(6); // otherwise that of the columns
+    }
     addTable(column[0], tr("Mouse in the view"), viewGestures(), page);
     addTable(column[0], tr("Histogram"), isovalueGestures(), page);
     const auto& sections = actions.sections();
@@ -112,7 +113,7 @@ void showShortcutSheet(const ActionRegistry& actions, QWidget* parent) {
     scroll->setWidget(page);
     layout->addWidget(scroll);
     layout->addWidget(makeCloseButton(dialog));
-    dialog->resize(920, 620);
+    dialog->resize(1180, 560);
     dialog->show();
 }
 

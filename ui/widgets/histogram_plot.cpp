@@ -6,6 +6,7 @@
 #include "ui/model/histogram_model.h"
 #include "ui/model/isovalue_model.h"
 #include "ui/model/number_text.h"
+#include "ui/widgets/isovalue_accessible.h"
 #include "ui/widgets/plot_style.h"
 
 namespace isoslider::widgets {
@@ -21,8 +22,9 @@ constexpr double kSmallestRange = 1e-6; // of the whole
 HistogramPlot::HistogramPlot(QWidget* parent) : QCustomPlot(parent) {
     setObjectName(QStringLiteral("histogramPlot"));
     setFocusPolicy(Qt::StrongFocus);
-    setMinimumSize(240, 90);
+    setMinimumSize(240, 110);
     setAccessibleName(tr("Isovalue"));
+    installIsovalueAccessibility();
     setWhatsThis(tr("Drag to move the isosurface; Shift makes the drag finer; Ctrl with the wheel zooms."));
     setUpAxes();
     setUpHandle();
@@ -137,8 +139,15 @@ void HistogramPlot::applyVerticalRange() {
         yAxis->setTicker(QSharedPointer<CompactTicker>::create());
         yAxis->setRange(0.0, largest(counts_) * 1.05);
     }
+    applyTickCounts();
     yAxis->setLabel(tr("samples"));
     yAxis2->setRange(0.0, largest(activeEdges_) * 1.08);
+}
+
+void HistogramPlot::applyTickCounts() {
+    const int labels = std::clamp(height() / (2 * fontMetrics().height()), 2, 6);
+    yAxis->ticker()->setTickCount(labels);
+    yAxis2->ticker()->setTickCount(labels);
 }
 
 void HistogramPlot::showWholeRange() {
@@ -179,6 +188,7 @@ void HistogramPlot::placeHandle() {
                                                               : Qt::AlignHCenter;
     tag_->setPositionAlignment(lean | Qt::AlignBottom);
     setAccessibleDescription(hasHistogram_ ? text : tr("no volume"));
+    announceValue(*this);
 }
 
 double HistogramPlot::valuePerPixel() const {
@@ -288,6 +298,7 @@ void HistogramPlot::changeEvent(QEvent* event) {
 
 void HistogramPlot::resizeEvent(QResizeEvent* event) {
     QCustomPlot::resizeEvent(event);
+    applyTickCounts();
     placeHandle();
 }
 

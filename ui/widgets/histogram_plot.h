@@ -56,6 +56,7 @@ private:
     void setUpHandle();
     void applyPalette();
     void applyVerticalRange();
+    void applyTickCounts();
     void applyFocus();
     void clampRange(const QCPRange& range);
     void placeHandle();

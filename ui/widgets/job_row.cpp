@@ -11,6 +11,14 @@
 namespace isoslider::widgets {
 namespace {
 
+/// Stages come in lower case, as parts of a log line.
+QString sentence(const std::string& stage) {
+    QString text = QString::fromStdString(stage);
+    if (!text.isEmpty())
+        text[0] = text[0].toUpper();
+    return text;
+}
+
 QString detailOf(const model::JobEntry& job) {
     const QString elapsed = QString::fromStdString(model::millisecondsText(job.elapsedMs));
     switch (job.state) {
@@ -18,7 +26,7 @@ QString detailOf(const model::JobEntry& job) {
             if (job.isCancelling)
                 return JobRow::tr("Cancelling…");
             return job.stage.empty() ? JobRow::tr("Starting…")
-                                     : QStringLiteral("%1 · %2 %").arg(QString::fromStdString(job.stage)).arg(qRound(job.fraction * 100.0));
+                                     : QStringLiteral("%1 · %2 %").arg(sentence(job.stage)).arg(qRound(job.fraction * 100.0));
         case model::JobState::Finished: return JobRow::tr("Done in %1").arg(elapsed);
         case model::JobState::Failed: return JobRow::tr("Failed: %1").arg(QString::fromStdString(job.errorText));
         case model::JobState::Cancelled: return JobRow::tr("Cancelled after %1").arg(elapsed);

@@ -68,10 +68,12 @@ std::vector<Fact> factsOfMove(const extract::SurfaceFrame& frame, const model::I
     std::vector<Fact> facts{
         {LevelsPanel::tr("Isovalue"),
          LevelsPanel::tr("%1 requested, %2 displayed").arg(value(isovalue.requested()), value(isovalue.displayed())), {}},
-        {LevelsPanel::tr("Way"),
-         !frame.isFromIndex ? LevelsPanel::tr("whole extraction, no index yet")
-         : stats.hasRebuilt ? LevelsPanel::tr("rebuilt: most of the surface changed")
-                            : LevelsPanel::tr("patched"), {}}};
+        {LevelsPanel::tr("Update"),
+         !frame.isFromIndex ? LevelsPanel::tr("whole extraction, %1").arg(time(stats.updateMs))
+                            : LevelsPanel::tr("%1, %2 update + %3 interpolate")
+                                  .arg(stats.hasRebuilt ? LevelsPanel::tr("rebuilt") : LevelsPanel::tr("patched"),
+                                       time(stats.updateMs), time(stats.interpolateMs)),
+         LevelsPanel::tr("A surface that mostly changes is rebuilt; otherwise only what changes is patched")}};
     if (frame.isFromIndex) {
         facts.push_back({LevelsPanel::tr("Edges"),
                          LevelsPanel::tr("%1 added, %2 removed, %3 touched")
@@ -81,9 +83,6 @@ std::vector<Fact> factsOfMove(const extract::SurfaceFrame& frame, const model::I
         facts.push_back({LevelsPanel::tr("Read from disk"), bytes(stats.bytesRead), {}});
     }
     facts.push_back({LevelsPanel::tr("Active edges"), grouped(stats.activeEdges), {}});
-    facts.push_back({LevelsPanel::tr("Time"),
-                     frame.isFromIndex ? LevelsPanel::tr("%1 update + %2 interpolate").arg(time(stats.updateMs), time(stats.interpolateMs))
-                                       : time(stats.updateMs), {}});
     return facts;
 }
 

@@ -104,7 +104,7 @@ void MainWindow::resetLayout() {
         dock->show();
     levelsDock_->raise();
     resizeDocks({datasetDock_, levelsDock_}, {450, 450}, Qt::Horizontal);
-    resizeDocks({datasetDock_, levelsDock_}, {282, 440}, Qt::Vertical);
+    resizeDocks({datasetDock_, levelsDock_}, {292, 430}, Qt::Vertical);
     resizeDocks({isovalueDock_}, {210}, Qt::Vertical);
 }
 

@@ -16,7 +16,8 @@ constexpr int kInformationMs = 6000;
 } // namespace
 
 MessageBar::MessageBar(QWidget* parent)
-    : QFrame(parent), icon_(new QLabel(this)), title_(new QLabel(this)), detail_(new QLabel(this)) {
+    : QFrame(parent), icon_(new QLabel(this)), title_(new QLabel(this)), detail_(new QLabel(this)),
+      close_(new QToolButton(this)) {
     setObjectName(QStringLiteral("messageBar"));
     setAutoFillBackground(true);
     auto* layout = new QHBoxLayout(this);
@@ -33,16 +34,14 @@ MessageBar::MessageBar(QWidget* parent)
         label->setTextInteractionFlags(Qt::TextSelectableByMouse);
         texts->addWidget(label);
     }
-    auto* close = new QToolButton(this);
-    close->setObjectName(QStringLiteral("messageBarClose"));
-    close->setAutoRaise(true);
-    close->setToolTip(tr("Close this message (Esc)"));
-    close->setAccessibleName(tr("Close message"));
-    close->setIcon(themedIcon(QStringLiteral("close"), palette()));
-    connect(close, &QToolButton::clicked, this, &QWidget::hide);
+    close_->setObjectName(QStringLiteral("messageBarClose"));
+    close_->setAutoRaise(true);
+    close_->setToolTip(tr("Close this message"));
+    close_->setAccessibleName(tr("Close message"));
+    connect(close_, &QToolButton::clicked, this, &QWidget::hide);
     layout->addWidget(icon_, 0, Qt::AlignTop);
     layout->addLayout(texts, 1);
-    layout->addWidget(close, 0, Qt::AlignTop);
+    layout->addWidget(close_, 0, Qt::AlignTop);
     hideTimer_.setSingleShot(true);
     hideTimer_.setInterval(kInformationMs);
     connect(&hideTimer_, &QTimer::timeout, this, &QWidget::hide);
@@ -62,6 +61,7 @@ void MessageBar::showNotice(const model::Notice& notice) {
     colours.setColor(QPalette::Window, isError ? (isDark ? QColor(74, 34, 32) : QColor(253, 228, 224))
                                                : (isDark ? QColor(32, 48, 68) : QColor(226, 239, 253)));
     setPalette(colours);
+    close_->setIcon(themedIcon(QStringLiteral("close"), colours));
     icon_->setPixmap(themedPixmap(isError ? QStringLiteral("error") : QStringLiteral("info"), accent, 22, devicePixelRatioF()));
     if (isError)
         hideTimer_.stop();

@@ -6,6 +6,7 @@
 #include "ui/model/session.h"
 
 class QLabel;
+class QToolButton;
 
 namespace isoslider::widgets {
 
@@ -26,6 +27,7 @@ private:
     QLabel* icon_;
     QLabel* title_;
     QLabel* detail_;
+    QToolButton* close_;
     QTimer hideTimer_;
 };
 
