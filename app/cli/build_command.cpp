@@ -14,12 +14,12 @@
 #include "app/cli/options.h"
 #include "app/cli/output_check.h"
 #include "app/cli/progress_bar.h"
+#include "core/index/index_format.h"
 #include "preprocess/build_index.h"
 
 namespace isoslider::cli {
 namespace {
 
-constexpr std::int64_t kMaxSkipLevels = 8;
 constexpr std::int64_t kMaxThreads = 1024;
 
 std::uint64_t memoryOrThrow(const std::string& text) {
@@ -55,8 +55,8 @@ class BuildCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("build", "Build the index of a volume, for sliding");
-        command->add_option("VOLUME", volumePath_, "volume to index")->required();
-        command->add_option("-o,--output", indexPath_, "index to write, INDEX.isx")->required();
+        command->add_option("VOLUME", volumePath_, "volume to index")->required()->type_name("");
+        command->add_option("-o,--output", indexPath_, "index to write")->required()->type_name("INDEX.isx");
         addIndexOptions(*command);
         addMachineOptions(*command);
         addVolumeOptions(*command, volume_);
@@ -84,8 +84,8 @@ public:
 
 private:
     void addIndexOptions(CLI::App& command) {
-        addInteger(command, "--skip-levels", skipLevels_, 1, kMaxSkipLevels,
-                   fmt::format("levels written, 1 to {} ({})", kMaxSkipLevels, skipLevels_));
+        addInteger(command, "--skip-levels", skipLevels_, 1, index::kMaxSkipLevels,
+                   fmt::format("levels written, 1 to {} ({})", index::kMaxSkipLevels, skipLevels_));
         addNumber(command, "--redundancy", redundancy_,
                   "a block ends when its redundant edges exceed this many times its active ones (1)")
             ->check(CLI::Validator(

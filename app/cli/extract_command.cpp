@@ -83,9 +83,10 @@ public:
     CLI::App* declare(CLI::App& program) override {
         auto* command =
             program.add_subcommand("extract", "The surface at one isovalue, counted and exported");
-        command->add_option("FILE", path_, "index or volume")->required();
+        command->add_option("FILE", path_, "index or volume")->required()->type_name("");
         addNumber(*command, "--isovalue", isovalue_, "isovalue of the surface")->required();
-        command->add_option("-o,--output", meshPath_, "mesh to write, MESH.{ply,obj,stl,off,om}");
+        command->add_option("-o,--output", meshPath_, "mesh to write (ply, obj, stl, off, om)")
+            ->type_name("MESH");
         addLodError(*command);
         addVolumeOptions(*command, volume_);
         return command;

@@ -3,25 +3,23 @@
 #include <array>
 #include <cstddef>
 #include <cstring>
-#include <string_view>
 #include <system_error>
 
 #include "core/base/file_system.h"
+#include "core/index/index_format.h"
 
 namespace isoslider::cli {
 namespace {
-
-constexpr std::string_view kIndexMagic = "ISOSLIDE";
 
 Result<bool> hasIndexMagic(const std::filesystem::path& path) {
     auto file = defaultFileSystem().openForReading(path);
     if (!file.isOk())
         return std::move(file).error();
-    std::array<std::byte, kIndexMagic.size()> head{};
+    std::array<std::byte, sizeof(index::kIndexMagic)> head{};
     const auto count = file.value()->readAt(0, head);
     if (!count.isOk())
         return count.error();
-    return std::memcmp(head.data(), kIndexMagic.data(), head.size()) == 0;
+    return std::memcmp(head.data(), index::kIndexMagic, head.size()) == 0;
 }
 
 } // namespace

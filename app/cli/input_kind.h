@@ -8,7 +8,7 @@ namespace isoslider::cli {
 
 enum class InputKind { Volume, Index };
 
-/// What a file is, by its content: an index begins with its eight magic bytes, whatever its name. A
+/// What a file is, by its content: an index begins with its magic bytes, whatever its name. A
 /// file named .isx that is neither an index nor a volume counts as an index, so that its refusal
 /// speaks of an index. A folder counts as a volume: a series of slices.
 /// Errors: NotFound, IoError, InvalidArgument (a FIFO or device).

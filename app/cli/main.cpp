@@ -57,6 +57,9 @@ public:
         } catch (const CLI::Success& request) {
             parser_.exit(request); // --help or --version, to standard output
             return {};
+        } catch (const CLI::RequiredError& error) {
+            const bool isCommandMissing = parser_.get_subcommands().empty();
+            return Outcome::wrongUsage(isCommandMissing ? "a command is required; see --help" : error.what());
         } catch (const CLI::ParseError& error) {
             return Outcome::wrongUsage(error.what());
         }

@@ -34,18 +34,15 @@ std::array<std::string_view, 3> threePartsOrThrow(const std::string& name, const
     return {parts[0], parts[1], parts[2]};
 }
 
+// Sizes that no grid can have are the reader's to refuse: a size read from a file meets the same words.
 GridDims dimsOrThrow(const std::string& name, const std::string& text) {
     const auto parts = threePartsOrThrow(name, text);
     GridDims dims{};
-    std::int64_t points = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto size = parseInteger(parts[axis]);
-        if (!size || *size < 1 || *size > kMaxDim)
-            refuse(name, text, fmt::format("three sizes from 1 to {}", kMaxDim));
+        if (!size)
+            refuse(name, text, "three whole numbers with commas between");
         dims[axis] = *size;
-        if (points > kMaxPoints / *size)
-            refuse(name, text, fmt::format("a grid of at most {} points", kMaxPoints));
-        points *= *size;
     }
     return dims;
 }
@@ -80,24 +77,26 @@ ScalarType typeOrThrow(const std::string& name, const std::string& text) {
 CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional<double>& target,
                        const std::string& help) {
     return addText(
-        command, name,
-        [&target](const std::string& option, const std::string& text) {
-            target = finiteOrThrow(option, text);
-        },
-        help);
+               command, name,
+               [&target](const std::string& option, const std::string& text) {
+                   target = finiteOrThrow(option, text);
+               },
+               help)
+        ->type_name("X");
 }
 
 CLI::Option* addInteger(CLI::App& command, const std::string& name, std::int64_t& target, std::int64_t least,
                         std::int64_t most, const std::string& help) {
     return addText(
-        command, name,
-        [&target, least, most](const std::string& option, const std::string& text) {
-            const auto value = parseInteger(text);
-            if (!value || *value < least || *value > most)
-                refuse(option, text, fmt::format("a whole number from {} to {}", least, most));
-            target = *value;
-        },
-        help);
+               command, name,
+               [&target, least, most](const std::string& option, const std::string& text) {
+                   const auto value = parseInteger(text);
+                   if (!value || *value < least || *value > most)
+                       refuse(option, text, fmt::format("a whole number from {} to {}", least, most));
+                   target = *value;
+               },
+               help)
+        ->type_name("N");
 }
 
 CLI::Option* addLodError(CLI::App& command) {

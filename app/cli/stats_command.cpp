@@ -76,7 +76,7 @@ public:
     CLI::App* declare(CLI::App& program) override {
         auto* command =
             program.add_subcommand("stats", "Tables 1 and 2 of the paper for an index, and its levels");
-        command->add_option("INDEX", path_, "index to describe")->required();
+        command->add_option("INDEX", path_, "index to describe")->required()->type_name("");
         return command;
     }
 

@@ -1,0 +1,117 @@
+#include <csignal>
+
+#include <unistd.h>
+
+#include "tests/cli/cli_fixture.h"
+
+namespace isoslider::test {
+
+using ::testing::ElementsAre;
+
+class CliBuild : public CliTest {};
+
+TEST_F(CliBuild, ReportsWhatItBuilt) {
+    const auto volume = sphereVolume();
+    const auto json = runJson({"build", volume, "-o", path("a.isx"), "--memory", "64M", "--threads", "2"});
+    EXPECT_THAT(keysOf(json),
+                ElementsAre("seconds", "peak_rss_bytes", "index_bytes", "distinct_values", "levels"));
+    EXPECT_EQ(json["index_bytes"], std::filesystem::file_size(path("a.isx")));
+    EXPECT_EQ(json["distinct_values"], runJson({"info", volume})["distinct_values"]);
+    ASSERT_FALSE(json["levels"].empty());
+    EXPECT_EQ(json["levels"][0]["blocks"], json["distinct_values"]);
+    EXPECT_THAT(folder_.names(), ElementsAre("a.isx", "sphere.mha"));
+}
+
+TEST_F(CliBuild, WritesTheSameBytesForAnyThreadsAndMemory) {
+    const auto volume = noiseVolume(24);
+    ASSERT_EQ(run({"build", volume, "-o", path("a.isx"), "--threads", "1", "--memory", "64M"}).exitCode, 0);
+    ASSERT_EQ(run({"build", volume, "-o", path("b.isx"), "--threads", "3", "--memory", "2G"}).exitCode, 0);
+    EXPECT_TRUE(readText(path("a.isx")) == readText(path("b.isx")));
+}
+
+TEST_F(CliBuild, WritesTheLevelsAskedFor) {
+    const auto json = runJson({"build", sphereVolume(), "-o", path("a.isx"), "--skip-levels", "2"});
+    EXPECT_EQ(json["levels"].size(), 2U);
+}
+
+TEST_F(CliBuild, ReplacesAnEarlierIndex) {
+    folder_.write("a.isx", "an earlier file");
+    ASSERT_EQ(run({"build", sphereVolume(), "-o", path("a.isx")}).exitCode, 0);
+    EXPECT_EQ(run({"info", path("a.isx")}).exitCode, 0);
+}
+
+TEST_F(CliBuild, RefusesOutputsBeforeWork) {
+    const auto volume = sphereVolume();
+    expectRefusal({"build", volume}, 2, "--output");
+    expectRefusal({"build", volume, "-o", volume}, 2, "is the input");
+    std::filesystem::create_symlink(volume, path("link.isx"));
+    expectRefusal({"build", volume, "-o", path("link.isx")}, 2, "is the input");
+    expectRefusal({"build", volume, "-o", folder_.path().string()}, 4, "directory");
+    expectRefusal({"build", volume, "-o", path("missing/a.isx")}, 4, "folder");
+    expectRefusal({"build", volume, "-o", volume + "/a.isx"}, 4, "folder");
+    EXPECT_EQ(run({"info", volume}).exitCode, 0) << "the volume is as it was";
+}
+
+TEST_F(CliBuild, RefusesAFolderThatMayNotBeWrittenTo) {
+    if (::geteuid() == 0)
+        GTEST_SKIP() << "root may write everywhere";
+    std::filesystem::create_directory(path("locked"));
+    std::filesystem::permissions(path("locked"), std::filesystem::perms::owner_read);
+    expectRefusal({"build", sphereVolume(), "-o", path("locked/a.isx")}, 4);
+}
+
+TEST_F(CliBuild, LeavesNothingWhenTheInputIsRefused) {
+    const auto whole = readText(sphereVolume());
+    folder_.write("cut.mha", whole.substr(0, whole.size() / 2));
+    expectRefusal({"build", path("cut.mha"), "-o", path("a.isx"), "--json"}, 3, "cut.mha");
+    expectRefusal({"build", path("missing.mha"), "-o", path("a.isx")}, 4, "missing.mha");
+    expectRefusal({"build", sphereIndex("b.isx"), "-o", path("a.isx")}, 3, "is an index");
+    EXPECT_THAT(folder_.names(), ElementsAre("b.isx", "cut.mha", "sphere.mha"));
+}
+
+class CliInterruptedBuild : public CliBuild, public ::testing::WithParamInterface<int> {};
+
+TEST_P(CliInterruptedBuild, LeavesNothingBehind) {
+    const auto volume = noiseVolume(112);
+    ProcessOptions options;
+    options.timeout = std::chrono::seconds(50);
+    options.signalToSend = GetParam();
+    options.signalWhen = [this] { return folder_.names().size() > 1; };
+    const auto result = run({"build", volume, "-o", path("a.isx"), "--memory", "64M"}, options);
+    EXPECT_EQ(result.exitCode, 130) << result.standardError;
+    EXPECT_EQ(result.standardError, "isoslider-cli: interrupted\n");
+    EXPECT_THAT(folder_.names(), ElementsAre("noise.mha"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, CliInterruptedBuild, ::testing::Values(SIGINT, SIGTERM));
+
+class CliStats : public CliTest {};
+
+TEST_F(CliStats, TellsOfTheIndexAndItsLevels) {
+    const auto json = runJson({"stats", sphereIndex()});
+    EXPECT_THAT(keysOf(json),
+                ElementsAre("source_name", "dims", "scalar_type", "distinct_values", "average_active_edges",
+                            "average_change", "redundancy", "index_bytes", "bytes_per_voxel", "levels"));
+    EXPECT_EQ(json["source_name"], "sphere.mha");
+    EXPECT_THAT(keysOf(json["levels"][0]), ElementsAre("level", "blocks", "points", "edges",
+                                                       "activated_edges", "bytes", "redundant_removed"));
+    EXPECT_EQ(json["levels"][0]["points"], 16 * 16 * 16);
+    // Every edge comes and goes once; those through the middle have equal ends and are never active.
+    EXPECT_EQ(json["levels"][0]["edges"], 2 * (3 * 16 * 16 * 15 - 3 * 16 * 16));
+    EXPECT_GT(json["average_active_edges"], 0.0);
+}
+
+TEST_F(CliStats, ShowsBothTables) {
+    const auto text = run({"stats", sphereIndex()}).standardOutput;
+    EXPECT_THAT(text, ::testing::HasSubstr("Table 1"));
+    EXPECT_THAT(text, ::testing::HasSubstr("Table 2"));
+    EXPECT_THAT(text, ::testing::HasSubstr("16x16x16"));
+}
+
+TEST_F(CliStats, RefusesWhatIsNoIndex) {
+    expectRefusal({"stats", sphereVolume()}, 3, "sphere.mha");
+    expectRefusal({"stats", path("missing.isx")}, 4, "missing.isx");
+    expectRefusal({"stats", folder_.path().string()}, 3);
+}
+
+} // namespace isoslider::test

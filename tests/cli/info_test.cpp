@@ -1,0 +1,106 @@
+#include "tests/cli/cli_fixture.h"
+
+#include <cmath>
+
+namespace isoslider::test {
+
+using ::testing::HasSubstr;
+
+class CliInfo : public CliTest {};
+
+TEST_F(CliInfo, TellsWhatAVolumeHolds) {
+    const auto json = runJson({"info", sphereVolume()});
+    EXPECT_THAT(keysOf(json), ::testing::ElementsAre("dims", "spacing", "origin", "scalar_type", "min", "max",
+                                                     "distinct_values", "nan_count", "format", "direction"));
+    EXPECT_EQ(json["dims"], OrderedJson({16, 16, 16}));
+    EXPECT_EQ(json["spacing"], OrderedJson({1.0, 1.0, 1.0}));
+    EXPECT_EQ(json["scalar_type"], "f32");
+    EXPECT_EQ(json["nan_count"], 0);
+    EXPECT_NEAR(json["max"].get<double>(), 10.0 - std::sqrt(0.75), 1e-5);
+    EXPECT_GT(json["distinct_values"], 20);
+}
+
+TEST_F(CliInfo, TellsTheSameOfTheIndex) {
+    const auto volume = runJson({"info", sphereVolume()});
+    const auto index = runJson({"info", sphereIndex()});
+    EXPECT_EQ(keysOf(volume), keysOf(index));
+    for (const auto* key : {"dims", "spacing", "origin", "scalar_type", "min", "max", "distinct_values",
+                            "nan_count", "direction"})
+        EXPECT_EQ(volume[key], index[key]) << key;
+}
+
+TEST_F(CliInfo, ReadsAHeaderlessVolumeAsTold) {
+    const auto raw = rawSphere();
+    auto arguments = std::vector<std::string>{"info", raw, "--raw-spacing", "1,2,0.5"};
+    for (const auto& option : rawOptions())
+        arguments.push_back(option);
+    const auto json = runJson(arguments);
+    EXPECT_EQ(json["dims"], OrderedJson({16, 16, 16}));
+    EXPECT_EQ(json["spacing"], OrderedJson({1.0, 2.0, 0.5}));
+    EXPECT_EQ(json["distinct_values"], runJson({"info", sphereVolume()})["distinct_values"]);
+}
+
+TEST_F(CliInfo, SkipsBytesAndSwapsThem) {
+    folder_.write("big.raw",
+                  std::string("xx\x01\x02\x00\x03\x00\x04\x00\x05\x00\x06\x00\x07\x00\x08\x00\x09", 18));
+    const auto json = runJson({"info", path("big.raw"), "--raw-dims", "2,2,2", "--raw-type", "u16",
+                               "--raw-skip", "2", "--big-endian"});
+    EXPECT_EQ(json["min"], 3.0);
+    EXPECT_EQ(json["max"], 258.0);
+}
+
+TEST_F(CliInfo, RefusesARawFileOfAnotherSize) {
+    folder_.write("short.raw", std::string(63, 'x'));
+    folder_.write("long.raw", std::string(65, 'x'));
+    const std::vector<std::string> layout{"--raw-dims", "4,4,4", "--raw-type", "u8"};
+    const auto withLayout = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.end(), layout.begin(), layout.end());
+        return arguments;
+    };
+    expectRefusal(withLayout({"info", path("short.raw")}), 3, "63");
+    expectRefusal(withLayout({"info", path("long.raw")}), 3, "65");
+    EXPECT_EQ(run(withLayout({"info", path("long.raw"), "--allow-trailing"})).exitCode, 0);
+}
+
+TEST_F(CliInfo, RefusesGridsThatCannotBe) {
+    folder_.write("a.raw", std::string(64, 'x'));
+    for (const auto* dims :
+         {"0,10,10", "-1,64,64", "65536,65537,1", "2097152,2097152,2097152", "4294967296,4294967296,1"})
+        expectRefusal({"info", path("a.raw"), "--raw-dims", dims, "--raw-type", "u8"}, 3);
+    expectRefusal({"info", path("a.raw"), "--raw-dims", "4,4", "--raw-type", "u8"}, 2);
+    expectRefusal({"info", path("a.raw"), "--raw-dims", "4,4,4"}, 2, "--raw-type");
+    expectRefusal({"info", path("a.raw"), "--raw-dims", "4,4,4", "--raw-type", "float128"}, 2, "u16");
+}
+
+TEST_F(CliInfo, RefusesWhatIsNotThereOrNoVolume) {
+    expectRefusal({"info", path("missing.mha")}, 4, "missing.mha");
+    folder_.write("empty.mha", "");
+    expectRefusal({"info", path("empty.mha")}, 3, "empty.mha");
+    folder_.write("text.mha", "The quick brown fox\n");
+    expectRefusal({"info", path("text.mha")}, 3, "text.mha");
+    const auto whole = readText(sphereVolume());
+    folder_.write("truncated.mha", whole.substr(0, whole.size() - 1));
+    expectRefusal({"info", path("truncated.mha")}, 3, "truncated.mha");
+    expectRefusal({"info", folder_.path().string()}, 3);
+}
+
+TEST_F(CliInfo, PrintsOneLineForANameWithALineBreak) {
+    expectRefusal({"info", path("new\nline%s%n.mha")}, 4, "\\x0a");
+}
+
+TEST_F(CliInfo, KnowsAnIndexByItsContent) {
+    std::filesystem::rename(sphereIndex(), path("renamed.mha"));
+    EXPECT_EQ(runJson({"info", path("renamed.mha")})["format"], "ISOSLIDER index");
+}
+
+TEST_F(CliInfo, RefusesABrokenIndexAsAnIndex) {
+    folder_.write("text.isx", "The quick brown fox jumps over the lazy dog, and that is no index.\n");
+    expectRefusal({"info", path("text.isx")}, 3, "index");
+    const auto whole = readText(sphereIndex());
+    folder_.write("head.isx", whole.substr(0, 40));
+    expectRefusal({"info", path("head.isx")}, 3, "head.isx");
+    folder_.write("cut.isx", whole.substr(0, whole.size() - 1));
+    expectRefusal({"info", path("cut.isx")}, 3, "cut.isx");
+}
+
+} // namespace isoslider::test

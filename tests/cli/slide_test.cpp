@@ -1,0 +1,82 @@
+#include <algorithm>
+
+#include "tests/cli/cli_fixture.h"
+
+namespace isoslider::test {
+
+using ::testing::ElementsAre;
+
+class CliSlide : public CliTest {};
+
+TEST_F(CliSlide, RecordsEveryStep) {
+    const auto json = runJson({"slide", sphereIndex(), "--from", "2", "--to", "8", "--steps", "4"});
+    EXPECT_THAT(keysOf(json), ElementsAre("open_ms", "peak_rss_bytes", "steps"));
+    EXPECT_GT(json["peak_rss_bytes"], 0);
+    const auto& steps = json["steps"];
+    ASSERT_EQ(steps.size(), 5U);
+    EXPECT_THAT(keysOf(steps[0]), ElementsAre("isovalue", "edges_added", "edges_removed", "edges_touched",
+                                              "cells_retriangulated", "active_edges", "triangles",
+                                              "bytes_read", "update_ms", "interpolate_ms"));
+    EXPECT_EQ(steps[0]["isovalue"], 2.0);
+    EXPECT_EQ(steps[2]["isovalue"], 5.0);
+    EXPECT_EQ(steps[4]["isovalue"], 8.0);
+    EXPECT_EQ(steps[0]["edges_added"], steps[0]["active_edges"]);
+    for (std::size_t i = 1; i < steps.size(); ++i)
+        EXPECT_EQ(steps[i]["active_edges"].get<int>() - steps[i - 1]["active_edges"].get<int>(),
+                  steps[i]["edges_added"].get<int>() - steps[i]["edges_removed"].get<int>());
+}
+
+TEST_F(CliSlide, ArrivesAtTheSurfaceOfAFreshExtraction) {
+    const auto json = runJson({"slide", sphereIndex(), "--path", "9,1,-3,5,5,20,4.5"});
+    ASSERT_EQ(json["steps"].size(), 7U);
+    for (const auto& step : json["steps"]) {
+        const auto isovalue = step["isovalue"].dump();
+        const auto fresh = runJson({"extract", sphereVolume(), "--isovalue", isovalue});
+        EXPECT_EQ(step["triangles"], fresh["triangles"]) << isovalue;
+        EXPECT_EQ(step["active_edges"], fresh["active_edges"]) << isovalue;
+    }
+}
+
+TEST_F(CliSlide, PrintsALineForEachStep) {
+    const auto text = run({"slide", sphereIndex(), "--path", "2,5"}).standardOutput;
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
+}
+
+TEST_F(CliSlide, ExportsAMeshForEachStep) {
+    const auto index = sphereIndex();
+    ASSERT_EQ(run({"slide", index, "--from", "2", "--to", "8", "--steps", "2", "--export", "out_%04d.ply"})
+                  .exitCode,
+              0);
+    EXPECT_THAT(folder_.names(),
+                ElementsAre("out_0000.ply", "out_0001.ply", "out_0002.ply", "sphere.isx", "sphere.mha"));
+    ASSERT_EQ(run({"extract", index, "--isovalue", "5", "-o", path("fresh.ply")}).exitCode, 0);
+    EXPECT_TRUE(readText(path("fresh.ply")) == readText(path("out_0001.ply")));
+}
+
+TEST_F(CliSlide, RefusesExportNamesWithoutOneNumber) {
+    const auto index = sphereIndex();
+    for (const auto* pattern :
+         {"out.ply", "out_%d_%d.ply", "out_%s.ply", "out_%n.ply", "out_%.ply", "out_%%d.ply", "out_%4d.ply",
+          "out_%00d.ply", "out_%012d.ply", "out_%-4d.ply", ""})
+        expectRefusal({"slide", index, "--path", "5", "--export", pattern}, 2, "--export");
+    expectRefusal({"slide", index, "--path", "5", "--export", "out_%d.txt"}, 2, "suffix");
+    expectRefusal({"slide", index, "--path", "5", "--export", "missing/out_%d.ply"}, 4, "folder");
+}
+
+TEST_F(CliSlide, RefusesAnIncompletePath) {
+    const auto index = sphereIndex();
+    expectRefusal({"slide", index}, 2, "--path");
+    expectRefusal({"slide", index, "--from", "1"}, 2);
+    expectRefusal({"slide", index, "--from", "1", "--to", "2"}, 2, "--steps");
+    expectRefusal({"slide", index, "--from", "1", "--to", "2", "--steps", "2", "--path", "1"}, 2);
+    expectRefusal({"slide", index, "--path", "1,,2"}, 2, "finite");
+    expectRefusal({"slide", index, "--path", "1,nan"}, 2, "finite");
+    expectRefusal({"slide", index, "--path", ""}, 2, "finite");
+}
+
+TEST_F(CliSlide, RefusesWhatIsNoIndex) {
+    expectRefusal({"slide", sphereVolume(), "--path", "5", "--json"}, 3, "sphere.mha");
+    expectRefusal({"slide", path("missing.isx"), "--path", "5"}, 4, "missing.isx");
+}
+
+} // namespace isoslider::test
