@@ -1,0 +1,215 @@
+// Damaged index files: refused when they are opened, or when a move needs the damaged page.
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/extract/full_extraction.h"
+#include "core/extract/slide_engine.h"
+#include "core/index/byte_codec.h"
+#include "core/index/index_reader.h"
+#include "tests/property/surface_comparison.h"
+#include "tests/property/test_volumes.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider::index {
+namespace {
+
+using test::HasError;
+using test::IsOk;
+
+class IndexFile : public testing::Test {
+protected:
+    void SetUp() override {
+        grid_ = test::hillsVolume({33, 20, 18});
+        preprocess::BuildOptions options;
+        options.redundancyThreshold = 0.2;
+        ASSERT_THAT(test::buildIndexOf(grid_, folder_ / "good.isx", options), IsOk());
+        bytes_ = test::readText(folder_ / "good.isx");
+        auto reader = IndexReader::open(folder_ / "good.isx");
+        ASSERT_THAT(reader, IsOk());
+        meta_ = reader.value()->meta();
+    }
+
+    std::filesystem::path write(const std::string& bytes) { return folder_.write("damaged.isx", bytes); }
+
+    // Where a full sweep of a damaged index ends.
+    Result<extract::SlideStats> sweep(const std::filesystem::path& path) {
+        auto engine = extract::SlideEngine::open(path);
+        if (!engine.isOk())
+            return std::move(engine).error();
+        Result<extract::SlideStats> last = engine.value()->slideTo(meta_.info.min);
+        for (int step = 1; step <= 40 && last.isOk(); ++step)
+            last = engine.value()->slideTo(meta_.info.min + (meta_.info.max - meta_.info.min) * step / 40.0);
+        return last;
+    }
+
+    // The file with meta changed and all checksums made right: what only a forger would write.
+    std::string forged(const IndexMeta& meta) {
+        Preamble preamble = decodePreamble(std::as_bytes(std::span(bytes_)), bytes_.size(), "p").value();
+        const auto encoded = encodeMeta(meta);
+        preamble.metaBytes = encoded.size();
+        preamble.metaChecksum = metaChecksum(encoded);
+        preamble.fileBytes = preamble.metaOffset + encoded.size();
+        const auto head = encodePreamble(preamble);
+        std::string out = bytes_.substr(0, preamble.metaOffset);
+        std::copy_n(reinterpret_cast<const char*>(head.data()), head.size(), out.begin());
+        return out.append(reinterpret_cast<const char*>(encoded.data()), encoded.size());
+    }
+
+    test::TemporaryFolder folder_;
+    std::shared_ptr<const ScalarGrid> grid_;
+    std::string bytes_;
+    IndexMeta meta_;
+};
+
+TEST_F(IndexFile, OpensAndSweepsWhole) {
+    EXPECT_GE(meta_.levels.size(), 3u);
+    EXPECT_GE(meta_.levels[0].pages.size(), 2u);
+    EXPECT_THAT(sweep(folder_ / "good.isx"), IsOk());
+}
+
+TEST_F(IndexFile, IsRefusedAtEveryTruncation) {
+    const std::size_t metaOffset = bytes_.size() - encodeMeta(meta_).size();
+    for (std::size_t length = 0; length < bytes_.size(); length += length < 80 || length + 40 > bytes_.size() ? 1 : length > metaOffset ? 97 : 1009) {
+        const auto opened = IndexReader::open(write(bytes_.substr(0, length)));
+        ASSERT_THAT(opened, HasError(length < 12 ? ErrorCode::InvalidArgument : ErrorCode::Corruption)) << length;
+        ASSERT_EQ(opened.error().path, (folder_ / "damaged.isx").string());
+    }
+}
+
+TEST_F(IndexFile, IsRefusedWithTrailingBytes) {
+    EXPECT_THAT(IndexReader::open(write(bytes_ + '\0')), HasError(ErrorCode::Corruption));
+    EXPECT_THAT(IndexReader::open(write(bytes_ + bytes_)), HasError(ErrorCode::Corruption));
+}
+
+TEST_F(IndexFile, IsRefusedWithAnyFlippedHeaderBit) {
+    for (std::size_t bit = 0; bit < 8 * kPreambleBytes; ++bit) {
+        std::string damaged = bytes_;
+        damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+        ASSERT_FALSE(IndexReader::open(write(damaged)).isOk()) << "bit " << bit;
+    }
+}
+
+TEST_F(IndexFile, IsRefusedWithFlippedMetaBits) {
+    const std::size_t metaBytes = encodeMeta(meta_).size();
+    std::mt19937 random(9);
+    for (int round = 0; round < 300; ++round) {
+        std::string damaged = bytes_;
+        const std::size_t at = bytes_.size() - 1 - random() % metaBytes;
+        damaged[at] = static_cast<char>(damaged[at] ^ (1 << (random() % 8)));
+        ASSERT_THAT(IndexReader::open(write(damaged)), HasError(ErrorCode::Corruption)) << "byte " << at;
+    }
+}
+
+TEST_F(IndexFile, DamageInAPageIsFoundWhenAMoveNeedsIt) {
+    std::mt19937 random(10);
+    for (const PageEntry& page : meta_.levels[0].pages) {
+        std::string damaged = bytes_;
+        const std::size_t at = page.offset + random() % page.bytes;
+        damaged[at] = static_cast<char>(damaged[at] ^ (1 << (random() % 8)));
+        const auto path = write(damaged);
+        auto engine = extract::SlideEngine::open(path);
+        ASSERT_THAT(engine, IsOk()) << "opening does not read pages";
+        // A step inside the page's first gap of values: nothing but level 0 can serve it.
+        const double inside = static_cast<double>(page.firstKey);
+        const auto far = engine.value()->slideTo(meta_.info.min - 1.0);
+        ASSERT_THAT(far, IsOk());
+        auto moved = engine.value()->slideTo(inside);
+        if (moved.isOk())
+            moved = engine.value()->slideTo(inside + 1.0);
+        ASSERT_THAT(moved, HasError(ErrorCode::Corruption)) << "page at " << page.offset;
+        EXPECT_EQ(moved.error().path, path.string());
+        EXPECT_EQ(moved.error().offset, page.offset);
+    }
+}
+
+TEST_F(IndexFile, NoDamagedPageEverGivesAWrongSurface) {
+    std::mt19937 random(12);
+    int refused = 0;
+    for (int round = 0; round < 25; ++round) {
+        std::string damaged = bytes_;
+        const auto& level = meta_.levels[random() % meta_.levels.size()];
+        if (level.pages.empty())
+            continue;
+        const PageEntry& page = level.pages[random() % level.pages.size()];
+        damaged[page.offset + random() % page.bytes] ^= 0x10;
+        auto engine = extract::SlideEngine::open(write(damaged));
+        ASSERT_THAT(engine, IsOk());
+        for (int step = 0; step < 10; ++step) {
+            const double isovalue = meta_.info.min + (meta_.info.max - meta_.info.min) * (random() % 1000) / 1000.0;
+            const auto moved = engine.value()->slideTo(isovalue);
+            if (moved.isOk()) {
+                ASSERT_TRUE(test::isSameSurface(engine.value()->mesh(), extract::extractFull(*grid_, isovalue).value()));
+            } else {
+                ++refused;
+                ASSERT_EQ(moved.error().code, ErrorCode::Corruption);
+                EXPECT_TRUE(engine.value()->mesh().triangles.empty()) << "a failed move leaves no surface";
+            }
+        }
+    }
+    EXPECT_GT(refused, 0);
+}
+
+TEST_F(IndexFile, SwappedPagesAreFound) {
+    // Two pages of equal length, as only the checksum's dependence on the place can tell them apart.
+    IndexMeta meta = meta_;
+    auto& pages = meta.levels[0].pages;
+    ASSERT_GE(pages.size(), 2u);
+    std::swap(pages[0].offset, pages[1].offset);
+    std::swap(pages[0].bytes, pages[1].bytes);
+    EXPECT_THAT(sweep(write(forged(meta))), HasError(ErrorCode::Corruption));
+    std::swap(pages[0].checksum, pages[1].checksum); // now only the counts and the keys are wrong
+    EXPECT_THAT(sweep(write(forged(meta))), HasError(ErrorCode::Corruption));
+}
+
+TEST_F(IndexFile, APageOfAnotherIndexIsFound) {
+    ASSERT_THAT(test::buildIndexOf(test::noiseVolume({33, 20, 18}, 4), folder_ / "other.isx"), IsOk());
+    const auto other = IndexReader::open(folder_ / "other.isx");
+    ASSERT_THAT(other, IsOk());
+    const PageEntry& theirs = other.value()->meta().levels[0].pages[0];
+    const PageEntry& ours = meta_.levels[0].pages[0];
+    std::string mixed = bytes_;
+    const std::string otherBytes = test::readText(folder_ / "other.isx");
+    mixed.replace(ours.offset, std::min(ours.bytes, theirs.bytes), otherBytes.substr(theirs.offset, std::min(ours.bytes, theirs.bytes)));
+    EXPECT_THAT(sweep(write(mixed)), HasError(ErrorCode::Corruption));
+}
+
+// Right checksums around wrong entries: any answer is good but a crash, a hang or an exception.
+TEST_F(IndexFile, ForgedDirectoriesNeverCrash) {
+    std::mt19937_64 random(2);
+    const auto forge = [&](std::uint64_t& value) {
+        const std::uint64_t choices[] = {0, 1, value + 1, value - 1, random() % 2000, ~std::uint64_t{0}, ~std::uint64_t{0} - 1};
+        value = choices[random() % std::size(choices)];
+    };
+    for (int round = 0; round < 150; ++round) {
+        IndexMeta meta = meta_;
+        for (int changes = 0; changes < 3; ++changes) {
+            LevelDirectory& level = meta.levels[random() % meta.levels.size()];
+            const bool takesBlock = !level.blocks.empty() && random() % 2;
+            if (takesBlock) {
+                BlockEntry& block = level.blocks[random() % level.blocks.size()];
+                forge(random() % 2 ? block.firstKey : block.lastKey);
+            } else if (!level.pages.empty()) {
+                PageEntry& page = level.pages[random() % level.pages.size()];
+                forge(random() % 2 ? page.firstKey : page.lastKey);
+                if (random() % 4 == 0)
+                    std::swap(page, level.pages[random() % level.pages.size()]);
+            }
+        }
+        EXPECT_NO_THROW(static_cast<void>(sweep(write(forged(meta))).isOk())) << "round " << round;
+    }
+}
+
+TEST_F(IndexFile, RefusesWhatIsNoIndex) {
+    EXPECT_THAT(IndexReader::open(folder_ / "none.isx"), HasError(ErrorCode::NotFound));
+    EXPECT_THAT(IndexReader::open(folder_.path()), HasError(ErrorCode::InvalidArgument));
+    EXPECT_THAT(IndexReader::open(folder_.write("empty.isx", "")), HasError(ErrorCode::InvalidArgument));
+    EXPECT_THAT(IndexReader::open(folder_.write("text.isx", std::string(5000, 'x'))), HasError(ErrorCode::InvalidArgument));
+    EXPECT_THAT(IndexReader::open(folder_.write("zeros.isx", std::string(5000, '\0'))), HasError(ErrorCode::InvalidArgument));
+    EXPECT_THAT(extract::SlideEngine::open(folder_ / "none.isx"), HasError(ErrorCode::NotFound));
+}
+
+} // namespace
+} // namespace isoslider::index

@@ -1,0 +1,58 @@
+#include "core/grid/normal_codec.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace isoslider {
+namespace {
+
+double angleDegrees(const glm::vec3& a, const glm::vec3& b) {
+    const glm::dvec3 u(a), v(b);
+    return std::atan2(glm::length(glm::cross(u, v)), glm::dot(u, v)) * 180.0 / 3.14159265358979;
+}
+
+TEST(NormalCodec, KeepsEveryDirectionWithinItsBound) {
+    std::mt19937 random(5);
+    std::normal_distribution<float> gauss;
+    double worst = 0.0;
+    for (int i = 0; i < 50000; ++i) {
+        glm::vec3 n(gauss(random), gauss(random), gauss(random));
+        n = glm::normalize(n);
+        const NormalCode code = encodeNormal(n);
+        ASSERT_NE(code, kNoNormal);
+        const glm::vec3 back = decodeNormal(code);
+        ASSERT_NEAR(glm::length(back), 1.0f, 1e-5f);
+        worst = std::max(worst, angleDegrees(n, back));
+    }
+    EXPECT_LT(worst, 0.95);
+    EXPECT_GT(worst, 0.3) << "too good to be 16 bits";
+}
+
+TEST(NormalCodec, KeepsAxesExactly) {
+    for (int axis = 0; axis < 3; ++axis)
+        for (const float sign : {-1.0f, 1.0f}) {
+            glm::vec3 n(0.0f);
+            n[axis] = sign;
+            EXPECT_EQ(decodeNormal(encodeNormal(n)), n);
+        }
+}
+
+TEST(NormalCodec, HasACodeForNoNormal) {
+    EXPECT_EQ(encodeNormal(glm::vec3(0.0f)), kNoNormal);
+    EXPECT_EQ(decodeDirection(kNoNormal), glm::vec3(0.0f));
+    EXPECT_EQ(decodeNormal(kNoNormal), glm::vec3(0.0f));
+}
+
+TEST(NormalCodec, DirectionsHaveTheLengthThatInterpolationCountsOn) {
+    for (int u = -127; u <= 127; ++u)
+        for (int v = -127; v <= 127; ++v) {
+            const auto code = static_cast<NormalCode>((u & 255) | (v & 255) << 8);
+            const float length = glm::length(decodeDirection(code));
+            ASSERT_GE(length, 0.5773f);
+            ASSERT_LE(length, 1.0f + 1e-6f);
+        }
+}
+
+} // namespace
+} // namespace isoslider
