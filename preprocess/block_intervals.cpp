@@ -107,6 +107,8 @@ std::vector<std::vector<std::uint64_t>> chooseBlockBegins(const SpanHistogram& h
     std::vector<std::vector<std::uint64_t>> levels;
     for (int level = 1; level < skipLevels && below.size() > 2; ++level) {
         below = consolidate(below, level == 1, sums, redundancyThreshold);
+        if (below.size() <= 2)
+            break; // one block over everything holds no edge
         std::vector<std::uint64_t> beginKeys;
         for (std::size_t i = 0; i + 1 < below.size(); ++i)
             beginKeys.push_back(bins.begins[below[i]]);

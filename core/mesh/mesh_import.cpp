@@ -6,6 +6,7 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <stdexcept>
 
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
@@ -22,44 +23,147 @@ using PolyMesh = OpenMesh::PolyMesh_ArrayKernelT<DoubleTraits>;
 // Meshes are read whole: this many bytes hold some hundred million triangles.
 constexpr std::uint64_t kMaxFileBytes = std::uint64_t{16} << 30;
 
-/// OpenMesh believes the counts in the header of its native format; they are checked first.
-Status checkOmHeader(std::string_view bytes, const std::filesystem::path& path) {
-    // "OM", kind, version, then the numbers of vertices, faces and edges.
-    if (bytes.size() < 16 || !bytes.starts_with("OM"))
-        return makeError(ErrorCode::InvalidArgument, "is not a readable om mesh: its first bytes are not 'OM'", path);
-    for (std::size_t i = 0; i < 3; ++i) {
-        std::uint32_t count = 0;
-        std::memcpy(&count, bytes.data() + 4 + 4 * i, 4);
-        if (count > bytes.size())
-            return makeError(ErrorCode::Corruption, "the header asks for more elements than the file can hold", path);
+struct BadMesh : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// OpenMesh's importer stores whatever handles a native file holds; here they have to exist.
+class CheckedImporter final : public OpenMesh::IO::ImporterT<PolyMesh> {
+public:
+    explicit CheckedImporter(PolyMesh& target) : ImporterT(target), target_(target) {}
+    using ImporterT::add_face;
+    using ImporterT::set_face;
+
+    OpenMesh::HalfedgeHandle add_edge(OpenMesh::VertexHandle a, OpenMesh::VertexHandle b) override {
+        check(a.idx(), target_.n_vertices());
+        check(b.idx(), target_.n_vertices());
+        return ImporterT::add_edge(a, b);
     }
+    OpenMesh::FaceHandle add_face(OpenMesh::HalfedgeHandle first) override {
+        check(first.idx(), target_.n_halfedges());
+        return ImporterT::add_face(first);
+    }
+    OpenMesh::FaceHandle add_face(const VHandles& corners) override {
+        for (const auto corner : corners)
+            check(corner.idx(), target_.n_vertices());
+        return ImporterT::add_face(corners);
+    }
+    void set_halfedge(OpenMesh::VertexHandle vertex, OpenMesh::HalfedgeHandle halfedge) override {
+        check(vertex.idx(), target_.n_vertices());
+        if (halfedge.idx() != -1) // an isolated vertex has none
+            check(halfedge.idx(), target_.n_halfedges());
+        ImporterT::set_halfedge(vertex, halfedge);
+    }
+    void set_next(OpenMesh::HalfedgeHandle halfedge, OpenMesh::HalfedgeHandle next) override {
+        check(halfedge.idx(), target_.n_halfedges());
+        check(next.idx(), target_.n_halfedges());
+        ImporterT::set_next(halfedge, next);
+    }
+    // Faces may come after the halfedges that name them: checked once all are there.
+    void set_face(OpenMesh::HalfedgeHandle halfedge, OpenMesh::FaceHandle face) override {
+        check(halfedge.idx(), target_.n_halfedges());
+        ImporterT::set_face(halfedge, face);
+    }
+
+private:
+    static void check(int index, std::size_t count) {
+        if (index < 0 || static_cast<std::size_t>(index) >= count)
+            throw BadMesh("a halfedge structure names an element that is not there");
+    }
+    PolyMesh& target_;
+};
+
+// What the importer could not see: halfedges read later than what points at them.
+Status checkHandles(const PolyMesh& mesh, const std::filesystem::path& path) {
+    const auto isIn = [](int index, std::size_t count) { return index >= 0 && static_cast<std::size_t>(index) < count; };
+    for (const auto face : mesh.faces())
+        if (!isIn(mesh.halfedge_handle(face).idx(), mesh.n_halfedges()))
+            return makeError(ErrorCode::Corruption, "a face has no halfedge", path);
+    for (const auto halfedge : mesh.halfedges())
+        if (!isIn(mesh.to_vertex_handle(halfedge).idx(), mesh.n_vertices()) ||
+            (!mesh.is_boundary(halfedge) && !isIn(mesh.next_halfedge_handle(halfedge).idx(), mesh.n_halfedges())))
+            return makeError(ErrorCode::Corruption, "a halfedge leads nowhere", path);
     return {};
+}
+
+/// Vertices around a face; empty if they do not close within the mesh's number of vertices.
+std::vector<std::int64_t> cornersOf(const PolyMesh& mesh, OpenMesh::FaceHandle face) {
+    std::vector<std::int64_t> corners;
+    const auto first = mesh.halfedge_handle(face);
+    auto halfedge = first;
+    do {
+        if (corners.size() > mesh.n_vertices() || !halfedge.is_valid())
+            return {};
+        corners.push_back(mesh.to_vertex_handle(halfedge).idx());
+        halfedge = mesh.next_halfedge_handle(halfedge);
+    } while (halfedge != first);
+    return corners;
+}
+
+/// One kind of chunk in a native file, in the order in which OpenMesh writes them.
+struct OmChunk {
+    std::uint16_t word; ///< its header without the size of its numbers
+    bool isFloat;
+    std::uint64_t numbers;
+};
+
+/// OpenMesh believes sizes in its native format and asserts on what it does not expect, so the
+/// whole chain of chunks is walked first. Read are version 2.2 files with positions, normals and
+/// topology: what this program and plain OpenMesh programs write.
+Status checkOmChunks(std::string_view bytes, const std::filesystem::path& path) {
+    const auto refuse = [&](const char* what, std::uint64_t at) {
+        return makeError(ErrorCode::InvalidArgument, std::string("is not a readable om mesh: ") + what, path, at);
+    };
+    if (bytes.size() < 18 || !bytes.starts_with("OM") || (bytes[2] != 'T' && bytes[2] != 'P') || bytes[3] != 0x42)
+        return refuse("OpenMesh 2.2 expected in its first bytes", 0);
+    std::uint32_t counts[3]; // vertices, faces, edges
+    std::memcpy(counts, bytes.data() + 4, sizeof counts);
+    const std::uint64_t vertices = counts[0], faces = counts[1], edges = counts[2];
+    const OmChunk known[] = {{0x1600, true, 3 * vertices},
+                             {0x1620, true, 3 * vertices},
+                             {0x16f8, false, 6 * edges}, // per halfedge: next, vertex, face
+                             {0x06e0, false, vertices},
+                             {0x06e8, false, faces}};
+    std::size_t rank = 0;
+    for (std::uint64_t at = 16; at + 2 <= bytes.size();) {
+        const auto word = static_cast<std::uint16_t>(static_cast<unsigned char>(bytes[at]) |
+                                                     static_cast<unsigned char>(bytes[at + 1]) << 8);
+        if (word == 0x001c && at + 2 == bytes.size() && (rank == std::size(known) || vertices == 0))
+            return {};
+        while (rank < std::size(known) && known[rank].word != (word & 0x3fff))
+            ++rank;
+        const unsigned sizeCode = word >> 14; // floats: 4 or 8 bytes; whole numbers: 1, 2 or 4
+        if (rank == std::size(known) || sizeCode > (known[rank].isFloat ? 1u : 2u))
+            return refuse("a chunk of unknown kind", at);
+        at += 2 + known[rank].numbers * ((known[rank].isFloat ? 4u : 1u) << sizeCode);
+        ++rank;
+    }
+    return makeError(ErrorCode::Corruption, "file ends early, or its chunks do not add up", path);
 }
 
 // A native OpenMesh file holds halfedges, which only a real mesh can take.
 Result<TriangleSoup> readOm(std::string_view bytes, const std::filesystem::path& path) {
-    ISO_TRY(checkOmHeader(bytes, path));
+    ISO_TRY(checkOmChunks(bytes, path));
     PolyMesh mesh;
     bool isRead = false;
     {
         const QuietStream quietErrors(std::cerr), quietLog(std::clog);
-        isRead = OpenMesh::IO::read_mesh(mesh, path.string());
+        CheckedImporter importer(mesh);
+        OpenMesh::IO::Options options = OpenMesh::IO::Options::Binary;
+        isRead = OpenMesh::IO::IOManager().read(path.string(), importer, options);
     }
     if (!isRead)
         return makeError(ErrorCode::InvalidArgument, "is not a readable om mesh", path);
+    ISO_TRY(checkHandles(mesh, path));
     TriangleSoup soup;
     for (const auto vertex : mesh.vertices()) {
         const auto& p = mesh.point(vertex);
         soup.positions.emplace_back(p[0], p[1], p[2]);
     }
-    std::vector<std::int64_t> corners;
     for (const auto face : mesh.faces()) {
-        corners.clear();
-        for (const auto vertex : mesh.fv_range(face)) {
-            corners.push_back(vertex.idx());
-            if (corners.size() > mesh.n_vertices())
-                return makeError(ErrorCode::Corruption, "the halfedges of a face do not close", path);
-        }
+        const auto corners = cornersOf(mesh, face);
+        if (corners.empty())
+            return makeError(ErrorCode::Corruption, "the halfedges of a face do not close", path);
         ISO_TRY(addPolygon(soup, corners, path));
     }
     ISO_TRY(checkIndices(soup, path));
@@ -118,6 +222,8 @@ Result<TriangleSoup> readMeshFile(const std::filesystem::path& path) {
     silenceOpenMesh();
     try {
         return readChecked(path);
+    } catch (const BadMesh& problem) {
+        return makeError(ErrorCode::Corruption, problem.what(), path);
     } catch (const std::bad_alloc&) {
         return makeError(ErrorCode::OutOfSpace, "does not fit in memory", path);
     } catch (const std::exception& problem) {

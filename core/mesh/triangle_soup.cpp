@@ -1,5 +1,6 @@
 #include "core/mesh/triangle_soup.h"
 
+#include <algorithm>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -10,18 +11,38 @@
 #include <tbb/parallel_sort.h>
 
 namespace isoslider::mesh {
+namespace {
+
+// At an isovalue that samples have, all vertices round such a grid point lie on it: triangles without
+// area, and one point for many vertices in formats that store corners. Held this far from both ends of
+// its edge (in cells), every vertex has a place of its own; no triangle is added, lost or turned.
+constexpr double kLeastDistance = 1.0 / 2048;
+
+glm::dvec3 heldOffGridPoints(glm::dvec3 position, extract::EdgeId edge, const GridDims& dims) {
+    const int axis = static_cast<int>(edge & 3);
+    const auto point = static_cast<std::int64_t>(edge >> 2);
+    const std::int64_t begin = axis == 0 ? point % dims[0] : axis == 1 ? point / dims[0] % dims[1] : point / (dims[0] * dims[1]);
+    const double start = static_cast<double>(begin);
+    position[axis] = std::clamp(position[axis], start + kLeastDistance, start + 1.0 - kLeastDistance);
+    return position;
+}
+
+} // namespace
 
 TriangleSoup worldSoup(const extract::SurfaceMesh& mesh) {
     TriangleSoup soup;
     const GridGeometry& geometry = mesh.geometry;
     const bool hasNormals = mesh.normals.size() == mesh.positions.size();
+    const bool hasEdges = mesh.edgeIds.size() == mesh.positions.size();
     soup.positions.resize(mesh.positions.size());
     soup.normals.resize(hasNormals ? mesh.positions.size() : 0);
     const glm::dmat3 normalMap = geometry.normalToWorld();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 4096), [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
-            soup.positions[i] =
-                geometry.origin + geometry.direction * (geometry.spacing * glm::dvec3(mesh.positions[i]));
+            glm::dvec3 position(mesh.positions[i]);
+            if (hasEdges)
+                position = heldOffGridPoints(position, mesh.edgeIds[i], geometry.dims);
+            soup.positions[i] = geometry.origin + geometry.direction * (geometry.spacing * position);
             if (hasNormals)
                 soup.normals[i] = glm::vec3(normalMap * glm::dvec3(mesh.normals[i]));
         }

@@ -20,7 +20,9 @@ struct TriangleSoup {
 };
 
 /// A surface in world space: spacing, direction and origin applied in double precision, triangles
-/// of a left-handed geometry wound the other way so that they face the same side in space.
+/// of a left-handed geometry wound the other way so that they face the same side in space. Vertices of
+/// a mesh with edge ids are held 1/2048 of a cell off the grid points, so that no triangle is without
+/// area where the isovalue is a sample's.
 TriangleSoup worldSoup(const extract::SurfaceMesh& mesh);
 
 /// Drops the vertices that no triangle uses; the others keep their order.
