@@ -78,12 +78,12 @@ public:
 
     Result<index::IndexInfo> run() {
         ISO_TRY(countSamples());
-        auto writer = index::IndexWriter::create(path_, seed());
+        auto writer = index::IndexWriter::create(path_, seed(), fileSystem());
         if (!writer.isOk())
             return std::move(writer).error();
         const SpanBins bins = makeSpanBins(countsByPrefix_, kKeyShift);
         SpanHistogram histogram(bins.count());
-        ExternalSort<Key> sort(countsByPrefix_, kKeyShift, sortMemory(), spillPath());
+        ExternalSort<Key> sort(countsByPrefix_, kKeyShift, sortMemory(), spillPath(), fileSystem());
         ISO_TRY(generateRecords(bins, histogram, sort));
         LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlockBegins(histogram, bins, options_.skipLevels, redundancyThreshold_));
         beginCurves();
@@ -103,6 +103,8 @@ private:
             share.progress = [this, from, to](double f, std::string_view stage) { job_.report(from + f * (to - from), stage); };
         return share;
     }
+
+    FileSystem& fileSystem() const { return options_.fileSystem ? *options_.fileSystem : defaultFileSystem(); }
 
     std::int64_t layerCount() const { return grid_.bricks()[2]; }
 

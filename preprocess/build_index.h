@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "core/base/file_system.h"
 #include "core/base/job_control.h"
 #include "core/index/index_info.h"
 #include "core/volume_io/volume_source.h"
@@ -18,6 +19,7 @@ struct BuildOptions {
     int threads = 0;                    ///< 0: all cores
     std::filesystem::path temporaryFolder; ///< for sort runs; empty: beside the index
     std::string sourceName;
+    FileSystem* fileSystem = nullptr; ///< what to write through; null: the disk
 };
 
 /// Entries of narrow samples take about 2 bytes and of wide ones about 6: where they are cheap, more of

@@ -81,6 +81,8 @@ Status ActiveSurface<Live>::apply(const ChangeSet<Live>& changes, SlideStats& st
     for (Scratch& scratch : scratches_) {
         triangleDifference += scratch.triangleDifference;
         stats.cellsRetriangulated += scratch.cells;
+        if (!scratch.isConsistent)
+            return makeError(ErrorCode::Corruption, "index contradicts itself: active edges that no scalars have");
     }
     triangles_ += static_cast<std::uint64_t>(triangleDifference);
     for (Brick* brick : dirtyBricks_)

@@ -39,7 +39,7 @@ public:
     /// Drops everything: the empty surface.
     void clear();
     /// Steps 1 and 2. Errors: Corruption when a change contradicts the live state (an active edge
-    /// activated, an inactive one deactivated); call clear() then.
+    /// activated, an inactive one deactivated, a face with an odd number); call clear() then.
     Status apply(const ChangeSet<Live>& changes, SlideStats& stats);
     /// Step 3.
     void interpolate(double isovalue);
@@ -65,7 +65,7 @@ private:
     void listBricks(Brick& brick, Scratch& scratch);
 
     void retriangulate(Brick& brick, Scratch& scratch);
-    void findCases(Brick& brick, const Neighbourhood& around, Scratch& scratch);
+    bool findCases(Brick& brick, const Neighbourhood& around, Scratch& scratch);
     bool isLowerEndBelow(const Brick& brick, LocalEdge edge) const;
     bool patchCells(Brick& brick, const Neighbourhood& around, Scratch& scratch);
     void layOutBrick(Brick& brick, const Neighbourhood& around);

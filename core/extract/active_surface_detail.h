@@ -42,11 +42,13 @@ struct ActiveSurface<Live>::Scratch {
     std::uint64_t removed = 0;
     std::uint64_t cells = 0;
     std::int64_t triangleDifference = 0;
+    bool isConsistent = true;
 
     void beginMove() {
         dirty.clear();
         added = removed = cells = 0;
         triangleDifference = 0;
+        isConsistent = true;
     }
 };
 

@@ -131,7 +131,10 @@ void ActiveSurface<Live>::retriangulate(Brick& brick, Scratch& scratch) {
     if (countBits(scratch.rewritten) > kBrickPoints / 16)
         prefetchBorders(around.bricks);
     const std::int64_t before = brick.triangleCount();
-    findCases(brick, around, scratch);
+    if (!findCases(brick, around, scratch)) {
+        scratch.isConsistent = false;
+        return;
+    }
     if (!patchCells(brick, around, scratch))
         layOutBrick(brick, around);
     scratch.triangleDifference += std::int64_t{brick.triangleCount()} - before;
@@ -145,20 +148,24 @@ bool ActiveSurface<Live>::isLowerEndBelow(const Brick& brick, LocalEdge edge) co
 
 // New cases of the cells to be rewritten. All signs follow from the active edges up to inversion;
 // one edge's scalars decide that. Beside missing values signs do not carry over from cell to cell, so
-// there each cell is solved on its own.
+// there each cell is solved on its own. False when the active edges of a cell belong to no signs, which
+// only a damaged index can bring about; nothing is changed then.
 template <class Live>
-void ActiveSurface<Live>::findCases(Brick& brick, const Neighbourhood& around, Scratch& scratch) {
+bool ActiveSurface<Live>::findCases(Brick& brick, const Neighbourhood& around, Scratch& scratch) {
     const auto& places = edgePlaces();
     const auto& table = caseTable();
+    bool isConsistent = true;
     const auto solveCell = [&](LocalPoint cell) -> std::uint8_t {
         unsigned mask = 0;
         for (int e = 0; e < 12; ++e) {
             const Brick* owner = around.bricks[places[cell][e] >> kEdgeBits];
             mask |= static_cast<unsigned>(owner && owner->isActiveEdge(places[cell][e] & kEdgeMask)) << e;
         }
-        if (mask == 0)
-            return 0;
         const std::uint8_t caseIndex = caseFromEdgeMask()[mask];
+        if (caseIndex == 0) {
+            isConsistent = isConsistent && mask == 0;
+            return 0;
+        }
         const int e = std::countr_zero(mask);
         const bool isBelow = isLowerEndBelow(*around.bricks[places[cell][e] >> kEdgeBits], places[cell][e] & kEdgeMask);
         const bool isBelowInCase = !(caseIndex >> kCellEdges[e].lowerCorner & 1);
@@ -176,6 +183,11 @@ void ActiveSurface<Live>::findCases(Brick& brick, const Neighbourhood& around, S
         EdgeBitsAround edges{};
         for (int k = 0; k < 8; ++k)
             edges[k] = around.bricks[k] ? &around.bricks[k]->active : nullptr;
+        const BrickBits impossible = impossibleCells(edges);
+        for (int z = 0; z < kBrickSide; ++z)
+            isConsistent = isConsistent && (impossible[z] & brick.usableCells[z]) == 0;
+        if (!isConsistent)
+            return false;
         const CornerWords corners = cornersFromEdges(edges);
         active = mixedCells(corners);
         int firstPlane = -1;
@@ -189,11 +201,14 @@ void ActiveSurface<Live>::findCases(Brick& brick, const Neighbourhood& around, S
             forEachBit(active, [&](LocalPoint cell) { scratch.newCase[cell] = caseOfCell(corners, cell, inverted); });
         }
     }
+    if (!isConsistent)
+        return false;
     for (int z = 0; z < kBrickSide; ++z) {
         for (std::uint64_t word = scratch.rewritten[z] & ~active[z]; word != 0; word &= word - 1)
             scratch.newCase[64 * z + std::countr_zero(word)] = 0;
         brick.activeCells[z] = (brick.activeCells[z] & ~scratch.rewritten[z]) | active[z];
     }
+    return true;
 }
 
 // Moves a bucket's last run into the hole that a cell leaves.
@@ -308,7 +323,7 @@ void ActiveSurface<Live>::layOutBrick(Brick& brick, const Neighbourhood& around)
 #define ISO_INSTANTIATE(Live)                                                                       \
     template void ActiveSurface<Live>::retriangulate(Brick&, Scratch&);                             \
     template bool ActiveSurface<Live>::isLowerEndBelow(const Brick&, LocalEdge) const;              \
-    template void ActiveSurface<Live>::findCases(Brick&, const Neighbourhood&, Scratch&);           \
+    template bool ActiveSurface<Live>::findCases(Brick&, const Neighbourhood&, Scratch&);           \
     template bool ActiveSurface<Live>::patchCells(Brick&, const Neighbourhood&, Scratch&);          \
     template void ActiveSurface<Live>::layOutBrick(Brick&, const Neighbourhood&);                   \
     template void ActiveSurface<Live>::removeRun(Brick&, LocalPoint, int);

@@ -90,6 +90,32 @@ CornerWords cornersFromEdges(const EdgeBitsAround& active) {
     return corners;
 }
 
+BrickBits impossibleCells(const EdgeBitsAround& active) {
+    const Planes planes(active);
+    // Parity round the faces that start at each point: across z, x and y.
+    const auto acrossZ = [&](int z) {
+        const std::uint64_t x = planes.at(0, z), y = planes.at(1, z);
+        return x ^ stepY(x, planes.at(0, z, 2)) ^ y ^ stepX(y, planes.at(1, z, 1));
+    };
+    BrickBits cells;
+    std::uint64_t below = acrossZ(0);
+    for (int z = 0; z < 8; ++z) {
+        const std::uint64_t above = acrossZ(z + 1);
+        // k: the brick itself, or the next along x (1) or y (2).
+        const auto acrossY = [&](int k) {
+            const std::uint64_t zEdges = planes.at(2, z, k);
+            return planes.at(0, z, k) ^ planes.at(0, z + 1, k) ^ zEdges ^ stepX(zEdges, planes.at(2, z, k | 1));
+        };
+        const auto acrossX = [&](int k) {
+            const std::uint64_t zEdges = planes.at(2, z, k);
+            return planes.at(1, z, k) ^ planes.at(1, z + 1, k) ^ zEdges ^ stepY(zEdges, planes.at(2, z, k | 2));
+        };
+        cells[z] = below | above | acrossY(0) | stepY(acrossY(0), acrossY(2)) | acrossX(0) | stepX(acrossX(0), acrossX(1));
+        below = above;
+    }
+    return cells;
+}
+
 BrickBits mixedCells(const CornerWords& corners) {
     BrickBits cells;
     for (int z = 0; z < 8; ++z) {

@@ -24,6 +24,9 @@ using CornerWords = std::array<std::array<std::uint64_t, 8>, 8>;
 /// edge beside one is never active).
 CornerWords cornersFromEdges(const EdgeBitsAround& active);
 
+/// Cells with a face that has an odd number of active edges: no signs give that. Only a damaged index does.
+BrickBits impossibleCells(const EdgeBitsAround& active);
+
 /// Cells whose corners differ.
 BrickBits mixedCells(const CornerWords& corners);
 

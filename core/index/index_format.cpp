@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <xxhash.h>
 #include <zstd.h>
@@ -15,6 +16,7 @@ namespace {
 constexpr std::size_t kMaxStringBytes = 4096;
 constexpr std::size_t kMaxHistogramBins = 1u << 16;
 constexpr std::size_t kMissingCellsBytes = 4 + 64;
+constexpr std::size_t kMaxPackingRatio = 1u << 15; // a zstd block of 128 KiB takes 3 bytes and more
 
 std::uint64_t hashBytes(std::span<const std::byte> bytes, std::uint64_t seed) {
     return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
@@ -47,7 +49,8 @@ bool getGeometry(ByteReader& in, GridGeometry& geometry) {
     for (int column = 0; column < 3; ++column)
         for (int row = 0; row < 3; ++row)
             geometry.direction[column][row] = in.get<double>();
-    return isSane && !in.hasFailed() && pointCount(geometry.dims) <= kMaxPoints;
+    return isSane && !in.hasFailed() && pointCount(geometry.dims) <= kMaxPoints &&
+           BrickGrid(geometry.dims).brickCount() <= std::numeric_limits<BrickIndex>::max();
 }
 
 void putLevel(ByteWriter& out, const SkipLevelInfo& info, const LevelDirectory& level) {
@@ -70,7 +73,7 @@ constexpr std::size_t kPageEntryBytes = 44;
 constexpr std::size_t kBlockEntryBytes = 32;
 
 // Says what is wrong, or nothing.
-const char* getLevel(ByteReader& in, SkipLevelInfo& info, LevelDirectory& level, const Preamble& preamble) {
+const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDirectory& level, const Preamble& preamble) {
     for (std::uint64_t* value : {&info.blocks, &info.points, &info.edges, &info.activatedEdges, &info.bytes, &info.redundantRemoved})
         *value = in.get<std::uint64_t>();
     const std::uint64_t pages = in.get<std::uint64_t>();
@@ -88,6 +91,10 @@ const char* getLevel(ByteReader& in, SkipLevelInfo& info, LevelDirectory& level,
             page.bytes > preamble.metaOffset - page.offset)
             return "page entry";
     }
+    if (isLevel0)
+        for (std::size_t i = 1; i < level.pages.size(); ++i)
+            if (level.pages[i].firstKey < level.pages[i - 1].lastKey)
+                return "pages of level 0 are out of order";
     std::uint64_t nextPage = 0;
     for (std::size_t i = 0; i < level.blocks.size(); ++i) {
         BlockEntry& block = level.blocks[i];
@@ -122,6 +129,10 @@ bool getMissingCells(ByteReader& in, std::vector<MissingCells>& bricks, const Br
     if (in.hasFailed() || count > grid.brickCount() || packedBytes > in.remaining())
         return false;
     const auto packed = in.getBytes(packedBytes);
+    // The packed frame's own word, and what zstd can at best achieve, before memory is taken.
+    if (count > 0 && (ZSTD_getFrameContentSize(packed.data(), packed.size()) != count * kMissingCellsBytes ||
+                      count * kMissingCellsBytes > (packedBytes + 1) * kMaxPackingRatio))
+        return false;
     std::vector<std::byte> plain(count * kMissingCellsBytes);
     const std::size_t size = ZSTD_decompress(plain.data(), plain.size(), packed.data(), packed.size());
     if (ZSTD_isError(size) || size != plain.size())
@@ -250,7 +261,7 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
     info.levels.resize(levels);
     meta.levels.resize(levels);
     for (std::size_t i = 0; i < levels; ++i)
-        if (const char* fault = getLevel(in, info.levels[i], meta.levels[i], preamble))
+        if (const char* fault = getLevel(in, i == 0, info.levels[i], meta.levels[i], preamble))
             return corrupt(fault);
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
