@@ -11,6 +11,7 @@
 #include "app/desktop/preprocess_index_builder.h"
 #include "app/desktop/sample_loader.h"
 #include "app/desktop/screenshot_runner.h"
+#include "ui/model/raw_guess.h"
 #include "ui/model/session.h"
 #include "ui/render/gl_program.h"
 #include "ui/render/gl_support.h"
@@ -60,6 +61,9 @@ model::SessionServices makeServices(const CommandLine& line) {
 }
 
 void openFirst(widgets::MainWindow& window, model::Session& session, const CommandLine& line) {
+    const bool asksUser = line.screenshot.isEmpty() && model::isHeaderlessSuffix(line.file.toStdString());
+    if (asksUser)
+        return window.openFile(line.file);
     model::OpenRequest request;
     request.isovalue = line.isovalue;
     if (line.isSelfTest)

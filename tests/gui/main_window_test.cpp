@@ -9,6 +9,7 @@
 #include <QMenu>
 #include <QMimeData>
 #include <QPushButton>
+#include <QSpinBox>
 #include <QTableView>
 #include <QTest>
 #include <QToolButton>
@@ -75,6 +76,25 @@ TEST_F(MainWindowTest, AMissingFileIsToldOnTheStartPage) {
     window_->openFile(qpath(folder_ / "nowhere.mha"));
     ASSERT_TRUE(waitUntil([&] { return window_->messageBar().isVisible(); }));
     EXPECT_TRUE(window_->viewportHost().startPage().isVisible());
+}
+
+TEST_F(MainWindowTest, AsksHowAHeaderlessFileIsArranged) {
+    std::string samples(12 * 12 * 12, '\0');
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i] = static_cast<char>(i % 12 * 20);
+    window_->openFile(qpath(folder_.write("ramp.raw", samples)));
+    auto* dialog = child<QDialog>("rawImportDialog");
+    auto* open = dialog->findChild<QPushButton*>(QStringLiteral("rawOpen"));
+    auto* depth = dialog->findChild<QSpinBox*>(QStringLiteral("rawDimZ"));
+    EXPECT_EQ(depth->value(), 12);
+    EXPECT_TRUE(open->isEnabled());
+    depth->setValue(13);
+    EXPECT_FALSE(open->isEnabled());
+    depth->setValue(12);
+    QTest::mouseClick(open, Qt::LeftButton);
+    ASSERT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
+    EXPECT_EQ(session_->dataset()->max, 220.0);
+    EXPECT_TRUE(waitUntilSettled());
 }
 
 TEST_F(MainWindowTest, ASecondOpenUsesTheIndexAtOnce) {

@@ -11,7 +11,7 @@ namespace {
 
 using Filter = std::pair<const char*, const char*>;
 
-constexpr std::array<Filter, 10> kVolumes{{{"MetaImage", "*.mha *.mhd"},
+constexpr std::array<Filter, 11> kVolumes{{{"MetaImage", "*.mha *.mhd"},
                                           {"NRRD", "*.nrrd *.nhdr"},
                                           {"NIfTI", "*.nii *.nii.gz *.hdr"},
                                           {"VTK", "*.vti *.vts *.vtu *.vtr *.vtk"},
@@ -20,6 +20,7 @@ constexpr std::array<Filter, 10> kVolumes{{{"MetaImage", "*.mha *.mhd"},
                                           {"TIFF", "*.tif *.tiff"},
                                           {"HDF5 / NetCDF", "*.h5 *.hdf5 *.nc"},
                                           {"Density maps", "*.mrc *.map *.ccp4 *.cube"},
+                                          {"Raw samples", "*.raw *.dat"},
                                           {"ISOSLIDER", "*.isx"}}};
 constexpr std::array<Filter, 5> kMeshes{{{"Stanford PLY", "*.ply"},
                                         {"Wavefront OBJ", "*.obj"},

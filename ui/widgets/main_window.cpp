@@ -10,6 +10,7 @@
 #include <QMimeData>
 #include <QVBoxLayout>
 
+#include "ui/model/raw_guess.h"
 #include "ui/model/session.h"
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/dataset_panel.h"
@@ -20,6 +21,7 @@
 #include "ui/widgets/levels_panel.h"
 #include "ui/widgets/mesh_panel.h"
 #include "ui/widgets/message_bar.h"
+#include "ui/widgets/raw_import_dialog.h"
 #include "ui/widgets/settings_store.h"
 #include "ui/widgets/start_page.h"
 #include "ui/widgets/viewport_host.h"
@@ -119,18 +121,36 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     QMainWindow::closeEvent(event);
 }
 
-void MainWindow::openFile(const QString& path) {
+void MainWindow::open(model::OpenRequest request) {
     messageBar_->hide();
-    model::OpenRequest request;
-    request.path = std::filesystem::path(QFileInfo(path).absoluteFilePath().toStdU16String());
     session_.open(std::move(request));
 }
 
+void MainWindow::openFile(const QString& path) {
+    if (model::isHeaderlessSuffix(path.toStdString()) && QFileInfo(path).isFile())
+        return askRawLayout(path);
+    model::OpenRequest request;
+    request.path = std::filesystem::path(QFileInfo(path).absoluteFilePath().toStdU16String());
+    open(std::move(request));
+}
+
 void MainWindow::openSample(const QString& name) {
-    messageBar_->hide();
     model::OpenRequest request;
     request.sampleName = name.toStdString();
-    session_.open(std::move(request));
+    open(std::move(request));
+}
+
+void MainWindow::askRawLayout(const QString& path) {
+    const QFileInfo file(path);
+    auto* dialog = new RawImportDialog(std::filesystem::path(file.absoluteFilePath().toStdU16String()),
+                                       static_cast<std::uint64_t>(file.size()), this);
+    connect(dialog, &RawImportDialog::openRequested, this, [this](const QString& chosen, const io::RawLayout& layout) {
+        model::OpenRequest request;
+        request.path = std::filesystem::path(chosen.toStdU16String());
+        request.readOptions.raw = layout;
+        open(std::move(request));
+    });
+    dialog->open();
 }
 
 void MainWindow::askOpen() {

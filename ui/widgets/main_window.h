@@ -33,7 +33,8 @@ public:
                QWidget* parent = nullptr);
     ~MainWindow() override;
 
-    /// Opens a volume or an index and remembers it among the recent files once it is open.
+    /// Opens a volume or an index and remembers it among the recent files once it is open. Asks
+    /// first how a headerless file is arranged.
     void openFile(const QString& path);
     void openSample(const QString& name);
     /// Place, size and panels as they were when the window was last closed.
@@ -59,6 +60,8 @@ private:
     void connectActions();
     QDockWidget* addDock(const QString& title, const char* name, QWidget* panel);
     void askOpen();
+    void askRawLayout(const QString& path);
+    void open(model::OpenRequest request);
     void askExport();
     void askSaveImage();
     void showDataset();

@@ -3,6 +3,7 @@
 #include "tests/support/temporary_folder.h"
 #include "ui/model/index_cache.h"
 #include "ui/model/number_text.h"
+#include "ui/model/raw_guess.h"
 
 namespace isoslider::model {
 namespace {
@@ -35,6 +36,31 @@ TEST(NumberText, WritesValuesAndTimes) {
     EXPECT_EQ(millisecondsText(18.34), "18.3 ms");
     EXPECT_EQ(millisecondsText(1240.0), "1.24 s");
     EXPECT_EQ(millisecondsText(125'000.0), "2 min 05 s");
+}
+
+TEST(RawGuess, ReadsDimsAndTypeFromTheName) {
+    const auto layout = guessRawLayout("Skull_256x256x113_UINT16.raw", 256 * 256 * 113 * 2);
+    EXPECT_EQ(layout.dims, (GridDims{256, 256, 113}));
+    EXPECT_EQ(layout.type, ScalarType::U16);
+    EXPECT_EQ(layoutBytes(layout), std::uint64_t{256 * 256 * 113 * 2});
+}
+
+TEST(RawGuess, TakesTheTypeThatFitsTheNamedDims) {
+    const auto layout = guessRawLayout("head_64x32x16.raw", 64 * 32 * 16 * 4);
+    EXPECT_EQ(layout.dims, (GridDims{64, 32, 16}));
+    EXPECT_EQ(layout.type, ScalarType::F32);
+}
+
+TEST(RawGuess, FindsCubesAndSquareSlices) {
+    EXPECT_EQ(guessRawLayout("a.raw", 41 * 41 * 41).dims, (GridDims{41, 41, 41}));
+    EXPECT_EQ(guessRawLayout("a.raw", 256 * 256 * 99).dims, (GridDims{256, 256, 99}));
+    EXPECT_EQ(guessRawLayout("a_float.raw", 64 * 64 * 64 * 4).type, ScalarType::F32);
+}
+
+TEST(RawGuess, GivesNothingForASizeThatFitsNothing) {
+    EXPECT_EQ(guessRawLayout("a.raw", 1000003).dims, (GridDims{0, 0, 0}));
+    EXPECT_EQ(guessRawLayout("", 0).dims, (GridDims{0, 0, 0}));
+    EXPECT_EQ(guessRawLayout("999999_999999_999999.raw", 5).dims, (GridDims{999999, 999999, 999999}));
 }
 
 class IndexCacheTest : public ::testing::Test {
