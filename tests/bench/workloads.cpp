@@ -1,0 +1,303 @@
+#include "tests/bench/workloads.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+#include <numbers>
+#include <optional>
+
+#include <tbb/parallel_for.h>
+
+#include "core/grid/classification.h"
+#include "core/volume_io/sample_volumes.h"
+#include "core/volume_io/volume_reader.h"
+
+namespace isoslider::bench {
+namespace {
+
+constexpr int kCentreCandidates = 401;
+
+// Fills a cube plane by plane; plane(z, values) writes size^2 samples.
+template <class Sample, class Plane>
+ScalarGrid makeCube(int size, ScalarType type, const Plane& plane) {
+    GridGeometry geometry;
+    geometry.dims = {size, size, size};
+    const std::size_t planePoints = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+    std::vector<std::byte> bytes(planePoints * static_cast<std::size_t>(size) * sizeof(Sample));
+    auto* samples = reinterpret_cast<Sample*>(bytes.data());
+    tbb::parallel_for(0, size, [&](int z) { plane(z, samples + planePoints * static_cast<std::size_t>(z)); });
+    return ScalarGrid(geometry, type, std::move(bytes));
+}
+
+// A number in [-1, 1) for a lattice point of an octave: a 32-bit mix of its coordinates.
+float latticeValue(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t octave) {
+    std::uint32_t hash = (x * 0x8da6b343u) ^ (y * 0xd8163841u) ^ (z * 0xcb1ab31fu) ^ ((octave + 1) * 0x9e3779b9u);
+    hash = (hash ^ (hash >> 16)) * 0x7feb352du;
+    hash = (hash ^ (hash >> 15)) * 0x846ca68bu;
+    hash ^= hash >> 16;
+    return static_cast<float>(hash >> 8) * (2.0f / 16777216.0f) - 1.0f;
+}
+
+float fade(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
+
+// Place of a grid coordinate on a lattice: cell and faded offset in it.
+struct LatticePlace {
+    LatticePlace(int coordinate, int cells, int size) {
+        const float at = static_cast<float>(coordinate) * static_cast<float>(cells) / static_cast<float>(size);
+        cell = static_cast<std::uint32_t>(at);
+        weight = fade(at - static_cast<float>(cell));
+    }
+    std::uint32_t cell;
+    float weight;
+};
+
+void addOctave(std::uint32_t octave, float amplitude, int size, int y, int z, float* row) {
+    const int cells = 4 << octave;
+    const LatticePlace py(y, cells, size), pz(z, cells, size);
+    std::array<float, 4 * 8 + 1> column; // the lattice interpolated in y and z
+    for (std::uint32_t i = 0; i <= static_cast<std::uint32_t>(cells); ++i) {
+        const auto alongY = [&](std::uint32_t latticeZ) {
+            return latticeValue(i, py.cell, latticeZ, octave) * (1 - py.weight) +
+                   latticeValue(i, py.cell + 1, latticeZ, octave) * py.weight;
+        };
+        column[i] = alongY(pz.cell) * (1 - pz.weight) + alongY(pz.cell + 1) * pz.weight;
+    }
+    for (int x = 0; x < size; ++x) {
+        const LatticePlace px(x, cells, size);
+        row[x] += amplitude * (column[px.cell] + (column[px.cell + 1] - column[px.cell]) * px.weight);
+    }
+}
+
+void findRange(BenchVolume& volume) {
+    volume.grid->visit([&](auto samples) {
+        bool isFirst = true;
+        for (const auto sample : samples) {
+            if (isMissing(sample)) {
+                volume.hasMissing = true;
+                continue;
+            }
+            const double value = static_cast<double>(sample);
+            volume.min = isFirst ? value : std::min(volume.min, value);
+            volume.max = isFirst ? value : std::max(volume.max, value);
+            isFirst = false;
+        }
+    });
+}
+
+// Active edges per candidate, as differences from one candidate to the next.
+class CandidateCounts {
+public:
+    CandidateCounts(double first, double step) : first_(first), step_(step) {}
+
+    // The edge is active at isovalues in (lower sample, upper sample].
+    void addEdge(double p, double q) {
+        if (!(p < q || q < p))
+            return;
+        const double low = std::min(p, q), high = std::max(p, q);
+        const auto candidateOf = [&](double value) { return static_cast<long>(std::floor((value - first_) / step_)); };
+        const long begin = std::clamp(candidateOf(low) + 1, 0L, long{kCentreCandidates});
+        const long last = std::min(candidateOf(high), long{kCentreCandidates} - 1);
+        if (begin > last)
+            return;
+        ++differences_[static_cast<std::size_t>(begin)];
+        --differences_[static_cast<std::size_t>(last) + 1];
+    }
+    void add(const CandidateCounts& other) {
+        for (std::size_t i = 0; i < differences_.size(); ++i)
+            differences_[i] += other.differences_[i];
+    }
+    int largest() const {
+        long active = 0, most = -1;
+        int best = kCentreCandidates / 2;
+        for (int i = 0; i < kCentreCandidates; ++i) {
+            active += differences_[static_cast<std::size_t>(i)];
+            if (active > most) {
+                most = active;
+                best = i;
+            }
+        }
+        return best;
+    }
+
+private:
+    double first_, step_;
+    std::array<long, kCentreCandidates + 1> differences_{};
+};
+
+template <class Sample>
+void countPlane(std::span<const Sample> samples, const GridDims& dims, std::int64_t z, CandidateCounts& counts) {
+    const auto [nx, ny, nz] = dims;
+    for (std::int64_t y = 0; y < ny; ++y) {
+        const Sample* row = samples.data() + nx * (y + ny * z);
+        const auto edges = [&](std::int64_t stride, std::int64_t count) {
+            for (std::int64_t x = 0; x < count; ++x)
+                if (!isMissing(row[x]) && !isMissing(row[x + stride]))
+                    counts.addEdge(static_cast<double>(row[x]), static_cast<double>(row[x + stride]));
+        };
+        edges(1, nx - 1);
+        if (y + 1 < ny)
+            edges(nx, nx);
+        if (z + 1 < nz)
+            edges(nx * ny, nx);
+    }
+}
+
+std::vector<std::string> splitAtColons(const std::string& text) {
+    std::vector<std::string> parts{""};
+    for (const char c : text)
+        if (c == ':')
+            parts.emplace_back();
+        else
+            parts.back() += c;
+    return parts;
+}
+
+std::optional<std::int64_t> numberIn(std::string_view text) {
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size())
+        return std::nullopt;
+    return value;
+}
+
+Result<io::ReadOptions> rawOptions(const std::vector<std::string>& parts, const std::string& spec) {
+    io::RawLayout layout;
+    const auto type = scalarTypeFromName(parts[4]);
+    const auto skip = parts.size() > 5 ? numberIn(parts[5]) : std::optional<std::int64_t>{0};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        layout.dims[axis] = numberIn(parts[axis + 1]).value_or(0);
+    if (!type || !skip || *skip < 0 || parts.size() > 6)
+        return makeError(ErrorCode::InvalidArgument, "want PATH:nx:ny:nz:TYPE[:skip]", spec);
+    layout.type = *type;
+    layout.skipBytes = static_cast<std::uint64_t>(*skip);
+    layout.allowsTrailing = true;
+    io::ReadOptions options;
+    options.raw = layout;
+    return options;
+}
+
+// "shell256" and its like; null for any other name.
+std::shared_ptr<const ScalarGrid> makeNamed(const std::string& spec) {
+    const std::size_t digits = spec.find_first_of("0123456789");
+    if (digits == std::string::npos)
+        return nullptr;
+    const std::string kind = spec.substr(0, digits);
+    const auto size = numberIn(std::string_view(spec).substr(digits));
+    if (!size || *size < 2 || *size > 2048)
+        return nullptr;
+    const int n = static_cast<int>(*size);
+    if (kind == "shell")
+        return std::make_shared<const ScalarGrid>(makeShell(n));
+    if (kind == "ml")
+        return std::make_shared<const ScalarGrid>(makeMarschnerLobb(n));
+    if (kind == "noise")
+        return std::make_shared<const ScalarGrid>(makeNoise(n));
+    return nullptr;
+}
+
+} // namespace
+
+ScalarGrid makeShell(int size) {
+    const double centre = size / 2; // a grid point
+    const double radius = 79.1 * size / 256.0;
+    const double largest = std::max(radius, std::sqrt(3.0) * centre - radius);
+    return makeCube<std::uint16_t>(size, ScalarType::U16, [=](int z, std::uint16_t* out) {
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+                const double dx = x - centre, dy = y - centre, dz = z - centre;
+                const double distance = std::sqrt(dx * dx + dy * dy + dz * dz);
+                *out++ = static_cast<std::uint16_t>(std::lround(65535.0 * std::fabs(distance - radius) / largest));
+            }
+    });
+}
+
+ScalarGrid makeMarschnerLobb(int size) {
+    constexpr double kPi = std::numbers::pi, kAlpha = 0.25, kFrequency = 6;
+    return makeCube<float>(size, ScalarType::F32, [=](int z, float* out) {
+        const auto onAxis = [=](int i) { return -1 + 2.0 * i / (size - 1); };
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+                const double px = onAxis(x), py = onAxis(y), pz = onAxis(z);
+                const double wave = std::cos(2 * kPi * kFrequency * std::cos(kPi * std::sqrt(px * px + py * py) / 2));
+                *out++ = static_cast<float>((1 - std::sin(kPi * pz / 2) + kAlpha * (1 + wave)) / (2 * (1 + kAlpha)));
+            }
+    });
+}
+
+ScalarGrid makeNoise(int size) {
+    return makeCube<float>(size, ScalarType::F32, [=](int z, float* out) {
+        for (int y = 0; y < size; ++y) {
+            float* row = out + static_cast<std::size_t>(size) * static_cast<std::size_t>(y);
+            std::fill_n(row, size, 0.0f);
+            float amplitude = 1;
+            for (std::uint32_t octave = 0; octave < 4; ++octave, amplitude *= 0.5f)
+                addOctave(octave, amplitude, size, y, z, row);
+        }
+    });
+}
+
+double centreIsovalue(const ScalarGrid& grid, double min, double max) {
+    const double first = min + 0.3 * (max - min);
+    const double step = 0.4 * (max - min) / (kCentreCandidates - 1);
+    CandidateCounts all(first, step);
+    std::mutex mutex;
+    grid.visit([&](auto samples) {
+        tbb::parallel_for(std::int64_t{0}, grid.dims()[2], [&](std::int64_t z) {
+            CandidateCounts counts(first, step);
+            countPlane(samples, grid.dims(), z, counts);
+            const std::lock_guard lock(mutex);
+            all.add(counts);
+        });
+    });
+    return first + step * all.largest();
+}
+
+std::vector<double> slide(const BenchVolume& volume, double percent, int steps) {
+    const double range = volume.max - volume.min;
+    const double step = range * percent / 100;
+    const double lowest = volume.min + 0.02 * range, highest = volume.min + 0.98 * range;
+    const bool isInteger = !isFloatType(volume.grid->type());
+    double at = std::max(lowest, volume.centre - step * steps / 2);
+    double direction = 1;
+    std::vector<double> isovalues;
+    for (int i = 0; i <= steps; ++i) {
+        const bool isOnSample = isInteger && std::fabs(at - std::round(at)) < 1e-6;
+        isovalues.push_back(isOnSample ? at + 0.001 : at);
+        const double next = at + direction * step;
+        if (next > highest || next < lowest)
+            direction = -direction;
+        at += direction * step;
+    }
+    return isovalues;
+}
+
+Result<BenchVolume> loadWorkload(const std::string& spec, const std::filesystem::path& resourcesDir) {
+    BenchVolume volume;
+    volume.name = spec;
+    volume.grid = makeNamed(spec);
+    if (!volume.grid) {
+        const auto parts = splitAtColons(spec);
+        io::ReadOptions options;
+        if (parts.size() >= 5) {
+            auto raw = rawOptions(parts, spec);
+            if (!raw.isOk())
+                return std::move(raw).error();
+            options = std::move(raw).value();
+        }
+        auto read = spec == "bluntfin" ? io::loadSample(spec, {0, 0, 0}, resourcesDir)
+                                       : io::readVolume(parts.size() >= 5 ? parts[0] : spec, options);
+        if (!read.isOk())
+            return std::move(read).error();
+        volume.grid = std::move(read).value();
+        if (spec != "bluntfin")
+            volume.name = std::filesystem::path(parts.size() >= 5 ? parts[0] : spec).filename().string();
+    }
+    findRange(volume);
+    volume.centre = centreIsovalue(*volume.grid, volume.min, volume.max);
+    return volume;
+}
+
+} // namespace isoslider::bench
