@@ -41,6 +41,12 @@ void checkIndexKind(const std::string& text) {
                                    fmt::format("'{}' is not a kind of index; known: edges, auto", text));
 }
 
+/// What is wrong with a number, for CLI11; text that is no number is refused elsewhere.
+std::string isAboveZero(const std::string& text) {
+    const auto value = parseFinite(text);
+    return value && *value <= 0.0 ? fmt::format("'{}' is not above zero", text) : std::string();
+}
+
 Json jsonOf(const preprocess::BuildReport& report) {
     Json json;
     json["seconds"] = report.seconds;
@@ -87,13 +93,10 @@ private:
         addInteger(command, "--skip-levels", skipLevels_, 1, index::kMaxSkipLevels,
                    fmt::format("levels written, 1 to {} ({})", index::kMaxSkipLevels, skipLevels_));
         addNumber(command, "--redundancy", redundancy_,
-                  "a block ends when its redundant edges exceed this many times its active ones (1)")
-            ->check(CLI::Validator(
-                [](const std::string& text) {
-                    const auto value = parseFinite(text);
-                    return value && *value < 0.0 ? std::string("is below zero") : std::string();
-                },
-                ""));
+                  fmt::format("a block ends when its redundant edges exceed this many times its active ones "
+                              "({} for 8- and 16-bit samples, {} for others)",
+                              preprocess::kRedundancyNarrow, preprocess::kRedundancyWide))
+            ->check(isAboveZero);
         command
             .add_option_function<std::string>(
                 "--index", [](const std::string& text) { checkIndexKind(text); },

@@ -77,6 +77,7 @@ TEST_F(CliUsage, RefusesNumbersOutOfRange) {
     expectRefusal({"build", volume, "-o", "a.isx", "--skip-levels", "9"}, 2, "1 to 8");
     expectRefusal({"build", volume, "-o", "a.isx", "--threads", "0"}, 2, "--threads");
     expectRefusal({"build", volume, "-o", "a.isx", "--redundancy", "-1"}, 2, "--redundancy");
+    expectRefusal({"build", volume, "-o", "a.isx", "--redundancy", "0"}, 2, "above zero");
     expectRefusal({"slide", "a.isx", "--from", "0", "--to", "1", "--steps", "0"}, 2, "--steps");
 }
 

@@ -1,0 +1,171 @@
+#!/usr/bin/env bash
+# Rules that no compiler sees: which way the arrows point, how long files are, that every test runs.
+# Stops at the first rule that is broken.
+#
+#   packaging/ci/check.sh           everything
+#   packaging/ci/check.sh --quick   what reads sources only
+#   packaging/ci/check.sh --links   the link graph, which needs a configured build
+set -euo pipefail
+
+ROOT=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
+readonly ROOT
+cd "$ROOT"
+
+readonly MAX_SOURCE_LINES=600 MAX_HEADER_LINES=150
+
+fail() {
+  printf 'check.sh: %s\n' "$1" >&2
+  [[ -z ${2:-} ]] || printf '%s\n' "$2" >&2
+  exit 1
+}
+warn() { printf 'check.sh: warning: %s\n' "$*" >&2; }
+
+# Files of the project, also those not yet committed; without git, all below the source folders.
+project_files() {
+  if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
+    git ls-files --cached --others --exclude-standard -- "$@"
+  else
+    find core preprocess ui app tests packaging resources -type f
+  fi
+}
+
+sources_below() { project_files "$@" | grep -E '\.(h|hpp|cpp|cc)$' || true; }
+
+# --- includes ---------------------------------------------------------------------------------------
+
+# refuse_includes WHAT PATTERN FOLDER...
+refuse_includes() {
+  local what=$1 pattern=$2 hits
+  shift 2
+  hits=$(sources_below "$@" | grep -E "^($(IFS='|'; echo "$*"))/" | xargs -r -d '\n' grep -nE "$pattern" || true)
+  [[ -z $hits ]] || fail "$what is included where it must not be" "$hits"
+}
+
+check_includes() {
+  local qt='#include *[<"](Q[A-Z][A-Za-z]*|Qt[A-Z][A-Za-z]*/|qcustomplot)'
+  local gl='#include *[<"](GL/|GLES|EGL/|epoxy/|glad/)'
+  refuse_includes "Qt" "$qt" core preprocess ui/model app/cli
+  refuse_includes "OpenGL" "$gl" core preprocess ui/model app/cli
+  refuse_includes "preprocess" '#include *"preprocess/' core ui
+  refuse_includes "ui" '#include *"ui/' core preprocess app/cli
+  refuse_includes "ui/render or ui/widgets" '#include *"ui/(render|widgets)/' ui/model
+  refuse_includes "ui/widgets" '#include *"ui/widgets/' ui/render
+  refuse_includes "app" '#include *"app/' core preprocess ui
+  refuse_includes "A widget" '#include *[<"]Q(Widget|Application|MainWindow|Dialog)[>"]' ui/render
+}
+
+# --- sizes ------------------------------------------------------------------------------------------
+
+# Tables are data and tests are lists; both may be as long as they are.
+check_sizes() {
+  local lines file
+  while read -r lines file; do
+    [[ $file == total ]] && continue
+    case $file in
+      tests/*) continue ;;
+      *table*.cpp | *table*.h) continue ;;
+    esac
+    ((lines <= MAX_SOURCE_LINES)) || fail "$file has $lines lines, more than $MAX_SOURCE_LINES"
+    if [[ $file == *.h ]] && ((lines > MAX_HEADER_LINES)); then
+      warn "$file has $lines lines; public headers aim for at most $MAX_HEADER_LINES"
+    fi
+  done < <(sources_below | xargs -r -d '\n' wc -l)
+}
+
+# --- tests ------------------------------------------------------------------------------------------
+
+# A test that no CMakeLists.txt names is a test that nobody runs.
+check_registration() {
+  local file folder name
+  while read -r file; do
+    name=${file##*/}
+    folder=${file%/*}
+    while [[ $folder == tests* ]]; do
+      if [[ -f $folder/CMakeLists.txt ]] &&
+        grep -qE "(^|[[:space:]/])(${file#"$folder"/}|$name)([[:space:])]|\$)" "$folder/CMakeLists.txt"; then
+        continue 2
+      fi
+      [[ $folder == */* ]] || break
+      folder=${folder%/*}
+    done
+    fail "$file is in no CMakeLists.txt"
+  done < <(project_files tests | grep -E '^tests/.*_test\.cpp$' || true)
+}
+
+check_documents() {
+  local file
+  for file in LICENSE README.md CHANGELOG.md CONTRIBUTING.md; do
+    [[ -s $file ]] || fail "$file is missing"
+  done
+  grep -q 'GNU GENERAL PUBLIC LICENSE' LICENSE || fail "LICENSE is not the GPL"
+}
+
+# --- the link graph -----------------------------------------------------------------------------------
+
+# Labels instead of dot's node numbers: "from to" a line, for what each target links.
+link_edges() {
+  awk '
+    /label = "/ && /"node[0-9]+" \[/ {
+      node = $1; gsub(/"/, "", node)
+      label = $0; sub(/.*label = "/, "", label); sub(/[\\"].*/, "", label)
+      name[node] = label
+    }
+    /"node[0-9]+" -> "node[0-9]+"/ {
+      from = $1; to = $3; gsub(/[";]/, "", from); gsub(/[";]/, "", to)
+      edges[++count] = from " " to
+    }
+    END { for (i = 1; i <= count; ++i) { split(edges[i], e, " "); print name[e[1]], name[e[2]] } }
+  ' "$1"
+}
+
+# reaches EDGES TARGET PATTERN: a target matching the pattern that TARGET links, directly or not
+reaches() {
+  awk -v start="$2" -v pattern="$3" '
+    { next_of[$1] = next_of[$1] " " $2 }
+    END {
+      queue[last = 1] = start; seen[start] = 1
+      for (first = 1; first <= last; ++first) {
+        count = split(next_of[queue[first]], next_ones, " ")
+        for (i = 1; i <= count; ++i)
+          if (!(next_ones[i] in seen)) { seen[next_ones[i]] = 1; queue[++last] = next_ones[i] }
+      }
+      for (i = 2; i <= last; ++i) if (queue[i] ~ pattern) print queue[i]
+    }' "$1"
+}
+
+check_links() {
+  local build=$ROOT/build/release scratch rule target pattern found
+  [[ -f $build/CMakeCache.txt ]] || { warn "no build in build/release: the link graph is not checked"; return; }
+  scratch=$(mktemp -d)
+  trap 'rm -rf -- "$scratch"' RETURN
+  cmake --graphviz="$scratch/links.dot" "$build" >"$scratch/log" 2>&1 || fail "cmake --graphviz failed" "$(cat "$scratch/log")"
+  link_edges "$scratch/links.dot" >"$scratch/edges"
+  grep -q '^isoslider_core ' "$scratch/edges" || fail "the link graph names no isoslider_core"
+  for rule in \
+    'isoslider_core ^(Qt|QCustomPlot|isoslider_(preprocess|ui_|volume_io|mesh))|OpenGL::' \
+    'isoslider_volume_io ^(Qt|QCustomPlot|isoslider_(preprocess|ui_))' \
+    'isoslider_mesh ^(Qt|QCustomPlot|isoslider_(preprocess|ui_))' \
+    'isoslider_preprocess ^(Qt|QCustomPlot|isoslider_ui_)' \
+    'isoslider_ui_model ^(Qt|QCustomPlot|OpenGL::|isoslider_(preprocess|ui_render|ui_widgets))' \
+    'isoslider_ui_render ^(Qt[0-9]*::(Widgets|OpenGLWidgets)|isoslider_(preprocess|ui_widgets))' \
+    'isoslider_ui_widgets ^isoslider_preprocess' \
+    'isoslider-cli ^(Qt|QCustomPlot|isoslider_ui_)'; do
+    target=${rule%% *}
+    pattern=${rule#* }
+    found=$(reaches "$scratch/edges" "$target" "$pattern")
+    [[ -z $found ]] || fail "$target links what it must not" "$found"
+  done
+}
+
+case ${1:-} in
+  '' | --quick | --links) ;;
+  *) printf 'usage: %s [--quick | --links]\n' "${0##*/}" >&2; exit 2 ;;
+esac
+if [[ ${1:-} != --links ]]; then
+  check_includes
+  check_sizes
+  check_registration
+  check_documents
+fi
+[[ ${1:-} == --quick ]] || check_links
+echo "check.sh: all rules kept"
