@@ -1,0 +1,81 @@
+#include "tests/bench/flat_runner.h"
+
+#include <tbb/task_arena.h>
+
+#include "core/extract/edge_block_source.h"
+#include "tests/bench/flat_baseline.h"
+#include "tests/bench/timing.h"
+
+namespace isoslider::bench {
+namespace {
+
+constexpr std::uint64_t kCacheBytes = std::uint64_t{256} << 20; // as the product has
+
+std::uint64_t averageActiveEdges(const index::IndexInfo& info) {
+    std::uint64_t sum = 0;
+    for (const std::uint64_t edges : info.activeEdgesPerBin)
+        sum += edges;
+    return info.activeEdgesPerBin.empty() ? 0 : sum / info.activeEdgesPerBin.size();
+}
+
+template <class Sample>
+class Runner final : public FlatRunner {
+    using Source = extract::EdgeBlockSource<Sample>;
+    using Live = typename Source::Live;
+
+public:
+    explicit Runner(std::unique_ptr<index::IndexReader> reader)
+        : reader_(std::move(reader)), source_(*reader_, kCacheBytes), changes_(reader_->grid().brickCount()),
+          surface_(reader_->info().geometry, reader_->meta().missingCells, averageActiveEdges(reader_->info())),
+          position_(source_.lowest()) {}
+
+    Result<FlatStep> slideTo(double isovalue) override {
+        FlatStep step;
+        Status moved;
+        oneThread_.execute([&] {
+            const double start = nowMs();
+            moved = move(source_.threshold(isovalue));
+            const double between = nowMs();
+            surface_.interpolate(isovalue);
+            step.updateMs = between - start;
+            step.interpolateMs = nowMs() - between;
+        });
+        if (!moved.isOk())
+            return moved.error();
+        step.activeEdges = surface_.activeEdges();
+        step.triangles = surface_.triangles();
+        step.memoryBytes = surface_.memoryBytes();
+        return step;
+    }
+
+private:
+    Status move(KeyThreshold target) {
+        changes_.clear();
+        extract::SlideStats stats;
+        ISO_TRY(source_.collect(position_, target, changes_, stats, {}));
+        surface_.apply(changes_);
+        position_ = target;
+        return {};
+    }
+
+    std::unique_ptr<index::IndexReader> reader_;
+    Source source_;
+    extract::ChangeSet<Live> changes_;
+    FlatBaseline<Live> surface_;
+    KeyThreshold position_;
+    tbb::task_arena oneThread_{1};
+};
+
+} // namespace
+
+Result<std::unique_ptr<FlatRunner>> FlatRunner::open(const std::filesystem::path& indexPath) {
+    auto reader = index::IndexReader::open(indexPath);
+    if (!reader.isOk())
+        return std::move(reader).error();
+    const ScalarType type = reader.value()->info().type;
+    return visitScalarType(type, [&](auto sample) -> Result<std::unique_ptr<FlatRunner>> {
+        return std::unique_ptr<FlatRunner>(std::make_unique<Runner<decltype(sample)>>(std::move(reader).value()));
+    });
+}
+
+} // namespace isoslider::bench
