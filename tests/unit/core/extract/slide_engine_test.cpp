@@ -1,0 +1,160 @@
+#include "core/extract/slide_engine.h"
+
+#include <gtest/gtest.h>
+
+#include "core/extract/full_extraction.h"
+#include "tests/property/surface_comparison.h"
+#include "tests/property/test_volumes.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider::extract {
+namespace {
+
+using test::HasError;
+using test::IsOk;
+
+class SlideEngineTest : public testing::Test {
+protected:
+    std::unique_ptr<SlideEngine> openOn(const std::shared_ptr<const ScalarGrid>& grid, int skipLevels = 5, std::uint64_t cacheBytes = 1u << 28) {
+        preprocess::BuildOptions options;
+        options.skipLevels = skipLevels;
+        options.sourceName = "hills";
+        const auto path = folder_ / ("levels" + std::to_string(skipLevels) + ".isx");
+        EXPECT_THAT(test::buildIndexOf(grid, path, options), IsOk());
+        auto engine = SlideEngine::open(path, {cacheBytes});
+        EXPECT_THAT(engine, IsOk());
+        return std::move(engine).value();
+    }
+
+    test::TemporaryFolder folder_;
+    std::shared_ptr<const ScalarGrid> hills_ = test::hillsVolume({48, 40, 44});
+};
+
+TEST_F(SlideEngineTest, IsEmptyUntilTheFirstMove) {
+    const auto engine = openOn(hills_);
+    EXPECT_EQ(engine->info().sourceName, "hills");
+    EXPECT_EQ(engine->info().geometry, hills_->geometry());
+    EXPECT_TRUE(engine->mesh().positions.empty());
+    SurfaceFrame frame;
+    engine->copyFrame(frame);
+    EXPECT_TRUE(frame.indices.empty());
+    EXPECT_TRUE(frame.positions.empty());
+}
+
+TEST_F(SlideEngineTest, RefusesAnIsovalueThatIsNotANumberAndKeepsItsSurface) {
+    const auto engine = openOn(hills_);
+    ASSERT_THAT(engine->slideTo(300.0), IsOk());
+    EXPECT_THAT(engine->slideTo(std::numeric_limits<double>::quiet_NaN()), HasError(ErrorCode::InvalidArgument));
+    ASSERT_THAT(engine->slideTo(301.0), IsOk());
+    EXPECT_TRUE(test::isSameSurface(engine->mesh(), extractFull(*hills_, 301.0).value()));
+}
+
+TEST_F(SlideEngineTest, ACancelledMoveLeavesNoSurfaceAndTheNextIsRight) {
+    const auto engine = openOn(hills_);
+    ASSERT_THAT(engine->slideTo(300.0), IsOk());
+    std::stop_source stop;
+    stop.request_stop();
+    const auto cancelled = engine->slideTo(350.0, stop.get_token());
+    ASSERT_THAT(cancelled, HasError(ErrorCode::Cancelled));
+    EXPECT_TRUE(engine->mesh().positions.empty());
+    const auto moved = engine->slideTo(350.0);
+    ASSERT_THAT(moved, IsOk());
+    EXPECT_EQ(moved.value().edgesAdded, moved.value().activeEdges) << "built anew from nothing";
+    EXPECT_TRUE(test::isSameSurface(engine->mesh(), extractFull(*hills_, 350.0).value()));
+}
+
+TEST_F(SlideEngineTest, StandingStillCostsNothing) {
+    const auto engine = openOn(hills_);
+    ASSERT_THAT(engine->slideTo(300.25), IsOk());
+    const auto moved = engine->slideTo(300.75); // no sample between
+    ASSERT_THAT(moved, IsOk());
+    EXPECT_EQ(moved.value().edgesTouched, 0u);
+    EXPECT_EQ(moved.value().bytesRead, 0u);
+    EXPECT_EQ(moved.value().cellsRetriangulated, 0u);
+    EXPECT_TRUE(test::isSameSurface(engine->mesh(), extractFull(*hills_, 300.75).value())) << "vertices move all the same";
+}
+
+// L6: work follows the change, counted where it happens.
+TEST_F(SlideEngineTest, CostFollowsTheChange) {
+    const auto engine = openOn(hills_);
+    const std::uint64_t allEntries = engine->info().levels[0].edges;
+    ASSERT_THAT(engine->slideTo(300.0), IsOk());
+    const auto small = engine->slideTo(301.0);
+    const auto large = engine->slideTo(340.0);
+    ASSERT_THAT(small, IsOk());
+    ASSERT_THAT(large, IsOk());
+    EXPECT_GT(small.value().edgesTouched, 0u);
+    EXPECT_LT(small.value().edgesTouched, allEntries / 100);
+    EXPECT_FALSE(small.value().hasRebuilt);
+    const auto changed = [](const SlideStats& s) { return s.edgesAdded + s.edgesRemoved; };
+    EXPECT_LE(small.value().edgesTouched, 3 * changed(small.value()));
+    EXPECT_LE(large.value().edgesTouched, 3 * changed(large.value()));
+    EXPECT_LE(small.value().cellsRetriangulated, 4 * changed(small.value())) << "an edge has four cells";
+}
+
+TEST_F(SlideEngineTest, SkipLevelsShortenAJump) {
+    const auto leveled = openOn(hills_, 5);
+    const auto plain = openOn(hills_, 1);
+    ASSERT_THAT(leveled->slideTo(200.0), IsOk());
+    ASSERT_THAT(plain->slideTo(200.0), IsOk());
+    const auto far = leveled->slideTo(700.0), slow = plain->slideTo(700.0);
+    ASSERT_THAT(far, IsOk());
+    ASSERT_THAT(slow, IsOk());
+    EXPECT_LT(far.value().edgesTouched, slow.value().edgesTouched);
+    EXPECT_TRUE(std::any_of(far.value().walk.begin(), far.value().walk.end(), [](const WalkStep& s) { return s.skipLevel > 0; }));
+    EXPECT_TRUE(std::all_of(slow.value().walk.begin(), slow.value().walk.end(), [](const WalkStep& s) { return s.skipLevel == 0; }));
+    EXPECT_TRUE(test::isSameSurface(leveled->mesh(), plain->mesh()));
+}
+
+TEST_F(SlideEngineTest, ReadsFromTheFileOnlyWhatIsNotCached) {
+    const auto cached = openOn(hills_, 3);
+    const auto uncached = openOn(hills_, 3, 1);
+    for (SlideEngine* engine : {cached.get(), uncached.get()}) {
+        ASSERT_THAT(engine->slideTo(300.0), IsOk());
+        ASSERT_THAT(engine->slideTo(320.0), IsOk());
+        ASSERT_THAT(engine->slideTo(300.0), IsOk());
+        const auto again = engine->slideTo(320.0);
+        ASSERT_THAT(again, IsOk());
+        std::uint64_t bytes = 0;
+        for (const WalkStep& step : again.value().walk)
+            bytes += step.bytes;
+        EXPECT_GT(bytes, 0u);
+        EXPECT_EQ(again.value().bytesRead, engine == cached.get() ? 0 : bytes);
+    }
+}
+
+TEST_F(SlideEngineTest, IsEmptyOutsideTheRangeAndComesBack) {
+    const auto engine = openOn(hills_);
+    for (const double outside : {-1e9, 1e9, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()}) {
+        ASSERT_THAT(engine->slideTo(400.0), IsOk());
+        EXPECT_GT(engine->mesh().triangleCount(), 0u);
+        const auto moved = engine->slideTo(outside);
+        ASSERT_THAT(moved, IsOk());
+        EXPECT_EQ(moved.value().activeEdges, 0u);
+        EXPECT_EQ(moved.value().triangles, 0u);
+        EXPECT_TRUE(engine->mesh().positions.empty());
+        SurfaceFrame frame;
+        engine->copyFrame(frame);
+        EXPECT_TRUE(test::placedTriangles(frame.positions, frame.indices).empty());
+    }
+}
+
+// A sweep there and back leaves the memory of one surface, not of all that were shown.
+TEST_F(SlideEngineTest, FramesDoNotGrowWithTheNumberOfMoves) {
+    const auto engine = openOn(hills_);
+    std::size_t first = 0, last = 0;
+    for (int round = 0; round < 6; ++round) {
+        for (int step = 0; step <= 40; ++step)
+            ASSERT_THAT(engine->slideTo(150.0 + 15.0 * (round % 2 ? 40 - step : step)), IsOk());
+        SurfaceFrame frame;
+        engine->copyFrame(frame);
+        last = frame.indices.size() + frame.positions.size();
+        if (round < 2)
+            first = std::max(first, last);
+    }
+    EXPECT_LE(last, 2 * first);
+}
+
+} // namespace
+} // namespace isoslider::extract
