@@ -102,8 +102,9 @@ std::vector<std::int64_t> cornersOf(const PolyMesh& mesh, OpenMesh::FaceHandle f
 
 /// One kind of chunk in a native file, in the order in which OpenMesh writes them.
 struct OmChunk {
-    std::uint16_t word; ///< its header without the size of its numbers
-    bool isFloat;
+    std::uint16_t word;     ///< its header without the size of its numbers
+    unsigned unitBytes;     ///< smallest size of a number: 4 for floats, 1 for whole numbers
+    unsigned largestFactor; ///< by which the header may raise it, as a power of two
     std::uint64_t numbers;
 };
 
@@ -119,11 +120,11 @@ Status checkOmChunks(std::string_view bytes, const std::filesystem::path& path) 
     std::uint32_t counts[3]; // vertices, faces, edges
     std::memcpy(counts, bytes.data() + 4, sizeof counts);
     const std::uint64_t vertices = counts[0], faces = counts[1], edges = counts[2];
-    const OmChunk known[] = {{0x1600, true, 3 * vertices},
-                             {0x1620, true, 3 * vertices},
-                             {0x16f8, false, 6 * edges}, // per halfedge: next, vertex, face
-                             {0x06e0, false, vertices},
-                             {0x06e8, false, faces}};
+    const OmChunk known[] = {{0x1600, 4, 1, 3 * vertices},
+                             {0x1620, 4, 1, 3 * vertices},
+                             {0x16f8, 1, 2, 6 * edges}, // per halfedge: next, vertex, face
+                             {0x06e0, 1, 2, vertices},
+                             {0x06e8, 1, 2, faces}};
     std::size_t rank = 0;
     for (std::uint64_t at = 16; at + 2 <= bytes.size();) {
         const auto word = static_cast<std::uint16_t>(static_cast<unsigned char>(bytes[at]) |
@@ -132,10 +133,10 @@ Status checkOmChunks(std::string_view bytes, const std::filesystem::path& path) 
             return {};
         while (rank < std::size(known) && known[rank].word != (word & 0x3fff))
             ++rank;
-        const unsigned sizeCode = word >> 14; // floats: 4 or 8 bytes; whole numbers: 1, 2 or 4
-        if (rank == std::size(known) || sizeCode > (known[rank].isFloat ? 1u : 2u))
+        const unsigned factor = word >> 14;
+        if (rank == std::size(known) || factor > known[rank].largestFactor)
             return refuse("a chunk of unknown kind", at);
-        at += 2 + known[rank].numbers * ((known[rank].isFloat ? 4u : 1u) << sizeCode);
+        at += 2 + (known[rank].numbers * known[rank].unitBytes << factor);
         ++rank;
     }
     return makeError(ErrorCode::Corruption, "file ends early, or its chunks do not add up", path);
