@@ -63,6 +63,18 @@ Result<typename LazyLevels<Key>::Page> LazyLevels<Key>::get(const Group& group, 
         return page;
     if (isFull())
         return Page{};
+    {
+        const std::lock_guard lock(mutex_);
+        if (blocks_.emplace(std::pair{group.level, group.index}, nullptr).second)
+            return Page{};
+    }
+    return build(group, below);
+}
+
+template <class Key>
+Result<typename LazyLevels<Key>::Page> LazyLevels<Key>::build(const Group& group, const Below& below) {
+    if (Page page = find(group))
+        return page;
     const auto [begin, end] = below.interval(group.firstBlock(), group.blockEnd());
     auto merged = std::make_shared<DecodedPage<Key>>();
     for (std::uint64_t half = 0; half < 2; ++half) {
@@ -73,7 +85,7 @@ Result<typename LazyLevels<Key>::Page> LazyLevels<Key>::get(const Group& group, 
             for (const Page& page : pages.value())
                 appendWithoutRedundant(*page, begin, end, *merged);
         } else {
-            auto child = get({group.level - 1, 2 * group.index + half}, below);
+            auto child = build({group.level - 1, 2 * group.index + half}, below);
             if (!child.isOk() || !child.value())
                 return child;
             appendWithoutRedundant(*child.value(), begin, end, *merged);
@@ -85,9 +97,12 @@ Result<typename LazyLevels<Key>::Page> LazyLevels<Key>::get(const Group& group, 
         bytes_ = std::max(bytes_, maxBytes_); // full from now on
         return Page{};
     }
-    const auto [place, isNew] = blocks_.emplace(std::pair{group.level, group.index}, merged);
-    bytes_ += isNew ? size : 0;
-    return place->second;
+    Page& place = blocks_[{group.level, group.index}];
+    if (!place) {
+        place = std::move(merged);
+        bytes_ += size;
+    }
+    return place;
 }
 
 template <class Key>

@@ -10,8 +10,9 @@
 
 namespace isoslider::index {
 
-/// Skip levels above those of the file, built when a walk first needs them and kept (paper 2.1: "may
-/// be computed in a lazy fashion"). Block g of lazy level l merges blocks 2 g and 2 g + 1 of level
+/// Skip levels above those of the file, built when walks need them and kept (paper 2.1: "may be
+/// computed in a lazy fashion"). DEVIATION: a block is merged when it is asked for a second time; merging
+/// costs as much as the move itself, and most jumps happen once. Block g of lazy level l merges blocks 2 g and 2 g + 1 of level
 /// l - 1; lazy level 0 stands for the file's top level. A merged block holds what is left of both
 /// when edges with both ends in their common interval are taken out.
 ///
@@ -40,20 +41,22 @@ public:
     /// Cuts blocks [begin, end) of the top level into the largest groups. O(log(end - begin)).
     static std::vector<Group> groupsOf(std::uint64_t begin, std::uint64_t end);
 
-    /// The merged block, built from below if it is not there. Null when there is no room to keep it.
+    /// The merged block, built from below if it is not there. Null at the first request, and when there
+    /// is no room to keep it.
     /// Errors: those of `below`.
     Result<Page> get(const Group& group, const Below& below);
 
     std::uint64_t memoryBytes() const;
 
 private:
+    Result<Page> build(const Group& group, const Below& below);
     Page find(const Group& group) const;
     bool isFull() const;
 
     std::uint64_t maxBytes_;
     mutable std::mutex mutex_;
     std::uint64_t bytes_ = 0;
-    std::map<std::pair<int, std::uint64_t>, Page> blocks_;
+    std::map<std::pair<int, std::uint64_t>, Page> blocks_; ///< null: asked for once
 };
 
 extern template class LazyLevels<std::uint16_t>;

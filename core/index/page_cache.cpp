@@ -2,6 +2,9 @@
 
 namespace isoslider::index {
 
+// About as many as there are threads: each takes one and gives one back.
+static constexpr std::size_t kMaxSpares = 8;
+
 template <class Key>
 Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(int level, std::size_t pageIndex) {
     const std::uint64_t id = static_cast<std::uint64_t>(level) << 56 | pageIndex;
@@ -16,7 +19,7 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(int level, std::size
     const PageEntry& entry = reader_.meta().levels[static_cast<std::size_t>(level)].pages[pageIndex];
     thread_local std::vector<std::byte> bytes;
     ISO_TRY(reader_.readPage(entry, bytes));
-    auto page = std::make_shared<DecodedPage<Key>>();
+    std::shared_ptr<DecodedPage<Key>> page = takeSpare();
     ISO_TRY(decodePage<Key>(bytes, reader_.grid(), *page, reader_.pathString()));
     if (page->pointCount() != entry.points || page->edgeCount() != entry.edges)
         return makeError(ErrorCode::Corruption, "index page disagrees with the directory", reader_.pathString(), entry.offset);
@@ -25,7 +28,17 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(int level, std::size
 }
 
 template <class Key>
-void PageCache<Key>::insert(std::uint64_t id, std::shared_ptr<const DecodedPage<Key>> page) {
+std::shared_ptr<DecodedPage<Key>> PageCache<Key>::takeSpare() {
+    const std::lock_guard lock(mutex_);
+    if (spares_.empty())
+        return std::make_shared<DecodedPage<Key>>();
+    std::shared_ptr<DecodedPage<Key>> page = std::move(spares_.back());
+    spares_.pop_back();
+    return page;
+}
+
+template <class Key>
+void PageCache<Key>::insert(std::uint64_t id, std::shared_ptr<DecodedPage<Key>> page) {
     const std::uint64_t size = page->memoryBytes();
     const std::lock_guard lock(mutex_);
     if (size > maxBytes_ || byId_.contains(id))
@@ -33,6 +46,8 @@ void PageCache<Key>::insert(std::uint64_t id, std::shared_ptr<const DecodedPage<
     while (bytes_ + size > maxBytes_) {
         bytes_ -= entries_.back().page->memoryBytes();
         byId_.erase(entries_.back().id);
+        if (entries_.back().page.use_count() == 1 && spares_.size() < kMaxSpares)
+            spares_.push_back(std::move(entries_.back().page));
         entries_.pop_back();
     }
     entries_.push_front({id, std::move(page)});
@@ -50,6 +65,7 @@ template <class Key>
 void PageCache<Key>::clear() {
     const std::lock_guard lock(mutex_);
     entries_.clear();
+    spares_.clear();
     byId_.clear();
     bytes_ = 0;
 }

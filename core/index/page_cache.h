@@ -33,16 +33,18 @@ public:
 private:
     struct Entry {
         std::uint64_t id;
-        std::shared_ptr<const DecodedPage<Key>> page;
+        std::shared_ptr<DecodedPage<Key>> page;
     };
 
-    void insert(std::uint64_t id, std::shared_ptr<const DecodedPage<Key>> page);
+    std::shared_ptr<DecodedPage<Key>> takeSpare();
+    void insert(std::uint64_t id, std::shared_ptr<DecodedPage<Key>> page);
 
     const IndexReader& reader_;
     std::uint64_t maxBytes_;
     mutable std::mutex mutex_;
     std::uint64_t bytes_ = 0;
     std::list<Entry> entries_; // most recently used first
+    std::vector<std::shared_ptr<DecodedPage<Key>>> spares_; // put out, nobody looks at them: memory to use again
     std::unordered_map<std::uint64_t, typename std::list<Entry>::iterator> byId_;
 };
 
