@@ -44,7 +44,7 @@ ParsedCommandLine parseCommandLine(const QStringList& arguments) {
         return wrongUsage(message);
     }
     if (parser.isSet(help))
-        return {{}, kSuccess, parser.helpText()};
+        return {{}, kSuccess, parser.helpText().replace(QStringLiteral("<executable_name>"), QStringLiteral("isoslider"))};
     if (parser.isSet(version))
         return {{}, kSuccess, QStringLiteral("isoslider " ISOSLIDER_VERSION "\n")};
 

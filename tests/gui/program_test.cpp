@@ -1,0 +1,84 @@
+// The real program, run as a shell runs it.
+#include <sstream>
+
+#include <QImage>
+
+#include <gtest/gtest.h>
+
+#include "tests/gui/window_fixture.h"
+#include "tests/support/process_runner.h"
+
+namespace isoslider::test {
+namespace {
+
+class ProgramTest : public ::testing::Test {
+protected:
+    ProcessResult run(std::vector<std::string> arguments) {
+        ProcessOptions options;
+        options.timeout = std::chrono::seconds(60);
+        const std::string home = folder_.path().string();
+        for (const char* name : {"HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME", "XDG_RUNTIME_DIR"})
+            options.environment.emplace_back(name, home);
+        return runProcess(ISOSLIDER_PROGRAM, arguments, options);
+    }
+    /// One line of ours; the platform's plugin may say something about itself.
+    static void expectOneLine(const std::string& text) {
+        std::istringstream lines(text);
+        int count = 0;
+        for (std::string line; std::getline(lines, line);)
+            count += line.rfind("This plugin does not support", 0) == 0 ? 0 : 1;
+        EXPECT_EQ(count, 1) << text;
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(ProgramTest, TakesAPictureOfTheWholeWindow) {
+    const auto picture = folder_ / "out.png";
+    const auto result = run({writeBall(folder_, "ball.mha", 20).string(), "--isovalue", "-6", "--size", "1200x800",
+                             "--screenshot", picture.string()});
+    EXPECT_EQ(result.exitCode, 0) << result.standardError;
+    const QImage image(QString::fromStdString(picture.string()));
+    EXPECT_EQ(image.size(), QSize(1200, 800) * image.devicePixelRatio());
+}
+
+TEST_F(ProgramTest, TakesAPictureOfTheStartPage) {
+    const auto picture = folder_ / "start.png";
+    EXPECT_EQ(run({"--screenshot", picture.string()}).exitCode, 0);
+    EXPECT_TRUE(std::filesystem::exists(picture));
+}
+
+TEST_F(ProgramTest, PassesItsSelfTest) { EXPECT_EQ(run({"--self-test"}).exitCode, 0); }
+
+TEST_F(ProgramTest, TellsItsVersionAndHelp) {
+    EXPECT_EQ(run({"--version"}).standardOutput.rfind("isoslider ", 0), 0u);
+    EXPECT_NE(run({"--help"}).standardOutput.find("--screenshot"), std::string::npos);
+}
+
+TEST_F(ProgramTest, RefusesWrongUsageWithTwo) {
+    const std::vector<std::vector<std::string>> wrong{
+        {"--bogus"}, {"--isovalue", "bone"}, {"--isovalue", "nan"}, {"--size", "10"}, {"--size", "0x0"}, {"--screenshot"},
+        {"--sample", "shell", "a.mha"}};
+    for (const auto& arguments : wrong) {
+        const auto result = run(arguments);
+        EXPECT_EQ(result.exitCode, 2) << arguments[0];
+        expectOneLine(result.standardError);
+    }
+}
+
+TEST_F(ProgramTest, RefusesBadInputWithThree) {
+    const auto bad = folder_.write("bad.mha", "NDims = 3\nDimSize = 1 2 bananas\n");
+    const auto result = run({bad.string(), "--screenshot", (folder_ / "out.png").string()});
+    EXPECT_EQ(result.exitCode, 3);
+    expectOneLine(result.standardError);
+    EXPECT_NE(result.standardError.find("bad.mha"), std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out.png"));
+}
+
+TEST_F(ProgramTest, ReportsInputAndOutputFailuresWithFour) {
+    EXPECT_EQ(run({(folder_ / "none.mha").string(), "--screenshot", (folder_ / "out.png").string()}).exitCode, 4);
+    const auto ball = writeBall(folder_, "ball.mha", 12).string();
+    EXPECT_EQ(run({ball, "--screenshot", (folder_ / "no" / "out.png").string()}).exitCode, 4);
+}
+
+} // namespace
+} // namespace isoslider::test
