@@ -1,0 +1,198 @@
+#include "tests/bench/report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "tests/bench/timing.h"
+
+namespace isoslider::bench {
+namespace {
+
+constexpr double kMega = 1024.0 * 1024.0;
+
+double perEdge(std::uint64_t bytes, std::uint64_t emptyBytes, std::uint64_t edges) {
+    return bytes > emptyBytes && edges > 0 ? static_cast<double>(bytes - emptyBytes) / static_cast<double>(edges) : 0.0;
+}
+
+std::string shortName(const std::string& name) { return name.size() <= 16 ? name : name.substr(0, 15) + "~"; }
+
+// One line of the table of figures: what is to be reached, and what was.
+class FigureTable {
+public:
+    FigureTable() { fmt::print("\n{:<52} {:>12} {:>12}  {}\n", "figure", "to reach", "measured", "note"); }
+
+    void atLeast(const std::string& what, double target, double measured, const std::string& note) {
+        print(what, fmt::format(">= {:g}", target), measured, measured >= target, note);
+    }
+    void atMost(const std::string& what, double target, double measured, const std::string& note) {
+        print(what, fmt::format("<= {:g}", target), measured, measured <= target, note);
+    }
+
+private:
+    // Nothing is ever 0 that has been measured.
+    void print(const std::string& what, const std::string& target, double measured, bool isReached, const std::string& note) {
+        if (measured > 0.0)
+            fmt::print("{:<52} {:>12} {:>12.4g}  {:<12} {}\n", what, target, measured, isReached ? "reached" : "NOT REACHED", note);
+        else
+            fmt::print("{:<52} {:>12} {:>12}  not measured\n", what, target, "-");
+    }
+};
+
+// The largest of something over rows or volumes, and where it is.
+struct Extreme {
+    double value = 0.0;
+    std::string where;
+    void takeLarger(double candidate, const std::string& at) {
+        if (candidate > value) {
+            value = candidate;
+            where = at;
+        }
+    }
+    void takeSmaller(double candidate, const std::string& at) {
+        if (candidate > 0.0 && (value == 0.0 || candidate < value)) {
+            value = candidate;
+            where = at;
+        }
+    }
+};
+
+std::string placeOf(const SlideRow& row) { return fmt::format("{} {:g} %", row.volume, row.percent); }
+
+std::map<double, std::vector<double>> ratiosByPercent(const std::vector<VolumeReport>& reports) {
+    std::map<double, std::vector<double>> ratios;
+    for (const VolumeReport& report : reports)
+        for (const SlideRow& row : report.rows)
+            if (row.peer && row.ratio() > 0.0)
+                ratios[row.percent].push_back(row.ratio());
+    return ratios;
+}
+
+void printStepFigures(const std::vector<VolumeReport>& reports, bool isCold, FigureTable& table) {
+    const auto ratios = ratiosByPercent(reports);
+    constexpr std::pair<double, double> kTargets[] = {{0.01, 12}, {0.1, 5}, {1, 3}, {10, 2}};
+    for (const auto& [percent, target] : kTargets) {
+        const auto found = ratios.find(percent);
+        const bool isMeasured = found != ratios.end();
+        if (!isCold)
+            table.atLeast(fmt::format("step of {:g} %, times faster than the peer", percent), target,
+                          isMeasured ? geometricMean(found->second) : 0.0,
+                          isMeasured ? fmt::format("geometric mean of {} volumes", found->second.size()) : "");
+    }
+    Extreme worst, slowestUpdate, slowestInterpolation;
+    std::vector<double> updates, interpolations;
+    for (const VolumeReport& report : reports)
+        for (const SlideRow& row : report.rows) {
+            worst.takeSmaller(row.ratio(), placeOf(row));
+            slowestUpdate.takeLarger(row.nsPerChange, placeOf(row));
+            slowestInterpolation.takeLarger(row.copyRatio(), placeOf(row));
+            if (row.nsPerChange > 0.0)
+                updates.push_back(row.nsPerChange);
+            if (row.copyRatio() > 0.0)
+                interpolations.push_back(row.copyRatio());
+        }
+    table.atLeast(isCold ? "worst row, cold: times faster than the peer" : "worst row, times faster than the peer", isCold ? 1.0 : 1.2,
+                  worst.value, worst.where);
+    if (isCold)
+        return;
+    table.atMost("update, ns per changed edge", 100, geometricMean(updates),
+                 fmt::format("geometric mean of rows; worst {:.0f}, {}", slowestUpdate.value, slowestUpdate.where));
+    table.atMost("interpolation, times a copy of what it touches", 2, geometricMean(interpolations),
+                 fmt::format("geometric mean of rows; worst {:.1f}, {}", slowestInterpolation.value, slowestInterpolation.where));
+}
+
+void printVolumeFigures(const std::vector<VolumeReport>& reports, FigureTable& table) {
+    Extreme memory, first, build, size, open, picture;
+    for (const VolumeReport& report : reports) {
+        const std::string& name = report.volume.name;
+        memory.takeLarger(report.probe.bytesPerEdgeAfterSlide(), name);
+        first.takeLarger(report.probe.bytesPerEdgeAtFirst(), name);
+        if (report.index.wasBuilt)
+            build.takeLarger(report.index.buildSeconds / report.index.sortSeconds, name);
+        size.takeLarger(report.index.bytesPerVoxel(), name);
+        open.takeLarger(1e-3 * report.probe.firstSurfaceMs, name);
+        picture.takeLarger(report.firstPictureSeconds, name);
+    }
+    table.atMost("memory while exploring, bytes per active edge", 120, memory.value,
+                 fmt::format("{}, after a slide of 1 % steps; first surface alone: {:.0f}, {}", memory.where, first.value, first.where));
+    table.atMost("build, times one std::sort of (value, id)", 8, build.value, build.where);
+    table.atMost("index, bytes per voxel", 40, size.value, size.where);
+    table.atMost("open an index and show a surface, s", 0.5, open.value, open.where);
+    table.atMost("first picture from a headerless file, s", 2, picture.value, picture.where);
+}
+
+} // namespace
+
+double ProbeResult::bytesPerEdgeAtFirst() const { return perEdge(firstBytes, emptyBytes, firstEdges); }
+double ProbeResult::bytesPerEdgeAfterSlide() const { return perEdge(slideBytes, emptyBytes, mostEdges); }
+
+void printVolume(const VolumeReport& report) {
+    const auto& dims = report.volume.grid->dims();
+    const PreparedIndex& index = report.index;
+    fmt::print("\n{}: {} x {} x {} {}, {} distinct values, range [{:g}, {:g}], slides round {:g}\n", report.volume.name, dims[0],
+               dims[1], dims[2], scalarTypeName(report.volume.grid->type()), index.info.distinctValues, report.volume.min,
+               report.volume.max, report.volume.centre);
+    if (index.wasBuilt)
+        fmt::print("  build {:.2f} s, std::sort of (value, id) {:.2f} s, ratio {:.2f}; ", index.buildSeconds, index.sortSeconds,
+                   index.buildSeconds / index.sortSeconds);
+    else
+        fmt::print("  index of an earlier run; ");
+    fmt::print("{:.1f} MB, {:.1f} bytes per voxel\n", static_cast<double>(index.info.indexBytes) / kMega, index.bytesPerVoxel());
+    const ProbeResult& probe = report.probe;
+    fmt::print("  open {:.1f} ms, first surface {:.1f} ms after start; first picture of the raw volume {:.2f} s\n", probe.openMs,
+               probe.firstSurfaceMs, report.firstPictureSeconds);
+    fmt::print("  memory over the empty program: {:.0f} bytes per active edge at the first surface ({} edges), {:.0f} after a slide "
+               "of 1 % steps (most: {} edges); peak {:.0f} MB\n",
+               probe.bytesPerEdgeAtFirst(), probe.firstEdges, probe.bytesPerEdgeAfterSlide(), probe.mostEdges,
+               static_cast<double>(probe.peakBytes) / kMega);
+}
+
+void printRowHeading() {
+    fmt::print("\n{:<16} {:>6} {:>9} {:>9} {:>7} {:>8} {:>8} {:>7} {:>9} {:>9} {:>7} {:>10} {:>6} {:>4} {:>9}\n", "volume", "step %",
+               "ours ms", "peer ms", "ratio", "update", "interp", "ns/chg", "K", "changed", "tch/chg", "bytes", "/copy", "new",
+               "flat ms");
+}
+
+void printRow(const SlideRow& row) {
+    const auto orDash = [](bool exists, double value, int digits) { return exists ? fmt::format("{:.{}f}", value, digits) : std::string("-"); };
+    fmt::print("{:<16} {:>6g} {:>9.2f} {:>9} {:>7} {:>8.2f} {:>8.2f} {:>7} {:>9.0f} {:>9.0f} {:>7} {:>10.0f} {:>6.2f} {:>4} {:>9}{}\n",
+               shortName(row.volume), row.percent, row.product.median, orDash(row.peer.has_value(), row.peer ? row.peer->times.median : 0, 2),
+               orDash(row.peer.has_value(), row.ratio(), 2), row.updateMs, row.interpolateMs, orDash(row.nsPerChange > 0, row.nsPerChange, 0),
+               row.activeEdges, row.edgesChanged, orDash(row.edgesChanged > 0, row.edgesTouched / std::max(1.0, row.edgesChanged), 2),
+               row.bytesRead, row.copyRatio(), row.rebuilds, orDash(row.baseline.has_value(), row.baseline ? row.baseline->median : 0, 2),
+               row.disagreements > 0 ? fmt::format("  DISAGREES at {} steps", row.disagreements) : "");
+    std::fflush(stdout);
+}
+
+void printSummary(const std::vector<VolumeReport>& reports, bool isCold) {
+    fmt::print("\ntimes faster than the peer, geometric mean over {} volumes{}\n", reports.size(), isCold ? ", cold index" : "");
+    for (const auto& [percent, ratios] : ratiosByPercent(reports))
+        fmt::print("  {:>6g} %  {:7.2f}   lowest {:.2f}\n", percent, geometricMean(ratios), *std::min_element(ratios.begin(), ratios.end()));
+    FigureTable table;
+    printStepFigures(reports, isCold, table);
+    printVolumeFigures(reports, table);
+    double most = 0.0;
+    for (const VolumeReport& report : reports)
+        most = std::max(most, report.othersBusy);
+    fmt::print("\nother programs kept up to {:.2f} processors busy meanwhile{}\n", most,
+               most > 0.3 ? ": ratios are rough, times mean nothing" : "");
+}
+
+std::string productCsv(const SlideRow& row, const VolumeReport& report, int threads) {
+    const Spread& t = row.product;
+    return fmt::format("isoslider,TBB,{},{},{:g},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.0f},{:.0f},1,0.0,{:.1f},{},{}", threads,
+                       row.volume, row.percent, row.steps, t.median, t.p95, t.max, t.min, row.productFirstMs, row.triangles,
+                       row.activeEdges, 1e3 * report.index.buildSeconds, report.probe.emptyBytes >> 20, report.probe.peakBytes >> 20);
+}
+
+std::string peerCsv(const SlideRow& row, int threads, std::uint64_t baseBytes) {
+    const SlideRow::Peer& peer = *row.peer;
+    const Spread& t = peer.times;
+    return fmt::format("fe,{},{},{},{:g},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.0f},{:.0f},{},0.0,0.0,{},{}", peer.backend, threads,
+                       row.volume, row.percent, row.steps, t.median, t.p95, t.max, t.min, peer.firstMs, peer.triangles, peer.vertices,
+                       peer.hasNormals ? 1 : 0, baseBytes >> 20, peakResidentBytes() >> 20);
+}
+
+} // namespace isoslider::bench

@@ -1,0 +1,215 @@
+#include "tests/bench/slide_row.h"
+
+#include <cstring>
+
+#include <tbb/parallel_for.h>
+
+#include "core/extract/edge_interpolation.h"
+#include "core/extract/slide_engine.h"
+#include "core/grid/brick_grid.h"
+#include "tests/bench/flat_runner.h"
+#include "tests/bench/peer_flying_edges.h"
+
+namespace isoslider::bench {
+namespace {
+
+#if ISOSLIDER_BENCH_HAS_PEER
+std::unique_ptr<FlyingEdges> makePeer(const BenchVolume& volume, const RowOptions& options) {
+    PeerVolume view;
+    view.samples = volume.grid->bytes().data();
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        view.dims[axis] = static_cast<int>(volume.grid->dims()[axis]);
+    switch (volume.grid->type()) {
+        case ScalarType::U8: view.type = PeerSample::U8; break;
+        case ScalarType::I8: view.type = PeerSample::I8; break;
+        case ScalarType::U16: view.type = PeerSample::U16; break;
+        case ScalarType::I16: view.type = PeerSample::I16; break;
+        case ScalarType::I32: view.type = PeerSample::I32; break;
+        case ScalarType::F32: view.type = PeerSample::F32; break;
+        case ScalarType::F64: view.type = PeerSample::F64; break;
+    }
+    return std::make_unique<FlyingEdges>(view, options.threads, options.peerBackend);
+}
+#endif
+
+// What interpolation reads and writes for an active edge: two scalars, normals, local edge; V, N.
+std::size_t interpolationBytes(ScalarType type) {
+    const std::size_t scalar = extract::needsDoubleScalars(type) ? sizeof(double) : sizeof(float);
+    return 2 * scalar + sizeof(std::uint32_t) + sizeof(LocalEdge) + 2 * sizeof(glm::vec3);
+}
+
+// Copies bytes, one piece per thread.
+class CopyWitness {
+public:
+    double copyMs(std::size_t bytes, int threads) {
+        if (from_.size() < bytes) {
+            from_.assign(bytes + bytes / 4, std::byte{1});
+            to_.assign(from_.size(), std::byte{2});
+        }
+        const std::size_t pieces = static_cast<std::size_t>(threads);
+        const double start = nowMs();
+        tbb::parallel_for(
+            std::size_t{0}, pieces,
+            [&](std::size_t piece) {
+                const std::size_t begin = bytes * piece / pieces, end = bytes * (piece + 1) / pieces;
+                std::memcpy(to_.data() + begin, from_.data() + begin, end - begin);
+            },
+            tbb::static_partitioner{});
+        return nowMs() - start;
+    }
+
+private:
+    std::vector<std::byte> from_, to_;
+};
+
+// One slide while it runs.
+class Slide {
+public:
+    Slide(const BenchVolume& volume, const PreparedIndex& index, const RowOptions& options)
+        : volume_(volume), index_(index), options_(options) {
+        row_.volume = volume.name;
+        row_.percent = options.percent;
+        row_.steps = options.steps;
+    }
+
+    Status open() {
+        extract::SlideOptions engineOptions;
+        if (options_.isCold)
+            engineOptions.cacheBytes = 0;
+        auto engine = extract::SlideEngine::open(index_.path, engineOptions);
+        if (!engine.isOk())
+            return std::move(engine).error();
+        engine_ = std::move(engine).value();
+        if (options_.withBaseline) {
+            auto flat = FlatRunner::open(index_.path);
+            if (!flat.isOk())
+                return std::move(flat).error();
+            flat_ = std::move(flat).value();
+        }
+#if ISOSLIDER_BENCH_HAS_PEER
+        if (options_.withPeer) {
+            peer_ = makePeer(volume_, options_);
+            row_.peer.emplace().backend = peer_->backend();
+        }
+#endif
+        return {};
+    }
+
+    // Product, copy, peer, baseline: each finds the caches as the others left them.
+    Status step(double isovalue, bool isFirst) {
+        if (options_.isCold)
+            dropFromMemory(index_.path);
+        const double start = nowMs();
+        const auto moved = engine_->slideTo(isovalue);
+        const double elapsed = nowMs() - start;
+        if (!moved.isOk())
+            return moved.error();
+        const extract::SlideStats& stats = moved.value();
+        if (isFirst)
+            row_.productFirstMs = elapsed;
+        else
+            addProduct(stats, elapsed);
+        const double copied = witness_.copyMs(stats.activeEdges * interpolationBytes(volume_.grid->type()), options_.threads);
+        if (!isFirst)
+            copies_.push_back(copied);
+        runPeer(isovalue, isFirst, stats);
+        return runBaseline(isovalue, isFirst, stats);
+    }
+
+    SlideRow finish() {
+        row_.product = spreadOf(products_);
+        row_.updateMs = spreadOf(updates_).median;
+        row_.interpolateMs = spreadOf(interpolations_).median;
+        row_.copyMs = spreadOf(copies_).median;
+        row_.nsPerChange = spreadOf(nsPerChange_).median;
+        for (double* sum : {&row_.activeEdges, &row_.triangles, &row_.edgesChanged, &row_.edgesTouched, &row_.bytesRead})
+            *sum /= options_.steps;
+        if (row_.peer) {
+            row_.peer->times = spreadOf(peers_);
+            row_.peer->vertices /= options_.steps;
+            row_.peer->triangles /= options_.steps;
+        }
+        if (flat_)
+            row_.baseline = spreadOf(flats_);
+        return row_;
+    }
+
+private:
+    void addProduct(const extract::SlideStats& stats, double elapsedMs) {
+        products_.push_back(elapsedMs);
+        updates_.push_back(stats.updateMs);
+        interpolations_.push_back(stats.interpolateMs);
+        row_.rebuilds += stats.hasRebuilt ? 1 : 0;
+        row_.activeEdges += static_cast<double>(stats.activeEdges);
+        row_.triangles += static_cast<double>(stats.triangles);
+        const std::uint64_t changed = stats.edgesAdded + stats.edgesRemoved;
+        row_.edgesChanged += static_cast<double>(changed);
+        if (changed > 0)
+            nsPerChange_.push_back(1e6 * stats.updateMs / static_cast<double>(changed));
+        row_.edgesTouched += static_cast<double>(stats.edgesTouched);
+        row_.bytesRead += static_cast<double>(stats.bytesRead);
+    }
+
+    void runPeer([[maybe_unused]] double isovalue, [[maybe_unused]] bool isFirst,
+                 [[maybe_unused]] const extract::SlideStats& stats) {
+#if ISOSLIDER_BENCH_HAS_PEER
+        if (!peer_)
+            return;
+        const double start = nowMs();
+        const FlyingEdges::Surface surface = peer_->extract(isovalue);
+        const double elapsed = nowMs() - start;
+        const bool agrees = volume_.hasMissing ? surface.vertices >= stats.activeEdges : surface.vertices == stats.activeEdges;
+        row_.disagreements += agrees ? 0 : 1;
+        if (isFirst) {
+            row_.peer->firstMs = elapsed;
+            return;
+        }
+        peers_.push_back(elapsed);
+        row_.peer->vertices += static_cast<double>(surface.vertices);
+        row_.peer->triangles += static_cast<double>(surface.triangles);
+        row_.peer->hasNormals = row_.peer->hasNormals && surface.hasNormals;
+#endif
+    }
+
+    Status runBaseline(double isovalue, bool isFirst, const extract::SlideStats& stats) {
+        if (!flat_)
+            return {};
+        const auto moved = flat_->slideTo(isovalue);
+        if (!moved.isOk())
+            return moved.error();
+        const FlatStep& flat = moved.value();
+        row_.disagreements += flat.activeEdges == stats.activeEdges && flat.triangles == stats.triangles ? 0 : 1;
+        if (!isFirst)
+            flats_.push_back(flat.updateMs + flat.interpolateMs);
+        return {};
+    }
+
+    const BenchVolume& volume_;
+    const PreparedIndex& index_;
+    const RowOptions& options_;
+    SlideRow row_;
+    std::unique_ptr<extract::SlideEngine> engine_;
+    std::unique_ptr<FlatRunner> flat_;
+#if ISOSLIDER_BENCH_HAS_PEER
+    std::unique_ptr<FlyingEdges> peer_;
+#endif
+    CopyWitness witness_;
+    std::vector<double> products_, updates_, interpolations_, copies_, nsPerChange_, peers_, flats_;
+};
+
+} // namespace
+
+bool hasPeer() { return ISOSLIDER_BENCH_HAS_PEER != 0; }
+
+Result<SlideRow> measureRow(const BenchVolume& volume, const PreparedIndex& index, const RowOptions& options) {
+    Slide run(volume, index, options);
+    ISO_TRY(run.open());
+    bool isFirst = true;
+    for (const double isovalue : slide(volume, options.percent, options.steps)) {
+        ISO_TRY(run.step(isovalue, isFirst));
+        isFirst = false;
+    }
+    return run.finish();
+}
+
+} // namespace isoslider::bench
