@@ -11,7 +11,7 @@
 namespace isoslider::extract {
 
 struct SlideOptions {
-    std::uint64_t cacheBytes = std::uint64_t{256} << 20; ///< bound on decoded pages kept in memory
+    std::uint64_t cacheBytes = std::uint64_t{64} << 20; ///< bound on decoded pages kept in memory
 };
 
 /// The live surface over one index: moves from isovalue to isovalue and keeps the arrays current.
