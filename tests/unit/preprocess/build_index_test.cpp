@@ -1,0 +1,183 @@
+#include "preprocess/build_index.h"
+
+#include <gtest/gtest.h>
+
+#include "core/extract/full_extraction.h"
+#include "core/extract/slide_engine.h"
+#include "core/grid/volume_statistics.h"
+#include "tests/property/random_volumes.h"
+#include "tests/property/surface_comparison.h"
+#include "tests/support/faulty_file_system.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider::preprocess {
+namespace {
+
+using test::HasError;
+using test::IsOk;
+
+// The real disk; remembers what was created.
+class WatchedFileSystem final : public FileSystem {
+public:
+    Result<std::unique_ptr<RandomAccessFile>> openForReading(const std::filesystem::path& path) override {
+        return defaultFileSystem().openForReading(path);
+    }
+    Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) override {
+        created.push_back(path);
+        return defaultFileSystem().create(path);
+    }
+    Status renameDurably(const std::filesystem::path& from, const std::filesystem::path& to) override {
+        return defaultFileSystem().renameDurably(from, to);
+    }
+    Status removeFile(const std::filesystem::path& path) override { return defaultFileSystem().removeFile(path); }
+
+    std::vector<std::filesystem::path> created;
+};
+
+TEST(BuildIndex, GivesTheSameBytesForAnyNumberOfThreads) {
+    const test::TemporaryFolder folder;
+    const auto grid = test::hillsVolume({50, 41, 30});
+    std::vector<std::string> bytes;
+    for (const int threads : {1, 2, 4}) {
+        BuildOptions options;
+        options.threads = threads;
+        ASSERT_THAT(test::buildIndexOf(grid, folder / "a.isx", options), IsOk());
+        bytes.push_back(test::readText(folder / "a.isx"));
+    }
+    EXPECT_TRUE(bytes[0] == bytes[1] && bytes[0] == bytes[2]);
+}
+
+TEST(BuildIndex, GivesTheSameBytesForAnyMemoryBudget) {
+    const test::TemporaryFolder folder;
+    GridGeometry geometry = test::cubeGeometry(92);
+    test::Random random(1);
+    const auto grid = test::makeVolume<double>(ScalarType::F64, geometry, [&](auto x, auto y, auto z) {
+        return std::sin(0.1 * static_cast<double>(x + y)) + 0.01 * static_cast<double>(z) + 1e-6 * static_cast<double>(random() % 1000);
+    });
+    const auto build = [&](const char* name, std::uint64_t memory, const std::filesystem::path& temporaryFolder) {
+        WatchedFileSystem disk;
+        BuildOptions options;
+        options.memoryBytes = memory;
+        options.temporaryFolder = temporaryFolder;
+        options.fileSystem = &disk;
+        EXPECT_THAT(test::buildIndexOf(grid, folder / name, options), IsOk());
+        return disk.created;
+    };
+    const test::TemporaryFolder elsewhere;
+    EXPECT_EQ(build("wide.isx", std::uint64_t{1} << 30, {}).size(), 1u) << "nothing but the index";
+    const auto created = build("tight.isx", kMinBuildMemoryBytes, elsewhere.path());
+    ASSERT_EQ(created.size(), 2u) << "the sort did not spill";
+    EXPECT_EQ(created[1].parent_path(), elsewhere.path());
+    EXPECT_TRUE(test::readText(folder / "wide.isx") == test::readText(folder / "tight.isx"));
+    EXPECT_TRUE(elsewhere.names().empty());
+    EXPECT_EQ(folder.names(), (std::vector<std::string>{"tight.isx", "wide.isx"}));
+}
+
+TEST(BuildIndex, StatesTheFactsOfItsVolume) {
+    for (std::uint64_t seed = test::testSeed(900), last = seed + 120; seed < last && !HasFailure(); ++seed) {
+        test::Random random(seed);
+        const test::RandomVolume volume = test::randomVolume(random, 16);
+        if (!volume.hasFinite)
+            continue;
+        SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description);
+        const test::TemporaryFolder folder;
+        BuildOptions options;
+        options.sourceName = "volume.raw";
+        const auto built = test::buildIndexOf(volume.grid, folder / "a.isx", options);
+        ASSERT_THAT(built, IsOk());
+        const index::IndexInfo& info = built.value().info;
+        const auto statistics = computeStatistics(*volume.grid);
+        ASSERT_THAT(statistics, IsOk());
+        EXPECT_EQ(info.min, statistics.value().min);
+        EXPECT_EQ(info.max, statistics.value().max);
+        EXPECT_EQ(info.distinctValues, statistics.value().distinctValues);
+        EXPECT_EQ(info.nanCount, statistics.value().nanCount);
+        EXPECT_EQ(info.histogram.min, statistics.value().histogram.min);
+        EXPECT_EQ(info.histogram.max, statistics.value().histogram.max);
+        EXPECT_EQ(info.sourceName, "volume.raw");
+        EXPECT_EQ(info.geometry, volume.grid->geometry());
+        EXPECT_EQ(info.type, volume.grid->type());
+        EXPECT_EQ(info.indexBytes, std::filesystem::file_size(folder / "a.isx"));
+        std::uint64_t counted = 0;
+        for (const std::uint64_t count : info.histogram.counts)
+            counted += count;
+        EXPECT_EQ(counted + info.nanCount, static_cast<std::uint64_t>(pointCount(volume.grid->dims())));
+        // The cost of an isovalue before a visit is what a visit finds.
+        for (const std::size_t bin : {0, 1, 100, 256, 511}) {
+            const double at = static_cast<double>(bin) / static_cast<double>(info.activeEdgesPerBin.size());
+            const auto fresh = extract::extractFull(*volume.grid, info.min * (1.0 - at) + info.max * at);
+            EXPECT_EQ(info.activeEdgesPerBin.at(bin), fresh.value().positions.size()) << "bin " << bin;
+        }
+    }
+}
+
+TEST(BuildIndex, PutsEverySampleIntoTheBinThatStatisticsPutItInto) {
+    for (const auto& grid : {test::noiseVolume({20, 20, 20}, 3, 200), test::hillsVolume({20, 30, 20})}) {
+        const test::TemporaryFolder folder;
+        const auto built = test::buildIndexOf(grid, folder / "a.isx");
+        ASSERT_THAT(built, IsOk());
+        EXPECT_EQ(built.value().info.histogram.counts, computeStatistics(*grid).value().histogram.counts);
+    }
+}
+
+TEST(BuildIndex, TakesConstantAndSmallestVolumes) {
+    for (const GridDims& dims : {GridDims{1, 1, 1}, GridDims{5, 5, 5}, GridDims{1, 9, 9}, GridDims{2, 2, 2}, GridDims{9, 1, 1}}) {
+        const test::TemporaryFolder folder;
+        GridGeometry geometry;
+        geometry.dims = dims;
+        const auto grid = test::makeVolume<float>(ScalarType::F32, geometry, [](auto, auto, auto) { return 4.5f; });
+        const auto built = test::buildIndexOf(grid, folder / "a.isx");
+        ASSERT_THAT(built, IsOk());
+        EXPECT_EQ(built.value().info.distinctValues, 1u);
+        EXPECT_EQ(built.value().info.min, 4.5);
+        EXPECT_EQ(built.value().info.max, 4.5);
+        const auto engine = extract::SlideEngine::open(folder / "a.isx");
+        ASSERT_THAT(engine, IsOk());
+        for (const double isovalue : {4.0, 4.5, 5.0}) {
+            ASSERT_THAT(engine.value()->slideTo(isovalue), IsOk());
+            EXPECT_TRUE(engine.value()->mesh().positions.empty());
+        }
+    }
+}
+
+TEST(BuildIndex, RefusesOptionsThatCannotBe) {
+    const test::TemporaryFolder folder;
+    const auto grid = test::noiseVolume({4, 4, 4}, 1);
+    const auto refuses = [&](auto change) {
+        BuildOptions options;
+        change(options);
+        EXPECT_THAT(test::buildIndexOf(grid, folder / "a.isx", options), HasError(ErrorCode::InvalidArgument));
+    };
+    refuses([](BuildOptions& o) { o.skipLevels = 0; });
+    refuses([](BuildOptions& o) { o.skipLevels = 9; });
+    refuses([](BuildOptions& o) { o.skipLevels = -1; });
+    refuses([](BuildOptions& o) { o.redundancyThreshold = -1.0; });
+    refuses([](BuildOptions& o) { o.redundancyThreshold = std::numeric_limits<double>::quiet_NaN(); });
+    refuses([](BuildOptions& o) { o.redundancyThreshold = std::numeric_limits<double>::infinity(); });
+    refuses([](BuildOptions& o) { o.memoryBytes = kMinBuildMemoryBytes - 1; });
+    refuses([](BuildOptions& o) { o.threads = -1; });
+    EXPECT_THAT(test::buildIndexOf(grid, folder.path()), HasError(ErrorCode::InvalidArgument));
+    EXPECT_THAT(test::buildIndexOf(grid, folder / "none/a.isx"), HasError(ErrorCode::NotFound));
+    const auto missing = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(3), [](auto, auto, auto) { return std::nanf(""); });
+    EXPECT_THAT(test::buildIndexOf(missing, folder / "a.isx"), HasError(ErrorCode::InvalidArgument));
+    EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(BuildIndex, ReportsProgressThatRisesToTheEnd) {
+    const test::TemporaryFolder folder;
+    std::vector<double> fractions;
+    JobControl job;
+    job.progress = [&](double fraction, std::string_view stage) {
+        fractions.push_back(fraction);
+        EXPECT_FALSE(stage.empty());
+    };
+    ASSERT_THAT(test::buildIndexOf(test::hillsVolume({20, 20, 40}), folder / "a.isx", {}, job), IsOk());
+    ASSERT_GT(fractions.size(), 5u);
+    EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+    EXPECT_GE(fractions.front(), 0.0);
+    EXPECT_LE(fractions.back(), 1.0);
+}
+
+} // namespace
+} // namespace isoslider::preprocess
