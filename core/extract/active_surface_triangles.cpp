@@ -284,7 +284,7 @@ void ActiveSurface<Live>::layOutBrick(Brick& brick, const Neighbourhood& around)
     bool isEmpty = true;
     for (int t = 1; t <= kMaxCellTriangles; ++t) {
         brick.bucketBegin[t] = static_cast<std::uint16_t>(total);
-        total += static_cast<std::uint32_t>(t) * (runs[t] + runs[t] / 8 + (t <= 2 ? 2 : 1));
+        total += static_cast<std::uint32_t>(t) * (runs[t] + runs[t] / 5 + 3);
         isEmpty = isEmpty && runs[t] == 0;
     }
     brick.bucketBegin[kMaxCellTriangles + 1] = static_cast<std::uint16_t>(total);
