@@ -55,7 +55,9 @@ public:
         nodes_[at].next = free_;
         free_ = at;
     }
-    std::uint64_t memoryBytes() const { return heads_.capacity() * sizeof(std::uint32_t) + nodes_.capacity() * sizeof(Node); }
+    std::uint64_t memoryBytes() const {
+        return heads_.capacity() * sizeof(std::uint32_t) + nodes_.capacity() * sizeof(Node);
+    }
 
 private:
     static constexpr std::uint64_t kPrime = (std::uint64_t{1} << 61) - 1;
@@ -69,7 +71,8 @@ private:
     std::uint64_t bucketOf(std::uint64_t key) const {
         const unsigned __int128 product = static_cast<unsigned __int128>(a_) * key + b_;
         // 2^61 = 1 mod p: the digits to base 2^61 are added.
-        std::uint64_t rest = static_cast<std::uint64_t>(product & kPrime) + static_cast<std::uint64_t>(product >> 61);
+        std::uint64_t rest =
+            static_cast<std::uint64_t>(product & kPrime) + static_cast<std::uint64_t>(product >> 61);
         if (rest >= kPrime)
             rest -= kPrime;
         return rest % heads_.size();

@@ -84,13 +84,13 @@ private:
     BrickGrid grid_;
     std::unordered_map<BrickIndex, const index::MissingCells*> missingCells_;
 
-    std::vector<Edge> edges_;      // E
-    std::vector<EdgeId> edgeIds_;  // beside E: whose entry it is
+    std::vector<Edge> edges_; // E
+    std::vector<EdgeId> edgeIds_; // beside E: whose entry it is
     std::vector<std::uint32_t> edgeHoles_;
     std::array<Bucket, 6> buckets_; // I; 0 is unused
     std::vector<glm::vec3> positions_, normals_; // V, N
     ChainedTable<std::uint32_t> edgeTable_; // H_E
-    ChainedTable<Cell> cellTable_;          // H_C
+    ChainedTable<Cell> cellTable_; // H_C
     std::vector<CellId> staleCells_;
 };
 

@@ -24,7 +24,8 @@ struct Options {
 };
 
 // One slide; false where baseline and product disagree.
-Result<bool> runSlide(const BenchVolume& volume, const std::filesystem::path& index, double percent, int steps) {
+Result<bool> runSlide(const BenchVolume& volume, const std::filesystem::path& index, double percent,
+                      int steps) {
     auto flat = FlatRunner::open(index);
     if (!flat.isOk())
         return std::move(flat).error();
@@ -43,7 +44,8 @@ Result<bool> runSlide(const BenchVolume& volume, const std::filesystem::path& in
         if (!step.isOk())
             return step.error();
         const FlatStep& ours = flatStep.value();
-        agrees = agrees && ours.activeEdges == step.value().activeEdges && ours.triangles == step.value().triangles;
+        agrees = agrees && ours.activeEdges == step.value().activeEdges &&
+                 ours.triangles == step.value().triangles;
         mostBytes = std::max(mostBytes, ours.memoryBytes);
         mostEdges = std::max(mostEdges, ours.activeEdges);
         updates.push_back(ours.updateMs);
@@ -54,10 +56,11 @@ Result<bool> runSlide(const BenchVolume& volume, const std::filesystem::path& in
     }
     for (auto* times : {&updates, &interpolations, &engineTimes})
         times->erase(times->begin());
-    fmt::print("{:<14} {:>6} %  update {:8.2f}  interpolate {:7.2f}  product {:7.2f} ms  {:7.0f} edges changed  {:4.0f} B/edge  {}\n",
-               volume.name, percent, spreadOf(updates).median, spreadOf(interpolations).median, spreadOf(engineTimes).median,
-               static_cast<double>(changed) / steps,
-               static_cast<double>(mostBytes) / static_cast<double>(mostEdges), agrees ? "agrees" : "DISAGREES");
+    fmt::print(
+        "{:<14} {:>6} %  update {:8.2f}  interpolate {:7.2f}  product {:7.2f} ms  {:7.0f} edges changed  {:4.0f} B/edge  {}\n",
+        volume.name, percent, spreadOf(updates).median, spreadOf(interpolations).median,
+        spreadOf(engineTimes).median, static_cast<double>(changed) / steps,
+        static_cast<double>(mostBytes) / static_cast<double>(mostEdges), agrees ? "agrees" : "DISAGREES");
     std::fflush(stdout);
     return agrees;
 }
@@ -84,7 +87,9 @@ Result<bool> runVolume(const std::string& spec, const Options& options) {
 int main(int argc, char** argv) {
     Options options;
     CLI::App app("Times the paper's flat layout, one thread, beside the product");
-    app.add_option("--volumes", options.volumes, "shellN, mlN, noiseN, bluntfin, PATH or PATH:nx:ny:nz:TYPE[:skip]")->delimiter(',');
+    app.add_option("--volumes", options.volumes,
+                   "shellN, mlN, noiseN, bluntfin, PATH or PATH:nx:ny:nz:TYPE[:skip]")
+        ->delimiter(',');
     app.add_option("--pct", options.percents, "step sizes, % of the range")->delimiter(',');
     app.add_option("--steps", options.steps, "steps per slide")->check(CLI::Range(1, 10000));
     app.add_option("--folder", options.folder, "where indexes are kept");

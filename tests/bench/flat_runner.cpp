@@ -25,8 +25,11 @@ class Runner final : public FlatRunner {
 
 public:
     explicit Runner(std::unique_ptr<index::IndexReader> reader)
-        : reader_(std::move(reader)), source_(*reader_, kCacheBytes), changes_(reader_->grid().brickCount()),
-          surface_(reader_->info().geometry, reader_->meta().missingCells, averageActiveEdges(reader_->info())),
+        : reader_(std::move(reader)),
+          source_(*reader_, kCacheBytes),
+          changes_(reader_->grid().brickCount()),
+          surface_(reader_->info().geometry, reader_->meta().missingCells,
+                   averageActiveEdges(reader_->info())),
           position_(source_.lowest()) {}
 
     Result<FlatStep> slideTo(double isovalue) override {
@@ -74,7 +77,8 @@ Result<std::unique_ptr<FlatRunner>> FlatRunner::open(const std::filesystem::path
         return std::move(reader).error();
     const ScalarType type = reader.value()->info().type;
     return visitScalarType(type, [&](auto sample) -> Result<std::unique_ptr<FlatRunner>> {
-        return std::unique_ptr<FlatRunner>(std::make_unique<Runner<decltype(sample)>>(std::move(reader).value()));
+        return std::unique_ptr<FlatRunner>(
+            std::make_unique<Runner<decltype(sample)>>(std::move(reader).value()));
     });
 }
 

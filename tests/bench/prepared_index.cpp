@@ -30,8 +30,8 @@ double sortSeconds(const ScalarGrid& grid) {
     });
 }
 
-Result<PreparedIndex> prepareIndex(const BenchVolume& volume, const std::filesystem::path& folder, bool reuses,
-                                   int threads) {
+Result<PreparedIndex> prepareIndex(const BenchVolume& volume, const std::filesystem::path& folder,
+                                   bool reuses, int threads) {
     PreparedIndex prepared;
     prepared.path = folder / (volume.name + ".isx");
     if (reuses && std::filesystem::exists(prepared.path)) {

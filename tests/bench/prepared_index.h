@@ -23,8 +23,8 @@ struct PreparedIndex {
 
 /// Builds the index of a volume into `folder`, with the builder's defaults on `threads` threads, or takes
 /// the one that is there when `reuses` is set. Errors: those of buildIndex and of opening an index.
-Result<PreparedIndex> prepareIndex(const BenchVolume& volume, const std::filesystem::path& folder, bool reuses,
-                                   int threads);
+Result<PreparedIndex> prepareIndex(const BenchVolume& volume, const std::filesystem::path& folder,
+                                   bool reuses, int threads);
 
 /// Seconds for one std::sort, on one thread, of the pairs (value, id) of all finite samples.
 double sortSeconds(const ScalarGrid& grid);

@@ -28,6 +28,7 @@ struct VolumeReport {
     BenchVolume volume;
     PreparedIndex index;
     ProbeResult probe;
+    ProbeResult probeWithoutCache; ///< the same with no decoded page kept: the live surface alone
     double firstPictureSeconds = 0.0;
     std::vector<SlideRow> rows;
     double othersBusy = 0.0; ///< processors that other programs used meanwhile

@@ -31,10 +31,12 @@ std::string quoted(const std::filesystem::path& path) {
     return out + "'";
 }
 
-// Runs slide_probe, which lies beside this program, over a slide of 1 % steps.
-Result<ProbeResult> probe(const BenchVolume& volume, const PreparedIndex& index, const Options& options) {
+// Runs slide_probe, which lies beside this program, over a slide of 1 % steps. cacheBytes -1: the default.
+Result<ProbeResult> probe(const BenchVolume& volume, const PreparedIndex& index, const Options& options,
+                          long long cacheBytes) {
     const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "slide_probe";
-    std::string command = fmt::format("{} {} {}", quoted(program), quoted(index.path), options.row.threads);
+    std::string command =
+        fmt::format("{} {} {} {}", quoted(program), quoted(index.path), options.row.threads, cacheBytes);
     for (const double isovalue : slide(volume, 1.0, options.row.steps))
         command += fmt::format(" {}", isovalue);
     std::FILE* pipe = ::popen(command.c_str(), "r");
@@ -42,8 +44,9 @@ Result<ProbeResult> probe(const BenchVolume& volume, const PreparedIndex& index,
         return makeError(ErrorCode::IoError, "cannot start", program.string());
     ProbeResult result;
     unsigned long long bytes[4] = {}, edges[2] = {};
-    const int fields = std::fscanf(pipe, "%lf %lf %llu %llu %llu %llu %llu %llu", &result.openMs, &result.firstSurfaceMs, &bytes[0],
-                                   &bytes[1], &bytes[2], &bytes[3], &edges[0], &edges[1]);
+    const int fields =
+        std::fscanf(pipe, "%lf %lf %llu %llu %llu %llu %llu %llu", &result.openMs, &result.firstSurfaceMs,
+                    &bytes[0], &bytes[1], &bytes[2], &bytes[3], &edges[0], &edges[1]);
     if (::pclose(pipe) != 0 || fields != 8)
         return makeError(ErrorCode::IoError, "did not answer", program.string());
     result.emptyBytes = bytes[0];
@@ -66,10 +69,13 @@ Result<VolumeReport> runVolume(const std::string& spec, const Options& options, 
     if (!index.isOk())
         return std::move(index).error();
     report.index = std::move(index).value();
-    auto probed = probe(report.volume, report.index, options);
-    if (!probed.isOk())
-        return std::move(probed).error();
-    report.probe = probed.value();
+    for (auto [result, cacheBytes] :
+         {std::pair{&report.probe, -1LL}, std::pair{&report.probeWithoutCache, 0LL}}) {
+        auto probed = probe(report.volume, report.index, options, cacheBytes);
+        if (!probed.isOk())
+            return std::move(probed).error();
+        *result = probed.value();
+    }
     auto picture = firstPictureSeconds(report.volume, options.folder);
     if (!picture.isOk())
         return std::move(picture).error();
@@ -98,13 +104,17 @@ Result<VolumeReport> runVolume(const std::string& spec, const Options& options, 
 }
 
 void addOptions(CLI::App& app, Options& options) {
-    app.add_option("--volumes", options.volumes, "shellN, mlN, noiseN, bluntfin, PATH or PATH:nx:ny:nz:TYPE[:skip]")->delimiter(',');
+    app.add_option("--volumes", options.volumes,
+                   "shellN, mlN, noiseN, bluntfin, PATH or PATH:nx:ny:nz:TYPE[:skip]")
+        ->delimiter(',');
     app.add_option("--pct", options.percents, "step sizes, % of the range")->delimiter(',');
     app.add_option("--steps", options.row.steps, "steps per slide")->check(CLI::Range(1, 10000));
-    app.add_option("--threads", options.row.threads, "threads of every contestant")->check(CLI::Range(1, 1024));
+    app.add_option("--threads", options.row.threads, "threads of every contestant")
+        ->check(CLI::Range(1, 1024));
     app.add_option("--folder", options.folder, "where indexes are kept");
     app.add_option("--csv", options.csv, "append a row per volume and step size to this file");
-    app.add_option("--peer-backend", options.row.peerBackend, "threads of the peer: STDThread, TBB or Sequential");
+    app.add_option("--peer-backend", options.row.peerBackend,
+                   "threads of the peer: STDThread, TBB or Sequential");
     app.add_flag("--cold", options.row.isCold, "no index page in memory at the start of a step");
     app.add_flag("--baseline", options.row.withBaseline, "the paper's flat layout beside the product");
     app.add_flag("--no-peer", options.withoutPeer, "the product alone");
@@ -121,7 +131,8 @@ int main(int argc, char** argv) {
     options.row.withPeer = hasPeer() && !options.withoutPeer;
     if (!hasPeer())
         fmt::print("built without VTK: no peer\n");
-    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.row.threads));
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                      static_cast<std::size_t>(options.row.threads));
     std::filesystem::create_directories(options.folder);
     std::ofstream csv;
     if (!options.csv.empty())

@@ -109,7 +109,8 @@ public:
             row_.productFirstMs = elapsed;
         else
             addProduct(stats, elapsed);
-        const double copied = witness_.copyMs(stats.activeEdges * interpolationBytes(volume_.grid->type()), options_.threads);
+        const double copied =
+            witness_.copyMs(stats.activeEdges * interpolationBytes(volume_.grid->type()), options_.threads);
         if (!isFirst)
             copies_.push_back(copied);
         runPeer(isovalue, isFirst, stats);
@@ -122,7 +123,8 @@ public:
         row_.interpolateMs = spreadOf(interpolations_).median;
         row_.copyMs = spreadOf(copies_).median;
         row_.nsPerChange = spreadOf(nsPerChange_).median;
-        for (double* sum : {&row_.activeEdges, &row_.triangles, &row_.edgesChanged, &row_.edgesTouched, &row_.bytesRead})
+        for (double* sum :
+             {&row_.activeEdges, &row_.triangles, &row_.edgesChanged, &row_.edgesTouched, &row_.bytesRead})
             *sum /= options_.steps;
         if (row_.peer) {
             row_.peer->times = spreadOf(peers_);
@@ -158,7 +160,8 @@ private:
         const double start = nowMs();
         const FlyingEdges::Surface surface = peer_->extract(isovalue);
         const double elapsed = nowMs() - start;
-        const bool agrees = volume_.hasMissing ? surface.vertices >= stats.activeEdges : surface.vertices == stats.activeEdges;
+        const bool agrees = volume_.hasMissing ? surface.vertices >= stats.activeEdges
+                                               : surface.vertices == stats.activeEdges;
         row_.disagreements += agrees ? 0 : 1;
         if (isFirst) {
             row_.peer->firstMs = elapsed;
@@ -178,7 +181,8 @@ private:
         if (!moved.isOk())
             return moved.error();
         const FlatStep& flat = moved.value();
-        row_.disagreements += flat.activeEdges == stats.activeEdges && flat.triangles == stats.triangles ? 0 : 1;
+        row_.disagreements +=
+            flat.activeEdges == stats.activeEdges && flat.triangles == stats.triangles ? 0 : 1;
         if (!isFirst)
             flats_.push_back(flat.updateMs + flat.interpolateMs);
         return {};
@@ -201,7 +205,8 @@ private:
 
 bool hasPeer() { return ISOSLIDER_BENCH_HAS_PEER != 0; }
 
-Result<SlideRow> measureRow(const BenchVolume& volume, const PreparedIndex& index, const RowOptions& options) {
+Result<SlideRow> measureRow(const BenchVolume& volume, const PreparedIndex& index,
+                            const RowOptions& options) {
     Slide run(volume, index, options);
     ISO_TRY(run.open());
     bool isFirst = true;

@@ -13,8 +13,8 @@ struct RowOptions {
     double percent = 1.0;
     int steps = 20;
     int threads = 2;
-    bool isCold = false;      ///< no decoded page is kept, and the file is dropped from memory before each step
-    bool withPeer = true;     ///< ignored in a build without VTK
+    bool isCold = false; ///< no decoded page is kept, and the file is dropped from memory before each step
+    bool withPeer = true; ///< ignored in a build without VTK
     bool withBaseline = false;
     std::string peerBackend = "STDThread";
 };
@@ -27,11 +27,11 @@ struct SlideRow {
 
     Spread product;
     double productFirstMs = 0.0; ///< to the first isovalue of the slide, which is no step
-    double updateMs = 0.0;       ///< median
-    double interpolateMs = 0.0;  ///< median
-    double copyMs = 0.0;         ///< median; memcpy of as many bytes as interpolation reads and writes
-    double nsPerChange = 0.0;    ///< median over steps that change anything; 0 when none does
-    int rebuilds = 0;            ///< steps at which the surface was built anew
+    double updateMs = 0.0; ///< median
+    double interpolateMs = 0.0; ///< median
+    double copyMs = 0.0; ///< median; memcpy of as many bytes as interpolation reads and writes
+    double nsPerChange = 0.0; ///< median over steps that change anything; 0 when none does
+    int rebuilds = 0; ///< steps at which the surface was built anew
 
     // Means over the steps.
     double activeEdges = 0.0;

@@ -34,7 +34,8 @@ ScalarGrid makeCube(int size, ScalarType type, const Plane& plane) {
 
 // A number in [-1, 1) for a lattice point of an octave: a 32-bit mix of its coordinates.
 float latticeValue(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t octave) {
-    std::uint32_t hash = (x * 0x8da6b343u) ^ (y * 0xd8163841u) ^ (z * 0xcb1ab31fu) ^ ((octave + 1) * 0x9e3779b9u);
+    std::uint32_t hash =
+        (x * 0x8da6b343u) ^ (y * 0xd8163841u) ^ (z * 0xcb1ab31fu) ^ ((octave + 1) * 0x9e3779b9u);
     hash = (hash ^ (hash >> 16)) * 0x7feb352du;
     hash = (hash ^ (hash >> 15)) * 0x846ca68bu;
     hash ^= hash >> 16;
@@ -46,7 +47,8 @@ float fade(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 // Place of a grid coordinate on a lattice: cell and faded offset in it.
 struct LatticePlace {
     LatticePlace(int coordinate, int cells, int size) {
-        const float at = static_cast<float>(coordinate) * static_cast<float>(cells) / static_cast<float>(size);
+        const float at =
+            static_cast<float>(coordinate) * static_cast<float>(cells) / static_cast<float>(size);
         cell = static_cast<std::uint32_t>(at);
         weight = fade(at - static_cast<float>(cell));
     }
@@ -97,7 +99,9 @@ public:
         if (!(p < q || q < p))
             return;
         const double low = std::min(p, q), high = std::max(p, q);
-        const auto candidateOf = [&](double value) { return static_cast<long>(std::floor((value - first_) / step_)); };
+        const auto candidateOf = [&](double value) {
+            return static_cast<long>(std::floor((value - first_) / step_));
+        };
         const long begin = std::clamp(candidateOf(low) + 1, 0L, long{kCentreCandidates});
         const long last = std::min(candidateOf(high), long{kCentreCandidates} - 1);
         if (begin > last)
@@ -128,7 +132,8 @@ private:
 };
 
 template <class Sample>
-void countPlane(std::span<const Sample> samples, const GridDims& dims, std::int64_t z, CandidateCounts& counts) {
+void countPlane(std::span<const Sample> samples, const GridDims& dims, std::int64_t z,
+                CandidateCounts& counts) {
     const auto [nx, ny, nz] = dims;
     for (std::int64_t y = 0; y < ny; ++y) {
         const Sample* row = samples.data() + nx * (y + ny * z);
@@ -209,7 +214,8 @@ ScalarGrid makeShell(int size) {
             for (int x = 0; x < size; ++x) {
                 const double dx = x - centre, dy = y - centre, dz = z - centre;
                 const double distance = std::sqrt(dx * dx + dy * dy + dz * dz);
-                *out++ = static_cast<std::uint16_t>(std::lround(65535.0 * std::fabs(distance - radius) / largest));
+                *out++ =
+                    static_cast<std::uint16_t>(std::lround(65535.0 * std::fabs(distance - radius) / largest));
             }
     });
 }
@@ -221,8 +227,10 @@ ScalarGrid makeMarschnerLobb(int size) {
         for (int y = 0; y < size; ++y)
             for (int x = 0; x < size; ++x) {
                 const double px = onAxis(x), py = onAxis(y), pz = onAxis(z);
-                const double wave = std::cos(2 * kPi * kFrequency * std::cos(kPi * std::sqrt(px * px + py * py) / 2));
-                *out++ = static_cast<float>((1 - std::sin(kPi * pz / 2) + kAlpha * (1 + wave)) / (2 * (1 + kAlpha)));
+                const double wave =
+                    std::cos(2 * kPi * kFrequency * std::cos(kPi * std::sqrt(px * px + py * py) / 2));
+                *out++ = static_cast<float>((1 - std::sin(kPi * pz / 2) + kAlpha * (1 + wave)) /
+                                            (2 * (1 + kAlpha)));
             }
     });
 }
