@@ -202,6 +202,25 @@ TEST_F(IndexFile, ForgedDirectoriesNeverCrash) {
     }
 }
 
+// A million empty blocks: more levels could be merged above them than any real index has.
+TEST_F(IndexFile, AForgedTopLevelOfManyBlocksNeverCrashes) {
+    const auto grid = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(6), [](auto x, auto y, auto z) { return 1.0 + 1.0 * x + 0.1 * y + 0.01 * z; });
+    ASSERT_THAT(test::buildIndexOf(grid, folder_ / "float.isx"), IsOk());
+    bytes_ = test::readText(folder_ / "float.isx");
+    IndexMeta meta = IndexReader::open(folder_ / "float.isx").value()->meta();
+    meta.levels.resize(8);
+    meta.info.levels.resize(8);
+    LevelDirectory& top = meta.levels.back();
+    top = {};
+    for (std::uint64_t i = 0; i < (1u << 20); ++i)
+        top.blocks.push_back({0x40000000 + i, 0x40000000 + i, 0, 0});
+    const auto engine = extract::SlideEngine::open(write(forged(meta)));
+    if (!engine.isOk())
+        return;
+    for (int round = 0; round < 6; ++round)
+        EXPECT_NO_THROW(static_cast<void>(engine.value()->slideTo(round % 2 ? -1e38 : -1.0).isOk()));
+}
+
 TEST_F(IndexFile, RefusesWhatIsNoIndex) {
     EXPECT_THAT(IndexReader::open(folder_ / "none.isx"), HasError(ErrorCode::NotFound));
     EXPECT_THAT(IndexReader::open(folder_.path()), HasError(ErrorCode::InvalidArgument));
