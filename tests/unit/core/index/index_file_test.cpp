@@ -6,8 +6,8 @@
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
-#include "core/index/byte_codec.h"
 #include "core/index/index_reader.h"
+#include "core/index/index_writer.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"
@@ -219,6 +219,20 @@ TEST_F(IndexFile, AForgedTopLevelOfManyBlocksNeverCrashes) {
         return;
     for (int round = 0; round < 6; ++round)
         EXPECT_NO_THROW(static_cast<void>(engine.value()->slideTo(round % 2 ? -1e38 : -1.0).isOk()));
+}
+
+TEST_F(IndexFile, AHalfWrittenIndexCannotBeOpened) {
+    auto writer = IndexWriter::create(folder_ / "new.isx", 42);
+    ASSERT_THAT(writer, IsOk());
+    const std::vector<std::byte> page(500, std::byte{7});
+    ASSERT_THAT(writer.value()->addPage(0, {}, page), IsOk());
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "new.isx"));
+    // What a crash would leave.
+    std::filesystem::copy_file(partialPath(folder_ / "new.isx"), folder_ / "left.isx");
+    EXPECT_EQ(std::filesystem::file_size(folder_ / "left.isx"), kPreambleBytes + 500);
+    EXPECT_THAT(IndexReader::open(folder_ / "left.isx"), HasError(ErrorCode::InvalidArgument));
+    writer.value().reset();
+    EXPECT_FALSE(std::filesystem::exists(partialPath(folder_ / "new.isx"))) << "given up, gone";
 }
 
 TEST_F(IndexFile, RefusesWhatIsNoIndex) {
