@@ -80,7 +80,7 @@ private:
         entries_.push_back({std::move(command), parser});
     }
 
-    Outcome finish(Outcome outcome) {
+    Outcome finish(const Outcome& outcome) {
         const auto written = session_.output.flush();
         return outcome.isSuccess() && !written.isOk() ? Outcome(written.error()) : outcome;
     }
