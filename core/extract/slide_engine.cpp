@@ -9,6 +9,8 @@
 namespace isoslider::extract {
 namespace {
 
+constexpr std::uint64_t kKeptChanges = 1u << 16;
+
 double millisecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
@@ -78,9 +80,13 @@ private:
             stats.edgesRemoved += surface_.activeEdges();
             surface_.clear();
         }
+        // What a jump has left in the lists is given back when steps become small.
+        if (lastTouched_ > 4 * best + kKeptChanges)
+            changes_.trim();
         changes_.clear();
         ISO_TRY(source_.collect(start, target, changes_, stats, stop));
         ISO_TRY(surface_.apply(changes_, stats));
+        lastTouched_ = stats.edgesTouched;
         position_ = target;
         return {};
     }
@@ -96,6 +102,7 @@ private:
     ActiveSurface<Live> surface_;
     ChangeSet<Live> changes_;
     KeyThreshold position_;
+    std::uint64_t lastTouched_ = 0;
     SlideStats lastStats_;
 };
 
