@@ -180,12 +180,12 @@ private:
         const std::size_t count = static_cast<std::size_t>((z1 - z0) * geometry_.dims[0] * geometry_.dims[1]);
         // Halves: max - min may overflow.
         const double range = info_.max * 0.5 - info_.min * 0.5;
-        const double scale = range > 0.0 ? static_cast<double>(kHistogramBins) / range : 0.0;
         for (std::size_t i = 0; i < count; ++i) {
             if (isMissing(samples[i]))
                 continue;
-            const double at = (static_cast<double>(samples[i]) * 0.5 - info_.min * 0.5) * scale;
-            ++info_.histogram.counts[std::min(kHistogramBins - 1, static_cast<std::size_t>(at))];
+            const double share = range > 0.0 ? (static_cast<double>(samples[i]) * 0.5 - info_.min * 0.5) / range : 0.0;
+            const double bin = share * static_cast<double>(kHistogramBins); // a division: 1 / range may overflow
+            ++info_.histogram.counts[std::min(kHistogramBins - 1, static_cast<std::size_t>(bin))];
         }
     }
 
@@ -294,7 +294,9 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
             return IndexBuild<decltype(sample)>(source, indexPath, options, job).run();
         });
     };
-    tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);
+    // More threads than cores would only make TBB complain.
+    const int cores = tbb::this_task_arena::max_concurrency();
+    tbb::task_arena arena(options.threads == 0 ? cores : std::min(options.threads, cores));
     std::optional<Result<index::IndexInfo>> info;
     arena.execute([&] { info.emplace(run()); });
     if (!info->isOk())

@@ -263,7 +263,8 @@ Status AtomicFile::publish() {
     // Renamed before it is closed: the lock holds until the name is taken.
     ISO_TRY(fileSystem_.renameDurably(partialPath(path_), path_));
     isPublished_ = true;
-    return file_->close();
+    (void)file_->close(); // synced and in its place: nothing that closing could say would undo that
+    return {};
 }
 
 Status checkOutputPath(const fs::path& path) {

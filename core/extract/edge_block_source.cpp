@@ -45,7 +45,8 @@ std::uint64_t EdgeBlockSource<Sample>::estimate(KeyThreshold from, KeyThreshold 
 }
 
 template <class Sample>
-Result<std::vector<typename EdgeBlockSource<Sample>::Task>> EdgeBlockSource<Sample>::makeTasks(const std::vector<WalkSegment>& segments) {
+Result<std::vector<typename EdgeBlockSource<Sample>::Task>> EdgeBlockSource<Sample>::makeTasks(
+    const std::vector<WalkSegment>& segments, SlideStats& stats) {
     using Lazy = index::LazyLevels<Key>;
     const int top = skipList_.levelCount() - 1;
     typename Lazy::Below below;
@@ -56,6 +57,7 @@ Result<std::vector<typename EdgeBlockSource<Sample>::Task>> EdgeBlockSource<Samp
             auto lookup = cache_.get(top, block.firstPage + p);
             if (!lookup.isOk())
                 return std::move(lookup).error();
+            stats.bytesRead += lookup.value().bytesRead;
             pages.push_back(std::move(lookup).value().page);
         }
         return pages;
@@ -102,11 +104,11 @@ Status EdgeBlockSource<Sample>::collect(KeyThreshold from, KeyThreshold to, Chan
     const KeyThreshold lower = std::min(from, to);
     const KeyThreshold upper = std::max(from, to);
     std::vector<WalkSegment> segments = skipList_.plan(lower, upper);
-    auto madeTasks = makeTasks(segments);
+    auto madeTasks = makeTasks(segments, stats);
     if (!madeTasks.isOk())
         return std::move(madeTasks).error();
     const std::vector<Task> tasks = std::move(madeTasks).value();
-    constexpr int kMaxLevels = index::kMaxSkipLevels + 16;
+    constexpr int kMaxLevels = index::kMaxSkipLevels + index::LazyLevels<Key>::kMaxLevel;
 
     tbb::enumerable_thread_specific<Counts> allCounts([] { return Counts{std::vector<WalkStep>(kMaxLevels)}; });
     std::atomic<std::uint64_t> bytesRead{0};

@@ -35,7 +35,7 @@ private:
     struct Counts;
     struct Task;
     /// The pages of a walk; whole runs of top-level blocks come from lazy levels where there is room.
-    Result<std::vector<Task>> makeTasks(const std::vector<index::WalkSegment>& segments);
+    Result<std::vector<Task>> makeTasks(const std::vector<index::WalkSegment>& segments, SlideStats& stats);
     void emit(const index::DecodedPage<Key>& page, const Task& task, KeyThreshold lower, KeyThreshold upper,
               bool goesUp, ChangeSet<Live>& changes, Counts& counts) const;
 

@@ -35,8 +35,8 @@ template <class Key>
 std::vector<typename LazyLevels<Key>::Group> LazyLevels<Key>::groupsOf(std::uint64_t begin, std::uint64_t end) {
     std::vector<Group> groups;
     while (begin < end) {
-        int level = begin == 0 ? 63 : std::countr_zero(begin);
-        while (level > 0 && (level >= 63 || (std::uint64_t{1} << level) > end - begin))
+        int level = begin == 0 ? kMaxLevel : std::min(kMaxLevel, std::countr_zero(begin));
+        while ((std::uint64_t{1} << level) > end - begin)
             --level;
         groups.push_back({level, begin >> level});
         begin += std::uint64_t{1} << level;

@@ -36,6 +36,9 @@ public:
         std::function<std::pair<std::uint64_t, std::uint64_t>(std::uint64_t begin, std::uint64_t end)> interval;
     };
 
+    /// Groups are no larger than 2^kMaxLevel blocks.
+    static constexpr int kMaxLevel = 12;
+
     explicit LazyLevels(std::uint64_t maxBytes) : maxBytes_(maxBytes) {}
 
     /// Cuts blocks [begin, end) of the top level into the largest groups. O(log(end - begin)).

@@ -1,9 +1,13 @@
 #include "core/volume_io/vtk_bridge.h"
 
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <vtkDataArray.h>
+#include <vtkImageData.h>
 #include <vtkLogger.h>
+#include <vtkMatrix3x3.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 
@@ -16,24 +20,34 @@ class QuietWindow final : public vtkOutputWindow {
 public:
     static QuietWindow* New();
     vtkTypeMacro(QuietWindow, vtkOutputWindow);
-    void DisplayText(const char* text) override { keep(text); }
-    void DisplayErrorText(const char* text) override { keep(text); }
-    void DisplayWarningText(const char*) override {}
-    void DisplayGenericWarningText(const char*) override {}
+    void DisplayText(const char* text) override { keep(text, firstError_); }
+    void DisplayErrorText(const char* text) override { keep(text, firstError_); }
+    void DisplayWarningText(const char* text) override { keep(text, firstWarning_); }
+    void DisplayGenericWarningText(const char* text) override { keep(text, firstWarning_); }
     void DisplayDebugText(const char*) override {}
 
     const std::string& firstError() const { return firstError_; }
+    const std::string& firstWarning() const { return firstWarning_; }
 
 private:
-    void keep(const char* text) {
-        if (firstError_.empty() && text != nullptr)
-            firstError_ = text;
+    static void keep(const char* text, std::string& kept) {
+        if (kept.empty() && text != nullptr)
+            kept = text;
     }
-    std::string firstError_;
+    std::string firstError_, firstWarning_;
 };
 vtkStandardNewMacro(QuietWindow);
 
 namespace {
+
+/// One line of what VTK said, without the class name and address before it.
+std::string withoutPlace(std::string_view text) {
+    text = trimmed(text);
+    const auto colon = text.rfind("): ");
+    if (colon != std::string_view::npos)
+        text.remove_prefix(colon + 3);
+    return std::string(trimmed(text.substr(0, text.find('\n'))));
+}
 
 std::mutex& oneAtATime() {
     static std::mutex mutex;
@@ -43,10 +57,10 @@ std::mutex& oneAtATime() {
 template <class From>
 Result<ScalarGrid> widened(const GridGeometry& geometry, const From* values, const std::filesystem::path& path) {
     std::vector<double> out(static_cast<std::size_t>(pointCount(geometry.dims)));
-    constexpr double kExact = 9007199254740992.0; // 2^53
+    constexpr std::int64_t kExact = std::int64_t{1} << 53; // compared as integers: 2^53 + 1 rounds to it
     for (std::size_t i = 0; i < out.size(); ++i) {
         out[i] = static_cast<double>(values[i]);
-        if (out[i] > kExact || out[i] < -kExact)
+        if (std::cmp_greater(values[i], kExact) || std::cmp_less(values[i], -kExact))
             return makeError(ErrorCode::InvalidArgument,
                              "the 64-bit sample " + std::to_string(values[i]) + " has no exact value in f64", path);
     }
@@ -64,13 +78,8 @@ VtkSession::VtkSession()
 
 VtkSession::~VtkSession() { vtkOutputWindow::SetInstance(before_); }
 
-std::string VtkSession::complaint() const {
-    std::string_view text = trimmed(window_->firstError());
-    const auto colon = text.rfind("): ");
-    if (colon != std::string_view::npos)
-        text.remove_prefix(colon + 3);
-    return std::string(trimmed(text.substr(0, text.find('\n'))));
-}
+std::string VtkSession::complaint() const { return withoutPlace(window_->firstError()); }
+std::string VtkSession::warning() const { return withoutPlace(window_->firstWarning()); }
 
 Error VtkSession::error(std::string_view otherwise, const std::filesystem::path& path) const {
     const std::string said = complaint();
@@ -102,6 +111,23 @@ Result<ScalarGrid> toGrid(const GridGeometry& geometry, vtkDataArray& array, con
         case VTK_UNSIGNED_LONG_LONG: return widened(geometry, static_cast<const unsigned long long*>(data), path);
         default: return refuseField("type", "is not a type of scalars that is read", path);
     }
+}
+
+GridGeometry geometryOf(vtkImageData& image, const GridDims& dims) {
+    GridGeometry geometry;
+    geometry.dims = dims;
+    const vtkMatrix3x3* direction = image.GetDirectionMatrix();
+    const int* extent = image.GetExtent();
+    for (int axis = 0; axis < 3; ++axis) {
+        geometry.spacing[axis] = image.GetSpacing()[axis];
+        geometry.origin[axis] = image.GetOrigin()[axis];
+        for (int row = 0; row < 3; ++row)
+            geometry.direction[axis][row] = direction->GetElement(row, axis);
+    }
+    // VTK's origin is that of index (0, 0, 0), which the extent may leave out.
+    const glm::dvec3 first(extent[0], extent[2], extent[4]);
+    geometry.origin += geometry.direction * (geometry.spacing * first);
+    return geometry;
 }
 
 } // namespace isoslider::io

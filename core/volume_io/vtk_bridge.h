@@ -11,6 +11,7 @@
 #include "core/grid/scalar_grid.h"
 
 class vtkDataArray;
+class vtkImageData;
 class vtkOutputWindow;
 
 // What the readers that rest on VTK share. For the sources of this folder only.
@@ -30,6 +31,8 @@ public:
 
     /// VTK's first complaint, on one line without class names and addresses; empty if there is none.
     std::string complaint() const;
+    /// Likewise the first warning. VTK merely warns where it gives up on text and leaves values unset.
+    std::string warning() const;
     /// Corruption, with the complaint or, failing one, `otherwise`.
     Error error(std::string_view otherwise, const std::filesystem::path& path) const;
 
@@ -43,5 +46,8 @@ private:
 /// REQUIRES: as many values as `geometry` has points. Errors: InvalidArgument (no type of scalars,
 /// or a 64-bit sample without an exact f64).
 Result<ScalarGrid> toGrid(const GridGeometry& geometry, vtkDataArray& array, const std::filesystem::path& path);
+
+/// Where VTK says that an image lies; `dims` are those already checked.
+GridGeometry geometryOf(vtkImageData& image, const GridDims& dims);
 
 } // namespace isoslider::io

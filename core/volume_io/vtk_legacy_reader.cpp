@@ -1,14 +1,26 @@
+#include <algorithm>
 #include <charconv>
-#include <cmath>
-#include <cstring>
 #include <limits>
+#include <locale>
+#include <sstream>
+
+#include <vtkCharArray.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkStructuredPoints.h>
+#include <vtkStructuredPointsReader.h>
 
 #include "core/volume_io/format_readers.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/sample_source.h"
+#include "core/volume_io/vtk_bridge.h"
 
-// Not VTK's own reader: it allocates whatever a header asks for, and reads every array of the file
-// to get at one. Binary samples (big-endian, by the format) are streamed from where they lie.
+// VTK reads the header and the samples, but only what has passed the gate here, handed over in
+// memory: the checked header lines and the one array that is wanted. By itself VTK allocates what
+// any header line asks for, reads every array to get at one, and on text that is no number warns
+// and leaves the values unset.
+// DEVIATION: "nan" and "inf" in text files are refused, for VTK cannot read them; binary ones may.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -18,13 +30,15 @@ struct TypeName {
     std::string_view name;
     FileType type;
 };
+/// The first name of each type is the one that VTK is given.
 constexpr TypeName kTypes[] = {
-    {"unsigned_char", FileType::U8}, {"char", FileType::I8},           {"unsigned_short", FileType::U16},
-    {"short", FileType::I16},        {"unsigned_int", FileType::U32},  {"int", FileType::I32},
-    {"unsigned_long", FileType::U64}, {"long", FileType::I64},         {"vtktypeint64", FileType::I64},
-    {"vtktypeuint64", FileType::U64}, {"vtkidtype", FileType::I32},    {"float", FileType::F32},
+    {"unsigned_char", FileType::U8}, {"char", FileType::I8},         {"unsigned_short", FileType::U16},
+    {"short", FileType::I16},        {"unsigned_int", FileType::U32}, {"int", FileType::I32},
+    {"vtktypeuint64", FileType::U64}, {"vtktypeint64", FileType::I64}, {"unsigned_long", FileType::U64},
+    {"long", FileType::I64},         {"vtkidtype", FileType::I32},   {"float", FileType::F32},
     {"double", FileType::F64}};
 
+constexpr std::size_t kMaxWord = 64; ///< a sample in text is shorter
 constexpr std::size_t kWindowBytes = std::size_t{1} << 16;
 
 /// Walks a file of text lines with runs of samples between them, holding a window of it.
@@ -71,7 +85,7 @@ public:
             if (isBlank && !out.empty())
                 return true;
             ++at_;
-            if (!isBlank && out.size() < 64)
+            if (!isBlank && out.size() <= kMaxWord)
                 out += c;
         }
         return !out.empty();
@@ -99,9 +113,39 @@ struct Array {
     std::uint64_t components = 1;
 };
 
+/// What is below the middle between the largest float and the next step rounds to the former.
+constexpr double kMaxFloat = 0x1.fffffefffffffp127;
+
+template <class T>
+bool isWithin(std::string_view word, T least = std::numeric_limits<T>::lowest(),
+              T most = std::numeric_limits<T>::max()) {
+    T value{};
+    const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return problem == std::errc{} && end == word.data() + word.size() && value >= least && value <= most;
+}
+
+/// Whether VTK reads the whole word as a value of the type: anything else it would wrap or skip.
+bool isSample(std::string_view word, FileType type) {
+    if (word.size() > kMaxWord)
+        return false;
+    switch (type) {
+        case FileType::U8: return isWithin<std::uint16_t>(word, 0, 255);
+        case FileType::I8: return isWithin<std::int16_t>(word, -128, 127);
+        case FileType::U16: return isWithin<std::uint16_t>(word);
+        case FileType::I16: return isWithin<std::int16_t>(word);
+        case FileType::U32: return isWithin<std::uint32_t>(word);
+        case FileType::I32: return isWithin<std::int32_t>(word);
+        case FileType::U64: return isWithin<std::uint64_t>(word);
+        case FileType::I64: return isWithin<std::int64_t>(word);
+        case FileType::F32: return isWithin<double>(word, -kMaxFloat, kMaxFloat);
+        case FileType::F64: return isWithin<double>(word);
+    }
+    return false;
+}
+
 class LegacyReader {
 public:
-    LegacyReader(const RandomAccessFile& file, std::string field) : scan_(file), field_(std::move(field)) {
+    LegacyReader(const RandomAccessFile& file, std::string field) : file_(file), scan_(file), field_(std::move(field)) {
         info_.format = "VTK image";
     }
 
@@ -151,12 +195,17 @@ private:
                                                      : parseReals(tail, numbers) && numbers.size() == 3;
             if (!isKnown)
                 return refuse(inQuotes(parts[0]), "three numbers expected");
-            if (key == "spacing" || key == "aspect_ratio")
+            if (key == "spacing" || key == "aspect_ratio") {
                 info_.geometry.spacing = {numbers[0], numbers[1], numbers[2]};
-            else if (key == "origin")
+                spacingLine_ = trimmed(line);
+            } else if (key == "origin") {
                 info_.geometry.origin = {numbers[0], numbers[1], numbers[2]};
-            else if (key != "dimensions")
+                originLine_ = trimmed(line);
+            } else if (key != "dimensions") {
                 return refuse(inQuotes(parts[0]), "is not known here");
+            }
+            if (scan_.position() > kMaxHeaderBytes)
+                return refuse("header", "is longer than " + std::to_string(kMaxHeaderBytes) + " bytes");
         }
         return refuse("POINT_DATA", "missing: there are no samples");
     }
@@ -281,49 +330,73 @@ private:
                                             "; only scalar volumes are read");
         ISO_TRY(checkRoom(array));
         info_.fieldName = array.name;
-        if (!isBinary_)
-            return readText(array);
-        auto bytes = openParts({{scan_.path(), scan_.position()}}, points_ * fileTypeSizeBytes(array.type));
-        if (!bytes.isOk())
-            return std::move(bytes).error();
-        return makeSampleSource(std::move(info_), {array.type, true, std::nullopt}, std::move(bytes).value(), scan_.path());
+        const std::uint64_t sampleBytes = points_ * fileTypeSizeBytes(array.type);
+        const std::uint64_t fileBytes = isBinary_ ? sampleBytes : scan_.remaining();
+        ISO_TRY(checkFitsMemory(2 * fileBytes + 2 * sampleBytes, scan_.path())); // VTK copies both
+        std::string text = headerFor(array);
+        ISO_TRY(isBinary_ ? appendSamples(text, sampleBytes) : appendWords(text, array.type));
+        return readByVtk(std::move(text));
     }
 
-    Result<std::unique_ptr<VolumeSource>> readText(const Array& array) {
-        const ScalarType memory = memoryType(array.type);
-        ISO_TRY(checkFitsMemory(points_ * scalarTypeSizeBytes(memory), scan_.path()));
-        std::vector<std::byte> samples(points_ * scalarTypeSizeBytes(memory));
-        ISO_TRY(visitScalarType(memory, [&](auto sample) { return parseSamples<decltype(sample)>(samples); }));
-        info_.type = memory;
-        auto grid = std::make_shared<const ScalarGrid>(info_.geometry, memory, std::move(samples));
-        return makeMemorySource(std::move(grid), std::move(info_));
+    std::string headerFor(const Array& array) const {
+        const GridDims& dims = info_.geometry.dims;
+        const auto* known = std::ranges::find(kTypes, array.type, &TypeName::type);
+        std::ostringstream text;
+        text.imbue(std::locale::classic());
+        text << "# vtk DataFile Version 3.0\nvolume\n" << (isBinary_ ? "BINARY" : "ASCII")
+             << "\nDATASET STRUCTURED_POINTS\nDIMENSIONS " << dims[0] << ' ' << dims[1] << ' ' << dims[2] << '\n'
+             << spacingLine_ << '\n' << originLine_ << "\nPOINT_DATA " << points_ << "\nSCALARS samples "
+             << known->name << " 1\nLOOKUP_TABLE default\n";
+        return text.str();
     }
 
-    template <class T>
-    Status parseSamples(std::span<std::byte> samples) {
+    Status appendSamples(std::string& text, std::uint64_t sizeBytes) {
+        const std::size_t begin = text.size();
+        text.resize(begin + sizeBytes);
+        return file_.readExactlyAt(scan_.position(), std::as_writable_bytes(std::span(text).subspan(begin)));
+    }
+
+    Status appendWords(std::string& text, FileType type) {
         std::string word;
         for (std::uint64_t i = 0; i < points_; ++i) {
             scan_.word(word);
-            // By way of long long or double: from_chars reads no 8-bit numbers, only characters.
-            using Wide = std::conditional_t<std::is_integral_v<T>, std::int64_t, double>;
-            Wide value{};
-            const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), value);
-            bool isGood = problem == std::errc{} && end == word.data() + word.size();
-            if constexpr (std::is_integral_v<T>)
-                isGood = isGood && value >= std::numeric_limits<T>::min() && value <= std::numeric_limits<T>::max();
-            if (!isGood)
+            if (!isSample(word, type))
                 return makeError(ErrorCode::InvalidArgument,
                                  "sample " + std::to_string(i) + ": " + inQuotes(word) + " is not a value of its type",
                                  scan_.path(), scan_.position());
-            const T sample = static_cast<T>(value);
-            std::memcpy(samples.data() + i * sizeof(T), &sample, sizeof(T));
+            text += word;
+            text += '\n';
         }
         return {};
     }
 
+    Result<std::unique_ptr<VolumeSource>> readByVtk(std::string text) {
+        const VtkSession session;
+        const vtkNew<vtkCharArray> input;
+        input->SetArray(text.data(), static_cast<vtkIdType>(text.size()), 1);
+        const vtkNew<vtkStructuredPointsReader> reader;
+        reader->ReadFromInputStringOn();
+        reader->SetInputArray(input);
+        reader->Update();
+        vtkImageData* image = reader->GetOutput();
+        if (!session.complaint().empty() || !session.warning().empty() || image == nullptr)
+            return session.error(session.warning(), scan_.path());
+        const GridDims dims = info_.geometry.dims;
+        vtkDataArray* array = image->GetPointData()->GetArray("samples");
+        if (array == nullptr || array->GetNumberOfComponents() != 1 || array->GetNumberOfTuples() != pointCount(dims))
+            return session.error("the array has not one value per point", scan_.path());
+        info_.geometry = geometryOf(*image, dims);
+        auto grid = toGrid(info_.geometry, *array, scan_.path());
+        if (!grid.isOk())
+            return std::move(grid).error();
+        return makeMemorySource(std::make_shared<const ScalarGrid>(std::move(grid).value()), std::move(info_));
+    }
+
     VolumeInfo info_;
+    const RandomAccessFile& file_;
     Scanner scan_;
     std::string field_;
+    std::string spacingLine_, originLine_; ///< as the file has them, checked
     bool isBinary_ = false;
     std::uint64_t points_ = 0;
     std::int64_t fieldArrays_ = 0;

@@ -1,7 +1,6 @@
 #include <vtkDataArray.h>
 #include <vtkDataArraySelection.h>
 #include <vtkImageData.h>
-#include <vtkMatrix3x3.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkXMLImageDataReader.h>
@@ -12,27 +11,6 @@
 #include "core/volume_io/vtk_bridge.h"
 
 namespace isoslider::io {
-namespace {
-
-GridGeometry geometryOf(vtkImageData& image, const GridDims& dims) {
-    GridGeometry geometry;
-    geometry.dims = dims;
-    const vtkMatrix3x3* direction = image.GetDirectionMatrix();
-    const int* extent = image.GetExtent();
-    for (int axis = 0; axis < 3; ++axis) {
-        geometry.spacing[axis] = image.GetSpacing()[axis];
-        geometry.origin[axis] = image.GetOrigin()[axis];
-        for (int row = 0; row < 3; ++row)
-            geometry.direction[axis][row] = direction->GetElement(row, axis);
-    }
-    // VTK's origin is that of index (0, 0, 0), which the extent may leave out.
-    const glm::dvec3 first(extent[0], extent[2], extent[4]);
-    geometry.origin += geometry.direction * (geometry.spacing * first);
-    return geometry;
-}
-
-} // namespace
-
 Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& path, const ReadOptions& options) {
     auto file = defaultFileSystem().openForReading(path);
     if (!file.isOk())
