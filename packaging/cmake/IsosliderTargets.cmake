@@ -2,7 +2,7 @@
 add_library(isoslider_options INTERFACE)
 target_compile_features(isoslider_options INTERFACE cxx_std_20)
 target_compile_options(isoslider_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wno-missing-field-initializers
-  -Wno-stringop-overflow) # GCC 12 sees overflows in inlined vector inserts that are not there
+  -Wno-stringop-overflow -Wno-restrict) # GCC 12 sees overflows in inlined vectors and strings that are not there
 # Population counts and bit scans as instructions: in every PC since 2009.
 if(ISOSLIDER_ARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(isoslider_options INTERFACE -march=${ISOSLIDER_ARCH})
