@@ -14,13 +14,14 @@
 #include "core/volume_io/format_readers.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/sample_source.h"
+#include "core/volume_io/text_scanner.h"
 #include "core/volume_io/vtk_bridge.h"
 
 // VTK reads the header and the samples, but only what has passed the gate here, handed over in
 // memory: the checked header lines and the one array that is wanted. By itself VTK allocates what
 // any header line asks for, reads every array to get at one, and on text that is no number warns
 // and leaves the values unset.
-// DEVIATION: "nan" and "inf" in text files are refused, for VTK cannot read them; binary ones may.
+// DEVIATION: "nan" and "inf" in text files are refused, for VTK reads neither; binary samples may be NaN.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -37,75 +38,6 @@ constexpr TypeName kTypes[] = {
     {"vtktypeuint64", FileType::U64}, {"vtktypeint64", FileType::I64}, {"unsigned_long", FileType::U64},
     {"long", FileType::I64},         {"vtkidtype", FileType::I32},   {"float", FileType::F32},
     {"double", FileType::F64}};
-
-constexpr std::size_t kMaxWord = 64; ///< a sample in text is shorter
-constexpr std::size_t kWindowBytes = std::size_t{1} << 16;
-
-/// Walks a file of text lines with runs of samples between them, holding a window of it.
-class Scanner {
-public:
-    explicit Scanner(const RandomAccessFile& file) : file_(file) {}
-
-    const fs::path& path() const { return file_.path(); }
-    std::uint64_t position() const { return windowBegin_ + at_; }
-    std::uint64_t remaining() const { return file_.sizeBytes() - std::min(position(), file_.sizeBytes()); }
-    void moveTo(std::uint64_t position) {
-        windowBegin_ = position;
-        window_.clear();
-        at_ = 0;
-    }
-
-    /// The next line, without its end; at most kMaxHeaderLine bytes of it. False at the end.
-    bool line(std::string& out) {
-        out.clear();
-        while (true) {
-            if (at_ == window_.size() && !fill())
-                return !out.empty();
-            const char c = window_[at_++];
-            if (c == '\n')
-                return true;
-            if (out.size() < kMaxHeaderLine)
-                out += c;
-        }
-    }
-
-    /// The next line that is not blank.
-    bool textLine(std::string& out) {
-        while (line(out))
-            if (!trimmed(out).empty())
-                return true;
-        return false;
-    }
-
-    bool word(std::string& out) {
-        out.clear();
-        while (at_ < window_.size() || fill()) {
-            const char c = window_[at_];
-            const bool isBlank = c == ' ' || c == '\n' || c == '\t' || c == '\r';
-            if (isBlank && !out.empty())
-                return true;
-            ++at_;
-            if (!isBlank && out.size() <= kMaxWord)
-                out += c;
-        }
-        return !out.empty();
-    }
-
-private:
-    bool fill() {
-        windowBegin_ += window_.size();
-        at_ = 0;
-        window_.resize(kWindowBytes);
-        const auto got = file_.readAt(windowBegin_, std::as_writable_bytes(std::span(window_)));
-        window_.resize(got.isOk() ? got.value() : 0);
-        return !window_.empty();
-    }
-
-    const RandomAccessFile& file_;
-    std::string window_;
-    std::uint64_t windowBegin_ = 0;
-    std::size_t at_ = 0;
-};
 
 struct Array {
     std::string name;
@@ -126,7 +58,7 @@ bool isWithin(std::string_view word, T least = std::numeric_limits<T>::lowest(),
 
 /// Whether VTK reads the whole word as a value of the type: anything else it would wrap or skip.
 bool isSample(std::string_view word, FileType type) {
-    if (word.size() > kMaxWord)
+    if (word.size() > kMaxScannedWord)
         return false;
     switch (type) {
         case FileType::U8: return isWithin<std::uint16_t>(word, 0, 255);
@@ -394,7 +326,7 @@ private:
 
     VolumeInfo info_;
     const RandomAccessFile& file_;
-    Scanner scan_;
+    TextScanner scan_;
     std::string field_;
     std::string spacingLine_, originLine_; ///< as the file has them, checked
     bool isBinary_ = false;

@@ -64,6 +64,12 @@ std::string withMhaLine(const std::string& from, const std::string& to) { return
 std::string withNrrdLine(const std::string& from, const std::string& to) { return replaced(test::nrrd(), from, to); }
 std::string withVti(const std::string& from, const std::string& to) { return replaced(test::vti(), from, to); }
 std::string withVtk(const std::string& from, const std::string& to) { return replaced(test::vtkBinary(), from, to); }
+std::string repeated(const std::string& text, int times) {
+    std::string all;
+    for (int i = 0; i < times; ++i)
+        all += text;
+    return all;
+}
 std::string shorter(std::string bytes) { return bytes.substr(0, bytes.size() - 1); }
 std::string cat(std::initializer_list<std::string> parts) {
     std::string all;
@@ -224,6 +230,14 @@ const std::vector<BadFile>& vtks() {
         {"vtk_short", "a.vtk", shorter(shorter(test::vtkBinary())), Corruption, "early"},
         {"vtk_text_number", "a.vtk", replaced(test::vtkText(), " 7 ", " abc "), InvalidArgument, "sample 7"},
         {"vtk_text_range", "a.vtk", replaced(test::vtkText(), " 7 ", " 99999 "), InvalidArgument, "sample 7"},
+        {"vtk_text_nan", "a.vtk", replaced(replaced(test::vtkText(), "SCALARS s short", "SCALARS s float"), " 7 ", " nan "), InvalidArgument, "sample 7"},
+        {"vtk_text_negative", "a.vtk", replaced(replaced(test::vtkText(), "SCALARS s short", "SCALARS s unsigned_int"), " 7 ", " -7 "), InvalidArgument, "sample 7"},
+        {"vtk_text_char_range", "a.vtk", replaced(replaced(test::vtkText(), "SCALARS s short", "SCALARS s char"), " 7 ", " 128 "), InvalidArgument, "sample 7"},
+        {"vtk_text_float_range", "a.vtk", replaced(replaced(test::vtkText(), "SCALARS s short", "SCALARS s float"), " 7 ", " 1e39 "), InvalidArgument, "sample 7"},
+        {"vtk_text_endless_word", "a.vtk", replaced(test::vtkText(), " 7 ", " " + std::string(100'000, '0') + "7 "), InvalidArgument, "sample 7"},
+        {"vtk_text_short", "a.vtk", replaced(test::vtkText(), " 21 22 23", " 21 22"), InvalidArgument, "sample 23"},
+        {"vtk_endless_header", "a.vtk", withVtk("SPACING 1 2 3\n", repeated("SPACING 1 2 3\n", 100'000)), InvalidArgument, "header"},
+        {"vtk_million_in_samples", "a.vtk", withVtk("LOOKUP_TABLE default\n", "LOOKUP_TABLE default\nSCALARS t float 100000000\n").substr(0, 200), Corruption, "early"},
         {"vtk_cells", "a.vtk", withVtk("POINT_DATA 24", "CELL_DATA 6"), InvalidArgument, "cells"},
         {"vtk_huge", "a.vtk", replaced(withVtk("DIMENSIONS 4 3 2", "DIMENSIONS 4000 3000 2000"), "POINT_DATA 24", "POINT_DATA 24000000000"), Corruption, "early"},
         {"vti_reversed", "a.vti", withVti("0 3 0 2 0 1\" Origin", "3 0 0 2 0 1\" Origin"), InvalidArgument, "Piece"},
