@@ -117,4 +117,18 @@ std::vector<std::vector<std::uint64_t>> chooseBlockBegins(const SpanHistogram& h
     return levels;
 }
 
+std::uint64_t countEntriesAbove(const SpanHistogram& histogram, const SpanBins& bins,
+                                const std::vector<std::vector<std::uint64_t>>& blockBegins) {
+    std::uint64_t entries = 0;
+    std::vector<std::size_t> blockOfBin(bins.count());
+    for (const std::vector<std::uint64_t>& begins : blockBegins) {
+        for (std::size_t bin = 0; bin < bins.count(); ++bin)
+            blockOfBin[bin] = static_cast<std::size_t>(std::upper_bound(begins.begin(), begins.end(), bins.begins[bin]) - begins.begin());
+        for (std::size_t lower = 0; lower < bins.count(); ++lower)
+            for (std::size_t upper = lower; upper < bins.count(); ++upper)
+                entries += blockOfBin[lower] != blockOfBin[upper] ? 2 * std::uint64_t{histogram.at(lower, upper)} : 0;
+    }
+    return entries;
+}
+
 } // namespace isoslider::preprocess

@@ -48,4 +48,8 @@ private:
 std::vector<std::vector<std::uint64_t>> chooseBlockBegins(const SpanHistogram& histogram, const SpanBins& bins,
                                                           int skipLevels, double redundancyThreshold);
 
+/// Edge entries (E+ and E-) of all levels above 0 with these block boundaries. O(levels * bins^2).
+std::uint64_t countEntriesAbove(const SpanHistogram& histogram, const SpanBins& bins,
+                                const std::vector<std::vector<std::uint64_t>>& blockBegins);
+
 } // namespace isoslider::preprocess

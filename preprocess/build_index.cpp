@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -72,9 +73,7 @@ public:
 
     IndexBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options, const JobControl& job)
         : source_(source), geometry_(source.info().geometry), grid_(geometry_.dims), path_(path), options_(options), job_(job),
-          redundancyThreshold_(options.redundancyThreshold > 0.0 ? options.redundancyThreshold
-                               : sizeof(Key) == 2                ? kRedundancyNarrow
-                                                                 : kRedundancyWide) {}
+          redundancyThreshold_(options.redundancyThreshold) {}
 
     Result<index::IndexInfo> run() {
         ISO_TRY(countSamples());
@@ -85,7 +84,7 @@ public:
         SpanHistogram histogram(bins.count());
         ExternalSort<Key> sort(countsByPrefix_, kKeyShift, sortMemory(), spillPath(), fileSystem());
         ISO_TRY(generateRecords(bins, histogram, sort));
-        LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlockBegins(histogram, bins, options_.skipLevels, redundancyThreshold_));
+        LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlocks(histogram, bins));
         beginCurves();
         ISO_TRY(sort.drain([&](std::span<const Record> records) { return consume(records, levels); }, part(0.4, 1.0)));
         ISO_TRY(levels.finish());
@@ -156,6 +155,7 @@ private:
             ISO_TRY(window.advance(z0, z1));
             countIntoHistogram(window, layer);
             generateLayer<Sample>(window, geometry_, layer, bins, histogram, layerRecords);
+            sampleRecords(layerRecords, grid_.brickAt(0, 0, layer));
             for (const auto& brick : layerRecords.bricks)
                 ISO_TRY(sort.add(brick));
             missingCells_.insert(missingCells_.end(), layerRecords.missingCells.begin(), layerRecords.missingCells.end());
@@ -165,6 +165,53 @@ private:
             lonely.push_back(keyOf(static_cast<Sample>(info_.min)));
         distinct_.setLonelyKeys(std::move(lonely));
         return {};
+    }
+
+    // One brick in kSampleStride is encoded for a trial: bytes per edge entry at level 0, from which those
+    // of the levels above follow roughly (they keep fewer edges per point).
+    static constexpr std::size_t kSampleStride = 61;
+    static constexpr std::size_t kSampleRecords = 8 * kValuePagePoints;
+    static constexpr double kHigherLevelCost = 1.4;
+
+    void sampleRecords(const LayerRecords<Key>& layer, std::int64_t firstBrick) {
+        for (std::size_t i = 0; i < layer.bricks.size(); ++i)
+            if ((static_cast<std::size_t>(firstBrick) + i) % kSampleStride == 0 && sample_.size() < kSampleRecords)
+                sample_.insert(sample_.end(), layer.bricks[i].begin(), layer.bricks[i].end());
+    }
+
+    double sampledBytesPerEntry() {
+        std::sort(sample_.begin(), sample_.end(), [](const Record& a, const Record& b) {
+            return a.key != b.key ? a.key < b.key : a.id() < b.id();
+        });
+        double bytes = 0.0, entries = 0.0;
+        for (std::size_t first = 0; first < sample_.size(); first += kValuePagePoints) {
+            const auto page = std::span<const Record>(sample_).subspan(first, std::min(kValuePagePoints, sample_.size() - first));
+            bytes += static_cast<double>(index::encodePage<Key>(page, index::PageOrder::Value, grid_).size());
+            for (const Record& record : page)
+                entries += std::popcount(record.edgeMask);
+        }
+        std::vector<Record>().swap(sample_);
+        return entries > 0.0 ? bytes / entries : 0.0;
+    }
+
+    std::vector<std::vector<std::uint64_t>> chooseBlocks(const SpanHistogram& histogram, const SpanBins& bins) {
+        if (redundancyThreshold_ > 0.0)
+            return chooseBlockBegins(histogram, bins, options_.skipLevels, redundancyThreshold_);
+        const double bytesPerEntry = sampledBytesPerEntry();
+        std::uint64_t entries = 0;
+        for (std::size_t lower = 0; lower < bins.count(); ++lower)
+            for (std::size_t upper = lower; upper < bins.count(); ++upper)
+                entries += 2 * std::uint64_t{histogram.at(lower, upper)};
+        std::vector<std::vector<std::uint64_t>> begins;
+        for (const double choice : kRedundancyChoices) {
+            redundancyThreshold_ = choice;
+            begins = chooseBlockBegins(histogram, bins, options_.skipLevels, choice);
+            const double above = static_cast<double>(countEntriesAbove(histogram, bins, begins));
+            const double bytes = bytesPerEntry * (static_cast<double>(entries) + kHigherLevelCost * above);
+            if (bytes <= kBytesPerVoxelAim * static_cast<double>(pointCount(geometry_.dims)))
+                break;
+        }
+        return begins;
     }
 
     void beginHistogram() {
@@ -259,6 +306,7 @@ private:
     index::IndexInfo info_;
     std::vector<std::uint64_t> countsByPrefix_;
     std::vector<index::MissingCells> missingCells_;
+    std::vector<Record> sample_;
     DistinctCounter distinct_;
     std::vector<std::uint64_t> binThresholds_;
     std::size_t nextBin_ = 0;

@@ -12,8 +12,8 @@ namespace isoslider::preprocess {
 
 struct BuildOptions {
     int skipLevels = 5;                 ///< levels written, level 0 included; 1..8
-    /// k: a block ends when redundant edges exceed k * active edges. 0: kRedundancyNarrow for 8- and
-    /// 16-bit samples, kRedundancyWide for others.
+    /// k: a block ends when redundant edges exceed k * active edges. 0: the smallest of
+    /// kRedundancyChoices with which the index is expected to stay below kBytesPerVoxelAim.
     double redundancyThreshold = 0.0;
     std::uint64_t memoryBytes = std::uint64_t{1} << 30;
     int threads = 0;                    ///< 0: all cores
@@ -22,10 +22,9 @@ struct BuildOptions {
     FileSystem* fileSystem = nullptr; ///< what to write through; null: the disk
 };
 
-/// Entries of narrow samples take about 2 bytes and of wide ones about 6: where they are cheap, more of
-/// them buy finer levels. Measured on the bench volumes to stay below 40 bytes per voxel in all.
-inline constexpr double kRedundancyNarrow = 0.5;
-inline constexpr double kRedundancyWide = 4.0;
+/// Finer levels make moves cheaper and the index larger.
+inline constexpr double kRedundancyChoices[] = {0.5, 1.0, 2.0, 4.0};
+inline constexpr double kBytesPerVoxelAim = 38.0;
 
 /// Smallest accepted BuildOptions::memoryBytes.
 inline constexpr std::uint64_t kMinBuildMemoryBytes = std::uint64_t{64} << 20;
