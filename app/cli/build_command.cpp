@@ -94,8 +94,8 @@ private:
                    fmt::format("levels written, 1 to {} ({})", index::kMaxSkipLevels, skipLevels_));
         addNumber(command, "--redundancy", redundancy_,
                   fmt::format("a block ends when its redundant edges exceed this many times its active ones "
-                              "({} for 8- and 16-bit samples, {} for others)",
-                              preprocess::kRedundancyNarrow, preprocess::kRedundancyWide))
+                              "(0.5 to 4, the smallest that keeps the index below {} bytes per voxel)",
+                              preprocess::kBytesPerVoxelAim))
             ->check(isAboveZero);
         command
             .add_option_function<std::string>(
