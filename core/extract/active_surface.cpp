@@ -116,6 +116,15 @@ void ActiveSurface<Live>::interpolate(double isovalue) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, bricks.size(), 32), [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             const Brick& brick = *bricks[i];
+            if (i + 1 < range.end() && bricks[i + 1]->vertexCount > 0) {
+                const std::size_t next = bricks[i + 1]->vertexBegin, count = bricks[i + 1]->vertexCount;
+                prefetchLines(scalars1_.data() + next, count);
+                prefetchLines(scalars2_.data() + next, count);
+                prefetchLines(edgeNormals_.data() + next, count);
+                prefetchLines(edges_.data() + next, count);
+            }
+            if (i + 2 < range.end())
+                __builtin_prefetch(bricks[i + 2]);
             if (brick.vertexCount == 0)
                 continue;
             const std::size_t begin = brick.vertexBegin;
@@ -124,6 +133,7 @@ void ActiveSurface<Live>::interpolate(double isovalue) {
             interpolateVertices(columns, brick.vertexCount, brick.origin, static_cast<Live>(isovalue),
                                       positions_.data() + begin, normals_.data() + begin);
         }
+        orderInterpolatedVertices();
     });
 }
 

@@ -17,6 +17,12 @@ inline std::uint32_t runBegin(const Brick& brick, LocalPoint cell, int triangles
     return brick.triangleBegin + brick.bucketBegin[triangles] + static_cast<std::uint32_t>(triangles) * brick.cellRun[cell];
 }
 
+template <class T>
+inline void prefetchLines(const T* first, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += 64 / sizeof(T))
+        __builtin_prefetch(first + i);
+}
+
 /// Asks for a brick's lines before its turn: most of a move is waiting for memory.
 inline void prefetchBrick(const Brick& brick) {
     const char* bytes = reinterpret_cast<const char*>(&brick);

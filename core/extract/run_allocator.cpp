@@ -8,9 +8,13 @@ std::uint32_t RunAllocator::allocate(std::uint32_t count) {
     const std::uint32_t size = roundUp(count);
     const std::size_t granules = size / granule_;
     const std::lock_guard lock(mutex_);
-    if (granules < freeBySize_.size() && !freeBySize_[granules].empty()) {
-        const std::uint32_t begin = freeBySize_[granules].back();
-        freeBySize_[granules].pop_back();
+    for (std::size_t found = granules; found < freeBySize_.size(); ++found) {
+        if (freeBySize_[found].empty())
+            continue;
+        const std::uint32_t begin = freeBySize_[found].back();
+        freeBySize_[found].pop_back();
+        if (found > granules) // the rest stays free
+            freeBySize_[found - granules].push_back(begin + size);
         return begin;
     }
     if (top_ + size > limit_)

@@ -7,7 +7,8 @@
 namespace isoslider::extract {
 
 /// Hands out runs of elements of one array: each brick's part of E, V, N or I. Sizes are rounded up
-/// to a granule, freed runs are kept by size and reused first. Safe from any thread; O(1).
+/// to a granule, freed runs are kept by size and reused first, larger ones cut up. Safe from any thread;
+/// O(sizes in use).
 class RunAllocator {
 public:
     explicit RunAllocator(std::uint32_t granule, std::uint64_t limit) : granule_(granule), limit_(limit) {}

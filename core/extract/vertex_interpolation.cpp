@@ -166,7 +166,6 @@ ISO_TARGET_AVX2 void interpolateAvx2(const EdgeColumns<Live>& edges, std::size_t
         interpolateAll<Live>(edges, count, origin, isovalue, positions, normals, StreamingStore{});
     else
         interpolateAll<Live>(edges, count, origin, isovalue, positions, normals, PlainStore{});
-    _mm_sfence();
 }
 #endif
 
@@ -191,6 +190,12 @@ void interpolateVertices(const EdgeColumns<float>& edges, std::size_t count, con
 void interpolateVertices(const EdgeColumns<double>& edges, std::size_t count, const std::array<std::int32_t, 3>& origin,
                          double isovalue, glm::vec3* positions, glm::vec3* normals) {
     interpolate<double>(edges, count, origin, isovalue, positions, normals);
+}
+
+void orderInterpolatedVertices() {
+#if defined(__x86_64__)
+    _mm_sfence();
+#endif
 }
 
 } // namespace isoslider::extract

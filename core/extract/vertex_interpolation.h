@@ -33,4 +33,8 @@ void interpolateVertices(const EdgeColumns<float>& edges, std::size_t count, con
 void interpolateVertices(const EdgeColumns<double>& edges, std::size_t count, const std::array<std::int32_t, 3>& origin,
                          double isovalue, glm::vec3* positions, glm::vec3* normals);
 
+/// V and N may be written past the caches: a thread calls this after its last interpolateVertices() and
+/// before it tells others that it is done.
+void orderInterpolatedVertices();
+
 } // namespace isoslider::extract
