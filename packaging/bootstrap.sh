@@ -2,7 +2,7 @@
 # From a bare Debian 12 to a running ISOSLIDER, or to its tests, without a question asked.
 #
 #   packaging/bootstrap.sh run [FILE]       install, build, open the window on FILE or a sample
-#   packaging/bootstrap.sh test [--quick]   install, build, run every test
+#   packaging/bootstrap.sh test [--quick] [--again]   install, build, run every test
 #
 # Works from any folder, as root or with sudo. What is there already is not done again.
 set -euo pipefail
@@ -24,7 +24,9 @@ fail() { say "$@"; exit 1; }
 usage() {
   cat <<TEXT
 usage: $PROGRAM run [FILE]       build, and open the window on FILE or on the Blunt Fin sample
-       $PROGRAM test [--quick]   build, and run every test; --quick leaves out the sanitizer build
+       $PROGRAM test [--quick] [--again]
+                                 build, and run every test that has not passed on these files yet;
+                                 --quick leaves out the sanitizer build, --again runs all
 TEXT
 }
 
@@ -98,6 +100,12 @@ run_window() {
   fi
   local picture=$ROOT/build/screenshot.png
   say "no display here: drawing the window into a picture"
+  # Where nobody is logged in, Qt would remark on the missing folder.
+  if [[ -z ${XDG_RUNTIME_DIR:-} ]]; then
+    XDG_RUNTIME_DIR=$(mktemp -d)
+    export XDG_RUNTIME_DIR
+    trap 'rm -rf "$XDG_RUNTIME_DIR"' EXIT
+  fi
   QT_QPA_PLATFORM=xcb xvfb-run -a -s "-screen 0 1920x1200x24" \
     "$program" "$file" --size "$WINDOW_SIZE" --screenshot "$picture" </dev/null
   say "the window is in $picture"
@@ -117,22 +125,44 @@ command_run() {
 
 declare -a SUMMARY=()
 FAILURES=0
+IS_AGAIN=false
 
-# run_ctest PRESET: ctest with its summary kept for the end
+# Everything a test run depends on: the files of the tree, and whether the further data is there.
+tree_hash() {
+  command -v git >/dev/null && git -C "$ROOT" rev-parse 2>/dev/null || return 1
+  (cd "$ROOT" && git ls-files -co --exclude-standard -z | sort -z | xargs -0 sha1sum 2>/dev/null | sha1sum
+    ls "$ROOT/../shared" 2>/dev/null | sha1sum) | sha1sum | cut -d' ' -f1
+}
+
+# run_ctest PRESET: ctest with its summary kept for the end. What has passed on these very files is not
+# run again, unless --again asks for it.
 run_ctest() {
-  local preset=$1 log=$ROOT/build/ctest-$1.log status=0
+  local preset=$1 log=$ROOT/build/ctest-$1.log stamp=$ROOT/build/tested-$1 status=0 hash
+  hash=$(tree_hash) || hash=
+  if [[ -n $hash && $IS_AGAIN == false && -f $stamp && $(<"$stamp") == "$hash" ]]; then
+    say "$preset: these files have passed; --again runs the tests once more"
+    SUMMARY+=("$preset (nothing has changed since):" "$(sed -n '/tests passed,/,$p' "$log")")
+    return
+  fi
+  rm -f "$stamp"
   (cd "$ROOT" && ctest --preset "$preset" --parallel "$(nproc)") 2>&1 </dev/null | tee "$log" || status=$?
-  [[ $status -eq 0 ]] || FAILURES=1
+  if [[ $status -eq 0 ]]; then
+    [[ -z $hash ]] || echo "$hash" >"$stamp"
+  else
+    FAILURES=1
+  fi
   SUMMARY+=("$preset:" "$(sed -n '/tests passed,/,$p' "$log")")
 }
 
 command_test() {
-  local is_quick=false
-  case ${1:-} in
-    '') ;;
-    --quick) is_quick=true ;;
-    *) usage >&2; exit 2 ;;
-  esac
+  local is_quick=false option
+  for option in "$@"; do
+    case $option in
+      --quick) is_quick=true ;;
+      --again) IS_AGAIN=true ;;
+      *) usage >&2; exit 2 ;;
+    esac
+  done
   install_packages
   bash "$ROOT/packaging/ci/check.sh" --quick
   build_preset release

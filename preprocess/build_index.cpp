@@ -8,7 +8,6 @@
 #include <cmath>
 #include <optional>
 
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <xxhash.h>

@@ -59,6 +59,8 @@ public:
             return {};
         } catch (const CLI::RequiredError& error) {
             const bool isCommandMissing = parser_.get_subcommands().empty();
+            if (isCommandMissing && argc > 1 && argv[1][0] != '-')
+                return Outcome::wrongUsage(fmt::format("'{}' is not a command; see --help", argv[1]));
             return Outcome::wrongUsage(isCommandMissing ? "a command is required; see --help" : error.what());
         } catch (const CLI::ParseError& error) {
             return Outcome::wrongUsage(error.what());

@@ -29,8 +29,13 @@ ExitCode exitCodeOf(const model::Notice& notice) {
 ScreenshotRunner::ScreenshotRunner(widgets::MainWindow& window, model::Session& session, QString path)
     : QObject(&window), window_(window), session_(session), path_(std::move(path)) {
     noticeSubscription_ = session_.noticePosted().observe([this](const model::Notice& notice) {
-        if (notice.severity == model::Notice::Severity::Error)
-            endWith(notice);
+        if (notice.severity != model::Notice::Severity::Error)
+            return;
+        // An index that cannot be built or kept does not take the surface off the screen.
+        if (session_.dataset() == nullptr)
+            return endWith(notice);
+        std::fprintf(stderr, "isoslider: %s\n", notice.detail.c_str());
+        exitCode_ = exitCodeOf(notice);
     });
     connect(&timer_, &QTimer::timeout, this, &ScreenshotRunner::poll);
     timer_.start(kPollMs);
@@ -61,7 +66,7 @@ void ScreenshotRunner::grab() {
         std::fprintf(stderr, "isoslider: %s: the picture could not be written; check the folder and the suffix\n", qPrintable(path_));
         return QApplication::exit(kIoFailure);
     }
-    QApplication::exit(kSuccess);
+    QApplication::exit(exitCode_);
 }
 
 void ScreenshotRunner::endWith(const model::Notice& notice) {

@@ -18,7 +18,8 @@ class MainWindow;
 namespace isoslider::desktop {
 
 /// Waits until the surface is on screen and the index is ready, writes a picture of the whole window
-/// and ends the program. An error on the way ends it with one line on stderr and its exit code.
+/// and ends the program. An error on the way is one line on stderr and its exit code; the picture is
+/// still taken when there is a surface to show.
 class ScreenshotRunner : public QObject {
     Q_OBJECT
 public:
@@ -36,6 +37,7 @@ private:
     QTimer timer_;
     std::uint64_t paintedBefore_ = 0;
     bool isWaitingForPaint_ = false;
+    ExitCode exitCode_ = kSuccess;
     model::Subscription noticeSubscription_;
 };
 
