@@ -42,7 +42,6 @@ public:
 
     /// The surface to draw from now on; null for none. Uploaded at the next draw, once.
     void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame);
-    void setColours(const SceneColours& colours) { colours_ = colours; }
 
     void draw(const model::Camera& camera, const model::ViewOptions& options, glm::ivec2 pixels);
 

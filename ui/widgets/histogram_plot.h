@@ -25,7 +25,6 @@ public:
     void setLogCounts(bool isLog);
     void showWholeRange();
 
-    bool hasHistogram() const { return hasHistogram_; }
     double minimum() const { return min_; }
     double maximum() const { return max_; }
     double requested() const { return requested_; }
