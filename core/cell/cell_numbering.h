@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace isoslider::cell {
+
+/// Corner i of a cell lies at (i & 1, i >> 1 & 1, i >> 2 & 1). The signs of a cell: bit i is set when
+/// corner i is above.
+///
+/// Edges: 0-3 along x at (y, z) = (0,0) (1,0) (0,1) (1,1); 4-7 along y at (x, z) likewise; 8-11 along z
+/// at (x, y) likewise.
+struct CellEdge {
+    std::uint8_t lowerCorner;
+    std::uint8_t upperCorner;
+    std::uint8_t axis;
+};
+extern const std::array<CellEdge, 12> kCellEdges;
+
+/// Faces: x0 x1 y0 y1 z0 z1. Their corners counter-clockwise seen from outside the cell.
+extern const std::array<std::array<std::uint8_t, 4>, 6> kFaceCorners;
+
+/// The edge between two neighbouring corners.
+int edgeBetween(int cornerA, int cornerB);
+
+/// Bit f: the edge lies in face f (two faces an edge).
+const std::array<std::uint8_t, 12>& facesOfEdges();
+
+/// Bit e: the edge's ends differ in sign.
+std::uint16_t activeEdges(std::uint8_t signs);
+
+/// Bit f: the face is ambiguous, two above corners opposite each other.
+std::uint8_t ambiguousFaces(std::uint8_t signs);
+
+/// For each 12-bit mask of active edges: the signs in which corner 0 is below, or 0 when no signs have
+/// that mask (and for mask 0). The other solution is their complement.
+const std::array<std::uint8_t, 4096>& signsFromActiveEdges();
+
+/// True for masks that belong to a sign pattern.
+bool isActiveEdgeMask(std::uint16_t mask);
+
+/// The one corner that lies on no active edge though the cell's interior depends on it (MC33 case 7:
+/// three corners on one side round a fourth; the corner opposite that one); -1 for other signs.
+int hiddenCorner(std::uint8_t signs);
+
+} // namespace isoslider::cell
