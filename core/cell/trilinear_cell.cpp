@@ -1,0 +1,386 @@
+#include "core/cell/trilinear_cell.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "core/base/check.h"
+#include "core/cell/cell_polynomials.h"
+#include "core/cell/cell_states.h"
+#include "core/cell/exact_sign.h"
+
+namespace isoslider::cell {
+namespace {
+
+using BigInteger = boost::multiprecision::cpp_int;
+using WideInteger = __int128; // NOLINT: an extension that GCC and Clang share
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Signs: -1, 0, 1, or kUnknown where the error bound is larger than the value.
+constexpr int kUnknown = 2;
+
+int signOf(const Bounded& x) { return x.isCertainlyPositive() ? 1 : x.isCertainlyNegative() ? -1 : kUnknown; }
+int signOf(WideInteger x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
+int signOf(const BigInteger& x) { return x.sign(); }
+
+// Widths in bits of scalar - isovalue up to which the polynomials fit into 128 bits: faces have degree 2,
+// the square of the discriminant's slope degree 6 and terms that add 17 bits.
+constexpr int kFaceBits = 62;
+constexpr int kTunnelBits = 18;
+
+BigInteger toBigInteger(double number, int lowest) {
+    int exponent = 0;
+    const double fraction = std::frexp(number, &exponent);
+    BigInteger integer = static_cast<std::int64_t>(std::ldexp(fraction, 53));
+    const int shift = exponent - 53 - lowest;
+    if (shift >= 0)
+        integer <<= shift;
+    else
+        integer /= BigInteger(1) << -shift; // zeros only
+    return integer;
+}
+
+// Exact scalar - isovalue on a common lattice; the last of `numbers` is the isovalue.
+template <std::size_t N>
+std::array<BigInteger, N - 1> bigDifferences(const std::array<double, N>& numbers) {
+    const int lowest = lowestExponent(numbers);
+    const BigInteger isovalue = toBigInteger(numbers[N - 1], lowest);
+    std::array<BigInteger, N - 1> g;
+    for (std::size_t i = 0; i + 1 < N; ++i)
+        g[i] = toBigInteger(numbers[i], lowest) - isovalue;
+    return g;
+}
+
+template <std::size_t N>
+std::optional<std::array<WideInteger, N - 1>> wideDifferences(const std::array<double, N>& numbers, int bits) {
+    const auto lattice = onCommonLattice(numbers, 61);
+    if (!lattice)
+        return std::nullopt;
+    std::array<WideInteger, N - 1> g;
+    for (std::size_t i = 0; i + 1 < N; ++i) {
+        g[i] = (*lattice)[i] - (*lattice)[N - 1];
+        if ((g[i] < 0 ? -g[i] : g[i]) >> bits != 0)
+            return std::nullopt;
+    }
+    return g;
+}
+
+// AC - BD >= 0 for g >= 0 at A and C, g < 0 at B and D: at zero its derivative A + C - B - D decides, and
+// that is positive.
+bool isJoinedExactly(double a, double b, double c, double d, double isovalue) {
+    const std::array<double, 5> numbers{a, b, c, d, isovalue};
+    if (const auto g = wideDifferences(numbers, kFaceBits))
+        return (*g)[0] * (*g)[2] >= (*g)[1] * (*g)[3];
+    const auto g = bigDifferences(numbers);
+    return g[0] * g[2] >= g[1] * g[3];
+}
+
+// One ambiguous face in floating point: above corners a and c. Differences from the isovalue.
+struct FaceSaddle {
+    bool isJoined;
+    double value;  ///< isovalue of the saddle
+    double margin; ///< its error at most; NaN where nothing is known
+};
+
+FaceSaddle saddleOfFace(double a, double b, double c, double d, double isovalue) {
+    const double up1 = a - isovalue, up2 = c - isovalue, down1 = isovalue - b, down2 = isovalue - d;
+    const double joining = up1 * up2, parting = down1 * down2;
+    const double difference = joining - parting, size = joining + parting;
+    const double rate = up1 + up2 + down1 + down2;
+    // Underflow would leave nothing of the products; overflow makes the comparisons false.
+    const bool isSafe = size > 1e-280 && size < 1e300;
+    const bool isCertain = isSafe && std::abs(difference) > 1e-15 * size;
+    FaceSaddle saddle;
+    saddle.isJoined = isCertain ? difference > 0.0 : isJoinedExactly(a, b, c, d, isovalue);
+    saddle.value = isovalue + difference / rate;
+    saddle.margin = isSafe ? 4e-15 * (rate + std::abs(isovalue)) : rate < 1e150 ? rate + std::abs(isovalue) : kInfinity;
+    return saddle;
+}
+
+// Conditions 1 and 2 of trilinear_cell.h. `isCertain` is false when a sign was unknown and no known one
+// ruled the tunnel out.
+struct TunnelTest {
+    bool isCertain = true;
+    bool isPossible = true; ///< no known sign rules a tunnel out
+    TunnelDecision decision{};
+};
+
+class SignCollector {
+public:
+    /// One requirement; false when it certainly fails.
+    bool require(int sign, int wanted) {
+        isCertain_ = isCertain_ && sign != kUnknown;
+        isPossible_ = isPossible_ && (sign == kUnknown || sign == wanted);
+        return isPossible_;
+    }
+    TunnelTest result(const TunnelDecision& decision) const {
+        if (!isPossible_)
+            return {true, false, {}};
+        return {isCertain_, true, decision};
+    }
+
+private:
+    bool isCertain_ = true;
+    bool isPossible_ = true;
+};
+
+// At zero the derivative towards smaller isovalues, which is `rate`.
+template <class Number>
+int signFromBelow(const Number& value, const Number& rate) {
+    const int sign = signOf(value);
+    return sign == 0 ? signOf(rate) : sign;
+}
+
+
+std::uint8_t diagonalOf(const std::array<int, 3>& leading) {
+    return static_cast<std::uint8_t>((leading[1] > 0 ? 1 : 0) + (leading[0] > 0 ? 2 : 0));
+}
+
+template <class Number>
+TunnelTest testTunnel(const CellPolynomials<Number>& cell) {
+    std::array<int, 3> leading{};
+    bool isLeadingKnown = true;
+    for (int axis = 0; axis < 3; ++axis) {
+        leading[axis] = signOf(cell.leading(axis));
+        if (leading[axis] == 0)
+            return {true, false, {}};
+        isLeadingKnown = isLeadingKnown && leading[axis] != kUnknown;
+    }
+    if (!isLeadingKnown)
+        return {false, true, {}};
+    if (leading[0] * leading[1] * leading[2] > 0)
+        return {true, false, {}};
+    SignCollector signs;
+    for (int axis = 0; axis < 3; ++axis) {
+        const Number first = cell.face(axis, 0), second = cell.face(axis, 1);
+        if (!signs.require(signFromBelow(first, cell.faceRate(axis, 0)), leading[axis]) ||
+            !signs.require(signFromBelow(second, cell.faceRate(axis, 1)), leading[axis]))
+            return signs.result({});
+        // The parabola's vertex lies between the faces: |q(1) - q(0)| < |a|.
+        const Number lead = leading[axis] > 0 ? cell.leading(axis) : Number(-cell.leading(axis));
+        const Number difference = second - first;
+        if (!signs.require(signOf(Number(lead - difference)), 1) || !signs.require(signOf(Number(lead + difference)), 1))
+            return signs.result({});
+    }
+    const auto d = cell.discriminant();
+    const Number descent = -d.slope; // towards smaller isovalues
+    if (!signs.require(signFromBelow(d.value, descent), 1))
+        return signs.result({});
+    const Number product = d.value * d.square * d.square;
+    if (!signs.require(signOf(Number(d.slope * d.slope - (product + product + product + product))), 1))
+        return signs.result({});
+    const int slope = signOf(d.slope);
+    signs.require(slope, slope == kUnknown ? 1 : slope);
+    return signs.result({slope < 0 ? Tunnel::Above : Tunnel::Below, diagonalOf(leading)});
+}
+
+CellPolynomials<Bounded> boundedCell(const CornerScalars& scalars, double isovalue) {
+    CellPolynomials<Bounded> cell;
+    for (std::size_t i = 0; i < 8; ++i)
+        cell.g[i] = Bounded::difference(scalars[i], isovalue);
+    return cell;
+}
+
+TunnelDecision decideExactly(const CornerScalars& scalars, double isovalue) {
+    std::array<double, 9> numbers;
+    std::copy(scalars.begin(), scalars.end(), numbers.begin());
+    numbers[8] = isovalue;
+    if (const auto g = wideDifferences(numbers, kTunnelBits))
+        return testTunnel(CellPolynomials<WideInteger>{*g}).decision;
+    return testTunnel(CellPolynomials<BigInteger>{bigDifferences(numbers)}).decision;
+}
+
+// Isovalues of the body saddles, as distances from the present one. Roots of value + slope h + square^2 h^2.
+struct BodySaddles {
+    int count = 0; ///< -1: not even that is certain
+    std::array<Bounded, 2> distances; ///< ascending when there are two
+};
+
+BodySaddles bodySaddles(const CellPolynomials<Bounded>::Discriminant& d) {
+    const Bounded square = d.square * d.square;
+    const Bounded product = d.value * square;
+    const Bounded root2 = d.slope * d.slope - (product + product + product + product);
+    if (root2.isCertainlyNegative())
+        return {};
+    if (!root2.isCertainlyPositive())
+        return {-1, {}};
+    // The root with the larger numerator is taken from the sum, the other from the product: nothing cancels.
+    const Bounded root = squareRoot(root2);
+    const double sign = d.slope.value < 0.0 ? -1.0 : 1.0;
+    const Bounded sum = d.slope + Bounded{sign, 0.0} * root;
+    const Bounded numerator = Bounded{-0.5, 0.0} * sum;
+    const Bounded near = d.value / numerator;
+    if (!(square.value > square.error)) {
+        // No xyz term, or one lost in rounding: the far root is beyond everything, or unknown.
+        return square.value == 0.0 && d.square.value == 0.0 && d.square.error < 1e-290 ? BodySaddles{1, {near, {}}} : BodySaddles{-1, {}};
+    }
+    const Bounded far = numerator / square;
+    return near.value < far.value ? BodySaddles{2, {near, far}} : BodySaddles{2, {far, near}};
+}
+
+void narrowTo(StateInterval& interval, double isovalue, double critical, double margin) {
+    if (critical - margin > isovalue)
+        interval.above = std::min(interval.above, critical - margin);
+    else if (critical + margin < isovalue)
+        interval.below = std::max(interval.below, critical + margin);
+    else
+        interval = {kInfinity, -kInfinity}; // too near to tell, or NaN
+}
+
+// A tunnel in a cell whose faces leave room for one, and the body saddles that may change it.
+TunnelDecision resolveInside(const CornerScalars& scalars, unsigned allowed, double isovalue, StateInterval& interval) {
+    const CellPolynomials<Bounded> cell = boundedCell(scalars, isovalue);
+    // Leading coefficients do not depend on the isovalue: most cells are settled here for good.
+    int product = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int sign = signOf(cell.leading(axis));
+        product = sign == kUnknown ? 0 : product * sign;
+    }
+    if (product > 0)
+        return {};
+    const BodySaddles saddles = bodySaddles(cell.discriminant());
+    if (saddles.count < 0)
+        interval = {kInfinity, -kInfinity};
+    for (int i = 0; i < saddles.count; ++i)
+        narrowTo(interval, isovalue, isovalue + saddles.distances[static_cast<std::size_t>(i)].value,
+                 saddles.distances[static_cast<std::size_t>(i)].error + 4e-16 * std::abs(isovalue));
+    const TunnelTest test = testTunnel(cell);
+    const TunnelDecision decision = test.isCertain ? test.decision : decideExactly(scalars, isovalue);
+    const unsigned bit = decision.tunnel == Tunnel::Above ? 1u : decision.tunnel == Tunnel::Below ? 2u : 0u;
+    return (allowed & bit) != 0 ? decision : TunnelDecision{};
+}
+
+} // namespace
+
+std::uint8_t signsOf(const CornerScalars& scalars, double isovalue) {
+    unsigned signs = 0;
+    for (unsigned i = 0; i < 8; ++i)
+        signs |= static_cast<unsigned>(scalars[i] >= isovalue) << i;
+    return static_cast<std::uint8_t>(signs);
+}
+
+bool isFaceJoined(double a, double b, double c, double d, double isovalue) {
+    return a >= isovalue ? saddleOfFace(a, b, c, d, isovalue).isJoined : saddleOfFace(b, c, d, a, isovalue).isJoined;
+}
+
+TunnelDecision decideTunnel(const CornerScalars& scalars, double isovalue) {
+    const TunnelTest test = testTunnel(boundedCell(scalars, isovalue));
+    return test.isCertain ? test.decision : decideExactly(scalars, isovalue);
+}
+
+ResolvedCell resolveCell(std::uint8_t signs, const CornerScalars& scalars, bool knowsHidden, double isovalue) {
+    StateInterval interval{-kInfinity, kInfinity};
+    unsigned joined = 0;
+    for (unsigned faces = ambiguousFaces(signs); faces != 0; faces &= faces - 1) {
+        const int f = std::countr_zero(faces);
+        const auto& c = kFaceCorners[static_cast<std::size_t>(f)];
+        const int k = signs >> c[0] & 1 ? 0 : 1; // the above corners are k and k + 2
+        const FaceSaddle saddle = saddleOfFace(scalars[c[k]], scalars[c[k + 1]], scalars[c[k + 2]], scalars[c[(k + 3) & 3]], isovalue);
+        joined |= static_cast<unsigned>(saddle.isJoined) << f;
+        narrowTo(interval, isovalue, saddle.value, saddle.margin);
+    }
+    const auto joinedFaces = static_cast<std::uint8_t>(joined);
+    TunnelDecision inside;
+    if (const unsigned allowed = mayHaveTunnel(signs, joinedFaces); allowed != 0 && (knowsHidden || hiddenCorner(signs) < 0))
+        inside = resolveInside(scalars, allowed, isovalue, interval);
+    return {stateOf(signs, joinedFaces, inside.tunnel, inside.diagonal), interval};
+}
+
+TunnelWaist tunnelWaist(const CornerScalars& scalars, double isovalue, double least) {
+    CellPolynomials<double> cell;
+    // Halved, so that the largest doubles do not overflow here; roots do not change.
+    double largest = 0.0;
+    for (std::size_t i = 0; i < 8; ++i) {
+        cell.g[i] = 0.5 * scalars[i] - 0.5 * isovalue;
+        largest = std::max(largest, std::abs(cell.g[i]));
+    }
+    for (double& g : cell.g)
+        g /= largest;
+    std::array<std::array<double, 2>, 3> roots;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double a = cell.leading(axis), b = cell.middle(axis), c = cell.face(axis, 0);
+        const double root = std::sqrt(std::max(0.0, b * b - 4.0 * a * c));
+        const double numerator = -0.5 * (b + (b < 0.0 ? -root : root));
+        double low = numerator / a, high = numerator != 0.0 ? c / numerator : low;
+        if (high < low)
+            std::swap(low, high);
+        if (!(low >= 0.0 && high <= 1.0)) // rounding in a cell with next to no tunnel
+            low = high = std::clamp(std::isfinite(low + high) ? 0.5 * (low + high) : 0.5, 0.0, 1.0);
+        if (high - low < least) {
+            const double middle = std::clamp(0.5 * (low + high), 1.5 * least, 1.0 - 1.5 * least);
+            low = middle - 0.5 * least;
+            high = middle + 0.5 * least;
+        }
+        low = std::clamp(low, least, 1.0 - 2.0 * least);
+        high = std::clamp(high, low + least, 1.0 - least);
+        roots[static_cast<std::size_t>(axis)] = {low, high};
+    }
+    return {roots[0], roots[1], roots[2]};
+}
+
+std::array<double, 3> gradientInCell(const CornerScalars& v, double x, double y, double z) {
+    const auto mix = [](double a, double b, double t) { return a + t * (b - a); };
+    return {mix(mix(v[1] - v[0], v[3] - v[2], y), mix(v[5] - v[4], v[7] - v[6], y), z),
+            mix(mix(v[2] - v[0], v[3] - v[1], x), mix(v[6] - v[4], v[7] - v[5], x), z),
+            mix(mix(v[4] - v[0], v[5] - v[1], x), mix(v[6] - v[2], v[7] - v[3], x), y)};
+}
+
+namespace {
+
+// Three above corners round `centre`: is there an isovalue at which all three faces are joined and the
+// below corners have a tunnel between centre and the hidden corner? Such a tunnel is there at all isovalues
+// between the greatest below corner or the greater body saddle, and the first above corner or face saddle:
+// so one isovalue in between tells. True also where rounding leaves nothing in between.
+bool hasHiddenTunnel(const CornerScalars& v, int centre) {
+    const auto at = [&](int corner) { return v[static_cast<std::size_t>(corner)]; };
+    double top = kInfinity, bottom = -kInfinity;
+    for (int i = 0; i < 8; ++i) {
+        const int apart = i ^ centre;
+        if (apart == 1 || apart == 2 || apart == 4)
+            top = std::min(top, at(i));
+        else
+            bottom = std::max(bottom, at(i));
+    }
+    if (!(bottom < top))
+        return false;
+    const double isovalue = top; // one at which the signs are these
+    for (int axis = 0; axis < 3; ++axis) {
+        const int u = 1 << ((axis + 1) % 3), w = 1 << ((axis + 2) % 3);
+        const FaceSaddle saddle = saddleOfFace(at(centre ^ u), at(centre), at(centre ^ w), at(centre ^ u ^ w), isovalue);
+        if (std::isfinite(saddle.value + saddle.margin))
+            top = std::min(top, saddle.value + saddle.margin);
+    }
+    if (top < bottom)
+        return false;
+    const BodySaddles saddles = bodySaddles(boundedCell(v, bottom).discriminant());
+    if (saddles.count == 0)
+        return false;
+    if (saddles.count < 0)
+        return true;
+    const Bounded& greatest = saddles.distances[static_cast<std::size_t>(saddles.count - 1)];
+    const double saddle = bottom + greatest.value, margin = greatest.error + 1e-15 * (std::abs(bottom) + std::abs(greatest.value));
+    if (saddle - margin > top)
+        return false;
+    const double begin = std::max(bottom, saddle + margin), slack = 1e-14 * (std::abs(top) + std::abs(bottom));
+    if (!(begin + slack < top - slack))
+        return true;
+    return decideTunnel(v, 0.5 * begin + 0.5 * top).tunnel == Tunnel::Below;
+}
+
+} // namespace
+
+unsigned hiddenCornersNeeded(const CornerScalars& scalars) {
+    unsigned corners = 0;
+    CornerScalars negated;
+    std::transform(scalars.begin(), scalars.end(), negated.begin(), [](double v) { return -v; });
+    for (int centre = 0; centre < 8; ++centre)
+        if (hasHiddenTunnel(scalars, centre) || hasHiddenTunnel(negated, centre))
+            corners |= 1u << (7 - centre);
+    return corners;
+}
+
+} // namespace isoslider::cell
