@@ -2,28 +2,16 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <limits>
-#include <memory>
 
-#include <zstd.h>
-
-#include "core/index/byte_codec.h"
+#include "core/index/byte_planes.h"
 
 namespace isoslider::index {
 namespace {
 
-// Layout: FORMAT.md, "Page". Columns of residuals, cut into byte planes, each plane stored as one
-// constant, as it is, or compressed. High planes of small residuals are nearly constant and low
-// planes nearly random: apart, the entropy coder gets both right and the random ones cost a copy.
+// Layout: FORMAT.md, "Page". Columns of residuals, in byte planes.
 
-constexpr int kCompressionLevel = 1;
 constexpr std::size_t kPageHeaderBytes = 32;
-constexpr std::size_t kMinGain = 16; // smaller savings do not pay for a decompression call
-
-enum PlaneMode : std::uint32_t { kConstant = 0, kRaw = 1, kZstd = 2 };
-constexpr std::uint32_t kPlaneModeShift = 30;
-constexpr std::uint32_t kPlaneLengthMask = (1u << kPlaneModeShift) - 1;
 
 enum PageFlag : std::uint8_t { kSecondDifferences = 1, kMirroredNormals = 2 };
 constexpr std::uint8_t kKnownFlags = kSecondDifferences | kMirroredNormals;
@@ -57,77 +45,6 @@ NormalCode addNormal(NormalCode a, NormalCode b) {
 NormalCode mirroredNormal(NormalCode normal, NormalCode opposite) {
     return subtractNormal(addNormal(normal, normal), opposite);
 }
-
-struct CompressionContext {
-    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{ZSTD_createCCtx(), &ZSTD_freeCCtx};
-    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{ZSTD_createDCtx(), &ZSTD_freeDCtx};
-    std::vector<std::uint8_t> plane;
-    std::vector<std::byte> packed;
-};
-
-CompressionContext& compressionContext() {
-    thread_local CompressionContext context;
-    return context;
-}
-
-// ---- writing
-
-class PageWriter {
-public:
-    PageWriter(std::size_t points, int planes) { bytes_.reserve(points * 32 + 512); tableSlots_ = planes; }
-
-    std::vector<std::byte>& bytes() { return bytes_; }
-
-    void beginPlanes() {
-        tableAt_ = bytes_.size();
-        bytes_.resize(bytes_.size() + 4 * static_cast<std::size_t>(tableSlots_));
-    }
-
-    template <class Value>
-    void addColumn(const std::vector<Value>& values, int planes) {
-        CompressionContext& context = compressionContext();
-        context.plane.resize(values.size());
-        for (int p = 0; p < planes; ++p) {
-            for (std::size_t i = 0; i < values.size(); ++i)
-                context.plane[i] = static_cast<std::uint8_t>(values[i] >> (8 * p));
-            addPlane(context);
-        }
-    }
-
-    std::vector<std::byte> finish() {
-        ISO_CHECK(slot_ == tableSlots_);
-        return std::move(bytes_);
-    }
-
-private:
-    void addPlane(CompressionContext& context) {
-        const std::vector<std::uint8_t>& plane = context.plane;
-        const bool isConstant = std::all_of(plane.begin(), plane.end(), [&](std::uint8_t b) { return b == plane[0]; });
-        if (plane.empty() || isConstant) {
-            const std::uint8_t value = plane.empty() ? 0 : plane[0];
-            put(kConstant, std::as_bytes(std::span(&value, 1)));
-            return;
-        }
-        context.packed.resize(ZSTD_compressBound(plane.size()));
-        const std::size_t packed = ZSTD_compressCCtx(context.compress.get(), context.packed.data(), context.packed.size(),
-                                                     plane.data(), plane.size(), kCompressionLevel);
-        if (!ZSTD_isError(packed) && packed + kMinGain < plane.size())
-            put(kZstd, std::span(context.packed).first(packed));
-        else
-            put(kRaw, std::as_bytes(std::span(plane)));
-    }
-
-    void put(PlaneMode mode, std::span<const std::byte> data) {
-        storeLittle<std::uint32_t>(bytes_.data() + tableAt_ + 4 * static_cast<std::size_t>(slot_++),
-                                   static_cast<std::uint32_t>(data.size()) | (mode << kPlaneModeShift));
-        bytes_.insert(bytes_.end(), data.begin(), data.end());
-    }
-
-    std::vector<std::byte> bytes_;
-    std::size_t tableAt_ = 0;
-    int tableSlots_ = 0;
-    int slot_ = 0;
-};
 
 template <class Key>
 struct FarColumns {
@@ -214,8 +131,9 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     constexpr int kKeyBytes = sizeof(Key);
     const int idBytes = bytesFor(idCount);
     const int planes = kKeyBytes + idBytes + 1 + 2 + kKeyBytes + 2;
-    PageWriter writer(records.size(), planes);
-    ByteWriter header(writer.bytes());
+    std::vector<std::byte> bytes;
+    bytes.reserve(records.size() * 32 + 512);
+    ByteWriter header(bytes);
     header.put<std::uint32_t>(static_cast<std::uint32_t>(records.size()));
     header.put<std::uint32_t>(static_cast<std::uint32_t>(far.keys.size()));
     header.put<std::uint64_t>(base);
@@ -225,95 +143,24 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     header.put<std::uint8_t>(flags);
     header.put<std::uint32_t>(static_cast<std::uint32_t>(planes));
     header.put<std::uint64_t>(0); // reserved
-    writer.beginPlanes();
+    PlaneWriter writer(bytes, planes);
     writer.addColumn(keys, kKeyBytes);
     writer.addColumn(ids, idBytes);
     writer.addColumn(masks, 1);
     writer.addColumn(normals, 2);
     writer.addColumn(far.keys, kKeyBytes);
     writer.addColumn(far.normals, 2);
-    return writer.finish();
+    ISO_CHECK(writer.isComplete());
+    return bytes;
 }
 
 // ---- reading
 
 namespace {
 
-class PageReader {
-public:
-    PageReader(std::span<const std::byte> bytes, const std::string& path) : bytes_(bytes), path_(path) {}
-
-    Error corrupt(const char* field) const {
-        return makeError(ErrorCode::Corruption, std::string("index page is damaged: ") + field, path_);
-    }
-
-    Status beginPlanes(std::size_t at, std::uint32_t count) {
-        if (bytes_.size() < at + 4 * std::size_t{count})
-            return corrupt("plane table is cut off");
-        tableAt_ = at;
-        dataAt_ = at + 4 * std::size_t{count};
-        return {};
-    }
-
-    // One column of `planes` byte planes into `values`, low plane first.
-    template <class Value>
-    Status readColumn(std::vector<Value>& values, std::size_t count, int planes) {
-        values.assign(count, Value{0});
-        for (int p = 0; p < planes; ++p) {
-            const std::uint32_t entry = loadLittle<std::uint32_t>(bytes_.data() + tableAt_ + 4 * slot_++);
-            const std::size_t length = entry & kPlaneLengthMask;
-            if (length > bytes_.size() - dataAt_)
-                return corrupt("plane length");
-            const std::span<const std::byte> data = bytes_.subspan(dataAt_, length);
-            dataAt_ += length;
-            ISO_TRY(addPlane(entry >> kPlaneModeShift, data, values, 8 * p));
-        }
-        return {};
-    }
-
-    bool isAtEnd() const { return dataAt_ == bytes_.size(); }
-
-private:
-    template <class Value>
-    Status addPlane(std::uint32_t mode, std::span<const std::byte> data, std::vector<Value>& values, int shift) {
-        if (mode == kConstant) {
-            if (data.size() != 1)
-                return corrupt("constant plane");
-            const Value value = static_cast<Value>(static_cast<Value>(data[0]) << shift);
-            if (value != 0)
-                for (Value& v : values)
-                    v |= value;
-            return {};
-        }
-        const std::uint8_t* source = reinterpret_cast<const std::uint8_t*>(data.data());
-        if (mode == kZstd) {
-            CompressionContext& context = compressionContext();
-            context.plane.resize(values.size());
-            const std::size_t size = ZSTD_decompressDCtx(context.decompress.get(), context.plane.data(),
-                                                         context.plane.size(), data.data(), data.size());
-            if (ZSTD_isError(size) || size != values.size())
-                return corrupt("compressed plane");
-            source = context.plane.data();
-        } else if (mode != kRaw || data.size() != values.size()) {
-            return corrupt("plane mode or size");
-        }
-        Value* out = values.data();
-        const std::size_t count = values.size();
-        for (std::size_t i = 0; i < count; ++i)
-            out[i] |= static_cast<Value>(static_cast<Value>(source[i]) << shift);
-        return {};
-    }
-
-    std::span<const std::byte> bytes_;
-    const std::string& path_;
-    std::size_t tableAt_ = 0;
-    std::size_t dataAt_ = 0;
-    std::size_t slot_ = 0;
-};
-
 // Residuals back to ids, keys and normals, checking every id and edge against the grid.
 template <class Key>
-Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const BrickGrid& grid, const PageReader& reader) {
+Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const BrickGrid& grid, const PlaneReader& reader) {
     const std::uint64_t idCount = grid.idCount();
     Key previousKey = base;
     PointId previousId = 0;
@@ -382,7 +229,7 @@ void restoreEdges(DecodedPage<Key>& page, std::uint8_t flags) {
 
 template <class Key>
 Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, DecodedPage<Key>& page, const std::string& path) {
-    PageReader reader(bytes, path);
+    PlaneReader reader(bytes, path);
     if (bytes.size() < kPageHeaderBytes)
         return reader.corrupt("header is cut off");
     ByteReader header(bytes.first(kPageHeaderBytes));

@@ -71,6 +71,7 @@ void putLevel(ByteWriter& out, const SkipLevelInfo& info, const LevelDirectory& 
 
 constexpr std::size_t kPageEntryBytes = 44;
 constexpr std::size_t kBlockEntryBytes = 32;
+constexpr std::size_t kHiddenPageEntryBytes = 32;
 
 // Says what is wrong, or nothing.
 const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDirectory& level, const Preamble& preamble) {
@@ -106,6 +107,38 @@ const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDi
         nextPage += block.pageCount;
     }
     return in.hasFailed() ? "level directory is cut off" : nullptr;
+}
+
+void putHiddenPages(ByteWriter& out, const std::vector<HiddenPageEntry>& pages) {
+    out.put<std::uint64_t>(pages.size());
+    for (const HiddenPageEntry& page : pages) {
+        for (const std::uint32_t value : {page.firstBrick, page.lastBrick, page.corners, page.bytes})
+            out.put<std::uint32_t>(value);
+        out.put<std::uint64_t>(page.offset);
+        out.put<std::uint64_t>(page.checksum);
+    }
+}
+
+bool getHiddenPages(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
+    const std::uint64_t count = in.get<std::uint64_t>();
+    if (in.hasFailed() || count > in.remaining() / kHiddenPageEntryBytes)
+        return false;
+    meta.hiddenPages.resize(count);
+    std::uint64_t nextBrick = 0;
+    for (HiddenPageEntry& page : meta.hiddenPages) {
+        for (std::uint32_t* value : {&page.firstBrick, &page.lastBrick, &page.corners, &page.bytes})
+            *value = in.get<std::uint32_t>();
+        page.offset = in.get<std::uint64_t>();
+        page.checksum = in.get<std::uint64_t>();
+        if (page.firstBrick < nextBrick || page.lastBrick < page.firstBrick ||
+            page.lastBrick - page.firstBrick >= kMaxHiddenPageBricks || page.corners == 0 ||
+            page.corners > kMaxHiddenPageCorners || page.bytes > kMaxHiddenPageBytes ||
+            page.offset < kPreambleBytes || page.offset > preamble.metaOffset ||
+            page.bytes > preamble.metaOffset - page.offset)
+            return false;
+        nextBrick = std::uint64_t{page.lastBrick} + 1;
+    }
+    return nextBrick <= BrickGrid(meta.info.geometry.dims).brickCount();
 }
 
 void putMissingCells(ByteWriter& out, const std::vector<MissingCells>& bricks) {
@@ -155,6 +188,14 @@ bool hasIndexMagic(std::span<const std::byte> firstBytes) {
     return firstBytes.size() >= sizeof kIndexMagic && std::memcmp(firstBytes.data(), kIndexMagic, sizeof kIndexMagic) == 0;
 }
 
+void countHiddenCorners(IndexMeta& meta) {
+    meta.info.hiddenCorners = meta.info.hiddenCornerBytes = 0;
+    for (const HiddenPageEntry& page : meta.hiddenPages) {
+        meta.info.hiddenCorners += page.corners;
+        meta.info.hiddenCornerBytes += page.bytes;
+    }
+}
+
 std::uint64_t metaChecksum(std::span<const std::byte> bytes) { return hashBytes(bytes, 0); }
 
 std::uint64_t pageChecksum(std::span<const std::byte> bytes, std::uint64_t seed, std::uint64_t offset) {
@@ -187,7 +228,7 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
     if (preamble.major != kFormatMajor)
         return makeError(ErrorCode::UnsupportedVersion,
                          "index has format version " + std::to_string(preamble.major) + ", this program reads version " +
-                             std::to_string(kFormatMajor) + "; build it again from its volume",
+                             std::to_string(kFormatMajor) + ": build it anew from its volume",
                          path, sizeof kIndexMagic);
     for (std::uint64_t* value : {&preamble.metaOffset, &preamble.metaBytes, &preamble.metaChecksum, &preamble.fileBytes, &preamble.seed})
         *value = in.get<std::uint64_t>();
@@ -223,6 +264,7 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     out.put<std::uint32_t>(static_cast<std::uint32_t>(meta.levels.size()));
     for (std::size_t i = 0; i < meta.levels.size(); ++i)
         putLevel(out, info.levels[i], meta.levels[i]);
+    putHiddenPages(out, meta.hiddenPages);
     putMissingCells(out, meta.missingCells);
     return bytes;
 }
@@ -263,11 +305,14 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
     for (std::size_t i = 0; i < levels; ++i)
         if (const char* fault = getLevel(in, i == 0, info.levels[i], meta.levels[i], preamble))
             return corrupt(fault);
+    if (!getHiddenPages(in, meta, preamble))
+        return corrupt("pages of hidden corners");
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
     if (in.hasFailed() || in.remaining() != 0)
         return corrupt("length");
     info.indexBytes = preamble.fileBytes;
+    countHiddenCorners(meta);
     return meta;
 }
 

@@ -14,11 +14,19 @@ namespace isoslider::index {
 
 /// FORMAT.md describes the bytes; this header is the one place where code knows them.
 inline constexpr char kIndexMagic[12] = {'I', 'S', 'O', 'S', 'L', 'I', 'D', 'E', '\r', '\n', '\x1a', '\n'};
-inline constexpr std::uint16_t kFormatMajor = 1;
+inline constexpr std::uint16_t kFormatMajor = 2;
 inline constexpr std::uint16_t kFormatMinor = 0;
 inline constexpr std::size_t kPreambleBytes = 64;
 inline constexpr std::uint64_t kMaxMetaBytes = std::uint64_t{4} << 30;
 inline constexpr int kMaxSkipLevels = 8;
+
+/// Places of hidden corners in a brick: 8 corners of 512 cells. No page holds more, so whole bricks fit into one.
+inline constexpr std::uint32_t kHiddenPlacesPerBrick = 8 * kBrickPoints;
+inline constexpr std::uint32_t kMaxHiddenPageCorners = kHiddenPlacesPerBrick;
+/// A page reaches over fewer bricks: places within a page have 32 bits.
+inline constexpr std::uint32_t kMaxHiddenPageBricks = 1u << 20;
+/// No page of hidden corners is longer: 12 planes, none compressed.
+inline constexpr std::size_t kMaxHiddenPageBytes = 16 + 12 * (4 + kMaxHiddenPageCorners);
 
 /// The first bytes of the file: where everything else is.
 struct Preamble {
@@ -58,6 +66,16 @@ struct LevelDirectory {
     std::vector<BlockEntry> blocks;
 };
 
+/// One encoded page of hidden corners (hidden_corner_codec.h), and the bricks of its cells.
+struct HiddenPageEntry {
+    BrickIndex firstBrick = 0;
+    BrickIndex lastBrick = 0; ///< the last one with an entry
+    std::uint32_t corners = 0;
+    std::uint32_t bytes = 0;
+    std::uint64_t offset = 0;
+    std::uint64_t checksum = 0;
+};
+
 /// Cells of a brick that have a missing corner: bit x + 8 y + 64 z.
 struct MissingCells {
     BrickIndex brick = 0;
@@ -68,12 +86,16 @@ struct MissingCells {
 struct IndexMeta {
     IndexInfo info;
     std::vector<LevelDirectory> levels;
+    std::vector<HiddenPageEntry> hiddenPages; ///< ascending, no brick in two
     std::vector<MissingCells> missingCells; ///< sorted by brick
 };
 
 std::vector<std::byte> encodePreamble(const Preamble& preamble);
 /// Errors: InvalidArgument (not an index), UnsupportedVersion, Corruption.
 Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t fileBytes, const std::string& path);
+
+/// Sets the sums in `meta.info` that follow from the directory of hidden corners.
+void countHiddenCorners(IndexMeta& meta);
 
 std::vector<std::byte> encodeMeta(const IndexMeta& meta);
 /// Checks every field against the file's size and the grid. Errors: Corruption.

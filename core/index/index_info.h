@@ -35,6 +35,8 @@ struct IndexInfo {
     std::uint64_t distinctValues = 0;
     std::uint64_t nanCount = 0;    ///< missing samples: NaN and Inf
     std::uint64_t indexBytes = 0;
+    std::uint64_t hiddenCorners = 0;     ///< samples stored because sliding cannot learn them from active edges
+    std::uint64_t hiddenCornerBytes = 0; ///< encoded bytes of their pages
     double redundancyThreshold = 0.0; ///< k of the paper, section 2.1
     std::string sourceName;        ///< file name of the volume, without its folder
     std::vector<SkipLevelInfo> levels;

@@ -23,9 +23,11 @@ public:
 
     /// One page's bytes into `bytes`, its checksum verified. Errors: IoError, Corruption.
     Status readPage(const PageEntry& page, std::vector<std::byte>& bytes) const;
+    Status readPage(const HiddenPageEntry& page, std::vector<std::byte>& bytes) const;
 
 private:
     IndexReader() = default;
+    Status readPage(std::uint64_t offset, std::size_t size, std::uint64_t checksum, std::vector<std::byte>& bytes) const;
 
     std::unique_ptr<RandomAccessFile> file_;
     std::uint64_t seed_ = 0;

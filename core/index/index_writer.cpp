@@ -23,6 +23,15 @@ Status IndexWriter::addPage(int level, PageEntry entry, std::span<const std::byt
     return {};
 }
 
+Status IndexWriter::addHiddenPage(HiddenPageEntry entry, std::span<const std::byte> bytes) {
+    entry.offset = file_->sizeBytes();
+    entry.bytes = static_cast<std::uint32_t>(bytes.size());
+    entry.checksum = pageChecksum(bytes, seed_, entry.offset);
+    ISO_TRY(file_->writeAll(bytes));
+    hiddenPages_.push_back(entry);
+    return {};
+}
+
 void IndexWriter::endBlock(int level, std::uint64_t firstKey, std::uint64_t lastKey) {
     if (levels_.size() <= static_cast<std::size_t>(level))
         levels_.resize(static_cast<std::size_t>(level) + 1);
@@ -44,6 +53,8 @@ Result<IndexInfo> IndexWriter::finish(IndexMeta meta) {
         info.redundantRemoved = i == 0 ? 0 : meta.info.levels[i - 1].edges - info.edges;
     }
     meta.levels = std::move(levels_);
+    meta.hiddenPages = std::move(hiddenPages_);
+    countHiddenCorners(meta);
     const std::vector<std::byte> bytes = encodeMeta(meta);
     Preamble preamble;
     preamble.metaOffset = file_->sizeBytes();

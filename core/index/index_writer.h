@@ -18,14 +18,16 @@ public:
 
     /// Appends one encoded page to a level; its place and checksum are filled in here.
     Status addPage(int level, PageEntry entry, std::span<const std::byte> bytes);
+    /// Appends one encoded page of hidden corners, in the order of bricks; likewise.
+    Status addHiddenPage(HiddenPageEntry entry, std::span<const std::byte> bytes);
     /// Ends a block of a level above 0: all pages added there since the last one.
     void endBlock(int level, std::uint64_t firstKey, std::uint64_t lastKey);
 
     /// Number of bytes written so far.
     std::uint64_t sizeBytes() const { return file_->sizeBytes(); }
 
-    /// Writes what is left and publishes. `meta.levels` is filled in here; `meta.info.levels` must
-    /// have an entry per level, its bytes and edge sums are completed. Returns the finished info.
+    /// Writes what is left and publishes. `meta.levels` and `meta.hiddenPages` are filled in here; `meta.info.levels`
+    /// must have an entry per level, its bytes and edge sums are completed. Returns the finished info.
     Result<IndexInfo> finish(IndexMeta meta);
 
 private:
@@ -34,6 +36,7 @@ private:
     std::unique_ptr<AtomicFile> file_;
     std::uint64_t seed_;
     std::vector<LevelDirectory> levels_;
+    std::vector<HiddenPageEntry> hiddenPages_;
 };
 
 } // namespace isoslider::index

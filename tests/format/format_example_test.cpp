@@ -118,7 +118,7 @@ TEST(FormatDocument, PreambleFieldsAreWhereTheTableSays) {
         return value;
     };
     EXPECT_EQ(file.substr(0, 12), std::string("ISOSLIDE\r\n\x1a\n"));
-    EXPECT_EQ(number(12, 2), 1u);
+    EXPECT_EQ(number(12, 2), 2u);
     EXPECT_EQ(number(14, 2), 0u);
     EXPECT_EQ(number(16, 8), 64u + 117u) << "meta follows the only page";
     EXPECT_EQ(number(16, 8) + number(24, 8), file.size());
