@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 
 #include <tbb/parallel_for.h>
 
+#include "core/base/check.h"
 #include "core/extract/active_surface_detail.h"
+#include "core/extract/inner_vertices.h"
 #include "core/extract/vertex_interpolation.h"
 
 namespace isoslider::extract {
@@ -13,11 +16,15 @@ namespace isoslider::extract {
 static_assert(kVertexGranule % kInterpolationGroup == 0, "runs hold whole groups");
 
 template <class Live>
-ActiveSurface<Live>::ActiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells)
-    : geometry_(geometry), table_(BrickGrid(geometry.dims), missingCells), scalars1_(kMaxVertices), scalars2_(kMaxVertices),
+ActiveSurface<Live>::ActiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells,
+                                   HiddenScalars& hidden)
+    : geometry_(geometry), inverseSpacing_(1.0 / glm::abs(geometry.spacing)), hidden_(hidden), table_(BrickGrid(geometry.dims), missingCells), scalars1_(kMaxVertices), scalars2_(kMaxVertices),
       edgeNormals_(kMaxVertices), edges_(kMaxVertices), positions_(kMaxVertices), normals_(kMaxVertices),
       indices_(3 * kMaxTriangles), runOwners_(kMaxTriangles), vertexRuns_(kVertexGranule, kMaxVertices),
-      triangleRuns_(kTriangleGranule, kMaxTriangles) {}
+      triangleRuns_(kTriangleGranule, kMaxTriangles) {
+    for (const cell::CellState& state : cell::cellStates())
+        ISO_CHECK(state.triangleCount == 0 || kRunLengths[kBucketOf[state.triangleCount]] == state.triangleCount);
+}
 
 template <class Live>
 ActiveSurface<Live>::~ActiveSurface() = default;
@@ -29,14 +36,15 @@ void ActiveSurface<Live>::clear() {
         if (brick->triangleBegin != kNoRun)
             std::fill_n(indices_.data() + 3 * std::size_t{brick->triangleBegin}, 3 * std::size_t{brick->triangleCapacity}, 0u);
     table_.clear();
+    slowCells_.clear();
     vertexRuns_.clear();
     triangleRuns_.clear();
     dirtyBricks_.clear();
-    activeEdges_ = triangles_ = 0;
+    activeEdges_ = triangles_ = ambiguousCells_ = 0;
 }
 
 template <class Live>
-Status ActiveSurface<Live>::apply(const ChangeSet<Live>& changes, SlideStats& stats) {
+Status ActiveSurface<Live>::apply(const ChangeSet<Live>& changes, double isovalue, SlideStats& stats) {
     for (Brick* brick : dirtyBricks_)
         brick->changedCells = {};
     dirtyBricks_.clear();
@@ -69,32 +77,51 @@ Status ActiveSurface<Live>::apply(const ChangeSet<Live>& changes, SlideStats& st
     activeEdges_ += static_cast<std::uint64_t>(edgeDifference);
 
     // 2. Triangles.
+    listCrossedBricks(isovalue);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, dirtyBricks_.size(), 64), [&](const tbb::blocked_range<std::size_t>& range) {
         Scratch& scratch = scratches_.local();
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             if (i + 1 < range.end())
                 prefetchBrick(*dirtyBricks_[i + 1]);
-            retriangulate(*dirtyBricks_[i], scratch);
+            retriangulate(*dirtyBricks_[i], isovalue, scratch);
         }
     });
-    std::int64_t triangleDifference = 0;
+    std::int64_t triangleDifference = 0, ambiguousDifference = 0;
     for (Scratch& scratch : scratches_) {
+        if (scratch.error)
+            return std::move(*scratch.error);
         triangleDifference += scratch.triangleDifference;
+        ambiguousDifference += scratch.ambiguousDifference;
         stats.cellsRetriangulated += scratch.cells;
+        stats.cellsResolved += scratch.resolved;
         if (!scratch.isConsistent)
             return makeError(ErrorCode::Corruption, "index contradicts itself: active edges that no scalars have");
     }
     triangles_ += static_cast<std::uint64_t>(triangleDifference);
-    for (Brick* brick : dirtyBricks_)
+    ambiguousCells_ += static_cast<std::uint64_t>(ambiguousDifference);
+    for (Brick* brick : dirtyBricks_) {
+        if (brick->slow)
+            slowCells_.refreshInterval(*brick->slow);
         if (table_.entry(brick->index).isTouched) {
             brick->touched = {};
             table_.setTouched(*brick, false);
         }
+    }
     releaseEmptyBricks(dirtyBricks_);
     std::erase_if(dirtyBricks_, [](const Brick* brick) { return brick->vertexBegin == kNoRun && brick->triangleBegin == kNoRun; });
     stats.activeEdges = activeEdges_;
     stats.triangles = triangles_;
+    stats.ambiguousCells = ambiguousCells_;
     return {};
+}
+
+// Bricks in which a cell changes though none of its edges does.
+template <class Live>
+void ActiveSurface<Live>::listCrossedBricks(double isovalue) {
+    slowCells_.forEachCrossed(isovalue, [&](Brick& brick) {
+        if (!brick.isListedDirty.exchange(true, std::memory_order_relaxed))
+            dirtyBricks_.push_back(&brick);
+    });
 }
 
 template <class Live>
@@ -104,6 +131,10 @@ void ActiveSurface<Live>::releaseEmptyBricks(const std::vector<Brick*>& candidat
             vertexRuns_.free(brick->vertexBegin, brick->vertexCapacity);
             brick->vertexBegin = kNoRun;
             brick->vertexCapacity = 0;
+        }
+        if (brick->slow && brick->slow->ambiguous.empty() && brick->slow->inner.empty()) {
+            releaseInnerRun(*brick->slow);
+            slowCells_.remove(*brick);
         }
         if (brick->vertexBegin == kNoRun && brick->triangleBegin == kNoRun)
             table_.remove(*brick);
@@ -135,12 +166,44 @@ void ActiveSurface<Live>::interpolate(double isovalue) {
         }
         orderInterpolatedVertices();
     });
+    const std::vector<SlowCells*>& slow = slowCells_.list();
+    tbb::parallel_for(std::size_t{0}, slow.size(), [&](std::size_t i) { placeInnerVertices(*slow[i], isovalue); });
+}
+
+template <class Live>
+void ActiveSurface<Live>::placeInnerVertices(const SlowCells& slow, double isovalue) {
+    if (slow.inner.empty())
+        return;
+    const Brick& brick = *slow.brick;
+    const Neighbourhood around = neighbourhood(brick);
+    for (const InnerCell& inner : slow.inner) {
+        InnerVertexCell placed;
+        placed.state = &cell::cellStates()[brick.cellState[inner.cell]];
+        const std::array<std::int32_t, 3> local{inner.cell & 7, inner.cell >> 3 & 7, inner.cell >> 6};
+        for (std::size_t a = 0; a < 3; ++a)
+            placed.origin[a] = brick.origin[a] + local[a];
+        for (unsigned mask = cell::activeEdges(placed.state->signs); mask != 0; mask &= mask - 1) {
+            const auto e = static_cast<std::size_t>(std::countr_zero(mask));
+            const EdgePlace place = edgePlaces()[inner.cell][e];
+            const std::uint32_t vertex = around.bricks[place >> kEdgeBits]->vertexOf(place & kEdgeMask);
+            placed.edgePositions[e] = positions_[vertex];
+            placed.edgeNormals[e] = normals_[vertex];
+        }
+        if (placed.state->tunnel != cell::Tunnel::None) {
+            placed.scalars = scalarsOf(around, inner.cell, placed.state->signs);
+            if (const int hidden = cell::hiddenCorner(placed.state->signs); hidden >= 0)
+                placed.scalars[static_cast<std::size_t>(hidden)] = inner.hiddenScalar;
+        }
+        const std::size_t first = slow.innerBegin + inner.first;
+        extract::placeInnerVertices(placed, isovalue, inverseSpacing_, positions_.data() + first, normals_.data() + first);
+    }
 }
 
 template <class Live>
 std::uint64_t ActiveSurface<Live>::memoryBytes() const {
     constexpr std::uint64_t kVertexBytes = 2 * sizeof(Live) + 4 + sizeof(LocalEdge) + 2 * sizeof(glm::vec3);
-    return vertexRuns_.top() * kVertexBytes + triangleRuns_.top() * (3 * 4 + sizeof(LocalPoint)) + table_.memoryBytes();
+    return vertexRuns_.top() * kVertexBytes + triangleRuns_.top() * (3 * 4 + sizeof(LocalPoint)) + table_.memoryBytes() +
+           slowCells_.memoryBytes();
 }
 
 template <class Live>
@@ -154,7 +217,7 @@ void ActiveSurface<Live>::copyFrame(SurfaceFrame& frame) const {
     frame.changedIndices.clear();
     for (const Brick* brick : dirtyBricks_)
         forEachBit(brick->changedCells, [&](LocalPoint cell) {
-            const int t = caseTable()[brick->cellCase[cell]].triangleCount;
+            const int t = cell::cellStates()[brick->cellState[cell]].triangleCount;
             if (t == 0)
                 return;
             const std::uint32_t* run = indices_.data() + 3 * std::size_t{runBegin(*brick, cell, t)};
@@ -169,7 +232,7 @@ SurfaceMesh ActiveSurface<Live>::mesh(double isovalue) const {
     mesh.isovalue = isovalue;
     const GridDims& dims = geometry_.dims;
 
-    // Vertices in edge id order, triangles in cell order: what a scan of the grid gives.
+    // Vertices in edge id order, inner ones and triangles in cell order: what a scan of the grid gives.
     std::vector<std::pair<EdgeId, std::uint32_t>> order;
     std::vector<std::pair<std::uint64_t, std::pair<const Brick*, LocalPoint>>> cells;
     order.reserve(activeEdges_);
@@ -196,7 +259,16 @@ SurfaceMesh ActiveSurface<Live>::mesh(double isovalue) const {
     }
     for (const auto& [point, where] : cells) {
         const auto [brick, cell] = where;
-        const int t = caseTable()[brick->cellCase[cell]].triangleCount;
+        const cell::CellState& state = cell::cellStates()[brick->cellState[cell]];
+        const int t = state.triangleCount;
+        if (state.innerVertices > 0) {
+            const std::uint32_t first = brick->slow->innerBegin + brick->slow->findInner(cell)->first;
+            for (std::uint32_t k = first; k < first + state.innerVertices; ++k) {
+                newIndex[k] = static_cast<std::uint32_t>(mesh.positions.size());
+                mesh.positions.push_back(positions_[k]);
+                mesh.normals.push_back(normals_[k]);
+            }
+        }
         const std::uint32_t* run = indices_.data() + 3 * std::size_t{runBegin(*brick, cell, t)};
         for (int k = 0; k < 3 * t; ++k)
             mesh.triangles.push_back(newIndex[run[k]]);

@@ -2,8 +2,10 @@
 
 // Shared by the sources of ActiveSurface only.
 
+#include <optional>
+
 #include "core/extract/active_surface.h"
-#include "core/extract/case_table.h"
+#include "core/cell/cell_states.h"
 
 namespace isoslider::extract {
 
@@ -12,10 +14,22 @@ inline constexpr std::uint64_t kMaxTriangles = std::uint64_t{1} << 31;
 inline constexpr std::uint32_t kVertexGranule = 16;
 inline constexpr std::uint32_t kTriangleGranule = 16;
 
-/// Where the triangles of an active cell begin in I.
-inline std::uint32_t runBegin(const Brick& brick, LocalPoint cell, int triangles) {
-    return brick.triangleBegin + brick.bucketBegin[triangles] + static_cast<std::uint32_t>(triangles) * brick.cellRun[cell];
+/// Where run `run` of a bucket begins in I.
+inline std::uint32_t runInBucket(const Brick& brick, int bucket, std::uint32_t run) {
+    const auto b = static_cast<std::size_t>(bucket);
+    return brick.triangleBegin + brick.bucketBegin[b] + kRunLengths[b] * run;
 }
+
+/// Where the triangles of an active cell with that many begin in I.
+inline std::uint32_t runBegin(const Brick& brick, LocalPoint cell, int triangles) {
+    return runInBucket(brick, kBucketOf[static_cast<std::size_t>(triangles)], brick.cellRun[cell]);
+}
+
+// Where the twelve edges of each cell of a brick start: brick of the neighbourhood << 11 | local edge.
+using EdgePlace = std::uint16_t;
+inline constexpr int kEdgeBits = 11;
+inline constexpr EdgePlace kEdgeMask = (1u << kEdgeBits) - 1;
+const std::array<std::array<EdgePlace, 12>, kBrickPoints>& edgePlaces();
 
 template <class T>
 inline void prefetchLines(const T* first, std::size_t count) {
@@ -39,22 +53,29 @@ struct ActiveSurface<Live>::Scratch {
     std::vector<const DeactivatedEdge*> deactivated;
     std::vector<std::uint32_t> nextActivated, nextDeactivated;
     std::vector<std::uint16_t> holes;
-    // Cells of the brick at hand that must be written again, and their new cases.
+    // Cells of the brick at hand that must be written again, their new states (first their signs), and the
+    // hidden scalar of those decided in this move.
     BrickBits rewritten{};
-    std::array<std::uint8_t, kBrickPoints> newCase;
+    std::array<cell::StateId, kBrickPoints> newState;
+    std::array<double, kBrickPoints> hiddenScalar;
+    std::vector<InnerCell> inner;
 
     std::vector<Brick*> dirty;
     std::uint64_t added = 0;
     std::uint64_t removed = 0;
     std::uint64_t cells = 0;
+    std::uint64_t resolved = 0;
     std::int64_t triangleDifference = 0;
+    std::int64_t ambiguousDifference = 0;
     bool isConsistent = true;
+    std::optional<Error> error;
 
     void beginMove() {
         dirty.clear();
-        added = removed = cells = 0;
-        triangleDifference = 0;
+        added = removed = cells = resolved = 0;
+        triangleDifference = ambiguousDifference = 0;
         isConsistent = true;
+        error.reset();
     }
 };
 
@@ -62,7 +83,8 @@ struct ActiveSurface<Live>::Scratch {
 /// +y, bit 2: +z. Null where there is no live brick.
 template <class Live>
 struct ActiveSurface<Live>::Neighbourhood {
-    std::array<const Brick*, 8> bricks{};
+    std::array<Brick*, 8> bricks{};
+    std::array<bool, 8> isTouched{};
 };
 
 } // namespace isoslider::extract

@@ -1,54 +1,117 @@
 // ActiveSurface, step 2: the triangles of each brick.
 
 #include <algorithm>
+#include <bit>
+#include <span>
 
+#include "core/base/check.h"
 #include "core/extract/active_surface_detail.h"
 #include "core/extract/cell_words.h"
 
 namespace isoslider::extract {
 namespace {
 
-// Where the twelve edges of each cell of a brick start: brick of the neighbourhood << 11 | local edge.
-using EdgePlace = std::uint16_t;
-constexpr int kEdgeBits = 11;
-constexpr EdgePlace kEdgeMask = (1u << kEdgeBits) - 1;
-
 std::array<std::array<EdgePlace, 12>, kBrickPoints> makeEdgePlaces() {
     std::array<std::array<EdgePlace, 12>, kBrickPoints> places;
     for (int cell = 0; cell < kBrickPoints; ++cell)
         for (int e = 0; e < 12; ++e) {
-            const int corner = kCellEdges[e].lowerCorner;
+            const int corner = cell::kCellEdges[e].lowerCorner;
             const int x = (cell & 7) + (corner & 1), y = (cell >> 3 & 7) + (corner >> 1 & 1), z = (cell >> 6) + (corner >> 2);
             const int brick = (x >> 3) | (y >> 3) << 1 | (z >> 3) << 2;
-            const int edge = kCellEdges[e].axis * kBrickPoints + (x & 7) + 8 * (y & 7) + 64 * (z & 7);
+            const int edge = cell::kCellEdges[e].axis * kBrickPoints + (x & 7) + 8 * (y & 7) + 64 * (z & 7);
             places[cell][e] = static_cast<EdgePlace>(brick << kEdgeBits | edge);
         }
-    return places;
-}
-
-const std::array<std::array<EdgePlace, 12>, kBrickPoints>& edgePlaces() {
-    static const auto places = makeEdgePlaces();
     return places;
 }
 
 constexpr int kFewCells = 12;       // up to which cells are solved one by one
 constexpr int kWholeBrickShare = 3; // a brick is laid out anew when more than 1/3 of its cells change
 
-// The twelve edges of an inner cell, as steps from its number into the brick's own edge table.
-std::array<std::array<std::uint16_t, 15>, 256> makeInnerSteps() {
-    std::array<std::array<std::uint16_t, 15>, 256> steps{};
-    for (int c = 0; c < 256; ++c)
-        for (int k = 0; k < 3 * caseTable()[c].triangleCount; ++k) {
-            const CellEdge& edge = kCellEdges[caseTable()[c].edges[k]];
-            steps[c][k] = static_cast<std::uint16_t>(edge.axis * kBrickPoints + (edge.lowerCorner & 1) +
+// Whether signs are ambiguous, 64 bytes a line instead of a call.
+const std::array<bool, 256>& ambiguousSigns() {
+    static const auto table = [] {
+        std::array<bool, 256> ambiguous;
+        for (std::size_t s = 0; s < 256; ++s)
+            ambiguous[s] = cell::isAmbiguous(static_cast<std::uint8_t>(s));
+        return ambiguous;
+    }();
+    return table;
+}
+
+// States below this number have at most five triangles and no inner vertex.
+constexpr cell::StateId kPlainStates = 256;
+
+// The vertices of an inner cell's triangles, as steps from its number into the brick's own edge table.
+std::array<std::array<std::uint16_t, 15>, kPlainStates> makeInnerSteps() {
+    std::array<std::array<std::uint16_t, 15>, kPlainStates> steps{};
+    for (std::size_t s = 0; s < kPlainStates; ++s) {
+        if (cell::isAmbiguous(static_cast<std::uint8_t>(s)))
+            continue;
+        const auto triangles = cell::cellStates()[s].triangles;
+        for (std::size_t k = 0; k < triangles.size(); ++k) {
+            const cell::CellEdge& edge = cell::kCellEdges[triangles[k]];
+            steps[s][k] = static_cast<std::uint16_t>(edge.axis * kBrickPoints + (edge.lowerCorner & 1) +
                                                      8 * (edge.lowerCorner >> 1 & 1) + 64 * (edge.lowerCorner >> 2));
         }
+    }
     return steps;
 }
 
-const std::array<std::array<std::uint16_t, 15>, 256>& innerSteps() {
+const std::array<std::array<std::uint16_t, 15>, kPlainStates>& innerSteps() {
     static const auto steps = makeInnerSteps();
     return steps;
+}
+
+// For signs that are ambiguous: edges that have, at one end or the other, every corner that the decision
+// looks at. Those are the corners of ambiguous faces, and where a tunnel may be, all.
+struct DecidingEdges {
+    std::uint8_t count = 0;
+    std::array<std::uint8_t, 8> edges{};
+};
+
+unsigned decidingCorners(std::uint8_t signs) {
+    unsigned corners = 0;
+    for (unsigned faces = cell::ambiguousFaces(signs), joined = faces;; joined = (joined - 1) & faces) {
+        if (cell::mayHaveTunnel(signs, static_cast<std::uint8_t>(joined)) != 0)
+            return 0xffu & ~(cell::hiddenCorner(signs) >= 0 ? 1u << cell::hiddenCorner(signs) : 0u);
+        if (joined == 0)
+            break;
+    }
+    for (unsigned faces = cell::ambiguousFaces(signs); faces != 0; faces &= faces - 1)
+        for (const std::uint8_t corner : cell::kFaceCorners[static_cast<std::size_t>(std::countr_zero(faces))])
+            corners |= 1u << corner;
+    return corners;
+}
+
+std::array<DecidingEdges, 256> makeDecidingEdges() {
+    std::array<DecidingEdges, 256> all{};
+    for (unsigned signs = 0; signs < 256; ++signs) {
+        if (!cell::isAmbiguous(static_cast<std::uint8_t>(signs)))
+            continue;
+        unsigned missing = decidingCorners(static_cast<std::uint8_t>(signs));
+        while (missing != 0) { // the edge that adds most, again and again
+            int best = 0, bestEdge = -1;
+            for (unsigned mask = cell::activeEdges(static_cast<std::uint8_t>(signs)); mask != 0; mask &= mask - 1) {
+                const int e = std::countr_zero(mask);
+                const cell::CellEdge& edge = cell::kCellEdges[static_cast<std::size_t>(e)];
+                const int added = std::popcount(missing & (1u << edge.lowerCorner | 1u << edge.upperCorner));
+                if (added > best) {
+                    best = added;
+                    bestEdge = e;
+                }
+            }
+            ISO_CHECK(bestEdge >= 0);
+            const cell::CellEdge& edge = cell::kCellEdges[static_cast<std::size_t>(bestEdge)];
+            missing &= ~(1u << edge.lowerCorner | 1u << edge.upperCorner);
+            all[signs].edges[all[signs].count++] = static_cast<std::uint8_t>(bestEdge);
+        }
+    }
+    return all;
+}
+
+const std::array<DecidingEdges, 256>& decidingEdges() {
+    static const auto edges = makeDecidingEdges();
+    return edges;
 }
 
 // Cells whose twelve edges all start in their own brick.
@@ -60,32 +123,54 @@ class CellWriter {
 public:
     explicit CellWriter(const Around& around) : bricks_(around.bricks) {}
 
-    void write(LocalPoint cell, std::uint8_t caseIndex, const CellCase& cellCase, std::uint32_t* out) const {
-        const int count = 3 * cellCase.triangleCount;
+    void write(LocalPoint cell, cell::StateId state, std::uint32_t* out) const {
+        const std::span<const std::uint8_t> triangles = states_[state].triangles;
+        if (state >= kPlainStates)
+            return writeAmbiguous(cell, states_[state], out);
         if (isInner(cell)) {
-            const auto& steps = steps_[caseIndex];
+            const auto& steps = steps_[state];
             const std::uint16_t* slots = bricks_[0]->slot.data() + cell;
             const std::uint32_t begin = bricks_[0]->vertexBegin;
-            for (int k = 0; k < count; ++k)
+            for (std::size_t k = 0; k < triangles.size(); ++k)
                 out[k] = begin + slots[steps[k]];
             return;
         }
-        const auto& places = places_[cell];
-        for (int k = 0; k < count; ++k) {
-            const EdgePlace place = places[cellCase.edges[k]];
-            out[k] = bricks_[place >> kEdgeBits]->vertexOf(place & kEdgeMask);
-        }
+        for (std::size_t k = 0; k < triangles.size(); ++k)
+            out[k] = vertexAt(cell, triangles[k]);
     }
 
 private:
+    std::uint32_t vertexAt(LocalPoint cell, std::size_t edge) const {
+        const EdgePlace place = places_[cell][edge];
+        return bricks_[place >> kEdgeBits]->vertexOf(place & kEdgeMask);
+    }
+
+    // Each edge's vertex is looked up once and used several times.
+    void writeAmbiguous(LocalPoint cell, const cell::CellState& state, std::uint32_t* out) const {
+        std::array<std::uint32_t, cell::kInnerVertex + 7> vertices;
+        for (unsigned mask = cell::activeEdges(state.signs); mask != 0; mask &= mask - 1) {
+            const auto e = static_cast<std::size_t>(std::countr_zero(mask));
+            vertices[e] = vertexAt(cell, e);
+        }
+        if (state.innerVertices > 0) {
+            const SlowCells& slow = *bricks_[0]->slow;
+            const std::uint32_t first = slow.innerBegin + slow.findInner(cell)->first;
+            for (std::uint32_t k = 0; k < state.innerVertices; ++k)
+                vertices[cell::kInnerVertex + k] = first + k;
+        }
+        for (const std::uint8_t vertex : state.triangles)
+            *out++ = vertices[vertex];
+    }
+
     const std::array<std::array<EdgePlace, 12>, kBrickPoints>& places_ = edgePlaces();
-    const std::array<std::array<std::uint16_t, 15>, 256>& steps_ = innerSteps();
-    const std::array<const Brick*, 8>& bricks_;
+    const std::array<std::array<std::uint16_t, 15>, kPlainStates>& steps_ = innerSteps();
+    std::span<const cell::CellState> states_ = cell::cellStates();
+    const std::array<Brick*, 8>& bricks_;
 };
 
 // Asks for the slots of the edges just above a brick, which its outermost cells use: those at x = 0 of
 // the next brick along x lie in every line of its table, those at z = 0 in a few.
-void prefetchBorders(const std::array<const Brick*, 8>& bricks) {
+void prefetchBorders(const std::array<Brick*, 8>& bricks) {
     for (int axis = 0; axis < 3; ++axis) {
         const Brick* above = bricks[std::size_t{1} << axis];
         if (!above)
@@ -102,15 +187,25 @@ void prefetchBorders(const std::array<const Brick*, 8>& bricks) {
     }
 }
 
+// Room for a bucket to grow before the brick is laid out anew; long runs, which are rare, get little.
+std::uint32_t runsWithRoom(std::size_t bucket, std::uint32_t runs) {
+    if (bucket < kCommonBuckets)
+        return runs + runs / 5 + 3;
+    return runs == 0 ? 0 : runs + runs / 8 + 1;
+}
+
 } // namespace
 
+const std::array<std::array<EdgePlace, 12>, kBrickPoints>& edgePlaces() {
+    static const auto places = makeEdgePlaces();
+    return places;
+}
+
 template <class Live>
-void ActiveSurface<Live>::retriangulate(Brick& brick, Scratch& scratch) {
-    brick.isListedDirty.store(false, std::memory_order_relaxed);
+typename ActiveSurface<Live>::Neighbourhood ActiveSurface<Live>::neighbourhood(const Brick& brick) const {
     Neighbourhood around;
-    EdgeBitsAround touched{};
     const BrickGrid& grid = table_.grid();
-    for (int k = 0; k < 8; ++k) {
+    for (std::size_t k = 0; k < 8; ++k) {
         bool isInside = true;
         std::int64_t index = brick.index;
         for (int a = 0; a < 3; ++a)
@@ -122,16 +217,29 @@ void ActiveSurface<Live>::retriangulate(Brick& brick, Scratch& scratch) {
             continue;
         const BrickTable::Entry entry = table_.entry(static_cast<BrickIndex>(index));
         around.bricks[k] = entry.brick;
-        touched[k] = entry.isTouched ? &entry.brick->touched : nullptr;
+        around.isTouched[k] = entry.isTouched;
     }
+    return around;
+}
+
+template <class Live>
+void ActiveSurface<Live>::retriangulate(Brick& brick, double isovalue, Scratch& scratch) {
+    brick.isListedDirty.store(false, std::memory_order_relaxed);
+    const Neighbourhood around = neighbourhood(brick);
+    EdgeBitsAround touched{};
+    for (std::size_t k = 0; k < 8; ++k)
+        touched[k] = around.isTouched[k] ? &around.bricks[k]->touched : nullptr;
     scratch.rewritten = cellsWithEdges(touched);
     for (int z = 0; z < kBrickSide; ++z)
         scratch.rewritten[z] &= brick.usableCells[z];
+    if (brick.slow)
+        for (const AmbiguousCell& ambiguous : brick.slow->ambiguous)
+            scratch.rewritten[ambiguous.cell >> 6] |= std::uint64_t{!ambiguous.interval.contains(isovalue)} << (ambiguous.cell & 63);
 
     if (countBits(scratch.rewritten) > kBrickPoints / 16)
         prefetchBorders(around.bricks);
     const std::int64_t before = brick.triangleCount();
-    if (!findCases(brick, around, scratch)) {
+    if (!findStates(brick, around, isovalue, scratch)) {
         scratch.isConsistent = false;
         return;
     }
@@ -146,42 +254,45 @@ bool ActiveSurface<Live>::isLowerEndBelow(const Brick& brick, LocalEdge edge) co
     return scalars1_[at] < scalars2_[at];
 }
 
-// New cases of the cells to be rewritten. All signs follow from the active edges up to inversion;
-// one edge's scalars decide that. Beside missing values signs do not carry over from cell to cell, so
-// there each cell is solved on its own. False when the active edges of a cell belong to no signs, which
-// only a damaged index can bring about; nothing is changed then.
+// Signs of one cell on its own, 0 when it is inactive; -1 when its active edges belong to no signs.
 template <class Live>
-bool ActiveSurface<Live>::findCases(Brick& brick, const Neighbourhood& around, Scratch& scratch) {
-    const auto& places = edgePlaces();
-    const auto& table = caseTable();
+int ActiveSurface<Live>::solveSigns(const Neighbourhood& around, LocalPoint cell) const {
+    const auto& places = edgePlaces()[cell];
+    unsigned mask = 0;
+    for (std::size_t e = 0; e < 12; ++e) {
+        const Brick* owner = around.bricks[places[e] >> kEdgeBits];
+        mask |= static_cast<unsigned>(owner && owner->isActiveEdge(places[e] & kEdgeMask)) << e;
+    }
+    const std::uint8_t signs = cell::signsFromActiveEdges()[mask];
+    if (signs == 0)
+        return mask == 0 ? 0 : -1;
+    const auto e = static_cast<std::size_t>(std::countr_zero(mask));
+    const bool isBelow = isLowerEndBelow(*around.bricks[places[e] >> kEdgeBits], places[e] & kEdgeMask);
+    const bool isBelowInSigns = !(signs >> cell::kCellEdges[e].lowerCorner & 1);
+    return isBelow == isBelowInSigns ? signs : ~signs & 0xff;
+}
+
+// Signs of the cells to be rewritten, as their new states. All follow from the active edges up to
+// inversion; one edge's scalars decide that. Beside missing values signs do not carry over from cell to
+// cell, so there each cell is solved on its own. False when the active edges of a cell belong to no signs,
+// which only a damaged index can bring about; nothing is changed then.
+template <class Live>
+bool ActiveSurface<Live>::findSigns(Brick& brick, const Neighbourhood& around, Scratch& scratch) const {
     bool isConsistent = true;
     const auto solveCell = [&](LocalPoint cell) -> std::uint8_t {
-        unsigned mask = 0;
-        for (int e = 0; e < 12; ++e) {
-            const Brick* owner = around.bricks[places[cell][e] >> kEdgeBits];
-            mask |= static_cast<unsigned>(owner && owner->isActiveEdge(places[cell][e] & kEdgeMask)) << e;
-        }
-        const std::uint8_t caseIndex = caseFromEdgeMask()[mask];
-        if (caseIndex == 0) {
-            isConsistent = isConsistent && mask == 0;
-            return 0;
-        }
-        const int e = std::countr_zero(mask);
-        const bool isBelow = isLowerEndBelow(*around.bricks[places[cell][e] >> kEdgeBits], places[cell][e] & kEdgeMask);
-        const bool isBelowInCase = !(caseIndex >> kCellEdges[e].lowerCorner & 1);
-        const std::uint8_t solved = isBelow == isBelowInCase ? caseIndex : static_cast<std::uint8_t>(~caseIndex);
-        return table[solved].triangleCount > 0 ? solved : 0;
+        const int signs = solveSigns(around, cell);
+        isConsistent = isConsistent && signs >= 0;
+        return static_cast<std::uint8_t>(std::max(signs, 0));
     };
-
     BrickBits active{};
     if (brick.hasMissing || countBits(scratch.rewritten) <= kFewCells) {
         forEachBit(scratch.rewritten, [&](LocalPoint cell) {
-            scratch.newCase[cell] = solveCell(cell);
-            active[cell >> 6] |= std::uint64_t{scratch.newCase[cell] != 0} << (cell & 63);
+            scratch.newState[cell] = solveCell(cell);
+            active[cell >> 6] |= std::uint64_t{scratch.newState[cell] != 0} << (cell & 63);
         });
     } else {
         EdgeBitsAround edges{};
-        for (int k = 0; k < 8; ++k)
+        for (std::size_t k = 0; k < 8; ++k)
             edges[k] = around.bricks[k] ? &around.bricks[k]->active : nullptr;
         const BrickBits impossible = impossibleCells(edges);
         for (int z = 0; z < kBrickSide; ++z)
@@ -197,62 +308,200 @@ bool ActiveSurface<Live>::findCases(Brick& brick, const Neighbourhood& around, S
         }
         if (firstPlane >= 0) {
             const LocalPoint anchor = static_cast<LocalPoint>(64 * firstPlane + std::countr_zero(active[firstPlane]));
-            const bool inverted = caseOfCell(corners, anchor, false) != solveCell(anchor);
-            forEachBit(active, [&](LocalPoint cell) { scratch.newCase[cell] = caseOfCell(corners, cell, inverted); });
+            const bool inverted = signsOfCell(corners, anchor, false) != solveCell(anchor);
+            forEachBit(active, [&](LocalPoint cell) { scratch.newState[cell] = signsOfCell(corners, cell, inverted); });
         }
     }
     if (!isConsistent)
         return false;
     for (int z = 0; z < kBrickSide; ++z) {
         for (std::uint64_t word = scratch.rewritten[z] & ~active[z]; word != 0; word &= word - 1)
-            scratch.newCase[64 * z + std::countr_zero(word)] = 0;
+            scratch.newState[64 * z + std::countr_zero(word)] = 0;
         brick.activeCells[z] = (brick.activeCells[z] & ~scratch.rewritten[z]) | active[z];
     }
     return true;
 }
 
+template <class Live>
+bool ActiveSurface<Live>::findStates(Brick& brick, const Neighbourhood& around, double isovalue, Scratch& scratch) {
+    if (!findSigns(brick, around, scratch))
+        return false;
+    bool isPlain = brick.slow == nullptr;
+    if (isPlain)
+        for (int z = 0; z < kBrickSide && isPlain; ++z)
+            for (std::uint64_t word = scratch.rewritten[z] & brick.activeCells[z]; word != 0; word &= word - 1)
+                isPlain = isPlain && !ambiguousSigns()[scratch.newState[64 * z + std::countr_zero(word)]];
+    if (isPlain)
+        return true;
+    if (!resolveAmbiguous(brick, around, isovalue, scratch))
+        return false;
+    assignInnerVertices(brick, scratch);
+    return true;
+}
+
+// Scalars at the corners that the cell's decision looks at; others are left at 0.
+template <class Live>
+cell::CornerScalars ActiveSurface<Live>::scalarsOf(const Neighbourhood& around, LocalPoint cell, std::uint8_t signs) const {
+    cell::CornerScalars scalars{};
+    const DecidingEdges& deciding = decidingEdges()[signs];
+    for (std::size_t i = 0; i < deciding.count; ++i) {
+        const std::size_t e = deciding.edges[i];
+        const EdgePlace place = edgePlaces()[cell][e];
+        const std::size_t vertex = around.bricks[place >> kEdgeBits]->vertexOf(place & kEdgeMask);
+        scalars[cell::kCellEdges[e].lowerCorner] = static_cast<double>(scalars1_[vertex]);
+        scalars[cell::kCellEdges[e].upperCorner] = static_cast<double>(scalars2_[vertex]);
+    }
+    return scalars;
+}
+
+// Decides the ambiguous among the rewritten cells and brings the brick's list of them up to date. A cell
+// whose signs are as before and whose interval holds keeps its state without a look at its scalars.
+template <class Live>
+bool ActiveSurface<Live>::resolveAmbiguous(Brick& brick, const Neighbourhood& around, double isovalue, Scratch& scratch) {
+    if (!brick.slow)
+        slowCells_.create(brick);
+    std::vector<AmbiguousCell>& list = brick.slow->ambiguous;
+    const std::int64_t before = static_cast<std::int64_t>(list.size());
+    for (std::size_t i = 0; i < list.size();) {
+        const LocalPoint cell = list[i].cell;
+        const bool isRewritten = scratch.rewritten[cell >> 6] >> (cell & 63) & 1;
+        const bool isAsBefore = !isRewritten || (scratch.newState[cell] == cell::cellStates()[brick.cellState[cell]].signs &&
+                                                list[i].interval.contains(isovalue));
+        if (isAsBefore) {
+            scratch.newState[cell] = brick.cellState[cell];
+            ++i;
+        } else {
+            list[i] = list.back();
+            list.pop_back();
+        }
+    }
+    bool hasAll = true;
+    for (int z = 0; z < kBrickSide; ++z)
+        for (std::uint64_t word = scratch.rewritten[z] & brick.activeCells[z]; word != 0; word &= word - 1) {
+            const auto cell = static_cast<LocalPoint>(64 * z + std::countr_zero(word));
+            if (scratch.newState[cell] >= kPlainStates || !ambiguousSigns()[scratch.newState[cell]])
+                continue;
+            const auto signs = static_cast<std::uint8_t>(scratch.newState[cell]);
+            cell::CornerScalars scalars = scalarsOf(around, cell, signs);
+            const int hidden = cell::hiddenCorner(signs);
+            bool knowsHidden = false;
+            if (hidden >= 0) {
+                auto found = hidden_.hiddenScalar(brick.index, cell, hidden);
+                if (!found.isOk()) {
+                    scratch.error = std::move(found).error();
+                    hasAll = false;
+                } else if (found.value()) {
+                    knowsHidden = true;
+                    scalars[static_cast<std::size_t>(hidden)] = *found.value();
+                }
+            }
+            const cell::ResolvedCell resolved = cell::resolveCell(signs, scalars, knowsHidden, isovalue);
+            scratch.newState[cell] = resolved.state;
+            scratch.hiddenScalar[cell] = hidden >= 0 ? scalars[static_cast<std::size_t>(hidden)] : 0.0;
+            list.push_back({resolved.interval, cell});
+            ++scratch.resolved;
+        }
+    scratch.ambiguousDifference += static_cast<std::int64_t>(list.size()) - before;
+    return hasAll;
+}
+
+// Inner vertices of the brick's cells, numbered anew when the cells that have some change: few do. Cells
+// whose inner vertices get other numbers are rewritten too.
+template <class Live>
+void ActiveSurface<Live>::assignInnerVertices(Brick& brick, Scratch& scratch) {
+    const auto states = cell::cellStates();
+    SlowCells& slow = *brick.slow;
+    bool isChanged = false;
+    const auto isRewritten = [&](LocalPoint cell) { return (scratch.rewritten[cell >> 6] >> (cell & 63) & 1) != 0; };
+    const auto stateAfter = [&](LocalPoint cell) { return isRewritten(cell) ? scratch.newState[cell] : brick.cellState[cell]; };
+    for (const InnerCell& inner : slow.inner)
+        isChanged = isChanged || stateAfter(inner.cell) != brick.cellState[inner.cell];
+    for (const AmbiguousCell& ambiguous : slow.ambiguous)
+        isChanged = isChanged || (states[stateAfter(ambiguous.cell)].innerVertices > 0 && stateAfter(ambiguous.cell) != brick.cellState[ambiguous.cell]);
+    if (!isChanged)
+        return;
+
+    scratch.inner.clear();
+    std::uint32_t count = 0;
+    for (const AmbiguousCell& ambiguous : slow.ambiguous) {
+        const cell::CellState& state = states[stateAfter(ambiguous.cell)];
+        if (state.innerVertices == 0)
+            continue;
+        const InnerCell* before = slow.findInner(ambiguous.cell);
+        const bool isKept = before && stateAfter(ambiguous.cell) == brick.cellState[ambiguous.cell];
+        scratch.inner.push_back({ambiguous.cell, static_cast<std::uint16_t>(count), isKept ? before->hiddenScalar : scratch.hiddenScalar[ambiguous.cell]});
+        count += state.innerVertices;
+    }
+    const bool hasMoved = count > slow.innerCapacity;
+    if (hasMoved || count == 0) {
+        releaseInnerRun(slow);
+        if (count > 0) {
+            slow.innerCapacity = vertexRuns_.roundUp(count + count / 4);
+            slow.innerBegin = vertexRuns_.allocate(slow.innerCapacity);
+        }
+    }
+    for (const InnerCell& inner : scratch.inner) {
+        const InnerCell* before = slow.findInner(inner.cell);
+        if ((hasMoved || !before || before->first != inner.first) && !isRewritten(inner.cell)) {
+            scratch.rewritten[inner.cell >> 6] |= std::uint64_t{1} << (inner.cell & 63);
+            scratch.newState[inner.cell] = brick.cellState[inner.cell];
+        }
+    }
+    slow.inner.assign(scratch.inner.begin(), scratch.inner.end());
+    slow.innerCount = count;
+}
+
+template <class Live>
+void ActiveSurface<Live>::releaseInnerRun(SlowCells& slow) {
+    if (slow.innerBegin != kNoRun)
+        vertexRuns_.free(slow.innerBegin, slow.innerCapacity);
+    slow.innerBegin = kNoRun;
+    slow.innerCapacity = slow.innerCount = 0;
+}
+
 // Moves a bucket's last run into the hole that a cell leaves.
 template <class Live>
-void ActiveSurface<Live>::removeRun(Brick& brick, LocalPoint cell, int triangles) {
-    const std::uint32_t last = --brick.bucketRuns[triangles];
-    const std::uint32_t bucket = brick.triangleBegin + brick.bucketBegin[triangles];
-    const std::size_t from = bucket + static_cast<std::uint32_t>(triangles) * last;
-    const std::size_t to = bucket + static_cast<std::uint32_t>(triangles) * brick.cellRun[cell];
+void ActiveSurface<Live>::removeRun(Brick& brick, LocalPoint cell, int bucket) {
+    const auto b = static_cast<std::size_t>(bucket);
+    const std::uint32_t last = --brick.bucketRuns[b];
+    const std::size_t from = runInBucket(brick, bucket, last);
+    const std::size_t to = runInBucket(brick, bucket, brick.cellRun[cell]);
+    const std::size_t indices = 3 * std::size_t{kRunLengths[b]};
     if (from != to) {
         const LocalPoint moved = runOwners_[from];
-        std::copy_n(indices_.data() + 3 * from, 3 * triangles, indices_.data() + 3 * to);
+        std::copy_n(indices_.data() + 3 * from, indices, indices_.data() + 3 * to);
         runOwners_[to] = moved;
         brick.cellRun[moved] = brick.cellRun[cell];
     }
-    std::fill_n(indices_.data() + 3 * from, 3 * triangles, 0u);
+    std::fill_n(indices_.data() + 3 * from, indices, 0u);
 }
 
-// False when the brick must be laid out anew: its new cases are set then, its triangles undefined.
+// False when the brick must be laid out anew: its new states are set then, its triangles undefined.
 template <class Live>
 bool ActiveSurface<Live>::patchCells(Brick& brick, const Neighbourhood& around, Scratch& scratch) {
     std::uint32_t runs = 0;
-    for (int t = 1; t <= kMaxCellTriangles; ++t)
-        runs += brick.bucketRuns[t];
-    const auto& table = caseTable();
+    for (const std::uint16_t inBucket : brick.bucketRuns)
+        runs += inBucket;
+    const auto states = cell::cellStates();
     const bool patches = brick.triangleBegin != kNoRun && countBits(scratch.rewritten) * kWholeBrickShare <= static_cast<int>(runs);
 
     // Delete before add, so that the runs given up are there for the new ones.
     LocalPoint cells[kBrickPoints];
     int count = 0;
     forEachBit(scratch.rewritten, [&](LocalPoint cell) {
-        const std::uint8_t oldCase = brick.cellCase[cell];
-        const std::uint8_t newCase = scratch.newCase[cell];
-        if (oldCase != newCase) {
-            const int before = table[oldCase].triangleCount;
+        const cell::StateId oldState = brick.cellState[cell];
+        const cell::StateId newState = scratch.newState[cell];
+        if (oldState != newState) {
+            const int before = states[oldState].triangleCount;
             brick.changedCells[cell >> 6] |= std::uint64_t{1} << (cell & 63);
-            brick.cellCase[cell] = newCase;
-            if (patches && before != table[newCase].triangleCount) {
+            brick.cellState[cell] = newState;
+            if (patches && before != states[newState].triangleCount) {
                 if (before > 0)
-                    removeRun(brick, cell, before);
+                    removeRun(brick, cell, kBucketOf[static_cast<std::size_t>(before)]);
                 brick.cellRun[cell] = kNoSlot;
             }
         }
-        if (newCase != 0)
+        if (newState != 0)
             cells[count++] = cell;
     });
     scratch.cells += static_cast<std::uint64_t>(countBits(brick.changedCells));
@@ -261,33 +510,32 @@ bool ActiveSurface<Live>::patchCells(Brick& brick, const Neighbourhood& around, 
     const CellWriter writer(around);
     for (int i = 0; i < count; ++i) {
         const LocalPoint cell = cells[i];
-        const CellCase& cellCase = table[brick.cellCase[cell]];
-        const int t = cellCase.triangleCount;
+        const int bucket = kBucketOf[states[brick.cellState[cell]].triangleCount];
         if (brick.cellRun[cell] == kNoSlot) {
-            if (brick.bucketRuns[t] == brick.bucketCapacity(t))
+            if (brick.bucketRuns[static_cast<std::size_t>(bucket)] == brick.bucketCapacity(bucket))
                 return false;
-            brick.cellRun[cell] = brick.bucketRuns[t]++;
+            brick.cellRun[cell] = brick.bucketRuns[static_cast<std::size_t>(bucket)]++;
         }
-        const std::uint32_t begin = runBegin(brick, cell, t);
+        const std::uint32_t begin = runInBucket(brick, bucket, brick.cellRun[cell]);
         runOwners_[begin] = cell;
-        writer.write(cell, brick.cellCase[cell], cellCase, indices_.data() + 3 * std::size_t{begin});
+        writer.write(cell, brick.cellState[cell], indices_.data() + 3 * std::size_t{begin});
     }
     return true;
 }
 
 template <class Live>
 void ActiveSurface<Live>::layOutBrick(Brick& brick, const Neighbourhood& around) {
-    const auto& table = caseTable();
-    std::array<std::uint32_t, kMaxCellTriangles + 1> runs{};
-    forEachBit(brick.activeCells, [&](LocalPoint cell) { ++runs[table[brick.cellCase[cell]].triangleCount]; });
+    const auto states = cell::cellStates();
+    std::array<std::uint32_t, kBuckets> runs{};
+    forEachBit(brick.activeCells, [&](LocalPoint cell) { ++runs[kBucketOf[states[brick.cellState[cell]].triangleCount]]; });
     std::uint32_t total = 0;
     bool isEmpty = true;
-    for (int t = 1; t <= kMaxCellTriangles; ++t) {
-        brick.bucketBegin[t] = static_cast<std::uint16_t>(total);
-        total += static_cast<std::uint32_t>(t) * (runs[t] + runs[t] / 5 + 3);
-        isEmpty = isEmpty && runs[t] == 0;
+    for (std::size_t b = 0; b < kBuckets; ++b) {
+        brick.bucketBegin[b] = static_cast<std::uint16_t>(total);
+        total += kRunLengths[b] * runsWithRoom(b, runs[b]);
+        isEmpty = isEmpty && runs[b] == 0;
     }
-    brick.bucketBegin[kMaxCellTriangles + 1] = static_cast<std::uint16_t>(total);
+    brick.bucketBegin[kBuckets] = static_cast<std::uint16_t>(total);
     brick.bucketRuns.fill(0);
 
     const std::uint32_t capacity = isEmpty ? 0 : triangleRuns_.roundUp(total);
@@ -305,27 +553,34 @@ void ActiveSurface<Live>::layOutBrick(Brick& brick, const Neighbourhood& around)
     }
     const CellWriter writer(around);
     forEachBit(brick.activeCells, [&](LocalPoint cell) {
-        const CellCase& cellCase = table[brick.cellCase[cell]];
-        brick.cellRun[cell] = brick.bucketRuns[cellCase.triangleCount]++;
-        const std::uint32_t begin = runBegin(brick, cell, cellCase.triangleCount);
+        const std::size_t bucket = kBucketOf[states[brick.cellState[cell]].triangleCount];
+        brick.cellRun[cell] = brick.bucketRuns[bucket]++;
+        const std::uint32_t begin = runInBucket(brick, static_cast<int>(bucket), brick.cellRun[cell]);
         runOwners_[begin] = cell;
-        writer.write(cell, brick.cellCase[cell], cellCase, indices_.data() + 3 * std::size_t{begin});
+        writer.write(cell, brick.cellState[cell], indices_.data() + 3 * std::size_t{begin});
     });
     // What the runs leave free draws as nothing.
     std::uint32_t* indices = indices_.data() + 3 * std::size_t{brick.triangleBegin};
-    for (int t = 1; t <= kMaxCellTriangles; ++t) {
-        const std::uint32_t used = brick.bucketBegin[t] + static_cast<std::uint32_t>(t) * brick.bucketRuns[t];
-        const std::uint32_t end = t == kMaxCellTriangles ? brick.triangleCapacity : brick.bucketBegin[t + 1];
-        std::fill(indices + 3 * used, indices + 3 * std::size_t{end}, 0u);
+    for (std::size_t b = 0; b < kBuckets; ++b) {
+        const std::uint32_t used = brick.bucketBegin[b] + std::uint32_t{kRunLengths[b]} * brick.bucketRuns[b];
+        const std::uint32_t end = b + 1 == kBuckets ? brick.triangleCapacity : brick.bucketBegin[b + 1];
+        std::fill(indices + 3 * std::size_t{used}, indices + 3 * std::size_t{end}, 0u);
     }
 }
 
-#define ISO_INSTANTIATE(Live)                                                                       \
-    template void ActiveSurface<Live>::retriangulate(Brick&, Scratch&);                             \
-    template bool ActiveSurface<Live>::isLowerEndBelow(const Brick&, LocalEdge) const;              \
-    template bool ActiveSurface<Live>::findCases(Brick&, const Neighbourhood&, Scratch&);           \
-    template bool ActiveSurface<Live>::patchCells(Brick&, const Neighbourhood&, Scratch&);          \
-    template void ActiveSurface<Live>::layOutBrick(Brick&, const Neighbourhood&);                   \
+#define ISO_INSTANTIATE(Live)                                                                                                  \
+    template typename ActiveSurface<Live>::Neighbourhood ActiveSurface<Live>::neighbourhood(const Brick&) const;               \
+    template void ActiveSurface<Live>::retriangulate(Brick&, double, Scratch&);                                                \
+    template bool ActiveSurface<Live>::isLowerEndBelow(const Brick&, LocalEdge) const;                                         \
+    template int ActiveSurface<Live>::solveSigns(const Neighbourhood&, LocalPoint) const;                                      \
+    template bool ActiveSurface<Live>::findSigns(Brick&, const Neighbourhood&, Scratch&) const;                                \
+    template bool ActiveSurface<Live>::findStates(Brick&, const Neighbourhood&, double, Scratch&);                             \
+    template bool ActiveSurface<Live>::resolveAmbiguous(Brick&, const Neighbourhood&, double, Scratch&);                       \
+    template cell::CornerScalars ActiveSurface<Live>::scalarsOf(const Neighbourhood&, LocalPoint, std::uint8_t) const;         \
+    template void ActiveSurface<Live>::assignInnerVertices(Brick&, Scratch&);                                                  \
+    template void ActiveSurface<Live>::releaseInnerRun(SlowCells&);                                                            \
+    template bool ActiveSurface<Live>::patchCells(Brick&, const Neighbourhood&, Scratch&);                                     \
+    template void ActiveSurface<Live>::layOutBrick(Brick&, const Neighbourhood&);                                              \
     template void ActiveSurface<Live>::removeRun(Brick&, LocalPoint, int);
 ISO_INSTANTIATE(float)
 ISO_INSTANTIATE(double)

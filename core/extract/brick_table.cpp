@@ -51,12 +51,13 @@ void BrickTable::reset(Brick& brick, BrickIndex index) const {
     brick.touched = {};
     brick.activeCells = {};
     brick.changedCells = {};
+    brick.slow = nullptr;
     brick.hasMissing = false;
     brick.isListedDirty.store(false, std::memory_order_relaxed);
     brick.firstActivated = brick.firstDeactivated = kNoRun;
     brick.activatedCount = brick.deactivatedCount = 0;
     brick.slot.fill(kNoSlot);
-    brick.cellCase.fill(0);
+    brick.cellState.fill(0);
 
     // Cells start at every point but the last along each axis.
     std::array<int, 3> cells;

@@ -30,14 +30,14 @@ BrickBits impossibleCells(const EdgeBitsAround& active);
 /// Cells whose corners differ.
 BrickBits mixedCells(const CornerWords& corners);
 
-/// Case index of one cell. `inverted`: the brick's first grid point is above.
-inline std::uint8_t caseOfCell(const CornerWords& corners, LocalPoint cell, bool inverted) {
+/// Signs of one cell's corners. `inverted`: the brick's first grid point is above.
+inline std::uint8_t signsOfCell(const CornerWords& corners, LocalPoint cell, bool inverted) {
     const auto& words = corners[cell >> 6];
     const int s = cell & 63;
-    unsigned caseIndex = 0;
+    unsigned signs = 0;
     for (unsigned c = 0; c < 8; ++c)
-        caseIndex |= static_cast<unsigned>(words[c] >> s & 1) << c;
-    return static_cast<std::uint8_t>(inverted ? ~caseIndex : caseIndex);
+        signs |= static_cast<unsigned>(words[c] >> s & 1) << c;
+    return static_cast<std::uint8_t>(inverted ? ~signs : signs);
 }
 
 } // namespace isoslider::extract

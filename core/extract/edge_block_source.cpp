@@ -32,7 +32,7 @@ struct EdgeBlockSource<Sample>::Counts {
 template <class Sample>
 EdgeBlockSource<Sample>::EdgeBlockSource(const index::IndexReader& reader, std::uint64_t cacheBytes)
     : reader_(reader), skipList_(reader.meta().levels), cache_(reader, cacheBytes),
-      lazyLevels_(cacheBytes / 4) {}
+      lazyLevels_(cacheBytes / 4), hiddenCorners_(reader) {}
 
 template <class Sample>
 KeyThreshold EdgeBlockSource<Sample>::highest() const {

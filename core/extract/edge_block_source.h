@@ -3,6 +3,8 @@
 #include <memory>
 
 #include "core/extract/change_source.h"
+#include "core/extract/hidden_scalars.h"
+#include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
 #include "core/index/lazy_levels.h"
 #include "core/index/page_cache.h"
@@ -17,7 +19,8 @@ namespace isoslider::extract {
 /// carries the far end's scalar: so net changes need no bookkeeping between blocks, levels or threads.
 template <class Sample>
 class EdgeBlockSource final
-    : public ChangeSource<std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>> {
+    : public ChangeSource<std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>>,
+      public HiddenScalars {
 public:
     using Key = KeyOf<Sample>;
     using Live = std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>;
@@ -30,6 +33,9 @@ public:
     KeyThreshold threshold(double isovalue) const override { return thresholdOf<Sample>(isovalue); }
     KeyThreshold lowest() const override { return 0; }
     KeyThreshold highest() const override;
+    Result<std::optional<double>> hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) override {
+        return hiddenCorners_.find(brick, cell, corner);
+    }
 
 private:
     struct Counts;
@@ -43,6 +49,7 @@ private:
     index::SkipList skipList_;
     index::PageCache<Key> cache_;
     index::LazyLevels<Key> lazyLevels_;
+    index::HiddenCorners hiddenCorners_;
 };
 
 } // namespace isoslider::extract

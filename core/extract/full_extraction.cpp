@@ -1,13 +1,15 @@
 #include "core/extract/full_extraction.h"
 
 #include <algorithm>
-#include <atomic>
+#include <bit>
 #include <limits>
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include "core/extract/case_table.h"
+#include "core/cell/cell_states.h"
 #include "core/extract/edge_interpolation.h"
+#include "core/extract/inner_vertices.h"
 #include "core/grid/classification.h"
 #include "core/grid/gradient.h"
 
@@ -16,7 +18,8 @@ namespace {
 
 // Two passes over z planes. The first counts each plane's vertices and triangles; prefix sums give
 // every plane its place in the output. The second fills it. Each task takes a run of planes and
-// carries the previous plane's signs and vertex numbers along, so a sample is read about twice.
+// carries the previous plane's signs and vertex numbers along, so a sample is read about twice. Inner
+// vertices come after all others; they are placed last, from the vertices round them.
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
@@ -43,20 +46,25 @@ public:
         findMissingPlanes();
         vertexBegin_.assign(static_cast<std::size_t>(nz_) + 1, 0);
         triangleBegin_.assign(static_cast<std::size_t>(nz_) + 1, 0);
+        innerBegin_.assign(static_cast<std::size_t>(nz_) + 1, 0);
         forPlanes([this](std::int64_t z0, std::int64_t z1) { countPlanes(z0, z1); });
         if (job_.isStopRequested())
             return cancelledError();
         const std::uint64_t vertices = prefixSum(vertexBegin_);
         const std::uint64_t triangles = prefixSum(triangleBegin_);
-        if (vertices >= kNoVertex)
+        const std::uint64_t inner = prefixSum(innerBegin_);
+        if (vertices + inner >= kNoVertex)
             return makeError(ErrorCode::OutOfSpace, "the surface has more than 2^32 vertices");
-        mesh.positions.resize(vertices);
-        mesh.normals.resize(vertices);
+        for (std::uint64_t& begin : innerBegin_)
+            begin += vertices;
+        mesh.positions.resize(vertices + inner);
+        mesh.normals.resize(vertices + inner);
         mesh.edgeIds.resize(vertices);
         mesh.triangles.resize(3 * triangles);
         forPlanes([this, &mesh](std::int64_t z0, std::int64_t z1) { fillPlanes(z0, z1, mesh); });
         if (job_.isStopRequested())
             return cancelledError();
+        placeInnerVertices(mesh);
         return {};
     }
 
@@ -65,6 +73,14 @@ private:
     struct Plane {
         std::vector<std::uint8_t> flags;
         std::vector<std::uint32_t> edgeVertex[3];
+    };
+
+    // A cell with inner vertices, until all edges have their vertices.
+    struct InnerCell {
+        std::array<std::int64_t, 3> origin;
+        cell::StateId state;
+        std::uint32_t firstInner;
+        std::array<std::uint32_t, 12> edgeVertices;
     };
 
     template <class Function>
@@ -178,29 +194,43 @@ private:
             forActiveEdges(z, lower, upper, [&](std::int64_t, std::int64_t, int) { ++vertices; });
             vertexBegin_[static_cast<std::size_t>(z)] = vertices;
             if (upper)
-                triangleBegin_[static_cast<std::size_t>(z)] = countTriangles(lower, *upper);
+                countCells(z, lower, *upper);
         }
     }
 
-    std::uint64_t countTriangles(const Plane& lower, const Plane& upper) const {
-        std::uint64_t triangles = 0;
-        forActiveCells(lower, upper, [&](std::size_t, const CellCase& cell) { triangles += cell.triangleCount; });
-        return triangles;
+    void countCells(std::int64_t z, const Plane& lower, const Plane& upper) {
+        std::uint64_t triangles = 0, inner = 0;
+        forActiveCells(z, lower, upper, [&](std::int64_t, std::int64_t, cell::StateId state) {
+            triangles += states_[state].triangleCount;
+            inner += states_[state].innerVertices;
+        });
+        triangleBegin_[static_cast<std::size_t>(z)] = triangles;
+        innerBegin_[static_cast<std::size_t>(z)] = inner;
     }
 
+    cell::CornerScalars scalarsOf(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        cell::CornerScalars scalars;
+        for (std::size_t c = 0; c < 8; ++c) {
+            const auto corner = static_cast<std::int64_t>(c);
+            scalars[c] = static_cast<double>(view_.samples[view_.offset(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2))]);
+        }
+        return scalars;
+    }
+
+    // Calls visit(x, y, state) for the active cells between plane z and the next.
     template <class Visit>
-    void forActiveCells(const Plane& lower, const Plane& upper, const Visit& visit) const {
-        const auto& table = caseTable();
+    void forActiveCells(std::int64_t z, const Plane& lower, const Plane& upper, const Visit& visit) const {
         for (std::int64_t y = 0; y + 1 < ny_; ++y)
             for (std::int64_t x = 0; x + 1 < nx_; ++x) {
-                const std::size_t i = static_cast<std::size_t>(x + nx_ * y);
-                const int signs = cornerFlags(lower, upper, i);
-                if (signs > 0 && signs < 255)
-                    visit(i, table[static_cast<std::size_t>(signs)]);
+                const int flags = cornerFlags(lower, upper, static_cast<std::size_t>(x + nx_ * y));
+                if (flags <= 0 || flags >= 255)
+                    continue;
+                const auto signs = static_cast<std::uint8_t>(flags);
+                visit(x, y, cell::isAmbiguous(signs) ? cell::resolveCell(signs, scalarsOf(x, y, z), true, isovalue_).state : cell::StateId{signs});
             }
     }
 
-    void fillPlanes(std::int64_t z0, std::int64_t z1, SurfaceMesh& mesh) const {
+    void fillPlanes(std::int64_t z0, std::int64_t z1, SurfaceMesh& mesh) {
         Plane planes[3];
         const auto prepare = [&](std::int64_t z) {
             Plane& plane = planes[z % 3];
@@ -229,21 +259,46 @@ private:
             prepare(z + 1);
             number(z + 1, z + 1 < z1);
             std::uint32_t* out = mesh.triangles.data() + 3 * triangleBegin_[static_cast<std::size_t>(z)];
-            writeTriangles(planes[z % 3], planes[(z + 1) % 3], out);
+            writeTriangles(z, planes[z % 3], planes[(z + 1) % 3], out);
         }
     }
 
-    void writeTriangles(const Plane& lower, const Plane& upper, std::uint32_t* out) const {
+    void writeTriangles(std::int64_t z, const Plane& lower, const Plane& upper, std::uint32_t* out) {
         const std::size_t row = static_cast<std::size_t>(nx_);
-        forActiveCells(lower, upper, [&](std::size_t i, const CellCase& cell) {
-            const std::uint32_t vertices[12] = {
+        auto nextInner = static_cast<std::uint32_t>(innerBegin_[static_cast<std::size_t>(z)]);
+        std::vector<InnerCell>& innerCells = innerCells_.local();
+        forActiveCells(z, lower, upper, [&](std::int64_t x, std::int64_t y, cell::StateId stateId) {
+            const cell::CellState& state = states_[stateId];
+            const std::size_t i = static_cast<std::size_t>(x + nx_ * y);
+            const std::array<std::uint32_t, 12> vertices = {
                 lower.edgeVertex[0][i], lower.edgeVertex[0][i + row], upper.edgeVertex[0][i],
                 upper.edgeVertex[0][i + row], lower.edgeVertex[1][i], lower.edgeVertex[1][i + 1],
                 upper.edgeVertex[1][i], upper.edgeVertex[1][i + 1], lower.edgeVertex[2][i],
                 lower.edgeVertex[2][i + 1], lower.edgeVertex[2][i + row], lower.edgeVertex[2][i + row + 1]};
-            for (int k = 0; k < 3 * cell.triangleCount; ++k)
-                *out++ = vertices[cell.edges[static_cast<std::size_t>(k)]];
+            for (const std::uint8_t vertex : state.triangles)
+                *out++ = vertex < cell::kInnerVertex ? vertices[vertex] : nextInner + vertex - cell::kInnerVertex;
+            if (state.innerVertices > 0) {
+                innerCells.push_back({{x, y, z}, stateId, nextInner, vertices});
+                nextInner += state.innerVertices;
+            }
         });
+    }
+
+    void placeInnerVertices(SurfaceMesh& mesh) {
+        for (const std::vector<InnerCell>& cells : innerCells_)
+            tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+                const InnerCell& inner = cells[i];
+                InnerVertexCell placed;
+                placed.state = &states_[inner.state];
+                placed.origin = inner.origin;
+                for (unsigned mask = cell::activeEdges(placed.state->signs); mask != 0; mask &= mask - 1) {
+                    const auto e = static_cast<std::size_t>(std::countr_zero(mask));
+                    placed.edgePositions[e] = mesh.positions[inner.edgeVertices[e]];
+                    placed.edgeNormals[e] = mesh.normals[inner.edgeVertices[e]];
+                }
+                placed.scalars = scalarsOf(inner.origin[0], inner.origin[1], inner.origin[2]);
+                extract::placeInnerVertices(placed, isovalue_, inverseSpacing_, &mesh.positions[inner.firstInner], &mesh.normals[inner.firstInner]);
+            });
     }
 
     void writeVertex(std::int64_t x, std::int64_t y, std::int64_t z, int axis, std::uint64_t index,
@@ -288,6 +343,9 @@ private:
     std::vector<std::uint8_t> planeHasMissing_;
     std::vector<std::uint64_t> vertexBegin_;
     std::vector<std::uint64_t> triangleBegin_;
+    std::vector<std::uint64_t> innerBegin_;
+    std::span<const cell::CellState> states_ = cell::cellStates();
+    tbb::enumerable_thread_specific<std::vector<InnerCell>> innerCells_;
 };
 
 } // namespace

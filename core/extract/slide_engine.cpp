@@ -23,7 +23,7 @@ class Engine final : public SlideEngine {
 public:
     Engine(std::unique_ptr<index::IndexReader> reader, const SlideOptions& options)
         : reader_(std::move(reader)), source_(*reader_, options.cacheBytes),
-          surface_(reader_->info().geometry, reader_->meta().missingCells), changes_(reader_->grid().brickCount()),
+          surface_(reader_->info().geometry, reader_->meta().missingCells, source_), changes_(reader_->grid().brickCount()),
           position_(source_.lowest()) {}
 
     const index::IndexInfo& info() const override { return reader_->info(); }
@@ -34,7 +34,7 @@ public:
         SlideStats stats;
         stats.isovalue = isovalue;
         const auto start = std::chrono::steady_clock::now();
-        const Status moved = move(source_.threshold(isovalue), stats, stop);
+        const Status moved = move(isovalue, stats, stop);
         if (!moved.isOk()) {
             dropSurface();
             return moved.error();
@@ -63,7 +63,8 @@ public:
 private:
     // From where to start: here, or from the empty surface below or above all values, whichever has
     // fewer edge entries on the way. An emptied surface costs nothing to remove.
-    Status move(KeyThreshold target, SlideStats& stats, std::stop_token stop) {
+    Status move(double isovalue, SlideStats& stats, std::stop_token stop) {
+        const KeyThreshold target = source_.threshold(isovalue);
         std::uint64_t best = source_.estimate(position_, target);
         KeyThreshold start = position_;
         bool restarts = false;
@@ -85,7 +86,7 @@ private:
             changes_.trim();
         changes_.clear();
         ISO_TRY(source_.collect(start, target, changes_, stats, stop));
-        ISO_TRY(surface_.apply(changes_, stats));
+        ISO_TRY(surface_.apply(changes_, isovalue, stats));
         lastTouched_ = stats.edgesTouched;
         position_ = target;
         return {};

@@ -24,6 +24,8 @@ struct SlideStats {
     std::uint64_t edgesRemoved = 0;
     std::uint64_t edgesTouched = 0; ///< edge entries looked at, redundant ones included
     std::uint64_t cellsRetriangulated = 0;
+    std::uint64_t cellsResolved = 0;  ///< ambiguous cells decided anew, by their corner scalars
+    std::uint64_t ambiguousCells = 0; ///< active cells whose signs do not tell their surface
     std::uint64_t activeEdges = 0;
     std::uint64_t triangles = 0;
     std::uint64_t bytesRead = 0; ///< bytes read from the index file (page cache misses only)

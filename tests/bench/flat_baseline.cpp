@@ -8,12 +8,11 @@
 #include <glm/geometric.hpp>
 
 #include "core/base/check.h"
-#include "core/extract/case_table.h"
+#include "core/cell/cell_states.h"
 
 namespace isoslider::bench {
 
-using extract::caseTable;
-using extract::kCellEdges;
+using cell::kCellEdges;
 
 namespace {
 
@@ -214,15 +213,16 @@ void FlatBaseline<Live>::retriangulate(CellId id) {
         return *edgeTable_.find(4 * corner + cellEdge.axis);
     };
     // The mask leaves two cases, complements of each other; one active edge tells which.
-    std::size_t caseIndex = extract::caseFromEdgeMask()[cell.edgeMask];
+    std::size_t signs = cell::signsFromActiveEdges()[cell.edgeMask];
     const int first = std::countr_zero(cell.edgeMask);
-    const bool isCornerAbove = caseIndex >> kCellEdges[static_cast<std::size_t>(first)].lowerCorner & 1;
+    const bool isCornerAbove = signs >> kCellEdges[static_cast<std::size_t>(first)].lowerCorner & 1;
     if (isCornerAbove == isLowerEndBelow(edges_[vertexOf(first)]))
-        caseIndex = 255 - caseIndex;
+        signs = 255 - signs;
 
-    const extract::CellCase& cellCase = caseTable()[caseIndex];
-    Bucket& bucket = buckets_[cellCase.triangleCount];
-    cell.list = cellCase.triangleCount;
+    // The paper's one triangulation per sign pattern: above corners of ambiguous faces stay parted.
+    const cell::CellState& state = cell::cellStates()[cell::stateOf(static_cast<std::uint8_t>(signs), 0)];
+    Bucket& bucket = buckets_[state.triangleCount];
+    cell.list = state.triangleCount;
     cell.start = static_cast<std::uint32_t>(bucket.owners.size());
     const std::size_t runLength = std::size_t{3} * cell.list;
     if (bucket.holes.empty()) {
@@ -237,7 +237,7 @@ void FlatBaseline<Live>::retriangulate(CellId id) {
     for (unsigned mask = cell.edgeMask; mask != 0; mask &= mask - 1)
         vertices[static_cast<std::size_t>(std::countr_zero(mask))] = vertexOf(std::countr_zero(mask));
     for (std::size_t i = 0; i < runLength; ++i)
-        bucket.indices[runLength * cell.start + i] = vertices[cellCase.edges[i]];
+        bucket.indices[runLength * cell.start + i] = vertices[state.triangles[i]];
 }
 
 template <class Live>

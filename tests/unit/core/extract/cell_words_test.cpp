@@ -5,10 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include "core/extract/case_table.h"
+#include "core/cell/cell_numbering.h"
 
 namespace isoslider::extract {
 namespace {
+
+using cell::CellEdge;
+using cell::kCellEdges;
 
 // Edge bits of a brick and of the seven above it, addressed by coordinates 0..15.
 class Around {
@@ -89,8 +92,8 @@ TEST(CellWords, RecoversCornersAndCasesFromActiveEdges) {
                     for (unsigned c = 0; c < 8; ++c)
                         expected |= static_cast<unsigned>(above[z + (c >> 2)][y + (c >> 1 & 1)][x + (c & 1)]) << c;
                     const auto cell = static_cast<LocalPoint>(x + 8 * y + 64 * z);
-                    ASSERT_EQ(caseOfCell(corners, cell, above[0][0][0]), expected) << "round " << round << ", cell " << x << " " << y << " " << z;
-                    ASSERT_EQ(caseOfCell(corners, cell, !above[0][0][0]), 255 - expected);
+                    ASSERT_EQ(signsOfCell(corners, cell, above[0][0][0]), expected) << "round " << round << ", cell " << x << " " << y << " " << z;
+                    ASSERT_EQ(signsOfCell(corners, cell, !above[0][0][0]), 255 - expected);
                     ASSERT_EQ(hasBit(mixed, x, y, z), expected != 0 && expected != 255);
                 }
     }

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
-#include "core/extract/case_table.h"
+#include "core/cell/cell_states.h"
 #include "core/grid/classification.h"
 #include "core/mesh/mesh_checks.h"
 #include "tests/property/random_volumes.h"
@@ -137,30 +137,37 @@ TEST(FullExtraction, OpensOnlyAtTheBox) {
     }
 }
 
-// A second extraction, written for this test: cell by cell, corner by corner, by edge ids.
+// A second extraction, written for this test: cell by cell, corner by corner. Vertices by name: the edge id,
+// or for the inner vertices of cells the order in which they come.
+constexpr EdgeId kFirstInner = EdgeId{1} << 60;
+
 std::vector<std::array<EdgeId, 3>> slowTriangles(const ScalarGrid& grid, double isovalue) {
     const GridDims& n = grid.dims();
     std::vector<std::array<EdgeId, 3>> triangles;
+    EdgeId nextInner = kFirstInner;
     for (std::int64_t z = 0; z + 1 < n[2]; ++z)
         for (std::int64_t y = 0; y + 1 < n[1]; ++y)
             for (std::int64_t x = 0; x + 1 < n[0]; ++x) {
-                unsigned signs = 0;
+                cell::CornerScalars scalars;
                 bool isWhole = true;
                 for (unsigned c = 0; c < 8; ++c) {
-                    const double value = grid.valueAt(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
-                    isWhole = isWhole && std::isfinite(value);
-                    signs |= static_cast<unsigned>(value >= isovalue) << c;
+                    scalars[c] = grid.valueAt(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
+                    isWhole = isWhole && std::isfinite(scalars[c]);
                 }
-                const CellCase& cell = caseTable()[signs];
-                for (std::size_t t = 0; isWhole && t < cell.triangleCount; ++t) {
-                    std::array<EdgeId, 3> triangle;
-                    for (std::size_t k = 0; k < 3; ++k) {
-                        const CellEdge& edge = kCellEdges[cell.edges[3 * t + k]];
-                        const std::int64_t px = x + (edge.lowerCorner & 1), py = y + (edge.lowerCorner >> 1 & 1), pz = z + (edge.lowerCorner >> 2);
-                        triangle[k] = static_cast<EdgeId>(4 * (px + n[0] * (py + n[1] * pz)) + edge.axis);
-                    }
-                    triangles.push_back(triangle);
-                }
+                if (!isWhole)
+                    continue;
+                const std::uint8_t signs = cell::signsOf(scalars, isovalue);
+                const cell::CellState& state = cell::cellStates()[cell::resolveCell(signs, scalars, true, isovalue).state];
+                const auto nameOf = [&](std::uint8_t vertex) {
+                    if (vertex >= cell::kInnerVertex)
+                        return nextInner + vertex - cell::kInnerVertex;
+                    const cell::CellEdge& edge = cell::kCellEdges[vertex];
+                    const std::int64_t px = x + (edge.lowerCorner & 1), py = y + (edge.lowerCorner >> 1 & 1), pz = z + (edge.lowerCorner >> 2);
+                    return static_cast<EdgeId>(4 * (px + n[0] * (py + n[1] * pz)) + edge.axis);
+                };
+                for (std::size_t k = 0; k < state.triangles.size(); k += 3)
+                    triangles.push_back({nameOf(state.triangles[k]), nameOf(state.triangles[k + 1]), nameOf(state.triangles[k + 2])});
+                nextInner += state.innerVertices;
             }
     return triangles;
 }
@@ -175,10 +182,13 @@ TEST(FullExtraction, GivesTheTrianglesOfEveryWholeCellAndNoOtherVertex) {
             SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description + " at " + std::to_string(isovalue));
             const SurfaceMesh surface = extracted(*volume.grid, isovalue);
             std::vector<std::array<EdgeId, 3>> triangles;
-            std::vector<bool> isUsed(surface.edgeIds.size(), false);
+            std::vector<bool> isUsed(surface.positions.size(), false);
+            const auto nameOf = [&](std::uint32_t vertex) {
+                return vertex < surface.edgeIds.size() ? surface.edgeIds[vertex] : kFirstInner + (vertex - surface.edgeIds.size());
+            };
             for (std::size_t i = 0; i < surface.triangles.size(); i += 3) {
                 const std::uint32_t* t = surface.triangles.data() + i;
-                triangles.push_back({surface.edgeIds[t[0]], surface.edgeIds[t[1]], surface.edgeIds[t[2]]});
+                triangles.push_back({nameOf(t[0]), nameOf(t[1]), nameOf(t[2])});
                 isUsed[t[0]] = isUsed[t[1]] = isUsed[t[2]] = true;
             }
             ASSERT_EQ(triangles, slowTriangles(*volume.grid, isovalue)) << "in grid order too";
@@ -194,7 +204,7 @@ TEST(FullExtraction, VerticesLieWhereTheLineCrossesTheIsovalue) {
     for (const double isovalue : {17.0, 80.25, 199.0}) {
         const SurfaceMesh surface = extracted(*grid, isovalue);
         ASSERT_FALSE(surface.positions.empty());
-        for (std::size_t i = 0; i < surface.positions.size(); ++i) {
+        for (std::size_t i = 0; i < surface.edgeIds.size(); ++i) {
             const int axis = static_cast<int>(surface.edgeIds[i] % 4);
             const auto point = static_cast<std::int64_t>(surface.edgeIds[i] / 4);
             std::int64_t p[3] = {point % 7, point / 7 % 8, point / 56};

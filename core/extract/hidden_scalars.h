@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+
+#include "core/base/result.h"
+#include "core/grid/brick_grid.h"
+
+namespace isoslider::extract {
+
+/// Scalars that sliding cannot take from active edges: those of corners on which a cell's tunnel depends
+/// though they lie on none (cell::hiddenCorner).
+class HiddenScalars {
+public:
+    virtual ~HiddenScalars() = default;
+
+    /// Scalar at `corner` of a cell; nothing when the cell has no tunnel at any isovalue. From any thread.
+    /// Errors: IoError, Corruption.
+    virtual Result<std::optional<double>> hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) = 0;
+};
+
+} // namespace isoslider::extract

@@ -1,0 +1,79 @@
+#include "core/extract/inner_vertices.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "core/grid/gradient.h"
+
+namespace isoslider::extract {
+namespace {
+
+// Least distance, in cells, of inner vertices from faces and from each other, so that they stay apart as
+// floats.
+double leastDistance(const std::array<std::int64_t, 3>& origin) {
+    const std::int64_t farthest = std::max({origin[0], origin[1], origin[2]}) + 1;
+    return std::max(1.0 / 2048, 4.0 * std::numeric_limits<float>::epsilon() * static_cast<double>(farthest));
+}
+
+glm::vec3 unitOr(const glm::vec3& direction, const glm::vec3& otherwise) {
+    const glm::vec3 unit = normalizedOrZero(direction);
+    return unit == glm::vec3(0.0f) ? otherwise : unit;
+}
+
+void placeWaist(const InnerVertexCell& c, double isovalue, const glm::vec3& inverseSpacing, double least, glm::vec3* positions,
+                glm::vec3* normals) {
+    const cell::TunnelWaist waist = cell::tunnelWaist(c.scalars, isovalue, least);
+    const glm::vec3 fallback = c.edgeNormals[static_cast<std::size_t>(std::countr_zero(cell::activeEdges(c.state->signs)))];
+    for (std::size_t k = 0; k < 6; ++k) {
+        const unsigned corner = c.state->ring[k];
+        const double x = waist.x[corner & 1], y = waist.y[corner >> 1 & 1], z = waist.z[corner >> 2];
+        positions[k] = {static_cast<float>(static_cast<double>(c.origin[0]) + x), static_cast<float>(static_cast<double>(c.origin[1]) + y),
+                        static_cast<float>(static_cast<double>(c.origin[2]) + z)};
+        const auto gradient = cell::gradientInCell(c.scalars, x, y, z);
+        const double length = std::max({std::abs(gradient[0]), std::abs(gradient[1]), std::abs(gradient[2])});
+        glm::vec3 direction(0.0f); // scaled, so that its square neither overflows nor vanishes
+        if (length > 0.0 && std::isfinite(length))
+            for (int a = 0; a < 3; ++a)
+                direction[a] = static_cast<float>(-gradient[static_cast<std::size_t>(a)] / length) * inverseSpacing[a];
+        normals[k] = unitOr(direction, fallback);
+    }
+}
+
+void placeCentre(const InnerVertexCell& c, const cell::CellCentre& centre, double least, glm::vec3& position, glm::vec3& normal) {
+    glm::vec3 positions(0.0f), normals(0.0f);
+    float count = 0.0f;
+    glm::vec3 first(0.0f);
+    for (unsigned edges = centre.loopEdges; edges != 0; edges &= edges - 1) {
+        const auto e = static_cast<std::size_t>(std::countr_zero(edges));
+        if (count == 0.0f)
+            first = c.edgeNormals[e];
+        positions += c.edgePositions[e] - glm::vec3(static_cast<float>(c.origin[0]), static_cast<float>(c.origin[1]), static_cast<float>(c.origin[2]));
+        normals += c.edgeNormals[e];
+        count += 1.0f;
+    }
+    for (int a = 0; a < 3; ++a) {
+        const double inCell = std::clamp(static_cast<double>(positions[a] / count), least, 1.0 - least);
+        position[a] = static_cast<float>(static_cast<double>(c.origin[static_cast<std::size_t>(a)]) + inCell);
+    }
+    normal = unitOr(normals, first);
+}
+
+} // namespace
+
+void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm::vec3& inverseSpacing, glm::vec3* positions,
+                        glm::vec3* normals) {
+    const double least = leastDistance(cell.origin);
+    std::size_t next = 0;
+    if (cell.state->tunnel != cell::Tunnel::None) {
+        placeWaist(cell, isovalue, inverseSpacing, least, positions, normals);
+        next = 6;
+    }
+    for (const cell::CellCentre& centre : cell.state->centres) {
+        placeCentre(cell, centre, least, positions[next], normals[next]);
+        ++next;
+    }
+}
+
+} // namespace isoslider::extract
