@@ -94,6 +94,7 @@ Status ActiveSurface<Live>::apply(const ChangeSet<Live>& changes, double isovalu
         ambiguousDifference += scratch.ambiguousDifference;
         stats.cellsRetriangulated += scratch.cells;
         stats.cellsResolved += scratch.resolved;
+        stats.resolveMs += std::chrono::duration<double, std::milli>(scratch.resolving).count();
         if (!scratch.isConsistent)
             return makeError(ErrorCode::Corruption, "index contradicts itself: active edges that no scalars have");
     }

@@ -2,6 +2,7 @@
 
 // Shared by the sources of ActiveSurface only.
 
+#include <chrono>
 #include <optional>
 
 #include "core/extract/active_surface.h"
@@ -65,6 +66,7 @@ struct ActiveSurface<Live>::Scratch {
     std::uint64_t removed = 0;
     std::uint64_t cells = 0;
     std::uint64_t resolved = 0;
+    std::chrono::nanoseconds resolving{};
     std::int64_t triangleDifference = 0;
     std::int64_t ambiguousDifference = 0;
     bool isConsistent = true;
@@ -73,6 +75,7 @@ struct ActiveSurface<Live>::Scratch {
     void beginMove() {
         dirty.clear();
         added = removed = cells = resolved = 0;
+        resolving = {};
         triangleDifference = ambiguousDifference = 0;
         isConsistent = true;
         error.reset();

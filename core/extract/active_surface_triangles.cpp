@@ -333,10 +333,12 @@ bool ActiveSurface<Live>::findStates(Brick& brick, const Neighbourhood& around, 
                 isPlain = isPlain && !ambiguousSigns()[scratch.newState[64 * z + std::countr_zero(word)]];
     if (isPlain)
         return true;
-    if (!resolveAmbiguous(brick, around, isovalue, scratch))
-        return false;
-    assignInnerVertices(brick, scratch);
-    return true;
+    const auto start = std::chrono::steady_clock::now();
+    const bool isResolved = resolveAmbiguous(brick, around, isovalue, scratch);
+    if (isResolved)
+        assignInnerVertices(brick, scratch);
+    scratch.resolving += std::chrono::steady_clock::now() - start;
+    return isResolved;
 }
 
 // Scalars at the corners that the cell's decision looks at; others are left at 0.

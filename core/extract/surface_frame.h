@@ -31,6 +31,7 @@ struct SlideStats {
     std::uint64_t bytesRead = 0; ///< bytes read from the index file (page cache misses only)
     double updateMs = 0.0;
     double interpolateMs = 0.0;
+    double resolveMs = 0.0; ///< of the update: deciding ambiguous cells, summed over the threads
     bool hasRebuilt = false; ///< the surface was built anew instead of patched
     std::vector<WalkStep> walk;
 };

@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
     Options options;
     CLI::App app("Times the paper's flat layout, one thread, beside the product");
     app.add_option("--volumes", options.volumes,
-                   "shellN, mlN, noiseN, bluntfin, PATH or PATH:nx:ny:nz:TYPE[:skip]")
+                   "shellN, mlN, noiseN, whiteN, bluntfin, PATH or PATH:nx:ny:nz:TYPE[:skip]")
         ->delimiter(',');
     app.add_option("--pct", options.percents, "step sizes, % of the range")->delimiter(',');
     app.add_option("--steps", options.steps, "steps per slide")->check(CLI::Range(1, 10000));

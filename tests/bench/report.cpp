@@ -164,9 +164,9 @@ void printVolume(const VolumeReport& report) {
 
 void printRowHeading() {
     fmt::print(
-        "\n{:<16} {:>6} {:>9} {:>9} {:>7} {:>8} {:>8} {:>7} {:>9} {:>9} {:>7} {:>10} {:>6} {:>4} {:>9}\n",
+        "\n{:<16} {:>6} {:>9} {:>9} {:>7} {:>8} {:>8} {:>7} {:>9} {:>9} {:>7} {:>10} {:>6} {:>4} {:>9} {:>8} {:>8} {:>6}\n",
         "volume", "step %", "ours ms", "peer ms", "ratio", "update", "interp", "ns/chg", "K", "changed",
-        "tch/chg", "bytes", "/copy", "new", "flat ms");
+        "tch/chg", "bytes", "/copy", "new", "flat ms", "ambig", "decided", "ns each");
 }
 
 void printRow(const SlideRow& row) {
@@ -174,14 +174,15 @@ void printRow(const SlideRow& row) {
         return exists ? fmt::format("{:.{}f}", value, digits) : std::string("-");
     };
     fmt::print(
-        "{:<16} {:>6g} {:>9.2f} {:>9} {:>7} {:>8.2f} {:>8.2f} {:>7} {:>9.0f} {:>9.0f} {:>7} {:>10.0f} {:>6.2f} {:>4} {:>9}{}\n",
+        "{:<16} {:>6g} {:>9.2f} {:>9} {:>7} {:>8.2f} {:>8.2f} {:>7} {:>9.0f} {:>9.0f} {:>7} {:>10.0f} {:>6.2f} {:>4} {:>9} {:>8.0f} {:>8.0f} {:>6}{}\n",
         shortName(row.volume), row.percent, row.product.median,
         orDash(row.peer.has_value(), row.peer ? row.peer->times.median : 0, 2),
         orDash(row.peer.has_value(), row.ratio(), 2), row.updateMs, row.interpolateMs,
         orDash(row.nsPerChange > 0, row.nsPerChange, 0), row.activeEdges, row.edgesChanged,
         orDash(row.edgesChanged > 0, row.edgesTouched / std::max(1.0, row.edgesChanged), 2), row.bytesRead,
         row.copyRatio(), row.rebuilds,
-        orDash(row.baseline.has_value(), row.baseline ? row.baseline->median : 0, 2),
+        orDash(row.baseline.has_value(), row.baseline ? row.baseline->median : 0, 2), row.ambiguousCells, row.cellsResolved,
+        orDash(row.cellsResolved > 0, 1e6 * row.resolveMs / std::max(1.0, row.cellsResolved), 0),
         row.disagreements > 0 ? fmt::format("  DISAGREES at {} steps", row.disagreements) : "");
     std::fflush(stdout);
 }

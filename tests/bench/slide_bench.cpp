@@ -105,7 +105,7 @@ Result<VolumeReport> runVolume(const std::string& spec, const Options& options, 
 
 void addOptions(CLI::App& app, Options& options) {
     app.add_option("--volumes", options.volumes,
-                   "shellN, mlN, noiseN, bluntfin, PATH or PATH:nx:ny:nz:TYPE[:skip]")
+                   "shellN, mlN, noiseN, whiteN, bluntfin, PATH or PATH:nx:ny:nz:TYPE[:skip]")
         ->delimiter(',');
     app.add_option("--pct", options.percents, "step sizes, % of the range")->delimiter(',');
     app.add_option("--steps", options.row.steps, "steps per slide")->check(CLI::Range(1, 10000));

@@ -124,7 +124,8 @@ public:
         row_.copyMs = spreadOf(copies_).median;
         row_.nsPerChange = spreadOf(nsPerChange_).median;
         for (double* sum :
-             {&row_.activeEdges, &row_.triangles, &row_.edgesChanged, &row_.edgesTouched, &row_.bytesRead})
+             {&row_.activeEdges, &row_.triangles, &row_.edgesChanged, &row_.edgesTouched, &row_.bytesRead,
+              &row_.ambiguousCells, &row_.cellsResolved, &row_.resolveMs})
             *sum /= options_.steps;
         if (row_.peer) {
             row_.peer->times = spreadOf(peers_);
@@ -150,6 +151,9 @@ private:
             nsPerChange_.push_back(1e6 * stats.updateMs / static_cast<double>(changed));
         row_.edgesTouched += static_cast<double>(stats.edgesTouched);
         row_.bytesRead += static_cast<double>(stats.bytesRead);
+        row_.ambiguousCells += static_cast<double>(stats.ambiguousCells);
+        row_.cellsResolved += static_cast<double>(stats.cellsResolved);
+        row_.resolveMs += stats.resolveMs;
     }
 
     void runPeer([[maybe_unused]] double isovalue, [[maybe_unused]] bool isFirst,

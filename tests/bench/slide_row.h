@@ -39,6 +39,9 @@ struct SlideRow {
     double edgesChanged = 0.0;
     double edgesTouched = 0.0;
     double bytesRead = 0.0;
+    double ambiguousCells = 0.0; ///< active cells whose signs do not tell their surface
+    double cellsResolved = 0.0;  ///< of them decided in the step, by their corner scalars
+    double resolveMs = 0.0;      ///< that, summed over the threads
 
     struct Peer {
         Spread times;

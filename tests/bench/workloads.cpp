@@ -7,6 +7,7 @@
 #include <cstring>
 #include <mutex>
 #include <numbers>
+#include <random>
 #include <optional>
 
 #include <tbb/parallel_for.h>
@@ -200,6 +201,8 @@ std::shared_ptr<const ScalarGrid> makeNamed(const std::string& spec) {
         return std::make_shared<const ScalarGrid>(makeMarschnerLobb(n));
     if (kind == "noise")
         return std::make_shared<const ScalarGrid>(makeNoise(n));
+    if (kind == "white")
+        return std::make_shared<const ScalarGrid>(makeWhiteNoise(n));
     return nullptr;
 }
 
@@ -244,6 +247,15 @@ ScalarGrid makeNoise(int size) {
             for (std::uint32_t octave = 0; octave < 4; ++octave, amplitude *= 0.5f)
                 addOctave(octave, amplitude, size, y, z, row);
         }
+    });
+}
+
+ScalarGrid makeWhiteNoise(int size) {
+    return makeCube<float>(size, ScalarType::F32, [=](int z, float* out) {
+        std::mt19937_64 random(static_cast<std::uint64_t>(z));
+        std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+        for (int i = 0; i < size * size; ++i)
+            *out++ = uniform(random);
     });
 }
 

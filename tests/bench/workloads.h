@@ -36,6 +36,8 @@ Result<BenchVolume> loadWorkload(const std::string& spec, const std::filesystem:
 ScalarGrid makeShell(int size);
 ScalarGrid makeMarschnerLobb(int size);
 ScalarGrid makeNoise(int size);
+/// Every sample on its own: half of the active cells are ambiguous, as in no real volume.
+ScalarGrid makeWhiteNoise(int size);
 
 /// Of 401 isovalues evenly spaced over the middle 40 % of [min, max], the first with the most active
 /// edges. Edges with a missing end do not count.
