@@ -1,5 +1,4 @@
 #include <string>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -46,20 +45,6 @@ std::string textOf(const mesh::MeshReport& report) {
     return text;
 }
 
-/// An open mesh is no fault: a surface ends where it meets the box.
-std::vector<std::string> faultsOf(const mesh::MeshReport& report) {
-    std::vector<std::string> faults;
-    if (!report.isManifold)
-        faults.emplace_back("not manifold");
-    if (!report.isOriented)
-        faults.emplace_back("not consistently oriented");
-    if (report.degenerateTriangles > 0)
-        faults.push_back(fmt::format("{} degenerate triangles", report.degenerateTriangles));
-    if (report.duplicateTriangles > 0)
-        faults.push_back(fmt::format("{} duplicate triangles", report.duplicateTriangles));
-    return faults;
-}
-
 class CheckCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
@@ -78,7 +63,7 @@ public:
             session.output.writeJson(jsonOf(report.value()));
         else
             session.output.write(textOf(report.value()));
-        const auto faults = faultsOf(report.value());
+        const auto faults = mesh::faultsOf(report.value());
         if (faults.empty())
             return {};
         const auto line = fmt::format("{}", fmt::join(faults, ", "));

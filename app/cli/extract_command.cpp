@@ -1,10 +1,14 @@
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/certified_output.h"
 #include "app/cli/command.h"
 #include "app/cli/input_kind.h"
 #include "app/cli/options.h"
@@ -12,69 +16,87 @@
 #include "app/cli/progress_bar.h"
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
-#include "core/mesh/mesh_checks.h"
+#include "core/mesh/certificate.h"
 #include "core/mesh/mesh_export.h"
 #include "core/volume_io/volume_reader.h"
 
 namespace isoslider::cli {
 namespace {
 
-Result<extract::SurfaceMesh> surfaceFromIndex(const std::string& path, double isovalue,
-                                              const JobControl& job) {
+/// A surface and the volume that it is of.
+struct Extracted {
+    extract::SurfaceMesh surface;
+    mesh::SurfaceSource source;
+};
+
+std::uint64_t missingSamples(const ScalarGrid& grid) {
+    return grid.visit([](auto values) -> std::uint64_t {
+        if constexpr (std::is_floating_point_v<typename decltype(values)::value_type>)
+            return static_cast<std::uint64_t>(
+                std::count_if(values.begin(), values.end(), [](auto value) { return !std::isfinite(value); }));
+        return 0;
+    });
+}
+
+Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, const JobControl& job) {
     auto engine = extract::SlideEngine::open(path);
     if (!engine.isOk())
         return std::move(engine).error();
     const auto move = engine.value()->slideTo(isovalue, job.stop);
     if (!move.isOk())
         return move.error();
-    return engine.value()->mesh();
+    return Extracted{engine.value()->mesh(), sourceOf(engine.value()->info(), path)};
 }
 
-Result<extract::SurfaceMesh> surfaceFromVolume(const std::string& path, const io::ReadOptions& options,
-                                               double isovalue, const JobControl& job) {
+Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptions& options, double isovalue,
+                                    const JobControl& job) {
     const auto grid = io::readVolume(path, options, job);
     if (!grid.isOk())
         return grid.error();
-    return extract::extractFull(*grid.value(), isovalue, job);
+    auto surface = extract::extractFull(*grid.value(), isovalue, job);
+    if (!surface.isOk())
+        return std::move(surface).error();
+    return Extracted{std::move(surface).value(), {sourceName(path), missingSamples(*grid.value())}};
 }
 
-/// What is told of a surface, besides the mesh itself.
-struct Account {
-    double isovalue = 0.0;
-    InputKind source = InputKind::Volume;
-    std::uint64_t activeEdges = 0;
-    mesh::MeshReport report;
-};
-
-Json jsonOf(const Account& account) {
-    const mesh::MeshReport& report = account.report;
+Json jsonOf(const mesh::Certificate& certificate, InputKind source) {
+    const mesh::MeshReport& report = certificate.report;
     Json json;
-    json["isovalue"] = account.isovalue;
-    json["source"] = account.source == InputKind::Index ? "index" : "volume";
+    json["isovalue"] = certificate.isovalue;
+    json["source"] = source == InputKind::Index ? "index" : "volume";
     json["vertices"] = report.vertices;
     json["triangles"] = report.triangles;
-    json["active_edges"] = account.activeEdges;
+    json["active_edges"] = certificate.activeEdges;
     json["components"] = report.components;
     json["euler"] = report.euler;
     json["boundary_loops"] = report.boundaryLoops;
     json["closed"] = report.isClosed;
     json["manifold"] = report.isManifold;
+    json["oriented"] = report.isOriented;
+    json["genus"] = report.genus;
     json["area"] = report.area;
-    json["volume"] = report.enclosedVolume;
+    json["volume"] = report.isClosed ? Json(report.enclosedVolume) : Json(nullptr);
+    json["degenerate_triangles"] = report.degenerateTriangles;
+    json["duplicate_triangles"] = report.duplicateTriangles;
+    for (std::size_t i = 0; i < certificate.openings.size(); ++i) {
+        Json& opening = json["open_at"][std::string(mesh::kOpenAtNames[i])];
+        opening["loops"] = certificate.openings[i].loops;
+        opening["edges"] = certificate.openings[i].edges;
+    }
+    json["nudged_vertices"] = certificate.nudge.vertices;
+    json["largest_nudge"] = certificate.nudge.largestCells;
+    json["largest_nudge_world"] = certificate.nudge.largestWorld;
+    json["inner_vertices"] = certificate.innerVertices;
+    json["valid"] = mesh::isValid(certificate);
     return json;
 }
 
-std::string textOf(const Account& account, const std::string& meshPath) {
-    const mesh::MeshReport& report = account.report;
-    std::string text = fmt::format("isovalue {}: {} triangles, {} vertices, {} active edges\n",
-                                   account.isovalue, report.triangles, report.vertices, account.activeEdges);
-    text += fmt::format("{} components, Euler number {}, {} boundary loops, {}, {}\n", report.components,
-                        report.euler, report.boundaryLoops, report.isClosed ? "closed" : "open",
-                        report.isManifold ? "manifold" : "not manifold");
-    text += fmt::format("area {}", report.area);
-    text += report.isClosed ? fmt::format(", enclosed volume {}\n", report.enclosedVolume) : "\n";
+std::string textOf(const mesh::Certificate& certificate, const std::string& meshPath) {
+    std::string text;
+    for (const auto& line : mesh::linesOf(certificate))
+        text += fmt::format("{:<22}{}\n", line.name, line.value);
     if (!meshPath.empty())
-        text += fmt::format("written to {}\n", meshPath);
+        text += fmt::format("{:<22}{}\n", "written to", meshPath);
     return text;
 }
 
@@ -99,25 +121,28 @@ public:
         if (!meshPath_.empty())
             ISO_CLI_TRY(checkMeshOutput(meshPath_, path_));
         ProgressBar bar(session.showsProgress, session.stop);
-        const auto surface = kind.value() == InputKind::Index
+        const auto extracted = kind.value() == InputKind::Index
                                  ? surfaceFromIndex(path_, *isovalue_, bar.job())
                                  : surfaceFromVolume(path_, volume_.readOptions(), *isovalue_, bar.job());
+        if (!extracted.isOk()) {
+            bar.wipe();
+            return extracted.error();
+        }
+        const extract::SurfaceMesh& surface = extracted.value().surface;
+        bar.job().report(1.0, "checking");
+        const auto certificate = mesh::certify(surface, extracted.value().source);
         bar.wipe();
-        if (!surface.isOk())
-            return surface.error();
-        const Account account{*isovalue_, kind.value(), surface.value().positions.size(),
-                              mesh::checkMesh(surface.value())};
         if (session.stop.stop_requested())
             return cancelledError();
         if (!meshPath_.empty()) {
-            if (const auto status = mesh::exportMesh(surface.value(), meshPath_); !status.isOk())
+            if (const auto status = mesh::exportMesh(surface, certificate, meshPath_); !status.isOk())
                 return status.error();
         }
         if (session.isJson)
-            session.output.writeJson(jsonOf(account));
+            session.output.writeJson(jsonOf(certificate, kind.value()));
         else
-            session.output.write(textOf(account, meshPath_));
-        return {};
+            session.output.write(textOf(certificate, meshPath_));
+        return faultOutcome(certificate, meshPath_.empty() ? path_ : meshPath_);
     }
 
 private:

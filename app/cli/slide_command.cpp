@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/certified_output.h"
 #include "app/cli/command.h"
 #include "app/cli/export_pattern.h"
 #include "app/cli/number_parsing.h"
@@ -103,7 +104,7 @@ public:
         ISO_CLI_TRY(slide(*engine.value(), session));
         if (session.isJson)
             writeJson(session.output, openTime.count());
-        return {};
+        return fault_;
     }
 
 private:
@@ -129,15 +130,24 @@ private:
             if (!stats.isOk())
                 return stats.error();
             if (pattern_) {
-                if (const auto status = mesh::exportMesh(engine.mesh(), pattern_->nameOf(step));
-                    !status.isOk())
-                    return status.error();
+                ISO_CLI_TRY(exportStep(engine, pattern_->nameOf(step)));
                 job.report(static_cast<double>(step + 1) / static_cast<double>(stepCount()), "exporting");
             }
             record(step, stats.value(), session);
             if (session.output.isClosed() && !pattern_)
                 return {};
         }
+        return {};
+    }
+
+    // The slide goes on after a surface with a fault; the first one is told at the end.
+    Outcome exportStep(const extract::SlideEngine& engine, const std::string& path) {
+        const extract::SurfaceMesh surface = engine.mesh();
+        const auto certificate = mesh::certify(surface, sourceOf(engine.info(), indexPath_));
+        if (const auto status = mesh::exportMesh(surface, certificate, path); !status.isOk())
+            return status.error();
+        if (fault_.isSuccess())
+            fault_ = faultOutcome(certificate, path);
         return {};
     }
 
@@ -165,6 +175,7 @@ private:
     std::vector<double> path_;
     std::optional<ExportPattern> pattern_;
     std::string stepsJson_;
+    Outcome fault_;
 };
 
 } // namespace

@@ -31,7 +31,12 @@ void measure(const TriangleSoup& soup, MeshReport& report) {
 } // namespace
 
 MeshReport checkSoup(const TriangleSoup& soup) {
-    const SoupTopology topology = analyseTopology(soup.triangles, soup.positions.size());
+    SoupTopology topology;
+    return checkSoup(soup, topology);
+}
+
+MeshReport checkSoup(const TriangleSoup& soup, SoupTopology& topology) {
+    topology = analyseTopology(soup.triangles, soup.positions.size());
     MeshReport report;
     FloatMesh mesh;
     report.refusedByOpenMesh = fillOpenMesh(soup, RefusedFaces::LeaveOut, mesh);
@@ -53,6 +58,19 @@ MeshReport checkSoup(const TriangleSoup& soup) {
     report.nonManifoldVertices = topology.verticesOfSeveralFans;
     measure(soup, report);
     return report;
+}
+
+std::vector<std::string> faultsOf(const MeshReport& report) {
+    std::vector<std::string> faults;
+    if (!report.isManifold)
+        faults.emplace_back("not manifold");
+    if (!report.isOriented)
+        faults.emplace_back("not consistently oriented");
+    if (report.degenerateTriangles > 0)
+        faults.push_back(std::to_string(report.degenerateTriangles) + " degenerate triangles");
+    if (report.duplicateTriangles > 0)
+        faults.push_back(std::to_string(report.duplicateTriangles) + " duplicate triangles");
+    return faults;
 }
 
 MeshReport checkMesh(const extract::SurfaceMesh& mesh) { return checkSoup(worldSoup(mesh)); }

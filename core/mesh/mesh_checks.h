@@ -2,9 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "core/extract/surface_mesh.h"
+#include "core/mesh/soup_topology.h"
 #include "core/mesh/triangle_soup.h"
 
 namespace isoslider::mesh {
@@ -39,6 +42,12 @@ struct MeshReport {
 /// Checks a surface in world space. O(n log n); some seconds for ten million triangles.
 MeshReport checkMesh(const extract::SurfaceMesh& mesh);
 MeshReport checkSoup(const TriangleSoup& soup);
+/// The same, and leaves the topology that it found in `topology`.
+MeshReport checkSoup(const TriangleSoup& soup, SoupTopology& topology);
+
+/// What makes a mesh unsound, each in a few words; empty for a sound one. Being open is no fault: a
+/// surface ends where it meets the box.
+std::vector<std::string> faultsOf(const MeshReport& report);
 
 /// Reads a mesh file (ply, obj, stl, off, om) and checks it. Polygons are cut into triangles.
 /// In STL, which stores every corner on its own, corners at exactly equal positions are one vertex.

@@ -58,14 +58,16 @@ private:
     Status status_;
 };
 
-// Far from the world's origin neighbouring vertices would round to one float.
-Precision neededPrecision(const TriangleSoup& soup, const extract::SurfaceMesh& mesh) {
+// Far from the world's origin neighbouring vertices would round to one float; those held off grid points
+// lie closest together. Half of their distance is the most that a float may be coarse.
+Precision neededPrecision(const TriangleSoup& soup, const Certificate& certificate) {
     double farthest = 0.0;
     for (const glm::dvec3& p : soup.positions)
         farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    const glm::dvec3& spacing = mesh.geometry.spacing;
+    const glm::dvec3& spacing = certificate.geometry.spacing;
     const double cell = std::min({std::abs(spacing.x), std::abs(spacing.y), std::abs(spacing.z)});
-    return farthest * std::numeric_limits<float>::epsilon() > cell * 1e-3 ? Precision::Double : Precision::Float;
+    const double apart = certificate.nudge.vertices > 0 ? kLeastDistance / 2 : 1e-3;
+    return farthest * std::numeric_limits<float>::epsilon() > cell * apart ? Precision::Double : Precision::Float;
 }
 
 template <class Mesh>
@@ -91,15 +93,16 @@ Status writeOm(const TriangleSoup& soup, AtomicFile& file) {
     return {};
 }
 
-Status writeSoup(const TriangleSoup& soup, Precision precision, const std::string& suffix, AtomicFile& file) {
+Status writeSoup(const TriangleSoup& soup, const Certificate& certificate, const std::string& suffix, AtomicFile& file) {
+    const Precision precision = neededPrecision(soup, certificate);
     if (suffix == ".ply")
-        return writePly(soup, precision, file);
+        return writePly(soup, precision, commentsOf(certificate), file);
     if (suffix == ".obj")
-        return writeObj(soup, precision, file);
+        return writeObj(soup, precision, commentsOf(certificate), file);
     if (suffix == ".off")
-        return writeOff(soup, precision, file);
+        return writeOff(soup, precision, commentsOf(certificate), file);
     if (suffix == ".stl")
-        return writeStl(soup, file);
+        return writeStl(soup, shortForm(certificate, kStlHeaderBytes), file);
     return precision == Precision::Double ? writeOm<DoubleMesh>(soup, file) : writeOm<FloatMesh>(soup, file);
 }
 
@@ -107,7 +110,7 @@ Status writeSoup(const TriangleSoup& soup, Precision precision, const std::strin
 
 bool isExportSuffix(const std::filesystem::path& path) { return !meshSuffix(path).empty(); }
 
-Status exportMesh(const extract::SurfaceMesh& mesh, const std::filesystem::path& path) {
+Status exportMesh(const extract::SurfaceMesh& mesh, const Certificate& certificate, const std::filesystem::path& path) {
     if (!isExportSuffix(path))
         return makeError(ErrorCode::InvalidArgument, "cannot be exported to: expected .ply .obj .stl .off or .om",
                          path);
@@ -120,7 +123,7 @@ Status exportMesh(const extract::SurfaceMesh& mesh, const std::filesystem::path&
     try {
         TriangleSoup soup = worldSoup(mesh);
         dropUnusedVertices(soup);
-        ISO_TRY(writeSoup(soup, neededPrecision(soup, mesh), meshSuffix(path), *file.value()));
+        ISO_TRY(writeSoup(soup, certificate, meshSuffix(path), *file.value()));
     } catch (const std::bad_alloc&) {
         return makeError(ErrorCode::OutOfSpace, "not enough memory to export the mesh", path);
     } catch (const std::exception& problem) {

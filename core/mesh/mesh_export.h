@@ -4,6 +4,7 @@
 
 #include "core/base/result.h"
 #include "core/extract/surface_mesh.h"
+#include "core/mesh/certificate.h"
 
 namespace isoslider::mesh {
 
@@ -12,9 +13,11 @@ bool isExportSuffix(const std::filesystem::path& path);
 
 /// Writes a surface in world space (spacing, origin, direction applied; triangles counter-clockwise
 /// seen from below the isovalue, also for left-handed grids), with normals where the format has
-/// them. Vertices that no triangle uses are left out. Published by rename: on failure there is no
-/// partial file and an earlier one is untouched.
+/// them. Vertices that no triangle uses are left out. The mesh's certificate goes along: as comments
+/// at the head of PLY and OBJ and at the end of OFF, in short as the header of STL; OM has no room for
+/// one. A mesh that is not valid is written all the same, and its certificate says so. Published by
+/// rename: on failure there is no partial file and an earlier one is untouched.
 /// Errors: InvalidArgument (unknown suffix), IoError, OutOfSpace.
-Status exportMesh(const extract::SurfaceMesh& mesh, const std::filesystem::path& path);
+Status exportMesh(const extract::SurfaceMesh& mesh, const Certificate& certificate, const std::filesystem::path& path);
 
 } // namespace isoslider::mesh

@@ -74,10 +74,12 @@ void putBinary(Output& out, const Vector& v, Precision precision) {
     }
 }
 
-std::string plyHeader(const TriangleSoup& soup, Precision precision) {
+std::string plyHeader(const TriangleSoup& soup, Precision precision, Comments comments) {
     const std::string type = precision == Precision::Float ? "float" : "double";
-    std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                         std::to_string(soup.positions.size()) + "\n";
+    std::string header = "ply\nformat binary_little_endian 1.0\n";
+    for (const std::string& comment : comments)
+        header += "comment " + comment + "\n";
+    header += "element vertex " + std::to_string(soup.positions.size()) + "\n";
     for (const char* name : {"x", "y", "z"})
         header += "property " + type + " " + name + "\n";
     if (!soup.normals.empty())
@@ -86,11 +88,19 @@ std::string plyHeader(const TriangleSoup& soup, Precision precision) {
            "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
+void putComments(Output& out, Comments comments) {
+    for (const std::string& comment : comments) {
+        out.text("# ");
+        out.text(comment);
+        out.text("\n");
+    }
+}
+
 } // namespace
 
-Status writePly(const TriangleSoup& soup, Precision precision, AtomicFile& file) {
+Status writePly(const TriangleSoup& soup, Precision precision, Comments comments, AtomicFile& file) {
     Output out(file);
-    out.text(plyHeader(soup, precision));
+    out.text(plyHeader(soup, precision, comments));
     for (std::size_t i = 0; i < soup.positions.size(); ++i) {
         putBinary(out, soup.positions[i], precision);
         if (!soup.normals.empty())
@@ -106,8 +116,9 @@ Status writePly(const TriangleSoup& soup, Precision precision, AtomicFile& file)
     return out.flush();
 }
 
-Status writeObj(const TriangleSoup& soup, Precision precision, AtomicFile& file) {
+Status writeObj(const TriangleSoup& soup, Precision precision, Comments comments, AtomicFile& file) {
     Output out(file);
+    putComments(out, comments);
     for (const glm::dvec3& position : soup.positions) {
         out.text("v ");
         putText(out, position, precision);
@@ -136,7 +147,7 @@ Status writeObj(const TriangleSoup& soup, Precision precision, AtomicFile& file)
     return out.flush();
 }
 
-Status writeOff(const TriangleSoup& soup, Precision precision, AtomicFile& file) {
+Status writeOff(const TriangleSoup& soup, Precision precision, Comments comments, AtomicFile& file) {
     Output out(file);
     out.text(soup.normals.empty() ? "OFF\n" : "NOFF\n");
     out.number(soup.positions.size());
@@ -161,13 +172,13 @@ Status writeOff(const TriangleSoup& soup, Precision precision, AtomicFile& file)
         out.text("\n");
         ISO_TRY(out.endRecord());
     }
+    putComments(out, comments); // last: OpenMesh, for one, knows no comments among the numbers
     return out.flush();
 }
 
-Status writeStl(const TriangleSoup& soup, AtomicFile& file) {
+Status writeStl(const TriangleSoup& soup, std::string header, AtomicFile& file) {
     Output out(file);
-    std::string header = "binary STL"; // must not begin with "solid", the mark of the text form
-    header.resize(80, ' ');
+    header.resize(kStlHeaderBytes, ' ');
     out.text(header);
     out.binary(static_cast<std::uint32_t>(soup.triangles.size()));
     for (const Triangle& t : soup.triangles) {

@@ -74,8 +74,9 @@ Result<TriangleSoup> readObj(std::string_view bytes, const std::filesystem::path
     Lines lines(bytes);
     std::string_view line;
     std::vector<std::int64_t> corners;
-    bool isObj = bytes.empty();
+    bool hasWords = false, isObj = false;
     while (lines.next(line)) {
+        hasWords = true;
         const std::string_view key = nextWord(line);
         glm::dvec3 position;
         if (key == "v") {
@@ -95,7 +96,7 @@ Result<TriangleSoup> readObj(std::string_view bytes, const std::filesystem::path
         }
         isObj = isObj || key == "v" || key == "vn" || key == "o" || key == "g" || key == "mtllib";
     }
-    if (!isObj)
+    if (hasWords && !isObj) // comments alone are a mesh without vertices
         return makeError(ErrorCode::InvalidArgument, "is not a readable obj mesh: it has no vertex", path);
     ISO_TRY(checkIndices(soup, path));
     return soup;

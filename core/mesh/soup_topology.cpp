@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <unordered_map>
 #include <vector>
 
 #include <tbb/parallel_sort.h>
@@ -160,6 +161,18 @@ private:
             const std::uint64_t a = loops.find(rank(fans[i])), b = loops.find(rank(fans[i + 1]));
             topology_.boundaryLoops -= a != b;
             loops.join(a, b);
+        }
+        nameLoops(loops, [&](std::size_t edge) { return rank(fans[2 * edge]); });
+    }
+
+    template <class FanRank>
+    void nameLoops(DisjointSets& loops, const FanRank& fanRankOf) {
+        std::unordered_map<std::uint64_t, std::uint32_t> nameOfRoot;
+        topology_.boundary.reserve(boundary_.size());
+        for (std::size_t i = 0; i < boundary_.size(); ++i) {
+            const auto next = static_cast<std::uint32_t>(nameOfRoot.size());
+            const std::uint32_t loop = nameOfRoot.try_emplace(loops.find(fanRankOf(i)), next).first->second;
+            topology_.boundary.push_back({vertexOf(boundary_[i]), vertexOf(Analysis::next(boundary_[i])), loop});
         }
     }
 

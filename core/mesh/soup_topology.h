@@ -2,10 +2,18 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/mesh/triangle_soup.h"
 
 namespace isoslider::mesh {
+
+/// An edge with exactly one triangle, in that triangle's direction.
+struct BoundaryEdge {
+    std::uint32_t begin = 0; ///< vertices
+    std::uint32_t end = 0;
+    std::uint32_t loop = 0; ///< below SoupTopology::boundaryLoops
+};
 
 /// Topology of triangles as index triples. Triangles that repeat an index take part in nothing.
 struct SoupTopology {
@@ -19,6 +27,7 @@ struct SoupTopology {
     std::uint64_t boundaryLoops = 0;
     std::uint64_t trianglesWithRepeats = 0;
     std::uint64_t duplicateTriangles = 0;   ///< beyond the first of the same three vertices, in any order
+    std::vector<BoundaryEdge> boundary;     ///< all boundaryEdges of them
 
     bool isManifold() const { return crowdedEdges == 0 && verticesOfSeveralFans == 0 && trianglesWithRepeats == 0; }
 };

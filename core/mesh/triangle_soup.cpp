@@ -8,39 +8,38 @@
 #include <glm/geometric.hpp>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
 namespace isoslider::mesh {
 namespace {
 
-// At an isovalue that samples have, all vertices round such a grid point lie on it: triangles without
-// area, and one point for many vertices in formats that store corners. Held this far from both ends of
-// its edge (in cells), every vertex has a place of its own; no triangle is added, lost or turned.
-constexpr double kLeastDistance = 1.0 / 2048;
-
 glm::dvec3 heldOffGridPoints(glm::dvec3 position, extract::EdgeId edge, const GridDims& dims) {
-    const int axis = static_cast<int>(edge & 3);
-    const auto point = static_cast<std::int64_t>(edge >> 2);
-    const std::int64_t begin = axis == 0 ? point % dims[0] : axis == 1 ? point / dims[0] % dims[1] : point / (dims[0] * dims[1]);
-    const double start = static_cast<double>(begin);
-    position[axis] = std::clamp(position[axis], start + kLeastDistance, start + 1.0 - kLeastDistance);
+    const GridEdge place = gridEdge(edge, dims);
+    const double start = static_cast<double>(place.lower[static_cast<std::size_t>(place.axis)]);
+    double& along = position[place.axis];
+    along = std::clamp(along, start + kLeastDistance, start + 1.0 - kLeastDistance);
     return position;
 }
 
 } // namespace
 
+GridEdge gridEdge(extract::EdgeId edge, const GridDims& dims) {
+    const auto point = static_cast<std::int64_t>(edge >> 2);
+    return {{point % dims[0], point / dims[0] % dims[1], point / (dims[0] * dims[1])}, static_cast<int>(edge & 3)};
+}
+
 TriangleSoup worldSoup(const extract::SurfaceMesh& mesh) {
     TriangleSoup soup;
     const GridGeometry& geometry = mesh.geometry;
     const bool hasNormals = mesh.normals.size() == mesh.positions.size();
-    const bool hasEdges = mesh.edgeIds.size() == mesh.positions.size();
     soup.positions.resize(mesh.positions.size());
     soup.normals.resize(hasNormals ? mesh.positions.size() : 0);
     const glm::dmat3 normalMap = geometry.normalToWorld();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 4096), [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
             glm::dvec3 position(mesh.positions[i]);
-            if (hasEdges)
+            if (i < mesh.edgeIds.size())
                 position = heldOffGridPoints(position, mesh.edgeIds[i], geometry.dims);
             soup.positions[i] = geometry.origin + geometry.direction * (geometry.spacing * position);
             if (hasNormals)
@@ -55,6 +54,29 @@ TriangleSoup worldSoup(const extract::SurfaceMesh& mesh) {
             std::swap(soup.triangles[i][1], soup.triangles[i][2]);
     }
     return soup;
+}
+
+Nudge nudgeOf(const extract::SurfaceMesh& mesh) {
+    std::vector<std::uint8_t> isUsed(mesh.positions.size(), 0);
+    for (const std::uint32_t vertex : mesh.triangles)
+        isUsed[vertex] = 1;
+    const auto farther = [](Nudge a, const Nudge& b) {
+        a.vertices += b.vertices;
+        a.largestCells = std::max(a.largestCells, b.largestCells);
+        a.largestWorld = std::max(a.largestWorld, b.largestWorld);
+        return a;
+    };
+    const auto nudgeOfRange = [&](const tbb::blocked_range<std::size_t>& range, Nudge nudge) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+            const glm::dvec3 from(mesh.positions[i]);
+            const glm::dvec3 way = heldOffGridPoints(from, mesh.edgeIds[i], mesh.geometry.dims) - from;
+            if (isUsed[i] && way != glm::dvec3(0.0))
+                nudge = farther(nudge, {1, glm::length(way), glm::length(mesh.geometry.spacing * way)});
+        }
+        return nudge;
+    };
+    const std::size_t edgeVertices = std::min(mesh.edgeIds.size(), mesh.positions.size());
+    return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, edgeVertices, 4096), Nudge{}, nudgeOfRange, farther);
 }
 
 void dropUnusedVertices(TriangleSoup& soup) {

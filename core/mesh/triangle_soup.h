@@ -19,11 +19,32 @@ struct TriangleSoup {
     std::vector<Triangle> triangles;
 };
 
+/// An edge id taken apart: the grid point at its lower end, and its axis.
+struct GridEdge {
+    std::array<std::int64_t, 3> lower;
+    int axis = 0;
+};
+GridEdge gridEdge(extract::EdgeId edge, const GridDims& dims);
+
+/// Vertices on grid edges are held this far, in cells, off both grid points. At an isovalue that samples
+/// have, all vertices round such a grid point would lie on it: triangles without area, and one point for
+/// many vertices in formats that store corners. So held, every vertex has a place of its own, still on its
+/// edge; no triangle is added, lost or turned. Inner vertices of cells stay where they are.
+inline constexpr double kLeastDistance = 1.0 / 2048;
+
 /// A surface in world space: spacing, direction and origin applied in double precision, triangles
-/// of a left-handed geometry wound the other way so that they face the same side in space. Vertices of
-/// a mesh with edge ids are held 1/2048 of a cell off the grid points, so that no triangle is without
-/// area where the isovalue is a sample's.
+/// of a left-handed geometry wound the other way so that they face the same side in space, vertices
+/// held off the grid points by kLeastDistance.
 TriangleSoup worldSoup(const extract::SurfaceMesh& mesh);
+
+/// What holding vertices off the grid points moves.
+struct Nudge {
+    std::uint64_t vertices = 0; ///< moved, and used by a triangle
+    double largestCells = 0.0;  ///< farthest move of any of them
+    double largestWorld = 0.0;  ///< the same in world units
+};
+
+Nudge nudgeOf(const extract::SurfaceMesh& mesh);
 
 /// Drops the vertices that no triangle uses; the others keep their order.
 void dropUnusedVertices(TriangleSoup& soup);

@@ -6,6 +6,7 @@
 namespace isoslider::test {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 class CliExtract : public CliTest {
 protected:
@@ -15,6 +16,12 @@ protected:
         EXPECT_EQ(json["boundary_loops"], 0);
         EXPECT_EQ(json["closed"], true);
         EXPECT_EQ(json["manifold"], true);
+        EXPECT_EQ(json["oriented"], true);
+        EXPECT_EQ(json["valid"], true);
+        EXPECT_EQ(json["genus"], 0);
+        EXPECT_EQ(json["inner_vertices"], 0);
+        for (const auto& opening : json["open_at"])
+            EXPECT_EQ(opening["edges"], 0);
         EXPECT_EQ(json["vertices"], json["active_edges"]);
         EXPECT_NEAR(json["area"].get<double>(), 4 * std::numbers::pi * 25, 10);
         EXPECT_NEAR(json["volume"].get<double>(), 4.0 / 3 * std::numbers::pi * 125, 20);
@@ -25,7 +32,12 @@ TEST_F(CliExtract, CountsTheSurfaceOfAVolume) {
     const auto json = runJson({"extract", sphereVolume(), "--isovalue", "5"});
     EXPECT_THAT(keysOf(json),
                 ElementsAre("isovalue", "source", "vertices", "triangles", "active_edges", "components",
-                            "euler", "boundary_loops", "closed", "manifold", "area", "volume"));
+                            "euler", "boundary_loops", "closed", "manifold", "oriented", "genus", "area", "volume",
+                            "degenerate_triangles", "duplicate_triangles", "open_at", "nudged_vertices",
+                            "largest_nudge", "largest_nudge_world", "inner_vertices", "valid"));
+    EXPECT_THAT(keysOf(json["open_at"]),
+                ElementsAre("x0", "x1", "y0", "y1", "z0", "z1", "missing", "elsewhere"));
+    EXPECT_THAT(keysOf(json["open_at"]["x0"]), ElementsAre("loops", "edges"));
     EXPECT_EQ(json["isovalue"], 5.0);
     EXPECT_EQ(json["source"], "volume");
     expectSphere(json);
@@ -54,6 +66,78 @@ TEST_F(CliExtract, WritesEveryMeshFormatThatCheckAccepts) {
         EXPECT_EQ(report["closed"], true) << name;
         EXPECT_EQ(report["euler"], 2) << name;
     }
+}
+
+TEST_F(CliExtract, TellsWhereTheSurfaceIsOpen) {
+    for (const auto& input : {sphereVolume(), sphereIndex()}) { // radius 9: cut by every face
+        const auto json = runJson({"extract", input, "--isovalue", "1"});
+        EXPECT_EQ(json["closed"], false);
+        EXPECT_EQ(json["volume"], nullptr);
+        EXPECT_EQ(json["boundary_loops"], 6);
+        EXPECT_EQ(json["valid"], true);
+        for (const auto* face : {"x0", "x1", "y0", "y1", "z0", "z1"}) {
+            EXPECT_EQ(json["open_at"][face]["loops"], 1) << face;
+            EXPECT_EQ(json["open_at"][face]["edges"], json["open_at"]["x0"]["edges"]) << face;
+        }
+        EXPECT_EQ(json["open_at"]["missing"]["edges"], 0);
+        EXPECT_THAT(run({"extract", input, "--isovalue", "1"}).standardOutput, HasSubstr("open at x0 (1 loop, "));
+    }
+}
+
+TEST_F(CliExtract, TellsHolesAtMissingValues) {
+    folder_.write("holed.mha", metaImage(8, "MET_FLOAT", floatSamples(8, [](int x, int y, int z) {
+        return x == 4 && y == 4 && z == 3 ? std::nanf("") : static_cast<float>(z);
+    })));
+    ASSERT_EQ(run({"build", path("holed.mha"), "-o", path("holed.isx")}).exitCode, 0);
+    for (const auto* input : {"holed.mha", "holed.isx"}) {
+        const auto json = runJson({"extract", path(input), "--isovalue", "3.5"});
+        EXPECT_EQ(json["open_at"]["missing"]["loops"], 1) << input;
+        EXPECT_EQ(json["open_at"]["missing"]["edges"], 8) << input;
+        EXPECT_EQ(json["open_at"]["elsewhere"]["edges"], 0) << input;
+        EXPECT_EQ(json["valid"], true) << input;
+    }
+}
+
+TEST_F(CliExtract, NoTriangleWithoutAreaLeavesAtATie) {
+    folder_.write("point.mha", metaImage(8, "MET_FLOAT", floatSamples(8, [](int x, int y, int z) {
+        return x == 3 && y == 4 && z == 5 ? 1.0f : 0.0f;
+    })));
+    for (const auto* name : {"a.ply", "a.obj", "a.stl", "a.off", "a.om"}) {
+        const auto json = runJson({"extract", path("point.mha"), "--isovalue", "1", "-o", path(name)});
+        EXPECT_EQ(json["nudged_vertices"], 6);
+        EXPECT_EQ(json["largest_nudge"], 1.0 / 2048);
+        EXPECT_EQ(json["degenerate_triangles"], 0);
+        const auto report = runJson({"check", path(name)});
+        EXPECT_EQ(report["degenerate_triangles"], 0) << name;
+        EXPECT_EQ(report["triangles"], 8) << name;
+        EXPECT_EQ(report["closed"], true) << name;
+        EXPECT_EQ(report["euler"], 2) << name;
+    }
+}
+
+TEST_F(CliExtract, WritesTheCertificateIntoTheMesh) {
+    const auto json = runJson({"extract", sphereIndex(), "--isovalue", "5", "-o", path("a.ply")});
+    const auto bytes = readText(path("a.ply"));
+    for (const auto& line : {std::string("comment source: sphere.mha\n"), std::string("comment isovalue: 5\n"),
+                             "comment vertices: " + json["vertices"].dump() + "\n",
+                             "comment triangles: " + json["triangles"].dump() + "\n", std::string("comment valid: yes\n")})
+        EXPECT_THAT(bytes, HasSubstr(line));
+    ASSERT_EQ(run({"extract", sphereVolume(), "--isovalue", "5", "-o", path("b.ply")}).exitCode, 0);
+    const auto header = [](const std::string& ply) { return ply.substr(0, ply.find("end_header")); };
+    EXPECT_EQ(header(readText(path("b.ply"))), header(bytes)) << "the index says of the volume what the volume does";
+}
+
+TEST_F(CliExtract, WritesAnUnsoundSurfaceAndSaysSo) {
+    auto bytes = metaImage(16, "MET_FLOAT", floatSamples(16, [](int x, int, int) { return static_cast<float>(x); }));
+    const std::string spacing = "ElementSpacing = 1 1 1";
+    ASSERT_NE(bytes.find(spacing), std::string::npos);
+    bytes.replace(bytes.find(spacing), spacing.size(), "ElementSpacing = 1e-170 1e-170 1e-170");
+    folder_.write("tiny.mha", bytes); // no area that a number could hold
+    const auto result = run({"extract", path("tiny.mha"), "--isovalue", "7.5", "-o", path("tiny.ply")});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.standardError, HasSubstr("450 degenerate triangles"));
+    EXPECT_THAT(result.standardOutput, HasSubstr("no: 450 degenerate triangles"));
+    EXPECT_THAT(readText(path("tiny.ply")), HasSubstr("comment valid: no: 450 degenerate triangles\n"));
 }
 
 TEST_F(CliExtract, GivesAnEmptySurfaceOutsideTheRange) {

@@ -53,6 +53,16 @@ TEST_F(CliSlide, ExportsAMeshForEachStep) {
     EXPECT_TRUE(readText(path("fresh.ply")) == readText(path("out_0001.ply")));
 }
 
+TEST_F(CliSlide, WritesTheCertificateOfEachStep) {
+    ASSERT_EQ(run({"slide", sphereIndex(), "--path", "1,5", "--export", path("out_%d.obj")}).exitCode, 0);
+    const auto open = readText(path("out_0.obj")), closed = readText(path("out_1.obj"));
+    EXPECT_THAT(open, ::testing::HasSubstr("# isovalue: 1\n"));
+    EXPECT_THAT(open, ::testing::HasSubstr("# boundary: open at x0 (1 loop, "));
+    EXPECT_THAT(closed, ::testing::HasSubstr("# isovalue: 5\n"));
+    EXPECT_THAT(closed, ::testing::HasSubstr("# boundary: closed\n"));
+    EXPECT_THAT(closed, ::testing::HasSubstr("# source: sphere.mha\n"));
+}
+
 TEST_F(CliSlide, RefusesExportNamesWithoutOneNumber) {
     const auto index = sphereIndex();
     for (const auto* pattern :

@@ -134,12 +134,82 @@ TEST_F(MainWindowTest, ChecksTheMesh) {
     openBall();
     session_->isovalue().request(-6.0);
     trigger("mesh.check");
-    ASSERT_TRUE(waitUntil([&] { return session_->meshReport().has_value(); }));
-    EXPECT_TRUE(session_->meshReport()->isManifold);
-    EXPECT_TRUE(session_->meshReport()->isClosed);
-    EXPECT_EQ(session_->meshReport()->euler, 2);
+    ASSERT_TRUE(waitUntil([&] { return session_->certificate().has_value(); }));
+    EXPECT_TRUE(session_->certificate()->report.isManifold);
+    EXPECT_TRUE(session_->certificate()->report.isClosed);
+    EXPECT_EQ(session_->certificate()->report.euler, 2);
     EXPECT_TRUE(child<QDockWidget>("meshDock")->isVisible());
     EXPECT_EQ(child<QPushButton>("checkMeshButton")->isEnabled(), true);
+}
+
+/// The value beside a name in the Mesh panel; null when it is not shown.
+QLabel* factOf(const QWidget& form, const char* name) {
+    for (auto* label : form.findChildren<QLabel*>())
+        if (label->accessibleName() == QLatin1String(name) && label->isVisibleTo(&form))
+            return label;
+    return nullptr;
+}
+
+TEST_F(MainWindowTest, ShowsTheCertificateOfTheSurface) {
+    openBall();
+    const auto* form = child<QWidget>("certificateForm");
+    EXPECT_EQ(factOf(*form, "Surface"), nullptr); // not before it is asked for
+    session_->isovalue().request(-6.0);
+    trigger("mesh.check");
+    ASSERT_TRUE(waitUntil([&] { return factOf(*form, "Surface") != nullptr; }));
+    EXPECT_EQ(factOf(*form, "Surface")->text().toStdString(), "closed");
+    EXPECT_TRUE(factOf(*form, "Sound")->text().contains(QStringLiteral("yes")));
+    EXPECT_EQ(factOf(*form, "Euler number")->text().toStdString(), "2");
+    EXPECT_EQ(factOf(*form, "Genus")->text().toStdString(), "0");
+    EXPECT_EQ(factOf(*form, "Inner vertices")->text().toStdString(), "0");
+    EXPECT_TRUE(factOf(*form, "Area")->text().endsWith(QStringLiteral(" units²")));
+    EXPECT_TRUE(factOf(*form, "Enclosed volume")->text().endsWith(QStringLiteral(" units³")));
+    session_->isovalue().request(-14.0); // cut by every face of the box
+    trigger("mesh.check");
+    ASSERT_TRUE(waitUntil([&] { return factOf(*form, "Surface")->text() != QStringLiteral("closed"); }));
+    EXPECT_EQ(factOf(*form, "Surface")->text().toStdString(),
+              "open at x0 (1 loop), x1 (1 loop), y0 (1 loop), y1 (1 loop), z0 (1 loop), z1 (1 loop)");
+    EXPECT_EQ(factOf(*form, "Enclosed volume")->text().toStdString(), "– (open)");
+    EXPECT_EQ(factOf(*form, "Boundary loops")->text().toStdString(), "6");
+}
+
+TEST_F(MainWindowTest, CutsNothingOffTheCertificate) {
+    openBall();
+    session_->isovalue().request(-14.0);
+    trigger("mesh.check");
+    const auto* form = child<QWidget>("certificateForm");
+    ASSERT_TRUE(waitUntil([&] { return factOf(*form, "Surface") != nullptr; }));
+    QTest::qWait(50); // the layout follows
+    int left = -1;
+    for (const auto* label : form->findChildren<QLabel*>()) {
+        if (!label->isVisibleTo(form))
+            continue;
+        const int width = label->wordWrap() ? label->width() : label->sizeHint().width();
+        EXPECT_GE(label->width(), width) << label->text().toStdString();
+        EXPECT_GE(label->height(), label->wordWrap() ? label->heightForWidth(label->width()) : label->sizeHint().height())
+            << label->text().toStdString();
+        EXPECT_TRUE(form->rect().contains(label->geometry())) << label->text().toStdString();
+        if (!label->accessibleName().isEmpty()) {
+            left = left < 0 ? label->x() : left;
+            EXPECT_EQ(label->x(), left) << label->text().toStdString();
+        }
+    }
+}
+
+TEST_F(MainWindowTest, ExportsTheCertificateWithTheMesh) {
+    openBall();
+    session_->isovalue().request(-6.0);
+    ASSERT_TRUE(waitUntilSettled());
+    dialogs_.answers.push_back(qpath(folder_ / "a.ply"));
+    trigger("mesh.export");
+    ASSERT_TRUE(waitUntilSettled());
+    const auto bytes = readText(folder_ / "a.ply");
+    const auto triangles = "comment triangles: " + std::to_string(session_->frame()->stats.triangles) + "\n";
+    for (const auto& line : {std::string("comment source: ball.mha\n"), std::string("comment isovalue: -6\n"), triangles,
+                             std::string("comment boundary: closed\n"), std::string("comment valid: yes\n")})
+        EXPECT_NE(bytes.find(line), std::string::npos) << line;
+    // One check for the file and the panel.
+    EXPECT_EQ(factOf(*child<QWidget>("certificateForm"), "Surface")->text().toStdString(), "closed");
 }
 
 TEST_F(MainWindowTest, ExportsTheMeshInEveryFormat) {

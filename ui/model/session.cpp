@@ -16,6 +16,16 @@ struct Session::FrameSlot {
     bool isPosted = false;
 };
 
+namespace {
+
+// A window on an index file shows that file's name; its surfaces are of the volume.
+mesh::SurfaceSource sourceOf(const Dataset& dataset) {
+    const bool hasSourceName = dataset.index && !dataset.index->sourceName.empty();
+    return {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples};
+}
+
+} // namespace
+
 Session::Session(SessionServices services)
     : services_(std::move(services)), cache_(services_.cacheFolder), slot_(std::make_shared<FrameSlot>()),
       worker_(std::make_unique<SlideWorker>(workerCallbacks())),
@@ -89,7 +99,7 @@ void Session::forgetDataset() {
     dataset_.reset();
     grid_.reset();
     frame_.reset();
-    meshReport_.reset();
+    certificate_.reset();
     isCheckingMesh_ = false;
 }
 
@@ -106,7 +116,7 @@ void Session::adopt(LoadedDataset loaded) {
     }
     datasetChanged_.notify();
     frameChanged_.notify();
-    meshReportChanged_.notify();
+    certificateChanged_.notify();
 }
 
 void Session::close() {
@@ -119,7 +129,7 @@ void Session::close() {
     isovalue_.clearDomain();
     datasetChanged_.notify();
     frameChanged_.notify();
-    meshReportChanged_.notify();
+    certificateChanged_.notify();
 }
 
 void Session::useSource(std::shared_ptr<SurfaceSource> source) {
@@ -228,28 +238,27 @@ void Session::checkMesh() {
     if (!frame_ || isCheckingMesh_)
         return;
     isCheckingMesh_ = true;
-    meshReportIsovalue_ = isovalue_.requested();
-    runner_->run<mesh::MeshReport>(
+    runner_->run<mesh::Certificate>(
         "Check mesh",
-        [worker = worker_.get()](const JobControl& job) -> Result<mesh::MeshReport> {
+        [worker = worker_.get(), source = sourceOf(*dataset_)](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
             auto surface = worker->takeMesh(job);
             if (!surface.isOk())
                 return surface.error();
             job.report(0.3, "Checking with OpenMesh");
-            return mesh::checkMesh(surface.value());
+            return mesh::certify(surface.value(), source);
         },
-        [this, ticket = datasetTicket_](Result<mesh::MeshReport> report) {
+        [this, ticket = datasetTicket_](Result<mesh::Certificate> certificate) {
             if (ticket != datasetTicket_)
                 return;
             isCheckingMesh_ = false;
-            if (report.isOk())
-                meshReport_ = report.value();
-            meshReportChanged_.notify();
-            if (!report.isOk() && !report.isCancelled())
-                fail("The mesh could not be checked", report.error());
+            if (certificate.isOk())
+                certificate_ = std::move(certificate).value();
+            certificateChanged_.notify();
+            if (!certificate.isOk() && !certificate.isCancelled())
+                fail("The mesh could not be checked", certificate.error());
         });
-    meshReportChanged_.notify();
+    certificateChanged_.notify();
 }
 
 void Session::exportMesh(const fs::path& path) {
@@ -259,22 +268,43 @@ void Session::exportMesh(const fs::path& path) {
         return fail("The mesh was not exported",
                     makeError(ErrorCode::InvalidArgument,
                               "the file name must end in .ply, .obj, .stl, .off or .om", path.string()));
-    runner_->run<void>(
+    runner_->run<mesh::Certificate>(
         "Export " + path.filename().string(),
-        [worker = worker_.get(), path](const JobControl& job) -> Status {
+        [worker = worker_.get(), source = sourceOf(*dataset_), path](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
             auto surface = worker->takeMesh(job);
             if (!surface.isOk())
                 return surface.error();
-            job.report(0.4, "Writing");
-            return mesh::exportMesh(surface.value(), path);
+            job.report(0.2, "Checking with OpenMesh");
+            auto certificate = mesh::certify(surface.value(), source);
+            if (job.isStopRequested())
+                return cancelledError();
+            job.report(0.7, "Writing");
+            ISO_TRY(mesh::exportMesh(surface.value(), certificate, path));
+            return certificate;
         },
-        [this, path](const Status& status) {
-            if (status.isOk())
-                noticePosted_.notify(Notice{Notice::Severity::Information, "Mesh exported", path.string()});
-            else if (!status.isCancelled())
-                fail("The mesh was not exported", status.error());
+        [this, ticket = datasetTicket_, path](Result<mesh::Certificate> certificate) {
+            if (certificate.isOk())
+                onExported(path, ticket, std::move(certificate).value());
+            else if (!certificate.isCancelled())
+                fail("The mesh was not exported", certificate.error());
         });
+}
+
+void Session::onExported(const fs::path& path, std::uint64_t ticket, mesh::Certificate certificate) {
+    const auto faults = mesh::faultsOf(certificate);
+    if (faults.empty()) {
+        noticePosted_.notify(Notice{Notice::Severity::Information, "Mesh exported", path.string()});
+    } else {
+        std::string detail = path.string() + ": ";
+        for (std::size_t i = 0; i < faults.size(); ++i)
+            detail += (i == 0 ? "" : ", ") + faults[i];
+        noticePosted_.notify(Notice{Notice::Severity::Error, "Mesh exported, but it is not sound", detail});
+    }
+    if (ticket != datasetTicket_)
+        return;
+    certificate_ = std::move(certificate);
+    certificateChanged_.notify();
 }
 
 void Session::cancelJob(JobId id) { runner_->cancel(id); }

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/extract/surface_frame.h"
-#include "core/mesh/mesh_checks.h"
+#include "core/mesh/certificate.h"
 #include "ui/model/dataset.h"
 #include "ui/model/index_builder.h"
 #include "ui/model/isovalue_model.h"
@@ -61,13 +61,13 @@ public:
     IsovalueModel& isovalue() { return isovalue_; }
     const JobModel& jobs() const { return jobs_; }
     JobModel& jobs() { return jobs_; }
-    const std::optional<mesh::MeshReport>& meshReport() const { return meshReport_; }
-    double meshReportIsovalue() const { return meshReportIsovalue_; }
+    /// Of the surface that was checked or exported last.
+    const std::optional<mesh::Certificate>& certificate() const { return certificate_; }
     bool isCheckingMesh() const { return isCheckingMesh_; }
 
     ObserverList<>& datasetChanged() { return datasetChanged_; } ///< dataset, loading or index state
     ObserverList<>& frameChanged() { return frameChanged_; }
-    ObserverList<>& meshReportChanged() { return meshReportChanged_; }
+    ObserverList<>& certificateChanged() { return certificateChanged_; }
     ObserverList<const Notice&>& noticePosted() { return noticePosted_; }
 
 private:
@@ -87,6 +87,7 @@ private:
     void useSource(std::shared_ptr<SurfaceSource> source);
     void takeFrame();
     void onSlideError(const Error& error, SourceGeneration generation);
+    void onExported(const std::filesystem::path& path, std::uint64_t ticket, mesh::Certificate certificate);
     void fail(const std::string& title, const Error& error);
     SlideWorker::Callbacks workerCallbacks();
 
@@ -100,14 +101,13 @@ private:
     IndexState indexState_ = IndexState::None;
     std::optional<JobId> loadJob_;
     std::optional<JobId> indexJob_;
-    std::optional<mesh::MeshReport> meshReport_;
-    double meshReportIsovalue_ = 0.0;
+    std::optional<mesh::Certificate> certificate_;
     bool isCheckingMesh_ = false;
     std::uint64_t loadTicket_ = 0;    ///< tells a superseded load from the present one
     std::uint64_t datasetTicket_ = 0; ///< tells results about an earlier volume from present ones
     ObserverList<> datasetChanged_;
     ObserverList<> frameChanged_;
-    ObserverList<> meshReportChanged_;
+    ObserverList<> certificateChanged_;
     ObserverList<const Notice&> noticePosted_;
     Subscription requestSubscription_;
     std::shared_ptr<FrameSlot> slot_;

@@ -22,7 +22,7 @@ public:
         auto& mesh = surface.value();
         frame.stats = {};
         frame.stats.isovalue = isovalue;
-        frame.stats.activeEdges = mesh.positions.size();
+        frame.stats.activeEdges = mesh.edgeIds.size();
         frame.stats.triangles = mesh.triangleCount();
         frame.stats.cellsRetriangulated = 0;
         frame.stats.hasRebuilt = true;

@@ -51,7 +51,7 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     connectActions();
     subscriptions_.push_back(session_.datasetChanged().observe([this] { showDataset(); }));
     subscriptions_.push_back(session_.frameChanged().observe([this] { updateActions(); }));
-    subscriptions_.push_back(session_.meshReportChanged().observe([this] { updateActions(); }));
+    subscriptions_.push_back(session_.certificateChanged().observe([this] { updateActions(); }));
     subscriptions_.push_back(
         session_.noticePosted().observe([this](const model::Notice& notice) { messageBar_->showNotice(notice); }));
     resize(1600, 1000);

@@ -22,24 +22,73 @@ QString number(double value) { return QString::fromStdString(model::valueText(va
 // Words, not colour, carry the verdict.
 QString yesNo(bool isTrue) { return isTrue ? QStringLiteral("✓ ") + MeshPanel::tr("yes") : QStringLiteral("✗ ") + MeshPanel::tr("no"); }
 
-std::vector<Fact> reportFacts(const mesh::MeshReport& report) {
+QString number(std::int64_t value) { return QString::fromStdString(model::groupedText(value)); }
+
+QString placeName(mesh::OpenAt place) {
+    switch (place) {
+        case mesh::OpenAt::Missing: return MeshPanel::tr("missing values");
+        case mesh::OpenAt::Elsewhere: return MeshPanel::tr("cracks");
+        default: {
+            const auto name = mesh::kOpenAtNames[static_cast<std::size_t>(place)];
+            return QString::fromLatin1(name.data(), static_cast<qsizetype>(name.size()));
+        }
+    }
+}
+
+QString surfaceText(const mesh::Certificate& certificate) {
+    QStringList places;
+    for (std::size_t i = 0; i < certificate.openings.size(); ++i) {
+        const auto& opening = certificate.openings[i];
+        const auto place = placeName(static_cast<mesh::OpenAt>(i));
+        if (opening.loops == 1)
+            places << MeshPanel::tr("%1 (1 loop)").arg(place);
+        else if (opening.loops > 1)
+            places << MeshPanel::tr("%1 (%2 loops)").arg(place, grouped(opening.loops));
+    }
+    return places.isEmpty() ? MeshPanel::tr("closed") : MeshPanel::tr("open at %1").arg(places.join(QStringLiteral(", ")));
+}
+
+QString nudgeText(const mesh::Nudge& nudge) {
+    return nudge.vertices == 0 ? grouped(0)
+                               : MeshPanel::tr("%1, by at most %2 cells (%3 units)")
+                                     .arg(grouped(nudge.vertices), QString::fromStdString(model::valueText(nudge.largestCells, 3)),
+                                          QString::fromStdString(model::valueText(nudge.largestWorld, 3)));
+}
+
+QString verdict(const mesh::Certificate& certificate) {
+    QStringList faults;
+    for (const auto& fault : mesh::faultsOf(certificate))
+        faults << QString::fromStdString(fault);
+    return faults.isEmpty() ? yesNo(true) : MeshPanel::tr("%1: %2").arg(yesNo(false), faults.join(QStringLiteral(", ")));
+}
+
+std::vector<Fact> factsOf(const mesh::Certificate& certificate) {
     const auto tr = [](const char* text) { return MeshPanel::tr(text); };
-    return {{tr("Manifold"), yesNo(report.isManifold), tr("Every edge has one or two triangles, every vertex one fan")},
-            {tr("Closed"), yesNo(report.isClosed), tr("No boundary edge; a surface that meets the box is open there")},
-            {tr("Oriented"), yesNo(report.isOriented), tr("Neighbouring triangles agree on their common edge's direction")},
-            {tr("Vertices"), grouped(report.vertices), {}},
-            {tr("Edges"), grouped(report.edges), {}},
-            {tr("Triangles"), grouped(report.triangles), {}},
-            {tr("Components"), grouped(report.components), {}},
-            {tr("Euler number"), QString::fromStdString(model::groupedText(report.euler)), tr("Vertices − edges + triangles")},
-            {tr("Boundary loops"), grouped(report.boundaryLoops), {}},
-            {tr("Genus"), QString::fromStdString(model::groupedText(report.genus)), tr("Tunnels, summed over components")},
-            {tr("Degenerate triangles"), grouped(report.degenerateTriangles), tr("Zero area or a repeated vertex")},
-            {tr("Duplicate triangles"), grouped(report.duplicateTriangles), {}},
-            {tr("Area"), MeshPanel::tr("%1 units²").arg(number(report.area)), tr("In the file's units of length")},
-            {tr("Enclosed volume"),
-             report.isClosed ? MeshPanel::tr("%1 units³").arg(number(report.enclosedVolume)) : tr("– (the surface is open)"),
-             tr("In the file's units of length")}};
+    const mesh::MeshReport& report = certificate.report;
+    const bool hasGenus = report.isManifold && report.isOriented;
+    return {
+        {tr("Sound"), verdict(certificate), tr("An oriented manifold, open only where it meets the box or a missing value")},
+        {tr("Surface"), surfaceText(certificate), tr("x0 is the box's face of the first grid points along x, x1 that of the last")},
+        {tr("Manifold"), yesNo(report.isManifold), tr("Every edge has one or two triangles, every vertex one fan")},
+        {tr("Oriented"), yesNo(report.isOriented),
+         tr("Neighbouring triangles agree; all are counter-clockwise seen from the side below the isovalue")},
+        {tr("Vertices"), grouped(report.vertices), {}},
+        {tr("Inner vertices"), grouped(certificate.innerVertices), tr("Vertices inside cells, on no grid edge")},
+        {tr("Edges"), grouped(report.edges), {}},
+        {tr("Triangles"), grouped(report.triangles), {}},
+        {tr("Components"), grouped(report.components), {}},
+        {tr("Euler number"), number(report.euler), tr("Vertices − edges + triangles")},
+        {tr("Boundary loops"), grouped(report.boundaryLoops), {}},
+        {tr("Genus"), hasGenus ? number(report.genus) : QStringLiteral("–"), tr("Tunnels, summed over components")},
+        {tr("Area"), MeshPanel::tr("%1 units²").arg(number(report.area)), tr("In the units of the volume's spacing")},
+        {tr("Enclosed volume"), report.isClosed ? MeshPanel::tr("%1 units³").arg(number(report.enclosedVolume)) : tr("– (open)"),
+         tr("In the units of the volume's spacing")},
+        {tr("Degenerate triangles"), grouped(report.degenerateTriangles), tr("Zero area or a repeated vertex")},
+        {tr("Duplicate triangles"), grouped(report.duplicateTriangles), {}},
+        {tr("Nudged vertices"), nudgeText(certificate.nudge),
+         tr("Held off grid points that have the isovalue, along their edges, so that no triangle has zero area")},
+        {tr("Grid"), certificate.geometry.isLeftHanded() ? tr("left-handed") : tr("right-handed"),
+         tr("Triangles of a left-handed grid are turned, so that they face the same side in space")}};
 }
 
 } // namespace
@@ -65,20 +114,21 @@ MeshPanel::MeshPanel(model::Session& session, const ActionRegistry& actions, QWi
     buttons->addWidget(check_);
     buttons->addWidget(export_);
     buttons->addStretch(1);
+    report_->setObjectName(QStringLiteral("certificateForm"));
     state_->setWordWrap(true);
     state_->setForegroundRole(QPalette::PlaceholderText);
     layout->addWidget(makeHeading(tr("Surface on screen"), page));
     layout->addWidget(counts_);
     layout->addLayout(buttons);
     layout->addSpacing(6);
-    layout->addWidget(makeHeading(tr("Report"), page));
+    layout->addWidget(makeHeading(tr("Certificate"), page));
     layout->addWidget(state_);
     layout->addWidget(report_);
     layout->addStretch(1);
     scroll->setWidget(page);
     outer->addWidget(scroll);
     frameSubscription_ = session_.frameChanged().observe([this] { countsThrottle_.trigger(); });
-    reportSubscription_ = session_.meshReportChanged().observe([this] { showReport(); });
+    reportSubscription_ = session_.certificateChanged().observe([this] { showReport(); });
     showCounts();
     showReport();
 }
@@ -87,7 +137,7 @@ void MeshPanel::showCounts() {
     const auto frame = session_.frame();
     const QString none = QStringLiteral("–");
     counts_->setFacts({{tr("Isovalue"), frame ? number(frame->isovalue) : none, {}},
-                       {tr("Vertices"), frame ? grouped(frame->stats.activeEdges) : none, tr("One per active edge")},
+                       {tr("Active edges"), frame ? grouped(frame->stats.activeEdges) : none, tr("One vertex on each")},
                        {tr("Triangles"), frame ? grouped(frame->stats.triangles) : none, {}}});
     export_->setEnabled(frame != nullptr);
     showReport();
@@ -95,17 +145,17 @@ void MeshPanel::showCounts() {
 
 void MeshPanel::showReport() {
     const auto frame = session_.frame();
-    const auto& report = session_.meshReport();
+    const auto& certificate = session_.certificate();
     check_->setEnabled(frame && !session_.isCheckingMesh());
-    report_->setFacts(report ? reportFacts(*report) : std::vector<Fact>{});
+    report_->setFacts(certificate ? factsOf(*certificate) : std::vector<Fact>{});
     if (session_.isCheckingMesh())
         state_->setText(tr("Checking…"));
-    else if (!report)
+    else if (!certificate)
         state_->setText(tr("Not checked yet."));
-    else if (frame && frame->isovalue != session_.meshReportIsovalue())
-        state_->setText(tr("At isovalue %1; the surface has moved since.").arg(number(session_.meshReportIsovalue())));
+    else if (frame && frame->isovalue != certificate->isovalue)
+        state_->setText(tr("At isovalue %1; the surface has moved since.").arg(number(certificate->isovalue)));
     else
-        state_->setText(tr("At isovalue %1.").arg(number(session_.meshReportIsovalue())));
+        state_->setText(tr("At isovalue %1.").arg(number(certificate->isovalue)));
 }
 
 } // namespace isoslider::widgets

@@ -17,7 +17,7 @@ namespace isoslider::widgets {
 class ActionRegistry;
 class FactForm;
 
-/// The surface as a mesh: live counts, the OpenMesh report, export.
+/// The surface as a mesh: live counts, its certificate, export.
 class MeshPanel : public QWidget {
     Q_OBJECT
 public:

@@ -124,9 +124,9 @@ TEST_F(SessionTest, ChecksAndExportsTheSurfaceOnScreen) {
     openBall();
     session_->checkMesh();
     EXPECT_TRUE(session_->isCheckingMesh());
-    ASSERT_TRUE(queue_.runUntil([&] { return session_->meshReport().has_value(); }));
-    EXPECT_TRUE(session_->meshReport()->isClosed);
-    EXPECT_EQ(session_->meshReport()->euler, 2);
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->certificate().has_value(); }));
+    EXPECT_TRUE(session_->certificate()->report.isClosed);
+    EXPECT_EQ(session_->certificate()->report.euler, 2);
     session_->exportMesh(folder_ / "ball.ply");
     ASSERT_TRUE(queue_.runUntil([&] { return !notices_.empty(); }));
     EXPECT_EQ(notices_[0].severity, Notice::Severity::Information);

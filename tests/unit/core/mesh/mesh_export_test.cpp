@@ -15,6 +15,10 @@ namespace {
 
 using test::TemporaryFolder;
 
+Status exportCertified(const extract::SurfaceMesh& mesh, const std::filesystem::path& path) {
+    return exportMesh(mesh, certify(mesh, {"test", {}}), path);
+}
+
 class EveryFormat : public testing::TestWithParam<const char*> {};
 
 TEST_P(EveryFormat, ComesBackTheSame) {
@@ -25,7 +29,7 @@ TEST_P(EveryFormat, ComesBackTheSame) {
     mesh.geometry.origin = {-7.125, 3.3, 100.0};
     mesh.positions.emplace_back(1, 2, 3); // not used by any triangle
     mesh.normals.emplace_back(0, 0, 1);
-    const Status status = exportMesh(mesh, path);
+    const Status status = exportCertified(mesh, path);
     ASSERT_TRUE(status.isOk()) << status.error().line();
     EXPECT_FALSE(std::filesystem::exists(path.string() + ".partial"));
     const auto report = checkMeshFile(path);
@@ -45,7 +49,7 @@ TEST_P(EveryFormat, KeepsLeftHandedSurfacesOutward) {
     const auto path = folder / (std::string("mesh") + GetParam());
     auto mesh = test::tetrahedron();
     mesh.geometry.direction[2] = {0, 0, -1};
-    ASSERT_TRUE(exportMesh(mesh, path).isOk());
+    ASSERT_TRUE(exportCertified(mesh, path).isOk());
     const auto report = checkMeshFile(path);
     ASSERT_TRUE(report.isOk()) << report.error().line();
     EXPECT_NEAR(report.value().enclosedVolume, 1.0 / 6.0, 1e-6);
@@ -54,7 +58,7 @@ TEST_P(EveryFormat, KeepsLeftHandedSurfacesOutward) {
 TEST_P(EveryFormat, KeepsNonManifoldTriangles) {
     const TemporaryFolder folder;
     const auto path = folder / (std::string("book") + GetParam());
-    ASSERT_TRUE(exportMesh(test::bookOfThree(), path).isOk());
+    ASSERT_TRUE(exportCertified(test::bookOfThree(), path).isOk());
     const auto report = checkMeshFile(path);
     ASSERT_TRUE(report.isOk()) << report.error().line();
     EXPECT_EQ(report.value().triangles, 3u);
@@ -63,7 +67,7 @@ TEST_P(EveryFormat, KeepsNonManifoldTriangles) {
 TEST_P(EveryFormat, WritesAnEmptyMesh) {
     const TemporaryFolder folder;
     const auto path = folder / (std::string("empty") + GetParam());
-    const Status status = exportMesh(extract::SurfaceMesh{}, path);
+    const Status status = exportCertified(extract::SurfaceMesh{}, path);
     ASSERT_TRUE(status.isOk()) << status.error().line();
     const auto report = checkMeshFile(path);
     ASSERT_TRUE(report.isOk()) << report.error().line();
@@ -72,12 +76,12 @@ TEST_P(EveryFormat, WritesAnEmptyMesh) {
 
 TEST_P(EveryFormat, SaysWhyItCannotWrite) {
     const TemporaryFolder folder;
-    const Status noFolder = exportMesh(test::tetrahedron(), folder / (std::string("none/mesh") + GetParam()));
+    const Status noFolder = exportCertified(test::tetrahedron(), folder / (std::string("none/mesh") + GetParam()));
     ASSERT_FALSE(noFolder.isOk());
     EXPECT_EQ(noFolder.error().code, ErrorCode::NotFound);
     const auto path = folder / (std::string("taken") + GetParam());
     std::filesystem::create_directory(path);
-    EXPECT_EQ(exportMesh(test::tetrahedron(), path).error().code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(exportCertified(test::tetrahedron(), path).error().code, ErrorCode::InvalidArgument);
 }
 
 TEST_P(EveryFormat, LeavesNothingWhenTheDiskFails) {
@@ -90,7 +94,7 @@ TEST_P(EveryFormat, LeavesNothingWhenTheDiskFails) {
     const rlimit small{100'000, before.rlim_max};
     const auto handler = std::signal(SIGXFSZ, SIG_IGN);
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
-    const Status status = exportMesh(mesh, path);
+    const Status status = exportCertified(mesh, path);
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
     std::signal(SIGXFSZ, handler);
     ASSERT_FALSE(status.isOk());
@@ -104,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat, testing::Values(".ply", ".obj", "
 
 TEST(MeshExport, RefusesUnknownSuffix) {
     const TemporaryFolder folder;
-    EXPECT_EQ(exportMesh(test::tetrahedron(), folder / "a.xyz").error().code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(exportCertified(test::tetrahedron(), folder / "a.xyz").error().code, ErrorCode::InvalidArgument);
     EXPECT_TRUE(isExportSuffix("A.PLY"));
     EXPECT_FALSE(isExportSuffix("ply"));
 }
@@ -115,7 +119,7 @@ TEST(MeshExport, KeepsVerticesApartFarFromTheOrigin) {
     mesh.geometry.spacing = {1e-3, 1e-3, 1e-3};
     mesh.geometry.origin = {1e6, 1e6, 1e6};
     for (const char* suffix : {".ply", ".obj", ".off", ".om"})
-        ASSERT_TRUE(exportMesh(mesh, folder / (std::string("far") + suffix)).isOk());
+        ASSERT_TRUE(exportCertified(mesh, folder / (std::string("far") + suffix)).isOk());
     EXPECT_NE(test::readText(folder / "far.obj").find("v 1000000.001 1e+06 1e+06\n"), std::string::npos);
     EXPECT_NE(test::readText(folder / "far.off").find("\n1000000.001 1e+06 1e+06 "), std::string::npos);
     EXPECT_NE(test::readText(folder / "far.ply").find("property double x"), std::string::npos);
@@ -126,13 +130,27 @@ TEST(MeshExport, KeepsVerticesApartFarFromTheOrigin) {
     }
 }
 
+TEST(MeshExport, KeepsVerticesHeldOffATieApartFarFromTheOrigin) {
+    const TemporaryFolder folder;
+    auto mesh = test::octahedronAtATie();
+    mesh.geometry.spacing = {0.7, 0.7, 0.7}; // the nudge is less than a float's step there
+    mesh.geometry.origin = {5000.0, 5000.0, 5000.0};
+    for (const char* suffix : {".ply", ".obj", ".off", ".om"}) {
+        ASSERT_TRUE(exportCertified(mesh, folder / (std::string("tie") + suffix)).isOk());
+        const auto report = checkMeshFile(folder / (std::string("tie") + suffix));
+        ASSERT_TRUE(report.isOk()) << report.error().line();
+        EXPECT_EQ(report.value().degenerateTriangles, 0u) << suffix;
+        EXPECT_GT(report.value().enclosedVolume, 0.0) << suffix;
+    }
+}
+
 TEST(MeshExport, WritesPositionsToTheLastBit) {
     for (const char* suffix : {".ply", ".obj", ".off", ".om", ".stl"}) {
         const TemporaryFolder folder;
         auto mesh = test::tetrahedron();
         mesh.positions[1].x = 1.00000012f;
         const auto path = folder / (std::string("mesh") + suffix);
-        ASSERT_TRUE(exportMesh(mesh, path).isOk());
+        ASSERT_TRUE(exportCertified(mesh, path).isOk());
         const auto soup = readMeshFile(path);
         ASSERT_TRUE(soup.isOk());
         double largest = 0;

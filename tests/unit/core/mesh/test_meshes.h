@@ -21,6 +21,20 @@ inline extract::SurfaceMesh tetrahedron() {
     return makeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3});
 }
 
+// Six vertices on the edges round grid point (3, 3, 3), whose scalar is the isovalue: all at that point.
+inline extract::SurfaceMesh octahedronAtATie() {
+    auto mesh = makeMesh(std::vector<glm::vec3>(6, {3, 3, 3}),
+                         {0, 1, 2, 1, 3, 2, 3, 4, 2, 4, 0, 2, 1, 0, 5, 3, 1, 5, 4, 3, 5, 0, 4, 5});
+    const auto edge = [&](int x, int y, int z, int axis) {
+        const auto point = static_cast<std::uint64_t>(x + mesh.geometry.dims[0] * (y + mesh.geometry.dims[1] * z));
+        return 4 * point + static_cast<std::uint64_t>(axis);
+    };
+    // Towards +x, +y, +z, -x, -y, -z of the point.
+    mesh.edgeIds = {edge(3, 3, 3, 0), edge(3, 3, 3, 1), edge(3, 3, 3, 2),
+                    edge(2, 3, 3, 0), edge(3, 2, 3, 1), edge(3, 3, 2, 2)};
+    return mesh;
+}
+
 inline extract::SurfaceMesh twoTetrahedra() {
     auto mesh = tetrahedron();
     for (int i = 0; i < 4; ++i)
