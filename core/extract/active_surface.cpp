@@ -177,18 +177,31 @@ void ActiveSurface<Live>::placeInnerVertices(const SlowCells& slow, double isova
         return;
     const Brick& brick = *slow.brick;
     const Neighbourhood around = neighbourhood(brick);
-    for (const InnerCell& inner : slow.inner) {
-        InnerVertexCell placed;
-        placed.state = &cell::cellStates()[brick.cellState[inner.cell]];
+    const auto states = cell::cellStates();
+    // All vertices round the cells first: they were written past the caches, and are fetched together.
+    std::vector<std::array<std::uint32_t, 12>>& vertices = scratches_.local().innerEdges;
+    vertices.resize(slow.inner.size());
+    for (std::size_t i = 0; i < slow.inner.size(); ++i) {
+        const LocalPoint local = slow.inner[i].cell;
+        for (unsigned mask = cell::activeEdges(states[brick.cellState[local]].signs); mask != 0; mask &= mask - 1) {
+            const auto e = static_cast<std::size_t>(std::countr_zero(mask));
+            const EdgePlace place = edgePlaces()[local][e];
+            vertices[i][e] = around.bricks[place >> kEdgeBits]->vertexOf(place & kEdgeMask);
+            __builtin_prefetch(positions_.data() + vertices[i][e]);
+            __builtin_prefetch(normals_.data() + vertices[i][e]);
+        }
+    }
+    InnerVertexCell placed;
+    for (std::size_t i = 0; i < slow.inner.size(); ++i) {
+        const InnerCell& inner = slow.inner[i];
+        placed.state = &states[brick.cellState[inner.cell]];
         const std::array<std::int32_t, 3> local{inner.cell & 7, inner.cell >> 3 & 7, inner.cell >> 6};
         for (std::size_t a = 0; a < 3; ++a)
             placed.origin[a] = brick.origin[a] + local[a];
         for (unsigned mask = cell::activeEdges(placed.state->signs); mask != 0; mask &= mask - 1) {
             const auto e = static_cast<std::size_t>(std::countr_zero(mask));
-            const EdgePlace place = edgePlaces()[inner.cell][e];
-            const std::uint32_t vertex = around.bricks[place >> kEdgeBits]->vertexOf(place & kEdgeMask);
-            placed.edgePositions[e] = positions_[vertex];
-            placed.edgeNormals[e] = normals_[vertex];
+            placed.edgePositions[e] = positions_[vertices[i][e]];
+            placed.edgeNormals[e] = normals_[vertices[i][e]];
         }
         if (placed.state->tunnel != cell::Tunnel::None) {
             placed.scalars = scalarsOf(around, inner.cell, placed.state->signs);
@@ -263,7 +276,7 @@ SurfaceMesh ActiveSurface<Live>::mesh(double isovalue) const {
         const cell::CellState& state = cell::cellStates()[brick->cellState[cell]];
         const int t = state.triangleCount;
         if (state.innerVertices > 0) {
-            const std::uint32_t first = brick->slow->innerBegin + brick->slow->findInner(cell)->first;
+            const std::uint32_t first = brick->slow->innerBegin + brick->slow->innerOf(cell).first;
             for (std::uint32_t k = first; k < first + state.innerVertices; ++k) {
                 newIndex[k] = static_cast<std::uint32_t>(mesh.positions.size());
                 mesh.positions.push_back(positions_[k]);

@@ -54,12 +54,12 @@ struct ActiveSurface<Live>::Scratch {
     std::vector<const DeactivatedEdge*> deactivated;
     std::vector<std::uint32_t> nextActivated, nextDeactivated;
     std::vector<std::uint16_t> holes;
-    // Cells of the brick at hand that must be written again, their new states (first their signs), and the
-    // hidden scalar of those decided in this move.
+    // Cells of the brick at hand that must be written again, and their new states (first their signs).
     BrickBits rewritten{};
     std::array<cell::StateId, kBrickPoints> newState;
-    std::array<double, kBrickPoints> hiddenScalar;
-    std::vector<InnerCell> inner;
+    std::vector<LocalPoint> leavingInner; ///< cells whose inner vertices go
+    std::vector<InnerCell> arrivingInner;
+    std::vector<std::array<std::uint32_t, 12>> innerEdges; ///< vertices round the inner cells of a brick
 
     std::vector<Brick*> dirty;
     std::uint64_t added = 0;

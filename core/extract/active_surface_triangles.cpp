@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <span>
 
 #include "core/base/check.h"
@@ -154,7 +155,7 @@ private:
         }
         if (state.innerVertices > 0) {
             const SlowCells& slow = *bricks_[0]->slow;
-            const std::uint32_t first = slow.innerBegin + slow.findInner(cell)->first;
+            const std::uint32_t first = slow.innerBegin + slow.innerOf(cell).first;
             for (std::uint32_t k = 0; k < state.innerVertices; ++k)
                 vertices[cell::kInnerVertex + k] = first + k;
         }
@@ -187,11 +188,12 @@ void prefetchBorders(const std::array<Brick*, 8>& bricks) {
     }
 }
 
-// Room for a bucket to grow before the brick is laid out anew; long runs, which are rare, get little.
-std::uint32_t runsWithRoom(std::size_t bucket, std::uint32_t runs) {
+// Room for a bucket to grow before the brick is laid out anew; long runs get some only where there are
+// ambiguous cells.
+std::uint32_t runsWithRoom(std::size_t bucket, std::uint32_t runs, bool hasAmbiguous) {
     if (bucket < kCommonBuckets)
         return runs + runs / 5 + 3;
-    return runs == 0 ? 0 : runs + runs / 8 + 1;
+    return hasAmbiguous ? runs + runs / 4 + 1 : 0;
 }
 
 } // namespace
@@ -362,17 +364,25 @@ template <class Live>
 bool ActiveSurface<Live>::resolveAmbiguous(Brick& brick, const Neighbourhood& around, double isovalue, Scratch& scratch) {
     if (!brick.slow)
         slowCells_.create(brick);
+    const auto states = cell::cellStates();
     std::vector<AmbiguousCell>& list = brick.slow->ambiguous;
     const std::int64_t before = static_cast<std::int64_t>(list.size());
+    scratch.leavingInner.clear();
+    scratch.arrivingInner.clear();
     for (std::size_t i = 0; i < list.size();) {
         const LocalPoint cell = list[i].cell;
         const bool isRewritten = scratch.rewritten[cell >> 6] >> (cell & 63) & 1;
-        const bool isAsBefore = !isRewritten || (scratch.newState[cell] == cell::cellStates()[brick.cellState[cell]].signs &&
-                                                list[i].interval.contains(isovalue));
-        if (isAsBefore) {
+        if (!isRewritten) {
+            ++i;
+            continue;
+        }
+        const cell::CellState& state = states[brick.cellState[cell]];
+        if (scratch.newState[cell] == state.signs && list[i].interval.contains(isovalue)) {
             scratch.newState[cell] = brick.cellState[cell];
             ++i;
         } else {
+            if (state.innerVertices > 0)
+                scratch.leavingInner.push_back(cell);
             list[i] = list.back();
             list.pop_back();
         }
@@ -399,66 +409,70 @@ bool ActiveSurface<Live>::resolveAmbiguous(Brick& brick, const Neighbourhood& ar
             }
             const cell::ResolvedCell resolved = cell::resolveCell(signs, scalars, knowsHidden, isovalue);
             scratch.newState[cell] = resolved.state;
-            scratch.hiddenScalar[cell] = hidden >= 0 ? scalars[static_cast<std::size_t>(hidden)] : 0.0;
+            if (states[resolved.state].innerVertices > 0)
+                scratch.arrivingInner.push_back({cell, 0, hidden >= 0 ? scalars[static_cast<std::size_t>(hidden)] : 0.0});
             list.push_back({resolved.interval, cell});
             ++scratch.resolved;
         }
+    brick.slow->findInterval();
     scratch.ambiguousDifference += static_cast<std::int64_t>(list.size()) - before;
     return hasAll;
 }
 
-// Inner vertices of the brick's cells, numbered anew when the cells that have some change: few do. Cells
-// whose inner vertices get other numbers are rewritten too.
+// Gives cells that arrive with inner vertices room for those: what cells that leave have left, else the
+// end of the brick's run. When that is full, all get new places in a larger one and are rewritten.
 template <class Live>
 void ActiveSurface<Live>::assignInnerVertices(Brick& brick, Scratch& scratch) {
+    if (scratch.leavingInner.empty() && scratch.arrivingInner.empty())
+        return;
     const auto states = cell::cellStates();
     SlowCells& slow = *brick.slow;
-    bool isChanged = false;
-    const auto isRewritten = [&](LocalPoint cell) { return (scratch.rewritten[cell >> 6] >> (cell & 63) & 1) != 0; };
-    const auto stateAfter = [&](LocalPoint cell) { return isRewritten(cell) ? scratch.newState[cell] : brick.cellState[cell]; };
-    for (const InnerCell& inner : slow.inner)
-        isChanged = isChanged || stateAfter(inner.cell) != brick.cellState[inner.cell];
-    for (const AmbiguousCell& ambiguous : slow.ambiguous)
-        isChanged = isChanged || (states[stateAfter(ambiguous.cell)].innerVertices > 0 && stateAfter(ambiguous.cell) != brick.cellState[ambiguous.cell]);
-    if (!isChanged)
-        return;
-
-    scratch.inner.clear();
-    std::uint32_t count = 0;
-    for (const AmbiguousCell& ambiguous : slow.ambiguous) {
-        const cell::CellState& state = states[stateAfter(ambiguous.cell)];
-        if (state.innerVertices == 0)
-            continue;
-        const InnerCell* before = slow.findInner(ambiguous.cell);
-        const bool isKept = before && stateAfter(ambiguous.cell) == brick.cellState[ambiguous.cell];
-        scratch.inner.push_back({ambiguous.cell, static_cast<std::uint16_t>(count), isKept ? before->hiddenScalar : scratch.hiddenScalar[ambiguous.cell]});
-        count += state.innerVertices;
+    for (const LocalPoint cell : scratch.leavingInner) {
+        const std::uint16_t first = slow.innerOf(cell).first;
+        const std::uint32_t count = states[brick.cellState[cell]].innerVertices;
+        if (count == 6)
+            slow.tunnelHoles.push_back(first);
+        else
+            for (std::uint32_t k = 0; k < count; ++k)
+                slow.singleHoles.push_back(static_cast<std::uint16_t>(first + k));
+        slow.removeInner(cell);
     }
-    const bool hasMoved = count > slow.innerCapacity;
-    if (hasMoved || count == 0) {
+    const auto place = [&](InnerCell& inner, std::uint32_t count) {
+        std::vector<std::uint16_t>& holes = count == 6 ? slow.tunnelHoles : slow.singleHoles;
+        if ((count == 6 || count == 1) && !holes.empty()) {
+            inner.first = holes.back();
+            holes.pop_back();
+        } else {
+            inner.first = static_cast<std::uint16_t>(slow.innerEnd);
+            slow.innerEnd += count;
+        }
+    };
+    for (InnerCell& inner : scratch.arrivingInner) {
+        place(inner, states[scratch.newState[inner.cell]].innerVertices);
+        slow.addInner(inner);
+    }
+    if (slow.innerEnd > slow.innerCapacity) {
         releaseInnerRun(slow);
-        if (count > 0) {
-            slow.innerCapacity = vertexRuns_.roundUp(count + count / 4);
-            slow.innerBegin = vertexRuns_.allocate(slow.innerCapacity);
+        for (InnerCell& inner : slow.inner) {
+            const bool isRewritten = scratch.rewritten[inner.cell >> 6] >> (inner.cell & 63) & 1;
+            if (!isRewritten) {
+                scratch.rewritten[inner.cell >> 6] |= std::uint64_t{1} << (inner.cell & 63);
+                scratch.newState[inner.cell] = brick.cellState[inner.cell];
+            }
+            place(inner, states[scratch.newState[inner.cell]].innerVertices);
         }
+        slow.innerCapacity = vertexRuns_.roundUp(slow.innerEnd + slow.innerEnd / 4);
+        slow.innerBegin = vertexRuns_.allocate(slow.innerCapacity);
+    } else if (slow.inner.empty()) {
+        releaseInnerRun(slow);
     }
-    for (const InnerCell& inner : scratch.inner) {
-        const InnerCell* before = slow.findInner(inner.cell);
-        if ((hasMoved || !before || before->first != inner.first) && !isRewritten(inner.cell)) {
-            scratch.rewritten[inner.cell >> 6] |= std::uint64_t{1} << (inner.cell & 63);
-            scratch.newState[inner.cell] = brick.cellState[inner.cell];
-        }
-    }
-    slow.inner.assign(scratch.inner.begin(), scratch.inner.end());
-    slow.innerCount = count;
 }
 
 template <class Live>
 void ActiveSurface<Live>::releaseInnerRun(SlowCells& slow) {
     if (slow.innerBegin != kNoRun)
         vertexRuns_.free(slow.innerBegin, slow.innerCapacity);
-    slow.innerBegin = kNoRun;
-    slow.innerCapacity = slow.innerCount = 0;
+    slow.forgetInnerRun();
 }
 
 // Moves a bucket's last run into the hole that a cell leaves.
@@ -534,7 +548,7 @@ void ActiveSurface<Live>::layOutBrick(Brick& brick, const Neighbourhood& around)
     bool isEmpty = true;
     for (std::size_t b = 0; b < kBuckets; ++b) {
         brick.bucketBegin[b] = static_cast<std::uint16_t>(total);
-        total += kRunLengths[b] * runsWithRoom(b, runs[b]);
+        total += kRunLengths[b] * runsWithRoom(b, runs[b], brick.slow != nullptr);
         isEmpty = isEmpty && runs[b] == 0;
     }
     brick.bucketBegin[kBuckets] = static_cast<std::uint16_t>(total);

@@ -11,7 +11,8 @@ SlowCells& SlowCellTable::create(Brick& brick) {
     cells.brick = &brick;
     cells.listPosition = static_cast<std::uint32_t>(list_.size());
     list_.push_back(&cells);
-    intervals_.push_back(cells.interval());
+    cells.clear();
+    intervals_.push_back(cells.interval);
     brick.slow = &cells;
     return cells;
 }
@@ -23,10 +24,7 @@ void SlowCellTable::remove(Brick& brick) {
     list_[cells.listPosition]->listPosition = cells.listPosition;
     list_.pop_back();
     intervals_.pop_back();
-    cells.ambiguous.clear();
-    cells.inner.clear();
-    cells.innerBegin = kNoRun;
-    cells.innerCapacity = cells.innerCount = 0;
+    cells.clear();
     cells.brick = nullptr;
     brick.slow = nullptr;
     free_.push_back(&cells);
@@ -37,7 +35,7 @@ void SlowCellTable::clear() {
         remove(*list_.back()->brick);
 }
 
-void SlowCellTable::refreshInterval(const SlowCells& cells) { intervals_[cells.listPosition] = cells.interval(); }
+void SlowCellTable::refreshInterval(const SlowCells& cells) { intervals_[cells.listPosition] = cells.interval; }
 
 std::size_t SlowCellTable::memoryBytes() const {
     std::size_t bytes = pool_.size() * sizeof(SlowCells) + intervals_.size() * sizeof(intervals_[0]);

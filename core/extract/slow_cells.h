@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -30,26 +32,47 @@ struct InnerCell {
 struct SlowCells {
     Brick* brick = nullptr;
     std::uint32_t listPosition = 0;
+    cell::StateInterval interval{}; ///< isovalues between which no cell of the brick changes its state
     std::vector<AmbiguousCell> ambiguous; ///< in no order
-    std::vector<InnerCell> inner;         ///< by `first`
+    std::vector<InnerCell> inner;         ///< in no order
     std::uint32_t innerBegin = kNoRun;
     std::uint32_t innerCapacity = 0;
-    std::uint32_t innerCount = 0; ///< vertices
+    std::uint32_t innerEnd = 0; ///< vertices handed out, those in holes included
+    /// Where cells that are gone have left room for one vertex, or for a tunnel's six.
+    std::vector<std::uint16_t> singleHoles, tunnelHoles;
+    /// For cells in `inner`: their place there.
+    std::array<std::uint16_t, kBrickPoints> innerPlace;
 
-    /// Isovalues between which no cell of the brick changes its state.
-    cell::StateInterval interval() const {
-        cell::StateInterval all{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-        for (const AmbiguousCell& a : ambiguous) {
-            all.below = std::max(all.below, a.interval.below);
-            all.above = std::min(all.above, a.interval.above);
-        }
-        return all;
+    void clear() {
+        interval = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+        ambiguous.clear();
+        inner.clear();
+        forgetInnerRun();
     }
-    const InnerCell* findInner(LocalPoint cell) const {
-        for (const InnerCell& candidate : inner)
-            if (candidate.cell == cell)
-                return &candidate;
-        return nullptr;
+    void forgetInnerRun() {
+        innerBegin = kNoRun;
+        innerCapacity = innerEnd = 0;
+        singleHoles.clear();
+        tunnelHoles.clear();
+    }
+    void findInterval() {
+        interval = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+        for (const AmbiguousCell& a : ambiguous) {
+            interval.below = std::max(interval.below, a.interval.below);
+            interval.above = std::min(interval.above, a.interval.above);
+        }
+    }
+    /// REQUIRES: the cell has inner vertices.
+    InnerCell& innerOf(LocalPoint cell) { return inner[innerPlace[cell]]; }
+    const InnerCell& innerOf(LocalPoint cell) const { return inner[innerPlace[cell]]; }
+    void addInner(const InnerCell& added) {
+        innerPlace[added.cell] = static_cast<std::uint16_t>(inner.size());
+        inner.push_back(added);
+    }
+    void removeInner(LocalPoint cell) {
+        inner[innerPlace[cell]] = inner.back();
+        innerPlace[inner.back().cell] = innerPlace[cell];
+        inner.pop_back();
     }
 };
 
