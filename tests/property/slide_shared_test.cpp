@@ -2,10 +2,12 @@
 
 #include <random>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
+#include "core/mesh/certificate.h"
 #include "core/volume_io/volume_reader.h"
 #include "preprocess/build_index.h"
 #include "tests/property/surface_comparison.h"
@@ -51,6 +53,49 @@ TEST_P(SharedSlide, SlidingGivesTheFreshSurface) {
         EXPECT_EQ(moved.value().triangles, slid.triangleCount());
     }
 }
+
+// Every isovalue of an 8-bit volume is a sample's: the worst case for ties. Slid upwards through all, each
+// surface certified, some compared with a fresh one; then down again in strides.
+class SharedBytes : public testing::TestWithParam<const char*> {};
+
+TEST_P(SharedBytes, EveryIsovalueHasAValidSurface) {
+    const auto path = std::filesystem::path(ISOSLIDER_SHARED_DIR) / "data" / GetParam();
+    if (!std::filesystem::exists(path))
+        GTEST_SKIP() << "further test data is not here: " << path;
+    const auto grid = io::readVolume(path);
+    ASSERT_THAT(grid, IsOk());
+    ASSERT_EQ(grid.value()->type(), ScalarType::U8);
+    const test::TemporaryFolder folder;
+    const auto source = io::openVolume(path);
+    ASSERT_THAT(source, IsOk());
+    ASSERT_THAT(preprocess::buildIndex(*source.value(), folder / "a.isx"), IsOk());
+    const auto engine = SlideEngine::open(folder / "a.isx");
+    ASSERT_THAT(engine, IsOk());
+    for (int isovalue = 0; isovalue < 256; ++isovalue) {
+        SCOPED_TRACE(isovalue);
+        ASSERT_THAT(engine.value()->slideTo(isovalue), IsOk());
+        const SurfaceMesh slid = engine.value()->mesh();
+        const mesh::Certificate certificate = mesh::certify(slid, {GetParam(), 0});
+        ASSERT_THAT(mesh::faultsOf(certificate), testing::IsEmpty());
+        ASSERT_EQ(certificate.report.degenerateTriangles, 0u);
+        if (isovalue % 16 == 0) {
+            const auto fresh = extractFull(*grid.value(), isovalue);
+            ASSERT_THAT(fresh, IsOk());
+            ASSERT_TRUE(test::isSameSurface(slid, fresh.value()));
+        }
+    }
+    for (int isovalue = 255; isovalue >= 0; isovalue -= 17) {
+        SCOPED_TRACE(isovalue);
+        ASSERT_THAT(engine.value()->slideTo(isovalue), IsOk());
+        const auto fresh = extractFull(*grid.value(), isovalue);
+        ASSERT_THAT(fresh, IsOk());
+        ASSERT_TRUE(test::isSameSurface(engine.value()->mesh(), fresh.value()));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Volumes, SharedBytes,
+                         testing::Values("mha/fuel.mha", "mha/hydrogenAtom.mha", "mha/marschnerlobb.mha", "mha/neghip.mha",
+                                         "mha/nucleon.mha", "mha/silicium.mha"));
 
 INSTANTIATE_TEST_SUITE_P(Volumes, SharedSlide,
                          testing::Values("mhd/cranium.mhd", "mha/fuel.mha", "mha/hydrogenAtom.mha", "mha/marschnerlobb.mha",
