@@ -16,6 +16,7 @@
 #include "core/grid/classification.h"
 #include "core/index/index_writer.h"
 #include "preprocess/external_sort.h"
+#include "preprocess/hidden_page_builder.h"
 #include "preprocess/level_builder.h"
 #include "preprocess/record_generator.h"
 
@@ -23,7 +24,7 @@ namespace isoslider::preprocess {
 namespace {
 
 // Three passes. 1: counts by key prefix (partitions, span bins, range). 2: records, generated brick
-// by brick, distributed by value. 3: partitions sorted one after the other, cut into blocks, encoded.
+// by brick, distributed by value; hidden corners, written as they come. 3: partitions sorted one after the other, cut into blocks, encoded.
 
 constexpr int kPrefixBits = 16;
 constexpr std::size_t kHistogramBins = 512;
@@ -82,7 +83,7 @@ public:
         const SpanBins bins = makeSpanBins(countsByPrefix_, kKeyShift);
         SpanHistogram histogram(bins.count());
         ExternalSort<Key> sort(countsByPrefix_, kKeyShift, sortMemory(), spillPath(), fileSystem());
-        ISO_TRY(generateRecords(bins, histogram, sort));
+        ISO_TRY(generateRecords(bins, histogram, sort, *writer.value()));
         LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlocks(histogram, bins));
         beginCurves();
         ISO_TRY(sort.drain([&](std::span<const Record> records) { return consume(records, levels); }, part(0.4, 1.0)));
@@ -139,11 +140,12 @@ private:
         return {};
     }
 
-    Status generateRecords(const SpanBins& bins, SpanHistogram& histogram, ExternalSort<Key>& sort) {
+    Status generateRecords(const SpanBins& bins, SpanHistogram& histogram, ExternalSort<Key>& sort, index::IndexWriter& writer) {
         const JobControl share = part(0.1, 0.4);
         beginHistogram();
         SlabWindow<Sample> window(source_);
         LayerRecords<Key> layerRecords;
+        HiddenPageBuilder hiddenPages(writer, source_.info().type);
         std::vector<std::uint64_t> lonely;
         for (std::int64_t layer = 0; layer < layerCount(); ++layer) {
             if (job_.isStopRequested())
@@ -157,11 +159,14 @@ private:
             sampleRecords(layerRecords, grid_.brickAt(0, 0, layer));
             for (const auto& brick : layerRecords.bricks)
                 ISO_TRY(sort.add(brick));
+            for (const auto& brick : layerRecords.hiddenCorners)
+                ISO_TRY(hiddenPages.addBrick(brick));
             missingCells_.insert(missingCells_.end(), layerRecords.missingCells.begin(), layerRecords.missingCells.end());
             lonely.insert(lonely.end(), layerRecords.lonelyKeys.begin(), layerRecords.lonelyKeys.end());
         }
         if (info_.min == info_.max)
             lonely.push_back(keyOf(static_cast<Sample>(info_.min)));
+        ISO_TRY(hiddenPages.finish());
         distinct_.setLonelyKeys(std::move(lonely));
         return {};
     }
@@ -271,7 +276,7 @@ private:
     std::uint64_t sortMemory() const {
         // What the window of planes and the layer's records take comes off the budget first.
         const std::uint64_t plane = static_cast<std::uint64_t>(geometry_.dims[0] * geometry_.dims[1]);
-        const std::uint64_t working = plane * (12 * sizeof(Sample) + 10 * (sizeof(Key) + 3) + 8 * sizeof(Record) * 3 / 2);
+        const std::uint64_t working = plane * (12 * sizeof(Sample) + 10 * (sizeof(Key) + 3) + 8 * sizeof(Record) * 3 / 2 + sizeof(index::HiddenCorner));
         const std::uint64_t usable = options_.memoryBytes - options_.memoryBytes / 8;
         return std::max<std::uint64_t>(usable > working ? usable - working : 0, std::uint64_t{16} << 20);
     }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/grid/scalar_key.h"
+#include "core/index/hidden_corner_codec.h"
 #include "core/index/index_format.h"
 #include "core/index/point_record.h"
 #include "preprocess/block_intervals.h"
@@ -16,6 +17,8 @@ template <class Key>
 struct LayerRecords {
     /// One list per brick of the layer, in brick order; each in point id order.
     std::vector<std::vector<index::PointRecord<Key>>> bricks;
+    /// Likewise; ascending by place.
+    std::vector<std::vector<index::HiddenCorner>> hiddenCorners;
     std::vector<index::MissingCells> missingCells;
     /// Keys of points without a record though a neighbour differs or is missing: they have no usable
     /// edge, and would be overlooked when distinct values are counted.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/extract/slide_engine.h"
+#include "core/index/index_format.h"
 #include "preprocess/build_index.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/faulty_file_system.h"
@@ -28,6 +29,8 @@ protected:
         EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.isx"});
         EXPECT_TRUE(test::readText(folder_ / "a.isx") == earlier_);
     }
+
+    void expectEveryFailingCallLeavesTheEarlierIndex();
 
     test::TemporaryFolder folder_;
     std::string earlier_;
@@ -56,7 +59,7 @@ TEST_F(BuildFailure, CancellingAtAnyReportLeavesTheEarlierIndex) {
 }
 
 // Closing is the last call: the index has its name by then, and whatever closing says does not undo that.
-TEST_F(BuildFailure, EveryFailingCallIsReportedAndLeavesTheEarlierIndex) {
+void BuildFailure::expectEveryFailingCallLeavesTheEarlierIndex() {
     const test::TemporaryFolder other;
     test::FaultyFileSystem counting(-1, 0);
     BuildOptions counted;
@@ -85,6 +88,17 @@ TEST_F(BuildFailure, EveryFailingCallIsReportedAndLeavesTheEarlierIndex) {
     }
     EXPECT_TRUE(test::readText(folder_ / "a.isx") == later);
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.isx"});
+}
+
+TEST_F(BuildFailure, EveryFailingCallIsReportedAndLeavesTheEarlierIndex) { expectEveryFailingCallLeavesTheEarlierIndex(); }
+
+TEST_F(BuildFailure, SoDoesEveryFailingCallAmongHiddenCorners) {
+    grid_ = test::noiseVolume({48, 40, 33}, 2, 200);
+    const test::TemporaryFolder other;
+    const auto built = test::buildIndexOf(grid_, other / "a.isx");
+    ASSERT_THAT(built, IsOk());
+    ASSERT_GT(built.value().info.hiddenCorners, index::kMaxHiddenPageCorners / 2);
+    expectEveryFailingCallLeavesTheEarlierIndex();
 }
 
 // A source whose nth slab cannot be read.
