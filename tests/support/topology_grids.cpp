@@ -20,6 +20,8 @@ public:
         share_ = 0.15 + 0.4 * pickUnit(random);
         spread_ = 5.0 * pickUnit(random);
         sign_ = pickInt(random, 0, 1) != 0 ? 1.0 : -1.0;
+        extreme_ = std::array{CellKind::Denormal, CellKind::HugeFloats,
+                              CellKind::HugeDoubles}[static_cast<std::size_t>(pickInt(random, 0, 2))];
     }
 
     double operator()(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -36,6 +38,7 @@ public:
             case GridKind::Plane: return linear(0, x, y, z);
             case GridKind::NearTies: return disturbed(linear(0, x, y, z) * linear(4, x, y, z));
             case GridKind::Doubles: return 2.0 * pickUnit(random_) - 1.0;
+            case GridKind::Extreme: return randomCell(extreme_, random_)[0];
         }
         return 0.0;
     }
@@ -63,6 +66,7 @@ private:
     Random& random_;
     std::array<double, 8> terms_;
     double share_, spread_, sign_;
+    CellKind extreme_;
 };
 
 template <class Sample>
@@ -98,8 +102,8 @@ double TopologyGrid::max() const { return *std::max_element(scalars.begin(), sca
 
 const char* gridKindName(GridKind kind) {
     static constexpr const char* kNames[kGridKinds] = {
-        "open",         "tiny integers",  "small integers", "closed",    "saddles",
-        "checkerboard", "plus minus one", "plane",          "near ties", "doubles"};
+        "open",           "tiny integers", "small integers", "closed",  "saddles", "checkerboard",
+        "plus minus one", "plane",         "near ties",      "doubles", "extreme"};
     return kNames[static_cast<int>(kind)];
 }
 
@@ -135,7 +139,9 @@ TopologyGrid randomTopologyGrid(GridKind kind, std::int64_t shortest, std::int64
                                 std::to_string(dims[1]) + "x" + std::to_string(dims[2]));
 }
 
-double topologyIsovalue(const TopologyGrid& grid, Random& random) {
+namespace {
+
+double anyIsovalue(const TopologyGrid& grid, Random& random) {
     const auto last = [](const auto& list) { return static_cast<std::int64_t>(list.size()) - 1; };
     const auto sample = [&] {
         return grid.scalars[static_cast<std::size_t>(pickInt(random, 0, last(grid.scalars)))];
@@ -160,6 +166,13 @@ double topologyIsovalue(const TopologyGrid& grid, Random& random) {
         case 4: return 0.5 * (target + sample());
         default: return target;
     }
+}
+
+} // namespace
+
+double topologyIsovalue(const TopologyGrid& grid, Random& random) {
+    const double isovalue = anyIsovalue(grid, random);
+    return std::isfinite(isovalue) ? isovalue : 0.0;
 }
 
 } // namespace isoslider::test

@@ -34,8 +34,9 @@ enum class GridKind {
     Plane, ///< linear in the place, or constant in layers
     NearTies, ///< products of linear functions, some scalars moved by an ulp
     Doubles,
+    Extreme, ///< denormals, or FLT_MAX and DBL_MAX beside tiny ones
 };
-inline constexpr int kGridKinds = 10;
+inline constexpr int kGridKinds = 11;
 const char* gridKindName(GridKind kind);
 
 /// A grid of given scalars, of a type that holds them exactly: i8, i16, f32 or f64.
@@ -46,7 +47,7 @@ TopologyGrid makeTopologyGrid(std::vector<double> scalars, const std::array<std:
 TopologyGrid randomTopologyGrid(GridKind kind, std::int64_t shortest, std::int64_t longest, Random& random);
 
 /// To go to: an integer, a scalar or its neighbour, a face's or body's saddle value, exactly as rounded, a
-/// little beside, or half way to the next; sometimes anything between the extremes or outside.
+/// little beside, or half way to the next; sometimes anything between the extremes or outside. Finite.
 double topologyIsovalue(const TopologyGrid& grid, Random& random);
 
 } // namespace isoslider::test

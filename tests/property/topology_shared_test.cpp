@@ -1,0 +1,109 @@
+// The published grids of known topology, where the folder with further test data is there.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "core/extract/full_extraction.h"
+#include "tests/property/topology_law.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider::test {
+namespace {
+
+std::filesystem::path listed(const char* name) {
+    return std::filesystem::path(ISOSLIDER_SHARED_DIR) / "reference" / "topology" / name;
+}
+
+// Rows of a file of numbers, the line of names left out; words become NaN.
+std::vector<std::vector<double>> readRows(const std::filesystem::path& path) {
+    std::vector<std::vector<double>> rows;
+    std::ifstream file(path);
+    std::string line;
+    std::getline(file, line);
+    while (std::getline(file, line)) {
+        std::replace(line.begin(), line.end(), ',', ' ');
+        std::istringstream columns(line);
+        std::vector<double>& row = rows.emplace_back();
+        for (std::string word; columns >> word;) {
+            char* end = nullptr;
+            const double number = std::strtod(word.c_str(), &end);
+            row.push_back(*end == '\0' ? number : std::nan(""));
+        }
+    }
+    return rows;
+}
+
+// id, three dims, `skipped` further columns, values
+TopologyGrid gridOfRow(const std::vector<double>& row, std::size_t skipped) {
+    const std::array<std::int64_t, 3> dims{std::llround(row[1]), std::llround(row[2]), std::llround(row[3])};
+    return makeTopologyGrid({row.begin() + 4 + static_cast<std::ptrdiff_t>(skipped), row.end()}, dims,
+                            "grid " + std::to_string(std::llround(row[0])));
+}
+
+class ListedGrids : public testing::TestWithParam<const char*> {};
+
+TEST_P(ListedGrids, HaveTheListedCounts) {
+    if (!std::filesystem::exists(listed(GetParam())))
+        GTEST_SKIP() << "further test data is not here: " << listed(GetParam());
+    const TemporaryFolder folder;
+    const auto rows = readRows(listed(GetParam()));
+    ASSERT_GT(rows.size(), 100u);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const TopologyGrid grid = gridOfRow(rows[i], 5);
+        ASSERT_EQ(grid.scalars.size(), 125u);
+        const GridTopology found = sweepGrid(grid.scalars, grid.dims, 0.0, static_cast<int>(i % 3));
+        const GridTopology expected{std::llround(rows[i][5]), std::llround(rows[i][4]),
+                                    std::llround(rows[i][6]), std::llround(rows[i][8]), found.tunnels};
+        ASSERT_EQ(toString(found), toString(expected)) << grid.description;
+        const auto fresh = extract::extractFull(*grid.grid, 0.0);
+        ASSERT_TRUE(fresh.isOk());
+        ASSERT_EQ(surfaceFault(fresh.value(), grid, expected), "") << grid.description;
+        if (i % 25 != 0)
+            continue;
+        TopologyWalker walker(grid, folder / "a.isx", 3, 0.3);
+        ASSERT_EQ(walker.fault(), "");
+        for (const double isovalue : {grid.min(), 0.0, grid.max() + 1.0, 0.0})
+            ASSERT_EQ(walker.slideFault(isovalue, true), "") << grid.description;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, ListedGrids,
+                         testing::Values("grids_open_5.csv", "grids_open_5_small.csv", "hard_grids_5.csv"));
+
+// Columns of events_4.csv: grid, isovalue, kind, Euler number, components and loops below, the same above.
+TEST(ListedEvents, ChangeTheCountsAsListed) {
+    if (!std::filesystem::exists(listed("events_4.csv")))
+        GTEST_SKIP() << "further test data is not here: " << listed("events_4.csv");
+    std::map<std::int64_t, TopologyGrid> grids;
+    for (const auto& row : readRows(listed("event_grids_4.csv")))
+        grids.emplace(std::llround(row[0]), gridOfRow(row, 0));
+    const auto events = readRows(listed("events_4.csv"));
+    ASSERT_GT(events.size(), 6000u);
+    for (const auto& event : events) {
+        const TopologyGrid& grid = grids.at(std::llround(event[0]));
+        // A saddle's value is listed to six decimals, a sample's exactly.
+        const bool isAtSample = event[1] == std::round(event[1]);
+        const double below = isAtSample ? event[1] : event[1] - 2e-6,
+                     above = isAtSample ? std::nextafter(event[1], 1e9) : event[1] + 2e-6;
+        for (const auto& [isovalue, first] :
+             {std::pair(below, std::size_t{3}), std::pair(above, std::size_t{6})}) {
+            GridTopology expected = sweepGrid(grid.scalars, grid.dims, isovalue);
+            ASSERT_EQ(expected.euler, std::llround(event[first])) << grid.description << " at " << isovalue;
+            ASSERT_EQ(expected.components, std::llround(event[first + 1]));
+            ASSERT_EQ(expected.loops, std::llround(event[first + 2]));
+            const auto fresh = extract::extractFull(*grid.grid, isovalue);
+            ASSERT_TRUE(fresh.isOk());
+            ASSERT_EQ(surfaceFault(fresh.value(), grid, expected), "")
+                << grid.description << " at " << isovalue;
+        }
+    }
+}
+
+} // namespace
+} // namespace isoslider::test
