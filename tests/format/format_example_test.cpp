@@ -7,9 +7,10 @@
 
 #include "core/grid/scalar_key.h"
 #include "core/index/block_codec.h"
+#include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
 #include "tests/format/document_decoder.h"
-#include "tests/property/test_volumes.h"
+#include "tests/property/random_volumes.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -18,17 +19,19 @@ namespace {
 
 using test::IsOk;
 
-// The bytes of the ```hex block of the document; a '#' begins a remark.
-std::vector<std::byte> bytesOfWorkedExample() {
+// The bytes of a ```hex block of the document, the first or the second; a '#' begins a remark.
+std::vector<std::byte> bytesOfWorkedExample(int wanted = 1) {
     std::istringstream text(test::readText(std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "core/index/FORMAT.md"));
     std::vector<std::byte> bytes;
     bool isInside = false;
+    int block = 0;
     for (std::string line; std::getline(text, line);) {
         if (line.rfind("```", 0) == 0) {
             isInside = line == "```hex";
+            block += isInside;
             continue;
         }
-        if (!isInside)
+        if (!isInside || block != wanted)
             continue;
         std::istringstream fields(line.substr(0, line.find('#')));
         for (std::string field; fields >> field;)
@@ -40,6 +43,58 @@ std::vector<std::byte> bytesOfWorkedExample() {
 std::shared_ptr<const ScalarGrid> exampleVolume() {
     return test::makeVolume<std::uint8_t>(ScalarType::U8, test::cubeGeometry(2),
                                           [](auto x, auto y, auto z) { return x + y + z == 3 ? 9 : 3; });
+}
+
+// The document's example with hidden corners.
+std::shared_ptr<const ScalarGrid> hiddenExampleVolume() {
+    static constexpr int kSamples[2][2][3] = {{{0, 1, 2}, {0, 0, 2}}, {{1, 0, 2}, {0, 1, 0}}};
+    GridGeometry geometry;
+    geometry.dims = {3, 2, 2};
+    return test::makeVolume<std::uint8_t>(ScalarType::U8, geometry, [](auto x, auto y, auto z) { return kSamples[z][y][x]; });
+}
+
+// Little-endian numbers, one after the other.
+class NumberReader {
+public:
+    NumberReader(const std::string& file, std::size_t at) : file_(file), at_(at) {}
+    std::uint64_t next(int bytes) {
+        std::uint64_t value = 0;
+        for (int i = bytes - 1; i >= 0; --i)
+            value = value << 8 | static_cast<unsigned char>(file_.at(at_ + static_cast<std::size_t>(i)));
+        skip(static_cast<std::size_t>(bytes));
+        return value;
+    }
+    void skip(std::size_t bytes) { at_ += bytes; }
+    std::size_t at() const { return at_; }
+
+private:
+    const std::string& file_;
+    std::size_t at_;
+};
+
+// What the document's tables of meta say of the pages of hidden corners.
+std::vector<HiddenPageEntry> hiddenPagesByDocument(const std::string& file) {
+    NumberReader in(file, NumberReader(file, 16).next(8));
+    in.skip(1 + 3 * 8 + 3 * 8 + 3 * 8 + 9 * 8 + 2 * 8 + 8 + 8 + 8); // to the name
+    in.skip(in.next(4));
+    in.skip(2 * 8);
+    in.skip(16 * in.next(4));
+    for (std::uint64_t level = in.next(4); level > 0; --level) {
+        in.skip(6 * 8);
+        const std::uint64_t pages = in.next(8), blocks = in.next(8);
+        in.skip(44 * pages + 32 * blocks);
+    }
+    std::vector<HiddenPageEntry> entries(in.next(8));
+    for (HiddenPageEntry& entry : entries) {
+        for (std::uint32_t* field : {&entry.firstBrick, &entry.lastBrick, &entry.corners, &entry.bytes})
+            *field = static_cast<std::uint32_t>(in.next(4));
+        entry.offset = in.next(8);
+        entry.checksum = in.next(8);
+    }
+    EXPECT_EQ(in.next(8), 0u) << "bricks with missing cells";
+    in.skip(in.next(8));
+    EXPECT_EQ(in.at(), file.size());
+    return entries;
 }
 
 template <class Key>
@@ -105,6 +160,69 @@ TEST(FormatDocument, ExampleIsWhatABuildWrites) {
     ASSERT_THAT(reader.value()->readPage(levels[0].pages[0], bytes), IsOk());
     EXPECT_EQ(bytes, bytesOfWorkedExample());
     EXPECT_EQ(levels.size(), 1u) << "a single block over all values would hold nothing";
+}
+
+TEST(FormatDocument, ExampleOfHiddenCornersSaysWhatItsTextSays) {
+    const auto bytes = bytesOfWorkedExample(2);
+    ASSERT_EQ(bytes.size(), 48u);
+    const auto corners = test::DocumentDecoder(bytes).decodeHidden();
+    ASSERT_TRUE(corners.has_value());
+    EXPECT_EQ(*corners, (std::vector<test::DocumentCorner>{{0, 8 * 0 + 2, 0}, {0, 8 * 1 + 1, 2}}));
+}
+
+TEST(FormatDocument, ExampleOfHiddenCornersIsWhatABuildWrites) {
+    const test::TemporaryFolder folder;
+    ASSERT_THAT(test::buildIndexOf(hiddenExampleVolume(), folder / "example.isx"), IsOk());
+    const std::string file = test::readText(folder / "example.isx");
+    const auto entries = hiddenPagesByDocument(file);
+    ASSERT_EQ(entries.size(), 1u);
+    EXPECT_EQ(entries[0].firstBrick, 0u);
+    EXPECT_EQ(entries[0].lastBrick, 0u);
+    EXPECT_EQ(entries[0].corners, 2u);
+    const auto bytes = bytesOfWorkedExample(2);
+    const std::string page = file.substr(entries[0].offset, entries[0].bytes);
+    EXPECT_EQ(page, std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    const std::uint64_t seed = NumberReader(file, 48).next(8);
+    EXPECT_EQ(entries[0].checksum, pageChecksum(bytes, seed, entries[0].offset));
+    const auto reader = IndexReader::open(folder / "example.isx");
+    ASSERT_THAT(reader, IsOk());
+    EXPECT_EQ(HiddenCorners(*reader.value()).find(0, 0, 2).value(), 0.0);
+    EXPECT_EQ(HiddenCorners(*reader.value()).find(0, 1, 1).value(), 2.0);
+}
+
+TEST(FormatDocument, ReadsHiddenCornersOfRealIndices) {
+    const test::TemporaryFolder folder;
+    test::Random random(8);
+    GridGeometry geometry;
+    geometry.dims = {50, 44, 37};
+    const auto noise = test::makeVolume<float>(ScalarType::F32, geometry, [&](auto, auto, auto) { return test::unitRandom(random) - 0.5; });
+    ASSERT_THAT(test::buildIndexOf(noise, folder / "a.isx"), IsOk());
+    const std::string file = test::readText(folder / "a.isx");
+    const auto entries = hiddenPagesByDocument(file);
+    const auto reader = IndexReader::open(folder / "a.isx");
+    ASSERT_THAT(reader, IsOk());
+    const HiddenCorners hidden(*reader.value());
+    ASSERT_GE(entries.size(), 2u);
+    std::size_t compressed = 0;
+    for (const HiddenPageEntry& entry : entries) {
+        const auto page = std::as_bytes(std::span(file)).subspan(entry.offset, entry.bytes);
+        const auto corners = test::DocumentDecoder(page).decodeHidden();
+        ASSERT_TRUE(corners.has_value());
+        ASSERT_EQ(corners->size(), entry.corners);
+        EXPECT_EQ(corners->front().brick, entry.firstBrick);
+        EXPECT_EQ(corners->back().brick, entry.lastBrick);
+        for (const test::DocumentCorner& corner : *corners) {
+            const auto cell = static_cast<LocalPoint>(corner.place / 8);
+            const int i = static_cast<int>(corner.place % 8);
+            const auto p = reader.value()->grid().pointCoords(PointId{corner.brick} * kBrickPoints + cell);
+            const double sample = noise->valueAt(p[0] + i % 2, p[1] + i / 2 % 2, p[2] + i / 4);
+            ASSERT_EQ(corner.key, keyOf(static_cast<float>(sample)));
+            ASSERT_EQ(hidden.find(static_cast<BrickIndex>(corner.brick), cell, i).value(), sample);
+        }
+        for (std::size_t plane = 0; plane < 8; ++plane)
+            compressed += static_cast<int>(page[16 + 4 * plane + 3]) >> 6 == 2;
+    }
+    EXPECT_GT(compressed, 0u);
 }
 
 TEST(FormatDocument, PreambleFieldsAreWhereTheTableSays) {
