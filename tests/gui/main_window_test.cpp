@@ -150,6 +150,12 @@ QLabel* factOf(const QWidget& form, const char* name) {
     return nullptr;
 }
 
+/// Its text, with plain spaces.
+std::string factTextOf(const QWidget& form, const char* name) {
+    const auto* label = factOf(form, name);
+    return label == nullptr ? "not shown" : label->text().replace(QChar(QChar::Nbsp), QLatin1Char(' ')).toStdString();
+}
+
 TEST_F(MainWindowTest, ShowsTheCertificateOfTheSurface) {
     openBall();
     const auto* form = child<QWidget>("certificateForm");
@@ -157,20 +163,26 @@ TEST_F(MainWindowTest, ShowsTheCertificateOfTheSurface) {
     session_->isovalue().request(-6.0);
     trigger("mesh.check");
     ASSERT_TRUE(waitUntil([&] { return factOf(*form, "Surface") != nullptr; }));
-    EXPECT_EQ(factOf(*form, "Surface")->text().toStdString(), "closed");
+    EXPECT_EQ(factTextOf(*form, "Surface"), "closed");
     EXPECT_TRUE(factOf(*form, "Sound")->text().contains(QStringLiteral("yes")));
-    EXPECT_EQ(factOf(*form, "Euler number")->text().toStdString(), "2");
-    EXPECT_EQ(factOf(*form, "Genus")->text().toStdString(), "0");
-    EXPECT_EQ(factOf(*form, "Inner vertices")->text().toStdString(), "0");
+    EXPECT_EQ(factTextOf(*form, "Euler number"), "2");
+    EXPECT_EQ(factTextOf(*form, "Genus"), "0");
+    EXPECT_EQ(factTextOf(*form, "Inner vertices"), "0");
     EXPECT_TRUE(factOf(*form, "Area")->text().endsWith(QStringLiteral(" units²")));
     EXPECT_TRUE(factOf(*form, "Enclosed volume")->text().endsWith(QStringLiteral(" units³")));
     session_->isovalue().request(-14.0); // cut by every face of the box
     trigger("mesh.check");
     ASSERT_TRUE(waitUntil([&] { return factOf(*form, "Surface")->text() != QStringLiteral("closed"); }));
-    EXPECT_EQ(factOf(*form, "Surface")->text().toStdString(),
+    EXPECT_EQ(factTextOf(*form, "Surface"),
               "open at x0 (1 loop), x1 (1 loop), y0 (1 loop), y1 (1 loop), z0 (1 loop), z1 (1 loop)");
-    EXPECT_EQ(factOf(*form, "Enclosed volume")->text().toStdString(), "– (open)");
-    EXPECT_EQ(factOf(*form, "Boundary loops")->text().toStdString(), "6");
+    EXPECT_EQ(factTextOf(*form, "Enclosed volume"), "– (open)");
+    EXPECT_EQ(factTextOf(*form, "Boundary loops"), "6");
+    EXPECT_EQ(factTextOf(*form, "Nudged vertices"), "0");
+    session_->isovalue().request(session_->dataset()->max); // a tie at the eight grid points in the middle
+    trigger("mesh.check");
+    ASSERT_TRUE(waitUntil([&] { return factTextOf(*form, "Surface") == "closed"; }));
+    EXPECT_EQ(factTextOf(*form, "Nudged vertices"), "24, by at most 0.000488 cells (0.000488 units)");
+    EXPECT_EQ(factTextOf(*form, "Degenerate triangles"), "0");
 }
 
 TEST_F(MainWindowTest, CutsNothingOffTheCertificate) {
@@ -180,7 +192,9 @@ TEST_F(MainWindowTest, CutsNothingOffTheCertificate) {
     const auto* form = child<QWidget>("certificateForm");
     ASSERT_TRUE(waitUntil([&] { return factOf(*form, "Surface") != nullptr; }));
     QTest::qWait(50); // the layout follows
-    int left = -1;
+    const auto* panel = form->parentWidget();
+    const auto* counts = child<QWidget>("countsForm");
+    const int left = factOf(*counts, "Isovalue")->mapTo(panel, QPoint()).x();
     for (const auto* label : form->findChildren<QLabel*>()) {
         if (!label->isVisibleTo(form))
             continue;
@@ -189,9 +203,8 @@ TEST_F(MainWindowTest, CutsNothingOffTheCertificate) {
         EXPECT_GE(label->height(), label->wordWrap() ? label->heightForWidth(label->width()) : label->sizeHint().height())
             << label->text().toStdString();
         EXPECT_TRUE(form->rect().contains(label->geometry())) << label->text().toStdString();
-        if (!label->accessibleName().isEmpty()) {
-            left = left < 0 ? label->x() : left;
-            EXPECT_EQ(label->x(), left) << label->text().toStdString();
+        if (!label->accessibleName().isEmpty()) { // a value, not a name
+            EXPECT_EQ(label->mapTo(panel, QPoint()).x(), left) << label->text().toStdString();
         }
     }
 }
@@ -209,7 +222,20 @@ TEST_F(MainWindowTest, ExportsTheCertificateWithTheMesh) {
                              std::string("comment boundary: closed\n"), std::string("comment valid: yes\n")})
         EXPECT_NE(bytes.find(line), std::string::npos) << line;
     // One check for the file and the panel.
-    EXPECT_EQ(factOf(*child<QWidget>("certificateForm"), "Surface")->text().toStdString(), "closed");
+    EXPECT_EQ(factTextOf(*child<QWidget>("certificateForm"), "Surface"), "closed");
+}
+
+TEST_F(MainWindowTest, ExportsFromAnIndexInTheNameOfItsVolume) {
+    openBall();
+    const auto index = session_->dataset()->indexPath;
+    trigger("file.close");
+    window_->openFile(qpath(index));
+    ASSERT_TRUE(waitUntilSettled());
+    ASSERT_NE(session_->frame(), nullptr);
+    dialogs_.answers.push_back(qpath(folder_ / "a.obj"));
+    trigger("mesh.export");
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_NE(readText(folder_ / "a.obj").find("# source: ball.mha\n"), std::string::npos);
 }
 
 TEST_F(MainWindowTest, ExportsTheMeshInEveryFormat) {

@@ -35,24 +35,29 @@ QString placeName(mesh::OpenAt place) {
     }
 }
 
+// Lines break between places, not within one.
+QString unbroken(QString text) { return text.replace(QLatin1Char(' '), QChar(QChar::Nbsp)); }
+
 QString surfaceText(const mesh::Certificate& certificate) {
     QStringList places;
     for (std::size_t i = 0; i < certificate.openings.size(); ++i) {
         const auto& opening = certificate.openings[i];
         const auto place = placeName(static_cast<mesh::OpenAt>(i));
         if (opening.loops == 1)
-            places << MeshPanel::tr("%1 (1 loop)").arg(place);
+            places << unbroken(MeshPanel::tr("%1 (1 loop)").arg(place));
         else if (opening.loops > 1)
-            places << MeshPanel::tr("%1 (%2 loops)").arg(place, grouped(opening.loops));
+            places << unbroken(MeshPanel::tr("%1 (%2 loops)").arg(place, grouped(opening.loops)));
     }
     return places.isEmpty() ? MeshPanel::tr("closed") : MeshPanel::tr("open at %1").arg(places.join(QStringLiteral(", ")));
 }
 
 QString nudgeText(const mesh::Nudge& nudge) {
-    return nudge.vertices == 0 ? grouped(0)
-                               : MeshPanel::tr("%1, by at most %2 cells (%3 units)")
-                                     .arg(grouped(nudge.vertices), QString::fromStdString(model::valueText(nudge.largestCells, 3)),
-                                          QString::fromStdString(model::valueText(nudge.largestWorld, 3)));
+    if (nudge.vertices == 0)
+        return grouped(0);
+    const auto length = [](double value) { return QString::fromStdString(model::valueText(value, 3)); };
+    return MeshPanel::tr("%1, by at most %2 %3")
+        .arg(grouped(nudge.vertices), unbroken(MeshPanel::tr("%1 cells").arg(length(nudge.largestCells))),
+             unbroken(MeshPanel::tr("(%1 units)").arg(length(nudge.largestWorld))));
 }
 
 QString verdict(const mesh::Certificate& certificate) {
@@ -114,6 +119,9 @@ MeshPanel::MeshPanel(model::Session& session, const ActionRegistry& actions, QWi
     buttons->addWidget(check_);
     buttons->addWidget(export_);
     buttons->addStretch(1);
+    for (FactForm* form : {counts_, report_})
+        form->reserveNameWidth(tr("Degenerate triangles"));
+    counts_->setObjectName(QStringLiteral("countsForm"));
     report_->setObjectName(QStringLiteral("certificateForm"));
     state_->setWordWrap(true);
     state_->setForegroundRole(QPalette::PlaceholderText);

@@ -63,10 +63,18 @@ FactForm::FactForm(QWidget* parent) : QWidget(parent), form_(new QFormLayout(thi
     form_->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
 }
 
+void FactForm::reserveNameWidth(const QString& name) {
+    nameWidth_ = fontMetrics().horizontalAdvance(name) + 1;
+    for (QLabel* label : names_)
+        label->setMinimumWidth(nameWidth_);
+}
+
 void FactForm::setFacts(const std::vector<Fact>& facts) {
     while (names_.size() < facts.size()) {
         auto* name = new QLabel(this);
         name->setForegroundRole(QPalette::PlaceholderText);
+        name->setAlignment(Qt::AlignLeft | Qt::AlignTop); // beside the first line of a value of several
+        name->setMinimumWidth(nameWidth_);
         auto* value = new QLabel(this);
         value->setTextInteractionFlags(Qt::TextSelectableByMouse | Qt::TextSelectableByKeyboard);
         value->setWordWrap(true);

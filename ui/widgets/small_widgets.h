@@ -34,11 +34,14 @@ class FactForm : public QWidget {
 public:
     explicit FactForm(QWidget* parent = nullptr);
     void setFacts(const std::vector<Fact>& facts);
+    /// So that the values of forms one above the other begin at one place: at least the width of `name`.
+    void reserveNameWidth(const QString& name);
 
 private:
     QFormLayout* form_;
     std::vector<QLabel*> names_;
     std::vector<QLabel*> values_;
+    int nameWidth_ = 0;
 };
 
 } // namespace isoslider::widgets
