@@ -43,6 +43,8 @@ Json jsonOf(const index::IndexInfo& info) {
     json["redundancy"] = info.redundancyThreshold;
     json["index_bytes"] = info.indexBytes;
     json["bytes_per_voxel"] = bytesPerPoint(info, info.indexBytes);
+    json["hidden_corners"] = info.hiddenCorners;
+    json["hidden_corner_bytes"] = info.hiddenCornerBytes;
     json["levels"] = levelsJson(info);
     return json;
 }
@@ -58,6 +60,7 @@ std::string textOf(const index::IndexInfo& info) {
     text += "  error                 0 % (no merging)\n";
     text += fmt::format("  redundancy k          {}\n", info.redundancyThreshold);
     text += fmt::format("  change per value      {:.1f} edges\n", meanChange(info));
+    text += fmt::format("  hidden corners        {}, {} bytes\n", info.hiddenCorners, info.hiddenCornerBytes);
     text += fmt::format("  index                 {} bytes, {:.2f} bytes per voxel\n\n", info.indexBytes,
                         bytesPerPoint(info, info.indexBytes));
     text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks", "points",
