@@ -58,16 +58,16 @@ private:
     Status status_;
 };
 
-// Far from the world's origin neighbouring vertices would round to one float; those held off grid points
-// lie closest together. Half of their distance is the most that a float may be coarse.
-Precision neededPrecision(const TriangleSoup& soup, const Certificate& certificate) {
+// Far from the world's origin neighbouring vertices would round to one float. Vertices of one grid point
+// lie kLeastDistance off it: half of that is the most that a float may be coarse.
+Precision neededPrecision(const TriangleSoup& soup, const GridGeometry& geometry) {
     double farthest = 0.0;
     for (const glm::dvec3& p : soup.positions)
         farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    const glm::dvec3& spacing = certificate.geometry.spacing;
+    const glm::dvec3& spacing = geometry.spacing;
     const double cell = std::min({std::abs(spacing.x), std::abs(spacing.y), std::abs(spacing.z)});
-    const double apart = certificate.nudge.vertices > 0 ? kLeastDistance / 2 : 1e-3;
-    return farthest * std::numeric_limits<float>::epsilon() > cell * apart ? Precision::Double : Precision::Float;
+    const double coarseness = farthest * std::numeric_limits<float>::epsilon();
+    return coarseness > cell * kLeastDistance / 2 ? Precision::Double : Precision::Float;
 }
 
 template <class Mesh>
@@ -94,7 +94,7 @@ Status writeOm(const TriangleSoup& soup, AtomicFile& file) {
 }
 
 Status writeSoup(const TriangleSoup& soup, const Certificate& certificate, const std::string& suffix, AtomicFile& file) {
-    const Precision precision = neededPrecision(soup, certificate);
+    const Precision precision = neededPrecision(soup, certificate.geometry);
     if (suffix == ".ply")
         return writePly(soup, precision, commentsOf(certificate), file);
     if (suffix == ".obj")

@@ -111,6 +111,18 @@ INSTANTIATE_TEST_SUITE_P(Faces, EveryFace, testing::Range(0, 6), [](const auto& 
     return std::string(kOpenAtNames[static_cast<std::size_t>(parameter.param)]);
 });
 
+TEST(Certificate, IsNotOpenAtAFaceThatItRunsAlong) {
+    for (int axis = 0; axis < 3; ++axis) { // the plane half a cell from a face: its vertices' edges begin on that face
+        const auto mesh = extracted(boxGeometry(), 0.5, [axis](int x, int y, int z) {
+            return static_cast<float>(std::array{x, y, z}[static_cast<std::size_t>(axis)]);
+        });
+        const auto certificate = certify(mesh, {"plane", 0});
+        for (std::size_t face = 0; face < 6; ++face)
+            EXPECT_EQ(certificate.openings[face].loops, face / 2 == static_cast<std::size_t>(axis) ? 0u : 1u) << axis << face;
+        EXPECT_TRUE(isValid(certificate));
+    }
+}
+
 TEST(Certificate, CountsALoopAtEachFaceThatItRunsOver) {
     const auto certificate = certify(ballAround({0.2f, 0.3f, 0.1f}, 4.0f), {"ball", 0});
     EXPECT_EQ(certificate.report.boundaryLoops, 1u);

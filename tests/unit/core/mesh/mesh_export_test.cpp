@@ -133,8 +133,9 @@ TEST(MeshExport, KeepsVerticesApartFarFromTheOrigin) {
 TEST(MeshExport, KeepsVerticesHeldOffATieApartFarFromTheOrigin) {
     const TemporaryFolder folder;
     auto mesh = test::octahedronAtATie();
-    mesh.geometry.spacing = {0.7, 0.7, 0.7}; // the nudge is less than a float's step there
-    mesh.geometry.origin = {5000.0, 5000.0, 5000.0};
+    // A float's step is 2^-11 there, more than the nudge, and the tie lies where both would round alike.
+    mesh.geometry.spacing = glm::dvec3(0.7);
+    mesh.geometry.origin = glm::dvec3(5002.0 - 0.35 / 2048 - 3 * 0.7);
     for (const char* suffix : {".ply", ".obj", ".off", ".om"}) {
         ASSERT_TRUE(exportCertified(mesh, folder / (std::string("tie") + suffix)).isOk());
         const auto report = checkMeshFile(folder / (std::string("tie") + suffix));
