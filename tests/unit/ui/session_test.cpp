@@ -9,8 +9,9 @@ namespace isoslider::model {
 namespace {
 
 /// Distance from the middle of an 18^3 grid, negated: a ball, brighter inside.
-std::shared_ptr<const ScalarGrid> ballGrid() {
+std::shared_ptr<const ScalarGrid> ballGrid(double spacing = 1.0) {
     GridGeometry geometry;
+    geometry.spacing = glm::dvec3(spacing);
     geometry.dims = {18, 18, 18};
     std::vector<float> values;
     for (int z = 0; z < 18; ++z)
@@ -44,15 +45,17 @@ protected:
         services.sampleLoader = [](const std::string& name, const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
             if (name == "ball")
                 return ballGrid();
+            if (name == "tiny") // areas too small for a number: every triangle counts as degenerate
+                return ballGrid(1e-170);
             return makeError(ErrorCode::NotFound, "no such sample", name);
         };
         session_ = std::make_unique<Session>(std::move(services));
         subscription_ = session_->noticePosted().observe([this](const Notice& notice) { notices_.push_back(notice); });
     }
 
-    void openBall() {
+    void openBall(const std::string& name = "ball") {
         OpenRequest request;
-        request.sampleName = "ball";
+        request.sampleName = name;
         request.isovalue = -5.0;
         session_->open(request);
         ASSERT_TRUE(queue_.runUntil([&] { return session_->frame() != nullptr; }));
@@ -131,6 +134,28 @@ TEST_F(SessionTest, ChecksAndExportsTheSurfaceOnScreen) {
     ASSERT_TRUE(queue_.runUntil([&] { return !notices_.empty(); }));
     EXPECT_EQ(notices_[0].severity, Notice::Severity::Information);
     EXPECT_TRUE(std::filesystem::exists(folder_ / "ball.ply"));
+}
+
+TEST_F(SessionTest, AnExportShowsItsCertificate) {
+    builder_->waits = true;
+    openBall();
+    session_->exportMesh(folder_ / "ball.ply");
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->certificate().has_value(); }));
+    EXPECT_EQ(session_->certificate()->source, "ball");
+    EXPECT_EQ(session_->certificate()->isovalue, -5.0);
+    session_->close();
+    EXPECT_FALSE(session_->certificate().has_value());
+}
+
+TEST_F(SessionTest, AnUnsoundMeshIsWrittenAndToldAsAnError) {
+    builder_->waits = true;
+    openBall("tiny");
+    session_->exportMesh(folder_ / "tiny.ply");
+    ASSERT_TRUE(queue_.runUntil([&] { return !notices_.empty(); }));
+    EXPECT_EQ(notices_[0].severity, Notice::Severity::Error);
+    EXPECT_NE(notices_[0].detail.find("tiny.ply: "), std::string::npos);
+    EXPECT_NE(notices_[0].detail.find("degenerate triangles"), std::string::npos);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "tiny.ply"));
 }
 
 TEST_F(SessionTest, ExportRefusesAnUnknownSuffix) {
