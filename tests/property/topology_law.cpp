@@ -136,12 +136,25 @@ std::string TopologyWalker::slideFault(double isovalue, bool isJudged) {
     const auto moved = engine_->slideTo(isovalue);
     if (!moved.isOk())
         return moved.error().line();
+    isovalue_ = isovalue;
+    patchedMoves_ += !moved.value().hasRebuilt;
     const auto fresh = extract::extractFull(*grid_.grid, isovalue);
     if (!fresh.isOk())
         return fresh.error().line();
     if (const auto same = isSameSurface(engine_->mesh(), fresh.value()); !same)
         return same.message();
     return isJudged ? surfaceFault(fresh.value(), grid_) : std::string();
+}
+
+double TopologyWalker::nextIsovalue(Random& random) const {
+    double nearest = topologyIsovalue(grid_, random);
+    if (pickInt(random, 0, 1) != 0)
+        return nearest;
+    for (int i = 0; i < 12; ++i)
+        if (const double other = topologyIsovalue(grid_, random);
+            std::abs(other - isovalue_) < std::abs(nearest - isovalue_))
+            nearest = other;
+    return nearest;
 }
 
 } // namespace isoslider::test

@@ -36,10 +36,16 @@ public:
     /// where `isJudged`).
     std::string slideFault(double isovalue, bool isJudged);
 
+    /// Somewhere to go next (see topologyIsovalue), half of the time not far: so that the engine patches.
+    double nextIsovalue(Random& random) const;
+    std::int64_t patchedMoves() const { return patchedMoves_; }
+
 private:
     const TopologyGrid& grid_;
     std::unique_ptr<extract::SlideEngine> engine_;
     std::string fault_;
+    double isovalue_ = 0.0;
+    std::int64_t patchedMoves_ = 0;
 };
 
 } // namespace isoslider::test

@@ -39,8 +39,9 @@ CellScalars turned(const CellScalars& scalars, int symmetry) {
 
 const char* cellKindName(CellKind kind) {
     static constexpr const char* kNames[kCellKinds] = {
-        "uniform",    "tiny integers", "small integers", "saddle",      "plane",       "near plane",
-        "degenerate", "signed zeros",  "denormal",       "huge floats", "huge doubles"};
+        "uniform",      "tiny integers", "small integers", "saddle",        "plane",
+        "near plane",   "degenerate",    "body ties",      "powers of two", "scaled",
+        "signed zeros", "denormal",      "huge floats",    "huge doubles"};
     return kNames[static_cast<int>(kind)];
 }
 
@@ -101,6 +102,42 @@ CellScalars degenerateCell(Random& random) {
         [&](unsigned i, unsigned j, unsigned k) { return factor[i] * factor[2 + j] * factor[4 + k]; });
 }
 
+// XYZ - Y0 Z0 X - X0 Z0 Y - X0 Y0 Z + 2 X0 Y0 Z0 vanishes with its gradient at (X0, Y0, Z0); X = x - u and so
+// on. All in eighths, and times a factor, so that values are integers of up to 40 bits.
+CellScalars bodyTieCell(Random& random) {
+    std::array<double, 3> origin, critical;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::int64_t place = pickInt(random, 1, 7); // of the critical point, from the cell's corner 0
+        critical[a] = static_cast<double>(pickInt(random, 1, 12) * (pickInt(random, 0, 1) != 0 ? 1 : -1));
+        origin[a] = static_cast<double>(place) - critical[a];
+    }
+    const double factor =
+        static_cast<double>(pickInt(random, 1, 3) * (std::int64_t{1} << pickInt(random, 0, 25)) +
+                            pickInt(random, 0, 5)) *
+        (pickInt(random, 0, 1) != 0 ? 1.0 : -1.0);
+    return eachCorner([&](unsigned i, unsigned j, unsigned k) {
+        const double x = 8.0 * i - origin[0], y = 8.0 * j - origin[1], z = 8.0 * k - origin[2];
+        const auto& [x0, y0, z0] = critical;
+        return factor * (x * y * z - y0 * z0 * x - x0 * z0 * y - x0 * y0 * z + 2.0 * x0 * y0 * z0);
+    });
+}
+
+CellScalars powersOfTwoCell(Random& random) {
+    const int step = static_cast<int>(pickInt(random, 1, 4)) * 20;
+    return eachCorner([&](unsigned, unsigned, unsigned) {
+        const double sign = pickInt(random, 0, 1) != 0 ? 1.0 : -1.0;
+        return std::ldexp(sign, step * static_cast<int>(pickInt(random, -1, 1)));
+    });
+}
+
+CellScalars scaledCell(Random& random) {
+    const int exponent = static_cast<int>(pickInt(random, 480, 545)) * (pickInt(random, 0, 1) != 0 ? 1 : -1);
+    return eachCorner([&](unsigned, unsigned, unsigned) {
+        const double digit = static_cast<double>(pickInt(random, -9, 9));
+        return std::ldexp(pickInt(random, 0, 3) == 0 ? digit * 0.1 : digit, exponent);
+    });
+}
+
 double hugeFloat(Random& random) {
     static constexpr std::array<float, 7> kValues = {FLT_MAX, -FLT_MAX,    FLT_MIN,     -FLT_TRUE_MIN,
                                                      1.0F,    FLT_MAX / 2, -FLT_MAX / 3};
@@ -134,6 +171,9 @@ CellScalars randomCell(CellKind kind, Random& random) {
         case CellKind::Plane: return planeCell(random);
         case CellKind::NearPlane: return nearPlaneCell(random);
         case CellKind::Degenerate: return degenerateCell(random);
+        case CellKind::BodyTies: return bodyTieCell(random);
+        case CellKind::PowersOfTwo: return powersOfTwoCell(random);
+        case CellKind::Scaled: return scaledCell(random);
         case CellKind::SignedZeros:
             return each([&] {
                 return std::copysign(static_cast<double>(pickInt(random, 0, 2) / 2), pickUnit(random) - 0.5);

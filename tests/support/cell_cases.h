@@ -32,12 +32,15 @@ enum class CellKind {
     Plane, ///< linear, small integers: no xyz term, often no mixed term at all
     NearPlane, ///< the same, a few scalars moved by an ulp or so
     Degenerate, ///< few distinct values, products of linear functions
+    BodyTies, ///< a critical point inside, with value 0 exactly: its tunnel is born there
+    PowersOfTwo, ///< of far apart exponents: ties of products that no machine integer holds
+    Scaled, ///< small integers times a power of two whose square under- or overflows
     SignedZeros,
     Denormal,
     HugeFloats, ///< FLT_MAX and other floats, exact sums far from doubles
     HugeDoubles, ///< DBL_MAX, the least denormal and between: exact polynomials of thousands of bits
 };
-inline constexpr int kCellKinds = 11;
+inline constexpr int kCellKinds = 14;
 const char* cellKindName(CellKind kind);
 CellScalars randomCell(CellKind kind, Random& random);
 

@@ -141,7 +141,8 @@ std::string kindName(const testing::TestParamInfo<CellKind>& info) {
 INSTANTIATE_TEST_SUITE_P(Kinds, Decisions,
                          testing::Values(CellKind::Uniform, CellKind::TinyIntegers, CellKind::SmallIntegers,
                                          CellKind::Saddle, CellKind::Plane, CellKind::NearPlane,
-                                         CellKind::Degenerate, CellKind::SignedZeros, CellKind::Denormal,
+                                         CellKind::Degenerate, CellKind::BodyTies, CellKind::PowersOfTwo,
+                                         CellKind::Scaled, CellKind::SignedZeros, CellKind::Denormal,
                                          CellKind::HugeFloats, CellKind::HugeDoubles),
                          kindName);
 
@@ -224,7 +225,7 @@ TEST(HiddenCorners, AreNamedInTiedCells) {
     Random random(29);
     for (int i = 0; i < 20000; ++i) {
         const CellScalars scalars =
-            test::randomCell(static_cast<CellKind>(test::pickInt(random, 0, 9)), random);
+            test::randomCell(static_cast<CellKind>(test::pickInt(random, 0, test::kCellKinds - 2)), random);
         const double isovalue = test::randomIsovalue(scalars, random);
         const int corner = hiddenCorner(signsOf(scalars, isovalue));
         if (corner < 0 || labelOf(test::sweepCell(scalars, isovalue)).tunnel == Tunnel::None)
