@@ -348,11 +348,14 @@ bool hasHiddenTunnel(const CornerScalars& v, int centre) {
     if (!(bottom < top))
         return false;
     const double isovalue = top; // one at which the signs are these
+    double certainTop = top;     // the error of the saddles taken off
     for (int axis = 0; axis < 3; ++axis) {
         const int u = 1 << ((axis + 1) % 3), w = 1 << ((axis + 2) % 3);
         const FaceSaddle saddle = saddleOfFace(at(centre ^ u), at(centre), at(centre ^ w), at(centre ^ u ^ w), isovalue);
-        if (std::isfinite(saddle.value + saddle.margin))
-            top = std::min(top, saddle.value + saddle.margin);
+        if (!std::isfinite(saddle.value + saddle.margin))
+            return true;
+        top = std::min(top, saddle.value + saddle.margin);
+        certainTop = std::min(certainTop, saddle.value - saddle.margin);
     }
     if (top < bottom)
         return false;
@@ -366,9 +369,9 @@ bool hasHiddenTunnel(const CornerScalars& v, int centre) {
     if (saddle - margin > top)
         return false;
     const double begin = std::max(bottom, saddle + margin), slack = 1e-14 * (std::abs(top) + std::abs(bottom));
-    if (!(begin + slack < top - slack))
+    if (!(begin + slack < certainTop - slack))
         return true;
-    return decideTunnel(v, 0.5 * begin + 0.5 * top).tunnel == Tunnel::Below;
+    return decideTunnel(v, 0.5 * begin + 0.5 * certainTop).tunnel == Tunnel::Below;
 }
 
 } // namespace
