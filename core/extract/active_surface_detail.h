@@ -38,6 +38,9 @@ inline void prefetchLines(const T* first, std::size_t count) {
         __builtin_prefetch(first + i);
 }
 
+/// States below this number have at most five triangles and no inner vertex.
+inline constexpr cell::StateId kPlainStates = 256;
+
 /// Asks for a brick's lines before its turn: most of a move is waiting for memory.
 inline void prefetchBrick(const Brick& brick) {
     const char* bytes = reinterpret_cast<const char*>(&brick);
