@@ -61,8 +61,10 @@ TEST_P(TopologyGrids, HaveTheInterpolantsSurfaceWhereTheyAreThin) {
 // From below everything and from above everything, then at random; a stop at a saddle is the usual one.
 TEST_P(TopologyGrids, AreTheSameAfterSliding) {
     const TemporaryFolder folder;
+    const int judgedStops =
+        GetParam() == GridKind::Extreme ? 40 : 4; // the judge is slow there, the slide is not
     std::int64_t patched = 0;
-    for (int i = 0; i < share(20); ++i) {
+    for (int i = 0; i < 20; ++i) {
         const TopologyGrid grid = randomTopologyGrid(GetParam(), 2, i % 2 == 0 ? 6 : 14, random_);
         TopologyWalker walker(grid, folder / "a.isx", static_cast<int>(pickInt(random_, 1, 5)),
                               0.1 + pickUnit(random_));
@@ -72,7 +74,7 @@ TEST_P(TopologyGrids, AreTheSameAfterSliding) {
             ASSERT_EQ(walker.slideFault(isovalue, true), "") << at(grid, isovalue) << ", grid " << i;
         for (int stop = 0; stop < 40; ++stop) {
             const double isovalue = walker.nextIsovalue(random_);
-            ASSERT_EQ(walker.slideFault(isovalue, stop % 4 == 0), "")
+            ASSERT_EQ(walker.slideFault(isovalue, stop % judgedStops == 3), "")
                 << at(grid, isovalue) << ", grid " << i << ", stop " << stop;
         }
         patched += walker.patchedMoves();

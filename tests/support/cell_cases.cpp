@@ -39,9 +39,9 @@ CellScalars turned(const CellScalars& scalars, int symmetry) {
 
 const char* cellKindName(CellKind kind) {
     static constexpr const char* kNames[kCellKinds] = {
-        "uniform",      "tiny integers", "small integers", "saddle",        "plane",
-        "near plane",   "degenerate",    "body ties",      "powers of two", "scaled",
-        "signed zeros", "denormal",      "huge floats",    "huge doubles"};
+        "uniform", "tiny integers", "small integers", "saddle",      "decades",
+        "plane",   "near plane",    "degenerate",     "body ties",   "powers of two",
+        "scaled",  "signed zeros",  "denormal",       "huge floats", "huge doubles"};
     return kNames[static_cast<int>(kind)];
 }
 
@@ -55,13 +55,13 @@ CellScalars eachCorner(Function&& scalarAt) {
     return scalars;
 }
 
-CellScalars saddleCell(Random& random) {
+CellScalars saddleCell(Random& random, double greatestSpread) {
     // Any signs, or two that leave most open: the checkerboard and its like with one corner changed.
     const auto any = static_cast<unsigned>(pickInt(random, 0, 255));
     const unsigned checker = pickInt(random, 0, 1) != 0 ? 0b10010110u : 0b01101001u;
     const unsigned signs =
         std::array{any, checker, checker ^ 1u << (any & 7u)}[static_cast<std::size_t>(pickInt(random, 0, 2))];
-    const double spread = 4.0 * pickUnit(random);
+    const double spread = greatestSpread * pickUnit(random);
     CellScalars scalars;
     for (unsigned i = 0; i < 8; ++i)
         scalars[i] = ((signs >> i & 1u) != 0 ? 1.0 : -1.0) * std::exp(spread * pickUnit(random));
@@ -167,7 +167,8 @@ CellScalars randomCell(CellKind kind, Random& random) {
         case CellKind::TinyIntegers: return each([&] { return static_cast<double>(pickInt(random, -2, 2)); });
         case CellKind::SmallIntegers:
             return each([&] { return static_cast<double>(pickInt(random, -9, 9)); });
-        case CellKind::Saddle: return saddleCell(random);
+        case CellKind::Saddle: return saddleCell(random, 4.0);
+        case CellKind::Decades: return saddleCell(random, 80.0);
         case CellKind::Plane: return planeCell(random);
         case CellKind::NearPlane: return nearPlaneCell(random);
         case CellKind::Degenerate: return degenerateCell(random);

@@ -29,6 +29,7 @@ enum class CellKind {
     TinyIntegers, ///< -2 to 2: most questions are ties
     SmallIntegers,
     Saddle, ///< alternating signs and magnitudes from a wide range: ambiguous faces, tunnels
+    Decades, ///< the same, magnitudes from 1 to 1e35
     Plane, ///< linear, small integers: no xyz term, often no mixed term at all
     NearPlane, ///< the same, a few scalars moved by an ulp or so
     Degenerate, ///< few distinct values, products of linear functions
@@ -40,7 +41,7 @@ enum class CellKind {
     HugeFloats, ///< FLT_MAX and other floats, exact sums far from doubles
     HugeDoubles, ///< DBL_MAX, the least denormal and between: exact polynomials of thousands of bits
 };
-inline constexpr int kCellKinds = 14;
+inline constexpr int kCellKinds = 15;
 const char* cellKindName(CellKind kind);
 CellScalars randomCell(CellKind kind, Random& random);
 

@@ -1,6 +1,8 @@
 // What the product decides of a cell against the slab oracle, which decides exactly and otherwise.
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -140,10 +142,10 @@ std::string kindName(const testing::TestParamInfo<CellKind>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Decisions,
                          testing::Values(CellKind::Uniform, CellKind::TinyIntegers, CellKind::SmallIntegers,
-                                         CellKind::Saddle, CellKind::Plane, CellKind::NearPlane,
-                                         CellKind::Degenerate, CellKind::BodyTies, CellKind::PowersOfTwo,
-                                         CellKind::Scaled, CellKind::SignedZeros, CellKind::Denormal,
-                                         CellKind::HugeFloats, CellKind::HugeDoubles),
+                                         CellKind::Saddle, CellKind::Decades, CellKind::Plane,
+                                         CellKind::NearPlane, CellKind::Degenerate, CellKind::BodyTies,
+                                         CellKind::PowersOfTwo, CellKind::Scaled, CellKind::SignedZeros,
+                                         CellKind::Denormal, CellKind::HugeFloats, CellKind::HugeDoubles),
                          kindName);
 
 // All cells of values -1, 0, 1 at the isovalues where they are tied, and between.
@@ -220,7 +222,29 @@ TEST(HiddenCorners, AreNamedWhereverATunnelNeedsThem) {
     EXPECT_LT(named, uniform * 8 / 100) << "of uniformly random cells; needed by " << needed;
 }
 
-// Ties, huge and tiny scalars: integers at every isovalue at which anything can happen.
+// Scalars of very different size, where the error of one term is larger than another term.
+TEST(HiddenCorners, AreNamedWhereScalarsDifferByDecades) {
+    Random random(31);
+    int tunnels = 0;
+    for (int i = 0; i < 60000; ++i) {
+        const auto centre = static_cast<unsigned>(test::pickInt(random, 0, 7));
+        const double side = test::pickInt(random, 0, 1) != 0 ? 1.0 : -1.0,
+                     spread = std::array{3.0, 10.0, 20.0, 80.0}[i % 4];
+        CellScalars scalars;
+        for (unsigned k = 0; k < 8; ++k)
+            scalars[k] =
+                (std::popcount(k ^ centre) == 1 ? side : -side) * std::exp(spread * test::pickUnit(random));
+        const double isovalue = i % 3 != 0 ? 0.0 : test::randomIsovalue(scalars, random);
+        const int corner = hiddenCorner(signsOf(scalars, isovalue));
+        if (corner < 0 || labelOf(test::sweepCell(scalars, isovalue)).tunnel == Tunnel::None)
+            continue;
+        ++tunnels;
+        ASSERT_NE(hiddenCornersNeeded(scalars) >> corner & 1u, 0u) << test::toString(scalars, isovalue);
+    }
+    EXPECT_GT(tunnels, 500);
+}
+
+// Ties, huge and tiny scalars.
 TEST(HiddenCorners, AreNamedInTiedCells) {
     Random random(29);
     for (int i = 0; i < 20000; ++i) {
