@@ -36,6 +36,7 @@ public:
     Result<std::optional<double>> hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) override {
         return hiddenCorners_.find(brick, cell, corner);
     }
+    std::uint64_t hiddenBytesRead() const override { return hiddenCorners_.bytesRead(); }
 
 private:
     struct Counts;

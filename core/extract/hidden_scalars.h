@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "core/base/result.h"
@@ -16,6 +17,8 @@ public:
     /// Scalar at `corner` of a cell; nothing when the cell has no tunnel at any isovalue. From any thread.
     /// Errors: IoError, Corruption.
     virtual Result<std::optional<double>> hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) = 0;
+    /// Bytes read for that so far.
+    virtual std::uint64_t hiddenBytesRead() const = 0;
 };
 
 } // namespace isoslider::extract

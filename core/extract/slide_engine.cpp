@@ -86,7 +86,9 @@ private:
             changes_.trim();
         changes_.clear();
         ISO_TRY(source_.collect(start, target, changes_, stats, stop));
+        const std::uint64_t hiddenBytes = source_.hiddenBytesRead();
         ISO_TRY(surface_.apply(changes_, isovalue, stats));
+        stats.bytesRead += source_.hiddenBytesRead() - hiddenBytes;
         lastTouched_ = stats.edgesTouched;
         position_ = target;
         return {};
