@@ -183,7 +183,7 @@ void ActiveSurface<Live>::placeInnerVertices(const SlowCells& slow, double isova
     vertices.resize(slow.inner.size());
     for (std::size_t i = 0; i < slow.inner.size(); ++i) {
         const LocalPoint local = slow.inner[i].cell;
-        for (unsigned mask = cell::activeEdges(states[brick.cellState[local]].signs); mask != 0; mask &= mask - 1) {
+        for (unsigned mask = cell::activeEdges(states[stateOf(brick, local)].signs); mask != 0; mask &= mask - 1) {
             const auto e = static_cast<std::size_t>(std::countr_zero(mask));
             const EdgePlace place = edgePlaces()[local][e];
             vertices[i][e] = around.bricks[place >> kEdgeBits]->vertexOf(place & kEdgeMask);
@@ -194,7 +194,7 @@ void ActiveSurface<Live>::placeInnerVertices(const SlowCells& slow, double isova
     InnerVertexCell placed;
     for (std::size_t i = 0; i < slow.inner.size(); ++i) {
         const InnerCell& inner = slow.inner[i];
-        placed.state = &states[brick.cellState[inner.cell]];
+        placed.state = &states[stateOf(brick, inner.cell)];
         const std::array<std::int32_t, 3> local{inner.cell & 7, inner.cell >> 3 & 7, inner.cell >> 6};
         for (std::size_t a = 0; a < 3; ++a)
             placed.origin[a] = brick.origin[a] + local[a];
@@ -231,7 +231,7 @@ void ActiveSurface<Live>::copyFrame(SurfaceFrame& frame) const {
     frame.changedIndices.clear();
     for (const Brick* brick : dirtyBricks_)
         forEachBit(brick->changedCells, [&](LocalPoint cell) {
-            const int t = cell::cellStates()[brick->cellState[cell]].triangleCount;
+            const int t = cell::cellStates()[stateOf(*brick, cell)].triangleCount;
             if (t == 0)
                 return;
             const std::uint32_t* run = indices_.data() + 3 * std::size_t{runBegin(*brick, cell, t)};
@@ -273,7 +273,7 @@ SurfaceMesh ActiveSurface<Live>::mesh(double isovalue) const {
     }
     for (const auto& [point, where] : cells) {
         const auto [brick, cell] = where;
-        const cell::CellState& state = cell::cellStates()[brick->cellState[cell]];
+        const cell::CellState& state = cell::cellStates()[stateOf(*brick, cell)];
         const int t = state.triangleCount;
         if (state.innerVertices > 0) {
             const std::uint32_t first = brick->slow->innerBegin + brick->slow->innerOf(cell).first;

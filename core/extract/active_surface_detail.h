@@ -41,6 +41,16 @@ inline void prefetchLines(const T* first, std::size_t count) {
 /// States below this number have at most five triangles and no inner vertex.
 inline constexpr cell::StateId kPlainStates = 256;
 
+/// Whether signs are ambiguous: 256 bytes at hand instead of a call.
+const std::array<bool, 256>& ambiguousSigns();
+
+/// State of a cell, 0 when it is inactive.
+inline cell::StateId stateOf(const Brick& brick, LocalPoint cell, const std::array<bool, 256>& isAmbiguous) {
+    const std::uint8_t signs = brick.cellSigns[cell];
+    return isAmbiguous[signs] ? brick.slow->state[cell] : cell::StateId{signs};
+}
+inline cell::StateId stateOf(const Brick& brick, LocalPoint cell) { return stateOf(brick, cell, ambiguousSigns()); }
+
 /// Asks for a brick's lines before its turn: most of a move is waiting for memory.
 inline void prefetchBrick(const Brick& brick) {
     const char* bytes = reinterpret_cast<const char*>(&brick);
@@ -60,6 +70,7 @@ struct ActiveSurface<Live>::Scratch {
     // Cells of the brick at hand that must be written again, and their new states (first their signs).
     BrickBits rewritten{};
     std::array<cell::StateId, kBrickPoints> newState;
+    bool hasAmbiguous = false; ///< one of them has ambiguous signs
     std::vector<LocalPoint> leavingInner; ///< cells whose inner vertices go
     std::vector<InnerCell> arrivingInner;
     std::vector<std::array<std::uint32_t, 12>> innerEdges; ///< vertices round the inner cells of a brick

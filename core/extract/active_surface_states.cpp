@@ -13,17 +13,6 @@ namespace {
 
 constexpr int kFewCells = 12;       // up to which cells are solved one by one
 
-// Whether signs are ambiguous, 64 bytes a line instead of a call.
-const std::array<bool, 256>& ambiguousSigns() {
-    static const auto table = [] {
-        std::array<bool, 256> ambiguous;
-        for (std::size_t s = 0; s < 256; ++s)
-            ambiguous[s] = cell::isAmbiguous(static_cast<std::uint8_t>(s));
-        return ambiguous;
-    }();
-    return table;
-}
-
 // For signs that are ambiguous: edges that have, at one end or the other, every corner that the decision
 // looks at. Those are the corners of ambiguous faces, and where a tunnel may be, all.
 struct DecidingEdges {
@@ -78,6 +67,16 @@ const std::array<DecidingEdges, 256>& decidingEdges() {
 
 } // namespace
 
+const std::array<bool, 256>& ambiguousSigns() {
+    static const auto table = [] {
+        std::array<bool, 256> ambiguous;
+        for (std::size_t s = 0; s < 256; ++s)
+            ambiguous[s] = cell::isAmbiguous(static_cast<std::uint8_t>(s));
+        return ambiguous;
+    }();
+    return table;
+}
+
 template <class Live>
 bool ActiveSurface<Live>::isLowerEndBelow(const Brick& brick, LocalEdge edge) const {
     const std::size_t at = brick.vertexOf(edge);
@@ -114,11 +113,15 @@ bool ActiveSurface<Live>::findSigns(Brick& brick, const Neighbourhood& around, S
         isConsistent = isConsistent && signs >= 0;
         return static_cast<std::uint8_t>(std::max(signs, 0));
     };
+    const std::array<bool, 256>& isAmbiguous = ambiguousSigns();
+    scratch.hasAmbiguous = false;
     BrickBits active{};
     if (brick.hasMissing || countBits(scratch.rewritten) <= kFewCells) {
         forEachBit(scratch.rewritten, [&](LocalPoint cell) {
-            scratch.newState[cell] = solveCell(cell);
-            active[cell >> 6] |= std::uint64_t{scratch.newState[cell] != 0} << (cell & 63);
+            const std::uint8_t signs = solveCell(cell);
+            scratch.newState[cell] = signs;
+            scratch.hasAmbiguous |= isAmbiguous[signs];
+            active[cell >> 6] |= std::uint64_t{signs != 0} << (cell & 63);
         });
     } else {
         EdgeBitsAround edges{};
@@ -139,7 +142,11 @@ bool ActiveSurface<Live>::findSigns(Brick& brick, const Neighbourhood& around, S
         if (firstPlane >= 0) {
             const LocalPoint anchor = static_cast<LocalPoint>(64 * firstPlane + std::countr_zero(active[firstPlane]));
             const bool inverted = signsOfCell(corners, anchor, false) != solveCell(anchor);
-            forEachBit(active, [&](LocalPoint cell) { scratch.newState[cell] = signsOfCell(corners, cell, inverted); });
+            forEachBit(active, [&](LocalPoint cell) {
+                const std::uint8_t signs = signsOfCell(corners, cell, inverted);
+                scratch.newState[cell] = signs;
+                scratch.hasAmbiguous |= isAmbiguous[signs];
+            });
         }
     }
     if (!isConsistent)
@@ -156,12 +163,7 @@ template <class Live>
 bool ActiveSurface<Live>::findStates(Brick& brick, const Neighbourhood& around, double isovalue, Scratch& scratch) {
     if (!findSigns(brick, around, scratch))
         return false;
-    bool isPlain = brick.slow == nullptr;
-    if (isPlain)
-        for (int z = 0; z < kBrickSide && isPlain; ++z)
-            for (std::uint64_t word = scratch.rewritten[z] & brick.activeCells[z]; word != 0; word &= word - 1)
-                isPlain = isPlain && !ambiguousSigns()[scratch.newState[64 * z + std::countr_zero(word)]];
-    if (isPlain)
+    if (!brick.slow && !scratch.hasAmbiguous)
         return true;
     const auto start = std::chrono::steady_clock::now();
     const bool isResolved = resolveAmbiguous(brick, around, isovalue, scratch);
@@ -204,9 +206,9 @@ bool ActiveSurface<Live>::resolveAmbiguous(Brick& brick, const Neighbourhood& ar
             ++i;
             continue;
         }
-        const cell::CellState& state = states[brick.cellState[cell]];
+        const cell::CellState& state = states[brick.slow->state[cell]];
         if (scratch.newState[cell] == state.signs && list[i].interval.contains(isovalue)) {
-            scratch.newState[cell] = brick.cellState[cell];
+            scratch.newState[cell] = stateOf(brick, cell);
             ++i;
         } else {
             if (state.innerVertices > 0)
@@ -257,7 +259,7 @@ void ActiveSurface<Live>::assignInnerVertices(Brick& brick, Scratch& scratch) {
     SlowCells& slow = *brick.slow;
     for (const LocalPoint cell : scratch.leavingInner) {
         const std::uint16_t first = slow.innerOf(cell).first;
-        const std::uint32_t count = states[brick.cellState[cell]].innerVertices;
+        const std::uint32_t count = states[brick.slow->state[cell]].innerVertices;
         if (count == 6)
             slow.tunnelHoles.push_back(first);
         else
@@ -285,7 +287,7 @@ void ActiveSurface<Live>::assignInnerVertices(Brick& brick, Scratch& scratch) {
             const bool isRewritten = scratch.rewritten[inner.cell >> 6] >> (inner.cell & 63) & 1;
             if (!isRewritten) {
                 scratch.rewritten[inner.cell >> 6] |= std::uint64_t{1} << (inner.cell & 63);
-                scratch.newState[inner.cell] = brick.cellState[inner.cell];
+                scratch.newState[inner.cell] = brick.slow->state[inner.cell];
             }
             place(inner, states[scratch.newState[inner.cell]].innerVertices);
         }

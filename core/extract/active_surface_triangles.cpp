@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <span>
+#include <vector>
 
 #include "core/extract/active_surface_detail.h"
 #include "core/extract/cell_words.h"
@@ -25,25 +25,46 @@ std::array<std::array<EdgePlace, 12>, kBrickPoints> makeEdgePlaces() {
 
 constexpr int kWholeBrickShare = 3; // a brick is laid out anew when more than 1/3 of its cells change
 
-// The vertices of an inner cell's triangles, as steps from its number into the brick's own edge table.
-std::array<std::array<std::uint16_t, 15>, kPlainStates> makeInnerSteps() {
-    std::array<std::array<std::uint16_t, 15>, kPlainStates> steps{};
+// What writing the triangles of plain states takes, without a look at the large table of states.
+struct PlainState {
+    std::uint8_t vertices = 0;               ///< three a triangle
+    std::array<std::uint8_t, 15> edges{};    ///< cell edges
+    std::array<std::uint16_t, 15> steps{};   ///< of an inner cell: from its number into the brick's edge table
+};
+
+std::array<PlainState, kPlainStates> makePlainStates() {
+    std::array<PlainState, kPlainStates> plain{};
     for (std::size_t s = 0; s < kPlainStates; ++s) {
         if (cell::isAmbiguous(static_cast<std::uint8_t>(s)))
             continue;
         const auto triangles = cell::cellStates()[s].triangles;
+        plain[s].vertices = static_cast<std::uint8_t>(triangles.size());
         for (std::size_t k = 0; k < triangles.size(); ++k) {
             const cell::CellEdge& edge = cell::kCellEdges[triangles[k]];
-            steps[s][k] = static_cast<std::uint16_t>(edge.axis * kBrickPoints + (edge.lowerCorner & 1) +
-                                                     8 * (edge.lowerCorner >> 1 & 1) + 64 * (edge.lowerCorner >> 2));
+            plain[s].edges[k] = triangles[k];
+            plain[s].steps[k] = static_cast<std::uint16_t>(edge.axis * kBrickPoints + (edge.lowerCorner & 1) +
+                                                          8 * (edge.lowerCorner >> 1 & 1) + 64 * (edge.lowerCorner >> 2));
         }
     }
-    return steps;
+    return plain;
 }
 
-const std::array<std::array<std::uint16_t, 15>, kPlainStates>& innerSteps() {
-    static const auto steps = makeInnerSteps();
-    return steps;
+const std::array<PlainState, kPlainStates>& plainStates() {
+    static const auto plain = makePlainStates();
+    return plain;
+}
+
+// Bucket of each state, kNoBucket where there are no triangles.
+constexpr std::uint8_t kNoBucket = 255;
+
+const std::vector<std::uint8_t>& bucketsOfStates() {
+    static const std::vector<std::uint8_t> buckets = [] {
+        std::vector<std::uint8_t> table;
+        for (const cell::CellState& state : cell::cellStates())
+            table.push_back(state.triangleCount == 0 ? kNoBucket : kBucketOf[state.triangleCount]);
+        return table;
+    }();
+    return buckets;
 }
 
 // Cells whose twelve edges all start in their own brick.
@@ -56,19 +77,18 @@ public:
     explicit CellWriter(const Around& around) : bricks_(around.bricks) {}
 
     void write(LocalPoint cell, cell::StateId state, std::uint32_t* out) const {
-        const std::span<const std::uint8_t> triangles = states_[state].triangles;
         if (state >= kPlainStates)
-            return writeAmbiguous(cell, states_[state], out);
+            return writeAmbiguous(cell, cell::cellStates()[state], out);
+        const PlainState& plain = plain_[state];
         if (isInner(cell)) {
-            const auto& steps = steps_[state];
             const std::uint16_t* slots = bricks_[0]->slot.data() + cell;
             const std::uint32_t begin = bricks_[0]->vertexBegin;
-            for (std::size_t k = 0; k < triangles.size(); ++k)
-                out[k] = begin + slots[steps[k]];
+            for (std::size_t k = 0; k < plain.vertices; ++k)
+                out[k] = begin + slots[plain.steps[k]];
             return;
         }
-        for (std::size_t k = 0; k < triangles.size(); ++k)
-            out[k] = vertexAt(cell, triangles[k]);
+        for (std::size_t k = 0; k < plain.vertices; ++k)
+            out[k] = vertexAt(cell, plain.edges[k]);
     }
 
 private:
@@ -95,8 +115,7 @@ private:
     }
 
     const std::array<std::array<EdgePlace, 12>, kBrickPoints>& places_ = edgePlaces();
-    const std::array<std::array<std::uint16_t, 15>, kPlainStates>& steps_ = innerSteps();
-    std::span<const cell::CellState> states_ = cell::cellStates();
+    const std::array<PlainState, kPlainStates>& plain_ = plainStates();
     const std::array<Brick*, 8>& bricks_;
 };
 
@@ -204,22 +223,28 @@ bool ActiveSurface<Live>::patchCells(Brick& brick, const Neighbourhood& around, 
     std::uint32_t runs = 0;
     for (const std::uint16_t inBucket : brick.bucketRuns)
         runs += inBucket;
-    const auto states = cell::cellStates();
+    const std::uint8_t* buckets = bucketsOfStates().data();
+    const std::array<bool, 256>& isAmbiguous = ambiguousSigns();
     const bool patches = brick.triangleBegin != kNoRun && countBits(scratch.rewritten) * kWholeBrickShare <= static_cast<int>(runs);
 
     // Delete before add, so that the runs given up are there for the new ones.
     LocalPoint cells[kBrickPoints];
     int count = 0;
     forEachBit(scratch.rewritten, [&](LocalPoint cell) {
-        const cell::StateId oldState = brick.cellState[cell];
+        const cell::StateId oldState = stateOf(brick, cell, isAmbiguous);
         const cell::StateId newState = scratch.newState[cell];
         if (oldState != newState) {
-            const int before = states[oldState].triangleCount;
+            const std::uint8_t before = buckets[oldState];
             brick.changedCells[cell >> 6] |= std::uint64_t{1} << (cell & 63);
-            brick.cellState[cell] = newState;
-            if (patches && before != states[newState].triangleCount) {
-                if (before > 0)
-                    removeRun(brick, cell, kBucketOf[static_cast<std::size_t>(before)]);
+            if (newState < kPlainStates) {
+                brick.cellSigns[cell] = static_cast<std::uint8_t>(newState);
+            } else {
+                brick.cellSigns[cell] = cell::cellStates()[newState].signs;
+                brick.slow->state[cell] = newState;
+            }
+            if (patches && before != buckets[newState]) {
+                if (before != kNoBucket)
+                    removeRun(brick, cell, before);
                 brick.cellRun[cell] = kNoSlot;
             }
         }
@@ -232,7 +257,8 @@ bool ActiveSurface<Live>::patchCells(Brick& brick, const Neighbourhood& around, 
     const CellWriter writer(around);
     for (int i = 0; i < count; ++i) {
         const LocalPoint cell = cells[i];
-        const int bucket = kBucketOf[states[brick.cellState[cell]].triangleCount];
+        const cell::StateId state = scratch.newState[cell];
+        const int bucket = buckets[state];
         if (brick.cellRun[cell] == kNoSlot) {
             if (brick.bucketRuns[static_cast<std::size_t>(bucket)] == brick.bucketCapacity(bucket))
                 return false;
@@ -240,16 +266,17 @@ bool ActiveSurface<Live>::patchCells(Brick& brick, const Neighbourhood& around, 
         }
         const std::uint32_t begin = runInBucket(brick, bucket, brick.cellRun[cell]);
         runOwners_[begin] = cell;
-        writer.write(cell, brick.cellState[cell], indices_.data() + 3 * std::size_t{begin});
+        writer.write(cell, state, indices_.data() + 3 * std::size_t{begin});
     }
     return true;
 }
 
 template <class Live>
 void ActiveSurface<Live>::layOutBrick(Brick& brick, const Neighbourhood& around) {
-    const auto states = cell::cellStates();
+    const std::uint8_t* buckets = bucketsOfStates().data();
+    const std::array<bool, 256>& isAmbiguous = ambiguousSigns();
     std::array<std::uint32_t, kBuckets> runs{};
-    forEachBit(brick.activeCells, [&](LocalPoint cell) { ++runs[kBucketOf[states[brick.cellState[cell]].triangleCount]]; });
+    forEachBit(brick.activeCells, [&](LocalPoint cell) { ++runs[buckets[stateOf(brick, cell, isAmbiguous)]]; });
     std::uint32_t total = 0;
     bool isEmpty = true;
     for (std::size_t b = 0; b < kBuckets; ++b) {
@@ -275,11 +302,12 @@ void ActiveSurface<Live>::layOutBrick(Brick& brick, const Neighbourhood& around)
     }
     const CellWriter writer(around);
     forEachBit(brick.activeCells, [&](LocalPoint cell) {
-        const std::size_t bucket = kBucketOf[states[brick.cellState[cell]].triangleCount];
+        const cell::StateId state = stateOf(brick, cell, isAmbiguous);
+        const std::size_t bucket = buckets[state];
         brick.cellRun[cell] = brick.bucketRuns[bucket]++;
         const std::uint32_t begin = runInBucket(brick, static_cast<int>(bucket), brick.cellRun[cell]);
         runOwners_[begin] = cell;
-        writer.write(cell, brick.cellState[cell], indices_.data() + 3 * std::size_t{begin});
+        writer.write(cell, state, indices_.data() + 3 * std::size_t{begin});
     });
     // What the runs leave free draws as nothing.
     std::uint32_t* indices = indices_.data() + 3 * std::size_t{brick.triangleBegin};

@@ -37,8 +37,9 @@ struct SlowCells;
 /// tables, because a brick is small) and its runs in the shared arrays E, V, N and I.
 ///
 /// Invariants, between moves: 1. slot[e] < vertexCount exactly for edges with their active bit set,
-/// and the vertex in that slot names e; slots have no holes. 2. cellState[c] is the state of cell c, 0
-/// when the cell is inactive, missing or outside the box. 3. the triangles of an active cell are run
+/// and the vertex in that slot names e; slots have no holes. 2. cellSigns[c] are the signs of cell c, 0
+/// when the cell is inactive, missing or outside the box; they are its state too unless they are ambiguous,
+/// then that is in slow->state. 3. the triangles of an active cell are run
 /// cellRun[c] of their number's bucket; runs of a bucket are numbered without holes; what is unused of the
 /// triangle run is zeros. 4. `slow` lists exactly the cells whose signs are ambiguous; null when there are
 /// none and no inner vertices.
@@ -73,7 +74,7 @@ struct Brick {
     std::uint32_t deactivatedCount = 0;
 
     std::array<std::uint16_t, kBrickEdges> slot;
-    std::array<std::uint16_t, kBrickPoints> cellState;
+    std::array<std::uint8_t, kBrickPoints> cellSigns;
     std::array<std::uint16_t, kBrickPoints> cellRun;
 
     bool isActiveEdge(LocalEdge edge) const { return active[edge >> 9][(edge >> 6) & 7] >> (edge & 63) & 1; }

@@ -57,7 +57,7 @@ void BrickTable::reset(Brick& brick, BrickIndex index) const {
     brick.firstActivated = brick.firstDeactivated = kNoRun;
     brick.activatedCount = brick.deactivatedCount = 0;
     brick.slot.fill(kNoSlot);
-    brick.cellState.fill(0);
+    brick.cellSigns.fill(0);
 
     // Cells start at every point but the last along each axis.
     std::array<int, 3> cells;

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <vector>
 
-#include "core/cell/trilinear_cell.h"
+#include "core/cell/cell_states.h"
 #include "core/extract/brick.h"
 
 namespace isoslider::extract {
@@ -40,6 +40,7 @@ struct SlowCells {
     std::uint32_t innerEnd = 0; ///< vertices handed out, those in holes included
     /// Where cells that are gone have left room for one vertex, or for a tunnel's six.
     std::vector<std::uint16_t> singleHoles, tunnelHoles;
+    std::array<cell::StateId, kBrickPoints> state; ///< of the ambiguous cells
     /// For cells in `inner`: their place there.
     std::array<std::uint16_t, kBrickPoints> innerPlace;
 
