@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/extract/full_extraction.h"
+#include "core/mesh/mesh_checks.h"
 #include "tests/property/topology_law.h"
 #include "tests/support/temporary_folder.h"
 
@@ -101,6 +102,66 @@ TEST(ListedEvents, ChangeTheCountsAsListed) {
             ASSERT_TRUE(fresh.isOk());
             ASSERT_EQ(surfaceFault(fresh.value(), grid, expected), "")
                 << grid.description << " at " << isovalue;
+        }
+    }
+}
+
+// Columns of a listed state: name (no number), signs, eight scalars, loops, components, Euler number.
+struct CellRow {
+    std::array<double, 8> scalars{};
+    std::int64_t loops = 0, components = 0, euler = 0;
+};
+
+std::vector<CellRow> readCells(const std::filesystem::path& path) {
+    std::vector<CellRow> cells;
+    for (const std::vector<double>& row : readRows(path)) {
+        CellRow& cell = cells.emplace_back();
+        std::copy_n(row.begin() + 2, 8, cell.scalars.begin());
+        cell.loops = std::llround(row[10]);
+        cell.components = std::llround(row[11]);
+        cell.euler = std::llround(row[12]);
+    }
+    return cells;
+}
+
+// A volume of one cell, each scalar times `scale` plus `shift`.
+template <class Sample>
+ScalarGrid cellGrid(ScalarType type, const CellRow& cell, double scale, double shift) {
+    GridGeometry geometry;
+    geometry.dims = {2, 2, 2};
+    std::vector<Sample> samples;
+    for (const double scalar : cell.scalars)
+        samples.push_back(static_cast<Sample>(scalar * scale + shift));
+    return ScalarGrid::fromValues<Sample>(geometry, type, samples);
+}
+
+template <class Sample>
+void expectListed(ScalarType type, const CellRow& cell, double scale, double shift) {
+    const auto surface = extract::extractFull(cellGrid<Sample>(type, cell, scale, shift), shift);
+    ASSERT_TRUE(surface.isOk());
+    const mesh::MeshReport report = mesh::checkMesh(surface.value());
+    EXPECT_EQ(report.boundaryLoops, static_cast<std::uint64_t>(cell.loops));
+    EXPECT_EQ(report.components, static_cast<std::uint64_t>(cell.components));
+    EXPECT_EQ(report.euler, cell.euler);
+    EXPECT_TRUE(report.isManifold && report.isOriented);
+    EXPECT_EQ(report.degenerateTriangles + report.duplicateTriangles, 0u);
+}
+
+TEST(ListedCells, AreExtractedInEveryScalarType) {
+    if (!std::filesystem::exists(listed("cell_states_768.csv")))
+        GTEST_SKIP() << "further test data is not here: " << listed("cell_states_768.csv");
+    const std::vector<CellRow> cells = readCells(listed("cell_states_768.csv"));
+    ASSERT_EQ(cells.size(), 768u);
+    for (std::size_t i = 0; i < cells.size() && !HasFailure(); ++i) {
+        SCOPED_TRACE("state " + std::to_string(i));
+        expectListed<std::uint8_t>(ScalarType::U8, cells[i], 1.0, 17.0);
+        expectListed<std::int8_t>(ScalarType::I8, cells[i], 1.0, 0.0);
+        expectListed<std::uint16_t>(ScalarType::U16, cells[i], 100.0, 1000.0);
+        expectListed<std::int16_t>(ScalarType::I16, cells[i], 1000.0, -1000.0);
+        expectListed<std::int32_t>(ScalarType::I32, cells[i], 1e6, -1000.0);
+        for (const double scale : {1e-6, 1.0, 1e6}) {
+            expectListed<float>(ScalarType::F32, cells[i], scale, 0.0);
+            expectListed<double>(ScalarType::F64, cells[i], scale, 17.0);
         }
     }
 }
