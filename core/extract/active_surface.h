@@ -66,6 +66,7 @@ private:
     bool applyToBrick(Brick& brick, Scratch& scratch);
     void growVertices(Brick& brick, std::uint32_t count);
     void activate(Brick& brick, const ActivatedEdge<Live>& change, std::uint32_t slot);
+    void clearBrick(Brick& brick, Scratch& scratch);
     void closeHoles(Brick& brick, Scratch& scratch);
     void listBricks(Brick& brick, Scratch& scratch);
 

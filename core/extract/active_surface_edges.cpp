@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "core/extract/active_surface_detail.h"
 
@@ -28,6 +29,11 @@ void ActiveSurface<Live>::chainChanges(const ChangeSet<Live>& changes, unsigned 
             scratch.touched.push_back(brick);
     };
     changes.forEachList([&](const typename ChangeSet<Live>::Lists& lists) {
+        for (const BrickIndex index : lists.cleared[partition])
+            if (Brick* cleared = table_.find(index); cleared && cleared->vertexCount > 0) {
+                cleared->isCleared = true;
+                scratch.touched.push_back(cleared);
+            }
         for (const DeactivatedEdge& change : lists.deactivated[partition]) {
             touch(change.brick);
             scratch.nextDeactivated.push_back(brick->firstDeactivated);
@@ -47,6 +53,8 @@ void ActiveSurface<Live>::chainChanges(const ChangeSet<Live>& changes, unsigned 
 
 template <class Live>
 bool ActiveSurface<Live>::applyToBrick(Brick& brick, Scratch& scratch) {
+    if (brick.isCleared)
+        clearBrick(brick, scratch);
     bool isConsistent = brick.deactivatedCount <= brick.vertexCount;
 
     // PAPER 3.3: the Delete list first, so that additions fill the holes.
@@ -91,6 +99,19 @@ bool ActiveSurface<Live>::applyToBrick(Brick& brick, Scratch& scratch) {
     table_.setTouched(brick, true);
     listBricks(brick, scratch);
     return isConsistent;
+}
+
+// All edges of a brick leave at once.
+template <class Live>
+void ActiveSurface<Live>::clearBrick(Brick& brick, Scratch& scratch) {
+    brick.isCleared = false;
+    for (std::uint32_t i = brick.vertexBegin; i < brick.vertexBegin + brick.vertexCount; ++i)
+        brick.slot[edges_[i]] = kNoSlot;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (std::size_t z = 0; z < 8; ++z)
+            brick.touched[axis][z] |= std::exchange(brick.active[axis][z], 0);
+    scratch.removed += brick.vertexCount;
+    brick.vertexCount = 0;
 }
 
 template <class Live>
@@ -189,6 +210,7 @@ void ActiveSurface<Live>::listBricks(Brick& brick, Scratch& scratch) {
     template bool ActiveSurface<Live>::applyToBrick(Brick&, Scratch&);                              \
     template void ActiveSurface<Live>::growVertices(Brick&, std::uint32_t);               \
     template void ActiveSurface<Live>::activate(Brick&, const ActivatedEdge<Live>&, std::uint32_t); \
+    template void ActiveSurface<Live>::clearBrick(Brick&, Scratch&);                                 \
     template void ActiveSurface<Live>::closeHoles(Brick&, Scratch&);                                \
     template void ActiveSurface<Live>::listBricks(Brick&, Scratch&);
 ISO_INSTANTIATE(float)

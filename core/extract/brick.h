@@ -68,6 +68,7 @@ struct Brick {
     std::atomic<bool> isListedDirty{false};
 
     // Changes waiting for this brick, as chains through the change set.
+    bool isCleared = false; ///< all its edges leave
     std::uint32_t firstActivated = kNoRun;
     std::uint32_t firstDeactivated = kNoRun;
     std::uint32_t activatedCount = 0;

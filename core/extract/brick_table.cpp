@@ -52,7 +52,7 @@ void BrickTable::reset(Brick& brick, BrickIndex index) const {
     brick.activeCells = {};
     brick.changedCells = {};
     brick.slow = nullptr;
-    brick.hasMissing = false;
+    brick.hasMissing = brick.isCleared = false;
     brick.isListedDirty.store(false, std::memory_order_relaxed);
     brick.firstActivated = brick.firstDeactivated = kNoRun;
     brick.activatedCount = brick.deactivatedCount = 0;

@@ -41,6 +41,7 @@ public:
     struct Lists {
         std::array<std::vector<ActivatedEdge<Live>>, kPartitions> activated;
         std::array<std::vector<DeactivatedEdge>, kPartitions> deactivated;
+        std::array<std::vector<BrickIndex>, kPartitions> cleared; ///< bricks all of whose edges leave; no other change names them
     };
 
     explicit ChangeSet(std::uint64_t brickCount)
@@ -59,6 +60,7 @@ public:
             for (unsigned p = 0; p < kPartitions; ++p) {
                 lists.activated[p].clear();
                 lists.deactivated[p].clear();
+                lists.cleared[p].clear();
             }
     }
     /// Gives memory back that an unusually large move has left.

@@ -2,13 +2,11 @@
 
 #include <memory>
 
+#include "core/extract/block_walk.h"
 #include "core/extract/change_source.h"
 #include "core/extract/hidden_scalars.h"
 #include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
-#include "core/index/lazy_levels.h"
-#include "core/index/page_cache.h"
-#include "core/index/skip_list.h"
 
 namespace isoslider::extract {
 
@@ -39,17 +37,11 @@ public:
     std::uint64_t hiddenBytesRead() const override { return hiddenCorners_.bytesRead(); }
 
 private:
-    struct Counts;
-    struct Task;
-    /// The pages of a walk; whole runs of top-level blocks come from lazy levels where there is room.
-    Result<std::vector<Task>> makeTasks(const std::vector<index::WalkSegment>& segments, SlideStats& stats);
-    void emit(const index::DecodedPage<Key>& page, const Task& task, KeyThreshold lower, KeyThreshold upper,
-              bool goesUp, ChangeSet<Live>& changes, Counts& counts) const;
+    using Part = typename BlockWalk<Key>::Part;
+    std::size_t emit(const Part& part, KeyThreshold lower, KeyThreshold upper, bool goesUp, ChangeSet<Live>& changes) const;
 
     const index::IndexReader& reader_;
-    index::SkipList skipList_;
-    index::PageCache<Key> cache_;
-    index::LazyLevels<Key> lazyLevels_;
+    BlockWalk<Key> walk_;
     index::HiddenCorners hiddenCorners_;
 };
 

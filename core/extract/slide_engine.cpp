@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "core/extract/active_surface.h"
+#include "core/extract/brick_source.h"
 #include "core/extract/edge_block_source.h"
+#include "core/extract/memory_samples.h"
 
 namespace isoslider::extract {
 namespace {
@@ -15,18 +17,42 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// What an engine stands on: a reader, and samples where the source needs some.
 template <class Sample>
-class Engine final : public SlideEngine {
+struct IndexBacking {
     using Source = EdgeBlockSource<Sample>;
-    using Live = typename Source::Live;
+    std::unique_ptr<index::IndexReader> reader;
+    Source source;
+    static constexpr bool kIsIndex = true;
+
+    IndexBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
+        : reader(std::move(opened)), source(*reader, options.cacheBytes) {}
+};
+
+template <class Sample>
+struct MemoryBacking {
+    using Source = BrickSource<Sample>;
+    std::shared_ptr<const ScalarGrid> grid;
+    std::unique_ptr<index::IndexReader> reader;
+    MemorySamples<Sample> samples;
+    Source source;
+    static constexpr bool kIsIndex = false;
+
+    MemoryBacking(std::shared_ptr<const ScalarGrid> volume, std::unique_ptr<index::IndexReader> brickList, const SlideOptions& options)
+        : grid(std::move(volume)), reader(std::move(brickList)), samples(*grid), source(*reader, samples, options.cacheBytes) {}
+};
+
+template <class Backing>
+class Engine final : public SlideEngine {
+    using Live = typename Backing::Source::Live;
 
 public:
-    Engine(std::unique_ptr<index::IndexReader> reader, const SlideOptions& options)
-        : reader_(std::move(reader)), source_(*reader_, options.cacheBytes),
-          surface_(reader_->info().geometry, reader_->meta().missingCells, source_), changes_(reader_->grid().brickCount()),
-          position_(source_.lowest()) {}
+    template <class... Arguments>
+    explicit Engine(Arguments&&... arguments)
+        : backing_(std::forward<Arguments>(arguments)...), surface_(meta().info.geometry, meta().missingCells, backing_.source),
+          changes_(backing_.reader->grid().brickCount()), position_(backing_.source.lowest()) {}
 
-    const index::IndexInfo& info() const override { return reader_->info(); }
+    const index::IndexInfo& info() const override { return meta().info; }
 
     Result<SlideStats> slideTo(double isovalue, std::stop_token stop) override {
         if (std::isnan(isovalue))
@@ -53,7 +79,7 @@ public:
         surface_.copyFrame(frame);
         frame.isovalue = lastStats_.isovalue;
         frame.stats = lastStats_;
-        frame.isFromIndex = true;
+        frame.isFromIndex = Backing::kIsIndex;
         if (lastStats_.hasRebuilt) // everything is new: nothing to point out
             frame.changedIndices.clear();
     }
@@ -64,12 +90,12 @@ private:
     // From where to start: here, or from the empty surface below or above all values, whichever has
     // fewer edge entries on the way. An emptied surface costs nothing to remove.
     Status move(double isovalue, SlideStats& stats, std::stop_token stop) {
-        const KeyThreshold target = source_.threshold(isovalue);
-        std::uint64_t best = source_.estimate(position_, target);
+        const KeyThreshold target = backing_.source.threshold(isovalue);
+        std::uint64_t best = backing_.source.estimate(position_, target);
         KeyThreshold start = position_;
         bool restarts = false;
-        for (const KeyThreshold end : {source_.lowest(), source_.highest()}) {
-            const std::uint64_t cost = source_.estimate(end, target);
+        for (const KeyThreshold end : {backing_.source.lowest(), backing_.source.highest()}) {
+            const std::uint64_t cost = backing_.source.estimate(end, target);
             if (cost < best) {
                 best = cost;
                 start = end;
@@ -85,10 +111,10 @@ private:
         if (lastTouched_ > 4 * best + kKeptChanges)
             changes_.trim();
         changes_.clear();
-        ISO_TRY(source_.collect(start, target, changes_, stats, stop));
-        const std::uint64_t hiddenBytes = source_.hiddenBytesRead();
+        ISO_TRY(backing_.source.collect(start, target, changes_, stats, stop));
+        const std::uint64_t hiddenBytes = backing_.source.hiddenBytesRead();
         ISO_TRY(surface_.apply(changes_, isovalue, stats));
-        stats.bytesRead += source_.hiddenBytesRead() - hiddenBytes;
+        stats.bytesRead += backing_.source.hiddenBytesRead() - hiddenBytes;
         lastTouched_ = stats.edgesTouched;
         position_ = target;
         return {};
@@ -97,11 +123,12 @@ private:
     void dropSurface() {
         surface_.clear();
         changes_.clear();
-        position_ = source_.lowest();
+        position_ = backing_.source.lowest();
     }
 
-    std::unique_ptr<index::IndexReader> reader_;
-    Source source_;
+    const index::IndexMeta& meta() const { return backing_.reader->meta(); }
+
+    Backing backing_;
     ActiveSurface<Live> surface_;
     ChangeSet<Live> changes_;
     KeyThreshold position_;
@@ -117,7 +144,15 @@ Result<std::unique_ptr<SlideEngine>> SlideEngine::open(const std::filesystem::pa
         return std::move(reader).error();
     const ScalarType type = reader.value()->info().type;
     return visitScalarType(type, [&](auto sample) -> Result<std::unique_ptr<SlideEngine>> {
-        return std::unique_ptr<SlideEngine>(std::make_unique<Engine<decltype(sample)>>(std::move(reader).value(), options));
+        return std::unique_ptr<SlideEngine>(std::make_unique<Engine<IndexBacking<decltype(sample)>>>(std::move(reader).value(), options));
+    });
+}
+
+std::unique_ptr<SlideEngine> SlideEngine::onVolume(std::shared_ptr<const ScalarGrid> grid, std::unique_ptr<index::IndexReader> brickList,
+                                                   const SlideOptions& options) {
+    return visitScalarType(grid->type(), [&](auto sample) {
+        return std::unique_ptr<SlideEngine>(
+            std::make_unique<Engine<MemoryBacking<decltype(sample)>>>(std::move(grid), std::move(brickList), options));
     });
 }
 

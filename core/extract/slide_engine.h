@@ -6,7 +6,9 @@
 #include "core/base/job_control.h"
 #include "core/extract/surface_frame.h"
 #include "core/extract/surface_mesh.h"
+#include "core/grid/scalar_grid.h"
 #include "core/index/index_info.h"
+#include "core/index/index_reader.h"
 
 namespace isoslider::extract {
 
@@ -14,7 +16,7 @@ struct SlideOptions {
     std::uint64_t cacheBytes = std::uint64_t{64} << 20; ///< bound on decoded pages kept in memory
 };
 
-/// The live surface over one index: moves from isovalue to isovalue and keeps the arrays current.
+/// The live surface over one index or volume: moves from isovalue to isovalue and keeps the arrays current.
 /// One thread at a time (it uses TBB inside). After a failed or cancelled move the engine holds no
 /// surface; the next move builds it anew.
 class SlideEngine {
@@ -22,6 +24,9 @@ public:
     /// Errors: NotFound, IoError, Corruption, UnsupportedVersion.
     static Result<std::unique_ptr<SlideEngine>> open(const std::filesystem::path& indexPath,
                                                      const SlideOptions& options = {});
+    /// On a volume in memory; `brickList` is the skip list of its bricks (preprocess/brick_list.h makes both).
+    static std::unique_ptr<SlideEngine> onVolume(std::shared_ptr<const ScalarGrid> grid, std::unique_ptr<index::IndexReader> brickList,
+                                                 const SlideOptions& options = {});
     virtual ~SlideEngine() = default;
 
     virtual const index::IndexInfo& info() const = 0;

@@ -28,6 +28,7 @@ struct SlideStats {
     std::uint64_t ambiguousCells = 0; ///< active cells whose signs do not tell their surface
     std::uint64_t activeEdges = 0;
     std::uint64_t triangles = 0;
+    std::uint64_t bricksRead = 0; ///< bricks of samples looked into; 0 with edge blocks
     std::uint64_t bytesRead = 0; ///< bytes read from the index file (page cache misses only)
     double updateMs = 0.0;
     double interpolateMs = 0.0;

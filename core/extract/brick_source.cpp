@@ -1,0 +1,293 @@
+#include "core/extract/brick_source.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstring>
+#include <mutex>
+
+#include <glm/common.hpp>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include "core/base/job_control.h"
+#include "core/extract/brick.h"
+
+namespace isoslider::extract {
+namespace {
+
+enum PointFlag : std::uint8_t { kAboveFrom = 1, kAboveTo = 2 };
+
+// Signs of 9^3 points as words: bit x + 8 y of plane z, for points (x, y), (x + 1, y) and (x, y + 1).
+struct SignWords {
+    std::array<std::uint64_t, 9> here{}, right{}, behind{};
+};
+
+// Bit k of the result is bit `shift` of byte k.
+std::uint64_t packBytes(const std::uint8_t* bytes, int shift) {
+    std::uint64_t word;
+    std::memcpy(&word, bytes, sizeof word);
+    return ((word >> shift & 0x0101010101010101ull) * 0x0102040810204080ull) >> 56;
+}
+
+using Flags = std::array<std::uint8_t, 16 * 9 * 9>;
+
+SignWords wordsOf(const Flags& flags, int shift) {
+    SignWords words;
+    for (std::size_t z = 0; z < 9; ++z)
+        for (std::size_t y = 0; y < 9; ++y) {
+            const std::uint8_t* row = flags.data() + 16 * (y + 9 * z);
+            const std::uint64_t bits = packBytes(row, shift);
+            if (y < 8) {
+                words.here[z] |= bits << (8 * y);
+                words.right[z] |= packBytes(row + 1, shift) << (8 * y);
+            }
+            if (y > 0)
+                words.behind[z] |= bits << (8 * (y - 1));
+        }
+    return words;
+}
+
+std::array<BrickBits, 3> edgesOf(const SignWords& words, const std::array<BrickBits, 3>& inside) {
+    std::array<BrickBits, 3> edges;
+    for (std::size_t z = 0; z < 8; ++z) {
+        edges[0][z] = (words.here[z] ^ words.right[z]) & inside[0][z];
+        edges[1][z] = (words.here[z] ^ words.behind[z]) & inside[1][z];
+        edges[2][z] = (words.here[z] ^ words.here[z + 1]) & inside[2][z];
+    }
+    return edges;
+}
+
+// Edges of the brick that lie in the box.
+std::array<BrickBits, 3> edgesInside(const std::array<int, 3>& end) {
+    std::array<BrickBits, 3> inside{};
+    for (int axis = 0; axis < 3; ++axis) {
+        std::array<int, 3> count;
+        for (int a = 0; a < 3; ++a)
+            count[static_cast<std::size_t>(a)] = std::clamp(end[static_cast<std::size_t>(a)] - (a == axis ? 1 : 0), 0, 8);
+        std::uint64_t plane = 0;
+        for (int y = 0; y < count[1]; ++y)
+            plane |= ((std::uint64_t{1} << count[0]) - 1) << (8 * y);
+        for (int z = 0; z < count[2]; ++z)
+            inside[static_cast<std::size_t>(axis)][static_cast<std::size_t>(z)] = plane;
+    }
+    return inside;
+}
+
+} // namespace
+
+template <class Sample>
+struct BrickSource<Sample>::Scratch {
+    SampleBlock<Sample> block;
+    Flags flags{};
+    std::array<NormalCode, 9 * 9 * 9> normals;
+    std::array<std::uint64_t, 12> hasNormal; // bit per point
+    std::uint64_t bricks = 0, changed = 0, bytesRead = 0;
+
+    NormalCode normalAt(int x, int y, int z, const glm::vec3& inverseSpacing) {
+        const auto at = static_cast<std::size_t>(x + 9 * (y + 9 * z));
+        if (!(hasNormal[at >> 6] >> (at & 63) & 1)) {
+            hasNormal[at >> 6] |= std::uint64_t{1} << (at & 63);
+            normals[at] = encodeNormal(normalizedOrZero(-block.gradient(x, y, z, inverseSpacing)));
+        }
+        return normals[at];
+    }
+};
+
+template <class Sample>
+BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, const SampleReader<Sample>& samples, std::uint64_t cacheBytes)
+    : reader_(bricks), samples_(samples), walk_(bricks, cacheBytes), placeOf_(bricks.grid().brickCount()) {
+    for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
+        inverseSpacing_[a] = static_cast<float>(1.0 / std::abs(bricks.info().geometry.spacing[a]));
+}
+
+template <class Sample>
+KeyThreshold BrickSource<Sample>::highest() const {
+    return KeyThreshold{keyOf(static_cast<Sample>(reader_.info().max))} + 1;
+}
+
+// In bricks: patching never looks at more bricks than building anew does.
+template <class Sample>
+std::uint64_t BrickSource<Sample>::estimate(KeyThreshold from, KeyThreshold to) const {
+    return walk_.estimate(std::min(from, to), std::max(from, to));
+}
+
+template <class Sample>
+void BrickSource<Sample>::removeActive(BrickIndex brick) {
+    const std::uint32_t place = placeOf_[brick];
+    if (place == 0)
+        return;
+    active_[place - 1] = active_.back();
+    placeOf_[active_.back().brick] = place;
+    active_.pop_back();
+    placeOf_[brick] = 0;
+}
+
+template <class Sample>
+Status BrickSource<Sample>::changeActiveSet(KeyThreshold lower, KeyThreshold upper, bool goesUp, ChangeSet<Live>& changes,
+                                            SlideStats& stats, std::stop_token stop) {
+    struct Net {
+        std::vector<BrickIndex> arrive, leave;
+    };
+    tbb::enumerable_thread_specific<Net> nets;
+    const auto take = [&](const typename BlockWalk<Key>::Part& part) {
+        Net& net = nets.local();
+        std::size_t entry = part.firstEntry;
+        for (std::size_t i = part.begin; i < part.end; ++i, ++entry) { // one entry a record
+            const std::uint64_t far = part.page.farKeys[entry];
+            if (far >= lower && far < upper)
+                continue; // comes and goes within the move
+            const auto brick = static_cast<BrickIndex>(part.page.ids[i] / kBrickPoints);
+            ((far > part.page.keys[i]) == goesUp ? net.arrive : net.leave).push_back(brick);
+        }
+        return entry;
+    };
+    ISO_TRY(walk_.visit(lower, upper, stats, stop, take));
+    typename ChangeSet<Live>::Lists& lists = changes.local();
+    for (const Net& net : nets)
+        for (const BrickIndex brick : net.leave) {
+            removeActive(brick);
+            lists.cleared[changes.partitionOf(brick)].push_back(brick);
+        }
+    for (const Net& net : nets)
+        for (const BrickIndex brick : net.arrive) {
+            if (placeOf_[brick] != 0)
+                return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice");
+            active_.push_back({0, 0, brick, true});
+            placeOf_[brick] = static_cast<std::uint32_t>(active_.size());
+        }
+    return {};
+}
+
+template <class Sample>
+Status BrickSource<Sample>::collect(KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, SlideStats& stats, std::stop_token stop) {
+    if (from == lowest() || from == highest()) { // nothing is active there; perhaps a move was broken off
+        for (const ActiveBrick& active : active_)
+            placeOf_[active.brick] = 0;
+        active_.clear();
+    }
+    ISO_TRY(changeActiveSet(std::min(from, to), std::max(from, to), from < to, changes, stats, stop));
+    tbb::enumerable_thread_specific<Scratch> scratches;
+    std::mutex errorMutex;
+    std::optional<Error> firstError;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, active_.size(), 256), [&](const tbb::blocked_range<std::size_t>& range) {
+        if (stop.stop_requested())
+            return;
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            ActiveBrick& active = active_[i];
+            const bool isCrossed = active.isNew || (from < to ? active.up < to : active.down >= to);
+            if (!isCrossed)
+                continue;
+            if (Status status = emit(active, from, to, changes, scratches.local()); !status.isOk()) {
+                const std::lock_guard lock(errorMutex);
+                firstError = status.error();
+                return;
+            }
+        }
+    });
+    if (firstError)
+        return std::move(*firstError);
+    if (stop.stop_requested())
+        return cancelledError();
+    for (const Scratch& scratch : scratches) {
+        stats.bricksRead += scratch.bricks;
+        stats.edgesTouched += scratch.changed;
+        stats.bytesRead += scratch.bytesRead;
+    }
+    return {};
+}
+
+template <class Sample>
+Status BrickSource<Sample>::emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, Scratch& scratch) const {
+    SampleBlock<Sample>& block = scratch.block;
+    ISO_TRY(samples_.read(active.brick, block, scratch.bytesRead));
+    ++scratch.bricks;
+
+    // Signs at both thresholds, and the nearest keys on either side of the new one.
+    std::uint64_t up = ~std::uint64_t{0}, down = 0;
+    bool hasMissing = false;
+    const int zEnd = std::min(9, block.end[2]), yEnd = std::min(9, block.end[1]), xEnd = std::min(9, block.end[0]);
+    for (int z = 0; z < zEnd; ++z)
+        for (int y = 0; y < yEnd; ++y) {
+            const Sample* row = block.samples.data() + block.offset(0, y, z);
+            std::uint8_t* flags = scratch.flags.data() + 16 * (y + 9 * z);
+            for (int x = 0; x < xEnd; ++x) {
+                const bool missing = isMissing(row[x]);
+                hasMissing = hasMissing || missing;
+                const std::uint64_t key = keyOf(row[x]);
+                flags[x] = static_cast<std::uint8_t>((key >= from ? kAboveFrom : 0) | (key >= to ? kAboveTo : 0));
+                up = key >= to && !missing ? std::min(up, key) : up;
+                down = key < to && !missing ? std::max(down, key) : down;
+            }
+        }
+    const std::array<BrickBits, 3> inside = edgesInside(block.end);
+    const std::array<BrickBits, 3> after = edgesOf(wordsOf(scratch.flags, 1), inside);
+    std::array<BrickBits, 3> before{};
+    if (!active.isNew)
+        before = edgesOf(wordsOf(scratch.flags, 0), inside);
+    active.up = up;
+    active.down = down;
+    active.isNew = false;
+
+    scratch.hasNormal.fill(0);
+    typename ChangeSet<Live>::Lists& lists = changes.local();
+    const unsigned partition = changes.partitionOf(active.brick);
+    const bool checksCells = hasMissing || std::any_of(block.end.begin(), block.end.end(), [](int e) { return e < 2; });
+    for (int axis = 0; axis < 3; ++axis)
+        for (int z = 0; z < 8; ++z) {
+            const std::uint64_t old = before[static_cast<std::size_t>(axis)][static_cast<std::size_t>(z)];
+            const std::uint64_t now = after[static_cast<std::size_t>(axis)][static_cast<std::size_t>(z)];
+            for (std::uint64_t word = old ^ now; word != 0; word &= word - 1) {
+                const int bit = std::countr_zero(word);
+                const int x = bit & 7, y = bit >> 3;
+                if (checksCells && !isUsable(block, x, y, z, axis))
+                    continue;
+                ++scratch.changed;
+                const auto edge = static_cast<LocalEdge>(axis * kBrickPoints + bit + 64 * z);
+                if (old >> bit & 1) {
+                    lists.deactivated[partition].push_back({active.brick, edge});
+                    continue;
+                }
+                const Sample* point = block.samples.data() + block.offset(x, y, z);
+                lists.activated[partition].push_back({static_cast<Live>(point[0]), static_cast<Live>(point[block.stride(axis)]), active.brick, edge,
+                                                      scratch.normalAt(x, y, z, inverseSpacing_),
+                                                      scratch.normalAt(x + (axis == 0), y + (axis == 1), z + (axis == 2), inverseSpacing_)});
+            }
+        }
+    return {};
+}
+
+// Both ends finite, and one of the four cells whole.
+template <class Sample>
+bool BrickSource<Sample>::isUsable(const SampleBlock<Sample>& block, int x, int y, int z, int axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (int k = 0; k < 4; ++k) {
+        std::array<int, 3> cell{x, y, z};
+        cell[static_cast<std::size_t>(u)] -= k & 1;
+        cell[static_cast<std::size_t>(v)] -= k >> 1;
+        if (block.isCellWhole(cell[0], cell[1], cell[2]))
+            return true;
+    }
+    return false;
+}
+
+template <class Sample>
+Result<std::optional<double>> BrickSource<Sample>::hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) {
+    SampleBlock<Sample> block;
+    std::uint64_t bytesRead = 0;
+    if (Status status = samples_.read(brick, block, bytesRead); !status.isOk())
+        return status.error();
+    hiddenBytesRead_.fetch_add(bytesRead, std::memory_order_relaxed);
+    const int x = (cell & 7) + (corner & 1), y = (cell >> 3 & 7) + (corner >> 1 & 1), z = (cell >> 6) + (corner >> 2);
+    return std::optional<double>(static_cast<double>(block.samples[static_cast<std::size_t>(block.offset(x, y, z))]));
+}
+
+template class BrickSource<std::uint8_t>;
+template class BrickSource<std::int8_t>;
+template class BrickSource<std::uint16_t>;
+template class BrickSource<std::int16_t>;
+template class BrickSource<std::int32_t>;
+template class BrickSource<float>;
+template class BrickSource<double>;
+
+} // namespace isoslider::extract

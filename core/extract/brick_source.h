@@ -1,0 +1,76 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/extract/block_walk.h"
+#include "core/extract/change_source.h"
+#include "core/extract/hidden_scalars.h"
+#include "core/extract/sample_block.h"
+#include "core/extract/virtual_array.h"
+#include "core/index/index_reader.h"
+
+namespace isoslider::extract {
+
+/// Net edge changes from bricks of samples (the paper's metacells, section 3).
+///
+/// A brick owns the edges that start at its 8^3 points; their ends lie among 9^3 samples. It is active
+/// at the thresholds between the least and the greatest of those, and only then has it active edges. So
+/// bricks become active and inactive at values as edges do, and their skip list is the same list: a
+/// record is a brick at its least (far key: greatest) or greatest key, a brick with both ends in a block's
+/// interval is redundant there.
+///
+/// A move takes the net changes of the set of active bricks from the list. Bricks that leave are emptied
+/// without being read; those that arrive are read whole. Of bricks active at both ends those are read
+/// which have a sample in between: each active brick knows the next keys on either side of the
+/// position, so the others cost the reading of 24 bytes. In a brick that is read, active edges at both
+/// thresholds are found as bits, 64 at a time, and what differs is emitted, with normals from the samples.
+///
+/// Cost: O(log N + bricks that come, go or have a crossed sample) and 24 bytes per active brick.
+template <class Sample>
+class BrickSource final
+    : public ChangeSource<std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>>,
+      public HiddenScalars {
+public:
+    using Key = KeyOf<Sample>;
+    using Live = std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>;
+
+    /// `bricks` is the list of brick changes; it and `samples` must outlive the source.
+    BrickSource(const index::IndexReader& bricks, const SampleReader<Sample>& samples, std::uint64_t cacheBytes);
+
+    Status collect(KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, SlideStats& stats, std::stop_token stop) override;
+    std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override;
+    KeyThreshold threshold(double isovalue) const override { return thresholdOf<Sample>(isovalue); }
+    KeyThreshold lowest() const override { return 0; }
+    KeyThreshold highest() const override;
+    Result<std::optional<double>> hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) override;
+    std::uint64_t hiddenBytesRead() const override { return hiddenBytesRead_.load(std::memory_order_relaxed); }
+
+private:
+    /// A brick with samples on both sides of the position, and the nearest keys: `up` is the least that is
+    /// not below it, `down` the greatest that is.
+    struct ActiveBrick {
+        std::uint64_t up;
+        std::uint64_t down;
+        BrickIndex brick;
+        bool isNew;
+    };
+    struct Scratch;
+
+    Status changeActiveSet(KeyThreshold lower, KeyThreshold upper, bool goesUp, ChangeSet<Live>& changes, SlideStats& stats, std::stop_token stop);
+    void removeActive(BrickIndex brick);
+    static bool isUsable(const SampleBlock<Sample>& block, int x, int y, int z, int axis);
+    Status emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, Scratch& scratch) const;
+
+    const index::IndexReader& reader_;
+    const SampleReader<Sample>& samples_;
+    BlockWalk<Key> walk_;
+    glm::vec3 inverseSpacing_;
+    std::atomic<std::uint64_t> hiddenBytesRead_ = 0;
+    std::vector<ActiveBrick> active_;
+    VirtualArray<std::uint32_t> placeOf_; ///< in active_, by brick; one more, 0 for none
+};
+
+} // namespace isoslider::extract

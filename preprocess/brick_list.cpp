@@ -1,0 +1,208 @@
+#include "preprocess/brick_list.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include <tbb/parallel_for.h>
+
+#include "core/base/memory_file_system.h"
+#include "core/extract/memory_samples.h"
+#include "core/index/index_reader.h"
+#include "preprocess/block_intervals.h"
+#include "preprocess/external_sort.h"
+#include "preprocess/level_builder.h"
+
+namespace isoslider::preprocess {
+namespace {
+
+constexpr int kPrefixBits = 16;
+constexpr int kBrickSkipLevels = 5;
+constexpr double kBrickRedundancy = 1.0;
+
+// The upward edge number that stays in the box; -1 for a brick of one point, which has no edges.
+int edgeOfBrick(const BrickGrid& grid, BrickIndex brick) {
+    const auto coords = grid.brickCoords(brick);
+    for (int axis = 0; axis < 3; ++axis)
+        if (coords[static_cast<std::size_t>(axis)] * kBrickSide + 1 < grid.dims()[axis])
+            return 2 * axis + 1;
+    return -1;
+}
+
+} // namespace
+
+template <class Key>
+Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, std::uint64_t memoryBytes,
+                      const std::filesystem::path& spillPath, FileSystem& fileSystem, index::IndexWriter& writer,
+                      std::vector<index::SkipLevelInfo>& levels) {
+    constexpr int kKeyShift = 8 * sizeof(Key) - kPrefixBits;
+    const BrickGrid grid(dims);
+    std::vector<std::uint64_t> countsByPrefix(std::size_t{1} << kPrefixBits, 0);
+    const auto isEverActive = [&](std::size_t brick) {
+        return spans.least[brick] < spans.greatest[brick] && edgeOfBrick(grid, static_cast<BrickIndex>(brick)) >= 0;
+    };
+    for (std::size_t brick = 0; brick < spans.least.size(); ++brick)
+        if (isEverActive(brick)) {
+            ++countsByPrefix[static_cast<std::size_t>(spans.least[brick] >> kKeyShift)];
+            ++countsByPrefix[static_cast<std::size_t>(spans.greatest[brick] >> kKeyShift)];
+        }
+    const SpanBins bins = makeSpanBins(countsByPrefix, kKeyShift);
+    SpanHistogram histogram(bins.count());
+    ExternalSort<Key> sort(countsByPrefix, kKeyShift, memoryBytes, spillPath, fileSystem);
+    for (std::size_t brick = 0; brick < spans.least.size(); ++brick) {
+        if (!isEverActive(brick))
+            continue;
+        histogram.add(bins.binOf(spans.least[brick]), bins.binOf(spans.greatest[brick]));
+        const int edge = edgeOfBrick(grid, static_cast<BrickIndex>(brick));
+        std::array<index::PointRecord<Key>, 2> records;
+        for (std::size_t k = 0; k < 2; ++k) {
+            records[k].key = k == 0 ? spans.least[brick] : spans.greatest[brick];
+            records[k].setId(PointId{brick} * kBrickPoints);
+            records[k].edgeMask = static_cast<std::uint8_t>(1 << edge);
+            records[k].farKeys[edge] = k == 0 ? spans.greatest[brick] : spans.least[brick];
+            records[k].farNormals[edge] = kNoNormal;
+        }
+        ISO_TRY(sort.add(records));
+    }
+    LevelBuilder<Key> builder(writer, grid, chooseBlockBegins(histogram, bins, kBrickSkipLevels, kBrickRedundancy));
+    ISO_TRY(sort.drain([&](std::span<const index::PointRecord<Key>> records) { return builder.add(records); }, {}));
+    ISO_TRY(builder.finish());
+    levels = builder.levelInfos();
+    return {};
+}
+
+template Status writeBrickList(const BrickSpans<std::uint16_t>&, const GridDims&, std::uint64_t, const std::filesystem::path&, FileSystem&,
+                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&);
+template Status writeBrickList(const BrickSpans<std::uint32_t>&, const GridDims&, std::uint64_t, const std::filesystem::path&, FileSystem&,
+                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&);
+template Status writeBrickList(const BrickSpans<std::uint64_t>&, const GridDims&, std::uint64_t, const std::filesystem::path&, FileSystem&,
+                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&);
+
+namespace {
+
+// One pass over a volume in memory, brick by brick.
+template <class Sample>
+class MemoryScan {
+public:
+    using Key = KeyOf<Sample>;
+
+    MemoryScan(const ScalarGrid& grid, const JobControl& job)
+        : grid_(grid), bricks_(grid.dims()), view_{grid.values<Sample>().data(), grid.dims()}, job_(job) {
+        spans_.least.resize(bricks_.brickCount());
+        spans_.greatest.resize(bricks_.brickCount());
+    }
+
+    Status run() {
+        const std::size_t count = spans_.least.size();
+        std::vector<std::uint8_t> hasMissing(count, 0);
+        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t brick) {
+            if (!job_.isStopRequested())
+                hasMissing[brick] = scanBrick(static_cast<BrickIndex>(brick));
+        });
+        if (job_.isStopRequested())
+            return cancelledError();
+        const extract::MemorySamples<Sample> samples(grid_);
+        extract::SampleBlock<Sample> block;
+        std::uint64_t bytesRead = 0;
+        for (std::size_t brick = 0; brick < count; ++brick)
+            if (hasMissing[brick]) {
+                ISO_TRY(samples.read(static_cast<BrickIndex>(brick), block, bytesRead));
+                addMissingCells(static_cast<BrickIndex>(brick), block);
+            }
+        return {};
+    }
+
+    const BrickSpans<Key>& spans() const { return spans_; }
+    std::vector<index::MissingCells> takeMissingCells() { return std::move(missingCells_); }
+
+private:
+    // True when a sample is missing.
+    bool scanBrick(BrickIndex brick) {
+        const auto coords = bricks_.brickCoords(brick);
+        std::array<std::int64_t, 3> begin, end;
+        for (std::size_t a = 0; a < 3; ++a) {
+            begin[a] = coords[a] * kBrickSide;
+            end[a] = std::min(begin[a] + kBrickSide + 1, view_.dims[a]);
+        }
+        Key least = std::numeric_limits<Key>::max(), greatest = 0;
+        bool hasMissing = false;
+        for (std::int64_t z = begin[2]; z < end[2]; ++z)
+            for (std::int64_t y = begin[1]; y < end[1]; ++y) {
+                const Sample* row = view_.samples + view_.offset(begin[0], y, z);
+                const std::int64_t n = end[0] - begin[0];
+                for (std::int64_t x = 0; x < n; ++x) {
+                    if (isMissing(row[x])) {
+                        hasMissing = true;
+                        continue;
+                    }
+                    const Key key = keyOf(row[x]);
+                    least = std::min(least, key);
+                    greatest = std::max(greatest, key);
+                }
+            }
+        spans_.least[brick] = least;
+        spans_.greatest[brick] = greatest;
+        return hasMissing;
+    }
+
+    void addMissingCells(BrickIndex brick, const extract::SampleBlock<Sample>& block) {
+        index::MissingCells missing;
+        missing.brick = brick;
+        bool any = false;
+        for (int z = 0; z < 8; ++z)
+            for (int y = 0; y < 8; ++y)
+                for (int x = 0; x < 8; ++x)
+                    if (block.isInside(x, y, z) && block.isInside(x + 1, y + 1, z + 1) && !block.isCellWhole(x, y, z)) {
+                        missing.cells[z] |= std::uint64_t{1} << (x + 8 * y);
+                        any = true;
+                    }
+        if (any)
+            missingCells_.push_back(missing);
+    }
+
+    const ScalarGrid& grid_;
+    BrickGrid bricks_;
+    SampleView<Sample> view_;
+    const JobControl& job_;
+    BrickSpans<Key> spans_;
+    std::vector<index::MissingCells> missingCells_;
+};
+
+template <class Sample>
+Result<std::unique_ptr<extract::SlideEngine>> makeTypedEngine(std::shared_ptr<const ScalarGrid> grid, const JobControl& job) {
+    MemoryScan<Sample> scan(*grid, job);
+    ISO_TRY(scan.run());
+    MemoryFileSystem memory;
+    const std::filesystem::path name = "bricks";
+    auto writer = index::IndexWriter::create(name, 0, memory);
+    if (!writer.isOk())
+        return std::move(writer).error();
+    index::IndexMeta meta;
+    ISO_TRY(writeBrickList(scan.spans(), grid->dims(), std::uint64_t{1} << 40, "bricks.sort", memory, *writer.value(), meta.info.levels));
+    meta.info.geometry = grid->geometry();
+    meta.info.type = grid->type();
+    meta.missingCells = scan.takeMissingCells();
+    std::uint64_t least = ~std::uint64_t{0}, greatest = 0;
+    for (std::size_t brick = 0; brick < scan.spans().least.size(); ++brick)
+        if (scan.spans().least[brick] <= scan.spans().greatest[brick]) {
+            least = std::min<std::uint64_t>(least, scan.spans().least[brick]);
+            greatest = std::max<std::uint64_t>(greatest, scan.spans().greatest[brick]);
+        }
+    if (least > greatest)
+        return makeError(ErrorCode::InvalidArgument, "the volume has no finite sample");
+    meta.info.min = static_cast<double>(sampleOfKey<Sample>(static_cast<KeyOf<Sample>>(least)));
+    meta.info.max = static_cast<double>(sampleOfKey<Sample>(static_cast<KeyOf<Sample>>(greatest)));
+    if (auto finished = writer.value()->finish(std::move(meta)); !finished.isOk())
+        return std::move(finished).error();
+    auto reader = index::IndexReader::open(name, memory);
+    if (!reader.isOk())
+        return std::move(reader).error();
+    return extract::SlideEngine::onVolume(std::move(grid), std::move(reader).value());
+}
+
+} // namespace
+
+Result<std::unique_ptr<extract::SlideEngine>> makeMemoryEngine(std::shared_ptr<const ScalarGrid> grid, const JobControl& job) {
+    return visitScalarType(grid->type(), [&](auto sample) { return makeTypedEngine<decltype(sample)>(grid, job); });
+}
+
+} // namespace isoslider::preprocess
