@@ -1,6 +1,7 @@
 #include "app/desktop/preprocess_index_builder.h"
 
 #include "core/volume_io/volume_source.h"
+#include "preprocess/brick_list.h"
 #include "preprocess/build_index.h"
 
 namespace isoslider::desktop {
@@ -14,6 +15,11 @@ Status PreprocessIndexBuilder::build(const std::shared_ptr<const ScalarGrid>& gr
     if (!report.isOk())
         return report.error();
     return {};
+}
+
+Result<std::unique_ptr<extract::SlideEngine>> PreprocessIndexBuilder::engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,
+                                                                                    const JobControl& job) {
+    return preprocess::makeMemoryEngine(grid, job);
 }
 
 } // namespace isoslider::desktop

@@ -47,7 +47,8 @@ struct SurfaceFrame {
     std::vector<std::uint32_t> indices;
     std::vector<std::uint32_t> changedIndices; ///< triangles retriangulated by the last move
     SlideStats stats;
-    bool isFromIndex = false; ///< false: a plain full extraction, before the index was there
+    bool isFromIndex = false;       ///< false: from the volume in memory, before the index was there
+    bool isWholeExtraction = false; ///< not slid to: every triangle is new
 };
 
 } // namespace isoslider::extract

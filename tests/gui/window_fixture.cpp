@@ -9,6 +9,7 @@
 #include <QTest>
 
 #include "core/volume_io/volume_source.h"
+#include "preprocess/brick_list.h"
 #include "preprocess/build_index.h"
 #include "ui/widgets/action_registry.h"
 
@@ -25,6 +26,11 @@ Status HoldableBuilder::build(const std::shared_ptr<const ScalarGrid>& grid, con
     options.sourceName = sourceName;
     auto report = preprocess::buildIndex(*source, indexPath, options, job);
     return report.isOk() ? Status{} : Status{report.error()};
+}
+
+Result<std::unique_ptr<extract::SlideEngine>> HoldableBuilder::engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,
+                                                                             const JobControl& job) {
+    return preprocess::makeMemoryEngine(grid, job);
 }
 
 std::filesystem::path writeBall(const TemporaryFolder& folder, const char* name, int n) {

@@ -40,6 +40,7 @@ class HoldableBuilder final : public model::IndexBuilder {
 public:
     Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
                  const std::filesystem::path& indexPath, const JobControl& job) override;
+    Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& grid, const JobControl& job) override;
     std::atomic<bool> holds{false};
 };
 

@@ -5,11 +5,12 @@
 #include <string>
 
 #include "core/base/job_control.h"
+#include "core/extract/slide_engine.h"
 #include "core/grid/scalar_grid.h"
 
 namespace isoslider::model {
 
-/// How the window has an index built, without knowing the preprocessor.
+/// How the window has a volume made fit for sliding, without knowing the preprocessor.
 class IndexBuilder {
 public:
     virtual ~IndexBuilder() = default;
@@ -18,6 +19,13 @@ public:
     /// or cancel nothing is left behind. Runs on a worker thread; several may run at once.
     virtual Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
                          const std::filesystem::path& indexPath, const JobControl& job) = 0;
+
+    /// An engine on the volume itself, for the time until its index is there. Null: none, then every move
+    /// extracts the whole surface. Runs on the thread that slides. Errors: Cancelled, OutOfSpace.
+    virtual Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& /*grid*/,
+                                                                         const JobControl& /*job*/) {
+        return std::unique_ptr<extract::SlideEngine>();
+    }
 };
 
 } // namespace isoslider::model

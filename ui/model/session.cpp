@@ -112,7 +112,7 @@ void Session::adopt(LoadedDataset loaded) {
         indexState_ = IndexState::Ready;
         useSource(makeIndexSource(std::move(loaded.engine)));
     } else {
-        useSource(makeFullExtractionSource(grid_));
+        useSource(makeMemorySource(grid_, services_.indexBuilder));
     }
     datasetChanged_.notify();
     frameChanged_.notify();
@@ -197,7 +197,7 @@ void Session::onIndexBuilt(const Status& status) {
     indexState_ = status.isCancelled() ? IndexState::Cancelled : IndexState::Failed;
     datasetChanged_.notify();
     if (!status.isCancelled())
-        fail("The index could not be built; every move extracts the whole surface", status.error());
+        fail("The index could not be built; the volume stays in memory for sliding", status.error());
 }
 
 void Session::openBuiltIndex() {

@@ -7,6 +7,7 @@
 #include "core/extract/surface_frame.h"
 #include "core/extract/surface_mesh.h"
 #include "core/grid/scalar_grid.h"
+#include "ui/model/index_builder.h"
 
 namespace isoslider::model {
 
@@ -26,6 +27,9 @@ public:
 
 /// Extracts the whole surface at every move: for the time before an index is there.
 std::unique_ptr<SurfaceSource> makeFullExtractionSource(std::shared_ptr<const ScalarGrid> grid);
+/// Slides on the volume in memory, with an engine that is made at the first move; extracts the whole surface
+/// where `builder` is null or has none.
+std::unique_ptr<SurfaceSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid, std::shared_ptr<IndexBuilder> builder);
 /// Slides along an index.
 std::unique_ptr<SurfaceSource> makeIndexSource(std::unique_ptr<extract::SlideEngine> engine);
 

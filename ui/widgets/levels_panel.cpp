@@ -69,18 +69,21 @@ std::vector<Fact> factsOfMove(const extract::SurfaceFrame& frame, const model::I
         {LevelsPanel::tr("Isovalue"),
          LevelsPanel::tr("%1 requested, %2 displayed").arg(value(isovalue.requested()), value(isovalue.displayed())), {}},
         {LevelsPanel::tr("Update"),
-         !frame.isFromIndex ? LevelsPanel::tr("whole extraction, %1").arg(time(stats.updateMs))
+         frame.isWholeExtraction ? LevelsPanel::tr("whole extraction, %1").arg(time(stats.updateMs))
                             : LevelsPanel::tr("%1, %2 update + %3 interpolate")
                                   .arg(stats.hasRebuilt ? LevelsPanel::tr("rebuilt") : LevelsPanel::tr("patched"),
                                        time(stats.updateMs), time(stats.interpolateMs)),
          LevelsPanel::tr("A surface that mostly changes is rebuilt; otherwise only what changes is patched")}};
-    if (frame.isFromIndex) {
+    if (!frame.isWholeExtraction) {
         facts.push_back({LevelsPanel::tr("Edges"),
                          LevelsPanel::tr("%1 added, %2 removed, %3 touched")
                              .arg(grouped(stats.edgesAdded), grouped(stats.edgesRemoved), grouped(stats.edgesTouched)),
                          LevelsPanel::tr("Touched counts every entry looked at, redundant ones included")});
         facts.push_back({LevelsPanel::tr("Retriangulated"), LevelsPanel::tr("%1 cells").arg(grouped(stats.cellsRetriangulated)), {}});
-        facts.push_back({LevelsPanel::tr("Read from disk"), bytes(stats.bytesRead), {}});
+        if (frame.isFromIndex)
+            facts.push_back({LevelsPanel::tr("Read from disk"), bytes(stats.bytesRead), {}});
+        else
+            facts.push_back({LevelsPanel::tr("Looked into"), LevelsPanel::tr("%1 bricks of samples in memory").arg(grouped(stats.bricksRead)), {}});
     }
     facts.push_back({LevelsPanel::tr("Active edges"), grouped(stats.activeEdges), {}});
     return facts;
