@@ -1,7 +1,6 @@
 #include "preprocess/brick_list.h"
 
 #include <algorithm>
-#include <atomic>
 
 #include <tbb/parallel_for.h>
 

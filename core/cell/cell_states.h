@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/cell/trilinear_cell.h"
 
@@ -17,8 +16,8 @@ using StateId = std::uint16_t;
 /// inner vertex k.
 inline constexpr std::uint8_t kInnerVertex = 12;
 
-/// A loop on the faces with more than one disc to span it that stays off the faces has a vertex of its
-/// own: the mean of the loop's vertices.
+/// A loop that no triangulation spans without a diagonal in a face has a vertex of its own: the mean of the
+/// loop's vertices.
 struct CellCentre {
     std::uint16_t loopEdges; ///< bit e: the loop passes through edge e
 };

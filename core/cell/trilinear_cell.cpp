@@ -7,7 +7,6 @@
 
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include "core/base/check.h"
 #include "core/cell/cell_polynomials.h"
 #include "core/cell/cell_states.h"
 #include "core/cell/exact_sign.h"
@@ -27,10 +26,10 @@ int signOf(const Bounded& x) { return x.isCertainlyPositive() ? 1 : x.isCertainl
 int signOf(WideInteger x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 int signOf(const BigInteger& x) { return x.sign(); }
 
-// Widths in bits of scalar - isovalue up to which the polynomials fit into 128 bits: faces have degree 2,
-// the square of the discriminant's slope degree 6 and terms that add 17 bits.
-constexpr int kFaceBits = 62;
-constexpr int kTunnelBits = 18;
+// Widths in bits up to which the polynomials fit into 128 bits: of the scalars on their common lattice, where
+// faces have degree 2, and of scalar - isovalue where the discriminant has degree 4 and terms that add 7 bits.
+constexpr int kLatticeBits = 61;
+constexpr int kTunnelBits = 29;
 
 BigInteger toBigInteger(double number, int lowest) {
     int exponent = 0;
@@ -56,8 +55,8 @@ std::array<BigInteger, N - 1> bigDifferences(const std::array<double, N>& number
 }
 
 template <std::size_t N>
-std::optional<std::array<WideInteger, N - 1>> wideDifferences(const std::array<double, N>& numbers, int bits) {
-    const auto lattice = onCommonLattice(numbers, 61);
+std::optional<std::array<WideInteger, N - 1>> wideDifferences(const std::array<double, N>& numbers, int bits = kLatticeBits + 1) {
+    const auto lattice = onCommonLattice(numbers, kLatticeBits);
     if (!lattice)
         return std::nullopt;
     std::array<WideInteger, N - 1> g;
@@ -73,7 +72,7 @@ std::optional<std::array<WideInteger, N - 1>> wideDifferences(const std::array<d
 // that is positive.
 bool isJoinedExactly(double a, double b, double c, double d, double isovalue) {
     const std::array<double, 5> numbers{a, b, c, d, isovalue};
-    if (const auto g = wideDifferences(numbers, kFaceBits))
+    if (const auto g = wideDifferences(numbers))
         return (*g)[0] * (*g)[2] >= (*g)[1] * (*g)[3];
     const auto g = bigDifferences(numbers);
     return g[0] * g[2] >= g[1] * g[3];
@@ -83,7 +82,7 @@ bool isJoinedExactly(double a, double b, double c, double d, double isovalue) {
 struct FaceSaddle {
     bool isJoined;
     double value;  ///< isovalue of the saddle
-    double margin; ///< its error at most; NaN where nothing is known
+    double margin; ///< its error at most; infinite or NaN where nothing is known
 };
 
 FaceSaddle saddleOfFace(double a, double b, double c, double d, double isovalue) {
@@ -105,7 +104,6 @@ FaceSaddle saddleOfFace(double a, double b, double c, double d, double isovalue)
 // ruled the tunnel out.
 struct TunnelTest {
     bool isCertain = true;
-    bool isPossible = true; ///< no known sign rules a tunnel out
     TunnelDecision decision{};
 };
 
@@ -118,9 +116,7 @@ public:
         return isPossible_;
     }
     TunnelTest result(const TunnelDecision& decision) const {
-        if (!isPossible_)
-            return {true, false, {}};
-        return {isCertain_, true, decision};
+        return isPossible_ ? TunnelTest{isCertain_, decision} : TunnelTest{};
     }
 
 private:
@@ -135,6 +131,18 @@ int signFromBelow(const Number& value, const Number& rate) {
     return sign == 0 ? signOf(rate) : sign;
 }
 
+// Of the three quadratics; they do not depend on the isovalue.
+template <class Number>
+std::array<int, 3> leadingSigns(const CellPolynomials<Number>& cell) {
+    return {signOf(cell.leading(0)), signOf(cell.leading(1)), signOf(cell.leading(2))};
+}
+
+bool isKnown(const std::array<int, 3>& leading) { return std::find(leading.begin(), leading.end(), kUnknown) == leading.end(); }
+
+// Condition 2 in other words. The box of the six roots has two corners off the hexagon; with the interpolant's values
+// p and q there, each leading coefficient has the sign of -pq, times those of the two axes' directions along
+// the diagonal, so that their product has the sign of -(pq)^3. A critical point lies between where p and q agree.
+bool excludesTunnel(const std::array<int, 3>& leading) { return isKnown(leading) && leading[0] * leading[1] * leading[2] >= 0; }
 
 std::uint8_t diagonalOf(const std::array<int, 3>& leading) {
     return static_cast<std::uint8_t>((leading[1] > 0 ? 1 : 0) + (leading[0] > 0 ? 2 : 0));
@@ -142,26 +150,20 @@ std::uint8_t diagonalOf(const std::array<int, 3>& leading) {
 
 template <class Number>
 TunnelTest testTunnel(const CellPolynomials<Number>& cell) {
-    std::array<int, 3> leading{};
-    bool isLeadingKnown = true;
-    for (int axis = 0; axis < 3; ++axis) {
-        leading[axis] = signOf(cell.leading(axis));
-        if (leading[axis] == 0)
-            return {true, false, {}};
-        isLeadingKnown = isLeadingKnown && leading[axis] != kUnknown;
-    }
-    if (!isLeadingKnown)
-        return {false, true, {}};
-    if (leading[0] * leading[1] * leading[2] > 0)
-        return {true, false, {}};
+    const std::array<int, 3> leading = leadingSigns(cell);
+    if (!isKnown(leading))
+        return {false, {}};
+    if (excludesTunnel(leading))
+        return {};
     SignCollector signs;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const int axis = static_cast<int>(i);
         const Number first = cell.face(axis, 0), second = cell.face(axis, 1);
-        if (!signs.require(signFromBelow(first, cell.faceRate(axis, 0)), leading[axis]) ||
-            !signs.require(signFromBelow(second, cell.faceRate(axis, 1)), leading[axis]))
+        if (!signs.require(signFromBelow(first, cell.faceRate(axis, 0)), leading[i]) ||
+            !signs.require(signFromBelow(second, cell.faceRate(axis, 1)), leading[i]))
             return signs.result({});
         // The parabola's vertex lies between the faces: |q(1) - q(0)| < |a|.
-        const Number lead = leading[axis] > 0 ? cell.leading(axis) : Number(-cell.leading(axis));
+        const Number lead = leading[i] > 0 ? cell.leading(axis) : Number(-cell.leading(axis));
         const Number difference = second - first;
         if (!signs.require(signOf(Number(lead - difference)), 1) || !signs.require(signOf(Number(lead + difference)), 1))
             return signs.result({});
@@ -169,9 +171,6 @@ TunnelTest testTunnel(const CellPolynomials<Number>& cell) {
     const auto d = cell.discriminant();
     const Number descent = -d.slope; // towards smaller isovalues
     if (!signs.require(signFromBelow(d.value, descent), 1))
-        return signs.result({});
-    const Number product = d.value * d.square * d.square;
-    if (!signs.require(signOf(Number(d.slope * d.slope - (product + product + product + product))), 1))
         return signs.result({});
     const int slope = signOf(d.slope);
     signs.require(slope, slope == kUnknown ? 1 : slope);
@@ -234,13 +233,7 @@ void narrowTo(StateInterval& interval, double isovalue, double critical, double 
 // A tunnel in a cell whose faces leave room for one, and the body saddles that may change it.
 TunnelDecision resolveInside(const CornerScalars& scalars, unsigned allowed, double isovalue, StateInterval& interval) {
     const CellPolynomials<Bounded> cell = boundedCell(scalars, isovalue);
-    // Leading coefficients do not depend on the isovalue: most cells are settled here for good.
-    int product = 1;
-    for (int axis = 0; axis < 3; ++axis) {
-        const int sign = signOf(cell.leading(axis));
-        product = sign == kUnknown ? 0 : product * sign;
-    }
-    if (product > 0)
+    if (excludesTunnel(leadingSigns(cell))) // at every isovalue: most cells are settled here for good
         return {};
     const BodySaddles saddles = bodySaddles(cell.discriminant());
     if (saddles.count < 0)
