@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "core/cell/trilinear_cell.h"
+#include "core/grid/edge_cells.h"
 #include "core/grid/gradient.h"
 #include "preprocess/hidden_corner_filter.h"
 
@@ -66,14 +67,7 @@ public:
     }
 
     bool hasWholeCell(std::int64_t x, std::int64_t y, std::int64_t z, int axis) const {
-        for (int k = 0; k < 4; ++k) {
-            std::int64_t cell[3] = {x, y, z};
-            cell[(axis + 1) % 3] -= k & 1;
-            cell[(axis + 2) % 3] -= k >> 1;
-            if (isCellWhole(cell[0], cell[1], cell[2]))
-                return true;
-        }
-        return false;
+        return isoslider::hasWholeCell(x, y, z, axis, [this](auto... cell) { return isCellWhole(cell...); });
     }
 
 private:

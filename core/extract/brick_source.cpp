@@ -12,6 +12,7 @@
 
 #include "core/base/job_control.h"
 #include "core/extract/brick.h"
+#include "core/grid/edge_cells.h"
 
 namespace isoslider::extract {
 namespace {
@@ -240,7 +241,7 @@ Status BrickSource<Sample>::emit(ActiveBrick& active, KeyThreshold from, KeyThre
             for (std::uint64_t word = old ^ now; word != 0; word &= word - 1) {
                 const int bit = std::countr_zero(word);
                 const int x = bit & 7, y = bit >> 3;
-                if (checksCells && !isUsable(block, x, y, z, axis))
+                if (checksCells && !hasWholeCell(x, y, z, axis, [&](auto... cell) { return block.isCellWhole(cell...); }))
                     continue;
                 ++scratch.changed;
                 const auto edge = static_cast<LocalEdge>(axis * kBrickPoints + bit + 64 * z);
@@ -255,20 +256,6 @@ Status BrickSource<Sample>::emit(ActiveBrick& active, KeyThreshold from, KeyThre
             }
         }
     return {};
-}
-
-// Both ends finite, and one of the four cells whole.
-template <class Sample>
-bool BrickSource<Sample>::isUsable(const SampleBlock<Sample>& block, int x, int y, int z, int axis) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    for (int k = 0; k < 4; ++k) {
-        std::array<int, 3> cell{x, y, z};
-        cell[static_cast<std::size_t>(u)] -= k & 1;
-        cell[static_cast<std::size_t>(v)] -= k >> 1;
-        if (block.isCellWhole(cell[0], cell[1], cell[2]))
-            return true;
-    }
-    return false;
 }
 
 template <class Sample>

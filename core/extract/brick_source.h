@@ -61,7 +61,6 @@ private:
 
     Status changeActiveSet(KeyThreshold lower, KeyThreshold upper, bool goesUp, ChangeSet<Live>& changes, SlideStats& stats, std::stop_token stop);
     void removeActive(BrickIndex brick);
-    static bool isUsable(const SampleBlock<Sample>& block, int x, int y, int z, int axis);
     Status emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, Scratch& scratch) const;
 
     const index::IndexReader& reader_;

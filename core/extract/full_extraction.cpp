@@ -11,6 +11,7 @@
 #include "core/extract/edge_interpolation.h"
 #include "core/extract/inner_vertices.h"
 #include "core/grid/classification.h"
+#include "core/grid/edge_cells.h"
 #include "core/grid/gradient.h"
 
 namespace isoslider::extract {
@@ -135,16 +136,7 @@ private:
     // Beside missing values an edge counts only if one of its four cells is whole: vertices that no
     // triangle could use do not exist.
     bool hasUsableCell(std::int64_t x, std::int64_t y, std::int64_t z, int axis) const {
-        const int u = (axis + 1) % 3;
-        const int v = (axis + 2) % 3;
-        for (int k = 0; k < 4; ++k) {
-            std::int64_t cell[3] = {x, y, z};
-            cell[u] -= k & 1;
-            cell[v] -= k >> 1;
-            if (isCellUsable(cell[0], cell[1], cell[2]))
-                return true;
-        }
-        return false;
+        return hasWholeCell(x, y, z, axis, [this](auto... cell) { return isCellUsable(cell...); });
     }
 
     bool isActive(std::uint8_t a, std::uint8_t b, bool checksMissing, std::int64_t x, std::int64_t y,
