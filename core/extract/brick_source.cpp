@@ -97,20 +97,9 @@ struct BrickSource<Sample>::Scratch {
 
 template <class Sample>
 BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, const SampleReader<Sample>& samples, std::uint64_t cacheBytes)
-    : reader_(bricks), samples_(samples), walk_(bricks, cacheBytes), placeOf_(bricks.grid().brickCount()) {
+    : WalkedSource<Sample>(bricks, cacheBytes), samples_(samples), placeOf_(bricks.grid().brickCount()) {
     for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
         inverseSpacing_[a] = static_cast<float>(1.0 / std::abs(bricks.info().geometry.spacing[a]));
-}
-
-template <class Sample>
-KeyThreshold BrickSource<Sample>::highest() const {
-    return KeyThreshold{keyOf(static_cast<Sample>(reader_.info().max))} + 1;
-}
-
-// In bricks: patching never looks at more bricks than building anew does.
-template <class Sample>
-std::uint64_t BrickSource<Sample>::estimate(KeyThreshold from, KeyThreshold to) const {
-    return walk_.estimate(std::min(from, to), std::max(from, to));
 }
 
 template <class Sample>
@@ -131,7 +120,7 @@ Status BrickSource<Sample>::changeActiveSet(KeyThreshold lower, KeyThreshold upp
         std::vector<BrickIndex> arrive, leave;
     };
     tbb::enumerable_thread_specific<Net> nets;
-    const auto take = [&](const typename BlockWalk<Key>::Part& part) {
+    const auto take = [&](const Part& part) {
         Net& net = nets.local();
         std::size_t entry = part.firstEntry;
         for (std::size_t i = part.begin; i < part.end; ++i, ++entry) { // one entry a record

@@ -5,11 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "core/extract/block_walk.h"
-#include "core/extract/change_source.h"
-#include "core/extract/hidden_scalars.h"
 #include "core/extract/sample_block.h"
 #include "core/extract/virtual_array.h"
+#include "core/extract/walked_source.h"
 #include "core/index/index_reader.h"
 
 namespace isoslider::extract {
@@ -30,25 +28,24 @@ namespace isoslider::extract {
 ///
 /// Cost: O(log N + bricks that come, go or have a crossed sample) and 24 bytes per active brick.
 template <class Sample>
-class BrickSource final
-    : public ChangeSource<std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>>,
-      public HiddenScalars {
+class BrickSource final : public WalkedSource<Sample> {
 public:
-    using Key = KeyOf<Sample>;
-    using Live = std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>;
+    using typename WalkedSource<Sample>::Key;
+    using typename WalkedSource<Sample>::Live;
+    using WalkedSource<Sample>::lowest;
+    using WalkedSource<Sample>::highest;
 
     /// `bricks` is the list of brick changes; it and `samples` must outlive the source.
     BrickSource(const index::IndexReader& bricks, const SampleReader<Sample>& samples, std::uint64_t cacheBytes);
 
     Status collect(KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, SlideStats& stats, std::stop_token stop) override;
-    std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override;
-    KeyThreshold threshold(double isovalue) const override { return thresholdOf<Sample>(isovalue); }
-    KeyThreshold lowest() const override { return 0; }
-    KeyThreshold highest() const override;
     Result<std::optional<double>> hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) override;
     std::uint64_t hiddenBytesRead() const override { return hiddenBytesRead_.load(std::memory_order_relaxed); }
 
 private:
+    using typename WalkedSource<Sample>::Part;
+    using WalkedSource<Sample>::reader_;
+    using WalkedSource<Sample>::walk_;
     /// A brick with samples on both sides of the position, and the nearest keys: `up` is the least that is
     /// not below it, `down` the greatest that is.
     struct ActiveBrick {
@@ -63,9 +60,7 @@ private:
     void removeActive(BrickIndex brick);
     Status emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, Scratch& scratch) const;
 
-    const index::IndexReader& reader_;
     const SampleReader<Sample>& samples_;
-    BlockWalk<Key> walk_;
     glm::vec3 inverseSpacing_;
     std::atomic<std::uint64_t> hiddenBytesRead_ = 0;
     std::vector<ActiveBrick> active_;

@@ -7,17 +7,7 @@ namespace isoslider::extract {
 
 template <class Sample>
 EdgeBlockSource<Sample>::EdgeBlockSource(const index::IndexReader& reader, std::uint64_t cacheBytes)
-    : reader_(reader), walk_(reader, cacheBytes), hiddenCorners_(reader) {}
-
-template <class Sample>
-KeyThreshold EdgeBlockSource<Sample>::highest() const {
-    return KeyThreshold{keyOf(static_cast<Sample>(reader_.info().max))} + 1;
-}
-
-template <class Sample>
-std::uint64_t EdgeBlockSource<Sample>::estimate(KeyThreshold from, KeyThreshold to) const {
-    return walk_.estimate(std::min(from, to), std::max(from, to));
-}
+    : WalkedSource<Sample>(reader, cacheBytes), hiddenCorners_(reader) {}
 
 template <class Sample>
 Status EdgeBlockSource<Sample>::collect(KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, SlideStats& stats,

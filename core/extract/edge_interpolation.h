@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <type_traits>
+
 #include "core/grid/scalar_type.h"
 
 namespace isoslider::extract {
@@ -16,7 +19,11 @@ inline Live edgeFraction(Live s1, Live s2, Live isovalue) {
     return t;
 }
 
-/// Scalars live as float where float holds every sample exactly, as double otherwise.
+/// What samples live as: float where it holds every one exactly, double otherwise.
+template <class Sample>
+using LiveOf = std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>;
+
+/// The same, asked of a type.
 inline bool needsDoubleScalars(ScalarType type) {
     return type == ScalarType::I32 || type == ScalarType::F64;
 }

@@ -28,8 +28,7 @@ enum PointFlag : std::uint8_t { kAbove = 1, kMissing = 2 };
 
 template <class Sample>
 class Extractor {
-    using Live = std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>,
-                                    double, float>;
+    using Live = LiveOf<Sample>;
 
 public:
     Extractor(const ScalarGrid& grid, double isovalue, const JobControl& job)
