@@ -5,18 +5,18 @@
 #include <tbb/parallel_for.h>
 
 #include "core/base/memory_file_system.h"
-#include "core/extract/memory_samples.h"
+#include "core/grid/classification.h"
+#include "core/grid/gradient.h"
 #include "core/index/index_reader.h"
 #include "preprocess/block_intervals.h"
 #include "preprocess/external_sort.h"
 #include "preprocess/level_builder.h"
+#include "preprocess/missing_cells.h"
 
 namespace isoslider::preprocess {
 namespace {
 
 constexpr int kPrefixBits = 16;
-constexpr int kBrickSkipLevels = 5;
-constexpr double kBrickRedundancy = 1.0;
 
 // The upward edge number that stays in the box; -1 for a brick of one point, which has no edges.
 int edgeOfBrick(const BrickGrid& grid, BrickIndex brick) {
@@ -30,7 +30,7 @@ int edgeOfBrick(const BrickGrid& grid, BrickIndex brick) {
 } // namespace
 
 template <class Key>
-Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, std::uint64_t memoryBytes,
+Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const BrickListOptions& options,
                       const std::filesystem::path& spillPath, FileSystem& fileSystem, index::IndexWriter& writer,
                       std::vector<index::SkipLevelInfo>& levels) {
     constexpr int kKeyShift = 8 * sizeof(Key) - kPrefixBits;
@@ -46,7 +46,7 @@ Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, std::u
         }
     const SpanBins bins = makeSpanBins(countsByPrefix, kKeyShift);
     SpanHistogram histogram(bins.count());
-    ExternalSort<Key> sort(countsByPrefix, kKeyShift, memoryBytes, spillPath, fileSystem);
+    ExternalSort<Key> sort(countsByPrefix, kKeyShift, options.memoryBytes, spillPath, fileSystem);
     for (std::size_t brick = 0; brick < spans.least.size(); ++brick) {
         if (!isEverActive(brick))
             continue;
@@ -62,18 +62,18 @@ Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, std::u
         }
         ISO_TRY(sort.add(records));
     }
-    LevelBuilder<Key> builder(writer, grid, chooseBlockBegins(histogram, bins, kBrickSkipLevels, kBrickRedundancy));
+    LevelBuilder<Key> builder(writer, grid, chooseBlockBegins(histogram, bins, options.skipLevels, options.redundancyThreshold));
     ISO_TRY(sort.drain([&](std::span<const index::PointRecord<Key>> records) { return builder.add(records); }, {}));
     ISO_TRY(builder.finish());
     levels = builder.levelInfos();
     return {};
 }
 
-template Status writeBrickList(const BrickSpans<std::uint16_t>&, const GridDims&, std::uint64_t, const std::filesystem::path&, FileSystem&,
+template Status writeBrickList(const BrickSpans<std::uint16_t>&, const GridDims&, const BrickListOptions&, const std::filesystem::path&, FileSystem&,
                                index::IndexWriter&, std::vector<index::SkipLevelInfo>&);
-template Status writeBrickList(const BrickSpans<std::uint32_t>&, const GridDims&, std::uint64_t, const std::filesystem::path&, FileSystem&,
+template Status writeBrickList(const BrickSpans<std::uint32_t>&, const GridDims&, const BrickListOptions&, const std::filesystem::path&, FileSystem&,
                                index::IndexWriter&, std::vector<index::SkipLevelInfo>&);
-template Status writeBrickList(const BrickSpans<std::uint64_t>&, const GridDims&, std::uint64_t, const std::filesystem::path&, FileSystem&,
+template Status writeBrickList(const BrickSpans<std::uint64_t>&, const GridDims&, const BrickListOptions&, const std::filesystem::path&, FileSystem&,
                                index::IndexWriter&, std::vector<index::SkipLevelInfo>&);
 
 namespace {
@@ -85,7 +85,7 @@ public:
     using Key = KeyOf<Sample>;
 
     MemoryScan(const ScalarGrid& grid, const JobControl& job)
-        : grid_(grid), bricks_(grid.dims()), view_{grid.values<Sample>().data(), grid.dims()}, job_(job) {
+        : bricks_(grid.dims()), view_{grid.values<Sample>().data(), grid.dims()}, job_(job) {
         spans_.least.resize(bricks_.brickCount());
         spans_.greatest.resize(bricks_.brickCount());
     }
@@ -99,14 +99,11 @@ public:
         });
         if (job_.isStopRequested())
             return cancelledError();
-        const extract::MemorySamples<Sample> samples(grid_);
-        extract::SampleBlock<Sample> block;
-        std::uint64_t bytesRead = 0;
+        index::MissingCells missing;
         for (std::size_t brick = 0; brick < count; ++brick)
-            if (hasMissing[brick]) {
-                ISO_TRY(samples.read(static_cast<BrickIndex>(brick), block, bytesRead));
-                addMissingCells(static_cast<BrickIndex>(brick), block);
-            }
+            if (hasMissing[brick] && findMissingCells(bricks_, static_cast<BrickIndex>(brick),
+                                                      [&](auto... cell) { return view_.isCellWhole(cell...); }, missing))
+                missingCells_.push_back(missing);
         return {};
     }
 
@@ -143,22 +140,6 @@ private:
         return hasMissing;
     }
 
-    void addMissingCells(BrickIndex brick, const extract::SampleBlock<Sample>& block) {
-        index::MissingCells missing;
-        missing.brick = brick;
-        bool any = false;
-        for (int z = 0; z < 8; ++z)
-            for (int y = 0; y < 8; ++y)
-                for (int x = 0; x < 8; ++x)
-                    if (block.isInside(x, y, z) && block.isInside(x + 1, y + 1, z + 1) && !block.isCellWhole(x, y, z)) {
-                        missing.cells[z] |= std::uint64_t{1} << (x + 8 * y);
-                        any = true;
-                    }
-        if (any)
-            missingCells_.push_back(missing);
-    }
-
-    const ScalarGrid& grid_;
     BrickGrid bricks_;
     SampleView<Sample> view_;
     const JobControl& job_;
@@ -176,7 +157,7 @@ Result<std::unique_ptr<extract::SlideEngine>> makeTypedEngine(std::shared_ptr<co
     if (!writer.isOk())
         return std::move(writer).error();
     index::IndexMeta meta;
-    ISO_TRY(writeBrickList(scan.spans(), grid->dims(), std::uint64_t{1} << 40, "bricks.sort", memory, *writer.value(), meta.info.levels));
+    ISO_TRY(writeBrickList(scan.spans(), grid->dims(), {}, "bricks.sort", memory, *writer.value(), meta.info.levels));
     meta.info.geometry = grid->geometry();
     meta.info.type = grid->type();
     meta.missingCells = scan.takeMissingCells();

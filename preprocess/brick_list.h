@@ -22,8 +22,14 @@ struct BrickSpans {
 /// Writes the skip list of the bricks that become active and inactive: records of bricks at their least and
 /// greatest keys, cut into levels as edges are (level_builder.h). A record's id is that of the brick's
 /// first point, its one edge any that stays in the box. `levels` receives the counts.
+struct BrickListOptions {
+    int skipLevels = 5;
+    double redundancyThreshold = 1.0; ///< k, as in BuildOptions
+    std::uint64_t memoryBytes = std::uint64_t{1} << 40; ///< for the sort
+};
+
 template <class Key>
-Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, std::uint64_t memoryBytes,
+Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const BrickListOptions& options,
                       const std::filesystem::path& spillPath, FileSystem& fileSystem, index::IndexWriter& writer,
                       std::vector<index::SkipLevelInfo>& levels);
 

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "core/base/file_system.h"
 #include "core/base/job_control.h"
@@ -11,9 +13,10 @@
 namespace isoslider::preprocess {
 
 struct BuildOptions {
+    std::optional<index::IndexKind> kind; ///< none: chooseKind()
     int skipLevels = 5;                 ///< levels written, level 0 included; 1..8
-    /// k: a block ends when redundant edges exceed k * active edges. 0: the smallest of
-    /// kRedundancyChoices with which the index is expected to stay below kBytesPerVoxelAim.
+    /// k: a block ends when redundant edges exceed k * active edges. 0: with edges the smallest of
+    /// kRedundancyChoices with which the index is expected to stay below kBytesPerVoxelAim, else 1.
     double redundancyThreshold = 0.0;
     std::uint64_t memoryBytes = std::uint64_t{1} << 30;
     int threads = 0;                    ///< 0: all cores
@@ -35,7 +38,10 @@ struct BuildReport {
     index::IndexInfo info;
 };
 
-/// Builds the index of edge blocks for a volume and publishes it at `indexPath`: written to a
+/// The kind of index that is best for a volume, by its size.
+index::IndexKind chooseKind(const io::VolumeInfo& info);
+
+/// Builds the index for a volume and publishes it at `indexPath`: written to a
 /// temporary file beside it, synced, renamed. The same bytes for any thread count and memory budget.
 /// On failure or cancel nothing is left behind and an earlier index at `indexPath` is untouched.
 /// Errors: InvalidArgument, IoError, OutOfSpace, Cancelled, whatever the source reports.

@@ -10,6 +10,7 @@
 #include "core/grid/edge_cells.h"
 #include "core/grid/gradient.h"
 #include "preprocess/hidden_corner_filter.h"
+#include "preprocess/missing_cells.h"
 
 namespace isoslider::preprocess {
 namespace {
@@ -150,20 +151,8 @@ public:
 
     // Bit per cell of the brick with a missing corner; false when there is none.
     bool missingCells(BrickIndex brick, MissingCells& out) const {
-        out = MissingCells{brick, {}};
-        if (!layer_.hasMissing())
-            return false;
-        const auto b = grid_.brickCoords(brick);
-        bool any = false;
-        for (int local = 0; local < kBrickPoints; ++local) {
-            const std::int64_t x = b[0] * 8 + (local & 7), y = b[1] * 8 + (local >> 3 & 7), z = b[2] * 8 + (local >> 6);
-            const bool exists = x + 1 < grid_.dims()[0] && y + 1 < grid_.dims()[1] && z + 1 < grid_.dims()[2];
-            if (exists && !layer_.isCellWhole(x, y, z)) {
-                out.cells[local >> 6] |= std::uint64_t{1} << (local & 63);
-                any = true;
-            }
-        }
-        return any;
+        return layer_.hasMissing() &&
+               findMissingCells(grid_, brick, [&](auto... cell) { return layer_.isCellWhole(cell...); }, out);
     }
 
 private:

@@ -33,12 +33,15 @@ std::uint64_t memoryOrThrow(const std::string& text) {
     return *bytes;
 }
 
-void checkIndexKind(const std::string& text) {
-    if (text == "metacells")
-        throw CLI::ValidationError("--index", "metacells is not available in this version");
-    if (text != "edges" && text != "auto")
-        throw CLI::ValidationError("--index",
-                                   fmt::format("'{}' is not a kind of index; known: edges, auto", text));
+/// None: the builder chooses.
+std::optional<index::IndexKind> kindOrThrow(const std::string& text) {
+    for (const index::IndexKind kind : {index::IndexKind::Edges, index::IndexKind::Metacells})
+        if (text == index::indexKindName(kind))
+            return kind;
+    if (text != "auto")
+        throw CLI::ValidationError(
+            "--index", fmt::format("'{}' is not a kind of index; known: edges, metacells, auto", text));
+    return std::nullopt;
 }
 
 /// What is wrong with a number, for CLI11; text that is no number is refused elsewhere.
@@ -54,6 +57,7 @@ Json jsonOf(const preprocess::BuildReport& report) {
     json["index_bytes"] = report.info.indexBytes;
     json["distinct_values"] = report.info.distinctValues;
     json["levels"] = levelsJson(report.info);
+    json["kind"] = index::indexKindName(report.info.kind);
     return json;
 }
 
@@ -93,14 +97,15 @@ private:
         addInteger(command, "--skip-levels", skipLevels_, 1, index::kMaxSkipLevels,
                    fmt::format("levels written, 1 to {} ({})", index::kMaxSkipLevels, skipLevels_));
         addNumber(command, "--redundancy", redundancy_,
-                  fmt::format("a block ends when its redundant edges exceed this many times its active ones "
-                              "(0.5 to 4, the smallest that keeps the index below {} bytes per voxel)",
+                  fmt::format("a block ends when its redundant entries exceed this many times its others "
+                              "(edges: 0.5 to 4, the smallest that keeps the index below {} bytes per voxel; "
+                              "metacells: 1)",
                               preprocess::kBytesPerVoxelAim))
             ->check(isAboveZero);
         command
             .add_option_function<std::string>(
-                "--index", [](const std::string& text) { checkIndexKind(text); },
-                "kind of index: edges or auto (auto)")
+                "--index", [this](const std::string& text) { kind_ = kindOrThrow(text); },
+                "edges: fastest, tens of bytes per voxel; metacells: about the size of the volume; auto (auto)")
             ->type_name("KIND");
         addLodError(command);
     }
@@ -124,6 +129,7 @@ private:
         if (!source.isOk())
             return std::move(source).error();
         preprocess::BuildOptions options;
+        options.kind = kind_;
         options.skipLevels = static_cast<int>(skipLevels_);
         options.redundancyThreshold = redundancy_.value_or(options.redundancyThreshold);
         options.memoryBytes = memoryBytes_;
@@ -136,14 +142,15 @@ private:
         std::string text =
             fmt::format("{}: {} in {:.2f} s, peak memory {}\n", indexPath_, sizeText(report.info.indexBytes),
                         report.seconds, sizeText(report.peakRssBytes));
-        text += fmt::format("{} distinct values, {} skip levels\n", report.info.distinctValues,
-                            report.info.levels.size());
+        text += fmt::format("{}, {} distinct values, {} skip levels\n", index::indexKindName(report.info.kind),
+                            report.info.distinctValues, report.info.levels.size());
         return text;
     }
 
     std::string volumePath_;
     std::string indexPath_;
     VolumeOptions volume_;
+    std::optional<index::IndexKind> kind_;
     std::int64_t skipLevels_ = preprocess::BuildOptions{}.skipLevels;
     std::optional<double> redundancy_;
     std::uint64_t memoryBytes_ = preprocess::BuildOptions{}.memoryBytes;

@@ -20,7 +20,7 @@ double meanActiveEdges(const index::IndexInfo& info) {
     return counts.empty() ? 0.0 : sum / static_cast<double>(counts.size());
 }
 
-/// Edges that come or go from one distinct value to the next.
+/// Edges, or bricks, that come or go from one value of the list to the next.
 double meanChange(const index::IndexInfo& info) {
     if (info.levels.empty() || info.levels[0].blocks == 0)
         return 0.0;
@@ -35,6 +35,7 @@ double bytesPerPoint(const index::IndexInfo& info, std::uint64_t bytes) {
 Json jsonOf(const index::IndexInfo& info) {
     Json json;
     json["source_name"] = info.sourceName;
+    json["kind"] = index::indexKindName(info.kind);
     json["dims"] = info.geometry.dims;
     json["scalar_type"] = scalarTypeName(info.type);
     json["distinct_values"] = info.distinctValues;
@@ -43,6 +44,8 @@ Json jsonOf(const index::IndexInfo& info) {
     json["redundancy"] = info.redundancyThreshold;
     json["index_bytes"] = info.indexBytes;
     json["bytes_per_voxel"] = bytesPerPoint(info, info.indexBytes);
+    json["sample_bytes"] = info.sampleBytes;
+    json["merge_error_bytes"] = info.mergeErrorBytes;
     json["hidden_corners"] = info.hiddenCorners;
     json["hidden_corner_bytes"] = info.hiddenCornerBytes;
     json["levels"] = levelsJson(info);
@@ -56,15 +59,21 @@ std::string textOf(const index::IndexInfo& info) {
     text += fmt::format("  scalar type           {}\n", scalarTypeName(info.type));
     text += fmt::format("  distinct isovalues    {}\n", info.distinctValues);
     text += fmt::format("  average active edges  {:.0f}\n\n", meanActiveEdges(info));
+    const bool isEdges = info.kind == index::IndexKind::Edges;
     text += "Table 2: the preprocessing\n";
+    text += fmt::format("  kind                  {}\n", index::indexKindName(info.kind));
     text += "  error                 0 % (no merging)\n";
     text += fmt::format("  redundancy k          {}\n", info.redundancyThreshold);
-    text += fmt::format("  change per value      {:.1f} edges\n", meanChange(info));
-    text += fmt::format("  hidden corners        {}, {} bytes\n", info.hiddenCorners, info.hiddenCornerBytes);
+    text += fmt::format("  change per value      {:.1f} {}\n", meanChange(info), isEdges ? "edges" : "bricks");
+    if (isEdges)
+        text += fmt::format("  hidden corners        {}, {} bytes\n", info.hiddenCorners, info.hiddenCornerBytes);
+    else
+        text += fmt::format("  samples               {} bytes, {:.2f} bytes per voxel\n", info.sampleBytes,
+                            bytesPerPoint(info, info.sampleBytes));
     text += fmt::format("  index                 {} bytes, {:.2f} bytes per voxel\n\n", info.indexBytes,
                         bytesPerPoint(info, info.indexBytes));
-    text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks", "points",
-                        "edges", "redundant", "bytes", "bytes/voxel");
+    text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks", isEdges ? "points" : "bricks",
+                        isEdges ? "edges" : "entries", "redundant", "bytes", "bytes/voxel");
     for (std::size_t level = 0; level < info.levels.size(); ++level) {
         const index::SkipLevelInfo& facts = info.levels[level];
         text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11.2f}\n", level, facts.blocks,

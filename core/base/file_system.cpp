@@ -96,6 +96,10 @@ public:
         return done;
     }
 
+    void willNeed(std::uint64_t offset, std::uint64_t size) const override {
+        (void)::posix_fadvise(descriptor_.get(), static_cast<off_t>(offset), static_cast<off_t>(size), POSIX_FADV_WILLNEED);
+    }
+
 private:
     fs::path path_;
     FileDescriptor descriptor_;

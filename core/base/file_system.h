@@ -23,6 +23,9 @@ public:
     /// Reads up to out.size() bytes; fewer only where the file ends. Errors: IoError.
     virtual Result<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> out) const = 0;
 
+    /// Says that a range will be read soon: a disk may be asked for many at once. Returns at once.
+    virtual void willNeed(std::uint64_t /*offset*/, std::uint64_t /*size*/) const {}
+
     /// Fills `out` entirely. Errors: Corruption when the file ends first, IoError.
     Status readExactlyAt(std::uint64_t offset, std::span<std::byte> out) const;
 };

@@ -21,6 +21,15 @@ struct JobControl {
         if (progress)
             progress(fraction, stage);
     }
+
+    /// A share of this job: its progress from 0 to 1 is this one's from `from` to `to`. This must outlive it.
+    JobControl part(double from, double to) const {
+        JobControl share;
+        share.stop = stop;
+        if (progress)
+            share.progress = [this, from, to](double f, std::string_view stage) { report(from + f * (to - from), stage); };
+        return share;
+    }
 };
 
 inline Error cancelledError() { return makeError(ErrorCode::Cancelled, "cancelled"); }

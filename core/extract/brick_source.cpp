@@ -4,11 +4,13 @@
 #include <atomic>
 #include <bit>
 #include <cstring>
-#include <mutex>
+#include <utility>
 
 #include <glm/common.hpp>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
 
 #include "core/base/job_control.h"
 #include "core/extract/brick.h"
@@ -83,7 +85,7 @@ struct BrickSource<Sample>::Scratch {
     Flags flags{};
     std::array<NormalCode, 9 * 9 * 9> normals;
     std::array<std::uint64_t, 12> hasNormal; // bit per point
-    std::uint64_t bricks = 0, changed = 0, bytesRead = 0;
+    std::uint64_t bricks = 0, changed = 0;
 
     NormalCode normalAt(int x, int y, int z, const glm::vec3& inverseSpacing) {
         const auto at = static_cast<std::size_t>(x + 9 * (y + 9 * z));
@@ -96,7 +98,7 @@ struct BrickSource<Sample>::Scratch {
 };
 
 template <class Sample>
-BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, const SampleReader<Sample>& samples, std::uint64_t cacheBytes)
+BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples, std::uint64_t cacheBytes)
     : WalkedSource<Sample>(bricks, cacheBytes), samples_(samples), placeOf_(bricks.grid().brickCount()) {
     for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
         inverseSpacing_[a] = static_cast<float>(1.0 / std::abs(bricks.info().geometry.spacing[a]));
@@ -113,84 +115,133 @@ void BrickSource<Sample>::removeActive(BrickIndex brick) {
     placeOf_[brick] = 0;
 }
 
+// Bricks that come or go between two thresholds.
 template <class Sample>
-Status BrickSource<Sample>::changeActiveSet(KeyThreshold lower, KeyThreshold upper, bool goesUp, ChangeSet<Live>& changes,
-                                            SlideStats& stats, std::stop_token stop) {
-    struct Net {
-        std::vector<BrickIndex> arrive, leave;
-    };
-    tbb::enumerable_thread_specific<Net> nets;
+Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats,
+                                      std::stop_token stop, NetBricks& net) {
+    tbb::enumerable_thread_specific<NetBricks> nets;
     const auto take = [&](const Part& part) {
-        Net& net = nets.local();
+        NetBricks& local = nets.local();
         std::size_t entry = part.firstEntry;
         for (std::size_t i = part.begin; i < part.end; ++i, ++entry) { // one entry a record
             const std::uint64_t far = part.page.farKeys[entry];
             if (far >= lower && far < upper)
                 continue; // comes and goes within the move
             const auto brick = static_cast<BrickIndex>(part.page.ids[i] / kBrickPoints);
-            ((far > part.page.keys[i]) == goesUp ? net.arrive : net.leave).push_back(brick);
+            ((far > part.page.keys[i]) == goesUp ? local.arrive : local.leave).push_back(brick);
         }
         return entry;
     };
     ISO_TRY(walk_.visit(lower, upper, stats, stop, take));
+    for (const NetBricks& local : nets) {
+        net.arrive.insert(net.arrive.end(), local.arrive.begin(), local.arrive.end());
+        net.leave.insert(net.leave.end(), local.leave.begin(), local.leave.end());
+    }
+    return {};
+}
+
+template <class Sample>
+Status BrickSource<Sample>::changeActiveSet(KeyThreshold lower, KeyThreshold upper, bool goesUp, ChangeSet<Live>& changes,
+                                            SlideStats& stats, std::stop_token stop) {
+    NetBricks net;
+    ISO_TRY(netBricks(lower, upper, goesUp, stats, stop, net));
     typename ChangeSet<Live>::Lists& lists = changes.local();
-    for (const Net& net : nets)
-        for (const BrickIndex brick : net.leave) {
-            removeActive(brick);
-            lists.cleared[changes.partitionOf(brick)].push_back(brick);
-        }
-    for (const Net& net : nets)
-        for (const BrickIndex brick : net.arrive) {
-            if (placeOf_[brick] != 0)
-                return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice");
-            active_.push_back({0, 0, brick, true});
-            placeOf_[brick] = static_cast<std::uint32_t>(active_.size());
-        }
+    for (const BrickIndex brick : net.leave) {
+        removeActive(brick);
+        lists.cleared[changes.partitionOf(brick)].push_back(brick);
+    }
+    for (const BrickIndex brick : net.arrive) {
+        if (placeOf_[brick] != 0)
+            return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice");
+        active_.push_back({0, 0, brick, true});
+        placeOf_[brick] = static_cast<std::uint32_t>(active_.size());
+    }
     return {};
 }
 
 template <class Sample>
 Status BrickSource<Sample>::collect(KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, SlideStats& stats, std::stop_token stop) {
+    ahead_ = {}; // stops it
+    stats.bytesAhead += std::exchange(bytesAhead_, 0);
     if (from == lowest() || from == highest()) { // nothing is active there; perhaps a move was broken off
         for (const ActiveBrick& active : active_)
             placeOf_[active.brick] = 0;
         active_.clear();
     }
     ISO_TRY(changeActiveSet(std::min(from, to), std::max(from, to), from < to, changes, stats, stop));
-    tbb::enumerable_thread_specific<Scratch> scratches;
-    std::mutex errorMutex;
-    std::optional<Error> firstError;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, active_.size(), 256), [&](const tbb::blocked_range<std::size_t>& range) {
-        if (stop.stop_requested())
-            return;
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            ActiveBrick& active = active_[i];
-            const bool isCrossed = active.isNew || (from < to ? active.up < to : active.down >= to);
-            if (!isCrossed)
-                continue;
-            if (Status status = emit(active, from, to, changes, scratches.local()); !status.isOk()) {
-                const std::lock_guard lock(errorMutex);
-                firstError = status.error();
-                return;
-            }
-        }
+
+    struct Crossed {
+        std::uint64_t order;
+        BrickIndex brick;
+    };
+    std::vector<Crossed> crossed;
+    for (const ActiveBrick& active : active_)
+        if (isCrossed(active, from, to))
+            crossed.push_back({samples_.orderOf(active.brick), active.brick});
+    readsBackwards_ = !readsBackwards_;
+    tbb::parallel_sort(crossed.begin(), crossed.end(), [back = readsBackwards_](const Crossed& a, const Crossed& b) {
+        return back ? a.order > b.order : a.order < b.order;
     });
-    if (firstError)
-        return std::move(*firstError);
-    if (stop.stop_requested())
-        return cancelledError();
+    std::vector<BrickIndex> bricks;
+    bricks.reserve(crossed.size());
+    for (const Crossed& c : crossed)
+        bricks.push_back(c.brick);
+
+    tbb::enumerable_thread_specific<Scratch> scratches;
+    for (std::span<const BrickIndex> rest(bricks); !rest.empty();) {
+        const auto ready = samples_.prepare(rest, stats, stop);
+        if (!ready.isOk())
+            return ready.error();
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ready.value(), 32), [&](const tbb::blocked_range<std::size_t>& range) {
+            Scratch& scratch = scratches.local();
+            for (std::size_t i = range.begin(); i < range.end() && !stop.stop_requested(); ++i)
+                emit(active_[placeOf_[rest[i]] - 1], from, to, changes, scratch);
+        });
+        if (stop.stop_requested())
+            return cancelledError();
+        rest = rest.subspan(ready.value());
+    }
     for (const Scratch& scratch : scratches) {
         stats.bricksRead += scratch.bricks;
         stats.edgesTouched += scratch.changed;
-        stats.bytesRead += scratch.bytesRead;
     }
     return {};
 }
 
 template <class Sample>
-Status BrickSource<Sample>::emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, Scratch& scratch) const {
+void BrickSource<Sample>::foresee(KeyThreshold from, KeyThreshold to) {
+    // More than that is a jump, of which there is no knowing where the next one goes.
+    constexpr std::uint64_t kMaxEntries = 1u << 16;
+    if (from == to || samples_.bricksAhead() == 0 || this->estimate(from, to) > kMaxEntries)
+        return;
+    ahead_ = std::jthread([this, from, to](std::stop_token stop) {
+        (void)readAhead(from, to, stop); // if anything is wrong, the move itself will say so
+    });
+}
+
+template <class Sample>
+Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop) {
+    tbb::task_arena one(1); // the picture is being drawn meanwhile
+    return one.execute([&]() -> Status {
+        SlideStats stats;
+        NetBricks net;
+        ISO_TRY(netBricks(std::min(from, to), std::max(from, to), from < to, stats, stop, net));
+        std::vector<BrickIndex> bricks = std::move(net.arrive);
+        for (const ActiveBrick& active : active_)
+            if (isCrossed(active, from, to))
+                bricks.push_back(active.brick);
+        std::sort(bricks.begin(), bricks.end(), [&](BrickIndex a, BrickIndex b) { return samples_.orderOf(a) < samples_.orderOf(b); });
+        bricks.resize(std::min(bricks.size(), samples_.bricksAhead()));
+        const auto ready = samples_.prepare(bricks, stats, stop);
+        bytesAhead_ = stats.bytesRead;
+        return ready.isOk() ? Status() : Status(ready.error());
+    });
+}
+
+template <class Sample>
+void BrickSource<Sample>::emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, Scratch& scratch) const {
     SampleBlock<Sample>& block = scratch.block;
-    ISO_TRY(samples_.read(active.brick, block, scratch.bytesRead));
+    samples_.read(active.brick, block);
     ++scratch.bricks;
 
     // Signs at both thresholds, and the nearest keys on either side of the new one.
@@ -244,18 +295,17 @@ Status BrickSource<Sample>::emit(ActiveBrick& active, KeyThreshold from, KeyThre
                                                       scratch.normalAt(x + (axis == 0), y + (axis == 1), z + (axis == 2), inverseSpacing_)});
             }
         }
-    return {};
 }
 
 template <class Sample>
 Result<std::optional<double>> BrickSource<Sample>::hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) {
-    SampleBlock<Sample> block;
+    const auto p = reader_.grid().pointCoords(PointId{brick} * kBrickPoints + cell);
     std::uint64_t bytesRead = 0;
-    if (Status status = samples_.read(brick, block, bytesRead); !status.isOk())
-        return status.error();
+    const auto sample = samples_.sampleAt(p[0] + (corner & 1), p[1] + (corner >> 1 & 1), p[2] + (corner >> 2), bytesRead);
     hiddenBytesRead_.fetch_add(bytesRead, std::memory_order_relaxed);
-    const int x = (cell & 7) + (corner & 1), y = (cell >> 3 & 7) + (corner >> 1 & 1), z = (cell >> 6) + (corner >> 2);
-    return std::optional<double>(static_cast<double>(block.samples[static_cast<std::size_t>(block.offset(x, y, z))]));
+    if (!sample.isOk())
+        return sample.error();
+    return std::optional<double>(static_cast<double>(sample.value()));
 }
 
 template class BrickSource<std::uint8_t>;

@@ -3,9 +3,10 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <thread>
 #include <vector>
 
-#include "core/extract/sample_block.h"
+#include "core/extract/sample_reader.h"
 #include "core/extract/virtual_array.h"
 #include "core/extract/walked_source.h"
 #include "core/index/index_reader.h"
@@ -26,6 +27,9 @@ namespace isoslider::extract {
 /// position, so the others cost the reading of 24 bytes. In a brick that is read, active edges at both
 /// thresholds are found as bits, 64 at a time, and what differs is emitted, with normals from the samples.
 ///
+/// Bricks are read in the order in which their samples lie, alternately forwards and backwards: what a
+/// cache smaller than the surface still holds of the last move is used before it is put out.
+///
 /// Cost: O(log N + bricks that come, go or have a crossed sample) and 24 bytes per active brick.
 template <class Sample>
 class BrickSource final : public WalkedSource<Sample> {
@@ -36,9 +40,11 @@ public:
     using WalkedSource<Sample>::highest;
 
     /// `bricks` is the list of brick changes; it and `samples` must outlive the source.
-    BrickSource(const index::IndexReader& bricks, const SampleReader<Sample>& samples, std::uint64_t cacheBytes);
+    BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples, std::uint64_t cacheBytes);
 
     Status collect(KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, SlideStats& stats, std::stop_token stop) override;
+    /// Fetches the samples of bricks that arrive or are crossed, as far as there is room.
+    void foresee(KeyThreshold from, KeyThreshold to) override;
     Result<std::optional<double>> hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) override;
     std::uint64_t hiddenBytesRead() const override { return hiddenBytesRead_.load(std::memory_order_relaxed); }
 
@@ -57,14 +63,25 @@ private:
     struct Scratch;
 
     Status changeActiveSet(KeyThreshold lower, KeyThreshold upper, bool goesUp, ChangeSet<Live>& changes, SlideStats& stats, std::stop_token stop);
+    struct NetBricks {
+        std::vector<BrickIndex> arrive, leave;
+    };
+    Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats, std::stop_token stop, NetBricks& net);
+    static bool isCrossed(const ActiveBrick& brick, KeyThreshold from, KeyThreshold to) {
+        return brick.isNew || (from < to ? brick.up < to : brick.down >= to);
+    }
+    Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
     void removeActive(BrickIndex brick);
-    Status emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, Scratch& scratch) const;
+    void emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, Scratch& scratch) const;
 
-    const SampleReader<Sample>& samples_;
+    SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;
     std::atomic<std::uint64_t> hiddenBytesRead_ = 0;
     std::vector<ActiveBrick> active_;
     VirtualArray<std::uint32_t> placeOf_; ///< in active_, by brick; one more, 0 for none
+    bool readsBackwards_ = false;
+    std::uint64_t bytesAhead_ = 0;
+    std::jthread ahead_; ///< the last member: it uses the others
 };
 
 } // namespace isoslider::extract

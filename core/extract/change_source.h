@@ -86,6 +86,10 @@ public:
     /// Edge entries that collect() would look at, about; decides between patching and building anew.
     virtual std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const = 0;
 
+    /// The next move may be from `from` to `to`: what it needs may be fetched in the background until then.
+    /// Returns at once.
+    virtual void foresee(KeyThreshold /*from*/, KeyThreshold /*to*/) {}
+
     /// The threshold of an isovalue in the volume's scalar type.
     virtual KeyThreshold threshold(double isovalue) const = 0;
     /// Thresholds below and above every sample, where the surface is empty.

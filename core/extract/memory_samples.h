@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/extract/sample_block.h"
+#include "core/extract/sample_reader.h"
 #include "core/grid/scalar_grid.h"
 
 namespace isoslider::extract {
@@ -15,7 +15,13 @@ public:
     /// `grid` must outlive the reader.
     explicit MemorySamples(const ScalarGrid& grid) : view_{grid.values<Sample>().data(), grid.dims()}, bricks_(grid.dims()) {}
 
-    Status read(BrickIndex brick, SampleBlock<Sample>& block, std::uint64_t&) const override {
+    std::uint64_t orderOf(BrickIndex brick) const override { return brick; }
+    Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats&, std::stop_token) override { return bricks.size(); }
+    Result<Sample> sampleAt(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t&) const override {
+        return view_.samples[view_.offset(x, y, z)];
+    }
+
+    void read(BrickIndex brick, SampleBlock<Sample>& block) const override {
         const auto coords = bricks_.brickCoords(brick);
         const std::array<std::int64_t, 3> origin{coords[0] * kBrickSide, coords[1] * kBrickSide, coords[2] * kBrickSide};
         block.place(view_.dims, origin);
@@ -24,7 +30,6 @@ public:
             for (int y = block.begin[1]; y < block.end[1]; ++y)
                 std::memcpy(block.samples.data() + block.offset(block.begin[0], y, z),
                             view_.samples + view_.offset(origin[0] + block.begin[0], origin[1] + y, origin[2] + z), count);
-        return {};
     }
 
 private:

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 
-#include "core/base/result.h"
 #include "core/grid/brick_grid.h"
 #include "core/grid/gradient.h"
 
@@ -50,15 +49,6 @@ struct SampleBlock {
                 return false;
         return true;
     }
-};
-
-/// Where a brick's samples come from: a volume in memory, a store on disk. From any thread.
-template <class Sample>
-class SampleReader {
-public:
-    virtual ~SampleReader() = default;
-    /// Fills the block round a brick; adds what was read from disk to `bytesRead`. Errors: IoError, Corruption.
-    virtual Status read(BrickIndex brick, SampleBlock<Sample>& block, std::uint64_t& bytesRead) const = 0;
 };
 
 } // namespace isoslider::extract

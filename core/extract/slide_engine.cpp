@@ -7,6 +7,7 @@
 #include "core/extract/brick_source.h"
 #include "core/extract/edge_block_source.h"
 #include "core/extract/memory_samples.h"
+#include "core/extract/stored_samples.h"
 
 namespace isoslider::extract {
 namespace {
@@ -42,14 +43,28 @@ struct MemoryBacking {
         : grid(std::move(volume)), reader(std::move(brickList)), samples(*grid), source(*reader, samples, options.cacheBytes) {}
 };
 
+template <class Sample>
+struct StoreBacking {
+    using Source = BrickSource<Sample>;
+    std::unique_ptr<index::IndexReader> reader;
+    StoredSamples<Sample> samples;
+    Source source;
+    static constexpr bool kIsIndex = true;
+    static constexpr std::uint64_t kPagesShare = 8; // of the cache: the list of bricks is small
+
+    StoreBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
+        : reader(std::move(opened)), samples(*reader, options.cacheBytes - options.cacheBytes / kPagesShare),
+          source(*reader, samples, options.cacheBytes / kPagesShare) {}
+};
+
 template <class Backing>
 class Engine final : public SlideEngine {
     using Live = typename Backing::Source::Live;
 
 public:
     template <class... Arguments>
-    explicit Engine(Arguments&&... arguments)
-        : backing_(std::forward<Arguments>(arguments)...), surface_(meta().info.geometry, meta().missingCells, backing_.source),
+    explicit Engine(const SlideOptions& options, Arguments&&... arguments)
+        : readsAhead_(options.readsAhead), backing_(std::forward<Arguments>(arguments)...), surface_(meta().info.geometry, meta().missingCells, backing_.source),
           changes_(backing_.reader->grid().brickCount()), position_(backing_.source.lowest()) {}
 
     const index::IndexInfo& info() const override { return meta().info; }
@@ -71,6 +86,10 @@ public:
         stats.interpolateMs = millisecondsSince(interpolationStart);
         stats.activeEdges = surface_.activeEdges();
         stats.triangles = surface_.triangles();
+        // A handle that moves goes on moving.
+        if (const double next = isovalue + (isovalue - lastStats_.isovalue); readsAhead_ && hasMoved_ && std::isfinite(next))
+            backing_.source.foresee(position_, backing_.source.threshold(next));
+        hasMoved_ = true;
         lastStats_ = stats;
         return stats;
     }
@@ -128,12 +147,14 @@ private:
 
     const index::IndexMeta& meta() const { return backing_.reader->meta(); }
 
+    bool readsAhead_;
     Backing backing_;
     ActiveSurface<Live> surface_;
     ChangeSet<Live> changes_;
     KeyThreshold position_;
     std::uint64_t lastTouched_ = 0;
     SlideStats lastStats_;
+    bool hasMoved_ = false;
 };
 
 } // namespace
@@ -144,7 +165,9 @@ Result<std::unique_ptr<SlideEngine>> SlideEngine::open(const std::filesystem::pa
         return std::move(reader).error();
     const ScalarType type = reader.value()->info().type;
     return visitScalarType(type, [&](auto sample) -> Result<std::unique_ptr<SlideEngine>> {
-        return std::unique_ptr<SlideEngine>(std::make_unique<Engine<IndexBacking<decltype(sample)>>>(std::move(reader).value(), options));
+        if (reader.value()->info().kind == index::IndexKind::Metacells)
+            return std::unique_ptr<SlideEngine>(std::make_unique<Engine<StoreBacking<decltype(sample)>>>(options, std::move(reader).value(), options));
+        return std::unique_ptr<SlideEngine>(std::make_unique<Engine<IndexBacking<decltype(sample)>>>(options, std::move(reader).value(), options));
     });
 }
 
@@ -152,7 +175,7 @@ std::unique_ptr<SlideEngine> SlideEngine::onVolume(std::shared_ptr<const ScalarG
                                                    const SlideOptions& options) {
     return visitScalarType(grid->type(), [&](auto sample) {
         return std::unique_ptr<SlideEngine>(
-            std::make_unique<Engine<MemoryBacking<decltype(sample)>>>(std::move(grid), std::move(brickList), options));
+            std::make_unique<Engine<MemoryBacking<decltype(sample)>>>(options, std::move(grid), std::move(brickList), options));
     });
 }
 

@@ -13,7 +13,8 @@
 namespace isoslider::extract {
 
 struct SlideOptions {
-    std::uint64_t cacheBytes = std::uint64_t{64} << 20; ///< bound on decoded pages kept in memory
+    std::uint64_t cacheBytes = std::uint64_t{64} << 20; ///< bound on decoded pages and samples kept in memory
+    bool readsAhead = true; ///< between moves, what the next one in the same direction would need is read
 };
 
 /// The live surface over one index or volume: moves from isovalue to isovalue and keeps the arrays current.

@@ -9,6 +9,7 @@
 #include <zstd.h>
 
 #include "core/index/byte_codec.h"
+#include "core/index/sample_store.h"
 
 namespace isoslider::index {
 namespace {
@@ -72,6 +73,7 @@ void putLevel(ByteWriter& out, const SkipLevelInfo& info, const LevelDirectory& 
 constexpr std::size_t kPageEntryBytes = 44;
 constexpr std::size_t kBlockEntryBytes = 32;
 constexpr std::size_t kHiddenPageEntryBytes = 32;
+constexpr std::size_t kShelfBytes = 24;
 
 // Says what is wrong, or nothing.
 const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDirectory& level, const Preamble& preamble) {
@@ -141,6 +143,37 @@ bool getHiddenPages(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
     return nextBrick <= BrickGrid(meta.info.geometry.dims).brickCount();
 }
 
+void putShelves(ByteWriter& out, const IndexMeta& meta) {
+    out.put<std::uint64_t>(meta.info.sampleBytes);
+    out.put<std::uint64_t>(meta.info.mergeErrorBytes);
+    out.put<std::uint64_t>(meta.shelves.size());
+    for (const ShelfEntry& shelf : meta.shelves)
+        for (const std::uint64_t value : {shelf.offset, shelf.chunkBytes, shelf.checksum})
+            out.put<std::uint64_t>(value);
+}
+
+bool getShelves(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
+    meta.info.sampleBytes = in.get<std::uint64_t>();
+    meta.info.mergeErrorBytes = in.get<std::uint64_t>();
+    const std::uint64_t count = in.get<std::uint64_t>();
+    const ChunkGrid grid(meta.info.geometry.dims);
+    const bool hasSamples = meta.info.kind == IndexKind::Metacells;
+    if (in.hasFailed() || count > in.remaining() / kShelfBytes || count != (hasSamples ? shelfCount(grid) : 0))
+        return false;
+    meta.shelves.resize(count);
+    for (std::uint64_t i = 0; i < count; ++i) {
+        ShelfEntry& shelf = meta.shelves[i];
+        for (std::uint64_t* value : {&shelf.offset, &shelf.chunkBytes, &shelf.checksum})
+            *value = in.get<std::uint64_t>();
+        const std::uint64_t chunks = std::min<std::uint64_t>(kShelfChunks, grid.chunkCount() - i * kShelfChunks);
+        const std::uint64_t room = preamble.metaOffset - chunks * kShelfEntryBytes;
+        if (preamble.metaOffset < chunks * kShelfEntryBytes || shelf.offset < kPreambleBytes || shelf.offset > room ||
+            shelf.chunkBytes > room - shelf.offset)
+            return false;
+    }
+    return true;
+}
+
 void putMissingCells(ByteWriter& out, const std::vector<MissingCells>& bricks) {
     std::vector<std::byte> plain;
     ByteWriter writer(plain);
@@ -183,6 +216,8 @@ bool getMissingCells(ByteReader& in, std::vector<MissingCells>& bricks, const Br
 }
 
 } // namespace
+
+const char* indexKindName(IndexKind kind) { return kind == IndexKind::Edges ? "edges" : "metacells"; }
 
 bool hasIndexMagic(std::span<const std::byte> firstBytes) {
     return firstBytes.size() >= sizeof kIndexMagic && std::memcmp(firstBytes.data(), kIndexMagic, sizeof kIndexMagic) == 0;
@@ -246,6 +281,7 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     std::vector<std::byte> bytes;
     ByteWriter out(bytes);
     const IndexInfo& info = meta.info;
+    out.put<std::uint8_t>(static_cast<std::uint8_t>(info.kind));
     out.put<std::uint8_t>(static_cast<std::uint8_t>(info.type));
     putGeometry(out, info.geometry);
     out.put<double>(info.min);
@@ -265,6 +301,7 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     for (std::size_t i = 0; i < meta.levels.size(); ++i)
         putLevel(out, info.levels[i], meta.levels[i]);
     putHiddenPages(out, meta.hiddenPages);
+    putShelves(out, meta);
     putMissingCells(out, meta.missingCells);
     return bytes;
 }
@@ -276,6 +313,10 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
     IndexMeta meta;
     IndexInfo& info = meta.info;
     ByteReader in(bytes);
+    const std::uint8_t kind = in.get<std::uint8_t>();
+    if (kind > static_cast<std::uint8_t>(IndexKind::Metacells))
+        return corrupt("kind of index");
+    info.kind = static_cast<IndexKind>(kind);
     const std::uint8_t type = in.get<std::uint8_t>();
     if (type >= kAllScalarTypes.size())
         return corrupt("scalar type");
@@ -305,8 +346,10 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
     for (std::size_t i = 0; i < levels; ++i)
         if (const char* fault = getLevel(in, i == 0, info.levels[i], meta.levels[i], preamble))
             return corrupt(fault);
-    if (!getHiddenPages(in, meta, preamble))
+    if (!getHiddenPages(in, meta, preamble) || (info.kind == IndexKind::Metacells && !meta.hiddenPages.empty()))
         return corrupt("pages of hidden corners");
+    if (!getShelves(in, meta, preamble))
+        return corrupt("shelves of samples");
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
     if (in.hasFailed() || in.remaining() != 0)

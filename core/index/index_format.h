@@ -14,7 +14,7 @@ namespace isoslider::index {
 
 /// FORMAT.md describes the bytes; this header is the one place where code knows them.
 inline constexpr char kIndexMagic[12] = {'I', 'S', 'O', 'S', 'L', 'I', 'D', 'E', '\r', '\n', '\x1a', '\n'};
-inline constexpr std::uint16_t kFormatMajor = 2;
+inline constexpr std::uint16_t kFormatMajor = 3;
 inline constexpr std::uint16_t kFormatMinor = 0;
 inline constexpr std::size_t kPreambleBytes = 64;
 inline constexpr std::uint64_t kMaxMetaBytes = std::uint64_t{4} << 30;
@@ -76,6 +76,13 @@ struct HiddenPageEntry {
     std::uint64_t checksum = 0;
 };
 
+/// Chunks of samples that lie one after the other, and the table of them that follows (sample_store.h): a shelf.
+struct ShelfEntry {
+    std::uint64_t offset = 0;
+    std::uint64_t chunkBytes = 0; ///< of its chunks; the table begins there
+    std::uint64_t checksum = 0;   ///< of the table
+};
+
 /// Cells of a brick that have a missing corner: bit x + 8 y + 64 z.
 struct MissingCells {
     BrickIndex brick = 0;
@@ -87,6 +94,7 @@ struct IndexMeta {
     IndexInfo info;
     std::vector<LevelDirectory> levels;
     std::vector<HiddenPageEntry> hiddenPages; ///< ascending, no brick in two
+    std::vector<ShelfEntry> shelves;           ///< with metacells, as many as the grid needs
     std::vector<MissingCells> missingCells; ///< sorted by brick
 };
 

@@ -9,12 +9,22 @@
 
 namespace isoslider::index {
 
-/// One level of the skip list, as counted when it was built.
+/// What becomes active and inactive along the skip list.
+enum class IndexKind : std::uint8_t {
+    Edges,     ///< grid edges, with all that the surface needs
+    Metacells, ///< bricks; what they hold is read from the samples, which the index keeps compressed
+};
+
+/// "edges", "metacells".
+const char* indexKindName(IndexKind kind);
+
+/// One level of the skip list, as counted when it was built. With metacells a record is a brick that becomes
+/// active or inactive, and has one entry.
 struct SkipLevelInfo {
     std::uint64_t blocks = 0;
-    std::uint64_t points = 0;         ///< point records
-    std::uint64_t edges = 0;          ///< edge entries, E+ and E- together
-    std::uint64_t activatedEdges = 0; ///< E+
+    std::uint64_t points = 0;         ///< records: of points, or of bricks
+    std::uint64_t edges = 0;          ///< entries: of edges, E+ and E- together, or of bricks
+    std::uint64_t activatedEdges = 0; ///< those that become active upwards: E+
     std::uint64_t bytes = 0;          ///< encoded bytes of its pages
     std::uint64_t redundantRemoved = 0; ///< entries of the level below that cancelled out here
 };
@@ -28,6 +38,7 @@ struct Histogram {
 
 /// What an index says of itself and of its volume; all that is read when it is opened.
 struct IndexInfo {
+    IndexKind kind = IndexKind::Edges;
     GridGeometry geometry;
     ScalarType type = ScalarType::U8;
     double min = 0.0;
@@ -37,6 +48,8 @@ struct IndexInfo {
     std::uint64_t indexBytes = 0;
     std::uint64_t hiddenCorners = 0;     ///< samples stored because sliding cannot learn them from active edges
     std::uint64_t hiddenCornerBytes = 0; ///< encoded bytes of their pages
+    std::uint64_t sampleBytes = 0;       ///< encoded bytes of the samples; 0 with edges
+    std::uint64_t mergeErrorBytes = 0;   ///< encoded bytes of the merged cells' errors; 0 with edges
     double redundancyThreshold = 0.0; ///< k of the paper, section 2.1
     std::string sourceName;        ///< file name of the volume, without its folder
     std::vector<SkipLevelInfo> levels;

@@ -32,14 +32,14 @@ Result<std::unique_ptr<IndexReader>> IndexReader::open(const std::filesystem::pa
 }
 
 Status IndexReader::readPage(const PageEntry& page, std::vector<std::byte>& bytes) const {
-    return readPage(page.offset, page.bytes, page.checksum, bytes);
+    return readPart(page.offset, page.bytes, page.checksum, bytes);
 }
 
 Status IndexReader::readPage(const HiddenPageEntry& page, std::vector<std::byte>& bytes) const {
-    return readPage(page.offset, page.bytes, page.checksum, bytes);
+    return readPart(page.offset, page.bytes, page.checksum, bytes);
 }
 
-Status IndexReader::readPage(std::uint64_t offset, std::size_t size, std::uint64_t checksum, std::vector<std::byte>& bytes) const {
+Status IndexReader::readPart(std::uint64_t offset, std::size_t size, std::uint64_t checksum, std::vector<std::byte>& bytes) const {
     bytes.resize(size);
     ISO_TRY(file_->readExactlyAt(offset, bytes));
     if (pageChecksum(bytes, seed_, offset) != checksum)

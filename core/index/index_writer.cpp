@@ -1,5 +1,9 @@
 #include "core/index/index_writer.h"
 
+#include "core/base/check.h"
+#include "core/index/byte_codec.h"
+#include "core/index/sample_store.h"
+
 namespace isoslider::index {
 
 Result<std::unique_ptr<IndexWriter>> IndexWriter::create(const std::filesystem::path& path, std::uint64_t seed, FileSystem& fileSystem) {
@@ -12,23 +16,60 @@ Result<std::unique_ptr<IndexWriter>> IndexWriter::create(const std::filesystem::
     return std::unique_ptr<IndexWriter>(new IndexWriter(std::move(file).value(), seed));
 }
 
+Status IndexWriter::append(std::span<const std::byte> bytes) {
+    constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+    buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+    return buffer_.size() < kBufferBytes ? Status() : flush();
+}
+
+Status IndexWriter::flush() {
+    ISO_TRY(file_->writeAll(buffer_));
+    buffer_.clear();
+    return {};
+}
+
 Status IndexWriter::addPage(int level, PageEntry entry, std::span<const std::byte> bytes) {
     if (levels_.size() <= static_cast<std::size_t>(level))
         levels_.resize(static_cast<std::size_t>(level) + 1);
-    entry.offset = file_->sizeBytes();
+    entry.offset = sizeBytes();
     entry.bytes = static_cast<std::uint32_t>(bytes.size());
     entry.checksum = pageChecksum(bytes, seed_, entry.offset);
-    ISO_TRY(file_->writeAll(bytes));
+    ISO_TRY(append(bytes));
     levels_[static_cast<std::size_t>(level)].pages.push_back(entry);
     return {};
 }
 
 Status IndexWriter::addHiddenPage(HiddenPageEntry entry, std::span<const std::byte> bytes) {
-    entry.offset = file_->sizeBytes();
+    entry.offset = sizeBytes();
     entry.bytes = static_cast<std::uint32_t>(bytes.size());
     entry.checksum = pageChecksum(bytes, seed_, entry.offset);
-    ISO_TRY(file_->writeAll(bytes));
+    ISO_TRY(append(bytes));
     hiddenPages_.push_back(entry);
+    return {};
+}
+
+Status IndexWriter::addChunk(std::span<const std::byte> samples, std::span<const std::byte> errors) {
+    ISO_CHECK(samples.size() <= 0xffff && errors.size() <= 0xffff);
+    const std::uint64_t offset = sizeBytes();
+    if (shelfTable_.empty())
+        shelfOffset_ = offset;
+    ByteWriter table(shelfTable_);
+    table.put<std::uint16_t>(static_cast<std::uint16_t>(samples.size()));
+    table.put<std::uint16_t>(static_cast<std::uint16_t>(errors.size()));
+    table.put<std::uint64_t>(pageChecksum(samples, seed_, offset));
+    table.put<std::uint64_t>(pageChecksum(errors, seed_, offset + samples.size()));
+    ISO_TRY(append(samples));
+    ISO_TRY(append(errors));
+    sampleBytes_ += samples.size();
+    mergeErrorBytes_ += errors.size();
+    return shelfTable_.size() == kShelfChunks * kShelfEntryBytes ? endShelf() : Status();
+}
+
+Status IndexWriter::endShelf() {
+    const std::uint64_t tableAt = sizeBytes();
+    shelves_.push_back({shelfOffset_, tableAt - shelfOffset_, pageChecksum(shelfTable_, seed_, tableAt)});
+    ISO_TRY(append(shelfTable_));
+    shelfTable_.clear();
     return {};
 }
 
@@ -52,17 +93,22 @@ Result<IndexInfo> IndexWriter::finish(IndexMeta meta) {
         }
         info.redundantRemoved = i == 0 ? 0 : meta.info.levels[i - 1].edges - info.edges;
     }
+    ISO_CHECK(shelfTable_.empty());
+    meta.shelves = std::move(shelves_);
+    meta.info.sampleBytes = sampleBytes_;
+    meta.info.mergeErrorBytes = mergeErrorBytes_;
     meta.levels = std::move(levels_);
     meta.hiddenPages = std::move(hiddenPages_);
     countHiddenCorners(meta);
     const std::vector<std::byte> bytes = encodeMeta(meta);
     Preamble preamble;
-    preamble.metaOffset = file_->sizeBytes();
+    preamble.metaOffset = sizeBytes();
     preamble.metaBytes = bytes.size();
     preamble.metaChecksum = metaChecksum(bytes);
     preamble.fileBytes = preamble.metaOffset + preamble.metaBytes;
     preamble.seed = seed_;
-    ISO_TRY(file_->writeAll(bytes));
+    ISO_TRY(append(bytes));
+    ISO_TRY(flush());
     ISO_TRY(file_->writeAt(0, encodePreamble(preamble)));
     ISO_TRY(file_->publish());
     meta.info.indexBytes = preamble.fileBytes;

@@ -14,12 +14,33 @@ TEST_F(CliBuild, ReportsWhatItBuilt) {
     const auto volume = sphereVolume();
     const auto json = runJson({"build", volume, "-o", path("a.isx"), "--memory", "64M", "--threads", "2"});
     EXPECT_THAT(keysOf(json),
-                ElementsAre("seconds", "peak_rss_bytes", "index_bytes", "distinct_values", "levels"));
+                ElementsAre("seconds", "peak_rss_bytes", "index_bytes", "distinct_values", "levels", "kind"));
     EXPECT_EQ(json["index_bytes"], std::filesystem::file_size(path("a.isx")));
     EXPECT_EQ(json["distinct_values"], runJson({"info", volume})["distinct_values"]);
     ASSERT_FALSE(json["levels"].empty());
     EXPECT_EQ(json["levels"][0]["blocks"], json["distinct_values"]);
+    EXPECT_EQ(json["kind"], "edges") << "a small volume";
     EXPECT_THAT(folder_.names(), ElementsAre("a.isx", "sphere.mha"));
+}
+
+TEST_F(CliBuild, BuildsTheKindAskedFor) {
+    const auto volume = sphereVolume();
+    for (const std::string kind : {"edges", "metacells"}) {
+        const auto index = path(kind + ".isx");
+        EXPECT_EQ(runJson({"build", volume, "-o", index, "--index", kind})["kind"], kind);
+        EXPECT_EQ(runJson({"stats", index})["kind"], kind);
+    }
+    EXPECT_LT(std::filesystem::file_size(path("metacells.isx")), std::filesystem::file_size(path("edges.isx")));
+    const auto slide = [&](const char* index) {
+        auto json = runJson({"slide", path(index), "--path", "5,5.5,3"});
+        std::vector<std::uint64_t> facts;
+        for (const auto& step : json["steps"])
+            for (const char* key : {"edges_added", "edges_removed", "active_edges", "triangles"})
+                facts.push_back(step[key]);
+        return facts;
+    };
+    EXPECT_EQ(slide("edges.isx"), slide("metacells.isx"));
+    EXPECT_THAT(run({"stats", path("metacells.isx")}).standardOutput, ::testing::HasSubstr("bricks        entries"));
 }
 
 TEST_F(CliBuild, WritesTheSameBytesForAnyThreadsAndMemory) {
@@ -90,9 +111,9 @@ class CliStats : public CliTest {};
 TEST_F(CliStats, TellsOfTheIndexAndItsLevels) {
     const auto json = runJson({"stats", sphereIndex()});
     EXPECT_THAT(keysOf(json),
-                ElementsAre("source_name", "dims", "scalar_type", "distinct_values", "average_active_edges",
-                            "average_change", "redundancy", "index_bytes", "bytes_per_voxel", "hidden_corners",
-                            "hidden_corner_bytes", "levels"));
+                ElementsAre("source_name", "kind", "dims", "scalar_type", "distinct_values", "average_active_edges",
+                            "average_change", "redundancy", "index_bytes", "bytes_per_voxel", "sample_bytes",
+                            "merge_error_bytes", "hidden_corners", "hidden_corner_bytes", "levels"));
     EXPECT_EQ(json["source_name"], "sphere.mha");
     EXPECT_THAT(keysOf(json["levels"][0]), ElementsAre("level", "blocks", "points", "edges",
                                                        "activated_edges", "bytes", "redundant_removed"));

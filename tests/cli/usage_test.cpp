@@ -39,8 +39,7 @@ TEST_F(CliUsage, RefusesLaterCommandsByNameAndDoesNotListThem) {
 
 TEST_F(CliUsage, RefusesLaterOptionsByName) {
     const auto volume = sphereVolume();
-    expectRefusal({"build", volume, "-o", "a.isx", "--index", "metacells"}, 2,
-                  "not available in this version");
+    expectRefusal({"build", volume, "-o", "a.isx", "--index", "cells"}, 2, "known: edges, metacells, auto");
     expectRefusal({"build", volume, "-o", "a.isx", "--lod-error", "0.5%"}, 2,
                   "not available in this version");
     expectRefusal({"build", volume, "-o", "a.isx", "--resume"}, 2, "not available in this version");

@@ -75,7 +75,7 @@ private:
 // What the document's tables of meta say of the pages of hidden corners.
 std::vector<HiddenPageEntry> hiddenPagesByDocument(const std::string& file) {
     NumberReader in(file, NumberReader(file, 16).next(8));
-    in.skip(1 + 3 * 8 + 3 * 8 + 3 * 8 + 9 * 8 + 2 * 8 + 8 + 8 + 8); // to the name
+    in.skip(2 + 3 * 8 + 3 * 8 + 3 * 8 + 9 * 8 + 2 * 8 + 8 + 8 + 8); // to the name
     in.skip(in.next(4));
     in.skip(2 * 8);
     in.skip(16 * in.next(4));
@@ -91,6 +91,8 @@ std::vector<HiddenPageEntry> hiddenPagesByDocument(const std::string& file) {
         entry.offset = in.next(8);
         entry.checksum = in.next(8);
     }
+    in.skip(2 * 8);
+    EXPECT_EQ(in.next(8), 0u) << "shelves";
     EXPECT_EQ(in.next(8), 0u) << "bricks with missing cells";
     in.skip(in.next(8));
     EXPECT_EQ(in.at(), file.size());
@@ -236,16 +238,17 @@ TEST(FormatDocument, PreambleFieldsAreWhereTheTableSays) {
         return value;
     };
     EXPECT_EQ(file.substr(0, 12), std::string("ISOSLIDE\r\n\x1a\n"));
-    EXPECT_EQ(number(12, 2), 2u);
+    EXPECT_EQ(number(12, 2), 3u);
     EXPECT_EQ(number(14, 2), 0u);
     EXPECT_EQ(number(16, 8), 64u + 117u) << "meta follows the only page";
     EXPECT_EQ(number(16, 8) + number(24, 8), file.size());
     EXPECT_EQ(number(40, 8), file.size());
-    // Meta: scalar type, then the dims.
+    // Meta: kind, scalar type, then the dims.
     EXPECT_EQ(number(181, 1), 0u);
-    EXPECT_EQ(number(182, 8), 2u);
-    EXPECT_EQ(number(190, 8), 2u);
-    EXPECT_EQ(number(198, 8), 2u);
+    EXPECT_EQ(number(182, 1), 0u);
+    EXPECT_EQ(number(183, 8), 2u);
+    EXPECT_EQ(number(191, 8), 2u);
+    EXPECT_EQ(number(199, 8), 2u);
 }
 
 // Both orders, all plane modes and flags: whatever these volumes bring about.

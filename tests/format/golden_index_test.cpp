@@ -1,5 +1,5 @@
 // Index files of each released format version, kept for ever: those of this version open, slide, and are
-// what a build gives, older ones are refused by name. ISOSLIDER_WRITE_GOLDEN=FILE writes today's bytes instead of comparing them; commit such a file
+// what a build gives, older ones are refused by name. ISOSLIDER_WRITE_GOLDEN=FOLDER writes today's bytes instead of comparing them; commit such a file
 // under a new name only, with a new format version.
 
 #include <cstdlib>
@@ -23,7 +23,8 @@ using test::HasError;
 using test::IsOk;
 
 const std::filesystem::path kData = std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "tests/data";
-const std::filesystem::path kGolden = kData / "golden_v2.isx";
+const std::filesystem::path kGolden = kData / "golden_v3.isx";
+const std::filesystem::path kGoldenMetacells = kData / "golden_v3_metacells.isx";
 
 // Never to be changed: the golden file is of this volume.
 std::shared_ptr<const ScalarGrid> goldenVolume() {
@@ -39,8 +40,9 @@ std::shared_ptr<const ScalarGrid> goldenVolume() {
     });
 }
 
-std::string buildGolden(const std::filesystem::path& path) {
+std::string buildGolden(const std::filesystem::path& path, IndexKind kind) {
     preprocess::BuildOptions options;
+    options.kind = kind;
     options.skipLevels = 4;
     options.redundancyThreshold = 0.5;
     options.sourceName = "golden";
@@ -48,20 +50,29 @@ std::string buildGolden(const std::filesystem::path& path) {
     return test::readText(path);
 }
 
-// It lacks samples that its surfaces need.
-TEST(GoldenIndex, VersionOneIsRefusedByName) {
-    const auto opened = IndexReader::open(kData / "golden_v1.isx");
-    ASSERT_THAT(opened, HasError(ErrorCode::UnsupportedVersion));
-    const std::string line = opened.error().line();
-    EXPECT_NE(line.find("golden_v1.isx"), std::string::npos) << line;
-    EXPECT_NE(line.find("format version 1, this program reads version 2: build it anew from its volume"), std::string::npos) << line;
-    EXPECT_EQ(line.find('\n'), std::string::npos);
+// The first lacks samples that its surfaces need.
+TEST(GoldenIndex, EarlierVersionsAreRefusedByName) {
+    for (const std::string version : {"1", "2"}) {
+        const std::string name = "golden_v" + version + ".isx";
+        const auto opened = IndexReader::open(kData / name);
+        ASSERT_THAT(opened, HasError(ErrorCode::UnsupportedVersion));
+        const std::string line = opened.error().line();
+        EXPECT_NE(line.find(name), std::string::npos) << line;
+        EXPECT_NE(line.find("format version " + version + ", this program reads version 3: build it anew from its volume"), std::string::npos) << line;
+        EXPECT_EQ(line.find('\n'), std::string::npos);
+    }
 }
 
-TEST(GoldenIndex, OpensWithTheFactsOfItsVolume) {
-    const auto reader = IndexReader::open(kGolden);
+class GoldenIndexKind : public testing::TestWithParam<IndexKind> {
+protected:
+    std::filesystem::path golden() const { return GetParam() == IndexKind::Edges ? kGolden : kGoldenMetacells; }
+};
+
+TEST_P(GoldenIndexKind, OpensWithTheFactsOfItsVolume) {
+    const auto reader = IndexReader::open(golden());
     ASSERT_THAT(reader, IsOk());
     const IndexInfo& info = reader.value()->info();
+    EXPECT_EQ(info.kind, GetParam());
     EXPECT_EQ(info.geometry, goldenVolume()->geometry());
     EXPECT_EQ(info.type, ScalarType::F32);
     EXPECT_EQ(info.sourceName, "golden");
@@ -70,11 +81,11 @@ TEST(GoldenIndex, OpensWithTheFactsOfItsVolume) {
     EXPECT_EQ(info.max, 13.0);
     EXPECT_EQ(info.distinctValues, 44u);
     EXPECT_EQ(info.redundancyThreshold, 0.5);
-    EXPECT_GE(info.levels.size(), 3u);
+    EXPECT_GE(info.levels.size(), GetParam() == IndexKind::Edges ? 3u : 1u);
 }
 
-TEST(GoldenIndex, SlidesLikeItsVolume) {
-    const auto engine = extract::SlideEngine::open(kGolden);
+TEST_P(GoldenIndexKind, SlidesLikeItsVolume) {
+    const auto engine = extract::SlideEngine::open(golden());
     ASSERT_THAT(engine, IsOk());
     const auto grid = goldenVolume();
     std::vector<double> walk = {5.0, 5.25, 5.3, 2.0, 10.0, 0.0, 30.0, 7.5, 6.75};
@@ -109,10 +120,10 @@ TEST(GoldenIndex, HasHiddenCorners) {
     EXPECT_EQ(found, 2);
 }
 
-TEST(GoldenIndex, IsWhatABuildGives) {
-    if (const char* path = std::getenv("ISOSLIDER_WRITE_GOLDEN")) {
-        buildGolden(path);
-        GTEST_SKIP() << "wrote " << path;
+TEST_P(GoldenIndexKind, IsWhatABuildGives) {
+    if (const char* folder = std::getenv("ISOSLIDER_WRITE_GOLDEN")) {
+        buildGolden(std::filesystem::path(folder) / golden().filename(), GetParam());
+        GTEST_SKIP() << "wrote " << golden().filename();
     }
 #if !defined(__x86_64__) || defined(__FMA__)
     GTEST_SKIP() << "normals may round otherwise here";
@@ -120,11 +131,14 @@ TEST(GoldenIndex, IsWhatABuildGives) {
     if (ZSTD_versionNumber() != 10504)
         GTEST_SKIP() << "compressed planes are those of zstd 1.5.4; here is " << ZSTD_versionString();
     const test::TemporaryFolder folder;
-    const std::string built = buildGolden(folder / "golden.isx"), golden = test::readText(kGolden);
-    EXPECT_EQ(built.size(), golden.size());
-    const auto differs = std::mismatch(built.begin(), built.begin() + static_cast<std::ptrdiff_t>(std::min(built.size(), golden.size())), golden.begin());
-    EXPECT_TRUE(built == golden) << "first difference at byte " << differs.first - built.begin();
+    const std::string built = buildGolden(folder / "golden.isx", GetParam()), wanted = test::readText(golden());
+    EXPECT_EQ(built.size(), wanted.size());
+    const auto differs = std::mismatch(built.begin(), built.begin() + static_cast<std::ptrdiff_t>(std::min(built.size(), wanted.size())), wanted.begin());
+    EXPECT_TRUE(built == wanted) << "first difference at byte " << differs.first - built.begin();
 }
+
+INSTANTIATE_TEST_SUITE_P(Kinds, GoldenIndexKind, testing::Values(IndexKind::Edges, IndexKind::Metacells),
+                         [](const auto& kind) { return std::string(indexKindName(kind.param)); });
 
 } // namespace
 } // namespace isoslider::index

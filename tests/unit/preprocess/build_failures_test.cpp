@@ -18,10 +18,17 @@ namespace {
 using test::HasError;
 using test::IsOk;
 
-class BuildFailure : public testing::Test {
+class BuildFailure : public testing::TestWithParam<index::IndexKind> {
 protected:
+    static BuildOptions options(FileSystem* fileSystem = nullptr) {
+        BuildOptions options;
+        options.kind = GetParam();
+        options.fileSystem = fileSystem;
+        return options;
+    }
+
     void SetUp() override {
-        ASSERT_THAT(test::buildIndexOf(test::noiseVolume({6, 6, 6}, 8), folder_ / "a.isx"), IsOk());
+        ASSERT_THAT(test::buildIndexOf(test::noiseVolume({6, 6, 6}, 8), folder_ / "a.isx", options()), IsOk());
         earlier_ = test::readText(folder_ / "a.isx");
     }
 
@@ -37,13 +44,13 @@ protected:
     std::shared_ptr<const ScalarGrid> grid_ = test::hillsVolume({24, 20, 33});
 };
 
-TEST_F(BuildFailure, CancellingAtAnyReportLeavesTheEarlierIndex) {
+TEST_P(BuildFailure, CancellingAtAnyReportLeavesTheEarlierIndex) {
     int reports = 0;
     JobControl counting;
     counting.progress = [&](double, std::string_view) { ++reports; };
     const test::TemporaryFolder other;
-    ASSERT_THAT(test::buildIndexOf(grid_, other / "b.isx", {}, counting), IsOk());
-    ASSERT_GT(reports, 8);
+    ASSERT_THAT(test::buildIndexOf(grid_, other / "b.isx", options(), counting), IsOk());
+    ASSERT_GE(reports, 4);
     for (int at = 0; at < reports; ++at) {
         std::stop_source stop;
         int seen = 0;
@@ -53,7 +60,7 @@ TEST_F(BuildFailure, CancellingAtAnyReportLeavesTheEarlierIndex) {
             if (seen++ == at)
                 stop.request_stop();
         };
-        ASSERT_THAT(test::buildIndexOf(grid_, folder_ / "a.isx", {}, job), HasError(ErrorCode::Cancelled)) << "report " << at;
+        ASSERT_THAT(test::buildIndexOf(grid_, folder_ / "a.isx", options(), job), HasError(ErrorCode::Cancelled)) << "report " << at;
         expectEarlierIndexOnly();
     }
 }
@@ -62,17 +69,13 @@ TEST_F(BuildFailure, CancellingAtAnyReportLeavesTheEarlierIndex) {
 void BuildFailure::expectEveryFailingCallLeavesTheEarlierIndex() {
     const test::TemporaryFolder other;
     test::FaultyFileSystem counting(-1, 0);
-    BuildOptions counted;
-    counted.fileSystem = &counting;
-    ASSERT_THAT(test::buildIndexOf(grid_, other / "a.isx", counted), IsOk());
+    ASSERT_THAT(test::buildIndexOf(grid_, other / "a.isx", options(&counting)), IsOk());
     const std::string later = test::readText(other / "a.isx");
     bool hasSucceeded = false;
     for (int failing = 0; !hasSucceeded; ++failing) {
         ASSERT_LT(failing, 500);
         test::FaultyFileSystem faulty(failing, failing % 2 ? ENOSPC : EIO);
-        BuildOptions options;
-        options.fileSystem = &faulty;
-        const auto built = test::buildIndexOf(grid_, folder_ / "a.isx", options);
+        const auto built = test::buildIndexOf(grid_, folder_ / "a.isx", options(&faulty));
         hasSucceeded = failing >= faulty.calls();
         const bool isClosing = failing == counting.calls() - 1;
         EXPECT_EQ(built.isOk(), hasSucceeded || isClosing) << "call " << failing;
@@ -90,14 +93,18 @@ void BuildFailure::expectEveryFailingCallLeavesTheEarlierIndex() {
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.isx"});
 }
 
-TEST_F(BuildFailure, EveryFailingCallIsReportedAndLeavesTheEarlierIndex) { expectEveryFailingCallLeavesTheEarlierIndex(); }
+TEST_P(BuildFailure, EveryFailingCallIsReportedAndLeavesTheEarlierIndex) { expectEveryFailingCallLeavesTheEarlierIndex(); }
 
-TEST_F(BuildFailure, SoDoesEveryFailingCallAmongHiddenCorners) {
+TEST_P(BuildFailure, SoDoesEveryFailingCallAmongHiddenCornersAndChunks) {
     grid_ = test::noiseVolume({48, 40, 33}, 2, 200);
     const test::TemporaryFolder other;
-    const auto built = test::buildIndexOf(grid_, other / "a.isx");
+    const auto built = test::buildIndexOf(grid_, other / "a.isx", options());
     ASSERT_THAT(built, IsOk());
-    ASSERT_GT(built.value().info.hiddenCorners, index::kMaxHiddenPageCorners / 2);
+    if (GetParam() == index::IndexKind::Edges) {
+        ASSERT_GT(built.value().info.hiddenCorners, index::kMaxHiddenPageCorners / 2);
+    } else {
+        ASSERT_GT(built.value().info.sampleBytes, 40000u);
+    }
     expectEveryFailingCallLeavesTheEarlierIndex();
 }
 
@@ -119,14 +126,18 @@ private:
     int reads_ = 0;
 };
 
-TEST_F(BuildFailure, AnErrorOfTheSourceIsPassedOn) {
+TEST_P(BuildFailure, AnErrorOfTheSourceIsPassedOn) {
     for (int failing = 0;; ++failing) {
         ASSERT_LT(failing, 100);
         FailingSource source(io::makeMemorySource(grid_), failing);
-        const auto built = buildIndex(source, folder_ / "a.isx");
+        const auto built = buildIndex(source, folder_ / "a.isx", options());
         if (!source.hasFailed()) {
             EXPECT_THAT(built, IsOk());
-            EXPECT_EQ(failing, 9) << "five layers in two passes; the last planes are there already";
+            if (GetParam() == index::IndexKind::Edges) {
+                EXPECT_EQ(failing, 9) << "five layers in two passes; the last planes are there already";
+            } else {
+                EXPECT_EQ(failing, 3) << "three slabs in one pass";
+            }
             break;
         }
         ASSERT_THAT(built, HasError(ErrorCode::Corruption));
@@ -136,13 +147,16 @@ TEST_F(BuildFailure, AnErrorOfTheSourceIsPassedOn) {
     }
 }
 
-TEST_F(BuildFailure, AnIndexBeingReadKeepsWorkingWhileItIsReplaced) {
+TEST_P(BuildFailure, AnIndexBeingReadKeepsWorkingWhileItIsReplaced) {
     const auto engine = extract::SlideEngine::open(folder_ / "a.isx", {1});
     ASSERT_THAT(engine, IsOk());
     ASSERT_THAT(engine.value()->slideTo(5.0), IsOk());
-    ASSERT_THAT(test::buildIndexOf(grid_, folder_ / "a.isx"), IsOk());
+    ASSERT_THAT(test::buildIndexOf(grid_, folder_ / "a.isx", options()), IsOk());
     EXPECT_THAT(engine.value()->slideTo(12.0), IsOk()) << "still the file that was opened";
 }
+
+INSTANTIATE_TEST_SUITE_P(Kinds, BuildFailure, testing::Values(index::IndexKind::Edges, index::IndexKind::Metacells),
+                         [](const auto& kind) { return std::string(index::indexKindName(kind.param)); });
 
 } // namespace
 } // namespace isoslider::preprocess

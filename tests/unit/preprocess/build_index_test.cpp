@@ -1,11 +1,14 @@
 #include "preprocess/build_index.h"
 
+#include <cstring>
+
 #include <gtest/gtest.h>
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
 #include "core/grid/volume_statistics.h"
 #include "core/index/index_format.h"
+#include "core/index/sample_store.h"
 #include "tests/property/random_volumes.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/support/faulty_file_system.h"
@@ -36,14 +39,26 @@ public:
     std::vector<std::filesystem::path> created;
 };
 
-TEST(BuildIndex, GivesTheSameBytesForAnyNumberOfThreads) {
+class BuildIndexKind : public testing::TestWithParam<index::IndexKind> {
+protected:
+    static BuildOptions options() {
+        BuildOptions options;
+        options.kind = GetParam();
+        return options;
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Kinds, BuildIndexKind, testing::Values(index::IndexKind::Edges, index::IndexKind::Metacells),
+                         [](const auto& kind) { return std::string(index::indexKindName(kind.param)); });
+
+TEST_P(BuildIndexKind, GivesTheSameBytesForAnyNumberOfThreads) {
     const test::TemporaryFolder folder;
     for (const auto& grid : {test::hillsVolume({50, 41, 30}), test::noiseVolume({50, 41, 50}, 6, 250)}) {
         std::vector<std::string> bytes;
         for (const int threads : {1, 2, 4}) {
-            BuildOptions options;
-            options.threads = threads;
-            ASSERT_THAT(test::buildIndexOf(grid, folder / "a.isx", options), IsOk());
+            BuildOptions threaded = options();
+            threaded.threads = threads;
+            ASSERT_THAT(test::buildIndexOf(grid, folder / "a.isx", threaded), IsOk());
             bytes.push_back(test::readText(folder / "a.isx"));
         }
         EXPECT_TRUE(bytes[0] == bytes[1] && bytes[0] == bytes[2]);
@@ -79,17 +94,17 @@ TEST(BuildIndex, GivesTheSameBytesForAnyMemoryBudget) {
     EXPECT_EQ(folder.names(), (std::vector<std::string>{"tight.isx", "wide.isx"}));
 }
 
-TEST(BuildIndex, StatesTheFactsOfItsVolume) {
+TEST_P(BuildIndexKind, StatesTheFactsOfItsVolume) {
     for (std::uint64_t seed = test::testSeed(900), last = seed + 120; seed < last && !HasFailure(); ++seed) {
         test::Random random(seed);
-        const test::RandomVolume volume = test::randomVolume(random, 16);
+        const test::RandomVolume volume = test::randomVolume(random, 24);
         if (!volume.hasFinite)
             continue;
         SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description);
         const test::TemporaryFolder folder;
-        BuildOptions options;
-        options.sourceName = "volume.raw";
-        const auto built = test::buildIndexOf(volume.grid, folder / "a.isx", options);
+        BuildOptions named = options();
+        named.sourceName = "volume.raw";
+        const auto built = test::buildIndexOf(volume.grid, folder / "a.isx", named);
         ASSERT_THAT(built, IsOk());
         const index::IndexInfo& info = built.value().info;
         const auto statistics = computeStatistics(*volume.grid);
@@ -103,6 +118,7 @@ TEST(BuildIndex, StatesTheFactsOfItsVolume) {
         EXPECT_EQ(info.sourceName, "volume.raw");
         EXPECT_EQ(info.geometry, volume.grid->geometry());
         EXPECT_EQ(info.type, volume.grid->type());
+        EXPECT_EQ(info.kind, GetParam());
         EXPECT_THAT(kRedundancyChoices, testing::Contains(info.redundancyThreshold)) << "0 stands for these";
         EXPECT_EQ(info.indexBytes, std::filesystem::file_size(folder / "a.isx"));
         std::uint64_t counted = 0;
@@ -118,22 +134,22 @@ TEST(BuildIndex, StatesTheFactsOfItsVolume) {
     }
 }
 
-TEST(BuildIndex, PutsEverySampleIntoTheBinThatStatisticsPutItInto) {
+TEST_P(BuildIndexKind, PutsEverySampleIntoTheBinThatStatisticsPutItInto) {
     for (const auto& grid : {test::noiseVolume({20, 20, 20}, 3, 200), test::hillsVolume({20, 30, 20})}) {
         const test::TemporaryFolder folder;
-        const auto built = test::buildIndexOf(grid, folder / "a.isx");
+        const auto built = test::buildIndexOf(grid, folder / "a.isx", options());
         ASSERT_THAT(built, IsOk());
         EXPECT_EQ(built.value().info.histogram.counts, computeStatistics(*grid).value().histogram.counts);
     }
 }
 
-TEST(BuildIndex, TakesConstantAndSmallestVolumes) {
+TEST_P(BuildIndexKind, TakesConstantAndSmallestVolumes) {
     for (const GridDims& dims : {GridDims{1, 1, 1}, GridDims{5, 5, 5}, GridDims{1, 9, 9}, GridDims{2, 2, 2}, GridDims{9, 1, 1}}) {
         const test::TemporaryFolder folder;
         GridGeometry geometry;
         geometry.dims = dims;
         const auto grid = test::makeVolume<float>(ScalarType::F32, geometry, [](auto, auto, auto) { return 4.5f; });
-        const auto built = test::buildIndexOf(grid, folder / "a.isx");
+        const auto built = test::buildIndexOf(grid, folder / "a.isx", options());
         ASSERT_THAT(built, IsOk());
         EXPECT_EQ(built.value().info.distinctValues, 1u);
         EXPECT_EQ(built.value().info.min, 4.5);
@@ -165,12 +181,55 @@ TEST(BuildIndex, RefusesOptionsThatCannotBe) {
     refuses([](BuildOptions& o) { o.threads = -1; });
     EXPECT_THAT(test::buildIndexOf(grid, folder.path()), HasError(ErrorCode::InvalidArgument));
     EXPECT_THAT(test::buildIndexOf(grid, folder / "none/a.isx"), HasError(ErrorCode::NotFound));
-    const auto missing = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(3), [](auto, auto, auto) { return std::nanf(""); });
-    EXPECT_THAT(test::buildIndexOf(missing, folder / "a.isx"), HasError(ErrorCode::InvalidArgument));
     EXPECT_TRUE(folder.names().empty());
 }
 
-TEST(BuildIndex, ReportsProgressThatRisesToTheEnd) {
+TEST_P(BuildIndexKind, RefusesAVolumeWithoutAFiniteSample) {
+    const test::TemporaryFolder folder;
+    const auto missing = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(3), [](auto, auto, auto) { return std::nanf(""); });
+    EXPECT_THAT(test::buildIndexOf(missing, folder / "a.isx", options()), HasError(ErrorCode::InvalidArgument));
+    EXPECT_TRUE(folder.names().empty());
+}
+
+// The samples come back as they were, and take no more room than they did.
+TEST(BuildMetacells, KeepTheSamples) {
+    for (std::uint64_t seed = test::testSeed(1900), last = seed + 40; seed < last && !HasFailure(); ++seed) {
+        test::Random random(seed);
+        const test::RandomVolume volume = test::randomVolume(random, 40);
+        if (!volume.hasFinite)
+            continue;
+        SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description);
+        const test::TemporaryFolder folder;
+        BuildOptions options;
+        options.kind = index::IndexKind::Metacells;
+        ASSERT_THAT(test::buildIndexOf(volume.grid, folder / "a.isx", options), IsOk());
+        const auto reader = index::IndexReader::open(folder / "a.isx");
+        ASSERT_THAT(reader, IsOk());
+        const index::SampleStore store(*reader.value());
+        volume.grid->visit([&](auto values) {
+            using Sample = std::remove_cv_t<typename decltype(values)::element_type>;
+            const GridDims& dims = volume.grid->dims();
+            std::vector<Sample> chunk(index::SampleStore::kChunkSamples);
+            std::uint64_t bytesRead = 0;
+            for (index::ChunkIndex c = 0; c < store.chunks().chunkCount(); ++c) {
+                const std::span<Sample, index::SampleStore::kChunkSamples> out(chunk.data(), chunk.size());
+                ASSERT_THAT(store.read<Sample>(c, out, bytesRead), IsOk());
+                const auto at = store.chunks().chunkCoords(c);
+                const auto extent = store.chunks().extent(c);
+                for (int z = 0; z < extent[2]; ++z)
+                    for (int y = 0; y < extent[1]; ++y)
+                        for (int x = 0; x < extent[0]; ++x) {
+                            const auto from = static_cast<std::size_t>(16 * at[0] + x + dims[0] * (16 * at[1] + y + dims[1] * (16 * at[2] + z)));
+                            const Sample* stored = &chunk[static_cast<std::size_t>(x + 16 * y + 256 * z)];
+                            ASSERT_EQ(std::memcmp(stored, &values[from], sizeof(Sample)), 0) << "bit for bit";
+                        }
+            }
+            EXPECT_LE(reader.value()->info().sampleBytes, values.size_bytes() + 2 * store.chunks().chunkCount());
+        });
+    }
+}
+
+TEST_P(BuildIndexKind, ReportsProgressThatRisesToTheEnd) {
     const test::TemporaryFolder folder;
     std::vector<double> fractions;
     JobControl job;
@@ -178,7 +237,7 @@ TEST(BuildIndex, ReportsProgressThatRisesToTheEnd) {
         fractions.push_back(fraction);
         EXPECT_FALSE(stage.empty());
     };
-    ASSERT_THAT(test::buildIndexOf(test::hillsVolume({20, 20, 40}), folder / "a.isx", {}, job), IsOk());
+    ASSERT_THAT(test::buildIndexOf(test::hillsVolume({20, 20, 70}), folder / "a.isx", options(), job), IsOk());
     ASSERT_GT(fractions.size(), 5u);
     EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
     EXPECT_GE(fractions.front(), 0.0);

@@ -224,12 +224,12 @@ TEST_F(IndexFile, AForgedTopLevelOfManyBlocksNeverCrashes) {
 TEST_F(IndexFile, AHalfWrittenIndexCannotBeOpened) {
     auto writer = IndexWriter::create(folder_ / "new.isx", 42);
     ASSERT_THAT(writer, IsOk());
-    const std::vector<std::byte> page(500, std::byte{7});
+    const std::vector<std::byte> page(std::size_t{3} << 20, std::byte{7}); // more than is held back
     ASSERT_THAT(writer.value()->addPage(0, {}, page), IsOk());
     EXPECT_FALSE(std::filesystem::exists(folder_ / "new.isx"));
     // What a crash would leave.
     std::filesystem::copy_file(partialPath(folder_ / "new.isx"), folder_ / "left.isx");
-    EXPECT_EQ(std::filesystem::file_size(folder_ / "left.isx"), kPreambleBytes + 500);
+    EXPECT_EQ(std::filesystem::file_size(folder_ / "left.isx"), kPreambleBytes + page.size());
     EXPECT_THAT(IndexReader::open(folder_ / "left.isx"), HasError(ErrorCode::InvalidArgument));
     writer.value().reset();
     EXPECT_FALSE(std::filesystem::exists(partialPath(folder_ / "new.isx"))) << "given up, gone";

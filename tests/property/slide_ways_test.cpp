@@ -18,49 +18,92 @@ namespace {
 
 using test::IsOk;
 
-class MemorySlide : public testing::TestWithParam<int> {};
+// The ways to slide: each has a source of its own, all feed the same surface.
+struct Way {
+    std::string name;
+    std::unique_ptr<SlideEngine> engine;
+};
 
-TEST_P(MemorySlide, GivesTheFreshSurfaceAtEveryStop) {
-    for (std::uint64_t seed = test::testSeed(5000) + 100 * static_cast<std::uint64_t>(GetParam()), last = seed + 12; seed < last && !HasFatalFailure(); ++seed) {
+std::unique_ptr<SlideEngine> openIndex(const std::shared_ptr<const ScalarGrid>& grid, const std::filesystem::path& path,
+                                       index::IndexKind kind, std::uint64_t cacheBytes = SlideOptions{}.cacheBytes) {
+    preprocess::BuildOptions build;
+    build.kind = kind;
+    if (!std::filesystem::exists(path)) {
+        EXPECT_THAT(test::buildIndexOf(grid, path, build), IsOk());
+    }
+    SlideOptions options;
+    options.cacheBytes = cacheBytes;
+    auto opened = SlideEngine::open(path, options);
+    EXPECT_THAT(opened, IsOk());
+    return opened.isOk() ? std::move(opened).value() : nullptr;
+}
+
+constexpr std::uint64_t kChunkBytes = 16 * 16 * 16 * 8; // of doubles
+
+std::vector<Way> allWays(const std::shared_ptr<const ScalarGrid>& grid, const std::filesystem::path& folder) {
+    std::vector<Way> ways;
+    auto inMemory = preprocess::makeMemoryEngine(grid);
+    EXPECT_THAT(inMemory, IsOk());
+    if (!inMemory.isOk())
+        return ways;
+    ways.push_back({"in memory", std::move(inMemory).value()});
+    ways.push_back({"edges", openIndex(grid, folder / "e.isx", index::IndexKind::Edges)});
+    const auto metacells = folder / "m.isx";
+    ways.push_back({"metacells, cache of one brick", openIndex(grid, metacells, index::IndexKind::Metacells, 0)});
+    ways.push_back({"metacells, cache of eight bricks", openIndex(grid, metacells, index::IndexKind::Metacells, 9 * kChunkBytes)});
+    ways.push_back({"metacells, cache of all", openIndex(grid, metacells, index::IndexKind::Metacells)});
+    return ways;
+}
+
+class SlideWays : public testing::TestWithParam<int> {};
+
+// Active edges, cells, triangles and positions are those of a fresh extraction, whatever the source.
+TEST_P(SlideWays, GiveTheFreshSurfaceAtEveryStop) {
+    for (std::uint64_t seed = test::testSeed(5000) + 100 * static_cast<std::uint64_t>(GetParam()), last = seed + 8; seed < last && !HasFatalFailure(); ++seed) {
         test::Random random(seed);
-        const test::RandomVolume volume = test::randomVolume(random, 30);
+        const test::RandomVolume volume = test::randomVolume(random, 40);
         SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description);
-        auto made = preprocess::makeMemoryEngine(volume.grid);
-        ASSERT_THAT(made, IsOk());
-        SlideEngine& engine = *made.value();
+        if (!volume.hasFinite)
+            continue; // refused, see below
+        const test::TemporaryFolder folder;
+        const std::vector<Way> ways = allWays(volume.grid, folder / "");
+        ASSERT_FALSE(HasFailure());
         double isovalue = volume.min;
-        for (int stop = 0; stop < 14; ++stop) {
+        for (int stop = 0; stop < 12; ++stop) {
             isovalue = test::nextIsovalue(volume, isovalue, random);
             SCOPED_TRACE("stop " + std::to_string(stop) + " at " + std::to_string(isovalue));
-            const auto moved = engine.slideTo(isovalue);
-            ASSERT_THAT(moved, IsOk());
             const auto fresh = extractFull(*volume.grid, isovalue);
             ASSERT_THAT(fresh, IsOk());
-            const SurfaceMesh slid = engine.mesh();
-            ASSERT_TRUE(test::isSameSurface(slid, fresh.value()));
-            ASSERT_TRUE(test::hasExpectedNormals(slid, *volume.grid));
-            EXPECT_EQ(moved.value().activeEdges, slid.edgeIds.size());
-            EXPECT_EQ(moved.value().triangles, slid.triangleCount());
+            for (const Way& way : ways) {
+                SCOPED_TRACE(way.name);
+                const auto moved = way.engine->slideTo(isovalue);
+                ASSERT_THAT(moved, IsOk());
+                const SurfaceMesh slid = way.engine->mesh();
+                ASSERT_TRUE(test::isSameSurface(slid, fresh.value()));
+                ASSERT_TRUE(test::hasExpectedNormals(slid, *volume.grid));
+                EXPECT_EQ(moved.value().activeEdges, slid.edgeIds.size());
+                EXPECT_EQ(moved.value().triangles, slid.triangleCount());
+            }
         }
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Walks, MemorySlide, testing::Range(0, 8));
+INSTANTIATE_TEST_SUITE_P(Walks, SlideWays, testing::Range(0, 8));
 
-TEST(MemorySlide, HasTheNormalsOfTheIndexOfEdgeBlocks) {
+TEST(SlideWays, HaveTheSameNormalsBitForBit) {
     const auto grid = test::hillsVolume({40, 33, 27});
     const test::TemporaryFolder folder;
-    ASSERT_THAT(test::buildIndexOf(grid, folder / "a.isx"), IsOk());
-    const auto index = SlideEngine::open(folder / "a.isx");
-    ASSERT_THAT(index, IsOk());
-    const auto memory = preprocess::makeMemoryEngine(grid);
-    ASSERT_THAT(memory, IsOk());
+    const std::vector<Way> ways = allWays(grid, folder / "");
+    ASSERT_FALSE(HasFailure());
     for (const double isovalue : {300.0, 310.0, 305.5, 700.0, 120.0}) {
-        ASSERT_THAT(index.value()->slideTo(isovalue), IsOk());
-        ASSERT_THAT(memory.value()->slideTo(isovalue), IsOk());
-        const SurfaceMesh a = index.value()->mesh(), b = memory.value()->mesh();
-        ASSERT_TRUE(test::isSameSurface(a, b));
-        ASSERT_TRUE(a.normals == b.normals) << "bit for bit";
+        std::vector<glm::vec3> normals;
+        for (const Way& way : ways) {
+            SCOPED_TRACE(way.name);
+            ASSERT_THAT(way.engine->slideTo(isovalue), IsOk());
+            const SurfaceMesh mesh = way.engine->mesh();
+            ASSERT_TRUE(normals.empty() || mesh.normals == normals);
+            normals = mesh.normals;
+        }
     }
 }
 

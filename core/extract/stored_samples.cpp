@@ -1,0 +1,200 @@
+#include "core/extract/stored_samples.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <mutex>
+#include <optional>
+
+#include <tbb/parallel_for.h>
+
+#include "core/base/job_control.h"
+
+namespace isoslider::extract {
+namespace {
+
+constexpr std::size_t kMostChunksOfBrick = 8;
+constexpr int kSide = index::kChunkSide;
+
+std::size_t capacityFor(std::uint64_t cacheBytes, std::size_t chunkBytes, std::uint64_t chunkCount) {
+    const std::uint64_t bound = std::min<std::uint64_t>(cacheBytes / chunkBytes, chunkCount);
+    return static_cast<std::size_t>(std::max<std::uint64_t>(bound, kMostChunksOfBrick));
+}
+
+} // namespace
+
+template <class Sample>
+StoredSamples<Sample>::StoredSamples(const index::IndexReader& reader, std::uint64_t cacheBytes)
+    : store_(reader), dims_(reader.info().geometry.dims), bricks_(dims_),
+      capacity_(capacityFor(cacheBytes, kSamples * sizeof(Sample), store_.chunks().chunkCount())),
+      samples_(capacity_ * kSamples), slotOf_(store_.chunks().chunkCount()) {}
+
+template <class Sample>
+std::uint64_t StoredSamples<Sample>::orderOf(BrickIndex brick) const {
+    const auto b = bricks_.brickCoords(brick);
+    const auto inside = static_cast<std::uint64_t>((b[0] & 1) + 2 * (b[1] & 1) + 4 * (b[2] & 1));
+    return store_.chunks().chunkAt(b[0] >> 1, b[1] >> 1, b[2] >> 1) << 3 | inside;
+}
+
+template <class Sample>
+typename StoredSamples<Sample>::Neighbourhood StoredSamples<Sample>::neighbourhood(BrickIndex brick) const {
+    const auto b = bricks_.brickCoords(brick);
+    Neighbourhood around;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::int64_t begin = std::max<std::int64_t>(0, b[a] * kBrickSide - 1);
+        const std::int64_t last = std::min(dims_[a], b[a] * kBrickSide + kBrickSide + 2) - 1;
+        around.first[a] = begin / kSide;
+        around.count[a] = static_cast<int>(last / kSide - around.first[a]) + 1;
+    }
+    return around;
+}
+
+template <class Sample>
+void StoredSamples<Sample>::unlink(Slot slot) {
+    const SlotState& state = slots_[slot - 1];
+    (state.newer != 0 ? slots_[state.newer - 1].older : newest_) = state.older;
+    (state.older != 0 ? slots_[state.older - 1].newer : oldest_) = state.newer;
+}
+
+template <class Sample>
+void StoredSamples<Sample>::pushNewest(Slot slot) {
+    SlotState& state = slots_[slot - 1];
+    state.newer = 0;
+    state.older = newest_;
+    (newest_ != 0 ? slots_[newest_ - 1].newer : oldest_) = slot;
+    newest_ = slot;
+}
+
+// Gives the chunk a slot for this batch; false when all slots are needed by it already.
+template <class Sample>
+bool StoredSamples<Sample>::claim(Chunk chunk, std::vector<Slot>& missing) {
+    Slot slot = slotOf_[chunk];
+    if (slot != 0) {
+        if (slots_[slot - 1].batch == batch_)
+            return true;
+        unlink(slot);
+    } else {
+        if (slots_.size() < capacity_) {
+            slots_.emplace_back();
+            slot = static_cast<Slot>(slots_.size());
+        } else {
+            slot = oldest_;
+            if (slots_[slot - 1].batch == batch_)
+                return false;
+            unlink(slot);
+            slotOf_[slots_[slot - 1].chunk] = 0;
+        }
+        slotOf_[chunk] = slot;
+        slots_[slot - 1].chunk = chunk;
+        missing.push_back(slot);
+    }
+    slots_[slot - 1].batch = batch_;
+    pushNewest(slot);
+    return true;
+}
+
+template <class Sample>
+Result<std::size_t> StoredSamples<Sample>::prepare(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) {
+    ++batch_;
+    std::vector<Slot> missing;
+    std::size_t ready = 0;
+    for (bool hasRoom = true; ready < bricks.size(); ++ready) {
+        const Neighbourhood around = neighbourhood(bricks[ready]);
+        for (int k = 0; k < around.count[2] && hasRoom; ++k)
+            for (int j = 0; j < around.count[1] && hasRoom; ++j)
+                for (int i = 0; i < around.count[0] && hasRoom; ++i)
+                    hasRoom = claim(store_.chunks().chunkAt(around.first[0] + i, around.first[1] + j, around.first[2] + k), missing);
+        if (!hasRoom)
+            break;
+    }
+    const Status decoded = decode(missing, stats, stop);
+    if (decoded.isOk())
+        return ready;
+    for (const SlotState& state : slots_) // some hold nothing or half of a chunk: begin anew
+        slotOf_[state.chunk] = 0;
+    slots_.clear();
+    newest_ = oldest_ = 0;
+    return decoded.error();
+}
+
+template <class Sample>
+Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& stats, std::stop_token stop) {
+    std::vector<Chunk> order;
+    order.reserve(missing.size());
+    for (const Slot slot : missing)
+        order.push_back(slots_[slot - 1].chunk);
+    std::sort(order.begin(), order.end());
+    store_.willNeed(order);
+    std::atomic<std::uint64_t> bytesRead = 0;
+    std::mutex errorMutex;
+    std::optional<Error> firstError;
+    tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
+        if (stop.stop_requested())
+            return;
+        std::uint64_t bytes = 0;
+        const std::span<Sample, kSamples> out(samplesOf(slotOf_[order[i]]), kSamples);
+        const Status status = store_.read<Sample>(order[i], out, bytes);
+        bytesRead.fetch_add(bytes, std::memory_order_relaxed);
+        if (!status.isOk()) {
+            const std::lock_guard lock(errorMutex);
+            firstError = status.error();
+        }
+    });
+    stats.bytesRead += bytesRead;
+    stats.chunksRead += order.size();
+    if (firstError)
+        return std::move(*firstError);
+    return stop.stop_requested() && !order.empty() ? Status(cancelledError()) : Status();
+}
+
+template <class Sample>
+void StoredSamples<Sample>::read(BrickIndex brick, SampleBlock<Sample>& block) const {
+    const auto b = bricks_.brickCoords(brick);
+    block.place(dims_, {b[0] * kBrickSide, b[1] * kBrickSide, b[2] * kBrickSide});
+    const index::ChunkGrid& chunks = store_.chunks();
+    // Rows -1 to 9 along x lie in two chunks: one sample left of the brick's chunk, or two right of it.
+    const bool isRight = b[0] & 1;
+    const std::int64_t besides = (b[0] >> 1) + (isRight ? 1 : -1);
+    const bool hasBesides = isRight ? block.end[0] > kBrickSide : block.begin[0] < 0;
+    for (int z = block.begin[2]; z < block.end[2]; ++z) {
+        const std::int64_t pz = b[2] * kBrickSide + z;
+        for (int y = block.begin[1]; y < block.end[1]; ++y) {
+            const std::int64_t py = b[1] * kBrickSide + y;
+            const auto row = static_cast<std::size_t>(kSide * (py % kSide) + kSide * kSide * (pz % kSide));
+            const Sample* here = samplesOf(slotOf_[chunks.chunkAt(b[0] >> 1, py / kSide, pz / kSide)]) + row;
+            const Sample* beside = hasBesides ? samplesOf(slotOf_[chunks.chunkAt(besides, py / kSide, pz / kSide)]) + row : nullptr;
+            Sample* out = block.samples.data() + SampleBlock<Sample>::offset(-1, y, z);
+            if (isRight) {
+                std::memcpy(out, here + kBrickSide - 1, (kBrickSide + 1) * sizeof(Sample));
+                if (beside)
+                    std::memcpy(out + kBrickSide + 1, beside, 2 * sizeof(Sample));
+            } else {
+                std::memcpy(out + 1, here, (kBrickSide + 2) * sizeof(Sample));
+                if (beside)
+                    out[0] = beside[kSide - 1];
+            }
+        }
+    }
+}
+
+template <class Sample>
+Result<Sample> StoredSamples<Sample>::sampleAt(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t& bytesRead) const {
+    const Chunk chunk = store_.chunks().chunkAt(x / kSide, y / kSide, z / kSide);
+    const auto at = static_cast<std::size_t>(x % kSide + kSide * (y % kSide) + kSide * kSide * (z % kSide));
+    if (const Slot slot = slotOf_[chunk])
+        return samplesOf(slot)[at];
+    thread_local std::vector<Sample> decoded;
+    decoded.resize(kSamples);
+    ISO_TRY(store_.read<Sample>(chunk, std::span<Sample, kSamples>(decoded.data(), kSamples), bytesRead));
+    return decoded[at];
+}
+
+template class StoredSamples<std::uint8_t>;
+template class StoredSamples<std::int8_t>;
+template class StoredSamples<std::uint16_t>;
+template class StoredSamples<std::int16_t>;
+template class StoredSamples<std::int32_t>;
+template class StoredSamples<float>;
+template class StoredSamples<double>;
+
+} // namespace isoslider::extract

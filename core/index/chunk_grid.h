@@ -1,0 +1,48 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "core/grid/brick_grid.h"
+#include "core/index/chunk_codec.h"
+
+namespace isoslider::index {
+
+/// The grid cut into chunks of 16^3 samples: 2^3 bricks each. Chunks x fastest, 64-bit.
+using ChunkIndex = std::uint64_t;
+
+class ChunkGrid {
+public:
+    static constexpr int kBricksPerSide = kChunkSide / kBrickSide;
+
+    ChunkGrid() = default;
+    explicit ChunkGrid(const GridDims& dims) : dims_(dims) {
+        for (std::size_t a = 0; a < 3; ++a)
+            chunks_[a] = (dims[a] + kChunkSide - 1) / kChunkSide;
+    }
+
+    const GridDims& chunks() const { return chunks_; }
+    std::uint64_t chunkCount() const { return static_cast<std::uint64_t>(pointCount(chunks_)); }
+    ChunkIndex chunkAt(std::int64_t cx, std::int64_t cy, std::int64_t cz) const {
+        return static_cast<ChunkIndex>(cx + chunks_[0] * (cy + chunks_[1] * cz));
+    }
+    std::array<std::int64_t, 3> chunkCoords(ChunkIndex chunk) const {
+        const auto c = static_cast<std::int64_t>(chunk);
+        return {c % chunks_[0], c / chunks_[0] % chunks_[1], c / (chunks_[0] * chunks_[1])};
+    }
+    /// Samples of a chunk along each axis: fewer than kChunkSide where the grid ends.
+    ChunkExtent extent(ChunkIndex chunk) const {
+        const auto c = chunkCoords(chunk);
+        ChunkExtent extent;
+        for (std::size_t a = 0; a < 3; ++a)
+            extent[a] = static_cast<int>(std::min<std::int64_t>(kChunkSide, dims_[a] - c[a] * kChunkSide));
+        return extent;
+    }
+
+private:
+    GridDims dims_{0, 0, 0};
+    GridDims chunks_{0, 0, 0};
+};
+
+} // namespace isoslider::index

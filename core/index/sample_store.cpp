@@ -1,0 +1,112 @@
+#include "core/index/sample_store.h"
+
+#include <algorithm>
+
+#include "core/base/check.h"
+#include "core/index/byte_codec.h"
+
+namespace isoslider::index {
+
+SampleStore::SampleStore(const IndexReader& reader) : reader_(reader), chunks_(reader.info().geometry.dims) {
+    ISO_CHECK(reader.info().kind == IndexKind::Metacells);
+    shelves_ = std::make_unique<std::atomic<const Shelf*>[]>(reader.meta().shelves.size());
+}
+
+SampleStore::~SampleStore() {
+    for (std::size_t i = 0; i < reader_.meta().shelves.size(); ++i)
+        delete shelves_[i].load(std::memory_order_relaxed);
+}
+
+Result<const SampleStore::Shelf*> SampleStore::shelf(std::uint64_t number, std::uint64_t& bytesRead) const {
+    if (const Shelf* there = shelves_[number].load(std::memory_order_acquire))
+        return there;
+    const std::lock_guard lock(mutex_);
+    if (const Shelf* there = shelves_[number].load(std::memory_order_relaxed))
+        return there;
+    const ShelfEntry& entry = reader_.meta().shelves[number];
+    const std::uint64_t first = number * kShelfChunks;
+    const std::size_t count = std::min<std::uint64_t>(kShelfChunks, chunks_.chunkCount() - first);
+    const std::uint64_t tableAt = entry.offset + entry.chunkBytes;
+    std::vector<std::byte> bytes;
+    ISO_TRY(reader_.readPart(tableAt, count * kShelfEntryBytes, entry.checksum, bytes));
+    bytesRead += bytes.size();
+    auto shelf = std::make_unique<Shelf>();
+    shelf->places.resize(count);
+    ByteReader in(bytes);
+    std::uint64_t at = entry.offset;
+    for (ChunkPlace& place : shelf->places) {
+        place.offset = at;
+        place.sampleBytes = in.get<std::uint16_t>();
+        place.errorBytes = in.get<std::uint16_t>();
+        place.sampleChecksum = in.get<std::uint64_t>();
+        place.errorChecksum = in.get<std::uint64_t>();
+        at += std::uint64_t{place.sampleBytes} + place.errorBytes;
+    }
+    if (at != tableAt)
+        return makeError(ErrorCode::Corruption, "chunks disagree with their shelf", reader_.pathString(), tableAt);
+    const Shelf* kept = shelf.release();
+    shelves_[number].store(kept, std::memory_order_release);
+    return kept;
+}
+
+Result<ChunkPlace> SampleStore::find(ChunkIndex chunk, std::uint64_t& bytesRead) const {
+    const auto found = shelf(chunk / kShelfChunks, bytesRead);
+    if (!found.isOk())
+        return found.error();
+    return found.value()->places[chunk % kShelfChunks];
+}
+
+template <class Sample>
+Status SampleStore::read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out, std::uint64_t& bytesRead) const {
+    const auto place = find(chunk, bytesRead);
+    if (!place.isOk())
+        return place.error();
+    thread_local std::vector<std::byte> bytes;
+    ISO_TRY(reader_.readPart(place.value().offset, place.value().sampleBytes, place.value().sampleChecksum, bytes));
+    bytesRead += bytes.size();
+    const ChunkExtent extent = chunks_.extent(chunk);
+    const std::size_t samples = static_cast<std::size_t>(extent[0]) * static_cast<std::size_t>(extent[1]) *
+                                static_cast<std::size_t>(extent[2]);
+    const bool isWhole = samples == kChunkSamples;
+    thread_local std::vector<Sample> packed;
+    packed.resize(isWhole ? 0 : samples);
+    if (!decodeChunk<Sample>(bytes, extent, isWhole ? std::span<Sample>(out) : std::span<Sample>(packed)))
+        return makeError(ErrorCode::Corruption, "chunk of samples is damaged", reader_.pathString(), place.value().offset);
+    if (isWhole)
+        return {};
+    const Sample* row = packed.data();
+    for (int z = 0; z < extent[2]; ++z)
+        for (int y = 0; y < extent[1]; ++y, row += extent[0])
+            std::copy_n(row, extent[0], out.data() + kChunkSide * (y + kChunkSide * z));
+    return {};
+}
+
+void SampleStore::willNeed(std::span<const ChunkIndex> chunks) const {
+    // Neighbours on disk are asked for together; a gap of a few pages is cheaper than another request.
+    constexpr std::uint64_t kGapBytes = 1u << 15;
+    std::uint64_t begin = 0, end = 0, ignored = 0;
+    for (const ChunkIndex chunk : chunks) {
+        const auto place = find(chunk, ignored);
+        if (!place.isOk())
+            return; // reading will say what is wrong
+        const std::uint64_t offset = place.value().offset;
+        if (end == 0 || offset < begin || offset > end + kGapBytes) {
+            if (end > begin)
+                reader_.willNeed(begin, end - begin);
+            begin = offset;
+        }
+        end = offset + place.value().sampleBytes;
+    }
+    if (end > begin)
+        reader_.willNeed(begin, end - begin);
+}
+
+template Status SampleStore::read(ChunkIndex, std::span<std::uint8_t, kChunkSamples>, std::uint64_t&) const;
+template Status SampleStore::read(ChunkIndex, std::span<std::int8_t, kChunkSamples>, std::uint64_t&) const;
+template Status SampleStore::read(ChunkIndex, std::span<std::uint16_t, kChunkSamples>, std::uint64_t&) const;
+template Status SampleStore::read(ChunkIndex, std::span<std::int16_t, kChunkSamples>, std::uint64_t&) const;
+template Status SampleStore::read(ChunkIndex, std::span<std::int32_t, kChunkSamples>, std::uint64_t&) const;
+template Status SampleStore::read(ChunkIndex, std::span<float, kChunkSamples>, std::uint64_t&) const;
+template Status SampleStore::read(ChunkIndex, std::span<double, kChunkSamples>, std::uint64_t&) const;
+
+} // namespace isoslider::index

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "core/index/chunk_grid.h"
+#include "core/index/index_reader.h"
+
+namespace isoslider::index {
+
+/// Chunks on a shelf: consecutive in chunk order. Their table says where each lies, so that the directory in
+/// memory has 24 bytes for a million samples, whatever the volume.
+inline constexpr std::size_t kShelfChunks = 256;
+/// Of a chunk in the table: bytes of its samples and of its merged cells' errors, two checksums.
+inline constexpr std::size_t kShelfEntryBytes = 2 + 2 + 8 + 8;
+
+/// Where a chunk lies: its samples, and right after them the errors of its merged cells.
+struct ChunkPlace {
+    std::uint64_t offset = 0;
+    std::uint16_t sampleBytes = 0;
+    std::uint16_t errorBytes = 0; ///< 0: none are stored
+    std::uint64_t sampleChecksum = 0;
+    std::uint64_t errorChecksum = 0;
+};
+
+inline std::uint64_t shelfCount(const ChunkGrid& grid) { return (grid.chunkCount() + kShelfChunks - 1) / kShelfChunks; }
+
+/// The samples of an index of metacells, by chunk. Tables of shelves are read when first needed and kept: 8 KB
+/// for the million samples round a piece of surface. Any number of threads at once.
+class SampleStore {
+public:
+    /// Decoded chunks are 16^3 whatever their extent: sample (x, y, z) at x + 16 y + 256 z.
+    static constexpr std::size_t kChunkSamples = std::size_t{kChunkSide} * kChunkSide * kChunkSide;
+
+    /// `reader` must outlive the store.
+    explicit SampleStore(const IndexReader& reader);
+    ~SampleStore();
+
+    const ChunkGrid& chunks() const { return chunks_; }
+
+    /// Errors: IoError, Corruption. Adds to `bytesRead` what was read from disk.
+    Result<ChunkPlace> find(ChunkIndex chunk, std::uint64_t& bytesRead) const;
+    /// Decodes a chunk; places beyond its extent are left as they are. Errors: IoError, Corruption.
+    /// REQUIRES: Sample is the volume's scalar type.
+    template <class Sample>
+    Status read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out, std::uint64_t& bytesRead) const;
+    /// Asks the system to read what `chunks`, in rising order, need, all at once.
+    void willNeed(std::span<const ChunkIndex> chunks) const;
+
+private:
+    struct Shelf {
+        std::vector<ChunkPlace> places;
+    };
+    Result<const Shelf*> shelf(std::uint64_t number, std::uint64_t& bytesRead) const;
+
+    const IndexReader& reader_;
+    ChunkGrid chunks_;
+    mutable std::mutex mutex_; // of loading
+    std::unique_ptr<std::atomic<const Shelf*>[]> shelves_;
+};
+
+} // namespace isoslider::index

@@ -1,0 +1,625 @@
+#include "preprocess/distinct_keys.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <mutex>
+#include <numeric>
+#include <shared_mutex>
+#include <utility>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_reduce.h>
+
+#include "core/base/check.h"
+#include "core/extract/virtual_array.h"
+#include "core/grid/classification.h"
+
+namespace isoslider::preprocess {
+namespace {
+
+template <class Function>
+std::uint64_t sumInParallel(std::size_t end, const Function& function) {
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, end), std::uint64_t{0},
+        [&](const auto& range, std::uint64_t sum) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i)
+                sum += function(i);
+            return sum;
+        },
+        std::plus<>());
+}
+
+} // namespace
+
+// ---- 16-bit keys: a byte for each, in a table for each thread. Bits would be read again and again right
+// after they were written where samples are alike; bytes are only written.
+
+template <>
+class DistinctKeySet<std::uint16_t> {
+public:
+    explicit DistinctKeySet(std::uint64_t) {}
+
+    template <class Sample>
+    void add(std::span<const Sample> samples) {
+        std::uint8_t* const isSeen = tables_.local().data();
+        for (const Sample sample : samples)
+            isSeen[keyOf(sample)] = 1;
+    }
+    bool needsAnotherPass() const { return false; }
+    void beginNextPass() {}
+    std::uint64_t count() {
+        Table seen{};
+        for (const Table& table : tables_)
+            for (std::size_t key = 0; key < seen.size(); ++key)
+                seen[key] |= table[key];
+        return static_cast<std::uint64_t>(std::count(seen.begin(), seen.end(), 1));
+    }
+
+private:
+    using Table = std::array<std::uint8_t, 1 << 16>;
+    tbb::enumerable_thread_specific<Table> tables_{[] { return Table{}; }};
+};
+
+// ---- 32-bit keys: a bitmap for each upper half that occurs. At first each thread has its own: an atomic or
+// for each new value would cost more than all the rest. When half of the bound is taken, all threads give
+// their bitmaps to one shared set and go on in that, atomically; there, upper halves that find no room are
+// postponed.
+
+template <>
+class DistinctKeySet<std::uint32_t> {
+public:
+    explicit DistinctKeySet(std::uint64_t memoryBytes)
+        : maxBitmaps_(std::clamp<std::uint64_t>(memoryBytes / kBitmapBytes, 1, kPrefixes)),
+          memory_(maxBitmaps_ * kWords), shared_(kPrefixes) {}
+
+    template <class Sample>
+    void add(std::span<const Sample> samples) {
+        Lane& lane = lanes_.local();
+        if (!lane.isShared && isSharing_.load(std::memory_order_relaxed))
+            share(lane);
+        for (std::size_t at = 0; at < samples.size(); at += kBatch) {
+            std::array<std::uint32_t, kBatch> keys;
+            std::size_t count = 0;
+            for (const Sample sample : samples.subspan(at, std::min(kBatch, samples.size() - at))) {
+                keys[count] = keyOf(sample);
+                count += !isMissing(sample);
+            }
+            const std::span<const std::uint32_t> batch(keys.data(), count);
+            const std::size_t done = lane.isShared ? 0 : addOwn(lane, batch);
+            addShared(batch.subspan(done));
+        }
+    }
+
+    bool needsAnotherPass() const { return !postponed_.empty(); }
+
+    void beginNextPass() {
+        endPass();
+        for (const std::uint32_t prefix : postponed_)
+            shared_[prefix] = nullptr;
+        postponed_.clear();
+    }
+
+    std::uint64_t count() {
+        endPass();
+        return count_;
+    }
+
+private:
+    using Word = std::uint64_t;
+    static constexpr std::size_t kPrefixes = std::size_t{1} << 16;
+    static constexpr std::size_t kWords = kPrefixes / 64;
+    static constexpr std::size_t kBitmapBytes = kWords * sizeof(Word);
+    static constexpr std::size_t kBatch = 256;
+
+    // What one thread has seen.
+    struct Lane {
+        std::vector<Word*> bitmaps; // by prefix; null: not met yet
+        std::vector<std::uint32_t> own; // prefixes of those it has to itself
+        std::unique_ptr<Word[]> waste; // takes what is counted already, so that nobody has to ask
+        bool isShared = false;
+    };
+
+    static std::size_t prefixOf(std::uint32_t key) { return key >> 16; }
+    // Turned by the prefix: round numbers, alike in their lower halves, would all meet in a few cache lines.
+    static std::size_t wordOf(std::uint32_t key) { return (key >> 6 ^ key >> 13) & (kWords - 1); }
+    static Word bitOf(std::uint32_t key) { return Word{1} << (key & 63); }
+
+    Lane makeLane() const {
+        Lane lane;
+        lane.bitmaps.resize(kPrefixes);
+        lane.waste = std::make_unique<Word[]>(kWords);
+        for (std::size_t prefix = 0; prefix < kPrefixes; ++prefix)
+            if (shared_[prefix].load(std::memory_order_relaxed) == closed_.data())
+                lane.bitmaps[prefix] = lane.waste.get();
+        return lane;
+    }
+
+    // Returns how many keys found room.
+    std::size_t addOwn(Lane& lane, std::span<const std::uint32_t> keys) {
+        std::array<Word*, kBatch> words;
+        for (std::size_t i = 0; i < keys.size(); ++i) {
+            Word* bitmap = lane.bitmaps[prefixOf(keys[i])];
+            if (bitmap == nullptr && (bitmap = openOwn(lane, prefixOf(keys[i]))) == nullptr)
+                return 0;
+            words[i] = bitmap + wordOf(keys[i]);
+            __builtin_prefetch(words[i], 1);
+        }
+        for (std::size_t i = 0; i < keys.size(); ++i)
+            *words[i] |= bitOf(keys[i]);
+        return keys.size();
+    }
+
+    Word* openOwn(Lane& lane, std::size_t prefix) {
+        {
+            const std::lock_guard lock(mutex_);
+            if (Word* const bitmap = takeBitmap(maxBitmaps_ / 2)) {
+                lane.own.push_back(static_cast<std::uint32_t>(prefix));
+                return lane.bitmaps[prefix] = bitmap;
+            }
+        }
+        share(lane);
+        return nullptr;
+    }
+
+    void share(Lane& lane) {
+        const std::lock_guard lock(mutex_);
+        isSharing_ = true;
+        lane.isShared = true;
+        for (const std::uint32_t prefix : lane.own) {
+            Word* const own = lane.bitmaps[prefix];
+            Word* const common = shared_[prefix];
+            if (common == nullptr) {
+                shared_[prefix].store(own, std::memory_order_release);
+                continue;
+            }
+            if (common != closed_.data())
+                for (std::size_t w = 0; w < kWords; ++w)
+                    if (own[w] != 0)
+                        std::atomic_ref(common[w]).fetch_or(own[w], std::memory_order_relaxed);
+            free_.push_back(own);
+        }
+        lane.bitmaps = {};
+    }
+
+    // Of zeros; null when `max` are in use. Under the lock.
+    Word* takeBitmap(std::size_t max) {
+        if (touched_ - free_.size() >= max)
+            return nullptr;
+        if (free_.empty())
+            return memory_.data() + touched_++ * kWords;
+        Word* const bitmap = free_.back();
+        free_.pop_back();
+        std::fill_n(bitmap, kWords, Word{0});
+        return bitmap;
+    }
+
+    void addShared(std::span<const std::uint32_t> keys) {
+        for (const std::uint32_t key : keys) {
+            Word* bitmap = shared_[prefixOf(key)].load(std::memory_order_acquire);
+            if (bitmap == nullptr)
+                bitmap = openShared(prefixOf(key));
+            const std::atomic_ref word(bitmap[wordOf(key)]);
+            if ((word.load(std::memory_order_relaxed) & bitOf(key)) == 0)
+                word.fetch_or(bitOf(key), std::memory_order_relaxed);
+        }
+    }
+
+    // A bitmap that is shared is never postponed, and half of the bound is for these: each pass gets on.
+    Word* openShared(std::size_t prefix) {
+        const std::lock_guard lock(mutex_);
+        if (Word* const bitmap = shared_[prefix])
+            return bitmap;
+        Word* bitmap = takeBitmap(maxBitmaps_);
+        if (bitmap == nullptr) {
+            postponed_.push_back(static_cast<std::uint32_t>(prefix));
+            bitmap = closed_.data();
+        }
+        shared_[prefix].store(bitmap, std::memory_order_release);
+        return bitmap;
+    }
+
+    // Counts what is not postponed, gives its memory back and closes all.
+    void endPass() {
+        count_ += sumInParallel(kPrefixes, [&](std::size_t prefix) { return countPrefix(prefix); });
+        lanes_.clear();
+        memory_.release(0);
+        touched_ = 0;
+        free_.clear();
+        isSharing_ = false;
+        for (std::atomic<Word*>& bitmap : shared_)
+            bitmap = closed_.data();
+    }
+
+    std::uint64_t countPrefix(std::size_t prefix) {
+        const Word* const common = shared_[prefix];
+        if (common == closed_.data())
+            return 0;
+        std::vector<const Word*> all;
+        if (common != nullptr)
+            all.push_back(common);
+        for (const Lane& lane : lanes_)
+            if (!lane.isShared && lane.bitmaps[prefix] != nullptr)
+                all.push_back(lane.bitmaps[prefix]);
+        std::uint64_t count = 0;
+        for (std::size_t w = 0; w < kWords && !all.empty(); ++w) {
+            Word word = 0;
+            for (const Word* words : all)
+                word |= words[w];
+            count += static_cast<std::uint64_t>(std::popcount(word));
+        }
+        return count;
+    }
+
+    using Closed = std::array<Word, kWords>;
+    static Closed makeClosed() {
+        Closed closed;
+        closed.fill(~Word{0}); // all is seen: nobody ever writes there
+        return closed;
+    }
+    Closed closed_ = makeClosed();
+
+    const std::size_t maxBitmaps_;
+    extract::VirtualArray<Word> memory_;
+    std::size_t touched_ = 0; // bitmaps of memory_ that were ever taken
+    std::vector<Word*> free_;
+    std::vector<std::atomic<Word*>> shared_; // by prefix; null: not met yet
+    std::vector<std::uint32_t> postponed_;
+    std::mutex mutex_; // of all these, but shared_ may be read without
+    std::atomic<bool> isSharing_ = false;
+    tbb::enumerable_thread_specific<Lane> lanes_{[this] { return makeLane(); }};
+    std::uint64_t count_ = 0;
+};
+
+// ---- 64-bit keys, mixed so that they are spread evenly: lists of keys in partitions, in which a small table
+// finds the distinct ones when all have come. Sets to begin with would wait for main memory at each key. When
+// the bound is reached, each list is cut to its distinct keys; if these take most of it, the upper half of the
+// range is postponed.
+
+namespace {
+
+struct KeyBlock {
+    static constexpr std::uint64_t kCapacity = 62;
+    KeyBlock* next;
+    std::uint64_t count;
+    std::array<std::uint64_t, kCapacity> keys;
+};
+static_assert(sizeof(KeyBlock) == 512);
+
+class BlockPool {
+public:
+    explicit BlockPool(std::uint64_t maxBytes)
+        : maxBlocks_(maxBytes / sizeof(KeyBlock)), blocks_(maxBlocks_ + kBlocksBeyond) {}
+
+    /// At most `count` in a list, none when the bound is reached.
+    KeyBlock* take(int count) {
+        const std::lock_guard lock(mutex_);
+        KeyBlock* list = nullptr;
+        for (; count > 0 && used() < maxBlocks_; --count) {
+            KeyBlock* const block = takeOne();
+            block->next = list;
+            list = block;
+        }
+        return list;
+    }
+    /// The next few even when the bound is reached.
+    KeyBlock* takeAnyway() {
+        const std::lock_guard lock(mutex_);
+        ISO_CHECK(used() < maxBlocks_ + kBlocksBeyond);
+        return takeOne();
+    }
+    void give(KeyBlock* block) {
+        const std::lock_guard lock(mutex_);
+        block->next = free_;
+        free_ = block;
+        ++freeCount_;
+    }
+    /// All come back, without being looked at.
+    void reset() {
+        touched_ = freeCount_ = 0;
+        free_ = nullptr;
+    }
+    bool isEmpty() const { return used() >= maxBlocks_; }
+    bool hasMuchRoom() const { return used() <= maxBlocks_ - maxBlocks_ / 4; }
+
+    static constexpr std::uint64_t kBlocksBeyond = 1024;
+
+private:
+    std::uint64_t used() const { return touched_ - freeCount_; }
+
+    KeyBlock* takeOne() {
+        if (free_ == nullptr)
+            return &blocks_[touched_++];
+        --freeCount_;
+        return std::exchange(free_, free_->next);
+    }
+
+    const std::uint64_t maxBlocks_;
+    std::mutex mutex_;
+    extract::VirtualArray<KeyBlock> blocks_;
+    std::uint64_t touched_ = 0; // blocks that were ever taken
+    std::uint64_t freeCount_ = 0;
+    KeyBlock* free_ = nullptr;
+};
+
+// Finds the distinct ones among keys that are not 0: sorts them into buckets, the table of which stays in the
+// nearest cache.
+class DistinctFilter {
+public:
+    void add(std::span<const std::uint64_t> keys) { keys_.insert(keys_.end(), keys.begin(), keys.end()); }
+
+    /// Calls found(key) once for each, and forgets all.
+    template <class Function>
+    void finish(const Function& found) {
+        const int bits = std::min<int>(std::bit_width(keys_.size() / kBucketKeys), kMaxBucketBits);
+        std::vector<std::size_t> ends(std::size_t{1} << bits);
+        const auto bucketOf = [&](std::uint64_t key) { return bits == 0 ? 0 : spread(key) >> (64 - bits); };
+        for (const std::uint64_t key : keys_)
+            ++ends[bucketOf(key)];
+        std::exclusive_scan(ends.begin(), ends.end(), ends.begin(), std::size_t{0});
+        sorted_.resize(keys_.size());
+        for (const std::uint64_t key : keys_)
+            sorted_[ends[bucketOf(key)]++] = key;
+        keys_.clear();
+        std::size_t begin = 0;
+        for (const std::size_t end : ends) {
+            findDistinct({sorted_.data() + begin, end - begin}, bits, found);
+            begin = end;
+        }
+    }
+
+private:
+    static constexpr std::size_t kBucketKeys = 512;
+    static constexpr int kMaxBucketBits = 11;
+
+    static std::uint64_t spread(std::uint64_t key) { return key * 0x9e3779b97f4a7c15u; }
+
+    template <class Function>
+    void findDistinct(std::span<const std::uint64_t> keys, int bucketBits, const Function& found) {
+        const std::size_t capacity = std::bit_ceil(std::max<std::size_t>(64, keys.size() * 2));
+        const int shift = 64 - std::countr_zero(capacity);
+        slots_.assign(capacity, 0);
+        for (const std::uint64_t key : keys) {
+            std::size_t slot = spread(key) << bucketBits >> shift;
+            while (slots_[slot] != key && slots_[slot] != 0)
+                slot = (slot + 1) & (capacity - 1);
+            if (slots_[slot] == 0) {
+                slots_[slot] = key;
+                found(key);
+            }
+        }
+    }
+
+    std::vector<std::uint64_t> keys_, sorted_, slots_;
+};
+
+} // namespace
+
+template <>
+class DistinctKeySet<std::uint64_t> {
+public:
+    explicit DistinctKeySet(std::uint64_t memoryBytes)
+        : pool_(std::max(memoryBytes, kMinBytes)), partitions_(kPartitions) {}
+
+    template <class Sample>
+    void add(std::span<const Sample> samples) {
+        std::shared_lock lock(mutex_);
+        Lane& lane = lanes_.local();
+        for (const Sample sample : samples) {
+            if (isMissing(sample))
+                continue;
+            const std::uint64_t key = mix(keyOf(sample));
+            const std::uint64_t p = partitionOf(key);
+            if (p >= kPartitions)
+                continue;
+            std::uint64_t& recent = lane.recent[key >> (64 - kRecentBits)];
+            lane.keys[p * kStaged + lane.counts[p]] = key; // always: whether it is new is hard to foretell
+            lane.counts[p] += recent != key;
+            recent = key;
+            if (lane.counts[p] == kStaged)
+                unload(lane, p, lock);
+        }
+    }
+
+    bool needsAnotherPass() const { return endOfRange() != 0; }
+
+    void beginNextPass() {
+        const std::uint64_t next = endOfRange();
+        endPass();
+        begin_ = next;
+    }
+
+    std::uint64_t count() {
+        endPass();
+        return count_;
+    }
+
+private:
+    static constexpr int kPartitionBits = 9;
+    static constexpr std::uint64_t kPartitions = 1 << kPartitionBits;
+    static constexpr std::uint64_t kMinBytes = 4 * kPartitions * sizeof(KeyBlock);
+    static constexpr std::uint64_t kStaged = KeyBlock::kCapacity;
+    static constexpr int kRecentBits = 10;
+    static_assert(2 * kPartitions <= BlockPool::kBlocksBeyond); // lists that are split have one open block each
+    static constexpr int kSpareBlocks = 16;
+    static constexpr std::size_t kBlocksAhead = 4;
+
+    struct Partition {
+        std::mutex mutex;
+        std::vector<KeyBlock*> blocks; // full ones, perhaps with others among them
+    };
+    struct Lane {
+        std::vector<std::uint64_t> keys = std::vector<std::uint64_t>(kPartitions * kStaged);
+        std::array<std::uint8_t, kPartitions> counts{};
+        std::array<std::uint64_t, (1 << kRecentBits)> recent{}; // where values repeat, most end here
+        KeyBlock* spare = nullptr;
+
+        std::span<const std::uint64_t> staged(std::uint64_t p) const { return {&keys[p * kStaged], counts[p]}; }
+    };
+
+    // One to one, and 0, the key of no finite sample, stays 0.
+    static std::uint64_t mix(std::uint64_t key) {
+        key *= 0x9e3779b97f4a7c15u;
+        key ^= key >> 32;
+        return key * 0xd6e8feb86659fd93u;
+    }
+
+    // The range of a pass is a power of 2 and starts at a multiple of itself.
+    std::uint64_t partitionOf(std::uint64_t key) const { return (key ^ begin_) >> shift_; }
+    std::uint64_t endOfRange() const { return begin_ + (kPartitions << shift_); }
+
+    // Full buffers go to the partition in one piece. Afterwards there is room for one key at least.
+    void unload(Lane& lane, std::uint64_t p, std::shared_lock<std::shared_mutex>& lock) {
+        while (lane.counts[p] == kStaged) {
+            if (lane.spare == nullptr)
+                lane.spare = pool_.take(kSpareBlocks);
+            if (lane.spare == nullptr) {
+                lock.unlock();
+                makeRoom();
+                lock.lock();
+                continue; // the buffer may have been emptied, too
+            }
+            KeyBlock* const block = lane.spare;
+            lane.spare = block->next;
+            block->count = kStaged;
+            std::copy_n(&lane.keys[p * kStaged], kStaged, block->keys.begin());
+            lane.counts[p] = 0;
+            const std::lock_guard partitionLock(partitions_[p].mutex);
+            partitions_[p].blocks.push_back(block);
+        }
+    }
+
+    void makeRoom() {
+        const std::unique_lock lock(mutex_);
+        if (!pool_.isEmpty())
+            return; // another thread has been here
+        for (Lane& lane : lanes_)
+            while (lane.spare != nullptr)
+                pool_.give(std::exchange(lane.spare, lane.spare->next));
+        DistinctFilter filter;
+        for (Partition& partition : partitions_)
+            removeDoubles(partition, filter);
+        while (!pool_.hasMuchRoom())
+            halveRange();
+    }
+
+    void removeDoubles(Partition& partition, DistinctFilter& filter) {
+        addBlocks(partition, filter);
+        for (KeyBlock* block : std::exchange(partition.blocks, {}))
+            pool_.give(block);
+        filter.finish([&](std::uint64_t key) { append(partition, key); });
+    }
+
+    static void addBlocks(const Partition& partition, DistinctFilter& filter) {
+        for (std::size_t b = 0; b < partition.blocks.size(); ++b) {
+            const KeyBlock& block = *partition.blocks[b];
+            const char* const soon = reinterpret_cast<const char*>(
+                partition.blocks[std::min(b + kBlocksAhead, partition.blocks.size() - 1)]);
+            for (std::size_t byte = 0; byte < sizeof block; byte += 64)
+                __builtin_prefetch(soon + byte);
+            filter.add({block.keys.data(), block.count});
+        }
+    }
+
+    // The upper half is dropped. What the lanes hold would have to be sorted again; so it goes along.
+    void halveRange() {
+        ISO_CHECK(shift_ > 0);
+        --shift_;
+        const auto place = [&](std::span<const std::uint64_t> keys) {
+            for (const std::uint64_t key : keys)
+                if (const std::uint64_t p = partitionOf(key); p < kPartitions)
+                    append(partitions_[p], key);
+        };
+        std::vector<std::vector<KeyBlock*>> lists;
+        for (Partition& partition : partitions_)
+            lists.push_back(std::exchange(partition.blocks, {}));
+        for (const std::vector<KeyBlock*>& list : lists)
+            for (KeyBlock* given : list) {
+                const KeyBlock block = *given;
+                pool_.give(given);
+                place({block.keys.data(), block.count});
+            }
+        for (Lane& lane : lanes_) {
+            for (std::uint64_t p = 0; p < kPartitions; ++p)
+                place(lane.staged(p));
+            lane.counts.fill(0);
+        }
+    }
+
+    void append(Partition& partition, std::uint64_t key) {
+        if (partition.blocks.empty() || partition.blocks.back()->count == KeyBlock::kCapacity) {
+            partition.blocks.push_back(pool_.takeAnyway());
+            partition.blocks.back()->count = 0;
+        }
+        KeyBlock& block = *partition.blocks.back();
+        block.keys[block.count++] = key;
+    }
+
+    void endPass() {
+        tbb::enumerable_thread_specific<DistinctFilter> filters;
+        count_ += sumInParallel(kPartitions, [&](std::size_t p) { return countPartition(p, filters.local()); });
+        for (Partition& partition : partitions_)
+            partition.blocks.clear();
+        lanes_.clear();
+        pool_.reset();
+    }
+
+    std::uint64_t countPartition(std::size_t p, DistinctFilter& filter) const {
+        addBlocks(partitions_[p], filter);
+        for (const Lane& lane : lanes_)
+            filter.add(lane.staged(p));
+        std::uint64_t count = 0;
+        filter.finish([&](std::uint64_t) { ++count; });
+        return count;
+    }
+
+    BlockPool pool_;
+    std::vector<Partition> partitions_;
+    std::uint64_t begin_ = 0;
+    int shift_ = 64 - kPartitionBits;
+    std::shared_mutex mutex_; // shared while keys are added, exclusive while room is made
+    tbb::enumerable_thread_specific<Lane> lanes_;
+    std::uint64_t count_ = 0;
+};
+
+template <class Sample>
+DistinctKeys<Sample>::DistinctKeys(std::uint64_t memoryBytes)
+    : set_(std::make_unique<DistinctKeySet<KeyOf<Sample>>>(memoryBytes)) {}
+
+template <class Sample>
+DistinctKeys<Sample>::~DistinctKeys() = default;
+
+template <class Sample>
+void DistinctKeys<Sample>::add(std::span<const Sample> samples) {
+    set_->add(samples);
+}
+
+template <class Sample>
+bool DistinctKeys<Sample>::needsAnotherPass() const {
+    return set_->needsAnotherPass();
+}
+
+template <class Sample>
+void DistinctKeys<Sample>::beginNextPass() {
+    ISO_CHECK(needsAnotherPass());
+    set_->beginNextPass();
+}
+
+template <class Sample>
+std::uint64_t DistinctKeys<Sample>::count() {
+    ISO_CHECK(!needsAnotherPass());
+    return set_->count();
+}
+
+template class DistinctKeys<std::uint8_t>;
+template class DistinctKeys<std::int8_t>;
+template class DistinctKeys<std::uint16_t>;
+template class DistinctKeys<std::int16_t>;
+template class DistinctKeys<std::int32_t>;
+template class DistinctKeys<float>;
+template class DistinctKeys<double>;
+
+} // namespace isoslider::preprocess

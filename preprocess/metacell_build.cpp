@@ -1,0 +1,282 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+#include <xxhash.h>
+
+#include "core/grid/classification.h"
+#include "core/index/chunk_codec.h"
+#include "core/index/index_writer.h"
+#include "preprocess/brick_list.h"
+#include "preprocess/chunk_scan.h"
+#include "preprocess/distinct_keys.h"
+#include "preprocess/index_builds.h"
+#include "preprocess/plane_ring.h"
+
+namespace isoslider::preprocess {
+namespace {
+
+// One pass over the samples: each chunk is looked at while it is in the nearest cache, encoded, and written
+// in order, while the next slab is read. 32- and 64-bit samples need their range before they can be counted:
+// a first pass that does nothing else. The list of bricks follows the samples.
+//
+// Memory: four slabs of 16 planes, rows of encoded chunks on their way to the disk, least and greatest key of
+// each brick (1/128 of the samples for 16-bit ones), and the sets of distinct values, which keep to what is left.
+
+template <class Sample>
+class MetacellBuild {
+public:
+    using Key = KeyOf<Sample>;
+
+    MetacellBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options, const JobControl& job)
+        : source_(source), geometry_(source.info().geometry), bricks_(geometry_.dims), chunks_(geometry_.dims), path_(path),
+          options_(options), job_(job), distinct_(distinctMemory()) {
+        spans_.least.resize(bricks_.brickCount());
+        spans_.greatest.resize(bricks_.brickCount());
+    }
+
+    Result<index::IndexInfo> run() {
+        double done = 0.0;
+        if constexpr (!ValueCounts<Sample>::kByKey) {
+            ISO_TRY(findRange(job_.part(0.0, 0.2)));
+            done = 0.2;
+        }
+        ISO_TRY(storeSamples(job_.part(done, 0.9)));
+        ISO_TRY(countDistinct(job_.part(0.9, 0.95)));
+        job_.report(0.95, "listing bricks");
+        BrickListOptions list;
+        list.skipLevels = options_.skipLevels;
+        list.redundancyThreshold = options_.redundancyThreshold > 0.0 ? options_.redundancyThreshold : list.redundancyThreshold;
+        list.memoryBytes = options_.memoryBytes / 2;
+        info_.redundancyThreshold = list.redundancyThreshold;
+        ISO_TRY(writeBrickList(spans_, geometry_.dims, list, spillPathOf(path_, options_), fileSystemOf(options_), *writer_, info_.levels));
+        if (job_.isStopRequested())
+            return cancelledError();
+        return writer_->finish(makeMeta());
+    }
+
+private:
+    std::uint64_t distinctMemory() const {
+        const std::uint64_t taken = PlaneRing<Sample>::memoryBytes(geometry_.dims) + bricks_.brickCount() * 2 * sizeof(Key);
+        return std::max<std::uint64_t>(options_.memoryBytes / 8, options_.memoryBytes / 2 > taken ? options_.memoryBytes / 2 - taken : 0);
+    }
+
+    Error noSamples() const { return makeError(ErrorCode::InvalidArgument, "the volume has no finite sample", options_.sourceName); }
+
+    // Calls work(slab, planes) for slab after slab, with progress.
+    template <class Work>
+    Status forEachSlab(const JobControl& job, std::string_view stage, const Work& work) {
+        PlaneRing<Sample> ring(source_);
+        for (std::int64_t slab = 0; slab < ring.slabCount(); ++slab) {
+            if (job.isStopRequested())
+                return cancelledError();
+            job.report(static_cast<double>(slab) / static_cast<double>(ring.slabCount()), stage);
+            ISO_TRY(ring.advance(slab));
+            ISO_TRY(work(slab, ring));
+        }
+        return {};
+    }
+
+    Status findRange(const JobControl& job) {
+        struct Range {
+            Sample low = std::numeric_limits<Sample>::max(), high = std::numeric_limits<Sample>::lowest();
+            bool any = false;
+        };
+        tbb::enumerable_thread_specific<Range> ranges;
+        const auto plane = static_cast<std::size_t>(geometry_.dims[0] * geometry_.dims[1]);
+        const auto take = [&](std::int64_t slab, const PlaneRing<Sample>& ring) -> Status {
+            const std::int64_t begin = slab * ring.kThickness, end = std::min(geometry_.dims[2], begin + ring.kThickness);
+            tbb::parallel_for(begin, end, [&](std::int64_t z) {
+                Range& range = ranges.local();
+                const Sample* samples = ring.plane(z);
+                for (std::size_t i = 0; i < plane; ++i) {
+                    if (isMissing(samples[i]))
+                        continue;
+                    range.any = true;
+                    range.low = std::min(range.low, samples[i]);
+                    range.high = std::max(range.high, samples[i]);
+                }
+            });
+            return {};
+        };
+        ISO_TRY(forEachSlab(job, "reading values", take));
+        Range all;
+        for (const Range& range : ranges)
+            if (range.any) {
+                all.any = true;
+                all.low = std::min(all.low, range.low);
+                all.high = std::max(all.high, range.high);
+            }
+        if (!all.any)
+            return noSamples();
+        bins_ = ValueBins<Sample>(all.low, all.high);
+        setRange(all.low, all.high);
+        return {};
+    }
+
+    void setRange(Sample low, Sample high) {
+        info_.min = static_cast<double>(low) + 0.0;
+        info_.max = static_cast<double>(high) + 0.0;
+    }
+
+    // What one thread works with.
+    struct Worker {
+        explicit Worker(const GridDims& dims) : scan(dims) {}
+        ChunkScan<Sample> scan;
+        ValueCounts<Sample> counts;
+        std::vector<index::MissingCells> missingCells;
+    };
+
+    struct Row {
+        std::int64_t cy = 0;
+        std::vector<std::vector<std::byte>> chunks;
+    };
+
+    Status storeSamples(const JobControl& job) {
+        tbb::enumerable_thread_specific<Worker> workers([this] { return Worker(geometry_.dims); });
+        const auto store = [&](std::int64_t slab, const PlaneRing<Sample>& ring) -> Status {
+            if (slab == 0)
+                ISO_TRY(createWriter(ring));
+            return storeSlab(slab, ring, workers);
+        };
+        ISO_TRY(forEachSlab(job, "storing samples", store));
+        ISO_TRY(writer_->endChunks());
+        ValueCounts<Sample> counts;
+        for (Worker& worker : workers) {
+            counts.merge(worker.counts);
+            missingCells_.insert(missingCells_.end(), worker.missingCells.begin(), worker.missingCells.end());
+        }
+        std::sort(missingCells_.begin(), missingCells_.end(),
+                  [](const index::MissingCells& a, const index::MissingCells& b) { return a.brick < b.brick; });
+        if constexpr (ValueCounts<Sample>::kByKey) {
+            Key least = 0, greatest = 0;
+            if (!counts.range(least, greatest))
+                return noSamples();
+            bins_ = ValueBins<Sample>(sampleOfKey<Sample>(least), sampleOfKey<Sample>(greatest));
+            setRange(sampleOfKey<Sample>(least), sampleOfKey<Sample>(greatest));
+            info_.distinctValues = counts.distinct();
+        }
+        counts.fill(info_, bins_);
+        info_.nanCount = static_cast<std::uint64_t>(pointCount(geometry_.dims)) - counts.samples();
+        return {};
+    }
+
+    Status storeSlab(std::int64_t slab, const PlaneRing<Sample>& ring, tbb::enumerable_thread_specific<Worker>& workers) {
+        const GridDims& sides = chunks_.chunks();
+        std::int64_t nextRow = 0;
+        Status written;
+        const auto planeAt = [&ring](std::int64_t z) { return ring.plane(z); };
+        const auto tokens = static_cast<std::size_t>(4 * tbb::this_task_arena::max_concurrency());
+        tbb::parallel_pipeline(
+            tokens, tbb::make_filter<void, std::int64_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
+                        if (nextRow == sides[1] || !written.isOk() || job_.isStopRequested())
+                            control.stop();
+                        return nextRow++;
+                    }) & tbb::make_filter<std::int64_t, Row>(tbb::filter_mode::parallel, [&](std::int64_t cy) {
+                        Row row{cy, std::vector<std::vector<std::byte>>(static_cast<std::size_t>(sides[0]))};
+                        Worker& worker = workers.local();
+                        for (std::int64_t cx = 0; cx < sides[0]; ++cx)
+                            row.chunks[static_cast<std::size_t>(cx)] = storeChunk(chunks_.chunkAt(cx, cy, slab), planeAt, worker);
+                        return row;
+                    }) & tbb::make_filter<Row, void>(tbb::filter_mode::serial_in_order, [&](const Row& row) {
+                        for (const std::vector<std::byte>& chunk : row.chunks)
+                            if (written.isOk())
+                                written = writer_->addChunk(chunk, {});
+                    }));
+        if (job_.isStopRequested())
+            return cancelledError();
+        return written;
+    }
+
+    std::vector<std::byte> storeChunk(index::ChunkIndex chunk, const typename ChunkScan<Sample>::PlaneAt& planeAt, Worker& worker) {
+        ChunkScan<Sample>& scan = worker.scan;
+        scan.load(chunk, planeAt);
+        scan.spans(spans_);
+        scan.missingCells(worker.missingCells);
+        scan.countValues(bins_, worker.counts);
+        const std::span<const Sample> samples = scan.packed();
+        if constexpr (!ValueCounts<Sample>::kByKey)
+            distinct_.add(samples);
+        return index::encodeChunk<Sample>(samples, scan.extent());
+    }
+
+    // What did not fit into memory is counted in further passes.
+    Status countDistinct(const JobControl& job) {
+        if constexpr (!ValueCounts<Sample>::kByKey) {
+            const auto count = [&](std::int64_t slab, const PlaneRing<Sample>& ring) -> Status {
+                const std::int64_t begin = slab * ring.kThickness, end = std::min(geometry_.dims[2], begin + ring.kThickness);
+                const auto row = static_cast<std::size_t>(geometry_.dims[0]);
+                tbb::parallel_for(begin, end, [&](std::int64_t z) {
+                    for (std::int64_t y = 0; y < geometry_.dims[1]; ++y)
+                        distinct_.add(std::span(ring.plane(z) + row * static_cast<std::size_t>(y), row));
+                });
+                return {};
+            };
+            while (distinct_.needsAnotherPass()) {
+                distinct_.beginNextPass();
+                ISO_TRY(forEachSlab(job, "counting values", count));
+            }
+            info_.distinctValues = distinct_.count();
+        }
+        return {};
+    }
+
+    // The seed of the checksums depends on the volume's first slab and the parameters: same input, same bytes.
+    Status createWriter(const PlaneRing<Sample>& ring) {
+        XXH3_state_t* state = XXH3_createState();
+        XXH3_64bits_reset(state);
+        XXH3_64bits_update(state, geometry_.dims.data(), sizeof geometry_.dims);
+        const std::int64_t planes = std::min(geometry_.dims[2], ring.kThickness);
+        XXH3_64bits_update(state, ring.plane(0), static_cast<std::size_t>(geometry_.dims[0] * geometry_.dims[1] * planes) * sizeof(Sample));
+        XXH3_64bits_update(state, &options_.skipLevels, sizeof options_.skipLevels);
+        XXH3_64bits_update(state, &options_.redundancyThreshold, sizeof options_.redundancyThreshold);
+        const std::uint64_t seed = XXH3_64bits_digest(state);
+        XXH3_freeState(state);
+        auto writer = index::IndexWriter::create(path_, seed, fileSystemOf(options_));
+        if (!writer.isOk())
+            return std::move(writer).error();
+        writer_ = std::move(writer).value();
+        return {};
+    }
+
+    index::IndexMeta makeMeta() {
+        info_.kind = index::IndexKind::Metacells;
+        info_.geometry = geometry_;
+        info_.type = source_.info().type;
+        info_.sourceName = options_.sourceName;
+        index::IndexMeta meta;
+        meta.info = std::move(info_);
+        meta.missingCells = std::move(missingCells_);
+        return meta;
+    }
+
+    io::VolumeSource& source_;
+    GridGeometry geometry_;
+    BrickGrid bricks_;
+    index::ChunkGrid chunks_;
+    const std::filesystem::path& path_;
+    const BuildOptions& options_;
+    const JobControl& job_;
+    index::IndexInfo info_;
+    ValueBins<Sample> bins_;
+    BrickSpans<Key> spans_;
+    DistinctKeys<Sample> distinct_;
+    std::vector<index::MissingCells> missingCells_;
+    std::unique_ptr<index::IndexWriter> writer_;
+};
+
+} // namespace
+
+Result<index::IndexInfo> buildMetacells(io::VolumeSource& source, const std::filesystem::path& indexPath, const BuildOptions& options,
+                                        const JobControl& job) {
+    return visitScalarType(source.info().type, [&](auto sample) {
+        return MetacellBuild<decltype(sample)>(source, indexPath, options, job).run();
+    });
+}
+
+} // namespace isoslider::preprocess
