@@ -212,7 +212,7 @@ template <class Sample>
 void BrickSource<Sample>::foresee(KeyThreshold from, KeyThreshold to) {
     // More than that is a jump, of which there is no knowing where the next one goes.
     constexpr std::uint64_t kMaxEntries = 1u << 16;
-    if (from == to || samples_.bricksAhead() == 0 || this->estimate(from, to) > kMaxEntries)
+    if (from == to || !samples_.fetchesAhead() || this->estimate(from, to) > kMaxEntries)
         return;
     ahead_ = std::jthread([this, from, to](std::stop_token stop) {
         (void)readAhead(from, to, stop); // if anything is wrong, the move itself will say so
@@ -231,10 +231,9 @@ Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::s
             if (isCrossed(active, from, to))
                 bricks.push_back(active.brick);
         std::sort(bricks.begin(), bricks.end(), [&](BrickIndex a, BrickIndex b) { return samples_.orderOf(a) < samples_.orderOf(b); });
-        bricks.resize(std::min(bricks.size(), samples_.bricksAhead()));
-        const auto ready = samples_.prepare(bricks, stats, stop);
+        const Status fetched = samples_.fetch(bricks, stats, stop);
         bytesAhead_ = stats.bytesRead;
-        return ready.isOk() ? Status() : Status(ready.error());
+        return fetched;
     });
 }
 

@@ -45,6 +45,10 @@ public:
     Status collect(KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, SlideStats& stats, std::stop_token stop) override;
     /// Fetches the samples of bricks that arrive or are crossed, as far as there is room.
     void foresee(KeyThreshold from, KeyThreshold to) override;
+    void settle() override {
+        if (ahead_.joinable())
+            ahead_.join();
+    }
     Result<std::optional<double>> hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) override;
     std::uint64_t hiddenBytesRead() const override { return hiddenBytesRead_.load(std::memory_order_relaxed); }
 

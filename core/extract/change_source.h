@@ -89,6 +89,8 @@ public:
     /// The next move may be from `from` to `to`: what it needs may be fetched in the background until then.
     /// Returns at once.
     virtual void foresee(KeyThreshold /*from*/, KeyThreshold /*to*/) {}
+    /// Waits until what is foreseen has been fetched.
+    virtual void settle() {}
 
     /// The threshold of an isovalue in the volume's scalar type.
     virtual KeyThreshold threshold(double isovalue) const = 0;

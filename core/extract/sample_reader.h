@@ -28,8 +28,10 @@ public:
     /// One sample, ready or not, at coordinates of the grid. Any thread, while none makes bricks ready.
     /// Adds to `bytesRead`. Errors: IoError, Corruption.
     virtual Result<Sample> sampleAt(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t& bytesRead) const = 0;
-    /// Room for how many bricks more could be made ready ahead of need; 0: it is of no use.
-    virtual std::size_t bricksAhead() const { return 0; }
+    /// Whether fetching ahead of need is of any use.
+    virtual bool fetchesAhead() const { return false; }
+    /// As prepare(), in a hurry to no one: fetches what the first of `bricks` miss, up to a part of the room.
+    virtual Status fetch(std::span<const BrickIndex> /*bricks*/, SlideStats& /*stats*/, std::stop_token /*stop*/) { return {}; }
 };
 
 } // namespace isoslider::extract

@@ -94,6 +94,8 @@ public:
         return stats;
     }
 
+    void settle() override { backing_.source.settle(); }
+
     void copyFrame(SurfaceFrame& frame) const override {
         surface_.copyFrame(frame);
         frame.isovalue = lastStats_.isovalue;

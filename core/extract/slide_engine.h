@@ -36,6 +36,9 @@ public:
     /// the active edges. Errors: Cancelled, IoError, Corruption, InvalidArgument (NaN).
     virtual Result<SlideStats> slideTo(double isovalue, std::stop_token stop = {}) = 0;
 
+    /// Waits until nothing is read ahead any more.
+    virtual void settle() = 0;
+
     /// The surface as the window needs it: a copy of the live arrays.
     virtual void copyFrame(SurfaceFrame& frame) const = 0;
     /// The surface welded and compacted, in grid order: comparable with extractFull.

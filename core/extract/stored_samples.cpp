@@ -65,6 +65,15 @@ void StoredSamples<Sample>::pushNewest(Slot slot) {
     newest_ = slot;
 }
 
+template <class Sample>
+void StoredSamples<Sample>::pushOldest(Slot slot) {
+    SlotState& state = slots_[slot - 1];
+    state.newer = oldest_;
+    state.older = 0;
+    (oldest_ != 0 ? slots_[oldest_ - 1].older : newest_) = slot;
+    oldest_ = slot;
+}
+
 // Gives the chunk a slot for this batch; false when all slots are needed by it already.
 template <class Sample>
 bool StoredSamples<Sample>::claim(Chunk chunk, std::vector<Slot>& missing) {
@@ -82,10 +91,12 @@ bool StoredSamples<Sample>::claim(Chunk chunk, std::vector<Slot>& missing) {
             if (slots_[slot - 1].batch == batch_)
                 return false;
             unlink(slot);
-            slotOf_[slots_[slot - 1].chunk] = 0;
+            if (slots_[slot - 1].chunk != kNone)
+                slotOf_[slots_[slot - 1].chunk] = 0;
         }
         slotOf_[chunk] = slot;
         slots_[slot - 1].chunk = chunk;
+        slots_[slot - 1].isFilled = false;
         missing.push_back(slot);
     }
     slots_[slot - 1].batch = batch_;
@@ -95,10 +106,22 @@ bool StoredSamples<Sample>::claim(Chunk chunk, std::vector<Slot>& missing) {
 
 template <class Sample>
 Result<std::size_t> StoredSamples<Sample>::prepare(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) {
+    return prepare(bricks, capacity_, stats, stop);
+}
+
+template <class Sample>
+Status StoredSamples<Sample>::fetch(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) {
+    const auto fetched = prepare(bricks, capacity_ / 4, stats, stop);
+    return fetched.isOk() ? Status() : Status(fetched.error());
+}
+
+template <class Sample>
+Result<std::size_t> StoredSamples<Sample>::prepare(std::span<const BrickIndex> bricks, std::size_t maxMissing, SlideStats& stats,
+                                                   std::stop_token stop) {
     ++batch_;
     std::vector<Slot> missing;
     std::size_t ready = 0;
-    for (bool hasRoom = true; ready < bricks.size(); ++ready) {
+    for (bool hasRoom = true; ready < bricks.size() && missing.size() <= maxMissing; ++ready) {
         const Neighbourhood around = neighbourhood(bricks[ready]);
         for (int k = 0; k < around.count[2] && hasRoom; ++k)
             for (int j = 0; j < around.count[1] && hasRoom; ++j)
@@ -110,11 +133,23 @@ Result<std::size_t> StoredSamples<Sample>::prepare(std::span<const BrickIndex> b
     const Status decoded = decode(missing, stats, stop);
     if (decoded.isOk())
         return ready;
-    for (const SlotState& state : slots_) // some hold nothing or half of a chunk: begin anew
-        slotOf_[state.chunk] = 0;
-    slots_.clear();
-    newest_ = oldest_ = 0;
+    dropUnfilled(missing);
     return decoded.error();
+}
+
+// After a move that was broken off, or a chunk that cannot be read.
+template <class Sample>
+void StoredSamples<Sample>::dropUnfilled(std::span<const Slot> missing) {
+    for (const Slot slot : missing) {
+        SlotState& state = slots_[slot - 1];
+        if (state.isFilled)
+            continue;
+        slotOf_[state.chunk] = 0;
+        state.chunk = kNone;
+        state.batch = 0;
+        unlink(slot);
+        pushOldest(slot);
+    }
 }
 
 template <class Sample>
@@ -132,9 +167,11 @@ Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& 
         if (stop.stop_requested())
             return;
         std::uint64_t bytes = 0;
-        const std::span<Sample, kSamples> out(samplesOf(slotOf_[order[i]]), kSamples);
+        const Slot slot = slotOf_[order[i]];
+        const std::span<Sample, kSamples> out(samplesOf(slot), kSamples);
         const Status status = store_.read<Sample>(order[i], out, bytes);
         bytesRead.fetch_add(bytes, std::memory_order_relaxed);
+        slots_[slot - 1].isFilled = status.isOk();
         if (!status.isOk()) {
             const std::lock_guard lock(errorMutex);
             firstError = status.error();

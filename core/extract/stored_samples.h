@@ -26,7 +26,8 @@ public:
     Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) override;
     void read(BrickIndex brick, SampleBlock<Sample>& block) const override;
     Result<Sample> sampleAt(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t& bytesRead) const override;
-    std::size_t bricksAhead() const override { return capacity_ / 16; }
+    bool fetchesAhead() const override { return capacity_ >= kLeastAhead; }
+    Status fetch(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) override;
 
     /// Chunks that fit into the cache.
     std::size_t capacity() const { return capacity_; }
@@ -34,12 +35,15 @@ public:
 private:
     using Chunk = index::ChunkIndex;
     using Slot = std::uint32_t; ///< from 1 on; 0 stands for none
+    static constexpr std::size_t kLeastAhead = 256; ///< a smaller cache has better things to keep
     static constexpr std::size_t kSamples = index::SampleStore::kChunkSamples;
 
+    static constexpr Chunk kNone = ~Chunk{0};
     struct SlotState {
-        Chunk chunk = 0;
+        Chunk chunk = kNone;
         std::uint64_t batch = 0; ///< that used it last
         Slot newer = 0, older = 0;
+        bool isFilled = false;
     };
     /// The chunks that a brick's block reaches into.
     struct Neighbourhood {
@@ -49,9 +53,12 @@ private:
 
     Neighbourhood neighbourhood(BrickIndex brick) const;
     bool claim(Chunk chunk, std::vector<Slot>& missing);
+    Result<std::size_t> prepare(std::span<const BrickIndex> bricks, std::size_t maxMissing, SlideStats& stats, std::stop_token stop);
     Status decode(std::span<const Slot> missing, SlideStats& stats, std::stop_token stop);
     void unlink(Slot slot);
     void pushNewest(Slot slot);
+    void pushOldest(Slot slot);
+    void dropUnfilled(std::span<const Slot> missing);
     Sample* samplesOf(Slot slot) { return samples_.data() + (slot - 1) * kSamples; }
     const Sample* samplesOf(Slot slot) const { return samples_.data() + (slot - 1) * kSamples; }
 

@@ -1,5 +1,7 @@
-// The law of the product without an index: sliding on a volume in memory gives the fresh surface, and the
-// surface of the index of edge blocks.
+// The law of the product, for all that can be slid on: both kinds of index, and a volume in memory.
+
+#include <chrono>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -8,6 +10,7 @@
 #include "preprocess/brick_list.h"
 #include "preprocess/build_index.h"
 #include "tests/property/random_volumes.h"
+#include "tests/property/slide_ways.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"
@@ -16,44 +19,10 @@
 namespace isoslider::extract {
 namespace {
 
+using test::allWays;
 using test::IsOk;
-
-// The ways to slide: each has a source of its own, all feed the same surface.
-struct Way {
-    std::string name;
-    std::unique_ptr<SlideEngine> engine;
-};
-
-std::unique_ptr<SlideEngine> openIndex(const std::shared_ptr<const ScalarGrid>& grid, const std::filesystem::path& path,
-                                       index::IndexKind kind, std::uint64_t cacheBytes = SlideOptions{}.cacheBytes) {
-    preprocess::BuildOptions build;
-    build.kind = kind;
-    if (!std::filesystem::exists(path)) {
-        EXPECT_THAT(test::buildIndexOf(grid, path, build), IsOk());
-    }
-    SlideOptions options;
-    options.cacheBytes = cacheBytes;
-    auto opened = SlideEngine::open(path, options);
-    EXPECT_THAT(opened, IsOk());
-    return opened.isOk() ? std::move(opened).value() : nullptr;
-}
-
-constexpr std::uint64_t kChunkBytes = 16 * 16 * 16 * 8; // of doubles
-
-std::vector<Way> allWays(const std::shared_ptr<const ScalarGrid>& grid, const std::filesystem::path& folder) {
-    std::vector<Way> ways;
-    auto inMemory = preprocess::makeMemoryEngine(grid);
-    EXPECT_THAT(inMemory, IsOk());
-    if (!inMemory.isOk())
-        return ways;
-    ways.push_back({"in memory", std::move(inMemory).value()});
-    ways.push_back({"edges", openIndex(grid, folder / "e.isx", index::IndexKind::Edges)});
-    const auto metacells = folder / "m.isx";
-    ways.push_back({"metacells, cache of one brick", openIndex(grid, metacells, index::IndexKind::Metacells, 0)});
-    ways.push_back({"metacells, cache of eight bricks", openIndex(grid, metacells, index::IndexKind::Metacells, 9 * kChunkBytes)});
-    ways.push_back({"metacells, cache of all", openIndex(grid, metacells, index::IndexKind::Metacells)});
-    return ways;
-}
+using test::openIndex;
+using test::Way;
 
 class SlideWays : public testing::TestWithParam<int> {};
 
@@ -107,46 +76,172 @@ TEST(SlideWays, HaveTheSameNormalsBitForBit) {
     }
 }
 
-TEST(MemorySlide, ReadsBricksInProportionToTheChange) {
-    std::vector<std::uint64_t> bricks;
-    for (const std::int64_t side : {64, 128}) {
-        GridGeometry geometry = test::cubeGeometry(side);
-        const auto grid = test::makeVolume<float>(ScalarType::F32, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-            // One hill of the same size in cells, whatever the box.
-            const double dx = static_cast<double>(x) - 32.3, dy = static_cast<double>(y) - 31.8, dz = static_cast<double>(z) - 32.1;
-            return -std::sqrt(dx * dx + dy * dy + dz * dz);
-        });
-        const auto engine = preprocess::makeMemoryEngine(grid);
-        ASSERT_THAT(engine, IsOk());
-        ASSERT_THAT(engine.value()->slideTo(-20.0), IsOk());
-        const auto moved = engine.value()->slideTo(-20.01);
-        ASSERT_THAT(moved, IsOk());
-        bricks.push_back(moved.value().bricksRead);
-        EXPECT_GT(moved.value().edgesAdded, 0u);
+// One hill of the same size in cells in the corner of a box of any size.
+std::shared_ptr<const ScalarGrid> hillInABox(std::int64_t side) {
+    return test::makeVolume<std::uint16_t>(ScalarType::U16, test::cubeGeometry(side), [](std::int64_t x, std::int64_t y, std::int64_t z) {
+        const double dx = static_cast<double>(x) - 32.3, dy = static_cast<double>(y) - 31.8, dz = static_cast<double>(z) - 32.1;
+        return 60000.0 - 60.0 * std::sqrt(dx * dx + dy * dy + dz * dz);
+    });
+}
+
+// The same hill seen with more and more samples.
+std::shared_ptr<const ScalarGrid> hillSampledFiner(std::int64_t side) {
+    return test::makeVolume<std::uint16_t>(ScalarType::U16, test::cubeGeometry(side), [side](std::int64_t x, std::int64_t y, std::int64_t z) {
+        const auto away = [side](std::int64_t i) { return (static_cast<double>(i) + 0.5) / static_cast<double>(side) - 0.501; };
+        return 60000.0 - 50000.0 * std::sqrt(away(x) * away(x) + away(y) * away(y) + away(z) * away(z));
+    });
+}
+
+struct Cost {
+    double bricks, chunks, edges;
+};
+
+Cost costOfAStep(const std::shared_ptr<const ScalarGrid>& grid, double from, double to) {
+    const test::TemporaryFolder folder;
+    const auto engine = openIndex(grid, folder / "m.isx", index::IndexKind::Metacells, 0); // nothing is kept: all is counted
+    EXPECT_THAT(engine->slideTo(from), IsOk());
+    const auto moved = engine->slideTo(to);
+    EXPECT_THAT(moved, IsOk());
+    const SlideStats& stats = moved.value();
+    return {static_cast<double>(stats.bricksRead), static_cast<double>(stats.chunksRead),
+            static_cast<double>(stats.edgesAdded + stats.edgesRemoved)};
+}
+
+TEST(SlideWays, ReadBricksInProportionToTheChangeNotToTheBox) {
+    const Cost small = costOfAStep(hillInABox(64), 58800.0, 58790.0);
+    EXPECT_GT(small.edges, 0.0);
+    for (const std::int64_t side : {128, 256}) {
+        const Cost large = costOfAStep(hillInABox(side), 58800.0, 58790.0);
+        EXPECT_EQ(large.bricks, small.bricks) << side;
+        EXPECT_EQ(large.edges, small.edges) << side;
+        EXPECT_LT(large.chunks, 1.2 * small.chunks) << side << ": the batches of a cache of eight chunks fall otherwise";
     }
-    EXPECT_EQ(bricks[0], bricks[1]);
 }
 
-TEST(MemorySlide, DoesNotReadBricksThatAreOnOneSideAtBothEnds) {
-    const auto grid = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(64), [](std::int64_t x, std::int64_t, std::int64_t) { return static_cast<float>(x); });
-    const auto engine = preprocess::makeMemoryEngine(grid);
-    ASSERT_THAT(engine, IsOk());
-    ASSERT_THAT(engine.value()->slideTo(4.5), IsOk());
-    const auto moved = engine.value()->slideTo(52.5); // over 40 planes of bricks that flip whole
-    ASSERT_THAT(moved, IsOk());
-    EXPECT_EQ(moved.value().bricksRead, 64u) << "those that the surface enters; those that it leaves are not looked into";
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+constexpr std::int64_t kFinest = 512;
+#else
+constexpr std::int64_t kFinest = 128; // the law, at a size that instrumented code can bear
+#endif
+
+TEST(SlideWays, ReadBricksInProportionToTheSurfaceNotToTheVolume) {
+    const Cost coarse = costOfAStep(hillSampledFiner(64), 45000.0, 44700.0);
+    const Cost fine = costOfAStep(hillSampledFiner(kFinest), 45000.0, 44700.0);
+    const double sides = static_cast<double>(kFinest) / 64.0;
+    EXPECT_GT(fine.bricks, coarse.bricks);
+    EXPECT_LT(fine.bricks, 1.3 * sides * sides * coarse.bricks) << "not its third power";
+    EXPECT_LT(fine.chunks, 1.5 * sides * sides * coarse.chunks);
 }
 
-TEST(MemorySlide, KnowsVolumesWithoutCells) {
-    for (const GridDims& dims : {GridDims{1, 1, 1}, GridDims{9, 1, 9}, GridDims{2, 2, 2}, GridDims{17, 9, 2}}) {
-        const auto grid = test::noiseVolume(dims, 3);
-        const auto engine = preprocess::makeMemoryEngine(grid);
+// What is read while nobody waits need not be read in the next move.
+TEST(SlideWays, ReadAheadInTheDirectionOfMotion) {
+    const test::TemporaryFolder folder;
+    const auto grid = hillSampledFiner(128);
+    std::array<std::uint64_t, 2> inMoves{}, ahead{};
+    for (const bool readsAhead : {false, true}) {
+        const auto path = folder / "m.isx";
+        ASSERT_NE(openIndex(grid, path, index::IndexKind::Metacells), nullptr);
+        SlideOptions options;
+        options.readsAhead = readsAhead;
+        const auto engine = SlideEngine::open(path, options);
         ASSERT_THAT(engine, IsOk());
+        for (int step = 0; step <= 24; ++step) {
+            const auto moved = engine.value()->slideTo(55000.0 - 800.0 * step);
+            ASSERT_THAT(moved, IsOk());
+            engine.value()->settle();
+            if (step < 2)
+                continue; // there is no direction yet
+            inMoves[readsAhead] += moved.value().bytesRead;
+            ahead[readsAhead] += moved.value().bytesAhead;
+        }
+    }
+    EXPECT_EQ(ahead[0], 0u);
+    EXPECT_GT(ahead[1], 0u);
+    EXPECT_LT(10 * inMoves[1], inMoves[0]) << "nearly all has been foreseen";
+}
+
+// A move that is broken off while samples are read leaves a cache that still tells the truth.
+TEST(SlideWays, SurviveBeingStoppedAnywhere) {
+    const test::TemporaryFolder folder;
+    const auto grid = hillSampledFiner(64);
+    const auto engine = openIndex(grid, folder / "m.isx", index::IndexKind::Metacells, std::uint64_t{2} << 20);
+    ASSERT_NE(engine, nullptr);
+    int stopped = 0;
+    for (int round = 0; round < 60; ++round) {
+        const double isovalue = 30000.0 + 300.0 * (round * 37 % 60);
+        std::stop_source stop;
+        std::jthread stopper([&] {
+            std::this_thread::sleep_for(std::chrono::microseconds(40 * round));
+            stop.request_stop();
+        });
+        const auto moved = engine->slideTo(isovalue, stop.get_token());
+        stopper.join();
+        if (!moved.isOk()) {
+            ASSERT_TRUE(moved.isCancelled());
+            ++stopped;
+        }
+        if (round % 5 == 4 && !moved.isOk()) {
+            ASSERT_THAT(engine->slideTo(isovalue), IsOk());
+        }
+        if (moved.isOk() || round % 5 == 4) {
+            ASSERT_TRUE(test::isSameSurface(engine->mesh(), extractFull(*grid, isovalue).value()));
+        }
+    }
+    EXPECT_GT(stopped, 0);
+}
+
+// More surface than cache: the memory stays within its bound, and what the last move left is used.
+TEST(SlideWays, AreBoundedByTheCache) {
+    const test::TemporaryFolder folder;
+    const auto grid = hillSampledFiner(128);
+    std::vector<std::uint64_t> chunks;
+    for (const std::uint64_t cacheBytes : {std::uint64_t{0}, std::uint64_t{1} << 20, std::uint64_t{2} << 20, std::uint64_t{16} << 20}) {
+        const auto engine = openIndex(grid, folder / "m.isx", index::IndexKind::Metacells, cacheBytes);
+        ASSERT_NE(engine, nullptr);
+        std::uint64_t read = 0;
+        for (int step = 0; step < 12; ++step) {
+            const auto moved = engine->slideTo(45000.0 + (step % 2 ? 100.0 : 0.0));
+            ASSERT_THAT(moved, IsOk());
+            engine->settle();
+            if (step > 1)
+                read += moved.value().chunksRead;
+        }
+        chunks.push_back(read);
+    }
+    EXPECT_GT(chunks[0], chunks[1]);
+    EXPECT_GT(chunks[1], chunks[2]);
+    EXPECT_EQ(chunks[3], 0u) << "all in the cache";
+}
+
+TEST(SlideWays, DoNotReadBricksThatAreOnOneSideAtBothEnds) {
+    const test::TemporaryFolder folder;
+    const auto grid = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(64), [](std::int64_t x, std::int64_t, std::int64_t) { return static_cast<float>(x); });
+    const auto inMemory = preprocess::makeMemoryEngine(grid);
+    ASSERT_THAT(inMemory, IsOk());
+    const auto stored = openIndex(grid, folder / "m.isx", index::IndexKind::Metacells, 0);
+    ASSERT_NE(stored, nullptr);
+    for (SlideEngine* engine : {inMemory.value().get(), stored.get()}) {
+        ASSERT_THAT(engine->slideTo(4.5), IsOk());
+        const auto moved = engine->slideTo(52.5); // over 40 planes of bricks that flip whole
+        ASSERT_THAT(moved, IsOk());
+        EXPECT_EQ(moved.value().bricksRead, 64u) << "those that the surface enters; those that it leaves are not looked into";
+    }
+}
+
+TEST(SlideWays, KnowVolumesOfFewSamples) {
+    for (const GridDims& dims : {GridDims{1, 1, 1}, GridDims{9, 1, 9}, GridDims{2, 2, 2}, GridDims{17, 9, 2}, GridDims{8, 8, 8}, GridDims{2, 40, 33}, GridDims{16, 17, 1}}) {
+        const test::TemporaryFolder folder;
+        const auto grid = test::noiseVolume(dims, 3);
+        const std::vector<Way> ways = allWays(grid, folder / "");
+        ASSERT_FALSE(HasFailure());
         for (const double isovalue : {0.0, 7.0, 12.0, 30.0}) {
-            ASSERT_THAT(engine.value()->slideTo(isovalue), IsOk());
             const auto fresh = extractFull(*grid, isovalue);
             ASSERT_THAT(fresh, IsOk());
-            EXPECT_TRUE(test::isSameSurface(engine.value()->mesh(), fresh.value()));
+            for (const Way& way : ways) {
+                SCOPED_TRACE(way.name);
+                ASSERT_THAT(way.engine->slideTo(isovalue), IsOk());
+                EXPECT_TRUE(test::isSameSurface(way.engine->mesh(), fresh.value()));
+            }
         }
     }
 }

@@ -23,17 +23,17 @@ QString grouped(std::uint64_t value) { return QString::fromStdString(model::grou
 std::vector<TextTableModel::Column> levelColumns() {
     return {{LevelsPanel::tr("Level"), LevelsPanel::tr("Skip level; 0 has one block per distinct value")},
             {LevelsPanel::tr("Blocks"), {}},
-            {LevelsPanel::tr("Points"), LevelsPanel::tr("Point records")},
-            {LevelsPanel::tr("Edges"), LevelsPanel::tr("Edge entries, activated and deactivated")},
+            {LevelsPanel::tr("Records"), LevelsPanel::tr("Grid points with edges; in an index of metacells, bricks")},
+            {LevelsPanel::tr("Entries"), LevelsPanel::tr("Edges, or bricks, that become active or inactive")},
             {LevelsPanel::tr("Bytes"), LevelsPanel::tr("Encoded size")},
             {LevelsPanel::tr("B/voxel"), LevelsPanel::tr("Encoded bytes per grid point of the volume")},
-            {LevelsPanel::tr("Removed"), LevelsPanel::tr("Share of the level below's edge entries that were redundant here")}};
+            {LevelsPanel::tr("Removed"), LevelsPanel::tr("Share of the level below's entries that were redundant here")}};
 }
 
 std::vector<TextTableModel::Column> walkColumns() {
     return {{LevelsPanel::tr("Level"), LevelsPanel::tr("Skip level of this part of the walk")},
             {LevelsPanel::tr("Blocks"), LevelsPanel::tr("Blocks read")},
-            {LevelsPanel::tr("Edges"), LevelsPanel::tr("Edge entries decoded")},
+            {LevelsPanel::tr("Entries"), LevelsPanel::tr("Edges, or bricks, decoded")},
             {LevelsPanel::tr("Bytes"), LevelsPanel::tr("Encoded bytes decoded")}};
 }
 
@@ -55,6 +55,11 @@ std::vector<QStringList> levelRows(const model::Dataset& dataset) {
         all.points += counts.points;
         all.edges += counts.edges;
         all.bytes += counts.bytes;
+    }
+    if (info.kind == index::IndexKind::Metacells) {
+        rows.push_back({LevelsPanel::tr("Samples"), {}, {}, {}, bytes(info.sampleBytes),
+                        QString::number(static_cast<double>(info.sampleBytes) / points, 'f', 2), {}});
+        all.bytes += info.sampleBytes;
     }
     rows.push_back({LevelsPanel::tr("All"), compact(all.blocks), compact(all.points), compact(all.edges),
                     bytes(all.bytes), QString::number(static_cast<double>(all.bytes) / points, 'f', 2), {}});
@@ -80,10 +85,13 @@ std::vector<Fact> factsOfMove(const extract::SurfaceFrame& frame, const model::I
                              .arg(grouped(stats.edgesAdded), grouped(stats.edgesRemoved), grouped(stats.edgesTouched)),
                          LevelsPanel::tr("Touched counts every entry looked at, redundant ones included")});
         facts.push_back({LevelsPanel::tr("Retriangulated"), LevelsPanel::tr("%1 cells").arg(grouped(stats.cellsRetriangulated)), {}});
+        if (stats.bricksRead > 0 || !frame.isFromIndex)
+            facts.push_back({LevelsPanel::tr("Looked into"), LevelsPanel::tr("%1 bricks of samples").arg(grouped(stats.bricksRead)),
+                             LevelsPanel::tr("Bricks of 8 x 8 x 8 grid points that a sample on the way lies in")});
         if (frame.isFromIndex)
-            facts.push_back({LevelsPanel::tr("Read from disk"), bytes(stats.bytesRead), {}});
-        else
-            facts.push_back({LevelsPanel::tr("Looked into"), LevelsPanel::tr("%1 bricks of samples in memory").arg(grouped(stats.bricksRead)), {}});
+            facts.push_back({LevelsPanel::tr("Read from disk"),
+                             stats.bytesAhead > 0 ? LevelsPanel::tr("%1, %2 ahead of the move").arg(bytes(stats.bytesRead), bytes(stats.bytesAhead))
+                                                  : bytes(stats.bytesRead), {}});
     }
     facts.push_back({LevelsPanel::tr("Active edges"), grouped(stats.activeEdges), {}});
     return facts;

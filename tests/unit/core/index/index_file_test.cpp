@@ -10,6 +10,7 @@
 #include "core/index/index_writer.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
+#include "tests/support/forged_index.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -45,18 +46,7 @@ protected:
         return last;
     }
 
-    // The file with meta changed and all checksums made right: what only a forger would write.
-    std::string forged(const IndexMeta& meta) {
-        Preamble preamble = decodePreamble(std::as_bytes(std::span(bytes_)), bytes_.size(), "p").value();
-        const auto encoded = encodeMeta(meta);
-        preamble.metaBytes = encoded.size();
-        preamble.metaChecksum = metaChecksum(encoded);
-        preamble.fileBytes = preamble.metaOffset + encoded.size();
-        const auto head = encodePreamble(preamble);
-        std::string out = bytes_.substr(0, preamble.metaOffset);
-        std::copy_n(reinterpret_cast<const char*>(head.data()), head.size(), out.begin());
-        return out.append(reinterpret_cast<const char*>(encoded.data()), encoded.size());
-    }
+    std::string forged(const IndexMeta& meta) const { return test::forgedIndex(bytes_, meta); }
 
     test::TemporaryFolder folder_;
     std::shared_ptr<const ScalarGrid> grid_;
