@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <cstring>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -14,42 +13,11 @@
 
 #include "core/base/job_control.h"
 #include "core/extract/brick.h"
+#include "core/extract/brick_signs.h"
 #include "core/grid/edge_cells.h"
 
 namespace isoslider::extract {
 namespace {
-
-enum PointFlag : std::uint8_t { kAboveFrom = 1, kAboveTo = 2 };
-
-// Signs of 9^3 points as words: bit x + 8 y of plane z, for points (x, y), (x + 1, y) and (x, y + 1).
-struct SignWords {
-    std::array<std::uint64_t, 9> here{}, right{}, behind{};
-};
-
-// Bit k of the result is bit `shift` of byte k.
-std::uint64_t packBytes(const std::uint8_t* bytes, int shift) {
-    std::uint64_t word;
-    std::memcpy(&word, bytes, sizeof word);
-    return ((word >> shift & 0x0101010101010101ull) * 0x0102040810204080ull) >> 56;
-}
-
-using Flags = std::array<std::uint8_t, 16 * 9 * 9>;
-
-SignWords wordsOf(const Flags& flags, int shift) {
-    SignWords words;
-    for (std::size_t z = 0; z < 9; ++z)
-        for (std::size_t y = 0; y < 9; ++y) {
-            const std::uint8_t* row = flags.data() + 16 * (y + 9 * z);
-            const std::uint64_t bits = packBytes(row, shift);
-            if (y < 8) {
-                words.here[z] |= bits << (8 * y);
-                words.right[z] |= packBytes(row + 1, shift) << (8 * y);
-            }
-            if (y > 0)
-                words.behind[z] |= bits << (8 * (y - 1));
-        }
-    return words;
-}
 
 std::array<BrickBits, 3> edgesOf(const SignWords& words, const std::array<BrickBits, 3>& inside) {
     std::array<BrickBits, 3> edges;
@@ -68,9 +36,8 @@ std::array<BrickBits, 3> edgesInside(const std::array<int, 3>& end) {
         std::array<int, 3> count;
         for (int a = 0; a < 3; ++a)
             count[static_cast<std::size_t>(a)] = std::clamp(end[static_cast<std::size_t>(a)] - (a == axis ? 1 : 0), 0, 8);
-        std::uint64_t plane = 0;
-        for (int y = 0; y < count[1]; ++y)
-            plane |= ((std::uint64_t{1} << count[0]) - 1) << (8 * y);
+        const std::uint64_t row = 0xffu >> (8 - count[0]);
+        const std::uint64_t plane = count[1] == 0 ? 0 : row * (0x0101010101010101ull >> (8 * (8 - count[1])));
         for (int z = 0; z < count[2]; ++z)
             inside[static_cast<std::size_t>(axis)][static_cast<std::size_t>(z)] = plane;
     }
@@ -82,10 +49,10 @@ std::array<BrickBits, 3> edgesInside(const std::array<int, 3>& end) {
 template <class Sample>
 struct BrickSource<Sample>::Scratch {
     SampleBlock<Sample> block;
-    Flags flags{};
     std::array<NormalCode, 9 * 9 * 9> normals;
     std::array<std::uint64_t, 12> hasNormal; // bit per point
     std::uint64_t bricks = 0, changed = 0;
+    typename ChangeSet<Live>::Lists* lists = nullptr; // of this thread and move
 
     NormalCode normalAt(int x, int y, int z, const glm::vec3& inverseSpacing) {
         const auto at = static_cast<std::size_t>(x + 9 * (y + 9 * z));
@@ -243,36 +210,23 @@ void BrickSource<Sample>::emit(ActiveBrick& active, KeyThreshold from, KeyThresh
     samples_.read(active.brick, block);
     ++scratch.bricks;
 
-    // Signs at both thresholds, and the nearest keys on either side of the new one.
-    std::uint64_t up = ~std::uint64_t{0}, down = 0;
-    bool hasMissing = false;
-    const int zEnd = std::min(9, block.end[2]), yEnd = std::min(9, block.end[1]), xEnd = std::min(9, block.end[0]);
-    for (int z = 0; z < zEnd; ++z)
-        for (int y = 0; y < yEnd; ++y) {
-            const Sample* row = block.samples.data() + block.offset(0, y, z);
-            std::uint8_t* flags = scratch.flags.data() + 16 * (y + 9 * z);
-            for (int x = 0; x < xEnd; ++x) {
-                const bool missing = isMissing(row[x]);
-                hasMissing = hasMissing || missing;
-                const std::uint64_t key = keyOf(row[x]);
-                flags[x] = static_cast<std::uint8_t>((key >= from ? kAboveFrom : 0) | (key >= to ? kAboveTo : 0));
-                up = key >= to && !missing ? std::min(up, key) : up;
-                down = key < to && !missing ? std::max(down, key) : down;
-            }
-        }
+    const BrickSigns signs = findBrickSigns(block, from, to);
     const std::array<BrickBits, 3> inside = edgesInside(block.end);
-    const std::array<BrickBits, 3> after = edgesOf(wordsOf(scratch.flags, 1), inside);
+    const std::array<BrickBits, 3> after = edgesOf(signs.to, inside);
     std::array<BrickBits, 3> before{};
     if (!active.isNew)
-        before = edgesOf(wordsOf(scratch.flags, 0), inside);
-    active.up = up;
-    active.down = down;
+        before = edgesOf(signs.from, inside);
+    active.up = signs.up;
+    active.down = signs.down;
     active.isNew = false;
 
     scratch.hasNormal.fill(0);
-    typename ChangeSet<Live>::Lists& lists = changes.local();
+    if (!scratch.lists)
+        scratch.lists = &changes.local();
     const unsigned partition = changes.partitionOf(active.brick);
-    const bool checksCells = hasMissing || std::any_of(block.end.begin(), block.end.end(), [](int e) { return e < 2; });
+    auto& activated = scratch.lists->activated[partition];
+    auto& deactivated = scratch.lists->deactivated[partition];
+    const bool checksCells = signs.hasMissing || *std::min_element(block.end.begin(), block.end.end()) < 2;
     for (int axis = 0; axis < 3; ++axis)
         for (int z = 0; z < 8; ++z) {
             const std::uint64_t old = before[static_cast<std::size_t>(axis)][static_cast<std::size_t>(z)];
@@ -285,13 +239,15 @@ void BrickSource<Sample>::emit(ActiveBrick& active, KeyThreshold from, KeyThresh
                 ++scratch.changed;
                 const auto edge = static_cast<LocalEdge>(axis * kBrickPoints + bit + 64 * z);
                 if (old >> bit & 1) {
-                    lists.deactivated[partition].push_back({active.brick, edge});
+                    deactivated.push_back({active.brick, edge});
                     continue;
                 }
                 const Sample* point = block.samples.data() + block.offset(x, y, z);
-                lists.activated[partition].push_back({static_cast<Live>(point[0]), static_cast<Live>(point[block.stride(axis)]), active.brick, edge,
-                                                      scratch.normalAt(x, y, z, inverseSpacing_),
-                                                      scratch.normalAt(x + (axis == 0), y + (axis == 1), z + (axis == 2), inverseSpacing_)});
+                const NormalCode normal1 = scratch.normalAt(x, y, z, inverseSpacing_);
+                const NormalCode normal2 =
+                    scratch.normalAt(x + (axis == 0), y + (axis == 1), z + (axis == 2), inverseSpacing_);
+                activated.push_back({static_cast<Live>(point[0]), static_cast<Live>(point[block.stride(axis)]),
+                                     active.brick, edge, normal1, normal2});
             }
         }
 }
