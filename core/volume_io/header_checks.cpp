@@ -1,7 +1,5 @@
 #include "core/volume_io/header_checks.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <glm/matrix.hpp>
 
 #include "core/base/file_system.h"
+#include "core/base/machine.h"
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -147,8 +146,7 @@ Result<std::string> readStart(const fs::path& path, std::uint64_t maxBytes) {
 }
 
 Status checkFitsMemory(std::uint64_t sizeBytes, const fs::path& path) {
-    const auto memory = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
-                        static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+    const auto memory = physicalMemoryBytes();
     if (sizeBytes > memory)
         return makeError(ErrorCode::OutOfSpace, "needs " + std::to_string(sizeBytes >> 20) +
                              " MiB in memory, this machine has " + std::to_string(memory >> 20), path);
