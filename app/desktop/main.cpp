@@ -11,6 +11,7 @@
 #include "app/desktop/preprocess_index_builder.h"
 #include "app/desktop/sample_loader.h"
 #include "app/desktop/screenshot_runner.h"
+#include "core/base/machine.h"
 #include "ui/model/raw_guess.h"
 #include "ui/model/session.h"
 #include "ui/render/gl_program.h"
@@ -70,6 +71,7 @@ model::SessionServices makeServices(const CommandLine& line) {
     services.sampleLoader = makeSampleLoader(line.isSelfTest ? GridDims{48, 48, 48} : GridDims{0, 0, 0});
     const QString cache = QStandardPaths::writableLocation(QStandardPaths::GenericCacheLocation);
     services.cacheFolder = std::filesystem::path(cache.toStdU16String()) / "isoslider" / "indexes";
+    services.wholeVolumeBytes = physicalMemoryBytes() / 2;
     return services;
 }
 

@@ -1,20 +1,43 @@
 #include "app/desktop/preprocess_index_builder.h"
 
-#include "core/volume_io/volume_source.h"
+#include <algorithm>
+
+#include "core/base/machine.h"
+#include "core/volume_io/volume_reader.h"
 #include "preprocess/brick_list.h"
 #include "preprocess/build_index.h"
 
 namespace isoslider::desktop {
+namespace {
 
-Status PreprocessIndexBuilder::build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
-                                     const std::filesystem::path& indexPath, const JobControl& job) {
-    const auto source = io::makeMemorySource(grid);
+Status buildFrom(io::VolumeSource& source, const std::string& sourceName,
+                 const std::filesystem::path& indexPath, const JobControl& job) {
     preprocess::BuildOptions options;
     options.sourceName = sourceName;
-    auto report = preprocess::buildIndex(*source, indexPath, options, job);
+    // Of a small machine, a quarter: the window and the volume or its preview are there too.
+    options.memoryBytes =
+        std::max(preprocess::kMinBuildMemoryBytes, std::min(options.memoryBytes, physicalMemoryBytes() / 4));
+    auto report = preprocess::buildIndex(source, indexPath, options, job);
     if (!report.isOk())
         return report.error();
     return {};
+}
+
+} // namespace
+
+Status PreprocessIndexBuilder::build(const std::shared_ptr<const ScalarGrid>& grid,
+                                     const std::string& sourceName, const std::filesystem::path& indexPath,
+                                     const JobControl& job) {
+    return buildFrom(*io::makeMemorySource(grid), sourceName, indexPath, job);
+}
+
+Status PreprocessIndexBuilder::buildFromFile(const std::filesystem::path& volume,
+                                             const io::ReadOptions& options, const std::string& sourceName,
+                                             const std::filesystem::path& indexPath, const JobControl& job) {
+    const auto source = io::openVolume(volume, options);
+    if (!source.isOk())
+        return source.error();
+    return buildFrom(*source.value(), sourceName, indexPath, job);
 }
 
 Result<std::unique_ptr<extract::SlideEngine>> PreprocessIndexBuilder::engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,

@@ -17,14 +17,25 @@ namespace isoslider::test {
 
 Status HoldableBuilder::build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
                               const std::filesystem::path& indexPath, const JobControl& job) {
+    return buildFrom(*io::makeMemorySource(grid), sourceName, indexPath, job);
+}
+
+Status HoldableBuilder::buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
+                                      const std::string& sourceName, const std::filesystem::path& indexPath,
+                                      const JobControl& job) {
+    const auto source = io::openVolume(volume, options);
+    return source.isOk() ? buildFrom(*source.value(), sourceName, indexPath, job) : Status{source.error()};
+}
+
+Status HoldableBuilder::buildFrom(io::VolumeSource& source, const std::string& sourceName,
+                                  const std::filesystem::path& indexPath, const JobControl& job) {
     while (holds && !job.isStopRequested())
-        std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     if (job.isStopRequested())
         return cancelledError();
-    const auto source = io::makeMemorySource(grid);
     preprocess::BuildOptions options;
     options.sourceName = sourceName;
-    auto report = preprocess::buildIndex(*source, indexPath, options, job);
+    auto report = preprocess::buildIndex(source, indexPath, options, job);
     return report.isOk() ? Status{} : Status{report.error()};
 }
 
@@ -69,6 +80,7 @@ void WindowTest::makeWindow() {
     };
     services.indexBuilder = builder_;
     services.cacheFolder = folder_ / "indexes";
+    services.wholeVolumeBytes = wholeVolumeBytes_;
     services.sampleLoader = [](const std::string& name, const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
         return makeError(ErrorCode::NotFound, "no such sample", name);
     };
@@ -81,11 +93,11 @@ void WindowTest::makeWindow() {
     QApplication::setActiveWindow(window_.get());
 }
 
-bool WindowTest::waitUntil(const std::function<bool()>& isDone) {
+bool WindowTest::waitUntil(const std::function<bool()>& isDone, std::chrono::milliseconds longest) {
     QElapsedTimer clock;
     clock.start();
     while (!isDone()) {
-        if (clock.elapsed() > 10'000)
+        if (clock.elapsed() > longest.count())
             return false;
         QTest::qWait(5);
     }

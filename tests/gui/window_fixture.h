@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -40,8 +42,15 @@ class HoldableBuilder final : public model::IndexBuilder {
 public:
     Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
                  const std::filesystem::path& indexPath, const JobControl& job) override;
+    Status buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
+                         const std::string& sourceName, const std::filesystem::path& indexPath,
+                         const JobControl& job) override;
     Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& grid, const JobControl& job) override;
     std::atomic<bool> holds{false};
+
+private:
+    Status buildFrom(io::VolumeSource& source, const std::string& sourceName,
+                     const std::filesystem::path& indexPath, const JobControl& job);
 };
 
 /// -distance from the middle of an n^3 grid as a MetaImage file of floats: the isosurface at -r is
@@ -54,8 +63,9 @@ protected:
     WindowTest();
     ~WindowTest() override;
 
-    /// Handles events until `isDone`; false after ten seconds.
-    static bool waitUntil(const std::function<bool()>& isDone);
+    /// Handles events until `isDone`; false when that takes too long.
+    static bool waitUntil(const std::function<bool()>& isDone,
+                          std::chrono::milliseconds longest = std::chrono::seconds(10));
     void makeWindow();
     void openBall(int n = 24);
     bool waitUntilSettled();
@@ -70,6 +80,8 @@ protected:
     TemporaryFolder folder_;
     AnsweringDialogs dialogs_;
     std::shared_ptr<HoldableBuilder> builder_ = std::make_shared<HoldableBuilder>();
+    std::uint64_t wholeVolumeBytes_ =
+        std::numeric_limits<std::uint64_t>::max(); ///< for the next makeWindow()
     std::unique_ptr<widgets::SettingsStore> settings_;
     std::unique_ptr<model::Session> session_;
     std::unique_ptr<widgets::MainWindow> window_;

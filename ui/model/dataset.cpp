@@ -1,9 +1,11 @@
 #include "ui/model/dataset.h"
 
+#include <algorithm>
 #include <sstream>
 #include <system_error>
 
 #include "core/grid/volume_statistics.h"
+#include "core/volume_io/coarse_reader.h"
 #include "core/volume_io/sample_volumes.h"
 #include "ui/model/histogram_model.h"
 
@@ -37,17 +39,6 @@ fs::path cachedIndexPath(const OpenRequest& request, const IndexCache& cache) {
     if (!request.sampleName.empty())
         return cache.pathForSample(request.sampleName);
     return cache.pathForFile(request.path, layoutText(request.readOptions));
-}
-
-void adoptIndex(Dataset& dataset, const index::IndexInfo& info) {
-    dataset.geometry = info.geometry;
-    dataset.type = info.type;
-    dataset.min = info.min;
-    dataset.max = info.max;
-    dataset.distinctValues = info.distinctValues;
-    dataset.missingSamples = info.nanCount;
-    dataset.histogram = info.histogram;
-    dataset.index = info;
 }
 
 LoadedDataset fromEngine(Dataset dataset, std::unique_ptr<extract::SlideEngine> engine,
@@ -97,18 +88,48 @@ Status readGrid(const OpenRequest& request, const SampleLoader& samples, const J
     return {};
 }
 
+Status readPreview(io::VolumeSource& source, std::uint64_t mostBytes, const JobControl& job,
+                   LoadedDataset& loaded) {
+    auto& dataset = loaded.dataset;
+    const auto& dims = dataset.geometry.dims;
+    const auto sampleBytes = scalarTypeSizeBytes(dataset.type);
+    const auto planeSamples = static_cast<std::uint64_t>(dims[0] * dims[1]);
+    const auto mostSamples = mostBytes / sampleBytes;
+    const auto step = io::coarseStep(dims, std::min(kMostPreviewSamples, mostSamples));
+    if (!step || planeSamples > mostSamples)
+        return makeError(
+            ErrorCode::OutOfSpace,
+            "does not fit in memory, and is too flat for a preview; build its index with isoslider-cli "
+            "build, and open that",
+            dataset.path.string());
+    auto grid = io::readCoarse(source, *step, part(job, 0.0, 0.7));
+    if (!grid.isOk())
+        return grid.error();
+    dataset.coarseStep = *step;
+    loaded.grid = std::move(grid).value();
+    return {};
+}
+
+Error allMissingError(const Dataset& dataset) {
+    return makeError(
+        ErrorCode::InvalidArgument,
+        dataset.coarseStep > 1
+            ? "every sample of its preview is missing (NaN or infinite), so there is nothing to show; "
+              "build its index with isoslider-cli build, and open that"
+            : "every sample is missing (NaN or infinite), so there is no isosurface; choose another file or "
+              "field",
+        dataset.path.string());
+}
+
 Status addStatistics(LoadedDataset& loaded, const JobControl& job) {
     job.report(0.7, "Counting values");
-    auto statistics = computeStatistics(*loaded.grid, true, 512, part(job, 0.7, 0.95));
-    if (!statistics.isOk())
-        return statistics.error();
+    const bool isWhole = loaded.dataset.coarseStep == 1;
+    auto statistics = computeStatistics(*loaded.grid, isWhole, 512, part(job, 0.7, 0.95));
+    if (!statistics.isOk()) // of good bins, only samples can be refused
+        return statistics.error().code == ErrorCode::InvalidArgument ? allMissingError(loaded.dataset)
+                                                                     : statistics.error();
     const auto& facts = statistics.value();
     auto& dataset = loaded.dataset;
-    const auto points = static_cast<std::uint64_t>(pointCount(dataset.geometry.dims));
-    if (facts.nanCount >= points)
-        return makeError(ErrorCode::InvalidArgument,
-                         "every sample is missing (NaN or infinite), so there is no isosurface; choose another file or field",
-                         dataset.path.string());
     dataset.min = facts.min;
     dataset.max = facts.max;
     dataset.distinctValues = facts.distinctValues;
@@ -128,6 +149,17 @@ double Dataset::bytesPerVoxel() const {
     return index && points > 0 ? static_cast<double>(index->indexBytes) / static_cast<double>(points) : 0.0;
 }
 
+void adoptIndex(Dataset& dataset, const index::IndexInfo& info) {
+    dataset.geometry = info.geometry;
+    dataset.type = info.type;
+    dataset.min = info.min;
+    dataset.max = info.max;
+    dataset.distinctValues = info.distinctValues;
+    dataset.missingSamples = info.nanCount;
+    dataset.histogram = info.histogram;
+    dataset.index = info;
+}
+
 bool isIndexFile(const fs::path& path) { return path.extension() == ".isx"; }
 
 std::string displayName(const OpenRequest& request) {
@@ -142,13 +174,15 @@ std::string displayName(const OpenRequest& request) {
 }
 
 Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache,
-                                  const SampleLoader& samples, const JobControl& job) {
+                                  const SampleLoader& samples, std::uint64_t wholeVolumeBytes,
+                                  const JobControl& job) {
     if (request.sampleName.empty() && isIndexFile(request.path))
         return loadIndexFile(request);
     LoadedDataset loaded;
     auto& dataset = loaded.dataset;
     dataset.name = displayName(request);
     dataset.path = request.path;
+    dataset.readOptions = request.readOptions;
     dataset.format = "built-in sample";
     dataset.indexPath = cachedIndexPath(request, cache);
     if (request.sampleName.empty()) {
@@ -162,8 +196,11 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
         dataset.fieldName = info.fieldName;
         if (auto engine = openCached(dataset))
             return fromEngine(std::move(dataset), std::move(engine), request);
+        if (dataset.sampleBytes() > wholeVolumeBytes)
+            ISO_TRY(readPreview(*source.value(), wholeVolumeBytes, job, loaded));
     }
-    ISO_TRY(readGrid(request, samples, job, loaded));
+    if (!loaded.grid)
+        ISO_TRY(readGrid(request, samples, job, loaded));
     if (!request.sampleName.empty())
         if (auto engine = openCached(dataset))
             return fromEngine(std::move(dataset), std::move(engine), request);

@@ -20,10 +20,14 @@ namespace isoslider::model {
 struct Dataset {
     std::string name;                 ///< file name or sample title
     std::filesystem::path path;       ///< empty for samples
+    io::ReadOptions readOptions; ///< what `path` was opened with
     std::string format;
     std::string fieldName;
-    GridGeometry geometry;
+    GridGeometry geometry; ///< of the whole volume
     ScalarType type = ScalarType::U8;
+    /// Above 1: min, max, missingSamples and histogram are those of every coarseStep-th sample along each
+    /// axis until the index is there.
+    std::int64_t coarseStep = 1;
     double min = 0.0;
     double max = 0.0;
     std::uint64_t distinctValues = 0; ///< 0: not counted yet
@@ -48,7 +52,8 @@ struct OpenRequest {
 using SampleLoader =
     std::function<Result<std::shared_ptr<const ScalarGrid>>(const std::string& name, const JobControl&)>;
 
-/// A dataset with what it takes to draw it: exactly one of grid and engine is set.
+/// A dataset with what it takes to draw it: exactly one of grid and engine is set. The grid has
+/// dataset.coarseStep: it is the whole volume, or a preview of it.
 struct LoadedDataset {
     Dataset dataset;
     std::shared_ptr<const ScalarGrid> grid;
@@ -56,13 +61,22 @@ struct LoadedDataset {
     double isovalue = 0.0;
 };
 
+/// Most samples of a preview: what a machine reads and shows within seconds.
+inline constexpr std::uint64_t kMostPreviewSamples = 24'000'000;
+
 bool isIndexFile(const std::filesystem::path& path);
 /// The name to show for a request before anything is read.
 std::string displayName(const OpenRequest& request);
 
-/// Opens a volume, or its index from the cache if there is one, or an index file. Worker thread.
-/// Errors: whatever reading reports; InvalidArgument if no sample is finite.
+/// What the index says of its volume takes the place of what was known before.
+void adoptIndex(Dataset& dataset, const index::IndexInfo& info);
+
+/// Opens a volume, or its index from the cache if there is one, or an index file. Worker thread. Of a file
+/// whose samples take more than `wholeVolumeBytes`, and that has no index yet, a preview is read: the finest
+/// of at most kMostPreviewSamples that fits in `wholeVolumeBytes`. Errors: whatever reading reports;
+/// InvalidArgument if no sample is finite; OutOfSpace if no preview fits.
 Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache,
-                                  const SampleLoader& samples, const JobControl& job);
+                                  const SampleLoader& samples, std::uint64_t wholeVolumeBytes,
+                                  const JobControl& job);
 
 } // namespace isoslider::model

@@ -7,6 +7,7 @@
 #include "core/base/job_control.h"
 #include "core/extract/slide_engine.h"
 #include "core/grid/scalar_grid.h"
+#include "core/volume_io/volume_reader.h"
 
 namespace isoslider::model {
 
@@ -19,6 +20,12 @@ public:
     /// or cancel nothing is left behind. Runs on a worker thread; several may run at once.
     virtual Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
                          const std::filesystem::path& indexPath, const JobControl& job) = 0;
+
+    /// As above, of a volume on disk that does not fit in memory: read in slabs, more than once.
+    /// Errors as above, and whatever io::openVolume reports.
+    virtual Status buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
+                                 const std::string& sourceName, const std::filesystem::path& indexPath,
+                                 const JobControl& job) = 0;
 
     /// An engine on the volume itself, for the time until its index is there. Null: none, then every move
     /// extracts the whole surface. Runs on the thread that slides. Errors: Cancelled, OutOfSpace.

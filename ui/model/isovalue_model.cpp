@@ -5,8 +5,12 @@
 
 namespace isoslider::model {
 
+bool IsovalueModel::isDomain(double min, double max, double isovalue) {
+    return std::isfinite(min) && std::isfinite(max) && std::isfinite(isovalue) && min <= max;
+}
+
 bool IsovalueModel::setDomain(double min, double max, double initial) {
-    if (!std::isfinite(min) || !std::isfinite(max) || !std::isfinite(initial) || min > max)
+    if (!isDomain(min, max, initial))
         return false;
     min_ = min;
     max_ = max;
@@ -14,6 +18,19 @@ bool IsovalueModel::setDomain(double min, double max, double initial) {
     hasDomain_ = true;
     hasDisplayed_ = false;
     lastUpdateMs_ = 0.0;
+    changed_.notify();
+    return true;
+}
+
+bool IsovalueModel::changeDomain(double min, double max, double isovalue) {
+    if (!hasDomain_ || !isDomain(min, max, isovalue))
+        return false;
+    const double requested = std::clamp(isovalue, min, max);
+    if (min == min_ && max == max_ && requested == requested_)
+        return true;
+    min_ = min;
+    max_ = max;
+    requested_ = requested;
     changed_.notify();
     return true;
 }

@@ -32,6 +32,8 @@ public:
     /// A new value range with its first isovalue; forgets what was displayed. Notifies once.
     /// Returns false, changing nothing, unless min <= max and all three are finite.
     bool setDomain(double min, double max, double initial);
+    /// As above, for the range of the same volume, known better now: what is displayed stays displayed.
+    bool changeDomain(double min, double max, double isovalue);
     void clearDomain();
 
     /// Clamps to the range. Returns false for NaN, without a range, or when nothing changes.
@@ -50,6 +52,8 @@ public:
     [[nodiscard]] Subscription observeRequest(std::function<void(double)> function);
 
 private:
+    static bool isDomain(double min, double max, double isovalue);
+
     double min_ = 0.0;
     double max_ = 0.0;
     double requested_ = 0.0;

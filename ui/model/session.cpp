@@ -30,7 +30,10 @@ Session::Session(SessionServices services)
     : services_(std::move(services)), cache_(services_.cacheFolder), slot_(std::make_shared<FrameSlot>()),
       worker_(std::make_unique<SlideWorker>(workerCallbacks())),
       runner_(std::make_unique<JobRunner>(jobs_, services_.postToMain)) {
-    requestSubscription_ = isovalue_.observeRequest([this](double isovalue) { worker_->request(isovalue); });
+    requestSubscription_ = isovalue_.observeRequest([this](double isovalue) {
+        firstIsovalue_.reset();
+        worker_->request(isovalue);
+    });
 }
 
 Session::~Session() = default;
@@ -70,8 +73,9 @@ void Session::open(OpenRequest request) {
     const auto name = displayName(request);
     loadJob_ = runner_->run<LoadedDataset>(
         "Open " + name,
-        [request = std::move(request), cache = cache_, samples = services_.sampleLoader](const JobControl& job) {
-            return loadDataset(request, cache, samples, job);
+        [request = std::move(request), cache = cache_, samples = services_.sampleLoader,
+         wholeVolumeBytes = services_.wholeVolumeBytes](const JobControl& job) {
+            return loadDataset(request, cache, samples, wholeVolumeBytes, job);
         },
         [this, ticket, name](Result<LoadedDataset> loaded) {
             if (ticket == loadTicket_)
@@ -108,6 +112,7 @@ void Session::adopt(LoadedDataset loaded) {
     dataset_ = std::move(loaded.dataset);
     grid_ = std::move(loaded.grid);
     isovalue_.setDomain(dataset_->min, dataset_->max, loaded.isovalue);
+    firstIsovalue_ = loaded.isovalue;
     if (loaded.engine) {
         indexState_ = IndexState::Ready;
         useSource(makeIndexSource(std::move(loaded.engine)));
@@ -173,14 +178,17 @@ void Session::startIndexBuild() {
     if (!grid_ || !services_.indexBuilder)
         return;
     indexState_ = IndexState::Building;
-    auto work = [builder = services_.indexBuilder, grid = grid_, name = dataset_->name,
-                 path = dataset_->indexPath](const JobControl& job) -> Status {
+    auto work = [builder = services_.indexBuilder, grid = grid_,
+                 volume = *dataset_](const JobControl& job) -> Status {
+        const auto& path = volume.indexPath;
         std::error_code error;
         fs::create_directories(path.parent_path(), error);
         if (error)
             return makeError(ErrorCode::IoError, "the folder for indexes cannot be made: " + error.message(),
                              path.parent_path().string());
-        return builder->build(grid, name, path, job);
+        return volume.coarseStep > 1
+                   ? builder->buildFromFile(volume.path, volume.readOptions, volume.name, path, job)
+                   : builder->build(grid, volume.name, path, job);
     };
     indexJob_ = runner_->run<void>("Build index of " + dataset_->name, std::move(work),
                                    [this, ticket = datasetTicket_](const Status& status) {
@@ -197,18 +205,23 @@ void Session::onIndexBuilt(const Status& status) {
     indexState_ = status.isCancelled() ? IndexState::Cancelled : IndexState::Failed;
     datasetChanged_.notify();
     if (!status.isCancelled())
-        fail("The index could not be built; the volume stays in memory for sliding", status.error());
+        fail(isPreview() ? "The index could not be built; the preview stays"
+                         : "The index could not be built; the volume stays in memory for sliding",
+             status.error());
 }
 
 void Session::openBuiltIndex() {
     indexJob_ = runner_->run<OpenedIndex>(
         "Open index of " + dataset_->name,
-        [path = dataset_->indexPath](const JobControl&) -> Result<OpenedIndex> {
-            auto engine = extract::SlideEngine::open(path);
+        [volume = *dataset_](const JobControl&) -> Result<OpenedIndex> {
+            auto engine = extract::SlideEngine::open(volume.indexPath);
             if (!engine.isOk())
                 return engine.error();
             OpenedIndex opened;
             opened.info = engine.value()->info();
+            if (opened.info.geometry != volume.geometry || opened.info.type != volume.type)
+                return makeError(ErrorCode::InvalidArgument, "was changed after it was opened; open it again",
+                                 volume.path.string());
             opened.source = makeIndexSource(std::move(engine).value());
             return opened;
         },
@@ -227,15 +240,36 @@ void Session::openBuiltIndex() {
 
 void Session::useIndex(OpenedIndex opened) {
     indexState_ = IndexState::Ready;
-    dataset_->distinctValues = opened.info.distinctValues;
-    dataset_->index = std::move(opened.info);
+    adoptIndex(*dataset_, opened.info);
+    // A preview may have missed the ends of the range, and with them the isovalue that was asked for.
+    isovalue_.changeDomain(dataset_->min, dataset_->max, firstIsovalue_.value_or(isovalue_.requested()));
     grid_.reset(); // exploring needs memory in proportion to the surface, not to the volume
     useSource(std::move(opened.source));
     datasetChanged_.notify();
 }
 
+bool Session::isPreview() const {
+    return dataset_ && dataset_->coarseStep > 1 && indexState_ != IndexState::Ready;
+}
+
+std::int64_t Session::shownStep() const { return frame_ && !frame_->isFromIndex ? dataset_->coarseStep : 1; }
+
+bool Session::refusesMesh(const std::string& title, const std::string& verb) {
+    if (!isPreview())
+        return false;
+    const bool isComing =
+        services_.indexBuilder && (indexState_ == IndexState::None || indexState_ == IndexState::Building);
+    fail(title, makeError(ErrorCode::InvalidArgument,
+                          (isComing ? "the index is still being built; the preview is not "
+                                    : "the volume has no index; build it first, the preview is not ") +
+                              verb));
+    return true;
+}
+
+bool Session::refusesExport() { return refusesMesh("The mesh was not exported", "exported"); }
+
 void Session::checkMesh() {
-    if (!frame_ || isCheckingMesh_)
+    if (!frame_ || isCheckingMesh_ || refusesMesh("The mesh was not checked", "checked"))
         return;
     isCheckingMesh_ = true;
     runner_->run<mesh::Certificate>(
@@ -262,7 +296,7 @@ void Session::checkMesh() {
 }
 
 void Session::exportMesh(const fs::path& path) {
-    if (!frame_)
+    if (!frame_ || refusesExport())
         return;
     if (!mesh::isExportSuffix(path))
         return fail("The mesh was not exported",

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,6 +33,8 @@ struct SessionServices {
     std::shared_ptr<IndexBuilder> indexBuilder; ///< null: indexes are never built
     SampleLoader sampleLoader;
     std::filesystem::path cacheFolder;
+    /// A file with more bytes of samples is shown as a preview until its index is there.
+    std::uint64_t wholeVolumeBytes = std::numeric_limits<std::uint64_t>::max();
 };
 
 /// One open volume and everything that happens to it: loading, index, slide, checks, export.
@@ -47,6 +51,8 @@ public:
     void buildIndex();
     void checkMesh();
     void exportMesh(const std::filesystem::path& path);
+    /// True, and a notice says why, while there is but a preview: its meshes are not exported.
+    bool refusesExport();
     void cancelJob(JobId id);
 
     bool isLoading() const { return loadJob_.has_value(); }
@@ -56,6 +62,10 @@ public:
     /// Differs between any two volumes opened in this session.
     std::uint64_t datasetKey() const { return datasetTicket_; }
     IndexState indexState() const { return indexState_; }
+    /// The volume is too large for memory and has no index yet: coarse samples stand in for it.
+    bool isPreview() const;
+    /// Above 1: the surface on screen is that of every n-th sample along each axis.
+    std::int64_t shownStep() const;
     /// Null until the first surface.
     std::shared_ptr<const extract::SurfaceFrame> frame() const { return frame_; }
     IsovalueModel& isovalue() { return isovalue_; }
@@ -84,6 +94,7 @@ private:
     void openBuiltIndex();
     void useIndex(OpenedIndex opened);
     void forgetDataset();
+    bool refusesMesh(const std::string& title, const std::string& verb);
     void useSource(std::shared_ptr<SurfaceSource> source);
     void takeFrame();
     void onSlideError(const Error& error, SourceGeneration generation);
@@ -96,6 +107,7 @@ private:
     IsovalueModel isovalue_;
     JobModel jobs_;
     std::optional<Dataset> dataset_;
+    std::optional<double> firstIsovalue_; ///< asked for in opening; none once the handle has moved
     std::shared_ptr<const ScalarGrid> grid_; ///< until the index is there
     std::shared_ptr<const extract::SurfaceFrame> frame_;
     IndexState indexState_ = IndexState::None;

@@ -55,6 +55,27 @@ TEST_F(IsovalueModelTest, KeepsRequestedAndDisplayedApart) {
     EXPECT_FALSE(model_.isLagging());
 }
 
+TEST_F(IsovalueModelTest, AChangedRangeKeepsWhatIsDisplayed) {
+    model_.setDisplayed(300.0, 1.0);
+    notified_ = 0;
+    int requests = 0;
+    const auto subscription = model_.observeRequest([&](double) { ++requests; });
+    EXPECT_TRUE(model_.changeDomain(-1200.0, 3100.0, 300.0));
+    EXPECT_EQ(model_.min(), -1200.0);
+    EXPECT_EQ(model_.max(), 3100.0);
+    EXPECT_EQ(model_.requested(), 300.0);
+    EXPECT_TRUE(model_.hasDisplayed());
+    EXPECT_FALSE(model_.isLagging());
+    EXPECT_TRUE(model_.changeDomain(-1200.0, 200.0, 300.0));
+    EXPECT_EQ(model_.requested(), 200.0);
+    EXPECT_TRUE(model_.isLagging());
+    EXPECT_TRUE(model_.changeDomain(-1200.0, 200.0, 300.0));
+    EXPECT_EQ(notified_, 2); // the last changed nothing
+    EXPECT_EQ(requests, 0);
+    EXPECT_FALSE(model_.changeDomain(1.0, 0.0, 0.5));
+    EXPECT_FALSE(IsovalueModel().changeDomain(0.0, 1.0, 0.5));
+}
+
 TEST_F(IsovalueModelTest, StepsByFractionsOfTheRange) {
     EXPECT_TRUE(model_.step(0.001));
     EXPECT_DOUBLE_EQ(model_.requested(), 304.0);

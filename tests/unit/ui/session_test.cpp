@@ -31,6 +31,10 @@ public:
             std::this_thread::yield();
         return waits ? cancelledError() : makeError(ErrorCode::OutOfSpace, "no room for the index");
     }
+    Status buildFromFile(const std::filesystem::path&, const io::ReadOptions&, const std::string&,
+                         const std::filesystem::path&, const JobControl&) override {
+        return makeError(ErrorCode::InvalidArgument, "was given a file, not samples");
+    }
     std::atomic<int> builds{0};
     std::atomic<bool> waits{false};
 };
