@@ -219,6 +219,31 @@ TEST_F(ViewportImageTest, ANewFrameReplacesTheOldOne) {
     EXPECT_EQ(countPixels(grab(), isSurface), 0u);
 }
 
+double meanX(const QImage& image) {
+    double sum = 0.0, count = 0.0;
+    for (int y = 0; y < image.height(); ++y)
+        for (int x = 0; x < image.width(); ++x)
+            if (isSurface(image.pixel(x, y))) {
+                sum += x;
+                ++count;
+            }
+    return sum / count;
+}
+
+TEST_F(ViewportImageTest, APartOfTheVolumeIsDrawnAtItsPlace) {
+    auto frame = sphereFrame(cubeGeometry());
+    show(frame);
+    viewport_->changeCamera(
+        [](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
+    const double middle = meanX(grab());
+    GridGeometry volume = frame->geometry;
+    volume.dims[0] += 6; // its centre is three cells further
+    viewport_->setFrame(nullptr);
+    viewport_->setFrame(frame, volume);
+    const QImage image = grab();
+    EXPECT_NEAR(std::abs(meanX(image) - middle), 3.0 * volume.spacing.x * pixelsPerUnit(image), 1.0);
+}
+
 TEST_F(ViewportImageTest, ThePictureSurvivesANewContext) {
     show(sphereFrame(cubeGeometry()));
     const auto before = countPixels(grab(), isSurface);

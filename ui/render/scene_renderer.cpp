@@ -61,6 +61,7 @@ std::array<glm::vec3, kBoxVertices> boxLines(glm::vec3 last) {
 
 struct SceneRenderer::Matrices {
     QMatrix4x4 modelToView;
+    QMatrix4x4 boxToView;
     QMatrix4x4 viewToClip;
     QMatrix3x3 normalToView;
 };
@@ -92,10 +93,11 @@ double sceneRadius(const GridGeometry& geometry) {
     return radius > 0.0 ? radius : 1.0;
 }
 
-glm::dmat4 indexToCentredWorld(const GridGeometry& geometry) {
-    glm::dmat4 map = geometry.indexToWorld();
-    const glm::dvec3 centre = 0.5 * lastPoint(geometry);
-    map[3] = glm::dvec4(-(glm::dmat3(map) * centre), 1.0);
+glm::dmat4 indexToCentredWorld(const GridGeometry& grid, const GridGeometry& volume) {
+    glm::dmat4 map = grid.indexToWorld();
+    const glm::dvec3 toCentre = glm::dmat3(volume.indexToWorld()) * (0.5 * lastPoint(volume));
+    // Equal origins cancel before anything is rounded, however far away they are.
+    map[3] = glm::dvec4((grid.origin - volume.origin) - toCentre, 1.0);
     return map;
 }
 
@@ -119,10 +121,13 @@ bool SceneRenderer::initialize() {
 
 void SceneRenderer::release() { resources_.reset(); }
 
-void SceneRenderer::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame) {
+void SceneRenderer::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
+                             const std::optional<GridGeometry>& volume) {
     if (frame == frame_)
         return;
     frame_ = std::move(frame);
+    if (frame_)
+        volume_ = volume.value_or(frame_->geometry);
     isFrameNew_ = true;
 }
 
@@ -133,7 +138,7 @@ void SceneRenderer::uploadIfNew() {
         return resources_->surface.clear();
     resources_->surface.upload(*frame_);
     auto& gl = resources_->gl;
-    const auto lines = boxLines(glm::vec3(lastPoint(frame_->geometry)));
+    const auto lines = boxLines(glm::vec3(lastPoint(volume_)));
     gl.glBindVertexArray(resources_->boxArray);
     gl.glBindBuffer(GL_ARRAY_BUFFER, resources_->boxBuffer);
     gl.glBufferData(GL_ARRAY_BUFFER, sizeof lines, lines.data(), GL_STATIC_DRAW);
@@ -156,7 +161,8 @@ void SceneRenderer::draw(const model::Camera& camera, const model::ViewOptions& 
         return;
     const glm::dmat4 view = camera.viewMatrix();
     Matrices matrices;
-    matrices.modelToView = toQt(view * indexToCentredWorld(frame_->geometry));
+    matrices.modelToView = toQt(view * indexToCentredWorld(frame_->geometry, volume_));
+    matrices.boxToView = toQt(view * indexToCentredWorld(volume_, volume_));
     matrices.viewToClip = toQt(camera.projectionMatrix(static_cast<double>(pixels.x) / pixels.y));
     matrices.normalToView = toQt(glm::dmat3(view) * frame_->geometry.normalToWorld());
     gl.glEnable(GL_DEPTH_TEST);
@@ -188,7 +194,7 @@ void SceneRenderer::drawBox(const Matrices& matrices) {
     // Alpha stays 1: the widget is composed as premultiplied, and a hole would overflow its colour.
     gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     program.bind();
-    program.setUniformValue("modelToView", matrices.modelToView);
+    program.setUniformValue("modelToView", matrices.boxToView);
     program.setUniformValue("viewToClip", matrices.viewToClip);
     program.setUniformValue("lineColour", toQt(colours_.box));
     gl.glBindVertexArray(resources_->boxArray);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -24,8 +25,8 @@ struct SceneColours {
 
 /// World units; half the diagonal of the volume's box. 1 for a volume without extent.
 double sceneRadius(const GridGeometry& geometry);
-/// Grid index units to world space moved so that the volume's centre is the origin.
-glm::dmat4 indexToCentredWorld(const GridGeometry& geometry);
+/// Index units of `grid` to world space moved so that the centre of `volume`, which it is of, is the origin.
+glm::dmat4 indexToCentredWorld(const GridGeometry& grid, const GridGeometry& volume);
 
 /// Draws background, bounding box, surface and the changed part of it into the bound framebuffer.
 /// Made in initialize() and gone in release(); every call but the constructor and setFrame needs
@@ -40,8 +41,11 @@ public:
     /// Frees every GPU object; initialize() may follow in another context.
     void release();
 
-    /// The surface to draw from now on; null for none. Uploaded at the next draw, once.
-    void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame);
+    /// The surface to draw from now on; null for none. Uploaded at the next draw, once. `volume` is what its
+    /// grid is of, if that is larger: a preview does not reach all the ends. Its box is drawn, its centre is
+    /// the origin.
+    void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
+                  const std::optional<GridGeometry>& volume = {});
 
     void draw(const model::Camera& camera, const model::ViewOptions& options, glm::ivec2 pixels);
 
@@ -56,6 +60,7 @@ private:
 
     std::unique_ptr<Resources> resources_;
     std::shared_ptr<const extract::SurfaceFrame> frame_;
+    GridGeometry volume_;
     SceneColours colours_;
     bool isFrameNew_ = false;
 };

@@ -8,6 +8,7 @@
 #include <QStackedWidget>
 #include <QVBoxLayout>
 
+#include "core/volume_io/coarse_reader.h"
 #include "ui/model/number_text.h"
 #include "ui/model/session.h"
 #include "ui/widgets/action_registry.h"
@@ -38,7 +39,38 @@ QString typeText(ScalarType type) {
                                               DatasetPanel::tr("%1 bits").arg(bits));
 }
 
-std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isInMemory) {
+QString dimsText(const GridDims& dims) {
+    return QStringLiteral("%1 × %2 × %3").arg(dims[0]).arg(dims[1]).arg(dims[2]);
+}
+
+/// What is known of the samples: of all, or of those of the preview.
+std::vector<Fact> sampleFactsOf(const model::Dataset& dataset, bool isPreview, bool isInMemory) {
+    using model::groupedText;
+    const auto seen = [isPreview](const QString& text) {
+        return isPreview ? DatasetPanel::tr("%1 in the preview").arg(text) : text;
+    };
+    std::vector<Fact> facts;
+    facts.push_back({DatasetPanel::tr("Values"),
+                     seen(QStringLiteral("%1 … %2").arg(fromStd(model::valueText(dataset.min, 8)),
+                                                        fromStd(model::valueText(dataset.max, 8)))),
+                     {}});
+    if (dataset.distinctValues > 0)
+        facts.push_back(
+            {DatasetPanel::tr("Distinct values"), fromStd(groupedText(dataset.distinctValues)), {}});
+    facts.push_back({DatasetPanel::tr("Missing samples"),
+                     seen(dataset.missingSamples == 0 ? DatasetPanel::tr("none")
+                                                      : fromStd(groupedText(dataset.missingSamples))),
+                     DatasetPanel::tr("NaN and infinite samples make no surface")});
+    facts.push_back(
+        {DatasetPanel::tr("Sample data"),
+         QStringLiteral("%1, %2").arg(fromStd(model::bytesText(dataset.sampleBytes())),
+                                      isInMemory && !isPreview ? DatasetPanel::tr("in memory")
+                                                               : DatasetPanel::tr("not in memory")),
+         {}});
+    return facts;
+}
+
+std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, bool isInMemory) {
     using model::groupedText;
     const auto& geometry = dataset.geometry;
     const QString path = fromStd(dataset.path.string());
@@ -48,9 +80,15 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isInMemory) 
     if (!dataset.fieldName.empty())
         facts.push_back({DatasetPanel::tr("Field"), fromStd(dataset.fieldName), {}});
     facts.push_back({DatasetPanel::tr("Grid points"),
-                     QStringLiteral("%1 × %2 × %3 = %4")
-                         .arg(geometry.dims[0]).arg(geometry.dims[1]).arg(geometry.dims[2])
-                         .arg(fromStd(groupedText(pointCount(geometry.dims)))), {}});
+                     QStringLiteral("%1 = %2").arg(dimsText(geometry.dims),
+                                                   fromStd(groupedText(pointCount(geometry.dims)))),
+                     {}});
+    if (isPreview)
+        facts.push_back({DatasetPanel::tr("Preview"),
+                         DatasetPanel::tr("%1, at 1:%2")
+                             .arg(dimsText(io::coarseDims(geometry.dims, dataset.coarseStep)))
+                             .arg(dataset.coarseStep),
+                         DatasetPanel::tr("One of %1 samples along each axis").arg(dataset.coarseStep)});
     facts.push_back({DatasetPanel::tr("Spacing"), valueTriple(geometry.spacing), DatasetPanel::tr("in the file's units of length")});
     facts.push_back({DatasetPanel::tr("Origin"), pointText(geometry.origin), DatasetPanel::tr("in the file's units of length")});
     if (geometry.direction != glm::dmat3(1.0))
@@ -60,16 +98,8 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isInMemory) 
                                                                  pointText(geometry.direction[1]),
                                                                  pointText(geometry.direction[2]))});
     facts.push_back({DatasetPanel::tr("Sample type"), typeText(dataset.type), {}});
-    facts.push_back({DatasetPanel::tr("Values"), QStringLiteral("%1 … %2").arg(fromStd(model::valueText(dataset.min, 8)),
-                                                                               fromStd(model::valueText(dataset.max, 8))), {}});
-    if (dataset.distinctValues > 0)
-        facts.push_back({DatasetPanel::tr("Distinct values"), fromStd(groupedText(dataset.distinctValues)), {}});
-    facts.push_back({DatasetPanel::tr("Missing samples"),
-                     dataset.missingSamples == 0 ? DatasetPanel::tr("none") : fromStd(groupedText(dataset.missingSamples)),
-                     DatasetPanel::tr("NaN and infinite samples make no surface")});
-    facts.push_back({DatasetPanel::tr("Sample data"),
-                     QStringLiteral("%1, %2").arg(fromStd(model::bytesText(dataset.sampleBytes())),
-                                                  isInMemory ? DatasetPanel::tr("in memory") : DatasetPanel::tr("not in memory")), {}});
+    for (auto& fact : sampleFactsOf(dataset, isPreview, isInMemory))
+        facts.push_back(std::move(fact));
     return facts;
 }
 
@@ -83,14 +113,19 @@ std::vector<Fact> indexFactsOf(const model::Dataset& dataset) {
              DatasetPanel::tr("%1 bytes").arg(fromStd(model::groupedText(info.indexBytes)))}};
 }
 
-QString indexStateText(model::IndexState state) {
+QString indexStateText(model::IndexState state, bool isPreview) {
     switch (state) {
         case model::IndexState::None: return DatasetPanel::tr("No index yet.");
         case model::IndexState::Building:
-            return DatasetPanel::tr("Being built in the background; until then every move extracts the whole surface.");
+            return isPreview ? DatasetPanel::tr("Being built from the file; until then a preview is shown.")
+                             : DatasetPanel::tr("Being built; until then the samples in memory are used.");
         case model::IndexState::Ready: return {};
-        case model::IndexState::Failed: return DatasetPanel::tr("Could not be built; every move extracts the whole surface.");
-        case model::IndexState::Cancelled: return DatasetPanel::tr("Cancelled; every move extracts the whole surface.");
+        case model::IndexState::Failed:
+            return isPreview ? DatasetPanel::tr("Could not be built; the preview stays.")
+                             : DatasetPanel::tr("Could not be built; the samples in memory are used.");
+        case model::IndexState::Cancelled:
+            return isPreview ? DatasetPanel::tr("Cancelled; the preview stays.")
+                             : DatasetPanel::tr("Cancelled; the samples in memory are used.");
     }
     return {};
 }
@@ -156,9 +191,9 @@ void DatasetPanel::showDataset() {
     if (dataset == nullptr)
         return;
     const auto state = session_.indexState();
-    volumeFacts_->setFacts(volumeFactsOf(*dataset, state != model::IndexState::Ready));
+    volumeFacts_->setFacts(volumeFactsOf(*dataset, session_.isPreview(), state != model::IndexState::Ready));
     indexFacts_->setFacts(dataset->index ? indexFactsOf(*dataset) : std::vector<Fact>{});
-    const QString text = indexStateText(state);
+    const QString text = indexStateText(state, session_.isPreview());
     indexState_->setText(text);
     indexState_->setVisible(!text.isEmpty());
     build_->setVisible(state == model::IndexState::Failed || state == model::IndexState::Cancelled);

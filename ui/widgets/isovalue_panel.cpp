@@ -168,8 +168,9 @@ void IsovaluePanel::showDataset() {
         range_->setText(tr("no volume"));
         return plot_->clearHistogram();
     }
-    range_->setText(tr("in %1 … %2").arg(QString::fromStdString(model::valueText(dataset->min)),
-                                         QString::fromStdString(model::valueText(dataset->max))));
+    range_->setText((session_.isPreview() ? tr("in %1 … %2 of the preview") : tr("in %1 … %2"))
+                        .arg(QString::fromStdString(model::valueText(dataset->min)),
+                             QString::fromStdString(model::valueText(dataset->max))));
     static const std::vector<std::uint64_t> kNone;
     plot_->setHistogram(dataset->histogram, dataset->type, dataset->index ? dataset->index->activeEdgesPerBin : kNone);
 }

@@ -163,7 +163,7 @@ void MainWindow::askOpen() {
 
 void MainWindow::askExport() {
     const auto* dataset = session_.dataset();
-    if (dataset == nullptr)
+    if (dataset == nullptr || session_.refusesExport())
         return;
     const QString stem = QFileInfo(QString::fromStdString(dataset->name)).completeBaseName();
     const QString name = QStringLiteral("%1_%2.ply").arg(stem).arg(session_.isovalue().requested(), 0, 'g', 6);

@@ -158,6 +158,8 @@ void MeshPanel::showReport() {
     report_->setFacts(certificate ? factsOf(*certificate) : std::vector<Fact>{});
     if (session_.isCheckingMesh())
         state_->setText(tr("Checking…"));
+    else if (session_.isPreview())
+        state_->setText(tr("A preview is neither checked nor exported."));
     else if (!certificate)
         state_->setText(tr("Not checked yet."));
     else if (frame && frame->isovalue != certificate->isovalue)

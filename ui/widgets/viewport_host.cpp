@@ -19,6 +19,8 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kOverlayMargin = 12;
+constexpr int kOverlaySpacing = 6;
+const QColor kPreviewColour(255, 214, 138);
 
 struct OptionAction {
     const char* action;
@@ -42,6 +44,17 @@ constexpr std::array<ViewAction, 6> kViewActions{{{"view.front", model::Standard
                                                   {"view.top", model::StandardView::Top},
                                                   {"view.bottom", model::StandardView::Bottom}}};
 
+QString indexText(model::IndexState state) {
+    switch (state) {
+        case model::IndexState::None: return ViewportHost::tr("there is no index yet");
+        case model::IndexState::Building: return ViewportHost::tr("the index is being built");
+        case model::IndexState::Ready: return ViewportHost::tr("the index is ready");
+        case model::IndexState::Failed: return ViewportHost::tr("the index could not be built");
+        case model::IndexState::Cancelled: return ViewportHost::tr("building the index was cancelled");
+    }
+    return {};
+}
+
 } // namespace
 
 ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
@@ -56,6 +69,8 @@ ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, con
     layout->addWidget(view_);
     axes_ = new AxesGlyph(this);
     readout_ = new ViewReadout(this);
+    preview_ = new ViewReadout(this, kPreviewColour);
+    preview_->setObjectName(QStringLiteral("previewLabel"));
     loading_ = new ViewReadout(this);
     loading_->setObjectName(QStringLiteral("loadingLabel"));
     startPage_ = new StartPage(actions, this);
@@ -129,7 +144,7 @@ void ViewportHost::showFrame() {
         const auto* dataset = session_.dataset();
         if (dataset != nullptr && std::exchange(framedDataset_, session_.datasetKey()) != session_.datasetKey())
             viewport_->changeCamera([dataset](model::Camera& camera) { camera.reset(render::sceneRadius(dataset->geometry)); });
-        viewport_->setFrame(frame);
+        viewport_->setFrame(frame, dataset != nullptr ? std::optional(dataset->geometry) : std::nullopt);
     }
     if (frame) {
         const auto text = [](const std::string& s) { return QString::fromStdString(s); };
@@ -150,6 +165,11 @@ void ViewportHost::showState() {
     const auto& options = viewState_.options();
     axes_->setVisible(options.showsAxes && viewport_ != nullptr && session_.dataset() != nullptr);
     readout_->setVisible(options.showsReadout && viewport_ != nullptr && session_.frame() != nullptr);
+    const auto step = session_.shownStep();
+    preview_->setText(tr("preview at 1:%1\none of %1 samples along each axis\n%2")
+                          .arg(step)
+                          .arg(indexText(session_.indexState())));
+    preview_->setVisible(step > 1);
     placeOverlays();
 }
 
@@ -165,6 +185,9 @@ void ViewportHost::placeOverlays() {
         overlay->move((width() - overlay->width()) / 2, std::max(0, (height() - overlay->height()) / 2));
     };
     readout_->move(kOverlayMargin, kOverlayMargin);
+    preview_->adjustSize();
+    preview_->move(kOverlayMargin,
+                   readout_->isHidden() ? kOverlayMargin : readout_->geometry().bottom() + kOverlaySpacing);
     axes_->move(4, height() - axes_->height() - 4);
     centreOn(startPage_);
     centreOn(loading_);

@@ -21,7 +21,7 @@ class ViewReadout;
 class ViewportWidget;
 
 /// The middle of the window: the 3-D view, or a word on why there is none, with the start page or
-/// the loading state and the readout over it.
+/// the loading state and the readout over it. A preview is always called one.
 class ViewportHost : public QWidget {
     Q_OBJECT
 public:
@@ -53,6 +53,7 @@ private:
     StartPage* startPage_ = nullptr;
     QLabel* loading_ = nullptr;
     ViewReadout* readout_ = nullptr;
+    ViewReadout* preview_ = nullptr;
     AxesGlyph* axes_ = nullptr;
     std::uint64_t framedDataset_ = 0;
     model::Subscription datasetSubscription_;

@@ -54,13 +54,14 @@ void AxesGlyph::paintEvent(QPaintEvent*) {
     }
 }
 
-ViewReadout::ViewReadout(QWidget* parent) : QLabel(parent) {
+ViewReadout::ViewReadout(QWidget* parent, const QColor& colour) : QLabel(parent) {
     setAttribute(Qt::WA_TransparentForMouseEvents);
     setObjectName(QStringLiteral("viewReadout"));
     setMargin(7);
     setAutoFillBackground(false);
-    setStyleSheet(QStringLiteral(
-        "QLabel { color: #eef1f5; background: rgba(20, 22, 26, 150); border-radius: 5px; }"));
+    setStyleSheet(
+        QStringLiteral("QLabel { color: %1; background: rgba(20, 22, 26, 150); border-radius: 5px; }")
+            .arg(colour.name()));
 }
 
 } // namespace isoslider::widgets

@@ -26,7 +26,7 @@ private:
 class ViewReadout : public QLabel {
     Q_OBJECT
 public:
-    explicit ViewReadout(QWidget* parent = nullptr);
+    explicit ViewReadout(QWidget* parent = nullptr, const QColor& colour = QColor(238, 241, 245));
 };
 
 } // namespace isoslider::widgets

@@ -51,8 +51,9 @@ void ViewportWidget::initializeGL() {
         qWarning("the viewport's OpenGL context cannot draw the scene");
 }
 
-void ViewportWidget::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame) {
-    renderer_->setFrame(std::move(frame));
+void ViewportWidget::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
+                              const std::optional<GridGeometry>& volume) {
+    renderer_->setFrame(std::move(frame), volume);
     update();
 }
 

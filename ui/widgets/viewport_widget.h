@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <QOpenGLWidget>
 #include <QPoint>
@@ -24,7 +25,9 @@ public:
     explicit ViewportWidget(QWidget* parent = nullptr);
     ~ViewportWidget() override;
 
-    void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame);
+    /// See render::SceneRenderer.
+    void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
+                  const std::optional<GridGeometry>& volume = {});
     void setOptions(const model::ViewOptions& options);
     const model::Camera& camera() const { return camera_; }
     /// Changes the camera and draws again.
