@@ -195,37 +195,5 @@ TEST_F(IsovaluePanelTest, LogAndLinearCountsAreRemembered) {
     EXPECT_FALSE(window_->actions().action("isovalue.logCounts")->isChecked());
 }
 
-class FirstSecondTest : public test::WindowTest {};
-
-TEST_F(FirstSecondTest, TheHandleSlidesWhileTheIndexIsBuiltBehindIt) {
-    builder_->holds = true;
-    makeWindow();
-    window_->openFile(QString::fromStdString(test::writeBall(folder_, "ball.mha", 24).string()));
-    ASSERT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
-    EXPECT_EQ(session_->indexState(), model::IndexState::Building);
-    EXPECT_FALSE(session_->frame()->isWholeExtraction);
-    EXPECT_FALSE(session_->frame()->isFromIndex);
-
-    auto* plot = &window_->isovaluePanel().plot();
-    plot->setFocus();
-    const double before = session_->isovalue().displayed();
-    for (int step = 0; step < 3; ++step) {
-        QTest::keyClick(plot, Qt::Key_Right);
-        ASSERT_TRUE(waitUntil([&] { return !session_->isovalue().isLagging(); }));
-    }
-    EXPECT_GT(session_->isovalue().displayed(), before);
-    EXPECT_FALSE(session_->frame()->stats.hasRebuilt) << "patched, not extracted anew";
-    EXPECT_GT(session_->frame()->stats.bricksRead, 0u);
-
-    // The index takes over without a seam.
-    const auto inMemory = session_->frame();
-    builder_->holds = false;
-    ASSERT_TRUE(waitUntil([&] { return session_->frame()->isFromIndex; }));
-    EXPECT_EQ(session_->frame()->isovalue, inMemory->isovalue);
-    EXPECT_EQ(session_->frame()->stats.triangles, inMemory->stats.triangles);
-    EXPECT_EQ(session_->frame()->stats.activeEdges, inMemory->stats.activeEdges);
-    EXPECT_TRUE(waitUntilSettled());
-}
-
 } // namespace
 } // namespace isoslider::test
