@@ -5,7 +5,6 @@
 #include <atomic>
 #include <bit>
 #include <mutex>
-#include <numeric>
 #include <shared_mutex>
 #include <utility>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "core/base/check.h"
 #include "core/extract/virtual_array.h"
 #include "core/grid/classification.h"
+#include "preprocess/key_blocks.h"
 
 namespace isoslider::preprocess {
 namespace {
@@ -34,6 +34,11 @@ std::uint64_t sumInParallel(std::size_t end, const Function& function) {
 }
 
 } // namespace
+
+// Measured: ns of processor time per sample of 256^3 in spans of 4096, count() included, on one thread and on
+// two: 16-bit 0.3 to 0.4; f32 3.4 to 3.8 (15 million distinct values), 2.2 (some thousand); i32 1.6 (2
+// million); f64 8.5 (all distinct), 3.4 (some thousand). f32 with a third of the memory it needs: 3.5 in each
+// of 5 passes. f32 in bitmaps from the heap, without prefetching, took 6 to 7.
 
 // ---- 16-bit keys: a byte for each, in a table for each thread. Bits would be read again and again right
 // after they were written where samples are alike; bytes are only written.
@@ -74,7 +79,8 @@ class DistinctKeySet<std::uint32_t> {
 public:
     explicit DistinctKeySet(std::uint64_t memoryBytes)
         : maxBitmaps_(std::clamp<std::uint64_t>(memoryBytes / kBitmapBytes, 1, kPrefixes)),
-          memory_(maxBitmaps_ * kWords), shared_(kPrefixes) {}
+          memory_(maxBitmaps_ * kWords),
+          shared_(kPrefixes) {}
 
     template <class Sample>
     void add(std::span<const Sample> samples) {
@@ -85,7 +91,7 @@ public:
             std::array<std::uint32_t, kBatch> keys;
             std::size_t count = 0;
             for (const Sample sample : samples.subspan(at, std::min(kBatch, samples.size() - at))) {
-                keys[count] = keyOf(sample);
+                keys[count] = keyOf(sample); // kept unless missing
                 count += !isMissing(sample);
             }
             const std::span<const std::uint32_t> batch(keys.data(), count);
@@ -276,127 +282,8 @@ private:
 
 // ---- 64-bit keys, mixed so that they are spread evenly: lists of keys in partitions, in which a small table
 // finds the distinct ones when all have come. Sets to begin with would wait for main memory at each key. When
-// the bound is reached, each list is cut to its distinct keys; if these take most of it, the upper half of the
-// range is postponed.
-
-namespace {
-
-struct KeyBlock {
-    static constexpr std::uint64_t kCapacity = 62;
-    KeyBlock* next;
-    std::uint64_t count;
-    std::array<std::uint64_t, kCapacity> keys;
-};
-static_assert(sizeof(KeyBlock) == 512);
-
-class BlockPool {
-public:
-    explicit BlockPool(std::uint64_t maxBytes)
-        : maxBlocks_(maxBytes / sizeof(KeyBlock)), blocks_(maxBlocks_ + kBlocksBeyond) {}
-
-    /// At most `count` in a list, none when the bound is reached.
-    KeyBlock* take(int count) {
-        const std::lock_guard lock(mutex_);
-        KeyBlock* list = nullptr;
-        for (; count > 0 && used() < maxBlocks_; --count) {
-            KeyBlock* const block = takeOne();
-            block->next = list;
-            list = block;
-        }
-        return list;
-    }
-    /// The next few even when the bound is reached.
-    KeyBlock* takeAnyway() {
-        const std::lock_guard lock(mutex_);
-        ISO_CHECK(used() < maxBlocks_ + kBlocksBeyond);
-        return takeOne();
-    }
-    void give(KeyBlock* block) {
-        const std::lock_guard lock(mutex_);
-        block->next = free_;
-        free_ = block;
-        ++freeCount_;
-    }
-    /// All come back, without being looked at.
-    void reset() {
-        touched_ = freeCount_ = 0;
-        free_ = nullptr;
-    }
-    bool isEmpty() const { return used() >= maxBlocks_; }
-    bool hasMuchRoom() const { return used() <= maxBlocks_ - maxBlocks_ / 4; }
-
-    static constexpr std::uint64_t kBlocksBeyond = 1024;
-
-private:
-    std::uint64_t used() const { return touched_ - freeCount_; }
-
-    KeyBlock* takeOne() {
-        if (free_ == nullptr)
-            return &blocks_[touched_++];
-        --freeCount_;
-        return std::exchange(free_, free_->next);
-    }
-
-    const std::uint64_t maxBlocks_;
-    std::mutex mutex_;
-    extract::VirtualArray<KeyBlock> blocks_;
-    std::uint64_t touched_ = 0; // blocks that were ever taken
-    std::uint64_t freeCount_ = 0;
-    KeyBlock* free_ = nullptr;
-};
-
-// Finds the distinct ones among keys that are not 0: sorts them into buckets, the table of which stays in the
-// nearest cache.
-class DistinctFilter {
-public:
-    void add(std::span<const std::uint64_t> keys) { keys_.insert(keys_.end(), keys.begin(), keys.end()); }
-
-    /// Calls found(key) once for each, and forgets all.
-    template <class Function>
-    void finish(const Function& found) {
-        const int bits = std::min<int>(std::bit_width(keys_.size() / kBucketKeys), kMaxBucketBits);
-        std::vector<std::size_t> ends(std::size_t{1} << bits);
-        const auto bucketOf = [&](std::uint64_t key) { return bits == 0 ? 0 : spread(key) >> (64 - bits); };
-        for (const std::uint64_t key : keys_)
-            ++ends[bucketOf(key)];
-        std::exclusive_scan(ends.begin(), ends.end(), ends.begin(), std::size_t{0});
-        sorted_.resize(keys_.size());
-        for (const std::uint64_t key : keys_)
-            sorted_[ends[bucketOf(key)]++] = key;
-        keys_.clear();
-        std::size_t begin = 0;
-        for (const std::size_t end : ends) {
-            findDistinct({sorted_.data() + begin, end - begin}, bits, found);
-            begin = end;
-        }
-    }
-
-private:
-    static constexpr std::size_t kBucketKeys = 512;
-    static constexpr int kMaxBucketBits = 11;
-
-    static std::uint64_t spread(std::uint64_t key) { return key * 0x9e3779b97f4a7c15u; }
-
-    template <class Function>
-    void findDistinct(std::span<const std::uint64_t> keys, int bucketBits, const Function& found) {
-        const std::size_t capacity = std::bit_ceil(std::max<std::size_t>(64, keys.size() * 2));
-        const int shift = 64 - std::countr_zero(capacity);
-        slots_.assign(capacity, 0);
-        for (const std::uint64_t key : keys) {
-            std::size_t slot = spread(key) << bucketBits >> shift;
-            while (slots_[slot] != key && slots_[slot] != 0)
-                slot = (slot + 1) & (capacity - 1);
-            if (slots_[slot] == 0) {
-                slots_[slot] = key;
-                found(key);
-            }
-        }
-    }
-
-    std::vector<std::uint64_t> keys_, sorted_, slots_;
-};
-
-} // namespace
+// the bound is reached, each list is cut to its distinct keys; if these take most of it, the upper half of
+// the range is postponed.
 
 template <>
 class DistinctKeySet<std::uint64_t> {
@@ -443,7 +330,6 @@ private:
     static constexpr std::uint64_t kMinBytes = 4 * kPartitions * sizeof(KeyBlock);
     static constexpr std::uint64_t kStaged = KeyBlock::kCapacity;
     static constexpr int kRecentBits = 10;
-    static_assert(2 * kPartitions <= BlockPool::kBlocksBeyond); // lists that are split have one open block each
     static constexpr int kSpareBlocks = 16;
     static constexpr std::size_t kBlocksAhead = 4;
 
@@ -457,7 +343,9 @@ private:
         std::array<std::uint64_t, (1 << kRecentBits)> recent{}; // where values repeat, most end here
         KeyBlock* spare = nullptr;
 
-        std::span<const std::uint64_t> staged(std::uint64_t p) const { return {&keys[p * kStaged], counts[p]}; }
+        std::span<const std::uint64_t> staged(std::uint64_t p) const {
+            return {&keys[p * kStaged], counts[p]};
+        }
     };
 
     // One to one, and 0, the key of no finite sample, stays 0.
@@ -471,7 +359,8 @@ private:
     std::uint64_t partitionOf(std::uint64_t key) const { return (key ^ begin_) >> shift_; }
     std::uint64_t endOfRange() const { return begin_ + (kPartitions << shift_); }
 
-    // Full buffers go to the partition in one piece. Afterwards there is room for one key at least.
+    // Full buffers go to the partition in one piece. Afterwards there is room for one key at
+    // least.
     void unload(Lane& lane, std::uint64_t p, std::shared_lock<std::shared_mutex>& lock) {
         while (lane.counts[p] == kStaged) {
             if (lane.spare == nullptr)
@@ -524,7 +413,8 @@ private:
         }
     }
 
-    // The upper half is dropped. What the lanes hold would have to be sorted again; so it goes along.
+    // The upper half is dropped. What the lanes hold would have to be sorted again; so it goes
+    // along.
     void halveRange() {
         ISO_CHECK(shift_ > 0);
         --shift_;
@@ -560,7 +450,8 @@ private:
 
     void endPass() {
         tbb::enumerable_thread_specific<DistinctFilter> filters;
-        count_ += sumInParallel(kPartitions, [&](std::size_t p) { return countPartition(p, filters.local()); });
+        count_ +=
+            sumInParallel(kPartitions, [&](std::size_t p) { return countPartition(p, filters.local()); });
         for (Partition& partition : partitions_)
             partition.blocks.clear();
         lanes_.clear();

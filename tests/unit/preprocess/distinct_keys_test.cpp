@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <barrier>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <set>
 #include <thread>
@@ -104,7 +106,8 @@ TYPED_TEST(DistinctKeysOf, CountsAsASetDoes) {
         for (const auto& samples : {this->patterns(count), this->walk(count)})
             for (const int threads : {1, 4}) {
                 const Outcome outcome = countDistinct(samples, kPlenty, threads);
-                EXPECT_EQ(outcome.count, expectedCount(samples)) << count << " samples, " << threads << " threads";
+                EXPECT_EQ(outcome.count, expectedCount(samples))
+                    << count << " samples, " << threads << " threads";
                 EXPECT_EQ(outcome.passes, 1);
             }
 }
@@ -131,8 +134,14 @@ TYPED_TEST(DistinctKeysOf, NeedsNoMoreThanOnePassForFewValues) {
 template <class Float>
 void expectOddFloats() {
     using Limits = std::numeric_limits<Float>;
-    const Float odd[] = {Float(-0.0),          Float(0.0),        Limits::quiet_NaN(), -Limits::quiet_NaN(),
-                         Limits::infinity(),   -Limits::infinity(), Limits::denorm_min(), -Limits::denorm_min(),
+    const Float odd[] = {Float(-0.0),
+                         Float(0.0),
+                         Limits::quiet_NaN(),
+                         -Limits::quiet_NaN(),
+                         Limits::infinity(),
+                         -Limits::infinity(),
+                         Limits::denorm_min(),
+                         -Limits::denorm_min(),
                          Limits::signaling_NaN()};
     std::vector<Float> samples(odd, odd + std::size(odd));
     EXPECT_EQ(countDistinct(samples, kPlenty).count, 3u);
@@ -192,6 +201,29 @@ TEST(DistinctKeys, CountsDoublesInManyPasses) {
     EXPECT_EQ(halved.count, expected);
     EXPECT_GT(halved.passes, 1);
     EXPECT_LT(halved.passes, 5);
+}
+
+// What the threads hold before any list is full exceeds the bound, and all comes at once when room is made.
+TEST(DistinctKeys, BearsManyThreadsUnderATightBound) {
+    constexpr int kThreads = 24, kEach = 20000, kMore = 200000;
+    DistinctKeys<double> distinct(0);
+    for (;; distinct.beginNextPass()) {
+        std::barrier all(kThreads);
+        std::vector<std::jthread> running;
+        for (int t = 0; t < kThreads; ++t)
+            running.emplace_back([&, t] {
+                const int begin = t * kEach;
+                std::vector<double> samples(kEach + (t == 0 ? kMore : 0));
+                std::iota(samples.begin(), samples.end(), 0.5 + (t == 0 ? -kMore : begin));
+                distinct.add(std::span<const double>(samples).first(kEach));
+                all.arrive_and_wait();
+                distinct.add(std::span<const double>(samples).subspan(kEach));
+            });
+        running.clear();
+        if (!distinct.needsAnotherPass())
+            break;
+    }
+    EXPECT_EQ(distinct.count(), static_cast<std::uint64_t>(kThreads * kEach + kMore));
 }
 
 // Twenty times as many samples as find room, but they are cut to the distinct ones in time.
