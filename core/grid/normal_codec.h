@@ -29,7 +29,11 @@ inline NormalCode encodeNormal(const glm::vec3& normal) {
         u = folded;
     }
     const auto quantise = [](float c) {
-        return static_cast<std::uint8_t>(static_cast<std::int8_t>(std::lround(std::clamp(c, -1.0f, 1.0f) * 127.0f)));
+        // As std::lround, which is a call: the difference to the whole number is exact.
+        const float scaled = std::clamp(c, -1.0f, 1.0f) * 127.0f;
+        const int whole = static_cast<int>(scaled);
+        const float rest = scaled - static_cast<float>(whole);
+        return static_cast<std::uint8_t>(whole + (rest >= 0.5f ? 1 : 0) - (rest <= -0.5f ? 1 : 0));
     };
     return static_cast<NormalCode>(quantise(u) | (quantise(v) << 8));
 }

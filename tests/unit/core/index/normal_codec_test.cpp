@@ -1,5 +1,6 @@
 #include "core/grid/normal_codec.h"
 
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -36,6 +37,21 @@ TEST(NormalCodec, KeepsAxesExactly) {
             n[axis] = sign;
             EXPECT_EQ(decodeNormal(encodeNormal(n)), n);
         }
+}
+
+// On the upper half the bytes are the first two coordinates, where their sum is one.
+TEST(NormalCodec, RoundsHalvesAwayFromZero) {
+    int halves = 0;
+    for (int k = -254; k <= 254; ++k) {
+        const float half = static_cast<float>(k) / 254.0f;
+        for (const float c : {std::nextafter(half, -1.0f), half, std::nextafter(half, 1.0f)}) {
+            const glm::vec3 n(c, 0.0f, 1.0f - std::abs(c));
+            const float scaled = n.x / (std::abs(n.x) + std::abs(n.z)) * 127.0f;
+            halves += std::abs(scaled - std::trunc(scaled)) == 0.5f ? 1 : 0;
+            EXPECT_EQ(static_cast<std::int8_t>(encodeNormal(n) & 0xff), std::lround(scaled)) << scaled;
+        }
+    }
+    EXPECT_GT(halves, 100) << "no ties were tried";
 }
 
 TEST(NormalCodec, HasACodeForNoNormal) {
