@@ -27,7 +27,7 @@ struct IndexBacking {
     static constexpr bool kIsIndex = true;
 
     IndexBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
-        : reader(std::move(opened)), source(*reader, options.cacheBytes) {}
+        : reader(std::move(opened)), source(*reader, options.cacheBytes.value_or(kEdgesCacheBytes)) {}
 };
 
 template <class Sample>
@@ -40,7 +40,7 @@ struct MemoryBacking {
     static constexpr bool kIsIndex = false;
 
     MemoryBacking(std::shared_ptr<const ScalarGrid> volume, std::unique_ptr<index::IndexReader> brickList, const SlideOptions& options)
-        : grid(std::move(volume)), reader(std::move(brickList)), samples(*grid), source(*reader, samples, options.cacheBytes) {}
+        : grid(std::move(volume)), reader(std::move(brickList)), samples(*grid), source(*reader, samples, options.cacheBytes.value_or(kEdgesCacheBytes)) {}
 };
 
 template <class Sample>
@@ -53,8 +53,10 @@ struct StoreBacking {
     static constexpr std::uint64_t kPagesShare = 8; // of the cache: the list of bricks is small
 
     StoreBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
-        : reader(std::move(opened)), samples(*reader, options.cacheBytes - options.cacheBytes / kPagesShare),
-          source(*reader, samples, options.cacheBytes / kPagesShare) {}
+        : StoreBacking(std::move(opened), options.cacheBytes.value_or(kMetacellsCacheBytes)) {}
+    StoreBacking(std::unique_ptr<index::IndexReader> opened, std::uint64_t cacheBytes)
+        : reader(std::move(opened)), samples(*reader, cacheBytes - cacheBytes / kPagesShare),
+          source(*reader, samples, cacheBytes / kPagesShare) {}
 };
 
 template <class Backing>

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "core/base/job_control.h"
 #include "core/extract/surface_frame.h"
@@ -12,8 +13,13 @@
 
 namespace isoslider::extract {
 
+/// What is kept of an index in memory unless it is said otherwise. Samples want more: bricks on the surface are
+/// read again at every move, pages are not.
+inline constexpr std::uint64_t kEdgesCacheBytes = std::uint64_t{64} << 20;
+inline constexpr std::uint64_t kMetacellsCacheBytes = std::uint64_t{256} << 20;
+
 struct SlideOptions {
-    std::uint64_t cacheBytes = std::uint64_t{64} << 20; ///< bound on decoded pages and samples kept in memory
+    std::optional<std::uint64_t> cacheBytes; ///< bound on decoded pages and samples kept in memory
     bool readsAhead = true; ///< between moves, what the next one in the same direction would need is read
 };
 

@@ -188,29 +188,37 @@ template <class Sample>
 void StoredSamples<Sample>::read(BrickIndex brick, SampleBlock<Sample>& block) const {
     const auto b = bricks_.brickCoords(brick);
     block.place(dims_, {b[0] * kBrickSide, b[1] * kBrickSide, b[2] * kBrickSide});
-    const index::ChunkGrid& chunks = store_.chunks();
     // Rows -1 to 9 along x lie in two chunks: one sample left of the brick's chunk, or two right of it.
     const bool isRight = b[0] & 1;
-    const std::int64_t besides = (b[0] >> 1) + (isRight ? 1 : -1);
-    const bool hasBesides = isRight ? block.end[0] > kBrickSide : block.begin[0] < 0;
-    for (int z = block.begin[2]; z < block.end[2]; ++z) {
+    const std::int64_t beside = (b[0] >> 1) + (isRight ? 1 : -1);
+    const bool hasBeside = isRight ? block.end[0] > kBrickSide : block.begin[0] < 0;
+    const index::ChunkGrid& chunks = store_.chunks();
+    for (int z = block.begin[2]; z < block.end[2];) {
         const std::int64_t pz = b[2] * kBrickSide + z;
-        for (int y = block.begin[1]; y < block.end[1]; ++y) {
+        const int zEnd = std::min(block.end[2], z + kSide - static_cast<int>(pz % kSide)); // of the chunk
+        for (int y = block.begin[1]; y < block.end[1];) {
             const std::int64_t py = b[1] * kBrickSide + y;
-            const auto row = static_cast<std::size_t>(kSide * (py % kSide) + kSide * kSide * (pz % kSide));
-            const Sample* here = samplesOf(slotOf_[chunks.chunkAt(b[0] >> 1, py / kSide, pz / kSide)]) + row;
-            const Sample* beside = hasBesides ? samplesOf(slotOf_[chunks.chunkAt(besides, py / kSide, pz / kSide)]) + row : nullptr;
-            Sample* out = block.samples.data() + SampleBlock<Sample>::offset(-1, y, z);
-            if (isRight) {
-                std::memcpy(out, here + kBrickSide - 1, (kBrickSide + 1) * sizeof(Sample));
-                if (beside)
-                    std::memcpy(out + kBrickSide + 1, beside, 2 * sizeof(Sample));
-            } else {
-                std::memcpy(out + 1, here, (kBrickSide + 2) * sizeof(Sample));
-                if (beside)
-                    out[0] = beside[kSide - 1];
-            }
+            const int yEnd = std::min(block.end[1], y + kSide - static_cast<int>(py % kSide));
+            const auto first = static_cast<std::size_t>(kSide * (py % kSide) + kSide * kSide * (pz % kSide));
+            const Sample* here = samplesOf(slotOf_[chunks.chunkAt(b[0] >> 1, py / kSide, pz / kSide)]) + first;
+            const Sample* aside = hasBeside ? samplesOf(slotOf_[chunks.chunkAt(beside, py / kSide, pz / kSide)]) + first : nullptr;
+            for (int k = z; k < zEnd; ++k)
+                for (int j = y; j < yEnd; ++j) {
+                    const int row = kSide * (j - y) + kSide * kSide * (k - z);
+                    Sample* out = block.samples.data() + SampleBlock<Sample>::offset(-1, j, k);
+                    if (isRight) {
+                        std::memcpy(out, here + row + kBrickSide - 1, (kBrickSide + 1) * sizeof(Sample));
+                        if (aside)
+                            std::memcpy(out + kBrickSide + 1, aside + row, 2 * sizeof(Sample));
+                    } else {
+                        std::memcpy(out + 1, here + row, (kBrickSide + 2) * sizeof(Sample));
+                        if (aside)
+                            out[0] = aside[row + kSide - 1];
+                    }
+                }
+            y = yEnd;
         }
+        z = zEnd;
     }
 }
 
