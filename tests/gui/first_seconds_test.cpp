@@ -74,7 +74,8 @@ protected:
         QApplication::sendEvent(window_.get(), &event);
     }
     bool waitUntilDisplayed() {
-        return waitUntil([this] { return session_->frame() != nullptr && !isovalue().isLagging(); });
+        return waitUntil([this] { return session_->frame() != nullptr && !isovalue().isLagging(); },
+                         std::chrono::seconds(30));
     }
     /// The frame that arrived is also on screen, where there is a screen.
     bool waitUntilPainted() {
