@@ -132,10 +132,10 @@ private:
         std::vector<index::MissingCells> missingCells;
     };
 
-    struct Row {
-        std::int64_t cy = 0;
-        std::vector<std::vector<std::byte>> chunks;
+    struct EncodedChunk {
+        std::vector<std::byte> samples, mergeErrors;
     };
+    using Row = std::vector<EncodedChunk>;
 
     Status storeSamples(const JobControl& job) {
         tbb::enumerable_thread_specific<Worker> workers([this] { return Worker(geometry_.dims); });
@@ -178,22 +178,22 @@ private:
                             control.stop();
                         return nextRow++;
                     }) & tbb::make_filter<std::int64_t, Row>(tbb::filter_mode::parallel, [&](std::int64_t cy) {
-                        Row row{cy, std::vector<std::vector<std::byte>>(static_cast<std::size_t>(sides[0]))};
+                        Row row(static_cast<std::size_t>(sides[0]));
                         Worker& worker = workers.local();
                         for (std::int64_t cx = 0; cx < sides[0]; ++cx)
-                            row.chunks[static_cast<std::size_t>(cx)] = storeChunk(chunks_.chunkAt(cx, cy, slab), planeAt, worker);
+                            row[static_cast<std::size_t>(cx)] = encode(chunks_.chunkAt(cx, cy, slab), planeAt, worker);
                         return row;
                     }) & tbb::make_filter<Row, void>(tbb::filter_mode::serial_in_order, [&](const Row& row) {
-                        for (const std::vector<std::byte>& chunk : row.chunks)
+                        for (const EncodedChunk& chunk : row)
                             if (written.isOk())
-                                written = writer_->addChunk(chunk, {});
+                                written = writer_->addChunk(chunk.samples, chunk.mergeErrors);
                     }));
         if (job_.isStopRequested())
             return cancelledError();
         return written;
     }
 
-    std::vector<std::byte> storeChunk(index::ChunkIndex chunk, const typename ChunkScan<Sample>::PlaneAt& planeAt, Worker& worker) {
+    EncodedChunk encode(index::ChunkIndex chunk, const typename ChunkScan<Sample>::PlaneAt& planeAt, Worker& worker) {
         ChunkScan<Sample>& scan = worker.scan;
         scan.load(chunk, planeAt);
         scan.spans(spans_);
@@ -202,7 +202,7 @@ private:
         const std::span<const Sample> samples = scan.packed();
         if constexpr (!ValueCounts<Sample>::kByKey)
             distinct_.add(samples);
-        return index::encodeChunk<Sample>(samples, scan.extent());
+        return {index::encodeChunk<Sample>(samples, scan.extent()), scan.mergeErrors()};
     }
 
     // What did not fit into memory is counted in further passes.

@@ -32,15 +32,19 @@ public:
         return {c % chunks_[0], c / chunks_[0] % chunks_[1], c / (chunks_[0] * chunks_[1])};
     }
     /// Samples of a chunk along each axis: fewer than kChunkSide where the grid ends.
-    ChunkExtent extent(ChunkIndex chunk) const {
-        const auto c = chunkCoords(chunk);
-        ChunkExtent extent;
-        for (std::size_t a = 0; a < 3; ++a)
-            extent[a] = static_cast<int>(std::min<std::int64_t>(kChunkSide, dims_[a] - c[a] * kChunkSide));
-        return extent;
-    }
+    ChunkExtent extent(ChunkIndex chunk) const { return pointsFrom(chunk, kChunkSide); }
+    /// Grid points at the corners of a chunk's cells: those of the next chunks' first planes too.
+    std::array<int, 3> cellCorners(ChunkIndex chunk) const { return pointsFrom(chunk, kChunkSide + 1); }
 
 private:
+    std::array<int, 3> pointsFrom(ChunkIndex chunk, std::int64_t most) const {
+        const auto c = chunkCoords(chunk);
+        std::array<int, 3> count;
+        for (std::size_t a = 0; a < 3; ++a)
+            count[a] = static_cast<int>(std::min(most, dims_[a] - c[a] * kChunkSide));
+        return count;
+    }
+
     GridDims dims_{0, 0, 0};
     GridDims chunks_{0, 0, 0};
 };

@@ -10,6 +10,7 @@
 
 #include "core/index/chunk_grid.h"
 #include "core/index/index_reader.h"
+#include "core/index/merge_errors.h"
 
 namespace isoslider::index {
 
@@ -23,7 +24,7 @@ inline constexpr std::size_t kShelfEntryBytes = 2 + 2 + 8 + 8;
 struct ChunkPlace {
     std::uint64_t offset = 0;
     std::uint16_t sampleBytes = 0;
-    std::uint16_t errorBytes = 0; ///< 0: none are stored
+    std::uint16_t errorBytes = 0;
     std::uint64_t sampleChecksum = 0;
     std::uint64_t errorChecksum = 0;
 };
@@ -49,6 +50,8 @@ public:
     /// REQUIRES: Sample is the volume's scalar type.
     template <class Sample>
     Status read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out, std::uint64_t& bytesRead) const;
+    /// The errors of a chunk's merged cells. Errors: IoError, Corruption.
+    Result<MergeErrors> readMergeErrors(ChunkIndex chunk, std::uint64_t& bytesRead) const;
     /// Asks the system to read what `chunks`, in rising order, need, all at once.
     void willNeed(std::span<const ChunkIndex> chunks) const;
 

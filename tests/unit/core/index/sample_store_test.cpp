@@ -46,8 +46,11 @@ protected:
         std::vector<std::uint16_t> chunk(SampleStore::kChunkSamples);
         const std::span<std::uint16_t, SampleStore::kChunkSamples> out(chunk.data(), chunk.size());
         std::uint64_t bytesRead = 0;
-        for (ChunkIndex c = 0; c < store.chunks().chunkCount(); ++c)
+        for (ChunkIndex c = 0; c < store.chunks().chunkCount(); ++c) {
             ISO_TRY(store.read<std::uint16_t>(c, out, bytesRead));
+            if (const auto errors = store.readMergeErrors(c, bytesRead); !errors.isOk())
+                return errors.error();
+        }
         return {};
     }
 
@@ -63,6 +66,35 @@ TEST_F(SampleStoreFile, HasShelvesOneAfterTheOther) {
     EXPECT_EQ(meta_.shelves[1].offset, meta_.shelves[0].offset + meta_.shelves[0].chunkBytes + kShelfChunks * kShelfEntryBytes);
     EXPECT_EQ(meta_.info.sampleBytes, meta_.shelves[0].chunkBytes + meta_.shelves[1].chunkBytes - meta_.info.mergeErrorBytes);
     EXPECT_THAT(readAll(folder_ / "good.isx"), IsOk());
+}
+
+// What level of detail will ask for: how far a merged cell is from what it stands for, at least.
+TEST_F(SampleStoreFile, BoundsTheErrorsOfMergedCells) {
+    const auto reader = IndexReader::open(folder_ / "good.isx");
+    ASSERT_THAT(reader, IsOk());
+    const SampleStore store(*reader.value());
+    std::uint64_t bytesRead = 0;
+    double largest = 0.0;
+    for (const ChunkIndex chunk : {ChunkIndex{0}, ChunkIndex{57}, ChunkIndex{251}, store.chunks().chunkCount() - 1}) {
+        const auto errors = store.readMergeErrors(chunk, bytesRead);
+        ASSERT_THAT(errors, IsOk());
+        const auto origin = store.chunks().chunkCoords(chunk);
+        const auto cells = errors.value().cells(1);
+        for (int z = 0; z < cells[2]; ++z)
+            for (int y = 0; y < cells[1]; ++y)
+                for (int x = 0; x < cells[0]; ++x) {
+                    const auto sample = [&](int i, int j, int k) {
+                        return grid_->valueAt(16 * origin[0] + 2 * x + i, 16 * origin[1] + 2 * y + j, 16 * origin[2] + 2 * z + k);
+                    };
+                    double mean = 0.0;
+                    for (int c = 0; c < 8; ++c)
+                        mean += sample(2 * (c & 1), 2 * (c >> 1 & 1), 2 * (c >> 2)) / 8.0;
+                    const double error = std::abs(sample(1, 1, 1) - mean); // in the middle of the cell
+                    ASSERT_GE(errors.value().errorBound(1, x, y, z), error);
+                    largest = std::max(largest, error);
+                }
+    }
+    EXPECT_GT(largest, 0.0);
 }
 
 TEST_F(SampleStoreFile, EveryDamagedByteIsFoundWhereItLies) {
