@@ -34,7 +34,7 @@ public:
         if (first >= 0 && last + kCopied <= view_.offset(0, 0, view_.dims[2]))
             copyRows(block, view_.samples + first, -1, std::integral_constant<std::size_t, kCopied>{});
         else
-            copyRows(block, view_.samples + first + 1 + block.begin[0], block.begin[0],
+            copyRows(block, view_.samples + (first + 1 + block.begin[0]), block.begin[0],
                      static_cast<std::size_t>(block.end[0] - block.begin[0]));
     }
 
