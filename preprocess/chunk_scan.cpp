@@ -249,8 +249,11 @@ void ChunkScan<Sample>::countValues(const ValueBins<Sample>& bins, ValueCounts<S
                 continue;
             }
             changesOfRow<Sample>(row, kSide, kSide * kSide, changes);
-            for (int x = 0; x < extent_[0]; ++x)
-                counts.add(row[x], changes[static_cast<std::size_t>(x)], bins);
+            if (extent_[0] == kChunk)
+                counts.addRow(row, changes, bins);
+            else
+                for (int x = 0; x < extent_[0]; ++x)
+                    counts.add(row[x], changes[static_cast<std::size_t>(x)], bins);
         }
 }
 

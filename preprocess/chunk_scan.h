@@ -27,13 +27,22 @@ public:
 
     /// `bins` are not looked at when samples are counted by key.
     void add(Sample sample, std::int64_t change, const ValueBins<Sample>& bins) {
+        if constexpr (kByKey)
+            count(keyOf(sample), keyOf(sample), change);
+        else
+            addToBin(sample, bins.binOf(sample), change, bins);
+    }
+    /// As many whole rows at once. REQUIRES: no sample is missing.
+    template <class Change, std::size_t kLength>
+    void addRow(const Sample* row, const std::array<Change, kLength>& changes, const ValueBins<Sample>& bins) {
         if constexpr (kByKey) {
-            ++counts_[keyOf(sample)].samples;
-            counts_[keyOf(sample)].change += change;
+            for (std::size_t x = 0; x < kLength; ++x)
+                count(keyOf(row[x]), keyOf(row[x]), changes[x]);
         } else {
-            const std::size_t bin = bins.binOf(sample);
-            ++counts_[bin].samples;
-            counts_[bins.curveBinOf(sample, bin)].change += change;
+            std::array<std::int32_t, kLength> binsOfRow;
+            bins.binsOf(row, binsOfRow);
+            for (std::size_t x = 0; x < kLength; ++x)
+                addToBin(row[x], static_cast<std::size_t>(binsOfRow[x]), changes[x], bins);
         }
     }
     void merge(const ValueCounts& other);
@@ -49,6 +58,14 @@ private:
         std::uint64_t samples = 0;
         std::int64_t change = 0;
     };
+    void count(std::size_t at, std::size_t curveAt, std::int64_t change) {
+        ++counts_[at].samples;
+        counts_[curveAt].change += change;
+    }
+    void addToBin(Sample sample, std::size_t bin, std::int64_t change, const ValueBins<Sample>& bins) {
+        count(bin, bins.curveBinOf(sample, bin), change);
+    }
+
     std::vector<Count> counts_;
 };
 

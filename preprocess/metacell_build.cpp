@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -82,40 +84,56 @@ private:
         return {};
     }
 
+    // Least and greatest sample, lane by lane, so that whole vectors are compared; missing ones are beyond the ends.
+    struct Range {
+        static constexpr std::size_t kLanes = 16;
+        static constexpr Sample kLowest = std::numeric_limits<Sample>::lowest(), kGreatest = std::numeric_limits<Sample>::max();
+        std::array<Sample, kLanes> low, high;
+
+        Range() {
+            low.fill(kGreatest);
+            high.fill(kLowest);
+        }
+        void add(std::span<const Sample> samples) {
+            const std::size_t whole = samples.size() - samples.size() % kLanes;
+            for (std::size_t i = 0; i < whole; i += kLanes)
+                for (std::size_t lane = 0; lane < kLanes; ++lane)
+                    add(lane, samples[i + lane]);
+            for (std::size_t i = whole; i < samples.size(); ++i)
+                add(0, samples[i]);
+        }
+        void add(std::size_t lane, Sample sample) {
+            const bool isFinite = sample >= kLowest && sample <= kGreatest;
+            low[lane] = isFinite && sample < low[lane] ? sample : low[lane];
+            high[lane] = isFinite && sample > high[lane] ? sample : high[lane];
+        }
+    };
+
     Status findRange(const JobControl& job) {
-        struct Range {
-            Sample low = std::numeric_limits<Sample>::max(), high = std::numeric_limits<Sample>::lowest();
-            bool any = false;
-        };
         tbb::enumerable_thread_specific<Range> ranges;
+        std::atomic<bool> anyFinite = false;
         const auto plane = static_cast<std::size_t>(geometry_.dims[0] * geometry_.dims[1]);
         const auto take = [&](std::int64_t slab, const PlaneRing<Sample>& ring) -> Status {
             const std::int64_t begin = slab * ring.kThickness, end = std::min(geometry_.dims[2], begin + ring.kThickness);
             tbb::parallel_for(begin, end, [&](std::int64_t z) {
-                Range& range = ranges.local();
-                const Sample* samples = ring.plane(z);
-                for (std::size_t i = 0; i < plane; ++i) {
-                    if (isMissing(samples[i]))
-                        continue;
-                    range.any = true;
-                    range.low = std::min(range.low, samples[i]);
-                    range.high = std::max(range.high, samples[i]);
-                }
+                const std::span<const Sample> samples(ring.plane(z), plane);
+                ranges.local().add(samples);
+                if (!anyFinite.load(std::memory_order_relaxed) &&
+                    std::any_of(samples.begin(), samples.end(), [](Sample sample) { return !isMissing(sample); }))
+                    anyFinite = true;
             });
             return {};
         };
         ISO_TRY(forEachSlab(job, "reading values", take));
-        Range all;
-        for (const Range& range : ranges)
-            if (range.any) {
-                all.any = true;
-                all.low = std::min(all.low, range.low);
-                all.high = std::max(all.high, range.high);
-            }
-        if (!all.any)
+        if (!anyFinite)
             return noSamples();
-        bins_ = ValueBins<Sample>(all.low, all.high);
-        setRange(all.low, all.high);
+        Sample low = Range::kGreatest, high = Range::kLowest;
+        for (const Range& range : ranges) {
+            low = std::min(low, *std::min_element(range.low.begin(), range.low.end()));
+            high = std::max(high, *std::max_element(range.high.begin(), range.high.end()));
+        }
+        bins_ = ValueBins<Sample>(low, high);
+        setRange(low, high);
         return {};
     }
 

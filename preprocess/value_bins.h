@@ -27,7 +27,8 @@ public:
             thresholds_[b] = thresholdOf<Sample>(static_cast<double>(min) * (1.0 - at) + static_cast<double>(max) * at);
         }
         starts_.fill(max);
-        starts_[0] = min;
+        if (range_ > 0.0)
+            starts_[0] = min;
         for (std::size_t b = 1; b < kCount && range_ > 0.0; ++b) {
             // Invariant: low is in a bin before b, high is not.
             std::uint64_t low = keyOf(min), high = keyOf(max);
@@ -37,25 +38,28 @@ public:
             }
             starts_[b] = sampleOfKey<Sample>(static_cast<Key>(high));
         }
+        for (std::size_t b = 0; b < kCount; ++b) {
+            const auto differs = [&](std::size_t i) { return i > 0 && i < kCount && thresholds_[i] != keyOf(starts_[i]); };
+            isCurveOff_[b] = !(range_ > 0.0) || differs(b) || differs(b + 1);
+        }
     }
 
     /// REQUIRES: finite, within the range.
-    std::size_t binOf(Sample sample) const {
-        if (!(range_ > 0.0))
-            return 0;
-        // A product instead of a quotient, which rounding may leave a bin away.
-        const double place = (static_cast<double>(sample) * 0.5 - min_) * scale_;
-        std::size_t bin = place > 0.0 ? std::min(kCount - 1, static_cast<std::size_t>(place)) : 0;
-        while (bin > 0 && sample < starts_[bin])
-            --bin;
-        while (bin + 1 < kCount && sample >= starts_[bin + 1])
-            ++bin;
-        return bin;
+    std::size_t binOf(Sample sample) const { return corrected(sample, guess(sample)); }
+    /// The bins of a row, in vectors but for what rounding has put beside the right one.
+    template <std::size_t kLength>
+    void binsOf(const Sample* row, std::array<std::int32_t, kLength>& bins) const {
+        for (std::size_t x = 0; x < kLength; ++x)
+            bins[x] = guess(row[x]);
+        for (std::size_t x = 0; x < kLength; ++x)
+            bins[x] = static_cast<std::int32_t>(corrected(row[x], bins[x]));
     }
     /// Where the curves are taken.
     KeyThreshold threshold(std::size_t bin) const { return thresholds_[bin]; }
     /// The last threshold that is not above the sample; `bin` is the sample's.
     std::size_t curveBinOf(Sample sample, std::size_t bin) const {
+        if (!isCurveOff_[bin])
+            return bin;
         const KeyThreshold key = keyOf(sample);
         while (bin > 0 && key < thresholds_[bin])
             --bin;
@@ -65,15 +69,34 @@ public:
     }
 
 private:
+    // A product instead of a quotient, which rounding may leave a bin away, and which is not a number where the
+    // range is among the least there are.
+    std::int32_t guess(Sample sample) const {
+        const double place = (static_cast<double>(sample) * 0.5 - min_) * scale_;
+        return static_cast<std::int32_t>(place > 0.0 ? (place < kLast ? place : kLast) : 0.0);
+    }
+    std::size_t corrected(Sample sample, std::int32_t guessed) const {
+        auto bin = static_cast<std::size_t>(guessed);
+        if (!(range_ > 0.0))
+            return 0;
+        while (bin > 0 && sample < starts_[bin])
+            --bin;
+        while (bin + 1 < kCount && sample >= starts_[bin + 1])
+            ++bin;
+        return bin;
+    }
     // Halves: max - min may overflow.
     std::size_t exactBinOf(Sample sample) const {
         const double share = (static_cast<double>(sample) * 0.5 - min_) / range_;
         return std::min(kCount - 1, static_cast<std::size_t>(share * static_cast<double>(kCount)));
     }
 
+    static constexpr double kLast = kCount - 1;
+
     double min_ = 0.0, range_ = 0.0, scale_ = 0.0;
     std::array<Sample, kCount> starts_{};
     std::array<KeyThreshold, kCount> thresholds_{};
+    std::array<bool, kCount> isCurveOff_{}; ///< a threshold beside the bin is not where the bin begins or ends
 };
 
 } // namespace isoslider::preprocess
