@@ -51,6 +51,7 @@ std::string jsonLine(const extract::SlideStats& stats) {
     json["cells_retriangulated"] = stats.cellsRetriangulated;
     json["active_edges"] = stats.activeEdges;
     json["triangles"] = stats.triangles;
+    json["bricks_read"] = stats.bricksRead;
     json["bytes_read"] = stats.bytesRead;
     json["update_ms"] = stats.updateMs;
     json["interpolate_ms"] = stats.interpolateMs;
@@ -97,7 +98,9 @@ public:
         if (pattern_)
             ISO_CLI_TRY(checkMeshOutput(pattern_->nameOf(0), indexPath_));
         const auto begin = std::chrono::steady_clock::now();
-        auto engine = extract::SlideEngine::open(indexPath_);
+        extract::SlideOptions options;
+        options.readsAhead = false; // the next move follows at once
+        auto engine = extract::SlideEngine::open(indexPath_, options);
         if (!engine.isOk())
             return engine.error();
         const std::chrono::duration<double, std::milli> openTime = std::chrono::steady_clock::now() - begin;
