@@ -68,8 +68,9 @@ std::string textOf(const index::IndexInfo& info) {
     if (isEdges)
         text += fmt::format("  hidden corners        {}, {} bytes\n", info.hiddenCorners, info.hiddenCornerBytes);
     else
-        text += fmt::format("  samples               {} bytes, {:.2f} bytes per voxel\n", info.sampleBytes,
-                            bytesPerPoint(info, info.sampleBytes));
+        text += fmt::format("  samples               {} bytes, {:.2f} bytes per voxel\n"
+                            "  merge errors          {} bytes\n",
+                            info.sampleBytes, bytesPerPoint(info, info.sampleBytes), info.mergeErrorBytes);
     text += fmt::format("  index                 {} bytes, {:.2f} bytes per voxel\n\n", info.indexBytes,
                         bytesPerPoint(info, info.indexBytes));
     text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks", isEdges ? "points" : "bricks",

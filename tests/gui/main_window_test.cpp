@@ -16,6 +16,8 @@
 #include <QUrl>
 
 #include "core/mesh/mesh_checks.h"
+#include "core/volume_io/volume_reader.h"
+#include "preprocess/build_index.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/message_bar.h"
@@ -128,6 +130,27 @@ TEST_F(MainWindowTest, TheLevelsPanelIsFilledFromTheIndex) {
     session_->isovalue().request(-3.0);
     ASSERT_TRUE(waitUntilSettled());
     EXPECT_TRUE(waitUntil([&] { return walk->model()->rowCount() == static_cast<int>(session_->frame()->stats.walk.size()); }));
+}
+
+TEST_F(MainWindowTest, AnIndexOfMetacellsIsShownInTheSameTerms) {
+    const auto source = io::openVolume(writeBall(folder_, "ball.mha", 40));
+    ASSERT_TRUE(source.isOk());
+    preprocess::BuildOptions options;
+    options.kind = index::IndexKind::Metacells;
+    ASSERT_TRUE(preprocess::buildIndex(*source.value(), folder_ / "ball.isx", options).isOk());
+    window_->openFile(qpath(folder_ / "ball.isx"));
+    ASSERT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
+    const auto* levels = child<QTableView>("levelsTable")->model();
+    const int rows = static_cast<int>(session_->dataset()->index->levels.size());
+    ASSERT_EQ(levels->rowCount(), rows + 3);
+    EXPECT_EQ(levels->index(rows, 0).data().toString(), QStringLiteral("Samples"));
+    EXPECT_EQ(levels->index(rows + 1, 0).data().toString(), QStringLiteral("Merge errors"));
+    EXPECT_EQ(levels->index(0, 2).data(), levels->index(0, 3).data()) << "a brick has one entry";
+    const auto triangles = session_->frame()->stats.triangles;
+    session_->isovalue().request(session_->isovalue().requested() + 1.0);
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_NE(session_->frame()->stats.triangles, triangles);
+    EXPECT_GT(session_->frame()->stats.bricksRead, 0u);
 }
 
 TEST_F(MainWindowTest, ChecksTheMesh) {

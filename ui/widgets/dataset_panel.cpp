@@ -106,7 +106,11 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, b
 std::vector<Fact> indexFactsOf(const model::Dataset& dataset) {
     const auto& info = *dataset.index;
     const QString path = fromStd(dataset.indexPath.string());
+    const bool isEdges = info.kind == index::IndexKind::Edges;
     return {{DatasetPanel::tr("File"), fromStd(dataset.indexPath.filename().string()), QDir::toNativeSeparators(path)},
+            {DatasetPanel::tr("Kind"), isEdges ? DatasetPanel::tr("edges") : DatasetPanel::tr("metacells"),
+             isEdges ? DatasetPanel::tr("The changes of every grid edge, by value")
+                     : DatasetPanel::tr("The samples, compressed, and when each brick of them is active")},
             {DatasetPanel::tr("Size"),
              DatasetPanel::tr("%1, %2 bytes per voxel").arg(fromStd(model::bytesText(info.indexBytes)),
                                                             fromStd(model::valueText(dataset.bytesPerVoxel(), 4))),

@@ -56,11 +56,14 @@ std::vector<QStringList> levelRows(const model::Dataset& dataset) {
         all.edges += counts.edges;
         all.bytes += counts.bytes;
     }
-    if (info.kind == index::IndexKind::Metacells) {
-        rows.push_back({LevelsPanel::tr("Samples"), {}, {}, {}, bytes(info.sampleBytes),
-                        QString::number(static_cast<double>(info.sampleBytes) / points, 'f', 2), {}});
-        all.bytes += info.sampleBytes;
-    }
+    const auto addPart = [&](const QString& name, std::uint64_t size) {
+        if (size > 0)
+            rows.push_back({name, {}, {}, {}, bytes(size), QString::number(static_cast<double>(size) / points, 'f', 2), {}});
+        all.bytes += size;
+    };
+    addPart(LevelsPanel::tr("Samples"), info.sampleBytes);
+    addPart(LevelsPanel::tr("Merge errors"), info.mergeErrorBytes);
+    addPart(LevelsPanel::tr("Hidden corners"), info.hiddenCornerBytes);
     rows.push_back({LevelsPanel::tr("All"), compact(all.blocks), compact(all.points), compact(all.edges),
                     bytes(all.bytes), QString::number(static_cast<double>(all.bytes) / points, 'f', 2), {}});
     return rows;
