@@ -40,6 +40,11 @@ public:
     /// Entries that visit() would look at, about.
     std::uint64_t estimate(KeyThreshold lower, KeyThreshold upper) const { return skipList_.estimateEdges(lower, upper); }
 
+    void dropCaches() {
+        cache_.clear();
+        lazyLevels_.clear();
+    }
+
 private:
     struct Task;
     /// The pages of a walk; whole runs of top-level blocks come from lazy levels where there is room.

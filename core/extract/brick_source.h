@@ -49,6 +49,10 @@ public:
         if (ahead_.joinable())
             ahead_.join();
     }
+    void dropCaches() override {
+        walk_.dropCaches();
+        samples_.dropCaches();
+    }
     Result<std::optional<double>> hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) override;
     std::uint64_t hiddenBytesRead() const override { return hiddenBytesRead_.load(std::memory_order_relaxed); }
 

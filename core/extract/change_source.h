@@ -91,6 +91,8 @@ public:
     virtual void foresee(KeyThreshold /*from*/, KeyThreshold /*to*/) {}
     /// Waits until what is foreseen has been fetched.
     virtual void settle() {}
+    /// Forgets what is kept of what has been read, after settle().
+    virtual void dropCaches() {}
 
     /// The threshold of an isovalue in the volume's scalar type.
     virtual KeyThreshold threshold(double isovalue) const = 0;

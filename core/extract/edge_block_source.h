@@ -26,6 +26,10 @@ public:
     Result<std::optional<double>> hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) override {
         return hiddenCorners_.find(brick, cell, corner);
     }
+    void dropCaches() override {
+        walk_.dropCaches();
+        hiddenCorners_.clear();
+    }
     std::uint64_t hiddenBytesRead() const override { return hiddenCorners_.bytesRead(); }
 
 private:

@@ -32,6 +32,8 @@ public:
     virtual bool fetchesAhead() const { return false; }
     /// As prepare(), in a hurry to no one: fetches what the first of `bricks` miss, up to a part of the room.
     virtual Status fetch(std::span<const BrickIndex> /*bricks*/, SlideStats& /*stats*/, std::stop_token /*stop*/) { return {}; }
+    /// Forgets what is kept: no brick is ready any more.
+    virtual void dropCaches() {}
 };
 
 } // namespace isoslider::extract

@@ -97,6 +97,10 @@ public:
     }
 
     void settle() override { backing_.source.settle(); }
+    void dropCaches() override {
+        settle();
+        backing_.source.dropCaches();
+    }
 
     void copyFrame(SurfaceFrame& frame) const override {
         surface_.copyFrame(frame);

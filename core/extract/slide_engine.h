@@ -44,6 +44,8 @@ public:
 
     /// Waits until nothing is read ahead any more.
     virtual void settle() = 0;
+    /// Forgets what is kept of the index. The surface stays; the next move reads anew what it needs.
+    virtual void dropCaches() = 0;
 
     /// The surface as the window needs it: a copy of the live arrays.
     virtual void copyFrame(SurfaceFrame& frame) const = 0;

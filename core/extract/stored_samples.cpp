@@ -153,6 +153,15 @@ void StoredSamples<Sample>::dropUnfilled(std::span<const Slot> missing) {
 }
 
 template <class Sample>
+void StoredSamples<Sample>::dropCaches() {
+    for (const SlotState& state : slots_)
+        if (state.chunk != kNone)
+            slotOf_[state.chunk] = 0;
+    slots_.clear();
+    newest_ = oldest_ = 0;
+}
+
+template <class Sample>
 Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& stats, std::stop_token stop) {
     std::vector<Chunk> order;
     order.reserve(missing.size());

@@ -28,6 +28,7 @@ public:
     Result<Sample> sampleAt(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t& bytesRead) const override;
     bool fetchesAhead() const override { return capacity_ >= kLeastAhead; }
     Status fetch(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) override;
+    void dropCaches() override;
 
     /// Chunks that fit into the cache.
     std::size_t capacity() const { return capacity_; }

@@ -7,9 +7,11 @@ namespace isoslider::index {
 
 HiddenCorners::HiddenCorners(const IndexReader& reader) : reader_(reader), pages_(reader.meta().hiddenPages.size()) {}
 
-HiddenCorners::~HiddenCorners() {
-    for (const auto& page : pages_)
-        delete page.load(std::memory_order_relaxed);
+HiddenCorners::~HiddenCorners() { clear(); }
+
+void HiddenCorners::clear() {
+    for (auto& page : pages_)
+        delete page.exchange(nullptr, std::memory_order_relaxed);
 }
 
 Result<std::optional<double>> HiddenCorners::find(BrickIndex brick, LocalPoint cell, int corner) const {

@@ -31,6 +31,8 @@ public:
     std::uint64_t bytesRead() const { return bytesRead_.load(std::memory_order_relaxed); }
     /// Of the pages kept.
     std::uint64_t memoryBytes() const;
+    /// Forgets the pages kept. REQUIRES: no other thread is looking.
+    void clear();
 
 private:
     Result<const HiddenPage*> load(std::size_t index) const;

@@ -111,6 +111,13 @@ std::uint64_t LazyLevels<Key>::memoryBytes() const {
     return bytes_;
 }
 
+template <class Key>
+void LazyLevels<Key>::clear() {
+    const std::lock_guard lock(mutex_);
+    blocks_.clear();
+    bytes_ = 0;
+}
+
 template class LazyLevels<std::uint16_t>;
 template class LazyLevels<std::uint32_t>;
 template class LazyLevels<std::uint64_t>;

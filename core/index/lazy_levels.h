@@ -50,6 +50,7 @@ public:
     Result<Page> get(const Group& group, const Below& below);
 
     std::uint64_t memoryBytes() const;
+    void clear();
 
 private:
     Result<Page> build(const Group& group, const Below& below);

@@ -213,6 +213,36 @@ TEST(SlideWays, AreBoundedByTheCache) {
     EXPECT_EQ(chunks[3], 0u) << "all in the cache";
 }
 
+// Forgetting costs reading, nothing else.
+TEST(SlideWays, ReadAnewWhatTheyForgot) {
+    const test::TemporaryFolder folder;
+    const auto grid = hillSampledFiner(64);
+    const std::vector<Way> ways = allWays(grid, folder / "");
+    ASSERT_FALSE(HasFailure());
+    for (const Way& way : ways) {
+        SCOPED_TRACE(way.name);
+        std::uint64_t kept = 0, forgotten = 0;
+        for (int step = 0; step < 12; ++step) { // to and fro, forgetting in the second half
+            const double isovalue = 45000.0 + (step % 2 ? 100.0 : 0.0);
+            const auto moved = way.engine->slideTo(isovalue);
+            ASSERT_THAT(moved, IsOk());
+            way.engine->settle();
+            if (step == 5 || step == 11) {
+                ASSERT_TRUE(test::isSameSurface(way.engine->mesh(), extractFull(*grid, isovalue).value()));
+            }
+            if (step >= 2)
+                (step < 6 ? kept : forgotten) += moved.value().bytesRead;
+            if (step >= 5)
+                way.engine->dropCaches();
+        }
+        EXPECT_GE(forgotten, kept);
+        if (way.name == "edges" || way.name == "metacells, cache of all") {
+            EXPECT_EQ(kept, 0u);
+            EXPECT_GT(forgotten, 0u);
+        }
+    }
+}
+
 TEST(SlideWays, DoNotReadBricksThatAreOnOneSideAtBothEnds) {
     const test::TemporaryFolder folder;
     const auto grid = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(64), [](std::int64_t x, std::int64_t, std::int64_t) { return static_cast<float>(x); });
