@@ -69,7 +69,7 @@ Result<bool> runVolume(const std::string& spec, const Options& options) {
     auto volume = loadWorkload(spec, ISOSLIDER_RESOURCES_DIR);
     if (!volume.isOk())
         return std::move(volume).error();
-    auto index = prepareIndex(volume.value(), options.folder, options.reusesIndex, 0);
+    auto index = prepareIndex(volume.value(), {options.folder, index::IndexKind::Edges, options.reusesIndex});
     if (!index.isOk())
         return std::move(index).error();
     bool agrees = true;

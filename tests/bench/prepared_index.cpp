@@ -1,10 +1,6 @@
 #include "tests/bench/prepared_index.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <fstream>
 #include <utility>
 
 #include "core/extract/full_extraction.h"
@@ -13,6 +9,7 @@
 #include "core/volume_io/volume_reader.h"
 #include "preprocess/build_index.h"
 #include "tests/bench/timing.h"
+#include "tests/bench/volume_file.h"
 
 namespace isoslider::bench {
 
@@ -30,11 +27,10 @@ double sortSeconds(const ScalarGrid& grid) {
     });
 }
 
-Result<PreparedIndex> prepareIndex(const BenchVolume& volume, const std::filesystem::path& folder,
-                                   bool reuses, int threads) {
+Result<PreparedIndex> prepareIndex(const BenchVolume& volume, const PrepareOptions& wanted) {
     PreparedIndex prepared;
-    prepared.path = folder / (volume.name + ".isx");
-    if (reuses && std::filesystem::exists(prepared.path)) {
+    prepared.path = wanted.folder / (volume.name + "." + index::indexKindName(wanted.kind) + ".isx");
+    if (wanted.reuses && std::filesystem::exists(prepared.path)) {
         auto reader = index::IndexReader::open(prepared.path);
         if (!reader.isOk())
             return std::move(reader).error();
@@ -45,7 +41,8 @@ Result<PreparedIndex> prepareIndex(const BenchVolume& volume, const std::filesys
     const auto source = io::makeMemorySource(volume.grid);
     preprocess::BuildOptions options;
     options.sourceName = volume.name;
-    options.threads = threads;
+    options.kind = wanted.kind;
+    options.threads = wanted.threads;
     const double start = nowMs();
     auto report = preprocess::buildIndex(*source, prepared.path, options);
     prepared.buildSeconds = 1e-3 * (nowMs() - start);
@@ -59,19 +56,11 @@ Result<PreparedIndex> prepareIndex(const BenchVolume& volume, const std::filesys
 
 Result<double> firstPictureSeconds(const BenchVolume& volume, const std::filesystem::path& folder) {
     const std::filesystem::path path = folder / (volume.name + ".first_picture.raw");
-    {
-        const auto bytes = volume.grid->bytes();
-        std::ofstream file(path, std::ios::binary);
-        file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-        if (!file.flush())
-            return makeError(ErrorCode::IoError, "cannot write the volume", path.string());
-    }
-    io::ReadOptions options;
-    options.raw.emplace();
-    options.raw->dims = volume.grid->dims();
-    options.raw->type = volume.grid->type();
+    const auto file = writeVolumeFile(*volume.grid, path);
+    if (!file.isOk())
+        return file.error();
     const double start = nowMs();
-    auto grid = io::readVolume(path, options);
+    auto grid = io::readVolume(path, file.value().readOptions());
     if (!grid.isOk())
         return std::move(grid).error();
     auto mesh = extract::extractFull(*grid.value(), volume.centre);
@@ -80,14 +69,6 @@ Result<double> firstPictureSeconds(const BenchVolume& volume, const std::filesys
     if (!mesh.isOk())
         return std::move(mesh).error();
     return seconds;
-}
-
-void dropFromMemory(const std::filesystem::path& path) {
-    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (file < 0)
-        return;
-    (void)::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
-    ::close(file);
 }
 
 } // namespace isoslider::bench

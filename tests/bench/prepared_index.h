@@ -21,10 +21,16 @@ struct PreparedIndex {
     }
 };
 
-/// Builds the index of a volume into `folder`, with the builder's defaults on `threads` threads, or takes
-/// the one that is there when `reuses` is set. Errors: those of buildIndex and of opening an index.
-Result<PreparedIndex> prepareIndex(const BenchVolume& volume, const std::filesystem::path& folder,
-                                   bool reuses, int threads);
+struct PrepareOptions {
+    std::filesystem::path folder; ///< where the index is kept
+    index::IndexKind kind = index::IndexKind::Edges;
+    bool reuses = false; ///< takes the one that is there
+    int threads = 0;
+};
+
+/// Builds the index of a volume, with the builder's defaults but for the options. Errors: those of buildIndex
+/// and of opening an index.
+Result<PreparedIndex> prepareIndex(const BenchVolume& volume, const PrepareOptions& options);
 
 /// Seconds for one std::sort, on one thread, of the pairs (value, id) of all finite samples.
 double sortSeconds(const ScalarGrid& grid);
@@ -32,8 +38,5 @@ double sortSeconds(const ScalarGrid& grid);
 /// Seconds from a headerless file of the volume to its first surface by full extraction: the file is
 /// written to `folder` first and removed afterwards. Errors: IoError.
 Result<double> firstPictureSeconds(const BenchVolume& volume, const std::filesystem::path& folder);
-
-/// Asks the system to forget what it keeps of a file in memory.
-void dropFromMemory(const std::filesystem::path& path);
 
 } // namespace isoslider::bench

@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kMega = 1024.0 * 1024.0;
 
-double perEdge(std::uint64_t bytes, std::uint64_t emptyBytes, std::uint64_t edges) {
-    return bytes > emptyBytes && edges > 0
-               ? static_cast<double>(bytes - emptyBytes) / static_cast<double>(edges)
-               : 0.0;
-}
-
 std::string shortName(const std::string& name) { return name.size() <= 16 ? name : name.substr(0, 15) + "~"; }
 
 // One line of the table of figures: what is to be reached, and what was.
@@ -91,12 +85,12 @@ void printStepFigures(const std::vector<VolumeReport>& reports, bool isCold, Fig
     for (const VolumeReport& report : reports)
         for (const SlideRow& row : report.rows) {
             worst.takeSmaller(row.ratio(), placeOf(row));
-            slowestUpdate.takeLarger(row.nsPerChange, placeOf(row));
-            slowestInterpolation.takeLarger(row.copyRatio(), placeOf(row));
-            if (row.nsPerChange > 0.0)
-                updates.push_back(row.nsPerChange);
-            if (row.copyRatio() > 0.0)
-                interpolations.push_back(row.copyRatio());
+            slowestUpdate.takeLarger(row.ours().nsPerChange, placeOf(row));
+            slowestInterpolation.takeLarger(row.ours().copyRatio(), placeOf(row));
+            if (row.ours().nsPerChange > 0.0)
+                updates.push_back(row.ours().nsPerChange);
+            if (row.ours().copyRatio() > 0.0)
+                interpolations.push_back(row.ours().copyRatio());
         }
     table.atLeast(isCold ? "worst row, cold: times faster than the peer"
                          : "worst row, times faster than the peer",
@@ -134,9 +128,6 @@ void printVolumeFigures(const std::vector<VolumeReport>& reports, FigureTable& t
 
 } // namespace
 
-double ProbeResult::bytesPerEdgeAtFirst() const { return perEdge(firstBytes, emptyBytes, firstEdges); }
-double ProbeResult::bytesPerEdgeAfterSlide() const { return perEdge(slideBytes, emptyBytes, mostEdges); }
-
 void printVolume(const VolumeReport& report) {
     const auto& dims = report.volume.grid->dims();
     const PreparedIndex& index = report.index;
@@ -148,8 +139,8 @@ void printVolume(const VolumeReport& report) {
                    index.sortSeconds, index.buildSeconds / index.sortSeconds);
     else
         fmt::print("  index of an earlier run; ");
-    fmt::print("{:.1f} MB, {:.1f} bytes per voxel\n", static_cast<double>(index.info.indexBytes) / kMega,
-               index.bytesPerVoxel());
+    fmt::print("{}: {:.1f} MB, {:.1f} bytes per voxel\n", index::indexKindName(index.info.kind),
+               static_cast<double>(index.info.indexBytes) / kMega, index.bytesPerVoxel());
     const ProbeResult& probe = report.probe;
     fmt::print(
         "  open {:.1f} ms, first surface {:.1f} ms after start; first picture of the raw volume {:.2f} s\n",
@@ -170,19 +161,21 @@ void printRowHeading() {
 }
 
 void printRow(const SlideRow& row) {
+    const EngineRow& ours = row.ours();
     const auto orDash = [](bool exists, double value, int digits) {
         return exists ? fmt::format("{:.{}f}", value, digits) : std::string("-");
     };
     fmt::print(
         "{:<16} {:>6g} {:>9.2f} {:>9} {:>7} {:>8.2f} {:>8.2f} {:>7} {:>9.0f} {:>9.0f} {:>7} {:>10.0f} {:>6.2f} {:>4} {:>9} {:>8.0f} {:>8.0f} {:>6}{}\n",
-        shortName(row.volume), row.percent, row.product.median,
+        shortName(row.volume), row.percent, ours.times.median,
         orDash(row.peer.has_value(), row.peer ? row.peer->times.median : 0, 2),
-        orDash(row.peer.has_value(), row.ratio(), 2), row.updateMs, row.interpolateMs,
-        orDash(row.nsPerChange > 0, row.nsPerChange, 0), row.activeEdges, row.edgesChanged,
-        orDash(row.edgesChanged > 0, row.edgesTouched / std::max(1.0, row.edgesChanged), 2), row.bytesRead,
-        row.copyRatio(), row.rebuilds,
-        orDash(row.baseline.has_value(), row.baseline ? row.baseline->median : 0, 2), row.ambiguousCells, row.cellsResolved,
-        orDash(row.cellsResolved > 0, 1e6 * row.resolveMs / std::max(1.0, row.cellsResolved), 0),
+        orDash(row.peer.has_value(), row.ratio(), 2), ours.updateMs, ours.interpolateMs,
+        orDash(ours.nsPerChange > 0, ours.nsPerChange, 0), ours.activeEdges, ours.edgesChanged,
+        orDash(ours.edgesChanged > 0, ours.edgesTouched / std::max(1.0, ours.edgesChanged), 2), ours.bytesRead,
+        ours.copyRatio(), ours.rebuilds,
+        orDash(row.baseline.has_value(), row.baseline ? row.baseline->median : 0, 2), ours.ambiguousCells,
+        ours.cellsResolved,
+        orDash(ours.cellsResolved > 0, 1e6 * ours.resolveMs / std::max(1.0, ours.cellsResolved), 0),
         row.disagreements > 0 ? fmt::format("  DISAGREES at {} steps", row.disagreements) : "");
     std::fflush(stdout);
 }
@@ -204,11 +197,12 @@ void printSummary(const std::vector<VolumeReport>& reports, bool isCold) {
 }
 
 std::string productCsv(const SlideRow& row, const VolumeReport& report, int threads) {
-    const Spread& t = row.product;
+    const EngineRow& ours = row.ours();
+    const Spread& t = ours.times;
     return fmt::format(
         "isoslider,TBB,{},{},{:g},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.0f},{:.0f},1,0.0,{:.1f},{},{}",
-        threads, row.volume, row.percent, row.steps, t.median, t.p95, t.max, t.min, row.productFirstMs,
-        row.triangles, row.activeEdges, 1e3 * report.index.buildSeconds, report.probe.emptyBytes >> 20,
+        threads, row.volume, row.percent, row.steps, t.median, t.p95, t.max, t.min, ours.firstMs,
+        ours.triangles, ours.activeEdges, 1e3 * report.index.buildSeconds, report.probe.emptyBytes >> 20,
         report.probe.peakBytes >> 20);
 }
 

@@ -4,24 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/prepared_index.h"
+#include "tests/bench/probes.h"
 #include "tests/bench/slide_row.h"
 
 namespace isoslider::bench {
-
-/// The product in a process of its own (slide_probe).
-struct ProbeResult {
-    double openMs = 0.0;
-    double firstSurfaceMs = 0.0; ///< from nothing: opening included
-    std::uint64_t emptyBytes = 0; ///< before the index was opened
-    std::uint64_t firstBytes = 0; ///< with the first surface
-    std::uint64_t slideBytes = 0; ///< after a slide of 1 % steps
-    std::uint64_t peakBytes = 0;
-    std::uint64_t firstEdges = 0;
-    std::uint64_t mostEdges = 0;
-
-    double bytesPerEdgeAtFirst() const;
-    double bytesPerEdgeAfterSlide() const;
-};
 
 /// Everything measured for one volume.
 struct VolumeReport {

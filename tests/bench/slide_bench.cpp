@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <map>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -20,43 +21,10 @@ struct Options {
     RowOptions row;
     std::filesystem::path folder = std::filesystem::temp_directory_path() / "isoslider_bench";
     std::filesystem::path csv;
+    index::IndexKind kind = index::IndexKind::Edges;
     bool reusesIndex = false;
     bool withoutPeer = false;
 };
-
-std::string quoted(const std::filesystem::path& path) {
-    std::string out = "'";
-    for (const char c : path.string())
-        out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
-}
-
-// Runs slide_probe, which lies beside this program, over a slide of 1 % steps. cacheBytes -1: the default.
-Result<ProbeResult> probe(const BenchVolume& volume, const PreparedIndex& index, const Options& options,
-                          long long cacheBytes) {
-    const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "slide_probe";
-    std::string command =
-        fmt::format("{} {} {} {}", quoted(program), quoted(index.path), options.row.threads, cacheBytes);
-    for (const double isovalue : slide(volume, 1.0, options.row.steps))
-        command += fmt::format(" {}", isovalue);
-    std::FILE* pipe = ::popen(command.c_str(), "r");
-    if (pipe == nullptr)
-        return makeError(ErrorCode::IoError, "cannot start", program.string());
-    ProbeResult result;
-    unsigned long long bytes[4] = {}, edges[2] = {};
-    const int fields =
-        std::fscanf(pipe, "%lf %lf %llu %llu %llu %llu %llu %llu", &result.openMs, &result.firstSurfaceMs,
-                    &bytes[0], &bytes[1], &bytes[2], &bytes[3], &edges[0], &edges[1]);
-    if (::pclose(pipe) != 0 || fields != 8)
-        return makeError(ErrorCode::IoError, "did not answer", program.string());
-    result.emptyBytes = bytes[0];
-    result.firstBytes = bytes[1];
-    result.slideBytes = bytes[2];
-    result.peakBytes = bytes[3];
-    result.firstEdges = edges[0];
-    result.mostEdges = edges[1];
-    return result;
-}
 
 Result<VolumeReport> runVolume(const std::string& spec, const Options& options, std::ofstream& csv) {
     const NoiseWitness noise;
@@ -65,16 +33,21 @@ Result<VolumeReport> runVolume(const std::string& spec, const Options& options, 
     if (!volume.isOk())
         return std::move(volume).error();
     report.volume = std::move(volume).value();
-    auto index = prepareIndex(report.volume, options.folder, options.reusesIndex, options.row.threads);
+    auto index =
+        prepareIndex(report.volume, {options.folder, options.kind, options.reusesIndex, options.row.threads});
     if (!index.isOk())
         return std::move(index).error();
     report.index = std::move(index).value();
-    for (auto [result, cacheBytes] :
-         {std::pair{&report.probe, -1LL}, std::pair{&report.probeWithoutCache, 0LL}}) {
-        auto probed = probe(report.volume, report.index, options, cacheBytes);
+    ProbeRequest request;
+    request.index = report.index.path;
+    request.threads = options.row.threads;
+    request.isovalues = slide(report.volume, 1.0, options.row.steps);
+    for (ProbeResult* result : {&report.probe, &report.probeWithoutCache}) {
+        auto probed = probeSlide(request);
         if (!probed.isOk())
             return std::move(probed).error();
         *result = probed.value();
+        request.cacheBytes = 0;
     }
     auto picture = firstPictureSeconds(report.volume, options.folder);
     if (!picture.isOk())
@@ -83,10 +56,11 @@ Result<VolumeReport> runVolume(const std::string& spec, const Options& options, 
     printVolume(report);
     printRowHeading();
     const std::uint64_t baseBytes = residentBytes();
+    const std::vector<Contestant> contestants{contestantOnIndex("isoslider", report.index.path)};
     for (const double percent : options.percents) {
         RowOptions rowOptions = options.row;
         rowOptions.percent = percent;
-        auto row = measureRow(report.volume, report.index, rowOptions);
+        auto row = measureRow(report.volume, contestants, rowOptions);
         if (!row.isOk())
             return std::move(row).error();
         printRow(row.value());
@@ -115,7 +89,13 @@ void addOptions(CLI::App& app, Options& options) {
     app.add_option("--csv", options.csv, "append a row per volume and step size to this file");
     app.add_option("--peer-backend", options.row.peerBackend,
                    "threads of the peer: STDThread, TBB or Sequential");
-    app.add_flag("--cold", options.row.isCold, "no index page in memory at the start of a step");
+    const std::map<std::string, index::IndexKind> kinds{{"edges", index::IndexKind::Edges},
+                                                        {"metacells", index::IndexKind::Metacells}};
+    app.add_option("--index", options.kind, "kind of index: edges or metacells")
+        ->transform(CLI::CheckedTransformer(kinds));
+    app.add_flag_callback(
+        "--cold", [&options] { options.row.caches = CacheState::Empty; },
+        "nothing of the index in memory at the start of a step");
     app.add_flag("--baseline", options.row.withBaseline, "the paper's flat layout beside the product");
     app.add_flag("--no-peer", options.withoutPeer, "the product alone");
     app.add_flag("--reuse-index", options.reusesIndex, "take the index of an earlier run");
@@ -128,6 +108,10 @@ int main(int argc, char** argv) {
     CLI::App app("Times slides of the product and of its fastest peer in turn");
     addOptions(app, options);
     CLI11_PARSE(app, argc, argv);
+    if (options.row.withBaseline && options.kind != index::IndexKind::Edges) {
+        fmt::print(stderr, "slide_bench: the paper's flat layout wants an index of edges\n");
+        return 2;
+    }
     options.row.withPeer = hasPeer() && !options.withoutPeer;
     if (!hasPeer())
         fmt::print("built without VTK: no peer\n");
@@ -153,6 +137,6 @@ int main(int argc, char** argv) {
             disagreements += row.disagreements;
         reports.push_back(std::move(report).value());
     }
-    printSummary(reports, options.row.isCold);
+    printSummary(reports, options.row.caches == CacheState::Empty);
     return disagreements == 0 ? 0 : 1;
 }

@@ -1,14 +1,16 @@
 #include "tests/bench/slide_row.h"
 
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include <tbb/parallel_for.h>
 
 #include "core/extract/edge_interpolation.h"
-#include "core/extract/slide_engine.h"
 #include "core/grid/brick_grid.h"
 #include "tests/bench/flat_runner.h"
 #include "tests/bench/peer_flying_edges.h"
+#include "tests/bench/volume_file.h"
 
 namespace isoslider::bench {
 namespace {
@@ -62,26 +64,93 @@ private:
     std::vector<std::byte> from_, to_;
 };
 
+// One contestant while its slide runs.
+class RunningEngine {
+public:
+    explicit RunningEngine(const Contestant& contestant) : contestant_(contestant) { row_.name = contestant.name; }
+
+    Status open() {
+        auto engine = contestant_.open();
+        if (!engine.isOk())
+            return std::move(engine).error();
+        engine_ = std::move(engine).value();
+        return {};
+    }
+
+    Result<extract::SlideStats> step(double isovalue, bool isFirst, CacheState caches) {
+        if (caches == CacheState::Empty)
+            engine_->dropCaches();
+        if (caches != CacheState::AsLeft && !contestant_.file.empty())
+            dropFromMemory(contestant_.file);
+        const double start = nowMs();
+        auto moved = engine_->slideTo(isovalue);
+        const double elapsed = nowMs() - start;
+        if (moved.isOk() && isFirst)
+            row_.firstMs = elapsed;
+        else if (moved.isOk())
+            add(moved.value(), elapsed);
+        return moved;
+    }
+
+    void addCopy(double elapsedMs) { copies_.push_back(elapsedMs); }
+
+    EngineRow finish(int steps) {
+        row_.times = spreadOf(times_);
+        row_.updateMs = spreadOf(updates_).median;
+        row_.interpolateMs = spreadOf(interpolations_).median;
+        row_.copyMs = spreadOf(copies_).median;
+        row_.nsPerChange = spreadOf(nsPerChange_).median;
+        for (double* sum : {&row_.activeEdges, &row_.triangles, &row_.edgesChanged, &row_.edgesTouched,
+                            &row_.bytesRead, &row_.bytesAhead, &row_.bricksRead, &row_.chunksRead,
+                            &row_.ambiguousCells, &row_.cellsResolved, &row_.resolveMs})
+            *sum /= steps;
+        return row_;
+    }
+
+private:
+    void add(const extract::SlideStats& stats, double elapsedMs) {
+        times_.push_back(elapsedMs);
+        updates_.push_back(stats.updateMs);
+        interpolations_.push_back(stats.interpolateMs);
+        row_.rebuilds += stats.hasRebuilt ? 1 : 0;
+        const std::uint64_t changed = stats.edgesAdded + stats.edgesRemoved;
+        if (changed > 0)
+            nsPerChange_.push_back(1e6 * stats.updateMs / static_cast<double>(changed));
+        row_.activeEdges += static_cast<double>(stats.activeEdges);
+        row_.triangles += static_cast<double>(stats.triangles);
+        row_.edgesChanged += static_cast<double>(changed);
+        row_.edgesTouched += static_cast<double>(stats.edgesTouched);
+        row_.bytesRead += static_cast<double>(stats.bytesRead);
+        row_.bytesAhead += static_cast<double>(stats.bytesAhead);
+        row_.bricksRead += static_cast<double>(stats.bricksRead);
+        row_.chunksRead += static_cast<double>(stats.chunksRead);
+        row_.ambiguousCells += static_cast<double>(stats.ambiguousCells);
+        row_.cellsResolved += static_cast<double>(stats.cellsResolved);
+        row_.resolveMs += stats.resolveMs;
+    }
+
+    const Contestant& contestant_;
+    EngineRow row_;
+    std::unique_ptr<extract::SlideEngine> engine_;
+    std::vector<double> times_, updates_, interpolations_, copies_, nsPerChange_;
+};
+
 // One slide while it runs.
 class Slide {
 public:
-    Slide(const BenchVolume& volume, const PreparedIndex& index, const RowOptions& options)
-        : volume_(volume), index_(index), options_(options) {
+    Slide(const BenchVolume& volume, const RowOptions& options) : volume_(volume), options_(options) {
         row_.volume = volume.name;
         row_.percent = options.percent;
         row_.steps = options.steps;
     }
 
-    Status open() {
-        extract::SlideOptions engineOptions;
-        if (options_.isCold)
-            engineOptions.cacheBytes = 0;
-        auto engine = extract::SlideEngine::open(index_.path, engineOptions);
-        if (!engine.isOk())
-            return std::move(engine).error();
-        engine_ = std::move(engine).value();
+    Status open(const std::vector<Contestant>& contestants) {
+        for (const Contestant& contestant : contestants) {
+            engines_.emplace_back(contestant);
+            ISO_TRY(engines_.back().open());
+        }
         if (options_.withBaseline) {
-            auto flat = FlatRunner::open(index_.path);
+            auto flat = FlatRunner::open(contestants.front().file);
             if (!flat.isOk())
                 return std::move(flat).error();
             flat_ = std::move(flat).value();
@@ -95,38 +164,29 @@ public:
         return {};
     }
 
-    // Product, copy, peer, baseline: each finds the caches as the others left them.
+    // Contestants with a copy each, peer, baseline: each finds the processor's caches as the others left them.
     Status step(double isovalue, bool isFirst) {
-        if (options_.isCold)
-            dropFromMemory(index_.path);
-        const double start = nowMs();
-        const auto moved = engine_->slideTo(isovalue);
-        const double elapsed = nowMs() - start;
-        if (!moved.isOk())
-            return moved.error();
-        const extract::SlideStats& stats = moved.value();
-        if (isFirst)
-            row_.productFirstMs = elapsed;
-        else
-            addProduct(stats, elapsed);
-        const double copied =
-            witness_.copyMs(stats.activeEdges * interpolationBytes(volume_.grid->type()), options_.threads);
-        if (!isFirst)
-            copies_.push_back(copied);
-        runPeer(isovalue, isFirst, stats);
-        return runBaseline(isovalue, isFirst, stats);
+        std::optional<extract::SlideStats> first;
+        for (RunningEngine& engine : engines_) {
+            const auto moved = engine.step(isovalue, isFirst, options_.caches);
+            if (!moved.isOk())
+                return moved.error();
+            const extract::SlideStats& stats = moved.value();
+            if (!first)
+                first = stats;
+            row_.disagreements +=
+                first->activeEdges == stats.activeEdges && first->triangles == stats.triangles ? 0 : 1;
+            runCopy(engine, isFirst, stats);
+            if (options_.pauseMs > 0)
+                std::this_thread::sleep_for(std::chrono::milliseconds(options_.pauseMs));
+        }
+        runPeer(isovalue, isFirst, *first);
+        return runBaseline(isovalue, isFirst, *first);
     }
 
     SlideRow finish() {
-        row_.product = spreadOf(products_);
-        row_.updateMs = spreadOf(updates_).median;
-        row_.interpolateMs = spreadOf(interpolations_).median;
-        row_.copyMs = spreadOf(copies_).median;
-        row_.nsPerChange = spreadOf(nsPerChange_).median;
-        for (double* sum :
-             {&row_.activeEdges, &row_.triangles, &row_.edgesChanged, &row_.edgesTouched, &row_.bytesRead,
-              &row_.ambiguousCells, &row_.cellsResolved, &row_.resolveMs})
-            *sum /= options_.steps;
+        for (RunningEngine& engine : engines_)
+            row_.engines.push_back(engine.finish(options_.steps));
         if (row_.peer) {
             row_.peer->times = spreadOf(peers_);
             row_.peer->vertices /= options_.steps;
@@ -138,22 +198,13 @@ public:
     }
 
 private:
-    void addProduct(const extract::SlideStats& stats, double elapsedMs) {
-        products_.push_back(elapsedMs);
-        updates_.push_back(stats.updateMs);
-        interpolations_.push_back(stats.interpolateMs);
-        row_.rebuilds += stats.hasRebuilt ? 1 : 0;
-        row_.activeEdges += static_cast<double>(stats.activeEdges);
-        row_.triangles += static_cast<double>(stats.triangles);
-        const std::uint64_t changed = stats.edgesAdded + stats.edgesRemoved;
-        row_.edgesChanged += static_cast<double>(changed);
-        if (changed > 0)
-            nsPerChange_.push_back(1e6 * stats.updateMs / static_cast<double>(changed));
-        row_.edgesTouched += static_cast<double>(stats.edgesTouched);
-        row_.bytesRead += static_cast<double>(stats.bytesRead);
-        row_.ambiguousCells += static_cast<double>(stats.ambiguousCells);
-        row_.cellsResolved += static_cast<double>(stats.cellsResolved);
-        row_.resolveMs += stats.resolveMs;
+    void runCopy(RunningEngine& engine, bool isFirst, const extract::SlideStats& stats) {
+        if (!options_.withCopy)
+            return;
+        const double copied =
+            witness_.copyMs(stats.activeEdges * interpolationBytes(volume_.grid->type()), options_.threads);
+        if (!isFirst)
+            engine.addCopy(copied);
     }
 
     void runPeer([[maybe_unused]] double isovalue, [[maybe_unused]] bool isFirst,
@@ -193,26 +244,30 @@ private:
     }
 
     const BenchVolume& volume_;
-    const PreparedIndex& index_;
     const RowOptions& options_;
     SlideRow row_;
-    std::unique_ptr<extract::SlideEngine> engine_;
+    std::vector<RunningEngine> engines_;
     std::unique_ptr<FlatRunner> flat_;
 #if ISOSLIDER_BENCH_HAS_PEER
     std::unique_ptr<FlyingEdges> peer_;
 #endif
     CopyWitness witness_;
-    std::vector<double> products_, updates_, interpolations_, copies_, nsPerChange_, peers_, flats_;
+    std::vector<double> peers_, flats_;
 };
 
 } // namespace
 
 bool hasPeer() { return ISOSLIDER_BENCH_HAS_PEER != 0; }
 
-Result<SlideRow> measureRow(const BenchVolume& volume, const PreparedIndex& index,
+Contestant contestantOnIndex(std::string name, const std::filesystem::path& path,
+                             const extract::SlideOptions& options) {
+    return {std::move(name), path, [path, options] { return extract::SlideEngine::open(path, options); }};
+}
+
+Result<SlideRow> measureRow(const BenchVolume& volume, const std::vector<Contestant>& contestants,
                             const RowOptions& options) {
-    Slide run(volume, index, options);
-    ISO_TRY(run.open());
+    Slide run(volume, options);
+    ISO_TRY(run.open(contestants));
     bool isFirst = true;
     for (const double isovalue : slide(volume, options.percent, options.steps)) {
         ISO_TRY(run.step(isovalue, isFirst));

@@ -1,32 +1,53 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
-#include "tests/bench/prepared_index.h"
+#include "core/extract/slide_engine.h"
 #include "tests/bench/timing.h"
+#include "tests/bench/workloads.h"
 
 namespace isoslider::bench {
+
+/// The product on one thing to slide on: an index of either kind, or a volume in memory.
+struct Contestant {
+    std::string name;
+    std::filesystem::path file; ///< the index; empty: nothing on disk
+    std::function<Result<std::unique_ptr<extract::SlideEngine>>()> open;
+};
+
+/// An index. Reading ahead is off unless asked for: it would go on while others are timed.
+Contestant contestantOnIndex(std::string name, const std::filesystem::path& path,
+                             const extract::SlideOptions& options = {std::nullopt, false});
+
+/// What a step finds in memory of the index.
+enum class CacheState {
+    AsLeft, ///< what the steps before have left
+    OnDisk, ///< what was decoded before, within its bound; of the file nothing
+    Empty,  ///< nothing decoded, nothing of the file
+};
 
 struct RowOptions {
     double percent = 1.0;
     int steps = 20;
     int threads = 2;
-    bool isCold = false; ///< no decoded page is kept, and the file is dropped from memory before each step
-    bool withPeer = true; ///< ignored in a build without VTK
-    bool withBaseline = false;
+    CacheState caches = CacheState::AsLeft;
+    int pauseMs = 0;       ///< after each contestant's step: time to read ahead, where that is on
+    bool withCopy = true;  ///< a copy of what interpolation touches, after each contestant
+    bool withPeer = true;  ///< ignored in a build without VTK
+    bool withBaseline = false; ///< REQUIRES: the first contestant has an index of edges
     std::string peerBackend = "STDThread";
 };
 
-/// One slide of one volume, all contestants in turn at each isovalue. Times in milliseconds per step.
-struct SlideRow {
-    std::string volume;
-    double percent = 0.0;
-    int steps = 0;
-
-    Spread product;
-    double productFirstMs = 0.0; ///< to the first isovalue of the slide, which is no step
+/// What one contestant took. Times in milliseconds per step.
+struct EngineRow {
+    std::string name;
+    Spread times;
+    double firstMs = 0.0; ///< to the first isovalue of the slide, which is no step
     double updateMs = 0.0; ///< median
     double interpolateMs = 0.0; ///< median
     double copyMs = 0.0; ///< median; memcpy of as many bytes as interpolation reads and writes
@@ -39,9 +60,22 @@ struct SlideRow {
     double edgesChanged = 0.0;
     double edgesTouched = 0.0;
     double bytesRead = 0.0;
+    double bytesAhead = 0.0;
+    double bricksRead = 0.0;
+    double chunksRead = 0.0;
     double ambiguousCells = 0.0; ///< active cells whose signs do not tell their surface
     double cellsResolved = 0.0;  ///< of them decided in the step, by their corner scalars
     double resolveMs = 0.0;      ///< that, summed over the threads
+
+    double copyRatio() const { return copyMs > 0.0 ? interpolateMs / copyMs : 0.0; }
+};
+
+/// One slide of one volume, all contestants in turn at each isovalue.
+struct SlideRow {
+    std::string volume;
+    double percent = 0.0;
+    int steps = 0;
+    std::vector<EngineRow> engines;
 
     struct Peer {
         Spread times;
@@ -53,15 +87,18 @@ struct SlideRow {
     };
     std::optional<Peer> peer;
     std::optional<Spread> baseline;
-    int disagreements = 0; ///< steps at which a contestant has another number of vertices
+    int disagreements = 0; ///< steps at which a contestant has another number of vertices or triangles
 
-    double ratio() const { return peer ? peer->times.median / product.median : 0.0; }
-    double copyRatio() const { return copyMs > 0.0 ? interpolateMs / copyMs : 0.0; }
+    const EngineRow& ours() const { return engines.front(); }
+    /// How many times faster than the peer; 0 without it.
+    double ratio(const EngineRow& engine) const { return peer ? peer->times.median / engine.times.median : 0.0; }
+    double ratio() const { return ratio(ours()); }
 };
 
 /// Measures one row. Peers see samples that are missing as below every isovalue and make vertices there:
-/// on such volumes a peer must only have no fewer. Errors: those of the engine.
-Result<SlideRow> measureRow(const BenchVolume& volume, const PreparedIndex& index, const RowOptions& options);
+/// on such volumes a peer must only have no fewer. REQUIRES: a contestant. Errors: those of the engines.
+Result<SlideRow> measureRow(const BenchVolume& volume, const std::vector<Contestant>& contestants,
+                            const RowOptions& options);
 
 /// True when the bench was built with the peer.
 bool hasPeer();
