@@ -5,14 +5,18 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <mutex>
 #include <numbers>
 #include <random>
 #include <optional>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include "core/grid/classification.h"
+#include "core/volume_io/byte_stream.h"
 #include "core/volume_io/sample_volumes.h"
 #include "core/volume_io/volume_reader.h"
 
@@ -74,41 +78,69 @@ void addOctave(std::uint32_t octave, float amplitude, int size, int y, int z, fl
     }
 }
 
+struct Range {
+    double min = std::numeric_limits<double>::infinity();
+    double max = -std::numeric_limits<double>::infinity();
+    bool hasMissing = false;
+};
+
 void findRange(BenchVolume& volume) {
-    volume.grid->visit([&](auto samples) {
-        bool isFirst = true;
-        for (const auto sample : samples) {
-            if (isMissing(sample)) {
-                volume.hasMissing = true;
-                continue;
-            }
-            const double value = static_cast<double>(sample);
-            volume.min = isFirst ? value : std::min(volume.min, value);
-            volume.max = isFirst ? value : std::max(volume.max, value);
-            isFirst = false;
-        }
+    const auto joined = [](const Range& a, const Range& b) {
+        return Range{std::min(a.min, b.min), std::max(a.max, b.max), a.hasMissing || b.hasMissing};
+    };
+    const Range range = volume.grid->visit([&](auto samples) {
+        using Sample = std::remove_cv_t<typename decltype(samples)::element_type>;
+        return tbb::parallel_reduce(
+            tbb::blocked_range<std::size_t>(0, samples.size(), std::size_t{1} << 18), Range{},
+            [&](const tbb::blocked_range<std::size_t>& part, const Range& sofar) {
+                Sample least = std::numeric_limits<Sample>::max(), greatest = std::numeric_limits<Sample>::lowest();
+                bool hasMissing = false, hasFinite = false;
+                for (std::size_t i = part.begin(); i < part.end(); ++i) {
+                    if (isMissing(samples[i])) {
+                        hasMissing = true;
+                        continue;
+                    }
+                    hasFinite = true;
+                    least = std::min(least, samples[i]);
+                    greatest = std::max(greatest, samples[i]);
+                }
+                Range found;
+                if (hasFinite)
+                    found = {static_cast<double>(least), static_cast<double>(greatest)};
+                found.hasMissing = hasMissing;
+                return joined(sofar, found);
+            },
+            joined);
     });
+    volume.hasMissing = range.hasMissing;
+    if (range.min <= range.max) {
+        volume.min = range.min;
+        volume.max = range.max;
+    }
 }
 
-// Active edges per candidate, as differences from one candidate to the next.
+// Active edges per candidate isovalue, as differences from one candidate to the next. An edge is active at
+// isovalues in (lower sample, upper sample]: from the candidate after the lower one's place to the upper one's.
 class CandidateCounts {
 public:
+    using Place = std::int16_t;
+    static constexpr Place kMissing = -2;
+
     CandidateCounts(double first, double step) : first_(first), step_(step) {}
 
-    // The edge is active at isovalues in (lower sample, upper sample].
-    void addEdge(double p, double q) {
-        if (!(p < q || q < p))
+    /// The last candidate that is not above the sample; -1 below all.
+    template <class Sample>
+    Place placeOf(Sample sample) const {
+        if (isMissing(sample))
+            return kMissing;
+        const double place = std::floor((static_cast<double>(sample) - first_) / step_);
+        return static_cast<Place>(std::clamp(place, -1.0, kCentreCandidates - 1.0));
+    }
+    void addEdge(Place p, Place q) {
+        if (p == q || p == kMissing || q == kMissing)
             return;
-        const double low = std::min(p, q), high = std::max(p, q);
-        const auto candidateOf = [&](double value) {
-            return static_cast<long>(std::floor((value - first_) / step_));
-        };
-        const long begin = std::clamp(candidateOf(low) + 1, 0L, long{kCentreCandidates});
-        const long last = std::min(candidateOf(high), long{kCentreCandidates} - 1);
-        if (begin > last)
-            return;
-        ++differences_[static_cast<std::size_t>(begin)];
-        --differences_[static_cast<std::size_t>(last) + 1];
+        ++differences_[static_cast<std::size_t>(std::min(p, q) + 1)];
+        --differences_[static_cast<std::size_t>(std::max(p, q) + 1)];
     }
     void add(const CandidateCounts& other) {
         for (std::size_t i = 0; i < differences_.size(); ++i)
@@ -132,22 +164,30 @@ private:
     std::array<long, kCentreCandidates + 1> differences_{};
 };
 
+// The edges that start in planes [begin, end). Each sample's place is found once, or once more at the seam.
 template <class Sample>
-void countPlane(std::span<const Sample> samples, const GridDims& dims, std::int64_t z,
-                CandidateCounts& counts) {
-    const auto [nx, ny, nz] = dims;
-    for (std::int64_t y = 0; y < ny; ++y) {
-        const Sample* row = samples.data() + nx * (y + ny * z);
-        const auto edges = [&](std::int64_t stride, std::int64_t count) {
-            for (std::int64_t x = 0; x < count; ++x)
-                if (!isMissing(row[x]) && !isMissing(row[x + stride]))
-                    counts.addEdge(static_cast<double>(row[x]), static_cast<double>(row[x + stride]));
-        };
-        edges(1, nx - 1);
-        if (y + 1 < ny)
-            edges(nx, nx);
-        if (z + 1 < nz)
-            edges(nx * ny, nx);
+void countPlanes(std::span<const Sample> samples, const GridDims& dims, std::int64_t begin, std::int64_t end,
+                 CandidateCounts& counts) {
+    const std::int64_t nx = dims[0], ny = dims[1], plane = nx * ny;
+    std::vector<CandidateCounts::Place> here, above(static_cast<std::size_t>(plane));
+    const auto placePlane = [&](std::int64_t z) {
+        const Sample* from = samples.data() + plane * z;
+        std::transform(from, from + plane, above.begin(), [&](Sample sample) { return counts.placeOf(sample); });
+    };
+    placePlane(begin);
+    for (std::int64_t z = begin; z < end; ++z) {
+        here = above;
+        if (z + 1 < dims[2])
+            placePlane(z + 1);
+        for (std::int64_t y = 0; y < ny; ++y) {
+            const CandidateCounts::Place* row = here.data() + nx * y;
+            for (std::int64_t x = 0; x + 1 < nx; ++x)
+                counts.addEdge(row[x], row[x + 1]);
+            for (std::int64_t x = 0; x < nx && y + 1 < ny; ++x)
+                counts.addEdge(row[x], row[x + nx]);
+            for (std::int64_t x = 0; x < nx && z + 1 < dims[2]; ++x)
+                counts.addEdge(row[x], above[static_cast<std::size_t>(nx * y + x)]);
+        }
     }
 }
 
@@ -206,7 +246,31 @@ std::shared_ptr<const ScalarGrid> makeNamed(const std::string& spec) {
     return nullptr;
 }
 
+// A map of 137 x 152 x 147 floats after a header of 1024 bytes.
+Result<std::shared_ptr<const ScalarGrid>> readDensityMap(const std::filesystem::path& path) {
+    constexpr std::uint64_t kHeaderBytes = 1024;
+    GridGeometry geometry;
+    geometry.dims = {137, 152, 147};
+    std::vector<std::byte> bytes(static_cast<std::size_t>(pointCount(geometry.dims)) * sizeof(float));
+    auto stream = io::openDeflated(path, 0, kHeaderBytes, bytes.size());
+    if (!stream.isOk())
+        return std::move(stream).error();
+    ISO_TRY(stream.value()->readAt(0, bytes));
+    return std::make_shared<const ScalarGrid>(geometry, ScalarType::F32, std::move(bytes));
+}
+
+Result<std::shared_ptr<const ScalarGrid>> readFurther(const std::string& name) {
+    const std::filesystem::path data = std::filesystem::path(ISOSLIDER_SHARED_DIR) / "data";
+    const bool isMap = name == "jmjd2da";
+    const auto path = isMap ? data / "density" / "JMJD2DA-x336_event2.ccp4.gz" : data / "mhd" / "cranium.mhd";
+    if (!std::filesystem::exists(path))
+        return makeError(ErrorCode::NotFound, "no such file among the further volumes", path.string());
+    return isMap ? readDensityMap(path) : io::readVolume(path);
+}
+
 } // namespace
+
+bool isFurtherVolume(const std::string& spec) { return spec == "cranium" || spec == "jmjd2da"; }
 
 ScalarGrid makeShell(int size) {
     const double centre = size / 2; // a grid point
@@ -217,8 +281,8 @@ ScalarGrid makeShell(int size) {
             for (int x = 0; x < size; ++x) {
                 const double dx = x - centre, dy = y - centre, dz = z - centre;
                 const double distance = std::sqrt(dx * dx + dy * dy + dz * dz);
-                *out++ =
-                    static_cast<std::uint16_t>(std::lround(65535.0 * std::fabs(distance - radius) / largest));
+                *out++ = // rounded half up, without a call
+                    static_cast<std::uint16_t>(65535.0 * std::fabs(distance - radius) / largest + 0.5);
             }
     });
 }
@@ -265,9 +329,10 @@ double centreIsovalue(const ScalarGrid& grid, double min, double max) {
     CandidateCounts all(first, step);
     std::mutex mutex;
     grid.visit([&](auto samples) {
-        tbb::parallel_for(std::int64_t{0}, grid.dims()[2], [&](std::int64_t z) {
+        const tbb::blocked_range<std::int64_t> planes(0, grid.dims()[2], 16);
+        tbb::parallel_for(planes, [&](const tbb::blocked_range<std::int64_t>& range) {
             CandidateCounts counts(first, step);
-            countPlane(samples, grid.dims(), z, counts);
+            countPlanes(samples, grid.dims(), range.begin(), range.end(), counts);
             const std::lock_guard lock(mutex);
             all.add(counts);
         });
@@ -307,12 +372,13 @@ Result<BenchVolume> loadWorkload(const std::string& spec, const std::filesystem:
                 return std::move(raw).error();
             options = std::move(raw).value();
         }
-        auto read = spec == "bluntfin" ? io::loadSample(spec, {0, 0, 0}, resourcesDir)
-                                       : io::readVolume(parts.size() >= 5 ? parts[0] : spec, options);
+        auto read = isFurtherVolume(spec) ? readFurther(spec)
+                    : spec == "bluntfin"  ? io::loadSample(spec, {0, 0, 0}, resourcesDir)
+                                          : io::readVolume(parts.size() >= 5 ? parts[0] : spec, options);
         if (!read.isOk())
             return std::move(read).error();
         volume.grid = std::move(read).value();
-        if (spec != "bluntfin")
+        if (spec != "bluntfin" && !isFurtherVolume(spec))
             volume.name = std::filesystem::path(parts.size() >= 5 ? parts[0] : spec).filename().string();
     }
     findRange(volume);

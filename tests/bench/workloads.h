@@ -24,13 +24,18 @@ struct BenchVolume {
 
 /// Makes or reads a volume. `spec` is one of
 /// - shellN: distance from a sphere, u16, N^3 (the Spherical Shell of the paper's Table 1 for N = 256);
+/// - whiteN: see makeWhiteNoise(), f32;
 /// - mlN: the test signal of Marschner and Lobb, f32;
 /// - noiseN: four octaves of value noise, f32;
 /// - bluntfin: the sample volume of that name, resampled to 256^3, f32 with missing values;
+/// - cranium, jmjd2da: 256 x 256 x 108 i16 and 137 x 152 x 147 f32, of ISOSLIDER_SHARED_DIR (NotFound without it);
 /// - PATH:nx:ny:nz:TYPE[:skipBytes]: a headerless little-endian file;
 /// - PATH: any volume that has a reader.
 /// Errors: InvalidArgument (nothing of the kind) and those of the readers.
 Result<BenchVolume> loadWorkload(const std::string& spec, const std::filesystem::path& resourcesDir);
+
+/// Of ISOSLIDER_SHARED_DIR: may be absent without anything being wrong.
+bool isFurtherVolume(const std::string& spec);
 
 /// Generated volumes: samples x fastest. REQUIRES: size >= 2.
 ScalarGrid makeShell(int size);
