@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t kCopyBytes = std::size_t{4} << 20; // at a time
 constexpr std::int64_t kPassPlanes = 16;
+constexpr double kRepeatedMs = 1000; // what takes less is measured more than once
 
 Result<double> copySeconds(const VolumeFile& file, bool isSynced) {
     FileSystem& disk = defaultFileSystem();
@@ -150,14 +151,23 @@ Yardstick meanOf(const Yardstick& first, const Yardstick& second) {
 }
 
 Result<Yardstick> measureYardstick(const VolumeFile& file) {
-    const auto pass = passSeconds(file); // the first to touch the file: the copies find it in memory
-    if (!pass.isOk())
-        return pass.error();
-    const auto copy = copySeconds(file, false), synced = copySeconds(file, true);
-    for (const auto* result : {&copy, &synced})
-        if (!result->isOk())
-            return result->error();
-    return Yardstick{copy.value(), synced.value(), pass.value()};
+    Yardstick yard;
+    const auto takeMedian = [](double& seconds, const auto& measure) -> Status {
+        std::vector<double> times;
+        for (const double start = nowMs(); times.empty() || (times.size() < 5 && nowMs() - start < kRepeatedMs);) {
+            const auto time = measure();
+            if (!time.isOk())
+                return time.error();
+            times.push_back(time.value());
+        }
+        seconds = spreadOf(std::move(times)).median;
+        return {};
+    };
+    // The pass is the first to touch the file: the copies find it in memory.
+    ISO_TRY(takeMedian(yard.pass, [&] { return passSeconds(file); }));
+    ISO_TRY(takeMedian(yard.copy, [&] { return copySeconds(file, false); }));
+    ISO_TRY(takeMedian(yard.copySynced, [&] { return copySeconds(file, true); }));
+    return yard;
 }
 
 void dropFromMemory(const std::filesystem::path& path) {
