@@ -76,6 +76,8 @@ private:
     bool findStates(Brick& brick, const Neighbourhood& around, double isovalue, Scratch& scratch);
     bool findSigns(Brick& brick, const Neighbourhood& around, Scratch& scratch) const;
     int solveSigns(const Neighbourhood& around, LocalPoint cell) const;
+    void keepDecided(Brick& brick, double isovalue, Scratch& scratch) const;
+    bool decide(Brick& brick, const Neighbourhood& around, LocalPoint cell, double isovalue, Scratch& scratch);
     bool resolveAmbiguous(Brick& brick, const Neighbourhood& around, double isovalue, Scratch& scratch);
     cell::CornerScalars scalarsOf(const Neighbourhood& around, LocalPoint cell, std::uint8_t signs) const;
     void assignInnerVertices(Brick& brick, Scratch& scratch);

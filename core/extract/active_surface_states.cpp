@@ -188,17 +188,13 @@ cell::CornerScalars ActiveSurface<Live>::scalarsOf(const Neighbourhood& around, 
     return scalars;
 }
 
-// Decides the ambiguous among the rewritten cells and brings the brick's list of them up to date. A cell
-// whose signs are as before and whose interval holds keeps its state without a look at its scalars.
+// Takes out of the brick's list the rewritten cells that must be decided again, and those that are no longer
+// ambiguous. A cell whose signs are as before and whose interval holds keeps its state without a look at its
+// scalars.
 template <class Live>
-bool ActiveSurface<Live>::resolveAmbiguous(Brick& brick, const Neighbourhood& around, double isovalue, Scratch& scratch) {
-    if (!brick.slow)
-        slowCells_.create(brick);
+void ActiveSurface<Live>::keepDecided(Brick& brick, double isovalue, Scratch& scratch) const {
     const auto states = cell::cellStates();
     std::vector<AmbiguousCell>& list = brick.slow->ambiguous;
-    const std::int64_t before = static_cast<std::int64_t>(list.size());
-    scratch.leavingInner.clear();
-    scratch.arrivingInner.clear();
     for (std::size_t i = 0; i < list.size();) {
         const LocalPoint cell = list[i].cell;
         const bool isRewritten = scratch.rewritten[cell >> 6] >> (cell & 63) & 1;
@@ -217,32 +213,52 @@ bool ActiveSurface<Live>::resolveAmbiguous(Brick& brick, const Neighbourhood& ar
             list.pop_back();
         }
     }
+}
+
+// Decides one ambiguous cell and adds it to the brick's list. False when its hidden corner cannot be read.
+template <class Live>
+bool ActiveSurface<Live>::decide(Brick& brick, const Neighbourhood& around, LocalPoint cell, double isovalue, Scratch& scratch) {
+    const auto signs = static_cast<std::uint8_t>(scratch.newState[cell]);
+    cell::CornerScalars scalars = scalarsOf(around, cell, signs);
+    const int hidden = cell::hiddenCorner(signs);
+    bool isRead = true, knowsHidden = false;
+    if (hidden >= 0) {
+        auto found = hidden_.hiddenScalar(brick.index, cell, hidden);
+        isRead = found.isOk();
+        if (!isRead) {
+            scratch.error = std::move(found).error();
+        } else if (found.value()) {
+            knowsHidden = true;
+            scalars[static_cast<std::size_t>(hidden)] = *found.value();
+        }
+    }
+    const cell::ResolvedCell resolved = cell::resolveCell(signs, scalars, knowsHidden, isovalue);
+    scratch.newState[cell] = resolved.state;
+    if (cell::cellStates()[resolved.state].innerVertices > 0)
+        scratch.arrivingInner.push_back({cell, 0, hidden >= 0 ? scalars[static_cast<std::size_t>(hidden)] : 0.0});
+    brick.slow->ambiguous.push_back({resolved.interval, cell});
+    ++scratch.resolved;
+    return isRead;
+}
+
+// Decides the ambiguous among the rewritten cells and brings the brick's list of them up to date.
+template <class Live>
+bool ActiveSurface<Live>::resolveAmbiguous(Brick& brick, const Neighbourhood& around, double isovalue, Scratch& scratch) {
+    if (!brick.slow)
+        slowCells_.create(brick);
+    const std::vector<AmbiguousCell>& list = brick.slow->ambiguous;
+    const auto before = static_cast<std::int64_t>(list.size());
+    scratch.leavingInner.clear();
+    scratch.arrivingInner.clear();
+    keepDecided(brick, isovalue, scratch);
+    const std::array<bool, 256>& isAmbiguous = ambiguousSigns();
     bool hasAll = true;
     for (int z = 0; z < kBrickSide; ++z)
         for (std::uint64_t word = scratch.rewritten[z] & brick.activeCells[z]; word != 0; word &= word - 1) {
             const auto cell = static_cast<LocalPoint>(64 * z + std::countr_zero(word));
-            if (scratch.newState[cell] >= kPlainStates || !ambiguousSigns()[scratch.newState[cell]])
-                continue;
-            const auto signs = static_cast<std::uint8_t>(scratch.newState[cell]);
-            cell::CornerScalars scalars = scalarsOf(around, cell, signs);
-            const int hidden = cell::hiddenCorner(signs);
-            bool knowsHidden = false;
-            if (hidden >= 0) {
-                auto found = hidden_.hiddenScalar(brick.index, cell, hidden);
-                if (!found.isOk()) {
-                    scratch.error = std::move(found).error();
-                    hasAll = false;
-                } else if (found.value()) {
-                    knowsHidden = true;
-                    scalars[static_cast<std::size_t>(hidden)] = *found.value();
-                }
-            }
-            const cell::ResolvedCell resolved = cell::resolveCell(signs, scalars, knowsHidden, isovalue);
-            scratch.newState[cell] = resolved.state;
-            if (states[resolved.state].innerVertices > 0)
-                scratch.arrivingInner.push_back({cell, 0, hidden >= 0 ? scalars[static_cast<std::size_t>(hidden)] : 0.0});
-            list.push_back({resolved.interval, cell});
-            ++scratch.resolved;
+            const cell::StateId state = scratch.newState[cell]; // above the plain ones: decided before
+            if (state < kPlainStates && isAmbiguous[state] && !decide(brick, around, cell, isovalue, scratch))
+                hasAll = false;
         }
     brick.slow->findInterval();
     scratch.ambiguousDifference += static_cast<std::int64_t>(list.size()) - before;
@@ -310,6 +326,8 @@ void ActiveSurface<Live>::releaseInnerRun(SlowCells& slow) {
     template int ActiveSurface<Live>::solveSigns(const Neighbourhood&, LocalPoint) const;                                      \
     template bool ActiveSurface<Live>::findSigns(Brick&, const Neighbourhood&, Scratch&) const;                                \
     template bool ActiveSurface<Live>::findStates(Brick&, const Neighbourhood&, double, Scratch&);                             \
+    template void ActiveSurface<Live>::keepDecided(Brick&, double, Scratch&) const;                                            \
+    template bool ActiveSurface<Live>::decide(Brick&, const Neighbourhood&, LocalPoint, double, Scratch&);                     \
     template bool ActiveSurface<Live>::resolveAmbiguous(Brick&, const Neighbourhood&, double, Scratch&);                       \
     template cell::CornerScalars ActiveSurface<Live>::scalarsOf(const Neighbourhood&, LocalPoint, std::uint8_t) const;         \
     template void ActiveSurface<Live>::assignInnerVertices(Brick&, Scratch&);                                                  \
