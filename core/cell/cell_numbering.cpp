@@ -77,6 +77,4 @@ const std::array<std::uint8_t, 4096>& signsFromActiveEdges() {
     return table;
 }
 
-bool isActiveEdgeMask(std::uint16_t mask) { return mask == 0 || (mask < 4096 && signsFromActiveEdges()[mask] != 0); }
-
 } // namespace isoslider::cell

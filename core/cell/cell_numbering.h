@@ -36,9 +36,6 @@ std::uint8_t ambiguousFaces(std::uint8_t signs);
 /// that mask (and for mask 0). The other solution is their complement.
 const std::array<std::uint8_t, 4096>& signsFromActiveEdges();
 
-/// True for masks that belong to a sign pattern.
-bool isActiveEdgeMask(std::uint16_t mask);
-
 /// The one corner that lies on no active edge though the cell's interior depends on it (MC33 case 7:
 /// three corners on one side round a fourth; the corner opposite that one); -1 for other signs.
 int hiddenCorner(std::uint8_t signs);

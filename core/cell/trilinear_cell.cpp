@@ -256,10 +256,6 @@ std::uint8_t signsOf(const CornerScalars& scalars, double isovalue) {
     return static_cast<std::uint8_t>(signs);
 }
 
-bool isFaceJoined(double a, double b, double c, double d, double isovalue) {
-    return a >= isovalue ? saddleOfFace(a, b, c, d, isovalue).isJoined : saddleOfFace(b, c, d, a, isovalue).isJoined;
-}
-
 TunnelDecision decideTunnel(const CornerScalars& scalars, double isovalue) {
     const TunnelTest test = testTunnel(boundedCell(scalars, isovalue));
     return test.isCertain ? test.decision : decideExactly(scalars, isovalue);

@@ -45,10 +45,6 @@ using CornerScalars = std::array<double, 8>;
 /// Bit i: corner i is above (scalar >= isovalue). REQUIRES: all finite, here and below.
 std::uint8_t signsOf(const CornerScalars& scalars, double isovalue);
 
-/// Whether the above corners of an ambiguous face are joined, from its four scalars in the order of
-/// kFaceCorners. Exact. REQUIRES: the face is ambiguous at `isovalue`.
-bool isFaceJoined(double a, double b, double c, double d, double isovalue);
-
 /// The tunnel of a cell whose faces allow one (see mayHaveTunnel), and the main diagonal it winds
 /// round: from corner `diagonal` (0 to 3) to the opposite one, 7 - diagonal. Exact.
 struct TunnelDecision {
