@@ -26,7 +26,13 @@ std::uint64_t peakRss() {
 
 } // namespace
 
-index::IndexKind chooseKind(const io::VolumeInfo&) { return index::IndexKind::Edges; }
+// Measured (tests/bench, trade_bench): at 256^3 metacells are built 20 to 60 times faster and are 16 to 60 times
+// smaller; small steps take 1.1 to 1.5 times as long, large ones 0.6 to 1. At 128^3 and below edges cost less than
+// 80 MB and a second or two, and every step is a matter of a few milliseconds.
+index::IndexKind chooseKind(const io::VolumeInfo& info) {
+    constexpr std::int64_t kMostForEdges = std::int64_t{128} * 128 * 128;
+    return pointCount(info.geometry.dims) <= kMostForEdges ? index::IndexKind::Edges : index::IndexKind::Metacells;
+}
 
 namespace {
 

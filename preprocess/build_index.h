@@ -38,7 +38,7 @@ struct BuildReport {
     index::IndexInfo info;
 };
 
-/// The kind of index that is best for a volume, by its size.
+/// The kind of index that is best for a volume: edges up to 128^3 grid points.
 index::IndexKind chooseKind(const io::VolumeInfo& info);
 
 /// Builds the index for a volume and publishes it at `indexPath`: written to a
