@@ -20,7 +20,8 @@ namespace {
 
 constexpr std::size_t kCopyBytes = std::size_t{4} << 20; // at a time
 constexpr std::int64_t kPassPlanes = 16;
-constexpr double kRepeatedMs = 1000; // what takes less is measured more than once
+constexpr std::size_t kLeastRepeats = 3, kMostRepeats = 7;
+constexpr double kRepeatedMs = 2000; // more than the least, where that takes less
 
 Result<double> copySeconds(const VolumeFile& file, bool isSynced) {
     FileSystem& disk = defaultFileSystem();
@@ -150,24 +151,26 @@ Yardstick meanOf(const Yardstick& first, const Yardstick& second) {
             0.5 * (first.pass + second.pass)};
 }
 
+// Passes and copies take turns: what else the machine does meanwhile meets all of them alike. The first pass
+// is the first to touch the file, so that the copies find it in memory.
 Result<Yardstick> measureYardstick(const VolumeFile& file) {
-    Yardstick yard;
-    const auto takeMedian = [](double& seconds, const auto& measure) -> Status {
-        std::vector<double> times;
-        for (const double start = nowMs(); times.empty() || (times.size() < 5 && nowMs() - start < kRepeatedMs);) {
-            const auto time = measure();
-            if (!time.isOk())
-                return time.error();
-            times.push_back(time.value());
-        }
-        seconds = spreadOf(std::move(times)).median;
-        return {};
+    std::vector<double> passes, copies, synced;
+    const double start = nowMs();
+    const auto isDone = [&] {
+        const std::size_t done = passes.size();
+        return done >= kMostRepeats || (done >= kLeastRepeats && nowMs() - start > kRepeatedMs);
     };
-    // The pass is the first to touch the file: the copies find it in memory.
-    ISO_TRY(takeMedian(yard.pass, [&] { return passSeconds(file); }));
-    ISO_TRY(takeMedian(yard.copy, [&] { return copySeconds(file, false); }));
-    ISO_TRY(takeMedian(yard.copySynced, [&] { return copySeconds(file, true); }));
-    return yard;
+    while (!isDone()) {
+        const auto pass = passSeconds(file);
+        const auto copy = copySeconds(file, false), syncedCopy = copySeconds(file, true);
+        for (const auto* seconds : {&pass, &copy, &syncedCopy})
+            if (!seconds->isOk())
+                return seconds->error();
+        passes.push_back(pass.value());
+        copies.push_back(copy.value());
+        synced.push_back(syncedCopy.value());
+    }
+    return Yardstick{spreadOf(copies).median, spreadOf(synced).median, spreadOf(passes).median};
 }
 
 void dropFromMemory(const std::filesystem::path& path) {

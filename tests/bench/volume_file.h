@@ -43,7 +43,7 @@ struct Yardstick {
 /// The mean of the first and the second.
 Yardstick meanOf(const Yardstick& first, const Yardstick& second);
 
-/// Medians of up to five, on the threads allowed (the pass; a copy has one). Leaves no file behind. Errors: those of reading and writing.
+/// Medians of three to seven, on the threads allowed (the pass; a copy has one). Leaves no file behind. Errors: those of reading and writing.
 Result<Yardstick> measureYardstick(const VolumeFile& file);
 
 /// Asks the system to forget what it keeps of a file in memory.
