@@ -16,7 +16,7 @@ TEST_F(CliSlide, RecordsEveryStep) {
     ASSERT_EQ(steps.size(), 5U);
     EXPECT_THAT(keysOf(steps[0]), ElementsAre("isovalue", "edges_added", "edges_removed", "edges_touched",
                                               "cells_retriangulated", "active_edges", "triangles",
-                                              "bytes_read", "update_ms", "interpolate_ms"));
+                                              "bricks_read", "bytes_read", "update_ms", "interpolate_ms"));
     EXPECT_EQ(steps[0]["isovalue"], 2.0);
     EXPECT_EQ(steps[2]["isovalue"], 5.0);
     EXPECT_EQ(steps[4]["isovalue"], 8.0);
