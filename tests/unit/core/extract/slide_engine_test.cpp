@@ -124,6 +124,22 @@ TEST_F(SlideEngineTest, ReadsFromTheFileOnlyWhatIsNotCached) {
     }
 }
 
+TEST_F(SlideEngineTest, CountsPagesOfHiddenCornersAsReadOnce) {
+    const auto engine = openOn(test::noiseVolume({20, 20, 20}, 1), 3, 1); // no block is kept, every page of corners is
+    ASSERT_GT(engine->info().hiddenCornerBytes, 0u);
+    for (const std::uint64_t pages : {engine->info().hiddenCornerBytes, std::uint64_t{0}}) {
+        std::uint64_t bytesOfBlocks = 0, bytesRead = 0;
+        for (int step = 0; step <= 20; ++step) {
+            const auto moved = engine->slideTo(step);
+            ASSERT_THAT(moved, IsOk());
+            for (const WalkStep& walked : moved.value().walk)
+                bytesOfBlocks += walked.bytes;
+            bytesRead += moved.value().bytesRead;
+        }
+        EXPECT_EQ(bytesRead, bytesOfBlocks + pages);
+    }
+}
+
 TEST_F(SlideEngineTest, IsEmptyOutsideTheRangeAndComesBack) {
     const auto engine = openOn(hills_);
     for (const double outside : {-1e9, 1e9, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()}) {
