@@ -13,16 +13,6 @@ namespace isoslider::model {
 namespace fs = std::filesystem;
 namespace {
 
-/// The part of a job's bar that one of its steps fills.
-JobControl part(const JobControl& job, double begin, double end) {
-    JobControl inner;
-    inner.stop = job.stop;
-    inner.progress = [&job, begin, end](double fraction, std::string_view stage) {
-        job.report(begin + fraction * (end - begin), stage);
-    };
-    return inner;
-}
-
 std::string layoutText(const io::ReadOptions& options) {
     std::ostringstream text;
     text << options.field;
@@ -77,7 +67,7 @@ std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
 
 Status readGrid(const OpenRequest& request, const SampleLoader& samples, const JobControl& job,
                 LoadedDataset& loaded) {
-    const auto reading = part(job, 0.0, 0.7);
+    const auto reading = job.part(0.0, 0.7);
     auto grid = request.sampleName.empty() ? io::readVolume(request.path, request.readOptions, reading)
                                            : samples(request.sampleName, reading);
     if (!grid.isOk())
@@ -102,7 +92,7 @@ Status readPreview(io::VolumeSource& source, std::uint64_t mostBytes, const JobC
             "does not fit in memory, and is too flat for a preview; build its index with isoslider-cli "
             "build, and open that",
             dataset.path.string());
-    auto grid = io::readCoarse(source, *step, part(job, 0.0, 0.7));
+    auto grid = io::readCoarse(source, *step, job.part(0.0, 0.7));
     if (!grid.isOk())
         return grid.error();
     dataset.coarseStep = *step;
@@ -124,7 +114,7 @@ Error allMissingError(const Dataset& dataset) {
 Status addStatistics(LoadedDataset& loaded, const JobControl& job) {
     job.report(0.7, "Counting values");
     const bool isWhole = loaded.dataset.coarseStep == 1;
-    auto statistics = computeStatistics(*loaded.grid, isWhole, 512, part(job, 0.7, 0.95));
+    auto statistics = computeStatistics(*loaded.grid, isWhole, 512, job.part(0.7, 0.95));
     if (!statistics.isOk()) // of good bins, only samples can be refused
         return statistics.error().code == ErrorCode::InvalidArgument ? allMissingError(loaded.dataset)
                                                                      : statistics.error();
