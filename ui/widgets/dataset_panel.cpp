@@ -163,13 +163,8 @@ QWidget* DatasetPanel::makeEmptyPage(const ActionRegistry& actions) {
 }
 
 QWidget* DatasetPanel::makeFactsPage(const ActionRegistry& actions) {
-    auto* scroll = new QScrollArea(this);
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
+    const auto [scroll, page, layout] = makeScrollPage(this);
     scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    auto* page = new QWidget(scroll);
-    auto* layout = new QVBoxLayout(page);
-    layout->setContentsMargins(10, 8, 10, 8);
     layout->setSpacing(6);
     volumeFacts_ = new FactForm(page);
     indexFacts_ = new FactForm(page);
@@ -185,7 +180,6 @@ QWidget* DatasetPanel::makeFactsPage(const ActionRegistry& actions) {
     layout->addWidget(indexFacts_);
     layout->addWidget(build_, 0, Qt::AlignLeft);
     layout->addStretch(1);
-    scroll->setWidget(page);
     return scroll;
 }
 

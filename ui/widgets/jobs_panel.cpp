@@ -2,25 +2,18 @@
 
 #include <QLabel>
 #include <QPushButton>
-#include <QScrollArea>
 #include <QVBoxLayout>
 
 #include "ui/model/session.h"
 #include "ui/widgets/job_row.h"
+#include "ui/widgets/small_widgets.h"
 
 namespace isoslider::widgets {
 
 JobsPanel::JobsPanel(model::Session& session, QWidget* parent)
     : QWidget(parent), session_(session), rowsLayout_(nullptr), empty_(new QLabel(tr("No jobs."), this)),
       clear_(new QPushButton(tr("Clear Finished"), this)) {
-    auto* outer = new QVBoxLayout(this);
-    outer->setContentsMargins(0, 0, 0, 0);
-    auto* scroll = new QScrollArea(this);
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    auto* page = new QWidget(scroll);
-    auto* layout = new QVBoxLayout(page);
-    layout->setContentsMargins(10, 8, 10, 8);
+    QVBoxLayout* layout = fillWithScrollPage(this).rows;
     rowsLayout_ = new QVBoxLayout;
     rowsLayout_->setSpacing(4);
     empty_->setForegroundRole(QPalette::PlaceholderText);
@@ -28,8 +21,6 @@ JobsPanel::JobsPanel(model::Session& session, QWidget* parent)
     layout->addLayout(rowsLayout_);
     layout->addWidget(clear_, 0, Qt::AlignLeft);
     layout->addStretch(1);
-    scroll->setWidget(page);
-    outer->addWidget(scroll);
     connect(clear_, &QPushButton::clicked, this, [this] { session_.jobs().clearFinished(); });
     subscription_ = session_.jobs().observe([this] { showJobs(); });
     showJobs();

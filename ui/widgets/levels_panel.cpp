@@ -2,7 +2,6 @@
 
 #include <QHeaderView>
 #include <QLabel>
-#include <QScrollArea>
 #include <QTableView>
 #include <QVBoxLayout>
 
@@ -108,14 +107,7 @@ LevelsPanel::LevelsPanel(model::Session& session, QWidget* parent)
       levelsTable_(makeTable(levels_, QStringLiteral("levelsTable"))),
       walkTable_(makeTable(walk_, QStringLiteral("walkTable"))), moveFacts_(new FactForm(this)),
       moveThrottle_(kMoveIntervalMs, [this] { showMove(); }) {
-    auto* outer = new QVBoxLayout(this);
-    outer->setContentsMargins(0, 0, 0, 0);
-    auto* scroll = new QScrollArea(this);
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    auto* page = new QWidget(scroll);
-    auto* layout = new QVBoxLayout(page);
-    layout->setContentsMargins(10, 8, 10, 8);
+    const auto [scroll, page, layout] = fillWithScrollPage(this);
     layout->setSpacing(6);
     for (QLabel* hint : {levelsHint_, walkHint_}) {
         hint->setWordWrap(true);
@@ -130,8 +122,6 @@ LevelsPanel::LevelsPanel(model::Session& session, QWidget* parent)
     layout->addWidget(walkTable_);
     layout->addWidget(moveFacts_);
     layout->addStretch(1);
-    scroll->setWidget(page);
-    outer->addWidget(scroll);
     datasetSubscription_ = session_.datasetChanged().observe([this] { showLevels(); });
     frameSubscription_ = session_.frameChanged().observe([this] { moveThrottle_.trigger(); });
     showLevels();

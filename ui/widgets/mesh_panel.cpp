@@ -4,7 +4,6 @@
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QPushButton>
-#include <QScrollArea>
 #include <QVBoxLayout>
 
 #include "ui/model/number_text.h"
@@ -102,14 +101,7 @@ MeshPanel::MeshPanel(model::Session& session, const ActionRegistry& actions, QWi
     : QWidget(parent), session_(session), counts_(new FactForm(this)), state_(new QLabel(this)),
       report_(new FactForm(this)), check_(new QPushButton(tr("Check Mesh"), this)),
       export_(new QPushButton(tr("Export…"), this)), countsThrottle_(kCountsIntervalMs, [this] { showCounts(); }) {
-    auto* outer = new QVBoxLayout(this);
-    outer->setContentsMargins(0, 0, 0, 0);
-    auto* scroll = new QScrollArea(this);
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    auto* page = new QWidget(scroll);
-    auto* layout = new QVBoxLayout(page);
-    layout->setContentsMargins(10, 8, 10, 8);
+    const auto [scroll, page, layout] = fillWithScrollPage(this);
     layout->setSpacing(6);
     auto* buttons = new QHBoxLayout;
     check_->setObjectName(QStringLiteral("checkMeshButton"));
@@ -133,8 +125,6 @@ MeshPanel::MeshPanel(model::Session& session, const ActionRegistry& actions, QWi
     layout->addWidget(state_);
     layout->addWidget(report_);
     layout->addStretch(1);
-    scroll->setWidget(page);
-    outer->addWidget(scroll);
     frameSubscription_ = session_.frameChanged().observe([this] { countsThrottle_.trigger(); });
     reportSubscription_ = session_.certificateChanged().observe([this] { showReport(); });
     showCounts();

@@ -5,7 +5,9 @@
 #include <QFrame>
 #include <QHBoxLayout>
 #include <QLabel>
+#include <QScrollArea>
 #include <QToolButton>
+#include <QVBoxLayout>
 
 namespace isoslider::widgets {
 
@@ -52,6 +54,26 @@ QLabel* makeHeading(const QString& text, QWidget* parent) {
     font.setBold(true);
     label->setFont(font);
     return label;
+}
+
+ScrollPage makeScrollPage(QWidget* parent) {
+    ScrollPage made{};
+    made.area = new QScrollArea(parent);
+    made.area->setWidgetResizable(true);
+    made.area->setFrameShape(QFrame::NoFrame);
+    made.page = new QWidget(made.area);
+    made.rows = new QVBoxLayout(made.page);
+    made.rows->setContentsMargins(10, 8, 10, 8);
+    made.area->setWidget(made.page); // which must have its layout by now
+    return made;
+}
+
+ScrollPage fillWithScrollPage(QWidget* panel) {
+    auto* outer = new QVBoxLayout(panel);
+    outer->setContentsMargins(0, 0, 0, 0);
+    const ScrollPage made = makeScrollPage(panel);
+    outer->addWidget(made.area);
+    return made;
 }
 
 FactForm::FactForm(QWidget* parent) : QWidget(parent), form_(new QFormLayout(this)) {

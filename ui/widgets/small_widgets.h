@@ -9,7 +9,9 @@ class QAction;
 class QFormLayout;
 class QHBoxLayout;
 class QLabel;
+class QScrollArea;
 class QToolButton;
+class QVBoxLayout;
 
 namespace isoslider::widgets {
 
@@ -21,6 +23,16 @@ QToolButton* makeToolButton(QAction* action, Qt::ToolButtonStyle style, QWidget*
 QLabel* addReadout(QHBoxLayout* row, const QString& caption, const char* objectName, QWidget* parent);
 /// A heading within a panel.
 QLabel* makeHeading(const QString& text, QWidget* parent);
+
+/// Rows one above the other on a page that scrolls when it does not fit.
+struct ScrollPage {
+    QScrollArea* area;
+    QWidget* page;
+    QVBoxLayout* rows;
+};
+ScrollPage makeScrollPage(QWidget* parent);
+/// The same, as all that the panel shows.
+ScrollPage fillWithScrollPage(QWidget* panel);
 
 struct Fact {
     QString name;
