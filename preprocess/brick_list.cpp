@@ -32,7 +32,7 @@ int edgeOfBrick(const BrickGrid& grid, BrickIndex brick) {
 template <class Key>
 Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const BrickListOptions& options,
                       const std::filesystem::path& spillPath, FileSystem& fileSystem, index::IndexWriter& writer,
-                      std::vector<index::SkipLevelInfo>& levels) {
+                      std::vector<index::SkipLevelInfo>& levels, const JobControl& job) {
     constexpr int kKeyShift = 8 * sizeof(Key) - kPrefixBits;
     const BrickGrid grid(dims);
     std::vector<std::uint64_t> countsByPrefix(std::size_t{1} << kPrefixBits, 0);
@@ -48,6 +48,8 @@ Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const 
     SpanHistogram histogram(bins.count());
     ExternalSort<Key> sort(countsByPrefix, kKeyShift, options.memoryBytes, spillPath, fileSystem);
     for (std::size_t brick = 0; brick < spans.least.size(); ++brick) {
+        if (brick % 4096 == 0 && job.isStopRequested())
+            return cancelledError();
         if (!isEverActive(brick))
             continue;
         histogram.add(bins.binOf(spans.least[brick]), bins.binOf(spans.greatest[brick]));
@@ -63,18 +65,18 @@ Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const 
         ISO_TRY(sort.add(records));
     }
     LevelBuilder<Key> builder(writer, grid, chooseBlockBegins(histogram, bins, options.skipLevels, options.redundancyThreshold));
-    ISO_TRY(sort.drain([&](std::span<const index::PointRecord<Key>> records) { return builder.add(records); }, {}));
+    ISO_TRY(sort.drain([&](std::span<const index::PointRecord<Key>> records) { return builder.add(records); }, job));
     ISO_TRY(builder.finish());
     levels = builder.levelInfos();
     return {};
 }
 
 template Status writeBrickList(const BrickSpans<std::uint16_t>&, const GridDims&, const BrickListOptions&, const std::filesystem::path&, FileSystem&,
-                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&);
+                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&, const JobControl&);
 template Status writeBrickList(const BrickSpans<std::uint32_t>&, const GridDims&, const BrickListOptions&, const std::filesystem::path&, FileSystem&,
-                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&);
+                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&, const JobControl&);
 template Status writeBrickList(const BrickSpans<std::uint64_t>&, const GridDims&, const BrickListOptions&, const std::filesystem::path&, FileSystem&,
-                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&);
+                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&, const JobControl&);
 
 namespace {
 

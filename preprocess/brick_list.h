@@ -31,7 +31,7 @@ struct BrickListOptions {
 template <class Key>
 Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const BrickListOptions& options,
                       const std::filesystem::path& spillPath, FileSystem& fileSystem, index::IndexWriter& writer,
-                      std::vector<index::SkipLevelInfo>& levels);
+                      std::vector<index::SkipLevelInfo>& levels, const JobControl& job = {});
 
 /// The engine on a volume in memory: slides without an index, from the first second. One pass over the
 /// samples, some tens of milliseconds at 256^3. Errors: Cancelled, OutOfSpace.

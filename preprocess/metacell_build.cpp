@@ -14,6 +14,7 @@
 #include "core/grid/classification.h"
 #include "core/index/chunk_codec.h"
 #include "core/index/index_writer.h"
+#include "core/index/sample_store.h"
 #include "preprocess/brick_list.h"
 #include "preprocess/chunk_scan.h"
 #include "preprocess/distinct_keys.h"
@@ -27,8 +28,9 @@ namespace {
 // in order, while the next slab is read. 32- and 64-bit samples need their range before they can be counted:
 // a first pass that does nothing else. The list of bricks follows the samples.
 //
-// Memory: four slabs of 16 planes, rows of encoded chunks on their way to the disk, least and greatest key of
-// each brick (1/128 of the samples for 16-bit ones), and the sets of distinct values, which keep to what is left.
+// Memory: 18 planes, 16 more where the budget allows, rows of encoded chunks on their way to the disk, least and
+// greatest key of each brick (1/256 of the samples for 16-bit ones), and the sets of distinct values, which keep to
+// what is left. A budget that has no room for the least of these is refused.
 
 template <class Sample>
 class MetacellBuild {
@@ -37,12 +39,16 @@ public:
 
     MetacellBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options, const JobControl& job)
         : source_(source), geometry_(source.info().geometry), bricks_(geometry_.dims), chunks_(geometry_.dims), path_(path),
-          options_(options), job_(job), distinct_(distinctMemory()) {
-        spans_.least.resize(bricks_.brickCount());
-        spans_.greatest.resize(bricks_.brickCount());
-    }
+          options_(options), job_(job), readsAhead_(PlaneRing<Sample>::memoryBytes(geometry_.dims, true) <= options.memoryBytes / 4),
+          distinct_(distinctMemory()) {}
 
     Result<index::IndexInfo> run() {
+        if (leastMemory() > options_.memoryBytes)
+            return makeError(ErrorCode::InvalidArgument, "memory budget is too small for planes of this size: give at least " +
+                                                             std::to_string((leastMemory() >> 20) + 1) + "M",
+                             options_.sourceName);
+        spans_.least.resize(bricks_.brickCount());
+        spans_.greatest.resize(bricks_.brickCount());
         double done = 0.0;
         if constexpr (!ValueCounts<Sample>::kByKey) {
             ISO_TRY(findRange(job_.part(0.0, 0.2)));
@@ -50,22 +56,35 @@ public:
         }
         ISO_TRY(storeSamples(job_.part(done, 0.9)));
         ISO_TRY(countDistinct(job_.part(0.9, 0.95)));
-        job_.report(0.95, "listing bricks");
         BrickListOptions list;
         list.skipLevels = options_.skipLevels;
         list.redundancyThreshold = options_.redundancyThreshold > 0.0 ? options_.redundancyThreshold : list.redundancyThreshold;
         list.memoryBytes = options_.memoryBytes / 2;
         info_.redundancyThreshold = list.redundancyThreshold;
-        ISO_TRY(writeBrickList(spans_, geometry_.dims, list, spillPathOf(path_, options_), fileSystemOf(options_), *writer_, info_.levels));
+        ISO_TRY(writeBrickList(spans_, geometry_.dims, list, spillPathOf(path_, options_), fileSystemOf(options_), *writer_, info_.levels,
+                               job_.part(0.95, 1.0)));
         if (job_.isStopRequested())
             return cancelledError();
         return writer_->finish(makeMeta());
     }
 
 private:
+    std::uint64_t planesAndSpans(bool readsAhead) const {
+        return PlaneRing<Sample>::memoryBytes(geometry_.dims, readsAhead) + bricks_.brickCount() * 2 * sizeof(Key);
+    }
+    // Samples of a row of chunks, as large as their encoded form gets.
+    std::uint64_t rowBytes() const { return static_cast<std::uint64_t>(chunks_.chunks()[0]) * index::SampleStore::kChunkSamples * sizeof(Sample); }
+    std::uint64_t leastMemory() const {
+        constexpr std::uint64_t kElsewhere = std::uint64_t{16} << 20; // counts of each thread, pages, the program's own
+        return planesAndSpans(false) + 2 * rowBytes() + kElsewhere;
+    }
     std::uint64_t distinctMemory() const {
-        const std::uint64_t taken = PlaneRing<Sample>::memoryBytes(geometry_.dims) + bricks_.brickCount() * 2 * sizeof(Key);
-        return std::max<std::uint64_t>(options_.memoryBytes / 8, options_.memoryBytes / 2 > taken ? options_.memoryBytes / 2 - taken : 0);
+        const std::uint64_t taken = planesAndSpans(readsAhead_) + options_.memoryBytes / 4;
+        return std::max<std::uint64_t>(options_.memoryBytes / 16, options_.memoryBytes > taken ? (options_.memoryBytes - taken) / 2 : 0);
+    }
+    std::size_t rowsInFlight() const {
+        const auto most = static_cast<std::uint64_t>(4 * tbb::this_task_arena::max_concurrency());
+        return static_cast<std::size_t>(std::clamp<std::uint64_t>(options_.memoryBytes / 8 / rowBytes(), 2, most));
     }
 
     Error noSamples() const { return makeError(ErrorCode::InvalidArgument, "the volume has no finite sample", options_.sourceName); }
@@ -73,7 +92,7 @@ private:
     // Calls work(slab, planes) for slab after slab, with progress.
     template <class Work>
     Status forEachSlab(const JobControl& job, std::string_view stage, const Work& work) {
-        PlaneRing<Sample> ring(source_);
+        PlaneRing<Sample> ring(source_, readsAhead_, job.stop);
         for (std::int64_t slab = 0; slab < ring.slabCount(); ++slab) {
             if (job.isStopRequested())
                 return cancelledError();
@@ -189,10 +208,10 @@ private:
         std::int64_t nextRow = 0;
         Status written;
         const auto planeAt = [&ring](std::int64_t z) { return ring.plane(z); };
-        const auto tokens = static_cast<std::size_t>(4 * tbb::this_task_arena::max_concurrency());
+        std::atomic<bool> hasFailed = false; // `written` is the last filter's
         tbb::parallel_pipeline(
-            tokens, tbb::make_filter<void, std::int64_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-                        if (nextRow == sides[1] || !written.isOk() || job_.isStopRequested())
+            rowsInFlight(), tbb::make_filter<void, std::int64_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
+                        if (nextRow == sides[1] || hasFailed || job_.isStopRequested())
                             control.stop();
                         return nextRow++;
                     }) & tbb::make_filter<std::int64_t, Row>(tbb::filter_mode::parallel, [&](std::int64_t cy) {
@@ -205,6 +224,7 @@ private:
                         for (const EncodedChunk& chunk : row)
                             if (written.isOk())
                                 written = writer_->addChunk(chunk.samples, chunk.mergeErrors);
+                        hasFailed = !written.isOk();
                     }));
         if (job_.isStopRequested())
             return cancelledError();
@@ -244,11 +264,15 @@ private:
         return {};
     }
 
-    // The seed of the checksums depends on the volume's first slab and the parameters: same input, same bytes.
+    // The seed of the checksums depends on the volume's frame and first slab and on the parameters: same input, same bytes.
     Status createWriter(const PlaneRing<Sample>& ring) {
         XXH3_state_t* state = XXH3_createState();
         XXH3_64bits_reset(state);
         XXH3_64bits_update(state, geometry_.dims.data(), sizeof geometry_.dims);
+        XXH3_64bits_update(state, &geometry_.spacing, sizeof geometry_.spacing);
+        const ScalarType type = source_.info().type;
+        XXH3_64bits_update(state, &type, sizeof type);
+        XXH3_64bits_update(state, options_.sourceName.data(), options_.sourceName.size());
         const std::int64_t planes = std::min(geometry_.dims[2], ring.kThickness);
         XXH3_64bits_update(state, ring.plane(0), static_cast<std::size_t>(geometry_.dims[0] * geometry_.dims[1] * planes) * sizeof(Sample));
         XXH3_64bits_update(state, &options_.skipLevels, sizeof options_.skipLevels);
@@ -280,6 +304,7 @@ private:
     const std::filesystem::path& path_;
     const BuildOptions& options_;
     const JobControl& job_;
+    bool readsAhead_;
     index::IndexInfo info_;
     ValueBins<Sample> bins_;
     BrickSpans<Key> spans_;

@@ -60,12 +60,8 @@ public:
     std::size_t curveBinOf(Sample sample, std::size_t bin) const {
         if (!isCurveOff_[bin])
             return bin;
-        const KeyThreshold key = keyOf(sample);
-        while (bin > 0 && key < thresholds_[bin])
-            --bin;
-        while (bin + 1 < kCount && key >= thresholds_[bin + 1])
-            ++bin;
-        return bin;
+        const auto above = std::upper_bound(thresholds_.begin(), thresholds_.end(), KeyThreshold{keyOf(sample)});
+        return above == thresholds_.begin() ? 0 : static_cast<std::size_t>(above - thresholds_.begin()) - 1;
     }
 
 private:

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <exception>
+#include <system_error>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -119,11 +121,33 @@ Status BrickSource<Sample>::changeActiveSet(KeyThreshold lower, KeyThreshold upp
     }
     for (const BrickIndex brick : net.arrive) {
         if (placeOf_[brick] != 0)
-            return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice");
+            return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice", reader_.pathString());
         active_.push_back({0, 0, brick, true});
         placeOf_[brick] = static_cast<std::uint32_t>(active_.size());
     }
     return {};
+}
+
+// `bricks` and the active ones that a move crosses, as their samples lie, forwards or backwards.
+template <class Sample>
+std::vector<BrickIndex> BrickSource<Sample>::inReadingOrder(std::vector<BrickIndex> bricks, KeyThreshold from, KeyThreshold to,
+                                                            bool backwards) const {
+    for (const ActiveBrick& active : active_)
+        if (isCrossed(active, from, to))
+            bricks.push_back(active.brick);
+    struct Placed {
+        std::uint64_t order;
+        BrickIndex brick;
+    };
+    std::vector<Placed> placed;
+    placed.reserve(bricks.size());
+    for (const BrickIndex brick : bricks)
+        placed.push_back({samples_.orderOf(brick), brick});
+    tbb::parallel_sort(placed.begin(), placed.end(), [backwards](const Placed& a, const Placed& b) {
+        return backwards ? a.order > b.order : a.order < b.order;
+    });
+    std::transform(placed.begin(), placed.end(), bricks.begin(), [](const Placed& p) { return p.brick; });
+    return bricks;
 }
 
 template <class Sample>
@@ -137,22 +161,8 @@ Status BrickSource<Sample>::collect(KeyThreshold from, KeyThreshold to, ChangeSe
     }
     ISO_TRY(changeActiveSet(std::min(from, to), std::max(from, to), from < to, changes, stats, stop));
 
-    struct Crossed {
-        std::uint64_t order;
-        BrickIndex brick;
-    };
-    std::vector<Crossed> crossed;
-    for (const ActiveBrick& active : active_)
-        if (isCrossed(active, from, to))
-            crossed.push_back({samples_.orderOf(active.brick), active.brick});
     readsBackwards_ = !readsBackwards_;
-    tbb::parallel_sort(crossed.begin(), crossed.end(), [back = readsBackwards_](const Crossed& a, const Crossed& b) {
-        return back ? a.order > b.order : a.order < b.order;
-    });
-    std::vector<BrickIndex> bricks;
-    bricks.reserve(crossed.size());
-    for (const Crossed& c : crossed)
-        bricks.push_back(c.brick);
+    const std::vector<BrickIndex> bricks = inReadingOrder({}, from, to, readsBackwards_);
 
     tbb::enumerable_thread_specific<Scratch> scratches;
     for (std::span<const BrickIndex> rest(bricks); !rest.empty();) {
@@ -181,9 +191,16 @@ void BrickSource<Sample>::foresee(KeyThreshold from, KeyThreshold to) {
     constexpr std::uint64_t kMaxEntries = 1u << 16;
     if (from == to || !samples_.fetchesAhead() || this->estimate(from, to) > kMaxEntries)
         return;
-    ahead_ = std::jthread([this, from, to](std::stop_token stop) {
-        (void)readAhead(from, to, stop); // if anything is wrong, the move itself will say so
-    });
+    // If anything goes wrong, the move itself will say so; without a thread, nothing is read ahead.
+    try {
+        ahead_ = std::jthread([this, from, to](std::stop_token stop) {
+            try {
+                (void)readAhead(from, to, stop);
+            } catch (const std::exception&) {
+            }
+        });
+    } catch (const std::system_error&) {
+    }
 }
 
 template <class Sample>
@@ -192,13 +209,9 @@ Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::s
     return one.execute([&]() -> Status {
         SlideStats stats;
         NetBricks net;
-        ISO_TRY(netBricks(std::min(from, to), std::max(from, to), from < to, stats, stop, net));
-        std::vector<BrickIndex> bricks = std::move(net.arrive);
-        for (const ActiveBrick& active : active_)
-            if (isCrossed(active, from, to))
-                bricks.push_back(active.brick);
-        std::sort(bricks.begin(), bricks.end(), [&](BrickIndex a, BrickIndex b) { return samples_.orderOf(a) < samples_.orderOf(b); });
-        const Status fetched = samples_.fetch(bricks, stats, stop);
+        Status fetched = netBricks(std::min(from, to), std::max(from, to), from < to, stats, stop, net);
+        if (fetched.isOk())
+            fetched = samples_.fetch(inReadingOrder(std::move(net.arrive), from, to, !readsBackwards_), stats, stop);
         bytesAhead_ = stats.bytesRead;
         return fetched;
     });

@@ -74,26 +74,12 @@ public:
     Result<SlideStats> slideTo(double isovalue, std::stop_token stop) override {
         if (std::isnan(isovalue))
             return makeError(ErrorCode::InvalidArgument, "isovalue is not a number");
-        SlideStats stats;
-        stats.isovalue = isovalue;
-        const auto start = std::chrono::steady_clock::now();
-        const Status moved = move(isovalue, stats, stop);
-        if (!moved.isOk()) {
+        try {
+            return moveAndInterpolate(isovalue, std::move(stop));
+        } catch (...) { // out of memory: whoever catches it may go on with an empty surface
             dropSurface();
-            return moved.error();
+            throw;
         }
-        stats.updateMs = millisecondsSince(start);
-        const auto interpolationStart = std::chrono::steady_clock::now();
-        surface_.interpolate(isovalue);
-        stats.interpolateMs = millisecondsSince(interpolationStart);
-        stats.activeEdges = surface_.activeEdges();
-        stats.triangles = surface_.triangles();
-        // A handle that moves goes on moving.
-        if (const double next = isovalue + (isovalue - lastStats_.isovalue); readsAhead_ && hasMoved_ && std::isfinite(next))
-            backing_.source.foresee(position_, backing_.source.threshold(next));
-        hasMoved_ = true;
-        lastStats_ = stats;
-        return stats;
     }
 
     void settle() override { backing_.source.settle(); }
@@ -114,6 +100,30 @@ public:
     SurfaceMesh mesh() const override { return surface_.mesh(lastStats_.isovalue); }
 
 private:
+    Result<SlideStats> moveAndInterpolate(double isovalue, std::stop_token stop) {
+        SlideStats stats;
+        stats.isovalue = isovalue;
+        const auto start = std::chrono::steady_clock::now();
+        const Status moved = move(isovalue, stats, stop);
+        if (!moved.isOk()) {
+            dropSurface();
+            return moved.error();
+        }
+        stats.updateMs = millisecondsSince(start);
+        const auto interpolationStart = std::chrono::steady_clock::now();
+        surface_.interpolate(isovalue);
+        stats.interpolateMs = millisecondsSince(interpolationStart);
+        stats.activeEdges = surface_.activeEdges();
+        stats.triangles = surface_.triangles();
+        const double previous = lastStats_.isovalue;
+        lastStats_ = stats;
+        // A handle that moves goes on moving.
+        if (const double next = isovalue + (isovalue - previous); readsAhead_ && hasMoved_ && std::isfinite(next))
+            backing_.source.foresee(position_, backing_.source.threshold(next));
+        hasMoved_ = true;
+        return stats;
+    }
+
     // From where to start: here, or from the empty surface below or above all values, whichever has
     // fewer edge entries on the way. An emptied surface costs nothing to remove.
     Status move(double isovalue, SlideStats& stats, std::stop_token stop) {

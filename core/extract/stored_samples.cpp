@@ -82,6 +82,8 @@ bool StoredSamples<Sample>::claim(Chunk chunk, std::vector<Slot>& missing) {
         if (slots_[slot - 1].batch == batch_)
             return true;
         unlink(slot);
+        if (!slots_[slot - 1].isFilled) // left behind when memory ran out
+            missing.push_back(slot);
     } else {
         if (slots_.size() < capacity_) {
             slots_.emplace_back();
@@ -168,10 +170,12 @@ Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& 
     for (const Slot slot : missing)
         order.push_back(slots_[slot - 1].chunk);
     std::sort(order.begin(), order.end());
-    store_.willNeed(order);
-    std::atomic<std::uint64_t> bytesRead = 0;
+    std::uint64_t tableBytes = 0;
+    store_.willNeed(order, tableBytes, stop);
+    std::atomic<std::uint64_t> bytesRead = tableBytes;
     std::mutex errorMutex;
     std::optional<Error> firstError;
+    std::size_t firstErrorAt = order.size();
     tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
         if (stop.stop_requested())
             return;
@@ -183,7 +187,9 @@ Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& 
         slots_[slot - 1].isFilled = status.isOk();
         if (!status.isOk()) {
             const std::lock_guard lock(errorMutex);
-            firstError = status.error();
+            if (i < firstErrorAt)
+                firstError = status.error();
+            firstErrorAt = std::min(firstErrorAt, i);
         }
     });
     stats.bytesRead += bytesRead;
@@ -235,7 +241,7 @@ template <class Sample>
 Result<Sample> StoredSamples<Sample>::sampleAt(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t& bytesRead) const {
     const Chunk chunk = store_.chunks().chunkAt(x / kSide, y / kSide, z / kSide);
     const auto at = static_cast<std::size_t>(x % kSide + kSide * (y % kSide) + kSide * kSide * (z % kSide));
-    if (const Slot slot = slotOf_[chunk])
+    if (const Slot slot = slotOf_[chunk]; slot != 0 && slots_[slot - 1].isFilled)
         return samplesOf(slot)[at];
     thread_local std::vector<Sample> decoded;
     decoded.resize(kSamples);

@@ -30,7 +30,7 @@ struct SlideStats {
     std::uint64_t triangles = 0;
     std::uint64_t bricksRead = 0; ///< bricks of samples looked into; 0 with edge blocks
     std::uint64_t chunksRead = 0; ///< chunks of samples decoded; 0 with edge blocks and in memory
-    std::uint64_t bytesRead = 0; ///< bytes read from the index file (page cache misses only)
+    std::uint64_t bytesRead = 0; ///< bytes read from the index file: what was in no cache
     std::uint64_t bytesAhead = 0; ///< read in the background since the last move, in the hope of this one
     double updateMs = 0.0;
     double interpolateMs = 0.0;

@@ -54,6 +54,14 @@ bool getGeometry(ByteReader& in, GridGeometry& geometry) {
            BrickGrid(geometry.dims).brickCount() <= std::numeric_limits<BrickIndex>::max();
 }
 
+// In order, and samples of the type.
+bool isRangeOf(ScalarType type, double min, double max) {
+    return visitScalarType(type, [&](auto sample) {
+        using Limits = std::numeric_limits<decltype(sample)>;
+        return min <= max && min >= static_cast<double>(Limits::lowest()) && max <= static_cast<double>(Limits::max());
+    });
+}
+
 void putLevel(ByteWriter& out, const SkipLevelInfo& info, const LevelDirectory& level) {
     for (const std::uint64_t value : {info.blocks, info.points, info.edges, info.activatedEdges, info.bytes, info.redundantRemoved})
         out.put<std::uint64_t>(value);
@@ -332,7 +340,7 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
     info.histogram.min = in.get<double>();
     info.histogram.max = in.get<double>();
     const std::size_t bins = in.get<std::uint32_t>();
-    if (in.hasFailed() || bins > kMaxHistogramBins || !(info.min <= info.max))
+    if (in.hasFailed() || bins > kMaxHistogramBins || !isRangeOf(info.type, info.min, info.max))
         return corrupt("value range or histogram");
     for (std::size_t i = 0; i < bins; ++i) {
         info.histogram.counts.push_back(in.get<std::uint64_t>());

@@ -1,5 +1,8 @@
 #include "core/index/page_cache.h"
 
+#include <algorithm>
+#include <bit>
+
 namespace isoslider::index {
 
 // About as many as there are threads: each takes one and gives one back.
@@ -23,6 +26,10 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(int level, std::size
     ISO_TRY(decodePage<Key>(bytes, reader_.grid(), *page, reader_.pathString()));
     if (page->pointCount() != entry.points || page->edgeCount() != entry.edges)
         return makeError(ErrorCode::Corruption, "index page disagrees with the directory", reader_.pathString(), entry.offset);
+    // A brick has one entry; whoever walks a list of bricks relies on it.
+    if (reader_.info().kind == IndexKind::Metacells &&
+        !std::all_of(page->masks.begin(), page->masks.end(), [](std::uint8_t mask) { return std::has_single_bit(mask); }))
+        return makeError(ErrorCode::Corruption, "index page lists a brick without or with several entries", reader_.pathString(), entry.offset);
     insert(id, page);
     return Lookup{std::move(page), entry.bytes};
 }

@@ -95,12 +95,14 @@ Result<MergeErrors> SampleStore::readMergeErrors(ChunkIndex chunk, std::uint64_t
     return errors;
 }
 
-void SampleStore::willNeed(std::span<const ChunkIndex> chunks) const {
+void SampleStore::willNeed(std::span<const ChunkIndex> chunks, std::uint64_t& bytesRead, std::stop_token stop) const {
     // Neighbours on disk are asked for together; a gap of a few pages is cheaper than another request.
     constexpr std::uint64_t kGapBytes = 1u << 15;
-    std::uint64_t begin = 0, end = 0, ignored = 0;
+    std::uint64_t begin = 0, end = 0;
     for (const ChunkIndex chunk : chunks) {
-        const auto place = find(chunk, ignored);
+        if (stop.stop_requested())
+            return;
+        const auto place = find(chunk, bytesRead);
         if (!place.isOk())
             return; // reading will say what is wrong
         const std::uint64_t offset = place.value().offset;

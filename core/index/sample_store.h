@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "core/index/chunk_grid.h"
@@ -52,8 +53,8 @@ public:
     Status read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out, std::uint64_t& bytesRead) const;
     /// The errors of a chunk's merged cells. Errors: IoError, Corruption.
     Result<MergeErrors> readMergeErrors(ChunkIndex chunk, std::uint64_t& bytesRead) const;
-    /// Asks the system to read what `chunks`, in rising order, need, all at once.
-    void willNeed(std::span<const ChunkIndex> chunks) const;
+    /// Asks the system to read what `chunks`, in rising order, need, all at once. Adds to `bytesRead` what tables took.
+    void willNeed(std::span<const ChunkIndex> chunks, std::uint64_t& bytesRead, std::stop_token stop) const;
 
 private:
     struct Shelf {

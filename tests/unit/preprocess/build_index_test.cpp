@@ -191,6 +191,26 @@ TEST_P(BuildIndexKind, RefusesAVolumeWithoutAFiniteSample) {
     EXPECT_TRUE(folder.names().empty());
 }
 
+// Eighteen planes must be there; the budget says so before anything is read or written.
+TEST(BuildMetacells, RefuseABudgetWithoutRoomForTheirPlanes) {
+    const test::TemporaryFolder folder;
+    GridGeometry geometry;
+    geometry.dims = {1200, 1000, 2};
+    const auto grid = test::makeVolume<double>(ScalarType::F64, geometry, [](auto x, auto, auto) { return static_cast<double>(x); });
+    geometry.dims = {1200, 1000, 18};
+    const auto thick = test::makeVolume<double>(ScalarType::F64, geometry, [](auto x, auto, auto) { return static_cast<double>(x); });
+    BuildOptions options;
+    options.kind = index::IndexKind::Metacells;
+    options.memoryBytes = kMinBuildMemoryBytes;
+    EXPECT_THAT(test::buildIndexOf(grid, folder / "a.isx", options), IsOk());
+    const auto refused = test::buildIndexOf(thick, folder / "b.isx", options);
+    ASSERT_THAT(refused, HasError(ErrorCode::InvalidArgument));
+    EXPECT_NE(refused.error().line().find("at least 187M"), std::string::npos) << refused.error().line();
+    EXPECT_EQ(folder.names(), std::vector<std::string>{"a.isx"});
+    options.memoryBytes = std::uint64_t{187} << 20;
+    EXPECT_THAT(test::buildIndexOf(thick, folder / "b.isx", options), IsOk());
+}
+
 // The samples come back as they were, and take no more room than they did.
 TEST(BuildMetacells, KeepTheSamples) {
     for (std::uint64_t seed = test::testSeed(1900), last = seed + 40; seed < last && !HasFailure(); ++seed) {

@@ -2,12 +2,15 @@
 
 #include "core/index/sample_store.h"
 
+#include <bit>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
+#include "core/index/block_codec.h"
+#include "core/index/index_writer.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/forged_index.h"
@@ -151,6 +154,58 @@ TEST_F(SampleStoreFile, ForgedDirectoriesAreRefusedOrRead) {
     another.shelves.clear();
     EXPECT_NO_THROW(static_cast<void>(extract::SlideEngine::open(write(forged(another))).value()->slideTo(500.0).isOk()))
         << "bricks taken for points";
+}
+
+// Only a forger writes such a list: everything has its right checksum.
+TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreRefused) {
+    const test::TemporaryFolder folder;
+    const auto grid = test::hillsVolume({8, 8, 8});
+    preprocess::BuildOptions options;
+    options.kind = IndexKind::Metacells;
+    ASSERT_THAT(test::buildIndexOf(grid, folder / "good.isx", options), IsOk());
+    const auto good = IndexReader::open(folder / "good.isx");
+    ASSERT_THAT(good, IsOk());
+    for (const int mask : {0b10, 0, 0b1010}) {
+        auto writer = IndexWriter::create(folder / "forged.isx", 7);
+        ASSERT_THAT(writer, IsOk());
+        const SampleStore store(*good.value());
+        std::uint64_t bytesRead = 0;
+        std::vector<std::byte> samples;
+        const ChunkPlace place = store.find(0, bytesRead).value();
+        ASSERT_THAT(good.value()->readPart(place.offset, place.sampleBytes, place.sampleChecksum, samples), IsOk());
+        ASSERT_THAT(writer.value()->addChunk(samples, {}), IsOk());
+        ASSERT_THAT(writer.value()->endChunks(), IsOk());
+        std::vector<PointRecord<std::uint16_t>> records;
+        for (const std::uint16_t key : {std::uint16_t{100}, std::uint16_t{900}}) {
+            PointRecord<std::uint16_t> record;
+            record.key = key;
+            record.setId(0);
+            record.edgeMask = static_cast<std::uint8_t>(mask);
+            for (auto& far : record.farKeys)
+                far = static_cast<std::uint16_t>(1000 - key);
+            for (auto& normal : record.farNormals)
+                normal = kNoNormal;
+            records.push_back(record);
+        }
+        PageEntry entry;
+        entry.firstKey = 100;
+        entry.lastKey = 900;
+        entry.points = 2;
+        entry.edges = static_cast<std::uint32_t>(2 * std::popcount(static_cast<unsigned>(mask)));
+        const auto page = encodePage<std::uint16_t>(records, PageOrder::Value, good.value()->grid());
+        ASSERT_THAT(writer.value()->addPage(0, entry, page), IsOk());
+        IndexMeta meta = good.value()->meta();
+        meta.info.levels.resize(1);
+        ASSERT_THAT(writer.value()->finish(meta), IsOk());
+        const auto engine = extract::SlideEngine::open(folder / "forged.isx");
+        ASSERT_THAT(engine, IsOk());
+        const auto moved = engine.value()->slideTo(500.0);
+        if (mask == 0b10) {
+            EXPECT_THAT(moved, IsOk()) << "one entry: as good as any";
+        } else {
+            EXPECT_THAT(moved, HasError(ErrorCode::Corruption));
+        }
+    }
 }
 
 TEST_F(SampleStoreFile, NoDamagedChunkEverGivesAWrongSurface) {
