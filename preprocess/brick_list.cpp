@@ -102,9 +102,10 @@ public:
         if (job_.isStopRequested())
             return cancelledError();
         index::MissingCells missing;
+        const auto isCellWhole = [&](auto... cell) { return view_.isCellWhole(cell...); };
         for (std::size_t brick = 0; brick < count; ++brick)
-            if (hasMissing[brick] && findMissingCells(bricks_, static_cast<BrickIndex>(brick),
-                                                      [&](auto... cell) { return view_.isCellWhole(cell...); }, missing))
+            if (hasMissing[brick] &&
+                findMissingCells(bricks_, static_cast<BrickIndex>(brick), isCellWhole, missing))
                 missingCells_.push_back(missing);
         return {};
     }

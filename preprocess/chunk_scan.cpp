@@ -19,18 +19,21 @@ constexpr int kChunk = index::kChunkSide;
 template <class Sample>
 using SameWidth = std::conditional_t<
     sizeof(Sample) == 1, std::int8_t,
-    std::conditional_t<sizeof(Sample) == 2, std::int16_t, std::conditional_t<sizeof(Sample) == 4, std::int32_t, std::int64_t>>>;
+    std::conditional_t<sizeof(Sample) == 2, std::int16_t,
+                       std::conditional_t<sizeof(Sample) == 4, std::int32_t, std::int64_t>>>;
 
 // Greater neighbours minus smaller ones of 16 samples in a row. Missing ones are neither.
 template <class Sample>
-void changesOfRow(const Sample* row, std::ptrdiff_t toRow, std::ptrdiff_t toPlane, std::array<SameWidth<Sample>, kChunk>& out) {
+void changesOfRow(const Sample* row, std::ptrdiff_t toRow, std::ptrdiff_t toPlane,
+                  std::array<SameWidth<Sample>, kChunk>& out) {
     using Int = SameWidth<Sample>;
     for (int x = 0; x < kChunk; ++x) {
         const Sample here = row[x];
         Int change = 0;
         for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, toRow, toPlane}) {
             const Sample before = row[x - step], after = row[x + step];
-            change = static_cast<Int>(change + Int(before > here) - Int(before < here) + Int(after > here) - Int(after < here));
+            change = static_cast<Int>(change + Int(before > here) - Int(before < here) + Int(after > here) -
+                                      Int(after < here));
         }
         out[static_cast<std::size_t>(x)] = change;
     }
@@ -60,7 +63,8 @@ bool ValueCounts<Sample>::range(Key& least, Key& greatest) const {
 
 template <class Sample>
 std::uint64_t ValueCounts<Sample>::distinct() const {
-    return static_cast<std::uint64_t>(std::count_if(counts_.begin(), counts_.end(), [](const Count& count) { return count.samples > 0; }));
+    return static_cast<std::uint64_t>(
+        std::count_if(counts_.begin(), counts_.end(), [](const Count& count) { return count.samples > 0; }));
 }
 
 template <class Sample>
@@ -112,7 +116,8 @@ void ChunkScan<Sample>::load(index::ChunkIndex chunk, const PlaneAt& planeAt) {
     for (int z = -1; z <= kChunk; ++z) {
         const Sample* plane = planeAt(std::clamp<std::int64_t>(origin_[2] + z, 0, dims_[2] - 1));
         for (int y = -1; y <= kChunk; ++y, row += kSide) {
-            const Sample* from = plane + dims_[0] * std::clamp<std::int64_t>(origin_[1] + y, 0, dims_[1] - 1) + origin_[0] - 1;
+            const Sample* from =
+                plane + dims_[0] * std::clamp<std::int64_t>(origin_[1] + y, 0, dims_[1] - 1) + origin_[0] - 1;
             if (begin == 0 && end == kSide) {
                 std::memcpy(row, from, kSide * sizeof(Sample));
                 continue;
@@ -139,13 +144,16 @@ std::span<const Sample> ChunkScan<Sample>::packed() {
     const bool isWide = extent_[0] == kChunk;
     for (int z = 0; z < extent_[2]; ++z)
         for (int y = 0; y < extent_[1]; ++y, out += extent_[0])
-            std::memcpy(out, at(0, y, z), (isWide ? std::size_t{kChunk} : static_cast<std::size_t>(extent_[0])) * sizeof(Sample));
+            std::memcpy(out, at(0, y, z),
+                        (isWide ? std::size_t{kChunk} : static_cast<std::size_t>(extent_[0])) *
+                            sizeof(Sample));
     return {packed_.data(), static_cast<std::size_t>(out - packed_.data())};
 }
 
 template <class Sample>
 std::vector<std::byte> ChunkScan<Sample>::mergeErrors() const {
-    return index::encodeMergeErrors(index::measureMergeErrors(index::SampleBox<Sample>{at(0, 0, 0), kSide, kSide * kSide, cellCorners_}));
+    return index::encodeMergeErrors(
+        index::measureMergeErrors(index::SampleBox<Sample>{at(0, 0, 0), kSide, kSide * kSide, cellCorners_}));
 }
 
 template <class Sample>
@@ -155,7 +163,8 @@ void ChunkScan<Sample>::forEachBrick(const Visit& visit) const {
         for (int j = 0; j < 2; ++j)
             for (int i = 0; i < 2; ++i)
                 if (i * kBrickSide < extent_[0] && j * kBrickSide < extent_[1] && k * kBrickSide < extent_[2])
-                    visit(bricks_.brickAt(origin_[0] / kBrickSide + i, origin_[1] / kBrickSide + j, origin_[2] / kBrickSide + k),
+                    visit(bricks_.brickAt(origin_[0] / kBrickSide + i, origin_[1] / kBrickSide + j,
+                                          origin_[2] / kBrickSide + k),
                           i * kBrickSide, j * kBrickSide, k * kBrickSide);
 }
 
@@ -186,7 +195,8 @@ void ChunkScan<Sample>::spans(BrickSpans<KeyOf<Sample>>& spans) const {
                     greatest[x] = row[x] > greatest[x] ? row[x] : greatest[x];
                 }
             }
-        spans.least[brick] = isEmpty ? std::numeric_limits<Key>::max() : keyOf(*std::min_element(least.begin(), least.end()));
+        spans.least[brick] =
+            isEmpty ? std::numeric_limits<Key>::max() : keyOf(*std::min_element(least.begin(), least.end()));
         spans.greatest[brick] = isEmpty ? Key(0) : keyOf(*std::max_element(greatest.begin(), greatest.end()));
     });
 }
@@ -198,7 +208,8 @@ bool ChunkScan<Sample>::isCellWhole(std::int64_t x, std::int64_t y, std::int64_t
         if (origin_[a] + cell[a] < 0 || origin_[a] + cell[a] + 1 >= dims_[a])
             return false;
     for (int c = 0; c < 8; ++c)
-        if (isMissing(*at(static_cast<int>(x) + (c & 1), static_cast<int>(y) + (c >> 1 & 1), static_cast<int>(z) + (c >> 2))))
+        if (isMissing(*at(static_cast<int>(x) + (c & 1), static_cast<int>(y) + (c >> 1 & 1),
+                          static_cast<int>(z) + (c >> 2))))
             return false;
     return true;
 }
@@ -227,7 +238,9 @@ std::int64_t ChunkScan<Sample>::changeAt(int x, int y, int z) const {
             const std::array<int, 3> n{x + (axis == 0) * step, y + (axis == 1) * step, z + (axis == 2) * step};
             const Sample there = *at(n[0], n[1], n[2]);
             const int start = step < 0 ? step : 0;
-            const auto isWhole = [&](std::int64_t cx, std::int64_t cy, std::int64_t cz) { return isCellWhole(cx, cy, cz); };
+            const auto isWhole = [&](std::int64_t cx, std::int64_t cy, std::int64_t cz) {
+                return isCellWhole(cx, cy, cz);
+            };
             if (!isMissing(there) && hasWholeCell<std::int64_t>(x + (axis == 0) * start, y + (axis == 1) * start,
                                                                 z + (axis == 2) * start, axis, isWhole))
                 change += (there > here) - (there < here);

@@ -18,7 +18,8 @@ namespace isoslider::preprocess {
 namespace {
 
 // Three passes. 1: counts by key prefix (partitions, span bins, range). 2: records, generated brick
-// by brick, distributed by value; hidden corners, written as they come. 3: partitions sorted one after the other, cut into blocks, encoded.
+// by brick, distributed by value; hidden corners, written as they come. 3: partitions sorted one after the
+// other, cut into blocks, encoded.
 
 constexpr int kPrefixBits = 16;
 
@@ -58,9 +59,10 @@ public:
     using Record = index::PointRecord<Key>;
     static constexpr int kKeyShift = 8 * sizeof(Key) - kPrefixBits;
 
-    EdgeBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options, const JobControl& job)
-        : source_(source), geometry_(source.info().geometry), grid_(geometry_.dims), path_(path), options_(options), job_(job),
-          redundancyThreshold_(options.redundancyThreshold) {}
+    EdgeBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options,
+              const JobControl& job)
+        : source_(source), geometry_(source.info().geometry), grid_(geometry_.dims), path_(path),
+          options_(options), job_(job), redundancyThreshold_(options.redundancyThreshold) {}
 
     Result<index::IndexInfo> run() {
         ISO_TRY(countSamples());
@@ -69,10 +71,12 @@ public:
             return std::move(writer).error();
         const SpanBins bins = makeSpanBins(countsByPrefix_, kKeyShift);
         SpanHistogram histogram(bins.count());
-        ExternalSort<Key> sort(countsByPrefix_, kKeyShift, sortMemory(), spillPathOf(path_, options_), fileSystemOf(options_));
+        ExternalSort<Key> sort(countsByPrefix_, kKeyShift, sortMemory(), spillPathOf(path_, options_),
+                               fileSystemOf(options_));
         ISO_TRY(generateRecords(bins, histogram, sort, *writer.value()));
         LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlocks(histogram, bins));
-        ISO_TRY(sort.drain([&](std::span<const Record> records) { return consume(records, levels); }, job_.part(0.4, 1.0)));
+        ISO_TRY(sort.drain([&](std::span<const Record> records) { return consume(records, levels); },
+                           job_.part(0.4, 1.0)));
         ISO_TRY(levels.finish());
         if (job_.isStopRequested())
             return cancelledError();
@@ -115,7 +119,8 @@ private:
         return {};
     }
 
-    Status generateRecords(const SpanBins& bins, SpanHistogram& histogram, ExternalSort<Key>& sort, index::IndexWriter& writer) {
+    Status generateRecords(const SpanBins& bins, SpanHistogram& histogram, ExternalSort<Key>& sort,
+                           index::IndexWriter& writer) {
         const JobControl share = job_.part(0.1, 0.4);
         beginHistogram();
         SlabWindow<Sample> window(source_);
@@ -136,7 +141,8 @@ private:
                 ISO_TRY(sort.add(brick));
             for (const auto& brick : layerRecords.hiddenCorners)
                 ISO_TRY(hiddenPages.addBrick(brick));
-            missingCells_.insert(missingCells_.end(), layerRecords.missingCells.begin(), layerRecords.missingCells.end());
+            missingCells_.insert(missingCells_.end(), layerRecords.missingCells.begin(),
+                                 layerRecords.missingCells.end());
             lonely.insert(lonely.end(), layerRecords.lonelyKeys.begin(), layerRecords.lonelyKeys.end());
         }
         if (info_.min == info_.max)
@@ -164,7 +170,8 @@ private:
         });
         double bytes = 0.0, entries = 0.0;
         for (std::size_t first = 0; first < sample_.size(); first += kValuePagePoints) {
-            const auto page = std::span<const Record>(sample_).subspan(first, std::min(kValuePagePoints, sample_.size() - first));
+            const auto page = std::span<const Record>(sample_).subspan(
+                first, std::min(kValuePagePoints, sample_.size() - first));
             bytes += static_cast<double>(index::encodePage<Key>(page, index::PageOrder::Value, grid_).size());
             for (const Record& record : page)
                 entries += std::popcount(record.edgeMask);
@@ -239,7 +246,8 @@ private:
     std::uint64_t sortMemory() const {
         // What the window of planes and the layer's records take comes off the budget first.
         const std::uint64_t plane = static_cast<std::uint64_t>(geometry_.dims[0] * geometry_.dims[1]);
-        const std::uint64_t working = plane * (12 * sizeof(Sample) + 10 * (sizeof(Key) + 3) + 8 * sizeof(Record) * 3 / 2 + sizeof(index::HiddenCorner));
+        const std::uint64_t working = plane * (12 * sizeof(Sample) + 10 * (sizeof(Key) + 3) +
+                                               8 * sizeof(Record) * 3 / 2 + sizeof(index::HiddenCorner));
         const std::uint64_t usable = options_.memoryBytes - options_.memoryBytes / 8;
         return std::max<std::uint64_t>(usable > working ? usable - working : 0, std::uint64_t{16} << 20);
     }
@@ -276,8 +284,8 @@ private:
 
 } // namespace
 
-Result<index::IndexInfo> buildEdges(io::VolumeSource& source, const std::filesystem::path& indexPath, const BuildOptions& options,
-                                    const JobControl& job) {
+Result<index::IndexInfo> buildEdges(io::VolumeSource& source, const std::filesystem::path& indexPath,
+                                    const BuildOptions& options, const JobControl& job) {
     return visitScalarType(source.info().type, [&](auto sample) {
         return EdgeBuild<decltype(sample)>(source, indexPath, options, job).run();
     });

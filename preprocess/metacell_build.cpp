@@ -58,7 +58,8 @@ public:
         ISO_TRY(countDistinct(job_.part(0.9, 0.95)));
         BrickListOptions list;
         list.skipLevels = options_.skipLevels;
-        list.redundancyThreshold = options_.redundancyThreshold > 0.0 ? options_.redundancyThreshold : list.redundancyThreshold;
+        list.redundancyThreshold =
+            options_.redundancyThreshold > 0.0 ? options_.redundancyThreshold : list.redundancyThreshold;
         list.memoryBytes = options_.memoryBytes / 2;
         info_.redundancyThreshold = list.redundancyThreshold;
         ISO_TRY(writeBrickList(spans_, geometry_.dims, list, spillPathOf(path_, options_), fileSystemOf(options_), *writer_, info_.levels,
@@ -87,7 +88,9 @@ private:
         return static_cast<std::size_t>(std::clamp<std::uint64_t>(options_.memoryBytes / 8 / rowBytes(), 2, most));
     }
 
-    Error noSamples() const { return makeError(ErrorCode::InvalidArgument, "the volume has no finite sample", options_.sourceName); }
+    Error noSamples() const {
+        return makeError(ErrorCode::InvalidArgument, "the volume has no finite sample", options_.sourceName);
+    }
 
     // Calls work(slab, planes) for slab after slab, with progress.
     template <class Work>
@@ -106,7 +109,8 @@ private:
     // Least and greatest sample, lane by lane, so that whole vectors are compared; missing ones are beyond the ends.
     struct Range {
         static constexpr std::size_t kLanes = 16;
-        static constexpr Sample kLowest = std::numeric_limits<Sample>::lowest(), kGreatest = std::numeric_limits<Sample>::max();
+        static constexpr Sample kLowest = std::numeric_limits<Sample>::lowest(),
+                                kGreatest = std::numeric_limits<Sample>::max();
         std::array<Sample, kLanes> low, high;
 
         Range() {
@@ -133,7 +137,8 @@ private:
         std::atomic<bool> anyFinite = false;
         const auto plane = static_cast<std::size_t>(geometry_.dims[0] * geometry_.dims[1]);
         const auto take = [&](std::int64_t slab, const PlaneRing<Sample>& ring) -> Status {
-            const std::int64_t begin = slab * ring.kThickness, end = std::min(geometry_.dims[2], begin + ring.kThickness);
+            const std::int64_t begin = slab * ring.kThickness,
+                               end = std::min(geometry_.dims[2], begin + ring.kThickness);
             tbb::parallel_for(begin, end, [&](std::int64_t z) {
                 const std::span<const Sample> samples(ring.plane(z), plane);
                 ranges.local().add(samples);
@@ -203,7 +208,8 @@ private:
         return {};
     }
 
-    Status storeSlab(std::int64_t slab, const PlaneRing<Sample>& ring, tbb::enumerable_thread_specific<Worker>& workers) {
+    Status storeSlab(std::int64_t slab, const PlaneRing<Sample>& ring,
+                     tbb::enumerable_thread_specific<Worker>& workers) {
         const GridDims& sides = chunks_.chunks();
         std::int64_t nextRow = 0;
         Status written;
@@ -247,7 +253,8 @@ private:
     Status countDistinct(const JobControl& job) {
         if constexpr (!ValueCounts<Sample>::kByKey) {
             const auto count = [&](std::int64_t slab, const PlaneRing<Sample>& ring) -> Status {
-                const std::int64_t begin = slab * ring.kThickness, end = std::min(geometry_.dims[2], begin + ring.kThickness);
+                const std::int64_t begin = slab * ring.kThickness,
+                                   end = std::min(geometry_.dims[2], begin + ring.kThickness);
                 const auto row = static_cast<std::size_t>(geometry_.dims[0]);
                 tbb::parallel_for(begin, end, [&](std::int64_t z) {
                     for (std::int64_t y = 0; y < geometry_.dims[1]; ++y)
@@ -274,7 +281,9 @@ private:
         XXH3_64bits_update(state, &type, sizeof type);
         XXH3_64bits_update(state, options_.sourceName.data(), options_.sourceName.size());
         const std::int64_t planes = std::min(geometry_.dims[2], ring.kThickness);
-        XXH3_64bits_update(state, ring.plane(0), static_cast<std::size_t>(geometry_.dims[0] * geometry_.dims[1] * planes) * sizeof(Sample));
+        XXH3_64bits_update(state, ring.plane(0),
+                           static_cast<std::size_t>(geometry_.dims[0] * geometry_.dims[1] * planes) *
+                               sizeof(Sample));
         XXH3_64bits_update(state, &options_.skipLevels, sizeof options_.skipLevels);
         XXH3_64bits_update(state, &options_.redundancyThreshold, sizeof options_.redundancyThreshold);
         const std::uint64_t seed = XXH3_64bits_digest(state);
@@ -315,8 +324,8 @@ private:
 
 } // namespace
 
-Result<index::IndexInfo> buildMetacells(io::VolumeSource& source, const std::filesystem::path& indexPath, const BuildOptions& options,
-                                        const JobControl& job) {
+Result<index::IndexInfo> buildMetacells(io::VolumeSource& source, const std::filesystem::path& indexPath,
+                                        const BuildOptions& options, const JobControl& job) {
     return visitScalarType(source.info().type, [&](auto sample) {
         return MetacellBuild<decltype(sample)>(source, indexPath, options, job).run();
     });

@@ -8,7 +8,8 @@ namespace isoslider::preprocess {
 /// Bit per cell of the brick that lies in the grid and has a missing corner, as `isCellWhole(x, y, z)` says at
 /// coordinates of the grid. False when there is none.
 template <class IsCellWhole>
-bool findMissingCells(const BrickGrid& grid, BrickIndex brick, const IsCellWhole& isCellWhole, index::MissingCells& out) {
+bool findMissingCells(const BrickGrid& grid, BrickIndex brick, const IsCellWhole& isCellWhole,
+                      index::MissingCells& out) {
     out = {brick, {}};
     const auto b = grid.brickCoords(brick);
     bool any = false;

@@ -20,7 +20,8 @@ public:
 
     ValueBins() = default;
     /// REQUIRES: min <= max, both finite samples.
-    ValueBins(Sample min, Sample max) : min_(static_cast<double>(min) * 0.5), range_(static_cast<double>(max) * 0.5 - min_) {
+    ValueBins(Sample min, Sample max)
+        : min_(static_cast<double>(min) * 0.5), range_(static_cast<double>(max) * 0.5 - min_) {
         scale_ = range_ > 0.0 ? static_cast<double>(kCount) / range_ : 0.0;
         for (std::size_t b = 0; b < kCount; ++b) {
             const double at = static_cast<double>(b) / static_cast<double>(kCount);
@@ -39,7 +40,9 @@ public:
             starts_[b] = sampleOfKey<Sample>(static_cast<Key>(high));
         }
         for (std::size_t b = 0; b < kCount; ++b) {
-            const auto differs = [&](std::size_t i) { return i > 0 && i < kCount && thresholds_[i] != keyOf(starts_[i]); };
+            const auto differs = [&](std::size_t i) {
+                return i > 0 && i < kCount && thresholds_[i] != keyOf(starts_[i]);
+            };
             isCurveOff_[b] = !(range_ > 0.0) || differs(b) || differs(b + 1);
         }
     }

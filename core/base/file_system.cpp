@@ -97,7 +97,8 @@ public:
     }
 
     void willNeed(std::uint64_t offset, std::uint64_t size) const override {
-        (void)::posix_fadvise(descriptor_.get(), static_cast<off_t>(offset), static_cast<off_t>(size), POSIX_FADV_WILLNEED);
+        (void)::posix_fadvise(descriptor_.get(), static_cast<off_t>(offset), static_cast<off_t>(size),
+                              POSIX_FADV_WILLNEED);
     }
 
 private:

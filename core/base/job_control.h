@@ -27,7 +27,9 @@ struct JobControl {
         JobControl share;
         share.stop = stop;
         if (progress)
-            share.progress = [this, from, to](double f, std::string_view stage) { report(from + f * (to - from), stage); };
+            share.progress = [this, from, to](double f, std::string_view stage) {
+                report(from + f * (to - from), stage);
+            };
         return share;
     }
 };

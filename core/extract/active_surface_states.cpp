@@ -217,7 +217,8 @@ void ActiveSurface<Live>::keepDecided(Brick& brick, double isovalue, Scratch& sc
 
 // Decides one ambiguous cell and adds it to the brick's list. False when its hidden corner cannot be read.
 template <class Live>
-bool ActiveSurface<Live>::decide(Brick& brick, const Neighbourhood& around, LocalPoint cell, double isovalue, Scratch& scratch) {
+bool ActiveSurface<Live>::decide(Brick& brick, const Neighbourhood& around, LocalPoint cell, double isovalue,
+                                 Scratch& scratch) {
     const auto signs = static_cast<std::uint8_t>(scratch.newState[cell]);
     cell::CornerScalars scalars = scalarsOf(around, cell, signs);
     const int hidden = cell::hiddenCorner(signs);
@@ -243,7 +244,8 @@ bool ActiveSurface<Live>::decide(Brick& brick, const Neighbourhood& around, Loca
 
 // Decides the ambiguous among the rewritten cells and brings the brick's list of them up to date.
 template <class Live>
-bool ActiveSurface<Live>::resolveAmbiguous(Brick& brick, const Neighbourhood& around, double isovalue, Scratch& scratch) {
+bool ActiveSurface<Live>::resolveAmbiguous(Brick& brick, const Neighbourhood& around, double isovalue,
+                                           Scratch& scratch) {
     if (!brick.slow)
         slowCells_.create(brick);
     const std::vector<AmbiguousCell>& list = brick.slow->ambiguous;

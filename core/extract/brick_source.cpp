@@ -67,7 +67,8 @@ struct BrickSource<Sample>::Scratch {
 };
 
 template <class Sample>
-BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples, std::uint64_t cacheBytes)
+BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples,
+                                 std::uint64_t cacheBytes)
     : WalkedSource<Sample>(bricks, cacheBytes), samples_(samples), placeOf_(bricks.grid().brickCount()) {
     for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
         inverseSpacing_[a] = static_cast<float>(1.0 / std::abs(bricks.info().geometry.spacing[a]));
@@ -110,8 +111,9 @@ Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bo
 }
 
 template <class Sample>
-Status BrickSource<Sample>::changeActiveSet(KeyThreshold lower, KeyThreshold upper, bool goesUp, ChangeSet<Live>& changes,
-                                            SlideStats& stats, std::stop_token stop) {
+Status BrickSource<Sample>::changeActiveSet(KeyThreshold lower, KeyThreshold upper, bool goesUp,
+                                            ChangeSet<Live>& changes, SlideStats& stats,
+                                            std::stop_token stop) {
     NetBricks net;
     ISO_TRY(netBricks(lower, upper, goesUp, stats, stop, net));
     typename ChangeSet<Live>::Lists& lists = changes.local();
@@ -169,7 +171,8 @@ Status BrickSource<Sample>::collect(KeyThreshold from, KeyThreshold to, ChangeSe
         const auto ready = samples_.prepare(rest, stats, stop);
         if (!ready.isOk())
             return ready.error();
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ready.value(), 32), [&](const tbb::blocked_range<std::size_t>& range) {
+        const tbb::blocked_range<std::size_t> all(0, ready.value(), 32);
+        tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
             Scratch& scratch = scratches.local();
             for (std::size_t i = range.begin(); i < range.end() && !stop.stop_requested(); ++i)
                 emit(active_[placeOf_[rest[i]] - 1], from, to, changes, scratch);
@@ -218,7 +221,8 @@ Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::s
 }
 
 template <class Sample>
-void BrickSource<Sample>::emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, Scratch& scratch) const {
+void BrickSource<Sample>::emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to,
+                               ChangeSet<Live>& changes, Scratch& scratch) const {
     SampleBlock<Sample>& block = scratch.block;
     samples_.read(active.brick, block);
     ++scratch.bricks;
@@ -269,7 +273,8 @@ template <class Sample>
 Result<std::optional<double>> BrickSource<Sample>::hiddenScalar(BrickIndex brick, LocalPoint cell, int corner) {
     const auto p = reader_.grid().pointCoords(PointId{brick} * kBrickPoints + cell);
     std::uint64_t bytesRead = 0;
-    const auto sample = samples_.sampleAt(p[0] + (corner & 1), p[1] + (corner >> 1 & 1), p[2] + (corner >> 2), bytesRead);
+    const auto sample =
+        samples_.sampleAt(p[0] + (corner & 1), p[1] + (corner >> 1 & 1), p[2] + (corner >> 2), bytesRead);
     hiddenBytesRead_.fetch_add(bytesRead, std::memory_order_relaxed);
     if (!sample.isOk())
         return sample.error();

@@ -74,14 +74,16 @@ private:
     struct NetBricks {
         std::vector<BrickIndex> arrive, leave;
     };
-    Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats, std::stop_token stop, NetBricks& net);
+    Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats,
+                     std::stop_token stop, NetBricks& net);
     static bool isCrossed(const ActiveBrick& brick, KeyThreshold from, KeyThreshold to) {
         return brick.isNew || (from < to ? brick.up < to : brick.down >= to);
     }
     std::vector<BrickIndex> inReadingOrder(std::vector<BrickIndex> bricks, KeyThreshold from, KeyThreshold to, bool backwards) const;
     Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
     void removeActive(BrickIndex brick);
-    void emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes, Scratch& scratch) const;
+    void emit(ActiveBrick& active, KeyThreshold from, KeyThreshold to, ChangeSet<Live>& changes,
+              Scratch& scratch) const;
 
     SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;

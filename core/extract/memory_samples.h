@@ -18,7 +18,9 @@ public:
         : view_{grid.values<Sample>().data(), grid.dims()}, bricks_(grid.dims()) {}
 
     std::uint64_t orderOf(BrickIndex brick) const override { return brick; }
-    Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats&, std::stop_token) override { return bricks.size(); }
+    Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats&, std::stop_token) override {
+        return bricks.size();
+    }
     Result<Sample> sampleAt(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t&) const override {
         return view_.samples[view_.offset(x, y, z)];
     }

@@ -22,7 +22,8 @@ public:
     /// Makes the first of `bricks` ready to be read, as many as there is room for; returns how many, at least
     /// one of those given. Others may no longer be ready then. Cheapest when `bricks` rise or fall in order.
     /// Adds to `stats` what was read. Errors: IoError, Corruption, Cancelled.
-    virtual Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) = 0;
+    virtual Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats& stats,
+                                        std::stop_token stop) = 0;
     /// Fills the block round a brick. REQUIRES: it is ready. Any thread.
     virtual void read(BrickIndex brick, SampleBlock<Sample>& block) const = 0;
     /// One sample, ready or not, at coordinates of the grid. Any thread, while none makes bricks ready.
@@ -31,7 +32,10 @@ public:
     /// Whether fetching ahead of need is of any use.
     virtual bool fetchesAhead() const { return false; }
     /// As prepare(), in a hurry to no one: fetches what the first of `bricks` miss, up to a part of the room.
-    virtual Status fetch(std::span<const BrickIndex> /*bricks*/, SlideStats& /*stats*/, std::stop_token /*stop*/) { return {}; }
+    virtual Status fetch(std::span<const BrickIndex> /*bricks*/, SlideStats& /*stats*/,
+                         std::stop_token /*stop*/) {
+        return {};
+    }
     /// Forgets what is kept: no brick is ready any more.
     virtual void dropCaches() {}
 };

@@ -39,8 +39,10 @@ struct MemoryBacking {
     Source source;
     static constexpr bool kIsIndex = false;
 
-    MemoryBacking(std::shared_ptr<const ScalarGrid> volume, std::unique_ptr<index::IndexReader> brickList, const SlideOptions& options)
-        : grid(std::move(volume)), reader(std::move(brickList)), samples(*grid), source(*reader, samples, options.cacheBytes.value_or(kEdgesCacheBytes)) {}
+    MemoryBacking(std::shared_ptr<const ScalarGrid> volume, std::unique_ptr<index::IndexReader> brickList,
+                  const SlideOptions& options)
+        : grid(std::move(volume)), reader(std::move(brickList)), samples(*grid),
+          source(*reader, samples, options.cacheBytes.value_or(kEdgesCacheBytes)) {}
 };
 
 template <class Sample>
@@ -66,7 +68,8 @@ class Engine final : public SlideEngine {
 public:
     template <class... Arguments>
     explicit Engine(const SlideOptions& options, Arguments&&... arguments)
-        : readsAhead_(options.readsAhead), backing_(std::forward<Arguments>(arguments)...), surface_(meta().info.geometry, meta().missingCells, backing_.source),
+        : readsAhead_(options.readsAhead), backing_(std::forward<Arguments>(arguments)...),
+          surface_(meta().info.geometry, meta().missingCells, backing_.source),
           changes_(backing_.reader->grid().brickCount()), position_(backing_.source.lowest()) {}
 
     const index::IndexInfo& info() const override { return meta().info; }
@@ -184,16 +187,18 @@ Result<std::unique_ptr<SlideEngine>> SlideEngine::open(const std::filesystem::pa
     const ScalarType type = reader.value()->info().type;
     return visitScalarType(type, [&](auto sample) -> Result<std::unique_ptr<SlideEngine>> {
         if (reader.value()->info().kind == index::IndexKind::Metacells)
-            return std::unique_ptr<SlideEngine>(std::make_unique<Engine<StoreBacking<decltype(sample)>>>(options, std::move(reader).value(), options));
-        return std::unique_ptr<SlideEngine>(std::make_unique<Engine<IndexBacking<decltype(sample)>>>(options, std::move(reader).value(), options));
+            return std::unique_ptr<SlideEngine>(std::make_unique<Engine<StoreBacking<decltype(sample)>>>(
+                options, std::move(reader).value(), options));
+        return std::unique_ptr<SlideEngine>(std::make_unique<Engine<IndexBacking<decltype(sample)>>>(
+            options, std::move(reader).value(), options));
     });
 }
 
 std::unique_ptr<SlideEngine> SlideEngine::onVolume(std::shared_ptr<const ScalarGrid> grid, std::unique_ptr<index::IndexReader> brickList,
                                                    const SlideOptions& options) {
     return visitScalarType(grid->type(), [&](auto sample) {
-        return std::unique_ptr<SlideEngine>(
-            std::make_unique<Engine<MemoryBacking<decltype(sample)>>>(options, std::move(grid), std::move(brickList), options));
+        return std::unique_ptr<SlideEngine>(std::make_unique<Engine<MemoryBacking<decltype(sample)>>>(
+            options, std::move(grid), std::move(brickList), options));
     });
 }
 

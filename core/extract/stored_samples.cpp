@@ -107,7 +107,8 @@ bool StoredSamples<Sample>::claim(Chunk chunk, std::vector<Slot>& missing) {
 }
 
 template <class Sample>
-Result<std::size_t> StoredSamples<Sample>::prepare(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) {
+Result<std::size_t> StoredSamples<Sample>::prepare(std::span<const BrickIndex> bricks, SlideStats& stats,
+                                                   std::stop_token stop) {
     return prepare(bricks, capacity_, stats, stop);
 }
 
@@ -118,8 +119,8 @@ Status StoredSamples<Sample>::fetch(std::span<const BrickIndex> bricks, SlideSta
 }
 
 template <class Sample>
-Result<std::size_t> StoredSamples<Sample>::prepare(std::span<const BrickIndex> bricks, std::size_t maxMissing, SlideStats& stats,
-                                                   std::stop_token stop) {
+Result<std::size_t> StoredSamples<Sample>::prepare(std::span<const BrickIndex> bricks, std::size_t maxMissing,
+                                                   SlideStats& stats, std::stop_token stop) {
     ++batch_;
     std::vector<Slot> missing;
     std::size_t ready = 0;
@@ -128,7 +129,9 @@ Result<std::size_t> StoredSamples<Sample>::prepare(std::span<const BrickIndex> b
         for (int k = 0; k < around.count[2] && hasRoom; ++k)
             for (int j = 0; j < around.count[1] && hasRoom; ++j)
                 for (int i = 0; i < around.count[0] && hasRoom; ++i)
-                    hasRoom = claim(store_.chunks().chunkAt(around.first[0] + i, around.first[1] + j, around.first[2] + k), missing);
+                    hasRoom = claim(store_.chunks().chunkAt(around.first[0] + i, around.first[1] + j,
+                                                            around.first[2] + k),
+                                    missing);
         if (!hasRoom)
             break;
     }
@@ -216,7 +219,9 @@ void StoredSamples<Sample>::read(BrickIndex brick, SampleBlock<Sample>& block) c
             const int yEnd = std::min(block.end[1], y + kSide - static_cast<int>(py % kSide));
             const auto first = static_cast<std::size_t>(kSide * (py % kSide) + kSide * kSide * (pz % kSide));
             const Sample* here = samplesOf(slotOf_[chunks.chunkAt(b[0] >> 1, py / kSide, pz / kSide)]) + first;
-            const Sample* aside = hasBeside ? samplesOf(slotOf_[chunks.chunkAt(beside, py / kSide, pz / kSide)]) + first : nullptr;
+            const Sample* aside =
+                hasBeside ? samplesOf(slotOf_[chunks.chunkAt(beside, py / kSide, pz / kSide)]) + first
+                          : nullptr;
             for (int k = z; k < zEnd; ++k)
                 for (int j = y; j < yEnd; ++j) {
                     const int row = kSide * (j - y) + kSide * kSide * (k - z);
@@ -238,7 +243,8 @@ void StoredSamples<Sample>::read(BrickIndex brick, SampleBlock<Sample>& block) c
 }
 
 template <class Sample>
-Result<Sample> StoredSamples<Sample>::sampleAt(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t& bytesRead) const {
+Result<Sample> StoredSamples<Sample>::sampleAt(std::int64_t x, std::int64_t y, std::int64_t z,
+                                               std::uint64_t& bytesRead) const {
     const Chunk chunk = store_.chunks().chunkAt(x / kSide, y / kSide, z / kSide);
     const auto at = static_cast<std::size_t>(x % kSide + kSide * (y % kSide) + kSide * kSide * (z % kSide));
     if (const Slot slot = slotOf_[chunk]; slot != 0 && slots_[slot - 1].isFilled)

@@ -54,7 +54,8 @@ private:
 
     Neighbourhood neighbourhood(BrickIndex brick) const;
     bool claim(Chunk chunk, std::vector<Slot>& missing);
-    Result<std::size_t> prepare(std::span<const BrickIndex> bricks, std::size_t maxMissing, SlideStats& stats, std::stop_token stop);
+    Result<std::size_t> prepare(std::span<const BrickIndex> bricks, std::size_t maxMissing, SlideStats& stats,
+                                std::stop_token stop);
     Status decode(std::span<const Slot> missing, SlideStats& stats, std::stop_token stop);
     void unlink(Slot slot);
     void pushNewest(Slot slot);

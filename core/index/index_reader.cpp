@@ -39,7 +39,8 @@ Status IndexReader::readPage(const HiddenPageEntry& page, std::vector<std::byte>
     return readPart(page.offset, page.bytes, page.checksum, bytes);
 }
 
-Status IndexReader::readPart(std::uint64_t offset, std::size_t size, std::uint64_t checksum, std::vector<std::byte>& bytes) const {
+Status IndexReader::readPart(std::uint64_t offset, std::size_t size, std::uint64_t checksum,
+                             std::vector<std::byte>& bytes) const {
     bytes.resize(size);
     ISO_TRY(file_->readExactlyAt(offset, bytes));
     if (pageChecksum(bytes, seed_, offset) != checksum)

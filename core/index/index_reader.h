@@ -25,7 +25,8 @@ public:
     Status readPage(const PageEntry& page, std::vector<std::byte>& bytes) const;
     Status readPage(const HiddenPageEntry& page, std::vector<std::byte>& bytes) const;
     /// Any other part that has a place, a size and a checksum; likewise.
-    Status readPart(std::uint64_t offset, std::size_t size, std::uint64_t checksum, std::vector<std::byte>& bytes) const;
+    Status readPart(std::uint64_t offset, std::size_t size, std::uint64_t checksum,
+                    std::vector<std::byte>& bytes) const;
     /// Asks the system to read a range before it is needed.
     void willNeed(std::uint64_t offset, std::uint64_t size) const { file_->willNeed(offset, size); }
 

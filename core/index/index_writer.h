@@ -31,8 +31,9 @@ public:
     /// Number of bytes so far: where the next part goes.
     std::uint64_t sizeBytes() const { return file_->sizeBytes() + buffer_.size(); }
 
-    /// Writes what is left and publishes. `meta.levels`, `meta.hiddenPages` and `meta.shelves` are filled in here; `meta.info.levels`
-    /// must have an entry per level, its bytes and edge sums are completed. Returns the finished info.
+    /// Writes what is left and publishes. `meta.levels`, `meta.hiddenPages` and `meta.shelves` are filled in
+    /// here; `meta.info.levels` must have an entry per level, its bytes and edge sums are completed. Returns
+    /// the finished info.
     Result<IndexInfo> finish(IndexMeta meta);
 
 private:

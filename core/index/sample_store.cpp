@@ -71,7 +71,8 @@ Status SampleStore::read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out,
     thread_local std::vector<Sample> packed;
     packed.resize(isWhole ? 0 : samples);
     if (!decodeChunk<Sample>(bytes, extent, isWhole ? std::span<Sample>(out) : std::span<Sample>(packed)))
-        return makeError(ErrorCode::Corruption, "chunk of samples is damaged", reader_.pathString(), place.value().offset);
+        return makeError(ErrorCode::Corruption, "chunk of samples is damaged", reader_.pathString(),
+                         place.value().offset);
     if (isWhole)
         return {};
     const Sample* row = packed.data();

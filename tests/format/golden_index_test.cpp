@@ -1,6 +1,6 @@
 // Index files of each released format version, kept for ever: those of this version open, slide, and are
-// what a build gives, older ones are refused by name. ISOSLIDER_WRITE_GOLDEN=FOLDER writes today's bytes instead of comparing them; commit such a file
-// under a new name only, with a new format version.
+// what a build gives, older ones are refused by name. ISOSLIDER_WRITE_GOLDEN=FOLDER writes today's bytes
+// instead of comparing them; commit such a file under a new name only, with a new format version.
 
 #include <cstdlib>
 
@@ -58,7 +58,10 @@ TEST(GoldenIndex, EarlierVersionsAreRefusedByName) {
         ASSERT_THAT(opened, HasError(ErrorCode::UnsupportedVersion));
         const std::string line = opened.error().line();
         EXPECT_NE(line.find(name), std::string::npos) << line;
-        EXPECT_NE(line.find("format version " + version + ", this program reads version 3: build it anew from its volume"), std::string::npos) << line;
+        EXPECT_NE(line.find("format version " + version +
+                            ", this program reads version 3: build it anew from its volume"),
+                  std::string::npos)
+            << line;
         EXPECT_EQ(line.find('\n'), std::string::npos);
     }
 }
@@ -133,7 +136,9 @@ TEST_P(GoldenIndexKind, IsWhatABuildGives) {
     const test::TemporaryFolder folder;
     const std::string built = buildGolden(folder / "golden.isx", GetParam()), wanted = test::readText(golden());
     EXPECT_EQ(built.size(), wanted.size());
-    const auto differs = std::mismatch(built.begin(), built.begin() + static_cast<std::ptrdiff_t>(std::min(built.size(), wanted.size())), wanted.begin());
+    const auto differs = std::mismatch(
+        built.begin(), built.begin() + static_cast<std::ptrdiff_t>(std::min(built.size(), wanted.size())),
+        wanted.begin());
     EXPECT_TRUE(built == wanted) << "first difference at byte " << differs.first - built.begin();
 }
 

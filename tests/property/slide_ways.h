@@ -23,8 +23,10 @@ struct Way {
 };
 
 /// Builds the index first if it is not there.
-inline std::unique_ptr<extract::SlideEngine> openIndex(const std::shared_ptr<const ScalarGrid>& grid, const std::filesystem::path& path,
-                                       index::IndexKind kind, std::optional<std::uint64_t> cacheBytes = {}) {
+inline std::unique_ptr<extract::SlideEngine> openIndex(const std::shared_ptr<const ScalarGrid>& grid,
+                                                       const std::filesystem::path& path,
+                                                       index::IndexKind kind,
+                                                       std::optional<std::uint64_t> cacheBytes = {}) {
     preprocess::BuildOptions build;
     build.kind = kind;
     if (!std::filesystem::exists(path)) {
@@ -49,7 +51,8 @@ inline std::vector<Way> allWays(const std::shared_ptr<const ScalarGrid>& grid, c
     constexpr std::uint64_t kLargestChunkBytes = 16 * 16 * 16 * sizeof(double);
     const auto metacells = folder / "m.isx";
     ways.push_back({"metacells, cache of one brick", openIndex(grid, metacells, index::IndexKind::Metacells, 0)});
-    ways.push_back({"metacells, cache of eight bricks", openIndex(grid, metacells, index::IndexKind::Metacells, 9 * kLargestChunkBytes)});
+    ways.push_back({"metacells, cache of eight bricks",
+                    openIndex(grid, metacells, index::IndexKind::Metacells, 9 * kLargestChunkBytes)});
     ways.push_back({"metacells, cache of all", openIndex(grid, metacells, index::IndexKind::Metacells)});
     return ways;
 }

@@ -28,7 +28,9 @@ class SlideWays : public testing::TestWithParam<int> {};
 
 // Active edges, cells, triangles and positions are those of a fresh extraction, whatever the source.
 TEST_P(SlideWays, GiveTheFreshSurfaceAtEveryStop) {
-    for (std::uint64_t seed = test::testSeed(5000) + 100 * static_cast<std::uint64_t>(GetParam()), last = seed + 8; seed < last && !HasFatalFailure(); ++seed) {
+    for (std::uint64_t seed = test::testSeed(5000) + 100 * static_cast<std::uint64_t>(GetParam()),
+                       last = seed + 8;
+         seed < last && !HasFatalFailure(); ++seed) {
         test::Random random(seed);
         const test::RandomVolume volume = test::randomVolume(random, 40);
         SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description);
@@ -78,18 +80,23 @@ TEST(SlideWays, HaveTheSameNormalsBitForBit) {
 
 // One hill of the same size in cells in the corner of a box of any size.
 std::shared_ptr<const ScalarGrid> hillInABox(std::int64_t side) {
-    return test::makeVolume<std::uint16_t>(ScalarType::U16, test::cubeGeometry(side), [](std::int64_t x, std::int64_t y, std::int64_t z) {
-        const double dx = static_cast<double>(x) - 32.3, dy = static_cast<double>(y) - 31.8, dz = static_cast<double>(z) - 32.1;
+    const auto valueAt = [](std::int64_t x, std::int64_t y, std::int64_t z) {
+        const double dx = static_cast<double>(x) - 32.3, dy = static_cast<double>(y) - 31.8;
+        const double dz = static_cast<double>(z) - 32.1;
         return 60000.0 - 60.0 * std::sqrt(dx * dx + dy * dy + dz * dz);
-    });
+    };
+    return test::makeVolume<std::uint16_t>(ScalarType::U16, test::cubeGeometry(side), valueAt);
 }
 
 // The same hill seen with more and more samples.
 std::shared_ptr<const ScalarGrid> hillSampledFiner(std::int64_t side) {
-    return test::makeVolume<std::uint16_t>(ScalarType::U16, test::cubeGeometry(side), [side](std::int64_t x, std::int64_t y, std::int64_t z) {
-        const auto away = [side](std::int64_t i) { return (static_cast<double>(i) + 0.5) / static_cast<double>(side) - 0.501; };
+    const auto away = [side](std::int64_t i) {
+        return (static_cast<double>(i) + 0.5) / static_cast<double>(side) - 0.501;
+    };
+    const auto valueAt = [away](std::int64_t x, std::int64_t y, std::int64_t z) {
         return 60000.0 - 50000.0 * std::sqrt(away(x) * away(x) + away(y) * away(y) + away(z) * away(z));
-    });
+    };
+    return test::makeVolume<std::uint16_t>(ScalarType::U16, test::cubeGeometry(side), valueAt);
 }
 
 struct Cost {
@@ -98,7 +105,8 @@ struct Cost {
 
 Cost costOfAStep(const std::shared_ptr<const ScalarGrid>& grid, double from, double to) {
     const test::TemporaryFolder folder;
-    const auto engine = openIndex(grid, folder / "m.isx", index::IndexKind::Metacells, 0); // nothing is kept: all is counted
+    const auto engine =
+        openIndex(grid, folder / "m.isx", index::IndexKind::Metacells, 0); // nothing is kept: all is counted
     EXPECT_THAT(engine->slideTo(from), IsOk());
     const auto moved = engine->slideTo(to);
     EXPECT_THAT(moved, IsOk());
@@ -114,7 +122,8 @@ TEST(SlideWays, ReadBricksInProportionToTheChangeNotToTheBox) {
         const Cost large = costOfAStep(hillInABox(side), 58800.0, 58790.0);
         EXPECT_EQ(large.bricks, small.bricks) << side;
         EXPECT_EQ(large.edges, small.edges) << side;
-        EXPECT_LT(large.chunks, 1.2 * small.chunks) << side << ": the batches of a cache of eight chunks fall otherwise";
+        EXPECT_LT(large.chunks, 1.2 * small.chunks)
+            << side << ": the batches of a cache of eight chunks fall otherwise";
     }
 }
 
@@ -197,7 +206,8 @@ TEST(SlideWays, AreBoundedByTheCache) {
     const test::TemporaryFolder folder;
     const auto grid = hillSampledFiner(128);
     std::vector<std::uint64_t> chunks;
-    for (const std::uint64_t cacheBytes : {std::uint64_t{0}, std::uint64_t{1} << 20, std::uint64_t{2} << 20, std::uint64_t{16} << 20}) {
+    for (const std::uint64_t cacheBytes :
+         {std::uint64_t{0}, std::uint64_t{1} << 20, std::uint64_t{2} << 20, std::uint64_t{16} << 20}) {
         const auto engine = openIndex(grid, folder / "m.isx", index::IndexKind::Metacells, cacheBytes);
         ASSERT_NE(engine, nullptr);
         std::uint64_t read = 0;
@@ -247,7 +257,9 @@ TEST(SlideWays, ReadAnewWhatTheyForgot) {
 
 TEST(SlideWays, DoNotReadBricksThatAreOnOneSideAtBothEnds) {
     const test::TemporaryFolder folder;
-    const auto grid = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(64), [](std::int64_t x, std::int64_t, std::int64_t) { return static_cast<float>(x); });
+    const auto grid = test::makeVolume<float>(
+        ScalarType::F32, test::cubeGeometry(64),
+        [](std::int64_t x, std::int64_t, std::int64_t) { return static_cast<float>(x); });
     const auto inMemory = preprocess::makeMemoryEngine(grid);
     ASSERT_THAT(inMemory, IsOk());
     const auto stored = openIndex(grid, folder / "m.isx", index::IndexKind::Metacells, 0);
@@ -256,12 +268,14 @@ TEST(SlideWays, DoNotReadBricksThatAreOnOneSideAtBothEnds) {
         ASSERT_THAT(engine->slideTo(4.5), IsOk());
         const auto moved = engine->slideTo(52.5); // over 40 planes of bricks that flip whole
         ASSERT_THAT(moved, IsOk());
-        EXPECT_EQ(moved.value().bricksRead, 64u) << "those that the surface enters; those that it leaves are not looked into";
+        EXPECT_EQ(moved.value().bricksRead, 64u)
+            << "those that the surface enters; those that it leaves are not looked into";
     }
 }
 
 TEST(SlideWays, KnowVolumesOfFewSamples) {
-    for (const GridDims& dims : {GridDims{1, 1, 1}, GridDims{9, 1, 9}, GridDims{2, 2, 2}, GridDims{17, 9, 2}, GridDims{8, 8, 8}, GridDims{2, 40, 33}, GridDims{16, 17, 1}}) {
+    for (const GridDims& dims : {GridDims{1, 1, 1}, GridDims{9, 1, 9}, GridDims{2, 2, 2}, GridDims{17, 9, 2},
+                                 GridDims{8, 8, 8}, GridDims{2, 40, 33}, GridDims{16, 17, 1}}) {
         const test::TemporaryFolder folder;
         const auto grid = test::noiseVolume(dims, 3);
         const std::vector<Way> ways = allWays(grid, folder / "");

@@ -60,7 +60,9 @@ TEST_P(BuildFailure, CancellingAtAnyReportLeavesTheEarlierIndex) {
             if (seen++ == at)
                 stop.request_stop();
         };
-        ASSERT_THAT(test::buildIndexOf(grid_, folder_ / "a.isx", options(), job), HasError(ErrorCode::Cancelled)) << "report " << at;
+        ASSERT_THAT(test::buildIndexOf(grid_, folder_ / "a.isx", options(), job),
+                    HasError(ErrorCode::Cancelled))
+            << "report " << at;
         expectEarlierIndexOnly();
     }
 }
@@ -93,7 +95,9 @@ void BuildFailure::expectEveryFailingCallLeavesTheEarlierIndex() {
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.isx"});
 }
 
-TEST_P(BuildFailure, EveryFailingCallIsReportedAndLeavesTheEarlierIndex) { expectEveryFailingCallLeavesTheEarlierIndex(); }
+TEST_P(BuildFailure, EveryFailingCallIsReportedAndLeavesTheEarlierIndex) {
+    expectEveryFailingCallLeavesTheEarlierIndex();
+}
 
 TEST_P(BuildFailure, SoDoesEveryFailingCallAmongHiddenCornersAndChunks) {
     grid_ = test::noiseVolume({48, 40, 33}, 2, 200);

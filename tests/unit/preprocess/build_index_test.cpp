@@ -239,7 +239,8 @@ TEST(BuildMetacells, KeepTheSamples) {
                 for (int z = 0; z < extent[2]; ++z)
                     for (int y = 0; y < extent[1]; ++y)
                         for (int x = 0; x < extent[0]; ++x) {
-                            const auto from = static_cast<std::size_t>(16 * at[0] + x + dims[0] * (16 * at[1] + y + dims[1] * (16 * at[2] + z)));
+                            const auto from = static_cast<std::size_t>(
+                                16 * at[0] + x + dims[0] * (16 * at[1] + y + dims[1] * (16 * at[2] + z)));
                             const Sample* stored = &chunk[static_cast<std::size_t>(x + 16 * y + 256 * z)];
                             ASSERT_EQ(std::memcmp(stored, &values[from], sizeof(Sample)), 0) << "bit for bit";
                         }

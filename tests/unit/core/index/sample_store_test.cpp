@@ -66,8 +66,10 @@ protected:
 TEST_F(SampleStoreFile, HasShelvesOneAfterTheOther) {
     ASSERT_EQ(meta_.shelves.size(), 2u);
     EXPECT_EQ(meta_.shelves[0].offset, kPreambleBytes);
-    EXPECT_EQ(meta_.shelves[1].offset, meta_.shelves[0].offset + meta_.shelves[0].chunkBytes + kShelfChunks * kShelfEntryBytes);
-    EXPECT_EQ(meta_.info.sampleBytes, meta_.shelves[0].chunkBytes + meta_.shelves[1].chunkBytes - meta_.info.mergeErrorBytes);
+    EXPECT_EQ(meta_.shelves[1].offset,
+              meta_.shelves[0].offset + meta_.shelves[0].chunkBytes + kShelfChunks * kShelfEntryBytes);
+    EXPECT_EQ(meta_.info.sampleBytes,
+              meta_.shelves[0].chunkBytes + meta_.shelves[1].chunkBytes - meta_.info.mergeErrorBytes);
     EXPECT_THAT(readAll(folder_ / "good.isx"), IsOk());
 }
 
@@ -87,7 +89,8 @@ TEST_F(SampleStoreFile, BoundsTheErrorsOfMergedCells) {
             for (int y = 0; y < cells[1]; ++y)
                 for (int x = 0; x < cells[0]; ++x) {
                     const auto sample = [&](int i, int j, int k) {
-                        return grid_->valueAt(16 * origin[0] + 2 * x + i, 16 * origin[1] + 2 * y + j, 16 * origin[2] + 2 * z + k);
+                        return grid_->valueAt(16 * origin[0] + 2 * x + i, 16 * origin[1] + 2 * y + j,
+                                              16 * origin[2] + 2 * z + k);
                     };
                     double mean = 0.0;
                     for (int c = 0; c < 8; ++c)
@@ -106,7 +109,8 @@ TEST_F(SampleStoreFile, EveryDamagedByteIsFoundWhereItLies) {
     for (int round = 0; round < 200; ++round) {
         std::string damaged = bytes_;
         const bool inTable = round % 4 == 0;
-        const std::uint64_t at = inTable ? tableAt + random() % (kShelfChunks * kShelfEntryBytes) : meta_.shelves[0].offset + random() % meta_.shelves[0].chunkBytes;
+        const std::uint64_t at = inTable ? tableAt + random() % (kShelfChunks * kShelfEntryBytes)
+                                         : meta_.shelves[0].offset + random() % meta_.shelves[0].chunkBytes;
         damaged[at] = static_cast<char>(damaged[at] ^ (1 << (random() % 8)));
         const Status read = readAll(write(damaged));
         ASSERT_THAT(read, HasError(ErrorCode::Corruption)) << "byte " << at;
@@ -141,7 +145,8 @@ TEST_F(SampleStoreFile, ForgedDirectoriesAreRefusedOrRead) {
         IndexMeta meta = meta_;
         ShelfEntry& shelf = meta.shelves[random() % 2];
         std::uint64_t& value = random() % 2 ? shelf.offset : shelf.chunkBytes;
-        const std::uint64_t choices[] = {0, 1, value + 1, value - 1, random() % bytes_.size(), ~std::uint64_t{0}, ~std::uint64_t{0} - value};
+        const std::uint64_t choices[] = {0, 1, value + 1, value - 1, random() % bytes_.size(),
+                                         ~std::uint64_t{0}, ~std::uint64_t{0} - value};
         value = choices[random() % std::size(choices)];
         EXPECT_THAT(readAll(write(forged(meta))), HasError(ErrorCode::Corruption)) << round;
     }
@@ -152,7 +157,8 @@ TEST_F(SampleStoreFile, ForgedDirectoriesAreRefusedOrRead) {
     another.info.kind = IndexKind::Edges;
     EXPECT_THAT(IndexReader::open(write(forged(another))), HasError(ErrorCode::Corruption)) << "edges have no shelves";
     another.shelves.clear();
-    EXPECT_NO_THROW(static_cast<void>(extract::SlideEngine::open(write(forged(another))).value()->slideTo(500.0).isOk()))
+    EXPECT_NO_THROW(
+        static_cast<void>(extract::SlideEngine::open(write(forged(another))).value()->slideTo(500.0).isOk()))
         << "bricks taken for points";
 }
 
@@ -224,7 +230,8 @@ TEST_F(SampleStoreFile, NoDamagedChunkEverGivesAWrongSurface) {
             const auto outcome = engine.value()->slideTo(isovalue);
             if (outcome.isOk()) {
                 ++moved;
-                ASSERT_TRUE(test::isSameSurface(engine.value()->mesh(), extract::extractFull(*grid_, isovalue).value()));
+                ASSERT_TRUE(test::isSameSurface(engine.value()->mesh(),
+                                                extract::extractFull(*grid_, isovalue).value()));
             } else {
                 ++refused;
                 ASSERT_EQ(outcome.error().code, ErrorCode::Corruption);
