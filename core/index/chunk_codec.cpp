@@ -18,18 +18,7 @@
 namespace isoslider::index {
 namespace {
 
-// A chunk, little-endian: a header of 16 bits, from the lowest one on 4 bits mode and 4 bits each of
-// x - 1, y - 1, z - 1 (the extent); then, by mode,
-//   0  raw: the samples
-//   1  constant: one sample, which all others equal bit by bit
-//   2  plain, 3 along x, 4 Lorenzo: a table of 16 bits for each byte of a sample, lowest byte first; then
-//      as many planes one after the other, each made of that byte of every value, and nothing after them.
-//      Entry: 14 bits length, 2 bits plane mode: 0 one byte, which all others equal; 1 as it is; 2 zstd.
-// Values are the samples' bits as unsigned integers (plain), or zigzag(bits - prediction), modulo 2^width,
-// with zigzag(d) = 2 d for d >= 0 and -2 d - 1 below. Predictions: along x, the sample before in the row,
-// for the first of a row the first of the row before in the plane, for the first of a plane the first of
-// the plane before, else 0; Lorenzo, X + Y + Z - XY - XZ - YZ + XYZ of the seven neighbours one step down
-// along the named axes, 0 where there is none.
+// FORMAT.md, "Chunk of samples", has the bytes.
 //
 // Measured: bytes / raw bytes, and MB/s of samples on one core of a busy machine, zstd 1.5.4. "packed":
 // residuals in groups of 32 cut to their widest, by count. That is the fastest rival: groups of 128, larger

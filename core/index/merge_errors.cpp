@@ -21,12 +21,7 @@ namespace isoslider::index {
 // is the difference of two trilinear functions, so trilinear in the child and largest at one of its corners;
 // these are among the 27, and there T_(n-1) = S.
 //
-// In bytes, little-endian: one byte, the low 4 bits mode, the high ones as stated; then
-//   0  constant: the code of all cells stands in the high bits; then top exponent, 16 bits, if it is 1 to 14
-//   1  raw: 16 bits top exponent; 4 bits for each cell, low half of a byte first, 0 where none is left
-//   2  zstd: 16 bits top exponent; a frame of one byte for each cell
-// Code 0 is 0, 15 infinite, any other 2^(top exponent - 1023 - 14 + code); the top exponent is at most 2046.
-// Cells follow each other level by level, 1 first, x fastest; those that stick out of the grid are left out.
+// FORMAT.md, "Errors of merged cells", has the bytes.
 
 namespace {
 
