@@ -58,6 +58,22 @@ glm::dvec3 spacingOrThrow(const std::string& name, const std::string& text) {
     return spacing;
 }
 
+int componentOrThrow(const std::string& name, const std::string& text) {
+    if (text == "magnitude")
+        return io::kMagnitude;
+    const auto value = parseInteger(text);
+    if (!value || *value < 0 || *value > std::numeric_limits<int>::max())
+        refuse(name, text, "a number from 0, or 'magnitude'");
+    return static_cast<int>(*value);
+}
+
+std::int64_t frameOrThrow(const std::string& name, const std::string& text) {
+    const auto value = parseInteger(text);
+    if (!value || *value < 0)
+        refuse(name, text, "a number from 0");
+    return *value;
+}
+
 std::string knownScalarTypes() {
     std::string names;
     for (const auto type : kAllScalarTypes)
@@ -114,9 +130,14 @@ CLI::Option* addLodError(CLI::App& command) {
 io::ReadOptions VolumeOptions::readOptions() const {
     io::ReadOptions options;
     options.field = field;
+    options.component = component;
+    options.frame = frame;
+    options.resampleDims = resampleDims;
+    options.allowsExternalData = allowsExternal;
+    options.allowsTrailing = allowsTrailing;
     if (type) {
         options.raw = io::RawLayout{
-            dims, *type, spacing, static_cast<std::uint64_t>(skipBytes), isBigEndian, allowsTrailing};
+            dims, *type, spacing, static_cast<std::uint64_t>(skipBytes), isBigEndian};
     }
     return options;
 }
@@ -143,17 +164,32 @@ void addVolumeOptions(CLI::App& command, VolumeOptions& target) {
     auto* skip = addInteger(command, "--raw-skip", target.skipBytes, 0,
                             std::numeric_limits<std::int64_t>::max(), "bytes before its first sample (0)");
     auto* bigEndian = command.add_flag("--big-endian", target.isBigEndian, "its bytes are big-endian");
-    auto* trailing =
-        command.add_flag("--allow-trailing", target.allowsTrailing, "accept bytes behind its last sample");
-    auto* field =
-        command.add_option("--field", target.field, "scalar field to take where a file has several");
+    auto* trailing = command.add_flag("--allow-trailing", target.allowsTrailing, "accept bytes behind the last sample");
+    auto* external =
+        command.add_flag("--allow-external", target.allowsExternal, "accept data files outside the folder of their header");
+    auto* field = command.add_option("--field", target.field, "scalar field, data set or series to take where a file has several");
+    auto* component = addText(
+        command, "--component",
+        [&target](const std::string& name, const std::string& text) { target.component = componentOrThrow(name, text); },
+        "component of each sample to take, from 0, or 'magnitude'");
+    auto* frame = addText(
+        command, "--frame",
+        [&target](const std::string& name, const std::string& text) { target.frame = frameOrThrow(name, text); },
+        "volume of a series in time to take, from 0");
+    auto* resample = addText(
+        command, "--resample",
+        [&target](const std::string& name, const std::string& text) { target.resampleDims = dimsOrThrow(name, text); },
+        "size of the uniform grid that other grids are resampled to");
     dims->needs(type)->type_name("NX,NY,NZ");
     type->needs(dims)->type_name("TYPE");
     spacing->type_name("A,B,C");
     field->type_name("NAME");
-    for (auto* option : {spacing, skip, bigEndian, trailing})
+    component->type_name("N");
+    frame->type_name("N");
+    resample->type_name("NX,NY,NZ");
+    for (auto* option : {spacing, skip, bigEndian})
         option->needs(dims);
-    for (auto* option : {dims, type, spacing, skip, bigEndian, trailing, field})
+    for (auto* option : {dims, type, spacing, skip, bigEndian, trailing, external, field, component, frame, resample})
         option->group("Volumes");
 }
 

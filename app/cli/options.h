@@ -20,7 +20,7 @@ CLI::Option* addInteger(CLI::App& command, const std::string& name, std::int64_t
 /// --lod-error: only zero is known in this version.
 CLI::Option* addLodError(CLI::App& command);
 
-/// How to read a headerless volume, as given on the command line.
+/// How to read a volume, as given on the command line.
 struct VolumeOptions {
     GridDims dims{0, 0, 0};
     std::optional<ScalarType> type;
@@ -28,13 +28,17 @@ struct VolumeOptions {
     std::int64_t skipBytes = 0;
     bool isBigEndian = false;
     bool allowsTrailing = false;
+    bool allowsExternal = false;
     std::string field;
+    std::optional<int> component;
+    std::optional<std::int64_t> frame;
+    GridDims resampleDims{0, 0, 0};
 
     bool hasRawLayout() const { return type.has_value(); }
     io::ReadOptions readOptions() const;
 };
 
-/// Adds --raw-dims, --raw-type and their companions, and --field.
+/// Adds --raw-dims, --raw-type and their companions, --field, --component, --frame, --resample, --allow-….
 void addVolumeOptions(CLI::App& command, VolumeOptions& target);
 
 } // namespace isoslider::cli

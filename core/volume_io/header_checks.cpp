@@ -83,9 +83,8 @@ std::string inQuotes(std::string_view text) {
 
 Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view field, const fs::path& path) {
     GridDims dims{1, 1, 1};
-    if (sizes.size() < 3)
-        return refuseField(field, "the data has " + std::to_string(sizes.size()) + " dimensions; a volume has three",
-                           path);
+    if (sizes.empty())
+        return refuseField(field, "the data has no dimension", path);
     std::int64_t points = 1;
     for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
         const std::int64_t size = sizes[axis];
@@ -118,7 +117,8 @@ Status checkGeometry(const GridGeometry& geometry, std::string_view field, const
     return {};
 }
 
-Result<fs::path> resolveDataFile(const fs::path& header, std::string_view name, std::string_view field) {
+Result<fs::path> resolveDataFile(const fs::path& header, std::string_view name, std::string_view field,
+                                 bool allowsExternal) {
     std::error_code problem;
     const fs::path folder = fs::canonical(header.parent_path().empty() ? fs::path(".") : header.parent_path(), problem);
     if (problem)
@@ -128,8 +128,8 @@ Result<fs::path> resolveDataFile(const fs::path& header, std::string_view name, 
         return makeError(ErrorCode::NotFound, std::string(field) + ": cannot resolve " + inQuotes(name) + ": " +
                                                   problem.message(), header);
     const auto mismatch = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
-    if (mismatch.first != folder.end())
-        return refuseField(field, inQuotes(name) + " lies outside the folder of the header", header);
+    if (!allowsExternal && mismatch.first != folder.end())
+        return refuseField(field, inQuotes(name) + " lies outside the folder of the header (data outside it has to be allowed)", header);
     if (!fs::exists(file, problem))
         return makeError(ErrorCode::NotFound, std::string(field) + ": there is no file " + inQuotes(name) +
                                                   " beside the header", header);

@@ -31,7 +31,7 @@ std::string lowerCase(std::string_view text);
 /// Short and printable, for messages that quote a file.
 std::string inQuotes(std::string_view text);
 
-/// Checks extents as a header gives them: three, or more of which those beyond the third are 1;
+/// Checks extents as a header gives them: missing ones are 1, those beyond the third have to be;
 /// each within [1, kMaxDim], the product within kMaxPoints.
 Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view field,
                            const std::filesystem::path& path);
@@ -40,9 +40,9 @@ Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view
 Status checkGeometry(const GridGeometry& geometry, std::string_view field, const std::filesystem::path& path);
 
 /// Where a data file named in a header really is. Refuses one that lies outside the header's
-/// folder once links are followed. Errors: NotFound, InvalidArgument.
+/// folder once links are followed, unless that is allowed. Errors: NotFound, InvalidArgument.
 Result<std::filesystem::path> resolveDataFile(const std::filesystem::path& header, std::string_view name,
-                                              std::string_view field);
+                                              std::string_view field, bool allowsExternal = false);
 
 /// Up to `maxBytes` from the start of a file, as text.
 Result<std::string> readStart(const std::filesystem::path& path, std::uint64_t maxBytes = kMaxHeaderBytes);

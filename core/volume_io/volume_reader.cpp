@@ -5,7 +5,7 @@
 #include <new>
 
 #include "core/base/file_system.h"
-#include "core/volume_io/format_readers.h"
+#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
 
 namespace isoslider::io {
@@ -14,28 +14,29 @@ namespace {
 
 constexpr std::uint64_t kSlabBytes = std::uint64_t{64} << 20;
 
-bool endsWithAny(const std::string& name, std::initializer_list<std::string_view> suffixes) {
-    return std::any_of(suffixes.begin(), suffixes.end(), [&](std::string_view s) { return name.ends_with(s); });
+// Missing files, pipes, devices and empty files end here, before any library sees the name.
+Status checkInput(const fs::path& path, bool isRaw) {
+    std::error_code ignored;
+    if (!isRaw && fs::is_directory(path, ignored))
+        return {};
+    const auto file = defaultFileSystem().openForReading(path);
+    if (!file.isOk())
+        return file.error();
+    if (!isRaw && file.value()->sizeBytes() == 0)
+        return makeError(ErrorCode::InvalidArgument, "is empty", path);
+    return {};
 }
 
-Result<std::unique_ptr<VolumeSource>> openBySuffix(const fs::path& path, const ReadOptions& options) {
-    const std::string name = lowerCase(path.filename().string());
-    if (endsWithAny(name, {".mhd", ".mha"}))
-        return openMetaImage(path);
-    if (endsWithAny(name, {".nrrd", ".nhdr"}))
-        return openNrrd(path);
-    if (endsWithAny(name, {".nii", ".nii.gz", ".hdr", ".img"}))
-        return openNifti(path);
-    if (endsWithAny(name, {".vti"}))
-        return openVtkXml(path, options);
-    if (endsWithAny(name, {".vtk"}))
-        return openVtkLegacy(path, options);
-    if (endsWithAny(name, {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"}))
-        return openPlot3d(path, options);
-    return makeError(ErrorCode::InvalidArgument,
-                     "is not a known volume format: expected .mhd .mha .nrrd .nhdr .nii .nii.gz .hdr .img .vti .vtk, "
-                     "a PLOT3D pair, or raw samples with their dims and type",
-                     path);
+// Whatever a library throws ends as an error.
+template <class Result, class Function>
+Result guarded(const fs::path& path, const Function& function) {
+    try {
+        return function();
+    } catch (const std::bad_alloc&) {
+        return makeError(ErrorCode::OutOfSpace, "not enough memory to open it", path);
+    } catch (const std::exception& problem) {
+        return makeError(ErrorCode::InvalidArgument, std::string("cannot be opened: ") + problem.what(), path);
+    }
 }
 
 Result<std::shared_ptr<const ScalarGrid>> readSlabs(VolumeSource& source, const fs::path& path,
@@ -63,21 +64,45 @@ Result<std::shared_ptr<const ScalarGrid>> readSlabs(VolumeSource& source, const 
 } // namespace
 
 Result<std::unique_ptr<VolumeSource>> openVolume(const fs::path& path, const ReadOptions& options) {
-    try {
-        // Before any library sees the name: a missing file, a folder or a pipe ends here.
-        auto file = defaultFileSystem().openForReading(path);
-        if (!file.isOk())
-            return std::move(file).error();
+    using Opened = Result<std::unique_ptr<VolumeSource>>;
+    return guarded<Opened>(path, [&]() -> Opened {
+        ISO_TRY(checkInput(path, options.raw.has_value()));
         if (options.raw)
-            return openRaw(path, *options.raw);
-        if (file.value()->sizeBytes() == 0)
-            return makeError(ErrorCode::InvalidArgument, "is empty", path);
-        return openBySuffix(path, options);
-    } catch (const std::bad_alloc&) {
-        return makeError(ErrorCode::OutOfSpace, "not enough memory to open it", path);
-    } catch (const std::exception& problem) {
-        return makeError(ErrorCode::InvalidArgument, std::string("cannot be opened: ") + problem.what(), path);
-    }
+            return openRaw(path, options);
+        const auto format = findFormat(path);
+        if (!format.isOk())
+            return format.error();
+        return format.value()->open(path, options);
+    });
+}
+
+Result<VolumeContents> listVolumes(const fs::path& path, const ReadOptions& options) {
+    return guarded<Result<VolumeContents>>(path, [&]() -> Result<VolumeContents> {
+        ISO_TRY(checkInput(path, options.raw.has_value()));
+        if (options.raw)
+            return listByOpening(openRaw, path, options);
+        const auto format = findFormat(path);
+        if (!format.isOk())
+            return format.error();
+        if (format.value()->list != nullptr)
+            return format.value()->list(path, options);
+        return listByOpening(*format.value()->open, path, options);
+    });
+}
+
+Result<VolumeContents> listByOpening(OpenFormat open, const fs::path& path, const ReadOptions& options) {
+    const auto source = open(path, options);
+    if (!source.isOk())
+        return source.error();
+    const VolumeInfo& info = source.value()->info();
+    VolumeField field;
+    field.name = info.fieldName;
+    field.dims = info.geometry.dims;
+    field.typeName = scalarTypeName(info.type);
+    VolumeContents contents;
+    contents.format = info.format;
+    contents.fields.push_back(std::move(field));
+    return contents;
 }
 
 Result<std::shared_ptr<const ScalarGrid>> readVolume(const fs::path& path, const ReadOptions& options,

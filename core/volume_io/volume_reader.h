@@ -17,28 +17,39 @@ struct RawLayout {
     glm::dvec3 spacing{1.0};
     std::uint64_t skipBytes = 0;
     bool isBigEndian = false;
-    bool allowsTrailing = false; ///< accept a file longer than dims and type ask for
+
+    bool operator==(const RawLayout&) const = default;
 };
 
+/// ReadOptions::component: the length of each sample taken as a vector; of complex samples, their modulus.
+inline constexpr int kMagnitude = -1;
+
+/// What to take of a file that holds more than one scalar volume, and what to let pass.
 struct ReadOptions {
     std::optional<RawLayout> raw;      ///< set: the file is headerless
-    std::string field;                 ///< name of the scalar field to take where a file has several
-    GridDims resampleDims{0, 0, 0};    ///< size for curvilinear input; zeros = the default for the format
+    std::string field;                 ///< VolumeField::name of the one to take; empty: the one there is
+    std::optional<int> component;      ///< from 0, or kMagnitude; needed where samples have several
+    std::optional<std::int64_t> frame; ///< from 0; needed where the field is a series
+    GridDims resampleDims{0, 0, 0};    ///< size for input that is no uniform grid; zeros = VolumeField::dims
+    bool allowsExternalData = false;   ///< a header may name data files outside its folder
+    bool allowsTrailing = false;       ///< bytes behind the last sample are not refused
+
+    bool operator==(const ReadOptions&) const = default;
 };
 
 /// Opens a volume and reads its header only, where the format allows. Every size in the header has
-/// been checked against the real bytes of the file before this returns.
+/// been checked against the real bytes of the file before this returns. A folder is opened as the series of
+/// slices it holds.
 ///
-/// Formats: MetaImage (.mhd .mha), NRRD (.nrrd .nhdr, also one file per slice), NIfTI-1
-/// (.nii .nii.gz .hdr/.img): raw samples are read slab by slab, compressed ones are unpacked as
-/// the slabs are asked for, fastest in ascending order. VTK image data (.vti, legacy .vtk) is read
-/// whole here. PLOT3D (grid or solution file given, the other found beside it by its name) is
-/// resampled on the first slab, and then held. Anything else needs a RawLayout.
+/// FORMATS.md, beside this file, lists the formats and what is read of each. What cannot be told apart by its
+/// name is known by its first bytes. Raw samples are read slab by slab, compressed ones are unpacked as the
+/// slabs are asked for, fastest in ascending order. Grids that are not uniform are resampled on the first slab.
+/// Anything else needs a RawLayout.
 ///
-/// World space is that of the file as ITK gives it: millimetres, left-posterior-superior for
-/// medical formats. Unsigned 32-bit and all 64-bit integers become f64; a 64-bit value that has no
-/// exact f64 is refused when it is met. NIfTI slope and intercept make integers f32. Several
-/// components, complex, colour, one and two dimensions, and series in time are refused.
+/// World space is that of the file: of medical formats, millimetres, left-posterior-superior.
+/// Unsigned 32-bit and all 64-bit integers become f64; a 64-bit value that has no exact f64 is refused when it
+/// is met. Slope and intercept make integers f32, where they are not whole numbers that keep the type's range.
+/// A file with several fields, components or frames is refused, naming them, unless one is chosen.
 /// Errors: NotFound, IoError (system), InvalidArgument or Corruption (refused, naming the field).
 Result<std::unique_ptr<VolumeSource>> openVolume(const std::filesystem::path& path,
                                                  const ReadOptions& options = {});

@@ -219,8 +219,8 @@ Result<io::ReadOptions> rawOptions(const std::vector<std::string>& parts, const 
         return makeError(ErrorCode::InvalidArgument, "want PATH:nx:ny:nz:TYPE[:skip]", spec);
     layout.type = *type;
     layout.skipBytes = static_cast<std::uint64_t>(*skip);
-    layout.allowsTrailing = true;
     io::ReadOptions options;
+    options.allowsTrailing = true;
     options.raw = layout;
     return options;
 }

@@ -16,6 +16,12 @@ namespace {
 std::string layoutText(const io::ReadOptions& options) {
     std::ostringstream text;
     text << options.field;
+    if (options.component)
+        text << ",component " << *options.component;
+    if (options.frame)
+        text << ",frame " << *options.frame;
+    if (options.resampleDims[0] > 0)
+        text << ",resampled " << options.resampleDims[0] << 'x' << options.resampleDims[1] << 'x' << options.resampleDims[2];
     if (options.raw) {
         const auto& raw = *options.raw;
         for (int axis = 0; axis < 3; ++axis)

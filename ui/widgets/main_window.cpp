@@ -144,10 +144,10 @@ void MainWindow::askRawLayout(const QString& path) {
     const QFileInfo file(path);
     auto* dialog = new RawImportDialog(std::filesystem::path(file.absoluteFilePath().toStdU16String()),
                                        static_cast<std::uint64_t>(file.size()), this);
-    connect(dialog, &RawImportDialog::openRequested, this, [this](const QString& chosen, const io::RawLayout& layout) {
+    connect(dialog, &RawImportDialog::openRequested, this, [this](const QString& chosen, const io::ReadOptions& options) {
         model::OpenRequest request;
         request.path = std::filesystem::path(chosen.toStdU16String());
-        request.readOptions.raw = layout;
+        request.readOptions = options;
         open(std::move(request));
     });
     dialog->open();

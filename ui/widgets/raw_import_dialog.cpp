@@ -93,7 +93,7 @@ void RawImportDialog::makeForm() {
     connect(trailing_, &QCheckBox::toggled, this, &RawImportDialog::showFit);
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
     connect(buttons, &QDialogButtonBox::accepted, this, [this] {
-        Q_EMIT openRequested(QString::fromStdU16String(path_.u16string()), layoutAsked());
+        Q_EMIT openRequested(QString::fromStdU16String(path_.u16string()), optionsAsked());
         accept();
     });
 }
@@ -107,15 +107,21 @@ io::RawLayout RawImportDialog::layoutAsked() const {
     layout.type = static_cast<ScalarType>(type_->currentIndex());
     layout.skipBytes = static_cast<std::uint64_t>(skip_->value());
     layout.isBigEndian = bigEndian_->isChecked();
-    layout.allowsTrailing = trailing_->isChecked();
     return layout;
+}
+
+io::ReadOptions RawImportDialog::optionsAsked() const {
+    io::ReadOptions options;
+    options.raw = layoutAsked();
+    options.allowsTrailing = trailing_->isChecked();
+    return options;
 }
 
 void RawImportDialog::showFit() {
     const auto layout = layoutAsked();
     const bool hasDims = layout.dims[0] > 1 && layout.dims[1] > 1 && layout.dims[2] > 1;
     const std::uint64_t needed = model::layoutBytes(layout);
-    const bool isFitting = hasDims && (needed == fileBytes_ || (layout.allowsTrailing && needed < fileBytes_));
+    const bool isFitting = hasDims && (needed == fileBytes_ || (trailing_->isChecked() && needed < fileBytes_));
     if (!hasDims)
         fit_->setText(tr("Each axis needs at least 2 grid points."));
     else if (isFitting)

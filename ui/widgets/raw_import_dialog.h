@@ -22,12 +22,13 @@ class RawImportDialog : public QDialog {
 public:
     RawImportDialog(std::filesystem::path path, std::uint64_t fileBytes, QWidget* parent = nullptr);
 
-    io::RawLayout layoutAsked() const;
+    io::ReadOptions optionsAsked() const;
 
 Q_SIGNALS:
-    void openRequested(const QString& path, const isoslider::io::RawLayout& layout);
+    void openRequested(const QString& path, const isoslider::io::ReadOptions& options);
 
 private:
+    io::RawLayout layoutAsked() const;
     void makeForm();
     void showFit();
 

@@ -102,9 +102,6 @@ TEST(SharedFiles, ThatAreNoScalarVolumesAreRefused) {
     if (!std::filesystem::exists(kData))
         GTEST_SKIP() << "further test data is not here: " << kData;
     const Refused files[] = {
-        {"awkward/BrainProtonDensitySliceBorder20DirectionPlus30.mhd", ErrorCode::InvalidArgument, "DimSize"},
-        {"awkward/BrainProtonDensitySliceBorder20DirectionPlus30.nhdr", ErrorCode::InvalidArgument, "sizes"},
-        {"awkward/itkBrainSliceComplex.mha", ErrorCode::InvalidArgument, "2 dimensions"},
         {"awkward/img4d_11f.nii.gz", ErrorCode::InvalidArgument, "4 dimensions"},
         {"awkward/example_nifti2.nii.gz", ErrorCode::UnsupportedVersion, "NIfTI-2"},
         {"awkward/tensor_rgb.nii.gz", ErrorCode::InvalidArgument, "dim"},

@@ -1,10 +1,11 @@
-#include "core/volume_io/format_readers.h"
+#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/sample_source.h"
 
 namespace isoslider::io {
 
-Result<std::unique_ptr<VolumeSource>> openRaw(const std::filesystem::path& path, const RawLayout& layout) {
+Result<std::unique_ptr<VolumeSource>> openRaw(const std::filesystem::path& path, const ReadOptions& options) {
+    const RawLayout& layout = *options.raw;
     const auto dims = checkDims(layout.dims, "dims", path);
     if (!dims.isOk())
         return dims.error();
@@ -19,7 +20,7 @@ Result<std::unique_ptr<VolumeSource>> openRaw(const std::filesystem::path& path,
     const std::uint64_t samples = static_cast<std::uint64_t>(pointCount(dims.value())) * scalarTypeSizeBytes(layout.type);
     const std::uint64_t size = file.value()->sizeBytes();
     const bool isShort = layout.skipBytes > size || size - layout.skipBytes < samples;
-    if (isShort || (!layout.allowsTrailing && size - layout.skipBytes > samples))
+    if (isShort || (!options.allowsTrailing && size - layout.skipBytes > samples))
         return makeError(isShort ? ErrorCode::Corruption : ErrorCode::InvalidArgument,
                          "has " + std::to_string(size) + " bytes; dims, type and skipped bytes ask for " +
                              std::to_string(samples) + (layout.skipBytes > 0 ? " after " + std::to_string(layout.skipBytes) : "") +

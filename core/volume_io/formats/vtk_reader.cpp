@@ -5,10 +5,10 @@
 #include <vtkPointData.h>
 #include <vtkXMLImageDataReader.h>
 
-#include "core/volume_io/format_readers.h"
+#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
-#include "core/volume_io/vti_header.h"
-#include "core/volume_io/vtk_bridge.h"
+#include "core/volume_io/formats/vti_header.h"
+#include "core/volume_io/formats/vtk_bridge.h"
 
 namespace isoslider::io {
 Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& path, const ReadOptions& options) {

@@ -11,11 +11,11 @@
 #include <vtkStructuredPoints.h>
 #include <vtkStructuredPointsReader.h>
 
-#include "core/volume_io/format_readers.h"
+#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/sample_source.h"
 #include "core/volume_io/text_scanner.h"
-#include "core/volume_io/vtk_bridge.h"
+#include "core/volume_io/formats/vtk_bridge.h"
 
 // VTK reads the header and the samples, but only what has passed the gate here, handed over in
 // memory: the checked header lines and the one array that is wanted. By itself VTK allocates what

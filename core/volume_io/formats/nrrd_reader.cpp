@@ -1,9 +1,9 @@
 #include <cmath>
 #include <map>
 
-#include "core/volume_io/format_readers.h"
+#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
-#include "core/volume_io/itk_header.h"
+#include "core/volume_io/formats/itk_header.h"
 #include "core/volume_io/sample_source.h"
 
 // As with MetaImage, extents, files and sizes are settled here before ITK sees the header.
@@ -303,7 +303,7 @@ Result<GridGeometry> readGeometry(const Header& header, const GridDims& dims, Vo
 
 } // namespace
 
-Result<std::unique_ptr<VolumeSource>> openNrrd(const fs::path& path) {
+Result<std::unique_ptr<VolumeSource>> openNrrd(const fs::path& path, const ReadOptions& /*options*/) {
     const auto header = readHeader(path);
     if (!header.isOk())
         return header.error();

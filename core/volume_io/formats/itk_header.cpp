@@ -1,4 +1,4 @@
-#include "core/volume_io/itk_header.h"
+#include "core/volume_io/formats/itk_header.h"
 
 #include <sys/mman.h>
 #include <unistd.h>

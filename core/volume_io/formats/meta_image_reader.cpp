@@ -2,9 +2,9 @@
 #include <cmath>
 #include <map>
 
-#include "core/volume_io/format_readers.h"
+#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
-#include "core/volume_io/itk_header.h"
+#include "core/volume_io/formats/itk_header.h"
 #include "core/volume_io/sample_source.h"
 
 // The header is read here first, strictly: MetaIO copies lists of any length into arrays of ten.
@@ -160,7 +160,7 @@ Status checkCompressedSize(const Fields& fields, const DataPlace& place, const f
 
 } // namespace
 
-Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path) {
+Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const ReadOptions& /*options*/) {
     const auto header = readHeader(path);
     if (!header.isOk())
         return header.error();

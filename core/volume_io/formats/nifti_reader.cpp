@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/volume_io/format_readers.h"
+#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
-#include "core/volume_io/itk_header.h"
+#include "core/volume_io/formats/itk_header.h"
 #include "core/volume_io/sample_source.h"
 
 // Sizes, types and extensions are settled here; ITK then works out the place in space.
@@ -176,7 +176,7 @@ void noteBadSpacing(const Header& header, VolumeInfo& info) {
 
 } // namespace
 
-Result<std::unique_ptr<VolumeSource>> openNifti(const fs::path& path) {
+Result<std::unique_ptr<VolumeSource>> openNifti(const fs::path& path, const ReadOptions& /*options*/) {
     const auto files = findFiles(path);
     if (!files.isOk())
         return files.error();

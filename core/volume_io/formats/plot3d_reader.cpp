@@ -12,9 +12,9 @@
 
 #include "core/base/file_system.h"
 #include "core/volume_io/curvilinear_resampler.h"
-#include "core/volume_io/format_readers.h"
+#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
-#include "core/volume_io/vtk_bridge.h"
+#include "core/volume_io/formats/vtk_bridge.h"
 
 // VTK reads the pair once its layout is known and its sizes are proved. PLOT3D files say nothing of
 // byte order, precision or record marks: each combination implies a file size and the marks' values,

@@ -1,4 +1,4 @@
-#include "core/volume_io/vti_header.h"
+#include "core/volume_io/formats/vti_header.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "core/volume_io/vtk_bridge.h"
+#include "core/volume_io/formats/vtk_bridge.h"
 
 #include <cstdint>
 #include <utility>

@@ -1,0 +1,82 @@
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <system_error>
+
+#include "core/base/file_system.h"
+#include "core/volume_io/formats/format_readers.h"
+#include "core/volume_io/header_checks.h"
+
+namespace isoslider::io {
+namespace fs = std::filesystem;
+namespace {
+
+// What is looked at to know a format: a DICOM file says so at byte 128, an MRC map at 208.
+constexpr std::size_t kStartBytes = 512;
+
+constexpr std::string_view kMetaImage[] = {".mhd", ".mha"};
+constexpr std::string_view kNrrd[] = {".nrrd", ".nhdr"};
+constexpr std::string_view kNifti[] = {".nii", ".nii.gz", ".hdr", ".img"};
+constexpr std::string_view kVtkXml[] = {".vti"};
+constexpr std::string_view kVtkLegacy[] = {".vtk"};
+constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"};
+
+template <std::size_t size>
+bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
+    return start.size() >= size - 1 && std::memcmp(start.data(), magic, size - 1) == 0;
+}
+
+bool isNrrd(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "NRRD000"); }
+bool isVtkLegacy(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "# vtk DataFile"); }
+
+const Format kFormats[] = {
+    {"MetaImage", kMetaImage, openMetaImage, nullptr, nullptr, false},
+    {"NRRD", kNrrd, openNrrd, nullptr, isNrrd, false},
+    {"NIfTI", kNifti, openNifti, nullptr, nullptr, false},
+    {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false},
+    {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false},
+    {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false},
+};
+
+std::string knownSuffixes() {
+    std::string text;
+    for (const Format& format : kFormats)
+        for (const std::string_view suffix : format.suffixes)
+            text += std::string(text.empty() ? "" : " ") + std::string(suffix);
+    return text;
+}
+
+} // namespace
+
+std::span<const Format> knownFormats() { return kFormats; }
+
+Result<const Format*> findFormat(const fs::path& path) {
+    std::error_code ignored;
+    const bool isFolder = fs::is_directory(path, ignored);
+    std::array<std::byte, kStartBytes> buffer;
+    std::span<const std::byte> start;
+    if (!isFolder) {
+        const std::string name = lowerCase(path.filename().string());
+        for (const Format& format : kFormats)
+            if (std::any_of(format.suffixes.begin(), format.suffixes.end(),
+                            [&](std::string_view suffix) { return name.ends_with(suffix); }))
+                return &format;
+        const auto file = defaultFileSystem().openForReading(path);
+        if (!file.isOk())
+            return file.error();
+        const auto count = file.value()->readAt(0, buffer);
+        if (!count.isOk())
+            return count.error();
+        start = std::span(buffer).first(count.value());
+    }
+    for (const Format& format : kFormats)
+        if (format.recognises != nullptr && format.readsFolders >= isFolder && format.recognises(path, start))
+            return &format;
+    return makeError(ErrorCode::InvalidArgument,
+                     isFolder ? "is a folder without slices of a volume"
+                              : "is not a known volume format: expected " + knownSuffixes() +
+                                    ", or raw samples with their dims and type",
+                     path);
+}
+
+} // namespace isoslider::io
