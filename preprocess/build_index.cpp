@@ -60,6 +60,7 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
     const auto start = std::chrono::steady_clock::now();
     ISO_TRY(checkOptions(options, source.info().geometry));
     ISO_TRY(checkOutputPath(indexPath));
+    ISO_TRY(source.prepare(job)); // a grid that is resampled shows its progress
     const index::IndexKind kind = options.kind.value_or(chooseKind(source.info()));
     const auto run = [&] {
         return kind == index::IndexKind::Edges ? buildEdges(source, indexPath, options, job)

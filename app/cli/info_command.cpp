@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -10,22 +13,36 @@
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
 #include "core/extract/slide_engine.h"
-#include "core/grid/volume_statistics.h"
-#include "core/volume_io/volume_reader.h"
+#include "core/volume_io/volume_contents.h"
+#include "preprocess/volume_facts.h"
 
 namespace isoslider::cli {
 namespace {
+
+constexpr std::uint64_t kDistinctBytes = std::uint64_t{512} << 20;
+constexpr std::size_t kMaxParts = 64; // components and frames that are read one by one
 
 /// The same facts for a volume and for an index of one.
 struct Facts {
     GridGeometry geometry;
     ScalarType type = ScalarType::U8;
-    double min = 0.0;
-    double max = 0.0;
-    std::uint64_t distinctValues = 0;
-    std::uint64_t nanCount = 0;
+    preprocess::VolumeFacts samples;
     std::string format;
     std::string fieldName;
+    std::vector<std::string> notes;
+};
+
+/// One component or frame of a field that nobody has chosen from.
+struct Part {
+    std::optional<int> component;
+    std::optional<std::int64_t> frame;
+    Facts facts;
+};
+
+struct Report {
+    std::optional<io::VolumeContents> contents; ///< of volumes
+    std::vector<Part> parts; ///< one, or as many as there are to choose from
+    bool isChosen = true;    ///< the one part is what other commands take
 };
 
 Result<Facts> factsOfIndex(const std::string& path) {
@@ -33,25 +50,71 @@ Result<Facts> factsOfIndex(const std::string& path) {
     if (!engine.isOk())
         return std::move(engine).error();
     const index::IndexInfo& info = engine.value()->info();
-    return Facts{info.geometry,       info.type,     info.min,          info.max,
-                 info.distinctValues, info.nanCount, "ISOSLIDER index", ""};
+    return Facts{info.geometry, info.type, {info.min, info.max, info.distinctValues, info.nanCount}, "ISOSLIDER index", "", {}};
+}
+
+Result<Report> reportOfIndex(const std::string& path) {
+    auto facts = factsOfIndex(path);
+    if (!facts.isOk())
+        return std::move(facts).error();
+    Report report;
+    report.parts.push_back({std::nullopt, std::nullopt, std::move(facts).value()});
+    return report;
 }
 
 Result<Facts> factsOfVolume(const std::string& path, const io::ReadOptions& options, const JobControl& job) {
-    auto source = io::openVolume(path, options);
+    const auto source = io::openVolume(path, options);
     if (!source.isOk())
-        return std::move(source).error();
-    const io::VolumeInfo info = source.value()->info();
-    source.value().reset();
-    auto grid = io::readVolume(path, options, job);
-    if (!grid.isOk())
-        return std::move(grid).error();
-    auto statistics = computeStatistics(*grid.value(), true, 1, job);
-    if (!statistics.isOk())
-        return std::move(statistics).error();
-    const VolumeStatistics& found = statistics.value();
-    return Facts{grid.value()->geometry(), grid.value()->type(), found.min,   found.max,
-                 found.distinctValues,     found.nanCount,       info.format, info.fieldName};
+        return source.error();
+    auto found = preprocess::findFacts(*source.value(), kDistinctBytes, job);
+    if (!found.isOk())
+        return std::move(found).error();
+    const io::VolumeInfo& info = source.value()->info();
+    return Facts{info.geometry, info.type, found.value(), info.format, info.fieldName, info.notes};
+}
+
+const io::VolumeField* fieldAsked(const io::VolumeContents& contents, const std::string& name) {
+    if (name.empty())
+        return contents.fields.size() == 1 || contents.isPreferredChosen ? &contents.fields[contents.preferred] : nullptr;
+    for (const io::VolumeField& field : contents.fields)
+        if (field.name == name)
+            return &field;
+    return nullptr;
+}
+
+/// Every component and frame that the options leave open.
+Result<Report> reportOfVolume(const std::string& path, const io::ReadOptions& options, const JobControl& job) {
+    Report report;
+    const io::VolumeField* field = nullptr;
+    if (!options.raw) {
+        auto contents = io::listVolumes(path, options);
+        if (!contents.isOk())
+            return std::move(contents).error();
+        report.contents = std::move(contents).value();
+        field = fieldAsked(*report.contents, options.field);
+        if (field == nullptr && options.field.empty()) {
+            report.isChosen = false;
+            return report;
+        }
+    }
+    const int components = field != nullptr && !options.component ? field->components : 1;
+    const std::int64_t frames = field != nullptr && !options.frame ? field->frames : 1;
+    report.isChosen = components == 1 && frames == 1;
+    for (std::int64_t frame = 0; frame < frames; ++frame)
+        for (int component = 0; component < components && report.parts.size() < kMaxParts; ++component) {
+            Part part;
+            io::ReadOptions asked = options;
+            if (components > 1)
+                part.component = asked.component = component;
+            if (frames > 1)
+                part.frame = asked.frame = frame;
+            auto facts = factsOfVolume(path, asked, job);
+            if (!facts.isOk())
+                return std::move(facts).error();
+            part.facts = std::move(facts).value();
+            report.parts.push_back(std::move(part));
+        }
+    return report;
 }
 
 Json jsonOf(const Facts& facts) {
@@ -60,13 +123,69 @@ Json jsonOf(const Facts& facts) {
     json["spacing"] = vectorJson(facts.geometry.spacing);
     json["origin"] = vectorJson(facts.geometry.origin);
     json["scalar_type"] = scalarTypeName(facts.type);
-    json["min"] = facts.min;
-    json["max"] = facts.max;
-    json["distinct_values"] = facts.distinctValues;
-    json["nan_count"] = facts.nanCount;
+    json["min"] = facts.samples.min;
+    json["max"] = facts.samples.max;
+    json["distinct_values"] = facts.samples.distinctValues;
+    json["nan_count"] = facts.samples.missingSamples;
     json["format"] = facts.format;
     json["direction"] = {vectorJson(facts.geometry.direction[0]), vectorJson(facts.geometry.direction[1]),
                          vectorJson(facts.geometry.direction[2])};
+    return json;
+}
+
+Json jsonOf(const io::VolumeContents& contents) {
+    Json fields = Json::array();
+    for (const io::VolumeField& field : contents.fields) {
+        Json json;
+        json["name"] = field.name;
+        if (!field.title.empty())
+            json["title"] = field.title;
+        json["dims"] = field.dims;
+        json["type"] = field.typeName;
+        json["components"] = field.components;
+        if (!field.componentNames.empty())
+            json["component_names"] = field.componentNames;
+        json["frames"] = field.frames;
+        json["resampled"] = field.isResampled;
+        if (!field.problem.empty())
+            json["problem"] = field.problem;
+        fields.push_back(std::move(json));
+    }
+    return fields;
+}
+
+// With one part, its facts. With several, those of the first, the range of all, and each part's own.
+Json jsonOf(const Report& report) {
+    Json json;
+    if (report.parts.empty())
+        json["format"] = report.contents->format;
+    else
+        json = jsonOf(report.parts.front().facts);
+    if (!report.isChosen && !report.parts.empty()) {
+        Json parts = Json::array();
+        for (const Part& part : report.parts) {
+            const preprocess::VolumeFacts& samples = part.facts.samples;
+            json["min"] = std::min(json["min"].get<double>(), samples.min);
+            json["max"] = std::max(json["max"].get<double>(), samples.max);
+            Json one;
+            if (part.component)
+                one["component"] = *part.component;
+            if (part.frame)
+                one["frame"] = *part.frame;
+            one["min"] = samples.min;
+            one["max"] = samples.max;
+            one["distinct_values"] = samples.distinctValues;
+            one["nan_count"] = samples.missingSamples;
+            parts.push_back(std::move(one));
+        }
+        json["distinct_values"] = nullptr; // of what? Each part has its own
+        json["nan_count"] = nullptr;
+        json["parts"] = std::move(parts);
+    }
+    if (report.contents && (report.contents->fields.size() > 1 || report.contents->needsChoice()))
+        json["fields"] = jsonOf(*report.contents);
+    if (!report.parts.empty() && !report.parts.front().facts.notes.empty())
+        json["notes"] = report.parts.front().facts.notes;
     return json;
 }
 
@@ -80,9 +199,48 @@ std::string textOf(const Facts& facts) {
     text += fmt::format("direction        {} | {} | {}\n", vectorText(facts.geometry.direction[0]),
                         vectorText(facts.geometry.direction[1]), vectorText(facts.geometry.direction[2]));
     text += fmt::format("scalar type      {}\n", scalarTypeName(facts.type));
-    text += fmt::format("range            {} .. {}\n", facts.min, facts.max);
-    text += fmt::format("distinct values  {}\n", facts.distinctValues);
-    text += fmt::format("missing samples  {}\n", facts.nanCount);
+    return text;
+}
+
+std::string textOf(const preprocess::VolumeFacts& samples) {
+    return fmt::format("range            {} .. {}\ndistinct values  {}\nmissing samples  {}\n", samples.min, samples.max,
+                       samples.distinctValues, samples.missingSamples);
+}
+
+std::string textOf(const io::VolumeContents& contents) {
+    std::string text;
+    for (const io::VolumeField& field : contents.fields) {
+        text += fmt::format("  {}  {}, {}", field.name.empty() ? "(no name)" : field.name, dimsText(field.dims), field.typeName);
+        if (field.components > 1)
+            text += fmt::format(", {} components", field.components);
+        if (field.frames > 1)
+            text += fmt::format(", {} frames", field.frames);
+        if (field.isResampled)
+            text += ", resampled";
+        if (!field.title.empty())
+            text += ": " + field.title;
+        if (!field.problem.empty())
+            text += " (" + field.problem + ")";
+        text += "\n";
+    }
+    return text;
+}
+
+std::string textOf(const Report& report) {
+    std::string text = report.parts.empty() ? fmt::format("format           {}\n", report.contents->format)
+                                            : textOf(report.parts.front().facts);
+    for (const Part& part : report.parts) {
+        if (part.component)
+            text += fmt::format("--component {} ", *part.component);
+        if (part.frame)
+            text += fmt::format("--frame {}", *part.frame);
+        text += (report.isChosen ? "" : "\n") + textOf(part.facts.samples);
+    }
+    if (report.contents && report.contents->fields.size() > 1)
+        text += "fields, chosen by --field\n" + textOf(*report.contents);
+    if (!report.parts.empty())
+        for (const std::string& note : report.parts.front().facts.notes)
+            text += fmt::format("note             {}\n", note);
     return text;
 }
 
@@ -100,16 +258,15 @@ public:
         if (!kind.isOk())
             return kind.error();
         ProgressBar bar(session.showsProgress, session.stop);
-        const auto facts = kind.value() == InputKind::Index
-                               ? factsOfIndex(path_)
-                               : factsOfVolume(path_, volume_.readOptions(), bar.job());
+        auto report = kind.value() == InputKind::Index ? reportOfIndex(path_)
+                                                       : reportOfVolume(path_, volume_.readOptions(), bar.job());
         bar.wipe();
-        if (!facts.isOk())
-            return facts.error();
+        if (!report.isOk())
+            return report.error();
         if (session.isJson)
-            session.output.writeJson(jsonOf(facts.value()));
+            session.output.writeJson(jsonOf(report.value()));
         else
-            session.output.write(textOf(facts.value()));
+            session.output.write(textOf(report.value()));
         return {};
     }
 

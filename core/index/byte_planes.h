@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/index/byte_codec.h"
+#include "core/base/byte_codec.h"
 
 namespace isoslider::index {
 

@@ -13,7 +13,7 @@
 #include <zstd.h>
 
 #include "core/base/check.h"
-#include "core/index/byte_codec.h"
+#include "core/base/byte_codec.h"
 
 namespace isoslider::index {
 namespace {

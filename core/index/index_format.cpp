@@ -8,7 +8,7 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include "core/index/byte_codec.h"
+#include "core/base/byte_codec.h"
 #include "core/index/sample_store.h"
 
 namespace isoslider::index {

@@ -1,7 +1,7 @@
 #include "core/index/index_writer.h"
 
 #include "core/base/check.h"
-#include "core/index/byte_codec.h"
+#include "core/base/byte_codec.h"
 #include "core/index/sample_store.h"
 
 namespace isoslider::index {

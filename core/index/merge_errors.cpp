@@ -11,7 +11,7 @@
 
 #include "core/base/check.h"
 #include "core/grid/classification.h"
-#include "core/index/byte_codec.h"
+#include "core/base/byte_codec.h"
 
 namespace isoslider::index {
 

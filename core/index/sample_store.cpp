@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/check.h"
-#include "core/index/byte_codec.h"
+#include "core/base/byte_codec.h"
 
 namespace isoslider::index {
 

@@ -7,6 +7,7 @@
 #include "core/base/file_system.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
+#include "core/volume_io/reader_process/reader_client.h"
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -61,9 +62,12 @@ Result<std::shared_ptr<const ScalarGrid>> readSlabs(VolumeSource& source, const 
     return std::make_shared<const ScalarGrid>(info.geometry, info.type, std::move(samples));
 }
 
-} // namespace
+Result<std::unique_ptr<VolumeSource>> openAs(const Format& format, const fs::path& path, const ReadOptions& options,
+                                             bool isIsolated) {
+    return isIsolated ? openInReaderProcess(path, options) : format.open(path, options);
+}
 
-Result<std::unique_ptr<VolumeSource>> openVolume(const fs::path& path, const ReadOptions& options) {
+Result<std::unique_ptr<VolumeSource>> open(const fs::path& path, const ReadOptions& options, bool mayIsolate) {
     using Opened = Result<std::unique_ptr<VolumeSource>>;
     return guarded<Opened>(path, [&]() -> Opened {
         ISO_TRY(checkInput(path, options.raw.has_value()));
@@ -72,22 +76,41 @@ Result<std::unique_ptr<VolumeSource>> openVolume(const fs::path& path, const Rea
         const auto format = findFormat(path);
         if (!format.isOk())
             return format.error();
-        return format.value()->open(path, options);
+        return openAs(*format.value(), path, options, mayIsolate && format.value()->isIsolated);
     });
 }
 
-Result<VolumeContents> listVolumes(const fs::path& path, const ReadOptions& options) {
+Result<VolumeContents> list(const fs::path& path, const ReadOptions& options, bool mayIsolate) {
     return guarded<Result<VolumeContents>>(path, [&]() -> Result<VolumeContents> {
         ISO_TRY(checkInput(path, options.raw.has_value()));
         if (options.raw)
             return listByOpening(openRaw, path, options);
-        const auto format = findFormat(path);
-        if (!format.isOk())
-            return format.error();
-        if (format.value()->list != nullptr)
-            return format.value()->list(path, options);
-        return listByOpening(*format.value()->open, path, options);
+        const auto found = findFormat(path);
+        if (!found.isOk())
+            return found.error();
+        const Format& format = *found.value();
+        if (mayIsolate && format.isIsolated)
+            return listInReaderProcess(path, options);
+        return format.list != nullptr ? format.list(path, options) : listByOpening(*format.open, path, options);
     });
+}
+
+} // namespace
+
+Result<std::unique_ptr<VolumeSource>> openVolume(const fs::path& path, const ReadOptions& options) {
+    return open(path, options, true);
+}
+
+Result<std::unique_ptr<VolumeSource>> openInProcess(const fs::path& path, const ReadOptions& options) {
+    return open(path, options, false);
+}
+
+Result<VolumeContents> listVolumes(const fs::path& path, const ReadOptions& options) {
+    return list(path, options, true);
+}
+
+Result<VolumeContents> listInProcess(const fs::path& path, const ReadOptions& options) {
+    return list(path, options, false);
 }
 
 Result<VolumeContents> listByOpening(OpenFormat open, const fs::path& path, const ReadOptions& options) {
@@ -113,10 +136,16 @@ Result<std::shared_ptr<const ScalarGrid>> readVolume(const fs::path& path, const
     try {
         if (auto* whole = dynamic_cast<WholeGridSource*>(source.value().get()))
             return whole->grid(job);
+        ISO_TRY(source.value()->prepare(job));
         return readSlabs(*source.value(), path, job);
     } catch (const std::bad_alloc&) {
         return makeError(ErrorCode::OutOfSpace, "does not fit in memory", path);
     }
+}
+
+Status WholeGridSource::prepare(const JobControl& job) {
+    const auto made = grid(job);
+    return made.isOk() ? Status{} : made.error();
 }
 
 Status WholeGridSource::readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {

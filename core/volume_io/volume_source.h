@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/result.h"
+#include "core/base/job_control.h"
 #include "core/grid/scalar_grid.h"
 
 namespace isoslider::io {
@@ -27,6 +27,10 @@ class VolumeSource {
 public:
     virtual ~VolumeSource() = default;
     virtual const VolumeInfo& info() const = 0;
+
+    /// Makes at once what the first slab would have to wait for, where a format needs that: a grid that is
+    /// resampled, a file that can only be read whole. Afterwards info() is complete.
+    virtual Status prepare(const JobControl& /*job*/) { return {}; }
 
     /// Fills `out` with planes [zBegin, zEnd), x fastest, in the type of info().
     /// REQUIRES: out.size() is exactly that many samples. On failure `out` is unspecified.

@@ -33,7 +33,12 @@ struct Format {
     /// True if a file of whatever name, or a folder, is of this format. Null: known by its suffix only.
     bool (*recognises)(const std::filesystem::path& path, std::span<const std::byte> start) = nullptr;
     bool readsFolders = false;
+    bool isIsolated = false; ///< a library parses it: read in a process of its own
 };
+
+/// openVolume and listVolumes without a process of their own, whatever the format.
+OpenFormat openInProcess;
+ListFormat listInProcess;
 
 /// All of them; the first that fits is taken.
 std::span<const Format> knownFormats();
@@ -45,6 +50,7 @@ class WholeGridSource : public VolumeSource {
 public:
     /// Makes the grid if it is not there yet.
     virtual Result<std::shared_ptr<const ScalarGrid>> grid(const JobControl& job) = 0;
+    Status prepare(const JobControl& job) final;
     Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) final;
 };
 

@@ -33,9 +33,9 @@ const Format kFormats[] = {
     {"MetaImage", kMetaImage, openMetaImage, nullptr, nullptr, false},
     {"NRRD", kNrrd, openNrrd, nullptr, isNrrd, false},
     {"NIfTI", kNifti, openNifti, nullptr, nullptr, false},
-    {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false},
-    {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false},
-    {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false},
+    {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false, true},
+    {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false, true},
+    {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false, true},
 };
 
 std::string knownSuffixes() {

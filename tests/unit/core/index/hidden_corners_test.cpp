@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/grid/scalar_key.h"
-#include "core/index/byte_codec.h"
+#include "core/base/byte_codec.h"
 #include "core/index/index_writer.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"

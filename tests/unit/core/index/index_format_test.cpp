@@ -6,7 +6,7 @@
 #include <zstd.h>
 
 #include "core/extract/slide_engine.h"
-#include "core/index/byte_codec.h"
+#include "core/base/byte_codec.h"
 #include "core/index/index_reader.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace isoslider::index {
+namespace isoslider {
 
 /// Little-endian whatever the machine: a structure is never written whole.
 template <class Value>
@@ -95,4 +95,4 @@ private:
     bool hasFailed_ = false;
 };
 
-} // namespace isoslider::index
+} // namespace isoslider

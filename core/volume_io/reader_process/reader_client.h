@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "core/volume_io/volume_contents.h"
+#include "core/volume_io/volume_reader.h"
+
+namespace isoslider::io {
+
+// Libraries parse in a process of their own, `isoslider-reader`, which may die of a file without harm: it lies
+// beside the program, or in ../libexec/isoslider, or where ISOSLIDER_READER says. One process per volume; it
+// ends with its source. Costs some 30 ms to start, and one copy of the samples through a socket.
+
+/// As openInProcess, in a reader process. Further errors: Corruption (the reader died of the file),
+/// IoError (there is no reader program).
+Result<std::unique_ptr<VolumeSource>> openInReaderProcess(const std::filesystem::path& path,
+                                                          const ReadOptions& options);
+/// As listInProcess, likewise.
+Result<VolumeContents> listInReaderProcess(const std::filesystem::path& path, const ReadOptions& options);
+
+} // namespace isoslider::io

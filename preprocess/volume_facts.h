@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/job_control.h"
+#include "core/volume_io/volume_source.h"
+
+namespace isoslider::preprocess {
+
+/// Facts of a volume's finite samples. -0 and +0 count as one value.
+struct VolumeFacts {
+    double min = 0.0; ///< NaN, as max, where no sample is finite
+    double max = 0.0;
+    std::uint64_t distinctValues = 0;
+    std::uint64_t missingSamples = 0; ///< NaN and infinities
+};
+
+/// Reads all samples, slab by slab, and once more for each part of the distinct values that does not fit into
+/// `memoryBytes`. Holds the slabs and that much besides. Errors: Cancelled, those of the source.
+Result<VolumeFacts> findFacts(io::VolumeSource& source, std::uint64_t memoryBytes, const JobControl& job = {});
+
+} // namespace isoslider::preprocess
