@@ -53,10 +53,13 @@ Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptio
     const auto grid = io::readVolume(path, options, job);
     if (!grid.isOk())
         return grid.error();
+    const std::uint64_t missing = missingSamples(*grid.value());
+    if (missing == static_cast<std::uint64_t>(pointCount(grid.value()->dims())))
+        return makeError(ErrorCode::InvalidArgument, "has no finite sample", path);
     auto surface = extract::extractFull(*grid.value(), isovalue, job);
     if (!surface.isOk())
         return std::move(surface).error();
-    return Extracted{std::move(surface).value(), {sourceName(path), missingSamples(*grid.value())}};
+    return Extracted{std::move(surface).value(), {sourceName(path), missing}};
 }
 
 Json jsonOf(const mesh::Certificate& certificate, InputKind source) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -69,8 +70,14 @@ Result<Facts> factsOfVolume(const std::string& path, const io::ReadOptions& opti
     auto found = preprocess::findFacts(*source.value(), kDistinctBytes, job);
     if (!found.isOk())
         return std::move(found).error();
+    if (std::isnan(found.value().min))
+        return makeError(ErrorCode::InvalidArgument, "has no finite sample", path);
     const io::VolumeInfo& info = source.value()->info();
-    return Facts{info.geometry, info.type, found.value(), info.format, info.fieldName, info.notes};
+    std::vector<std::string> notes = info.notes;
+    const GridDims& dims = info.geometry.dims;
+    if (std::min({dims[0], dims[1], dims[2]}) < 2)
+        notes.push_back("has no cells, so no surface: that takes two grid points along each axis");
+    return Facts{info.geometry, info.type, found.value(), info.format, info.fieldName, std::move(notes)};
 }
 
 const io::VolumeField* fieldAsked(const io::VolumeContents& contents, const std::string& name) {

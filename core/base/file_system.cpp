@@ -20,7 +20,10 @@ class FileDescriptor {
 public:
     explicit FileDescriptor(int number) : number_(number) {}
     FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-    FileDescriptor& operator=(FileDescriptor&&) = delete;
+    FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+        std::swap(number_, other.number_);
+        return *this;
+    }
     ~FileDescriptor() {
         if (number_ >= 0)
             ::close(number_);
@@ -109,8 +112,8 @@ private:
 
 class PosixWritableFile final : public WritableFile {
 public:
-    PosixWritableFile(fs::path path, FileDescriptor descriptor)
-        : path_(std::move(path)), descriptor_(std::move(descriptor)) {}
+    explicit PosixWritableFile(fs::path path) : path_(std::move(path)), descriptor_(-1) {}
+    void adopt(FileDescriptor descriptor) { descriptor_ = std::move(descriptor); }
 
     const fs::path& path() const override { return path_; }
     std::uint64_t sizeBytes() const override { return size_; }
@@ -181,6 +184,8 @@ public:
     }
 
     Result<std::unique_ptr<WritableFile>> create(const fs::path& path) override {
+        // Made before the file, so that nothing can fail between its creation and its owner.
+        auto file = std::make_unique<PosixWritableFile>(path);
         // Not O_TRUNC: a second writer must be refused before it empties the first one's file.
         for (int attempt = 0; attempt < 100; ++attempt) {
             FileDescriptor descriptor(
@@ -201,8 +206,8 @@ public:
                 continue;
             if (::ftruncate(descriptor.get(), 0) != 0)
                 return systemError(errno, "cannot empty", path);
-            return std::unique_ptr<WritableFile>(
-                std::make_unique<PosixWritableFile>(path, std::move(descriptor)));
+            file->adopt(std::move(descriptor));
+            return std::unique_ptr<WritableFile>(std::move(file));
         }
         return makeError(ErrorCode::IoError, "keeps being replaced by another program", path);
     }
@@ -245,28 +250,31 @@ fs::path partialPath(const fs::path& path) {
     return partial;
 }
 
-AtomicFile::AtomicFile(fs::path path, std::unique_ptr<WritableFile> file, FileSystem& fileSystem)
-    : path_(std::move(path)), file_(std::move(file)), fileSystem_(fileSystem) {}
+AtomicFile::AtomicFile(const fs::path& path, FileSystem& fileSystem)
+    : path_(path), partial_(partialPath(path)), fileSystem_(fileSystem) {}
 
 Result<std::unique_ptr<AtomicFile>> AtomicFile::create(const fs::path& path, FileSystem& fileSystem) {
     ISO_TRY(checkOutputPath(path));
-    auto file = fileSystem.create(partialPath(path));
+    // Made before the file, which it then removes whatever fails.
+    std::unique_ptr<AtomicFile> atomic(new AtomicFile(path, fileSystem));
+    auto file = fileSystem.create(atomic->partial_);
     if (!file.isOk())
         return std::move(file).error();
-    return std::unique_ptr<AtomicFile>(new AtomicFile(path, std::move(file).value(), fileSystem));
+    atomic->file_ = std::move(file).value();
+    return atomic;
 }
 
 AtomicFile::~AtomicFile() {
     // Removed while still locked, so that it can only be ours. Nobody is left to hear of a failure.
-    if (!isPublished_)
-        static_cast<void>(fileSystem_.removeFile(partialPath(path_)));
+    if (file_ != nullptr && !isPublished_)
+        static_cast<void>(fileSystem_.removeFile(partial_));
 }
 
 Status AtomicFile::publish() {
     ISO_CHECK(!isPublished_);
     ISO_TRY(file_->sync());
     // Renamed before it is closed: the lock holds until the name is taken.
-    ISO_TRY(fileSystem_.renameDurably(partialPath(path_), path_));
+    ISO_TRY(fileSystem_.renameDurably(partial_, path_));
     isPublished_ = true;
     (void)file_->close(); // synced and in its place: nothing that closing could say would undo that
     return {};

@@ -90,10 +90,10 @@ public:
     Status publish();
 
 private:
-    AtomicFile(std::filesystem::path path, std::unique_ptr<WritableFile> file, FileSystem& fileSystem);
+    AtomicFile(const std::filesystem::path& path, FileSystem& fileSystem);
 
-    std::filesystem::path path_;
-    std::unique_ptr<WritableFile> file_;
+    std::filesystem::path path_, partial_;
+    std::unique_ptr<WritableFile> file_; ///< null until it has been created
     FileSystem& fileSystem_;
     bool isPublished_ = false;
 };

@@ -27,13 +27,15 @@ Brick& BrickTable::create(BrickIndex index) {
     std::atomic<std::uintptr_t>& entry = leaf->bricks[index & kLeafMask];
     if (const std::uintptr_t other = entry.load(std::memory_order_relaxed)) // another thread was first
         return *reinterpret_cast<Brick*>(other & ~kTouchedBit);
-    if (free_.empty())
-        free_.push_back(new (&pool_[poolSize_++]) Brick);
-    Brick& brick = *free_.back();
-    free_.pop_back();
+    // What may fail for want of memory comes first: afterwards every brick is listed or free.
+    bricks_.push_back(nullptr);
+    const bool isNew = free_.empty();
+    Brick& brick = isNew ? *new (&pool_[poolSize_++]) Brick : *free_.back();
+    if (!isNew)
+        free_.pop_back();
     reset(brick, index);
-    brick.listPosition = static_cast<std::uint32_t>(bricks_.size());
-    bricks_.push_back(&brick);
+    brick.listPosition = static_cast<std::uint32_t>(bricks_.size() - 1);
+    bricks_.back() = &brick;
     entry.store(reinterpret_cast<std::uintptr_t>(&brick), std::memory_order_release);
     return brick;
 }
@@ -87,8 +89,11 @@ void BrickTable::remove(Brick& brick) {
 }
 
 void BrickTable::clear() {
-    while (!bricks_.empty())
-        remove(*bricks_.back());
+    for (const Brick* brick : bricks_)
+        leaves_[brick->index >> kLeafBits].load()->bricks[brick->index & kLeafMask].store(0);
+    bricks_.clear();
+    free_.clear();
+    poolSize_ = 0;
 }
 
 std::size_t BrickTable::memoryBytes() const { return poolSize_ * sizeof(Brick) + leaves_.size() * sizeof(leaves_[0]); }

@@ -40,6 +40,7 @@ public:
     }
     /// REQUIRES: no other thread uses the table.
     void remove(Brick& brick);
+    /// Never fails, whatever failed before.
     void clear();
 
     /// Live bricks in no particular order.

@@ -7,12 +7,17 @@ SlowCells& SlowCellTable::create(Brick& brick) {
     if (free_.empty())
         free_.push_back(&pool_.emplace_back());
     SlowCells& cells = *free_.back();
-    free_.pop_back();
-    cells.brick = &brick;
-    cells.listPosition = static_cast<std::uint32_t>(list_.size());
-    list_.push_back(&cells);
     cells.clear();
     intervals_.push_back(cells.interval);
+    try {
+        list_.push_back(&cells);
+    } catch (...) { // both or neither: they are walked together
+        intervals_.pop_back();
+        throw;
+    }
+    free_.pop_back();
+    cells.brick = &brick;
+    cells.listPosition = static_cast<std::uint32_t>(list_.size() - 1);
     brick.slow = &cells;
     return cells;
 }
@@ -31,8 +36,10 @@ void SlowCellTable::remove(Brick& brick) {
 }
 
 void SlowCellTable::clear() {
-    while (!list_.empty())
-        remove(*list_.back()->brick);
+    list_.clear();
+    intervals_.clear();
+    free_.clear();
+    pool_.clear();
 }
 
 void SlowCellTable::refreshInterval(const SlowCells& cells) { intervals_[cells.listPosition] = cells.interval; }

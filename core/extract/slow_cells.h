@@ -84,6 +84,7 @@ public:
     SlowCells& create(Brick& brick);
     /// REQUIRES here and below: no other thread uses the table.
     void remove(Brick& brick);
+    /// Never fails, whatever failed before; bricks that had cells here are gone.
     void clear();
     void refreshInterval(const SlowCells& cells);
 

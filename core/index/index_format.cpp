@@ -360,7 +360,8 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
         return corrupt("shelves of samples");
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
-    if (in.hasFailed() || in.remaining() != 0)
+    // A later minor version may have more to say, which a reader of this one need not know.
+    if (in.hasFailed() || (in.remaining() != 0 && preamble.minor <= kFormatMinor))
         return corrupt("length");
     info.indexBytes = preamble.fileBytes;
     countHiddenCorners(meta);

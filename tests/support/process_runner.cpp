@@ -120,6 +120,7 @@ void collect(pid_t child, const ProcessOptions& options, Pipe& out, Pipe& err, P
     Watch watch(child, options);
     const int pollMs = options.signalToSend != 0 ? 1 : 20;
     int status = 0;
+    rusage used{};
     bool hasEnded = false;
     while (!hasEnded || out.readEnd >= 0 || err.readEnd >= 0) {
         std::array<pollfd, 2> ends{pollfd{out.readEnd, POLLIN, 0}, pollfd{err.readEnd, POLLIN, 0}};
@@ -128,13 +129,16 @@ void collect(pid_t child, const ProcessOptions& options, Pipe& out, Pipe& err, P
             drain(out, result.standardOutput);
         if (ends[1].revents != 0)
             drain(err, result.standardError);
-        if (!hasEnded && ::waitpid(child, &status, WNOHANG) == child) {
+        if (!hasEnded && ::wait4(child, &status, WNOHANG, &used) == child) {
             hasEnded = true;
             result.elapsed = watch.elapsed();
         }
         if (!hasEnded)
             watch.tick(result);
     }
+    const auto inMs = [](const timeval& time) { return std::chrono::milliseconds(time.tv_sec * 1000 + time.tv_usec / 1000); };
+    result.processorTime = inMs(used.ru_utime) + inMs(used.ru_stime);
+    result.peakRssBytes = static_cast<std::uint64_t>(used.ru_maxrss) * 1024; // which Linux counts in KiB
     if (WIFEXITED(status))
         result.exitCode = WEXITSTATUS(status);
     else if (WIFSIGNALED(status))

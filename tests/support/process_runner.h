@@ -19,6 +19,8 @@ struct ProcessResult {
     std::string standardOutput;
     std::string standardError;
     std::chrono::milliseconds elapsed{0};
+    std::chrono::milliseconds processorTime{0}; ///< of the program and the processes it waited for
+    std::uint64_t peakRssBytes = 0; ///< of the largest of these
 };
 
 struct ProcessOptions {

@@ -1,8 +1,57 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "core/base/file_system.h"
+#include "core/grid/scalar_key.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/sample_source.h"
 
 namespace isoslider::io {
+namespace {
+
+/// Mean difference of neighbouring samples as places in the order of their type, whose size plays no part.
+template <class Sample>
+double roughness(std::span<const std::byte> bytes, bool isSwapped) {
+    double sum = 0.0, before = 0.0;
+    const std::size_t count = bytes.size() / sizeof(Sample);
+    for (std::size_t i = 0; i < count; ++i) {
+        std::array<std::byte, sizeof(Sample)> sample;
+        std::copy_n(bytes.data() + i * sizeof(Sample), sizeof(Sample), sample.begin());
+        if (isSwapped)
+            std::reverse(sample.begin(), sample.end());
+        const auto place = static_cast<double>(keyOf(std::bit_cast<Sample>(sample)));
+        sum += i > 0 ? std::abs(place - before) : 0.0;
+        before = place;
+    }
+    return count > 1 ? sum / static_cast<double>(count - 1) : 0.0;
+}
+
+/// A note where the other byte order makes the samples far smoother. Looks at the middle of the file.
+std::optional<std::string> byteOrderDoubt(const RandomAccessFile& file, const RawLayout& layout, std::uint64_t samples) {
+    constexpr std::uint64_t kBytes = std::uint64_t{1} << 16;
+    constexpr double kFarSmoother = 10.0;
+    const std::size_t size = scalarTypeSizeBytes(layout.type);
+    if (size == 1)
+        return std::nullopt;
+    std::vector<std::byte> bytes(std::min(kBytes, samples));
+    const std::uint64_t middle = layout.skipBytes + (samples - bytes.size()) / 2 / size * size;
+    if (!file.readExactlyAt(middle, bytes).isOk())
+        return std::nullopt;
+    const bool needsSwap = layout.isBigEndian != (std::endian::native == std::endian::big);
+    const auto [asTold, otherwise] = visitScalarType(layout.type, [&](auto sample) {
+        using Sample = decltype(sample);
+        return std::pair(roughness<Sample>(bytes, needsSwap), roughness<Sample>(bytes, !needsSwap));
+    });
+    if (!(asTold > kFarSmoother * otherwise) || otherwise == 0.0)
+        return std::nullopt;
+    return std::string("its samples would be far smoother in the other byte order: are they ") +
+           (layout.isBigEndian ? "little" : "big") + "-endian?";
+}
+
+} // namespace
 
 Result<std::unique_ptr<VolumeSource>> openRaw(const std::filesystem::path& path, const ReadOptions& options) {
     const RawLayout& layout = *options.raw;
@@ -26,6 +75,11 @@ Result<std::unique_ptr<VolumeSource>> openRaw(const std::filesystem::path& path,
                              std::to_string(samples) + (layout.skipBytes > 0 ? " after " + std::to_string(layout.skipBytes) : "") +
                              (isShort ? "" : " (trailing bytes have to be allowed)"),
                          path);
+    if (const std::uint64_t trailing = size - layout.skipBytes - samples; trailing > 0)
+        info.notes.push_back("has " + std::to_string(size) + " bytes; " + std::to_string(trailing) +
+                             (trailing == 1 ? " byte" : " bytes") + " behind the last sample left out");
+    if (auto doubt = byteOrderDoubt(*file.value(), layout, samples))
+        info.notes.push_back(*std::move(doubt));
     auto bytes = openParts({{path, layout.skipBytes}}, samples);
     if (!bytes.isOk())
         return std::move(bytes).error();

@@ -95,7 +95,7 @@ void BuildFailure::expectEveryFailingCallLeavesTheEarlierIndex() {
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.isx"});
 }
 
-TEST_P(BuildFailure, EveryFailingCallIsReportedAndLeavesTheEarlierIndex) {
+TEST_P(BuildFailure, B091_EveryFailingCallIsReportedAndLeavesTheEarlierIndex) {
     expectEveryFailingCallLeavesTheEarlierIndex();
 }
 

@@ -142,7 +142,7 @@ TEST_F(IndexFile, NoDamagedPageEverGivesAWrongSurface) {
     EXPECT_GT(refused, 0);
 }
 
-TEST_F(IndexFile, SwappedPagesAreFound) {
+TEST_F(IndexFile, B083_SwappedPagesAreFound) {
     // Two pages of equal length, as only the checksum's dependence on the place can tell them apart.
     IndexMeta meta = meta_;
     auto& pages = meta.levels[0].pages;
@@ -154,7 +154,7 @@ TEST_F(IndexFile, SwappedPagesAreFound) {
     EXPECT_THAT(sweep(write(forged(meta))), HasError(ErrorCode::Corruption));
 }
 
-TEST_F(IndexFile, APageOfAnotherIndexIsFound) {
+TEST_F(IndexFile, B083_APageOfAnotherIndexIsFound) {
     ASSERT_THAT(test::buildIndexOf(test::noiseVolume({33, 20, 18}, 4), folder_ / "other.isx"), IsOk());
     const auto other = IndexReader::open(folder_ / "other.isx");
     ASSERT_THAT(other, IsOk());
@@ -167,7 +167,7 @@ TEST_F(IndexFile, APageOfAnotherIndexIsFound) {
 }
 
 // Right checksums around wrong entries: any answer is good but a crash, a hang or an exception.
-TEST_F(IndexFile, ForgedDirectoriesNeverCrash) {
+TEST_F(IndexFile, B084_ForgedDirectoriesNeverCrash) {
     std::mt19937_64 random(2);
     const auto forge = [&](std::uint64_t& value) {
         const std::uint64_t choices[] = {0, 1, value + 1, value - 1, random() % 2000, ~std::uint64_t{0}, ~std::uint64_t{0} - 1};
@@ -193,7 +193,7 @@ TEST_F(IndexFile, ForgedDirectoriesNeverCrash) {
 }
 
 // A million empty blocks: more levels could be merged above them than any real index has.
-TEST_F(IndexFile, AForgedTopLevelOfManyBlocksNeverCrashes) {
+TEST_F(IndexFile, B085_AForgedTopLevelOfManyBlocksNeverCrashes) {
     const auto grid = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(6), [](auto x, auto y, auto z) { return 1.0 + 1.0 * x + 0.1 * y + 0.01 * z; });
     ASSERT_THAT(test::buildIndexOf(grid, folder_ / "float.isx"), IsOk());
     bytes_ = test::readText(folder_ / "float.isx");

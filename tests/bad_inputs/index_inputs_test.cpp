@@ -1,0 +1,282 @@
+// B076 to B096: index files, and builds of them. Where a case takes thousands of variants they are tried in this
+// process; what users see of a refusal is asked of the program.
+
+#include <sys/wait.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <new>
+#include <random>
+#include <thread>
+
+#include "core/extract/full_extraction.h"
+#include "core/extract/slide_engine.h"
+#include "core/index/index_format.h"
+#include "core/index/index_reader.h"
+#include "preprocess/build_index.h"
+#include "tests/bad_inputs/bad_input_fixture.h"
+#include "tests/property/surface_comparison.h"
+#include "tests/property/test_volumes.h"
+#include "tests/support/forged_index.h"
+#include "tests/support/result_matchers.h"
+
+namespace isoslider::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class BadIndex : public BadInputTest {
+protected:
+    static std::string bytesOf(index::IndexKind kind) {
+        const TemporaryFolder folder;
+        preprocess::BuildOptions options;
+        options.kind = kind;
+        options.redundancyThreshold = 0.2;
+        EXPECT_THAT(buildIndexOf(volume(), folder / "a.isx", options), IsOk());
+        return readText(folder / "a.isx");
+    }
+    static std::shared_ptr<const ScalarGrid> volume() {
+        static const auto grid = test::noiseVolume({19, 18, 17}, 8);
+        return grid;
+    }
+
+    enum class Verdict { Refused, Right, Wrong };
+    /// Opens and slides; whatever the bytes are, a surface that is handed out must be the right one.
+    Verdict verdictOn(const std::string& bytes) const {
+        static const std::vector<double> stops = {3.0, 17.5, 9.0, 0.5};
+        static const auto fresh = [] {
+            std::vector<extract::SurfaceMesh> meshes;
+            for (const double isovalue : stops)
+                meshes.push_back(extract::extractFull(*volume(), isovalue).value());
+            return meshes;
+        }();
+        auto engine = extract::SlideEngine::open(folder_.write("damaged.isx", bytes));
+        if (!engine.isOk())
+            return Verdict::Refused;
+        for (std::size_t i = 0; i < stops.size(); ++i) {
+            if (!engine.value()->slideTo(stops[i]).isOk())
+                return Verdict::Refused;
+            if (!isSameSurface(engine.value()->mesh(), fresh[i]))
+                return Verdict::Wrong;
+        }
+        return Verdict::Right;
+    }
+    static constexpr index::IndexKind kKinds[] = {index::IndexKind::Edges, index::IndexKind::Metacells};
+};
+
+TEST_F(BadIndex, B076_NoIndexAtAll) {
+    const std::string good = bytesOf(index::IndexKind::Edges);
+    std::string random(70000, '\0');
+    std::mt19937 engine(1);
+    for (char& c : random)
+        c = static_cast<char>(engine());
+    const std::pair<const char*, std::string> files[] = {{"empty.isx", ""},
+                                                         {"one.isx", "I"},
+                                                         {"random.isx", random},
+                                                         {"text.isx", "Dear reader,\nthis is a letter.\n"}};
+    for (const auto& [name, bytes] : files) {
+        folder_.write(name, bytes);
+        expectRefusedSoon({"stats", path(name)}, "not an ISOSLIDER index");
+        expectRefusedSoon({"extract", path(name), "--isovalue", "1"}, "not an ISOSLIDER index");
+    }
+    folder_.write("head.isx", good.substr(0, 64));
+    expectRefusedSoon({"stats", path("head.isx")}, "head.isx");
+}
+
+TEST_F(BadIndex, B077_LaterMajorVersion) {
+    for (const auto kind : kKinds) {
+        std::string bytes = bytesOf(kind);
+        bytes[12] = static_cast<char>(bytes[12] + 6);
+        folder_.write("later.isx", bytes);
+        const auto result = run({"stats", path("later.isx")});
+        expectRefusedSoon({"stats", path("later.isx")}, "format version 9");
+        EXPECT_THAT(result.standardError, HasSubstr("build it anew"));
+        EXPECT_THAT(result.standardError, ::testing::Not(HasSubstr("corrupt")));
+    }
+}
+
+TEST_F(BadIndex, B078_LaterMinorVersionWithMore) {
+    for (const auto kind : kKinds) {
+        const std::string bytes = bytesOf(kind);
+        index::Preamble preamble = index::decodePreamble(std::as_bytes(std::span(bytes)), bytes.size(), "x").value();
+        const std::string meta = bytes.substr(preamble.metaOffset) + "a section of the future";
+        preamble.metaBytes = meta.size();
+        preamble.metaChecksum = index::metaChecksum(std::as_bytes(std::span(meta)));
+        preamble.fileBytes = preamble.metaOffset + meta.size();
+        const auto written = [&](std::uint16_t minor) {
+            preamble.minor = minor;
+            const auto head = index::encodePreamble(preamble);
+            return std::string(reinterpret_cast<const char*>(head.data()), head.size()) +
+                   bytes.substr(head.size(), preamble.metaOffset - head.size()) + meta;
+        };
+        EXPECT_EQ(verdictOn(written(index::kFormatMinor + 1)), Verdict::Right);
+        EXPECT_EQ(verdictOn(written(index::kFormatMinor)), Verdict::Refused) << "the same bytes are none of its own";
+    }
+}
+
+TEST_F(BadIndex, B079_EarlierMajorVersions) {
+    for (const auto* name : {"golden_v1.isx", "golden_v2.isx"})
+        expectRefusedSoon({"stats", std::string(ISOSLIDER_SOURCE_DIR) + "/tests/data/" + name}, "build it anew");
+}
+
+TEST_F(BadIndex, B080_EveryFlippedBit) {
+    for (const auto kind : kKinds) {
+        const std::string good = bytesOf(kind);
+        ASSERT_EQ(verdictOn(good), Verdict::Right);
+        const index::Preamble preamble =
+            index::decodePreamble(std::as_bytes(std::span(good)), good.size(), "x").value();
+        std::mt19937_64 random(3);
+        int found = 0, harmless = 0;
+        for (std::uint64_t flip = 0; flip < 512 + 4000; ++flip) {
+            // All of the preamble, then places at random in pages and meta.
+            const std::uint64_t bit = flip < 512 ? flip : 512 + random() % (8 * good.size() - 512);
+            std::string bytes = good;
+            bytes[bit / 8] = static_cast<char>(bytes[bit / 8] ^ 1 << bit % 8);
+            const Verdict verdict = verdictOn(bytes);
+            ASSERT_NE(verdict, Verdict::Wrong) << "bit " << bit;
+            (verdict == Verdict::Refused ? found : harmless)++;
+            if (bit / 8 < 64 || bit / 8 >= preamble.metaOffset) {
+                ASSERT_EQ(verdict, Verdict::Refused) << "bit " << bit;
+            }
+        }
+        EXPECT_GT(found, 1000);
+    }
+}
+
+TEST_F(BadIndex, B081_EveryTruncation) {
+    for (const auto kind : kKinds) {
+        const std::string good = bytesOf(kind);
+        for (std::size_t size = 0; size < good.size(); size += size < 200 || good.size() - size < 300 ? 1 : 61)
+            ASSERT_EQ(verdictOn(good.substr(0, size)), Verdict::Refused) << size;
+    }
+}
+
+TEST_F(BadIndex, B082_LostWrites) {
+    for (const auto kind : kKinds) {
+        const std::string good = bytesOf(kind);
+        for (const std::size_t page : {512, 4096, 65536})
+            for (std::size_t at = 0; at < good.size(); at += page) {
+                std::string bytes = good;
+                std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), std::min(page, good.size() - at), '\0');
+                ASSERT_NE(verdictOn(bytes), Verdict::Wrong) << page << " at " << at;
+            }
+        EXPECT_EQ(verdictOn(std::string(good.size(), '\0')), Verdict::Refused);
+    }
+}
+
+// B083 to B085: index_file_test. B091: build_failures_test. B092: memory_failures_test.
+
+TEST_F(BadIndex, B086_EdgesThatAreActiveAlready) {
+    // Level 0's pages listed twice: every change is applied again. All checksums are right.
+    const std::string good = bytesOf(index::IndexKind::Edges);
+    folder_.write("good.isx", good);
+    const auto reader = index::IndexReader::open(path("good.isx"));
+    ASSERT_THAT(reader, IsOk());
+    index::IndexMeta meta = reader.value()->meta();
+    auto& pages = meta.levels[0].pages;
+    pages.insert(pages.end(), pages.begin(), pages.end());
+    EXPECT_EQ(verdictOn(forgedIndex(good, meta)), Verdict::Refused);
+}
+
+TEST_F(BadIndex, B088_NoPlaceToWrite) {
+    const std::string bytes = bytesOf(index::IndexKind::Metacells);
+    folder_.write("a.isx", bytes);
+    fs::permissions(path("a.isx"), fs::perms::owner_read | fs::perms::group_read);
+    expectAcceptedSoon({"stats", path("a.isx")});
+    const auto volume = sphereVolume();
+    expectRefusedSoon({"build", volume, "-o", "/proc/a.isx"}, "/proc/a.isx", 4);
+    expectRefusedSoon({"build", volume, "-o", path("none/a.isx")}, "folder", 4);
+}
+
+TEST_F(BadIndex, B089_KilledAtAnyMoment) {
+    const auto volume = BadInputTest::noiseVolume(112);
+    const auto begin = std::chrono::steady_clock::now();
+    ASSERT_EQ(run({"build", volume, "-o", path("whole.isx")}).exitCode, 0);
+    const auto whole = std::chrono::steady_clock::now() - begin;
+    const std::string bytes = readText(path("whole.isx"));
+    std::mt19937 random(7);
+    int absent = 0;
+    for (int round = 0; round < 30; ++round) {
+        const auto moment = std::chrono::steady_clock::now() + whole * (random() % 1000) / 900;
+        ProcessOptions options;
+        options.signalToSend = SIGKILL;
+        options.signalWhen = [&] { return std::chrono::steady_clock::now() >= moment; };
+        (void)run({"build", volume, "-o", path("a.isx")}, options);
+        if (fs::exists(path("a.isx"))) {
+            ASSERT_TRUE(readText(path("a.isx")) == bytes);
+            fs::remove(path("a.isx"));
+        } else {
+            ++absent;
+        }
+    }
+    EXPECT_GT(absent, 0);
+    ASSERT_EQ(run({"build", volume, "-o", path("a.isx")}).exitCode, 0) << "what a killed build left is in nobody's way";
+    EXPECT_TRUE(readText(path("a.isx")) == bytes);
+}
+
+TEST_F(BadIndex, B093_SmallBudget) {
+#if defined(__SANITIZE_ADDRESS__)
+    GTEST_SKIP() << "address space says nothing under a sanitizer";
+#endif
+    folder_.write("a.raw", "");
+    fs::resize_file(path("a.raw"), 512 * 512 * 512);
+    ProcessOptions options;
+    options.timeout = std::chrono::minutes(2);
+    options.addressSpaceBytes = std::uint64_t{3} << 30;
+    const auto result = run({"build", path("a.raw"), "--raw-dims", "512,512,512", "--raw-type", "u8", "-o", path("a.isx"),
+                             "--index", "metacells", "--memory", "64M"}, options);
+    EXPECT_EQ(result.exitCode, 0) << result.standardError;
+    EXPECT_LT(result.peakRssBytes, std::uint64_t{64 + 64} << 20);
+}
+
+TEST_F(BadIndex, B094_BudgetsThatAreNone) {
+    const auto volume = sphereVolume();
+    expectRefusedSoon({"build", volume, "-o", path("a.isx"), "--memory", "1M"}, "64 MiB", 2);
+    for (const auto* text : {"-5", "12parsecs", "", "0", "1e999", "99999999999999999999G"})
+        expectRefusedSoon({"build", volume, "-o", path("a.isx"), "--memory", text}, "--memory", 2);
+    EXPECT_FALSE(fs::exists(path("a.isx")));
+}
+
+TEST_F(BadIndex, B095_TwoBuildsOfOneIndex) {
+    const auto volume = BadInputTest::noiseVolume(112);
+    ProcessOptions stopped;
+    std::optional<ProcessResult> second, viewer;
+    stopped.signalToSend = SIGCONT;
+    stopped.signalWhen = [&] {
+        if (!fs::exists(path("a.isx.partial")))
+            return false;
+        viewer = run({"stats", path("a.isx")});
+        second = run({"build", volume, "-o", path("a.isx")});
+        return true;
+    };
+    const auto first = run({"build", volume, "-o", path("a.isx")}, stopped);
+    ASSERT_TRUE(second);
+    EXPECT_EQ(first.exitCode, 0) << first.standardError;
+    EXPECT_EQ(second->exitCode, 3) << second->standardError;
+    EXPECT_THAT(second->standardError, HasSubstr("a.isx"));
+    EXPECT_EQ(viewer->exitCode, 4) << "there is none yet";
+    expectAcceptedSoon({"stats", path("a.isx")});
+}
+
+TEST_F(BadIndex, B096_FileThatShrinksWhileItIsRead) {
+    for (const auto kind : kKinds) {
+        const std::string good = bytesOf(kind);
+        for (const std::size_t left : {std::size_t{0}, std::size_t{64}, good.size() / 2}) {
+            folder_.write("a.isx", good);
+            auto engine = extract::SlideEngine::open(path("a.isx"));
+            ASSERT_THAT(engine, IsOk());
+            fs::resize_file(path("a.isx"), left);
+            const auto moved = engine.value()->slideTo(9.0);
+            if (left <= 64)
+                EXPECT_FALSE(moved.isOk()) << left;
+            else if (moved.isOk()) // what it needs lay before the end
+                EXPECT_TRUE(isSameSurface(engine.value()->mesh(), extract::extractFull(*volume(), 9.0).value()));
+        }
+    }
+}
+
+} // namespace
+} // namespace isoslider::test
