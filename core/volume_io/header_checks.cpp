@@ -81,24 +81,30 @@ std::string inQuotes(std::string_view text) {
     return out + (text.size() > 60 ? "...'" : "'");
 }
 
-Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view field, const fs::path& path) {
-    GridDims dims{1, 1, 1};
+Status checkExtents(std::span<const std::int64_t> sizes, std::string_view field, const fs::path& path) {
     if (sizes.empty())
         return refuseField(field, "the data has no dimension", path);
-    std::int64_t points = 1;
+    std::int64_t values = 1;
     for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
-        const std::int64_t size = sizes[axis];
-        if (size < 1 || size > kMaxDim)
-            return refuseField(field, "extent " + std::to_string(size) + " of axis " + std::to_string(axis + 1) +
+        if (sizes[axis] < 1 || sizes[axis] > kMaxDim)
+            return refuseField(field, "extent " + std::to_string(sizes[axis]) + " of axis " + std::to_string(axis + 1) +
                                           " is not within 1.." + std::to_string(kMaxDim), path);
-        if (axis >= 3 && size != 1)
+        values *= sizes[axis]; // both factors are below 2^41: no overflow before the next test
+        if (values > kMaxPoints)
+            return refuseField(field, "more than 2^40 grid points in all", path);
+    }
+    return {};
+}
+
+Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view field, const fs::path& path) {
+    ISO_TRY(checkExtents(sizes, field, path));
+    GridDims dims{1, 1, 1};
+    for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
+        if (axis >= 3 && sizes[axis] != 1)
             return refuseField(field, "the data has " + std::to_string(sizes.size()) +
                                           " dimensions, a series or several components; save one volume of it", path);
-        points *= size; // both factors are below 2^41: no overflow before the next test
-        if (points > kMaxPoints)
-            return refuseField(field, "more than 2^40 grid points in all", path);
         if (axis < 3)
-            dims[axis] = size;
+            dims[axis] = sizes[axis];
     }
     return dims;
 }

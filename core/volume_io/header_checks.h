@@ -31,8 +31,10 @@ std::string lowerCase(std::string_view text);
 /// Short and printable, for messages that quote a file.
 std::string inQuotes(std::string_view text);
 
-/// Checks extents as a header gives them: missing ones are 1, those beyond the third have to be;
-/// each within [1, kMaxDim], the product within kMaxPoints.
+/// Checks extents of any number of axes: each within [1, kMaxDim], their product within kMaxPoints.
+Status checkExtents(std::span<const std::int64_t> sizes, std::string_view field, const std::filesystem::path& path);
+
+/// The same of a volume's extents as a header gives them: missing ones are 1, those beyond the third have to be.
 Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view field,
                            const std::filesystem::path& path);
 

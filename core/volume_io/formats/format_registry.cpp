@@ -11,12 +11,11 @@ namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
-// What is looked at to know a format: a DICOM file says so at byte 128, an MRC map at 208.
 constexpr std::size_t kStartBytes = 512;
 
 constexpr std::string_view kMetaImage[] = {".mhd", ".mha"};
 constexpr std::string_view kNrrd[] = {".nrrd", ".nhdr"};
-constexpr std::string_view kNifti[] = {".nii", ".nii.gz", ".hdr", ".img"};
+constexpr std::string_view kNifti[] = {".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz"};
 constexpr std::string_view kVtkXml[] = {".vti"};
 constexpr std::string_view kVtkLegacy[] = {".vtk"};
 constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"};
@@ -27,12 +26,15 @@ bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
 }
 
 bool isNrrd(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "NRRD000"); }
+bool isNifti(const fs::path&, std::span<const std::byte> start) {
+    return start.size() >= 348 && (beginsWith(start.subspan(344), "n+1") || beginsWith(start.subspan(4), "n+2"));
+}
 bool isVtkLegacy(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "# vtk DataFile"); }
 
 const Format kFormats[] = {
     {"MetaImage", kMetaImage, openMetaImage, nullptr, nullptr, false},
     {"NRRD", kNrrd, openNrrd, nullptr, isNrrd, false},
-    {"NIfTI", kNifti, openNifti, nullptr, nullptr, false},
+    {"NIfTI", kNifti, openNifti, listNifti, isNifti, false},
     {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false},
     {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false},
     {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false},

@@ -8,7 +8,6 @@
 
 #include <glm/geometric.hpp>
 #include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
 #include "core/base/quiet_stream.h"
@@ -21,7 +20,6 @@ itk::ImageIOBase::Pointer makeImageIo(ItkFormat format) {
     switch (format) {
         case ItkFormat::MetaImage: return itk::MetaImageIO::New().GetPointer();
         case ItkFormat::Nrrd: return itk::NrrdImageIO::New().GetPointer();
-        case ItkFormat::Nifti: return itk::NiftiImageIO::New().GetPointer();
     }
     checkFailed("known ItkFormat", __FILE__, __LINE__);
 }

@@ -8,7 +8,7 @@
 
 namespace isoslider::io {
 
-enum class ItkFormat { MetaImage, Nrrd, Nifti };
+enum class ItkFormat { MetaImage, Nrrd };
 
 /// Spacing, origin and direction as ITK reads them from a header, with `dims` as known already.
 /// Axes that ITK leaves out because their extent is 1 get spacing 1 and a perpendicular direction.

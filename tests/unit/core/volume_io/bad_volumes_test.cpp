@@ -113,10 +113,14 @@ std::string niftiExtension(std::int32_t size) {
     return bytes + extension + test::ramp<std::int16_t>(24);
 }
 
-std::string niftiSeries() {
-    std::string bytes = test::niftiWith<std::int16_t>(40, 4);
-    test::put<std::int16_t>(bytes, 48, 2);
-    return bytes + test::ramp<std::int16_t>(24);
+// The second extension's size is 0: a chain that never ends.
+std::string niftiExtensionCycle() {
+    std::string bytes = test::niftiHeader();
+    bytes[348] = 1;
+    test::put<float>(bytes, 108, 384);
+    std::string extensions(32, '\0');
+    test::put<std::int32_t>(extensions, 0, 16);
+    return bytes + extensions + test::ramp<std::int16_t>(24);
 }
 
 const std::vector<BadFile>& metaImages() {
@@ -194,28 +198,29 @@ const std::vector<BadFile>& nrrds() {
 
 const std::vector<BadFile>& niftis() {
     static const std::vector<BadFile> files = {
-        {"nifti_sizeof_hdr", "a.nii", test::niftiWith<std::int32_t>(0, 347), InvalidArgument, "sizeof_hdr"},
-        {"nifti_2", "a.nii", test::niftiWith<std::int32_t>(0, 540), UnsupportedVersion, "NIfTI-2"},
-        {"nifti_dim0_200", "a.nii", test::niftiWith<std::int16_t>(40, 200), InvalidArgument, "dim[0]"},
-        {"nifti_dim0_negative", "a.nii", test::niftiWith<std::int16_t>(40, -5), InvalidArgument, "dim[0]"},
-        {"nifti_dim1_negative", "a.nii", test::niftiWith<std::int16_t>(42, -1), InvalidArgument, "dim"},
-        {"nifti_asks_18_GB", "a.nii", test::niftiWith<std::int64_t>(42, 0x0bb8'0bb8'0bb8), Corruption, "54000000000"},
-        {"nifti_offset_nan", "a.nii", test::niftiWith<float>(108, kNan), InvalidArgument, "vox_offset"},
-        {"nifti_offset_huge", "a.nii", test::niftiWith<float>(108, 1e30f), InvalidArgument, "vox_offset"},
-        {"nifti_offset_zero", "a.nii", test::niftiWith<float>(108, 0), InvalidArgument, "vox_offset"},
-        {"nifti_offset_negative", "a.nii", test::niftiWith<float>(108, -352), InvalidArgument, "vox_offset"},
-        {"nifti_bitpix", "a.nii", test::niftiWith<std::int16_t>(72, 8), InvalidArgument, "bitpix"},
-        {"nifti_rgb", "a.nii", test::niftiWith<std::int16_t>(70, 128), InvalidArgument, "datatype"},
-        {"nifti_complex", "a.nii", test::niftiWith<std::int16_t>(70, 32), InvalidArgument, "datatype"},
+        {"B058_nifti_sizeof_hdr", "a.nii", test::niftiWith<std::int32_t>(0, 347), InvalidArgument, "sizeof_hdr"},
+        {"B059_nifti_dim0_200", "a.nii", test::niftiWith<std::int16_t>(40, 200), InvalidArgument, "dim[0]"},
+        {"B059_nifti_dim0_negative", "a.nii", test::niftiWith<std::int16_t>(40, -5), InvalidArgument, "dim[0]"},
+        {"B060_nifti_dim1_negative", "a.nii", test::niftiWith<std::int16_t>(42, -1), InvalidArgument, "dim"},
+        {"B060_nifti_asks_18_GB", "a.nii", test::niftiWith<std::int64_t>(42, 0x0bb8'0bb8'0bb8), Corruption, "54000000000"},
+        {"B061_nifti_offset_nan", "a.nii", test::niftiWith<float>(108, kNan), InvalidArgument, "vox_offset"},
+        {"B061_nifti_offset_huge", "a.nii", test::niftiWith<float>(108, 1e30f), InvalidArgument, "vox_offset"},
+        {"B061_nifti_offset_zero", "a.nii", test::niftiWith<float>(108, 0), InvalidArgument, "vox_offset"},
+        {"B061_nifti_offset_negative", "a.nii", test::niftiWith<float>(108, -352), InvalidArgument, "vox_offset"},
+        {"B064_nifti_bitpix", "a.nii", test::niftiWith<std::int16_t>(72, 8), InvalidArgument, "bitpix"},
+        {"B059_nifti_dim0_0", "a.nii", test::niftiWith<std::int16_t>(40, 0), InvalidArgument, "dim[0]"},
+        {"B060_nifti_dim1_0", "a.nii", test::niftiWith<std::int16_t>(42, 0), InvalidArgument, "dim"},
+        {"B064_nifti_float128", "a.nii", test::niftiWith<std::int32_t>(70, 1536 + (128 << 16)), InvalidArgument, "float128"},
+        {"B064_nifti_rgb24", "a.nii", test::niftiWith<std::int32_t>(70, 128 + (24 << 16)) + std::string(24, 'x'), InvalidArgument, "--component"},
+        {"B065_nifti_extension_cycle", "a.nii", niftiExtensionCycle(), InvalidArgument, "extension"},
         {"nifti_short", "a.nii", shorter(test::nifti()), Corruption, "48"},
         {"nifti_header_only", "a.nii", test::nifti().substr(0, 100), InvalidArgument, "348"},
-        {"nifti_series", "a.nii", niftiSeries(), InvalidArgument, "4 dimensions"},
-        {"nifti_extension_size", "a.nii", niftiExtension(15), InvalidArgument, "extension"},
-        {"nifti_extension_beyond", "a.nii", niftiExtension(1600), InvalidArgument, "extension"},
-        {"nifti_gz_is_not", "a.nii.gz", test::nifti(), Corruption, "compressed"},
+        {"B065_nifti_extension_size", "a.nii", niftiExtension(15), InvalidArgument, "extension"},
+        {"B065_nifti_extension_beyond", "a.nii", niftiExtension(1600), InvalidArgument, "extension"},
+        {"B066_nifti_gz_is_not", "a.nii.gz", test::nifti(), Corruption, "compressed"},
         {"nifti_gz_cut", "a.nii.gz", shorter(test::gzipped(test::nifti())), Corruption, "early"},
         {"nifti_gz_longer", "a.nii.gz", test::gzipped(test::nifti() + "x"), Corruption, "more than"},
-        {"nifti_pair_without_img", "a.hdr", replaced(test::nifti(), "n+1", "ni1"), NotFound, "a.img"},
+        {"B066_nifti_pair_without_img", "a.hdr", replaced(test::nifti(), "n+1", "ni1"), NotFound, "a.img"},
     };
     return files;
 }
