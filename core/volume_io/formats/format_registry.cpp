@@ -11,6 +11,7 @@ namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
+// What is looked at to know a format: a DICOM file says so at byte 128, an MRC map at 208.
 constexpr std::size_t kStartBytes = 512;
 
 constexpr std::string_view kMetaImage[] = {".mhd", ".mha"};
@@ -18,6 +19,9 @@ constexpr std::string_view kNrrd[] = {".nrrd", ".nhdr"};
 constexpr std::string_view kNifti[] = {".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz"};
 constexpr std::string_view kVtkXml[] = {".vti"};
 constexpr std::string_view kVtkLegacy[] = {".vtk"};
+constexpr std::string_view kMrc[] = {".mrc",    ".map",    ".ccp4",    ".rec",    ".st",    ".mrcs",
+                                     ".mrc.gz", ".map.gz", ".ccp4.gz", ".rec.gz", ".st.gz", ".mrcs.gz"};
+constexpr std::string_view kCube[] = {".cube", ".cub", ".cube.gz", ".cub.gz"};
 constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"};
 
 template <std::size_t size>
@@ -29,6 +33,9 @@ bool isNrrd(const fs::path&, std::span<const std::byte> start) { return beginsWi
 bool isNifti(const fs::path&, std::span<const std::byte> start) {
     return start.size() >= 348 && (beginsWith(start.subspan(344), "n+1") || beginsWith(start.subspan(4), "n+2"));
 }
+bool isMrc(const fs::path&, std::span<const std::byte> start) {
+    return start.size() >= 212 && beginsWith(start.subspan(208), "MAP ");
+}
 bool isVtkLegacy(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "# vtk DataFile"); }
 
 const Format kFormats[] = {
@@ -38,6 +45,8 @@ const Format kFormats[] = {
     {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false},
     {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false},
     {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false},
+    {"MRC", kMrc, openMrc, listMrc, isMrc, false},
+    {"Gaussian cube", kCube, openCube, listCube, nullptr, false},
 };
 
 std::string knownSuffixes() {
