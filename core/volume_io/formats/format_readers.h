@@ -23,6 +23,8 @@ OpenFormat openPlot3d;
 OpenFormat openMrc;
 OpenFormat openCube;
 
+ListFormat listMetaImage;
+ListFormat listNrrd;
 ListFormat listNifti;
 ListFormat listMrc;
 ListFormat listCube;

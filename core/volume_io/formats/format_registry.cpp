@@ -39,8 +39,8 @@ bool isMrc(const fs::path&, std::span<const std::byte> start) {
 bool isVtkLegacy(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "# vtk DataFile"); }
 
 const Format kFormats[] = {
-    {"MetaImage", kMetaImage, openMetaImage, nullptr, nullptr, false},
-    {"NRRD", kNrrd, openNrrd, nullptr, isNrrd, false},
+    {"MetaImage", kMetaImage, openMetaImage, listMetaImage, nullptr, false},
+    {"NRRD", kNrrd, openNrrd, listNrrd, isNrrd, false},
     {"NIfTI", kNifti, openNifti, listNifti, isNifti, false},
     {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false},
     {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false},
