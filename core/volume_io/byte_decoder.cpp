@@ -106,7 +106,8 @@ public:
             if (outcome == Z_STREAM_END)
                 ISO_TRY(nextMember());
             else if (outcome != Z_OK && outcome != Z_BUF_ERROR)
-                return input_.damaged(stream_.msg != nullptr ? stream_.msg : "unknown reason", stream_.avail_in);
+                return input_.damaged(stream_.msg != nullptr ? stream_.msg : "unknown reason",
+                                      stream_.avail_in);
         }
         return done;
     }
@@ -163,7 +164,8 @@ public:
             if (outcome == BZ_STREAM_END)
                 ISO_TRY(nextMember());
             else if (outcome != BZ_OK)
-                return input_.damaged(outcome == BZ_DATA_ERROR_MAGIC ? "is not bzip2" : "a checksum or code is wrong",
+                return input_.damaged(outcome == BZ_DATA_ERROR_MAGIC ? "is not bzip2"
+                                                                     : "a checksum or code is wrong",
                                       stream_.avail_in);
         }
         return done;
@@ -222,7 +224,8 @@ public:
                 if (!bytes.isOk())
                     return bytes.error();
                 if (bytes.value().empty() && high_)
-                    return makeError(ErrorCode::Corruption, "hexadecimal data ends within a byte", input_.path());
+                    return makeError(ErrorCode::Corruption, "hexadecimal data ends within a byte",
+                                     input_.path());
                 if (bytes.value().empty())
                     return done;
                 rest_ = bytes.value();
@@ -231,12 +234,14 @@ public:
             rest_ = rest_.subspan(1);
             if (c == ' ' || c == '\t' || c == '\r' || c == '\n')
                 continue;
-            const int digit = c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10
-                                                           : c >= 'A' && c <= 'F'   ? c - 'A' + 10
-                                                                                    : -1;
+            const int digit = c >= '0' && c <= '9'   ? c - '0'
+                              : c >= 'a' && c <= 'f' ? c - 'a' + 10
+                              : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                                     : -1;
             if (digit < 0)
-                return makeError(ErrorCode::InvalidArgument, inQuotes({&c, 1}) + " is not a hexadecimal digit",
-                                 input_.path(), input_.position() - rest_.size() - 1);
+                return makeError(ErrorCode::InvalidArgument,
+                                 inQuotes({&c, 1}) + " is not a hexadecimal digit", input_.path(),
+                                 input_.position() - rest_.size() - 1);
             if (high_)
                 out[done++] = static_cast<std::byte>(*high_ * 16 + digit);
             high_ = high_ ? std::nullopt : std::optional<int>(digit);
@@ -309,8 +314,10 @@ private:
             return parsed;
         });
         if (!isNumber)
-            return makeError(ErrorCode::InvalidArgument, "sample " + std::to_string(samples_) + ": " + inQuotes(word_) +
-                                 " is not a number of type " + std::string(fileTypeName(type_)), path_);
+            return makeError(ErrorCode::InvalidArgument,
+                             "sample " + std::to_string(samples_) + ": " + inQuotes(word_) +
+                                 " is not a number of type " + std::string(fileTypeName(type_)),
+                             path_);
         ++samples_;
         return {};
     }
@@ -389,9 +396,11 @@ bool TextReader::word(std::string& out) {
 
 std::optional<double> parseFortranReal(std::string_view word) {
     std::string text(word.starts_with('+') ? word.substr(1) : word);
-    std::replace_if(text.begin(), text.end(), [](char c) { return c == 'D' || c == 'd'; }, 'e');
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return c == 'D' || c == 'd'; }, 'e');
     const auto sign = text.find_last_of("+-");
-    if (sign != std::string::npos && sign > 0 && (text[sign - 1] == '.' || (text[sign - 1] >= '0' && text[sign - 1] <= '9')))
+    if (sign != std::string::npos && sign > 0 &&
+        (text[sign - 1] == '.' || (text[sign - 1] >= '0' && text[sign - 1] <= '9')))
         text.insert(sign, 1, 'e');
     double value = 0.0;
     const char* end = text.data() + text.size();

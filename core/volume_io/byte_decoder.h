@@ -16,9 +16,9 @@ namespace isoslider::io {
 enum class Encoding {
     Plain,
     Deflate, ///< gzip or zlib; gzip files written one after the other unpack to all
-    Bzip2,   ///< likewise
-    Hex,     ///< two digits a byte, blanks between bytes
-    Text,    ///< numbers between blanks, each perhaps followed by a comma
+    Bzip2, ///< likewise
+    Hex, ///< two digits a byte, blanks between bytes
+    Text, ///< numbers between blanks, each perhaps followed by a comma
 };
 
 /// Bytes made from those of a file, from one end to the other. One thread at a time.
@@ -45,7 +45,8 @@ public:
 
     /// The next line without its end; at most kMaxHeaderLine bytes of it. False at the end or on an error.
     bool line(std::string& out);
-    /// The next word between blanks; at most kMaxScannedWord + 1 bytes of it. False at the end or on an error.
+    /// The next word between blanks; at most kMaxScannedWord + 1 bytes of it. False at the end or on an
+    /// error.
     bool word(std::string& out);
     /// What ended the text before its time.
     const Status& status() const { return status_; }

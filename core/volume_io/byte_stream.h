@@ -34,12 +34,13 @@ Result<std::unique_ptr<ByteStream>> openParts(std::vector<FilePart> parts, std::
 struct Encoded {
     Encoding encoding = Encoding::Plain;
     FileType textType = FileType::U8; ///< of the samples, if they are text
-    std::uint64_t skipBytes = 0;      ///< decoded bytes of each part that are no samples and come first
-    bool allowsTrailing = false;      ///< a part may decode to more; then its checksum is not verified
+    std::uint64_t skipBytes = 0; ///< decoded bytes of each part that are no samples and come first
+    bool allowsTrailing = false; ///< a part may decode to more; then its checksum is not verified
 };
 
-/// Parts that decode to `partBytes` each, one after the other; decoded as they are read, as openDeflated says.
-Result<std::unique_ptr<ByteStream>> openEncoded(std::vector<FilePart> parts, std::uint64_t partBytes, Encoded how);
+/// Parts that decode to `partBytes` each, one after the other; decoded as they are read: see openDeflated.
+Result<std::unique_ptr<ByteStream>> openEncoded(std::vector<FilePart> parts, std::uint64_t partBytes,
+                                                Encoded how);
 
 /// A part of every `strideBytes`: what is left of an array when one of its axes is held.
 struct Runs {

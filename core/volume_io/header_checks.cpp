@@ -135,7 +135,8 @@ Result<fs::path> resolveDataFile(const fs::path& header, std::string_view name, 
                                                   problem.message(), header);
     const auto mismatch = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
     if (!allowsExternal && mismatch.first != folder.end())
-        return refuseField(field, inQuotes(name) + " lies outside the folder of the header (data outside it has to be allowed)", header);
+        return refuseField(
+            field, inQuotes(name) + " lies outside the folder of the header (data outside it has to be allowed)", header);
     if (!fs::exists(file, problem))
         return makeError(ErrorCode::NotFound, std::string(field) + ": there is no file " + inQuotes(name) +
                                                   " beside the header", header);

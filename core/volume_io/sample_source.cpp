@@ -64,14 +64,15 @@ private:
     }
 
     Status readConverted(std::size_t first, std::size_t count, std::span<std::byte> out) {
-        constexpr std::size_t kChunk = std::size_t{1} << 17;
+        constexpr std::size_t kBufferBytes = std::size_t{4} << 20; // samples may have thousands of components
         const std::size_t valueSize = fileTypeSizeBytes(layout_.type);
         const std::size_t fileSize = valueSize * static_cast<std::size_t>(layout_.components);
         const std::size_t memorySize = scalarTypeSizeBytes(info_.type);
         const std::uint64_t begin = layout_.firstValue * valueSize;
-        std::vector<std::byte> raw(std::min(kChunk, count) * fileSize);
+        const std::size_t most = std::min(std::max<std::size_t>(kBufferBytes / fileSize, 1), count);
+        std::vector<std::byte> raw(most * fileSize);
         for (std::size_t done = 0; done < count;) {
-            const std::size_t chunk = std::min(kChunk, count - done);
+            const std::size_t chunk = std::min(most, count - done);
             const auto bytes = std::span(raw).first(chunk * fileSize);
             ISO_TRY(bytes_->readAt(begin + (first + done) * fileSize, bytes));
             if (needsSwap())

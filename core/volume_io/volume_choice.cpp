@@ -20,13 +20,14 @@ std::string componentCount(const VolumeField& field) {
     return text + ")";
 }
 
-Error askFor(const VolumeField& field, bool asksComponent, bool asksFrame, const std::filesystem::path& path) {
+Error askFor(const VolumeField& field, bool asksComponent, bool asksFrame,
+             const std::filesystem::path& path) {
     const std::string components = "--component " + range(field.components) + " or magnitude";
     const std::string frames = "--frame " + range(field.frames);
     std::string text = inField(field) + "has ";
     if (asksComponent && asksFrame)
-        text += componentCount(field) + " and " + std::to_string(field.frames) + " frames: choose with " + components +
-                ", and " + frames;
+        text += componentCount(field) + " and " + std::to_string(field.frames) + " frames: choose with " +
+                components + ", and " + frames;
     else if (asksComponent)
         text += componentCount(field) + ": choose one with " + components;
     else
@@ -36,7 +37,8 @@ Error askFor(const VolumeField& field, bool asksComponent, bool asksFrame, const
 
 } // namespace
 
-Result<Choice> chooseIn(const VolumeField& field, const ReadOptions& options, const std::filesystem::path& path) {
+Result<Choice> chooseIn(const VolumeField& field, const ReadOptions& options,
+                        const std::filesystem::path& path) {
     const bool asksComponent = field.components > 1 && !options.component;
     const bool asksFrame = field.frames > 1 && !options.frame;
     if (asksComponent || asksFrame)
@@ -48,16 +50,18 @@ Result<Choice> chooseIn(const VolumeField& field, const ReadOptions& options, co
         return refuseField("--component " + std::to_string(choice.component),
                            inField(field) + "has component " + range(field.components), path);
     if (choice.frame < 0 || choice.frame >= field.frames)
-        return refuseField("--frame " + std::to_string(choice.frame), inField(field) + "has frame " + range(field.frames),
-                           path);
+        return refuseField("--frame " + std::to_string(choice.frame),
+                           inField(field) + "has frame " + range(field.frames), path);
     return choice;
 }
 
 Result<Choice> chooseInOnlyField(const VolumeField& field, const ReadOptions& options,
                                  const std::filesystem::path& path) {
     if (!options.field.empty() && options.field != field.name)
-        return refuseField("--field " + inQuotes(options.field), "its one field has " +
-                               (field.name.empty() ? std::string("no name") : "the name " + inQuotes(field.name)), path);
+        return refuseField("--field " + inQuotes(options.field),
+                           "its one field has " + (field.name.empty() ? std::string("no name")
+                                                                      : "the name " + inQuotes(field.name)),
+                           path);
     return chooseIn(field, options, path);
 }
 

@@ -12,7 +12,7 @@ namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kSlabBytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t kSlabBytes = std::uint64_t{16} << 20;
 
 // Missing files, pipes, devices and empty files end here, before any library sees the name.
 Status checkInput(const fs::path& path, bool isRaw) {

@@ -10,8 +10,8 @@
 #include "core/volume_io/text_scanner.h"
 #include "core/volume_io/volume_choice.h"
 
-// Gaussian cube files: text, the third axis fastest, so that the first plane is known when the last number has
-// been read. Numbers are kept as they are written, in f64; lengths stay in the unit of the file.
+// Gaussian cube files: text, the third axis fastest, so that the first plane is known when the last number
+// has been read. Numbers are kept as they are written, in f64; lengths stay in the unit of the file.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -25,7 +25,7 @@ struct Header {
     GridGeometry geometry;
     bool isInBohr = true;
     std::vector<std::string> orbitals; ///< their numbers, where the values are those of orbitals
-    std::int64_t values = 1;           ///< per grid point
+    std::int64_t values = 1; ///< per grid point
 };
 
 /// A cube file, unpacked as it is read.
@@ -42,7 +42,8 @@ Result<std::unique_ptr<Text>> openText(const fs::path& path) {
     auto file = defaultFileSystem().openForReading(path);
     if (!file.isOk())
         return std::move(file).error();
-    return std::make_unique<Text>(makeDecoder(std::move(file).value(), 0, isPacked(path) ? Encoding::Deflate : Encoding::Plain));
+    return std::make_unique<Text>(
+        makeDecoder(std::move(file).value(), 0, isPacked(path) ? Encoding::Deflate : Encoding::Plain));
 }
 
 Error endsIn(std::string_view what, const TextReader& reader, const fs::path& path) {
@@ -58,7 +59,8 @@ struct CountedVector {
     std::int64_t more = 1;
 };
 
-Result<CountedVector> readCountedVector(TextReader& reader, std::string_view field, bool takesMore, const fs::path& path) {
+Result<CountedVector> readCountedVector(TextReader& reader, std::string_view field, bool takesMore,
+                                        const fs::path& path) {
     std::string line;
     if (!reader.line(line))
         return endsIn("its header", reader, path);
@@ -74,8 +76,10 @@ Result<CountedVector> readCountedVector(TextReader& reader, std::string_view fie
     }
     const auto more = hasMore ? parseInteger(parts[4]) : std::optional<std::int64_t>(1);
     if (!isGood || !more)
-        return refuseField(field, "a whole number and three lengths expected, found " + inQuotes(trimmed(line)) +
-                                      ": is not a Gaussian cube", path);
+        return refuseField(field,
+                           "a whole number and three lengths expected, found " + inQuotes(trimmed(line)) +
+                               ": is not a Gaussian cube",
+                           path);
     out.count = *count;
     out.more = *more;
     return out;
@@ -97,8 +101,10 @@ Status readOrbitals(TextReader& reader, Header& header, const fs::path& path) {
         header.orbitals.push_back("orbital " + word);
     }
     if (header.values != 1 && header.values != *count)
-        return refuseField("values per point", std::to_string(header.values) + " for each of " + std::to_string(*count) +
-                                                   " orbitals are not read", path);
+        return refuseField("values per point",
+                           std::to_string(header.values) + " for each of " + std::to_string(*count) +
+                               " orbitals are not read",
+                           path);
     header.values = *count;
     return {};
 }
@@ -118,7 +124,8 @@ Result<Header> readHeader(TextReader& reader, const fs::path& path) {
         return refuseField("atoms", "more than 1000000", path);
     header.values = atoms.value().more;
     if (header.values < 1 || header.values > kMaxValues)
-        return refuseField("values per point", std::to_string(header.values) + " is not a number from 1 to 10000", path);
+        return refuseField("values per point",
+                           std::to_string(header.values) + " is not a number from 1 to 10000", path);
     header.geometry.origin = atoms.value().vector;
     std::vector<std::int64_t> sizes;
     for (int axis = 0; axis < 3; ++axis) {
@@ -152,10 +159,13 @@ Status checkSize(const Header& header, const fs::path& path) {
     if (!file.isOk())
         return file.error();
     const auto values = static_cast<std::uint64_t>(pointCount(header.geometry.dims) * header.values);
-    const std::uint64_t least = leastEncodedBytes(isPacked(path) ? Encoding::Deflate : Encoding::Plain, 2 * values - 1, FileType::U8);
+    const std::uint64_t least =
+        leastEncodedBytes(isPacked(path) ? Encoding::Deflate : Encoding::Plain, 2 * values - 1, FileType::U8);
     if (least > file.value()->sizeBytes())
-        return makeError(ErrorCode::Corruption, "its header asks for " + std::to_string(values) + " numbers, which a file of " +
-                             std::to_string(file.value()->sizeBytes()) + " bytes cannot hold", path);
+        return makeError(ErrorCode::Corruption,
+                         "its header asks for " + std::to_string(values) + " numbers, which a file of " +
+                             std::to_string(file.value()->sizeBytes()) + " bytes cannot hold",
+                         path);
     return {};
 }
 
@@ -182,7 +192,10 @@ VolumeField fieldOf(const Header& header) {
 class CubeSource final : public WholeGridSource {
 public:
     CubeSource(fs::path path, VolumeInfo info, int component, bool allowsTrailing)
-        : path_(std::move(path)), info_(std::move(info)), component_(component), allowsTrailing_(allowsTrailing) {
+        : path_(std::move(path)),
+          info_(std::move(info)),
+          component_(component),
+          allowsTrailing_(allowsTrailing) {
         info_.type = ScalarType::F64;
     }
 
@@ -192,7 +205,8 @@ public:
         if (grid_)
             return grid_;
         // Twice: as read, and with the first axis fastest.
-        ISO_TRY(checkFitsMemory(2 * sizeof(double) * static_cast<std::uint64_t>(pointCount(info_.geometry.dims)), path_));
+        ISO_TRY(checkFitsMemory(
+            2 * sizeof(double) * static_cast<std::uint64_t>(pointCount(info_.geometry.dims)), path_));
         auto text = openText(path_);
         if (!text.isOk())
             return std::move(text).error();
@@ -208,7 +222,8 @@ public:
     }
 
 private:
-    Status readSamples(TextReader& reader, std::int64_t values, std::vector<double>& samples, const JobControl& job) const {
+    Status readSamples(TextReader& reader, std::int64_t values, std::vector<double>& samples,
+                       const JobControl& job) const {
         const GridDims& dims = info_.geometry.dims;
         const std::int64_t count = pointCount(dims);
         samples.reserve(static_cast<std::size_t>(count)); // touched as numbers come: there may be fewer
@@ -223,11 +238,14 @@ private:
             for (std::int64_t value = 0; value < values; ++value) {
                 if (!reader.word(word))
                     return endsIn("its numbers: " + std::to_string(count * values) + " expected, found " +
-                                      std::to_string(i * values + value), reader, path_);
+                                      std::to_string(i * values + value),
+                                  reader, path_);
                 const auto number = word.size() <= kMaxScannedWord ? parseFortranReal(word) : std::nullopt;
                 if (!number)
-                    return makeError(ErrorCode::InvalidArgument, "number " + std::to_string(i * values + value) + ": " +
-                                         inQuotes(word) + " is not one", path_);
+                    return makeError(ErrorCode::InvalidArgument,
+                                     "number " + std::to_string(i * values + value) + ": " + inQuotes(word) +
+                                         " is not one",
+                                     path_);
                 if (component_ == kMagnitude)
                     sample += *number * *number;
                 else if (value == component_)
@@ -236,8 +254,10 @@ private:
             samples.push_back(component_ == kMagnitude ? std::sqrt(sample) : sample);
         }
         if (!allowsTrailing_ && reader.word(word))
-            return makeError(ErrorCode::InvalidArgument, "has more than the " + std::to_string(count * values) +
-                                 " numbers expected (trailing ones have to be allowed)", path_);
+            return makeError(ErrorCode::InvalidArgument,
+                             "has more than the " + std::to_string(count * values) +
+                                 " numbers expected (trailing ones have to be allowed)",
+                             path_);
         return reader.status();
     }
 
@@ -248,7 +268,8 @@ private:
         for (std::int64_t z = 0; z < nz; ++z)
             for (std::int64_t y = 0; y < ny; ++y)
                 for (std::int64_t x = 0; x < nx; ++x, to += sizeof(double))
-                    std::memcpy(to, &samples[static_cast<std::size_t>((x * ny + y) * nz + z)], sizeof(double));
+                    std::memcpy(to, &samples[static_cast<std::size_t>((x * ny + y) * nz + z)],
+                                sizeof(double));
         return out;
     }
 
@@ -272,8 +293,8 @@ Result<std::unique_ptr<VolumeSource>> openCube(const fs::path& path, const ReadO
     info.format = "Gaussian cube";
     info.geometry = header.value().geometry;
     info.notes.push_back(header.value().isInBohr ? "lengths are in bohr" : "lengths are in angstrom");
-    return std::unique_ptr<VolumeSource>(
-        std::make_unique<CubeSource>(path, std::move(info), choice.value().component, options.allowsTrailing));
+    return std::unique_ptr<VolumeSource>(std::make_unique<CubeSource>(
+        path, std::move(info), choice.value().component, options.allowsTrailing));
 }
 
 Result<VolumeContents> listCube(const fs::path& path, const ReadOptions&) {

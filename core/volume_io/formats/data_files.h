@@ -17,8 +17,8 @@ inline constexpr std::size_t kMaxDataFiles = 65536;
 Result<std::vector<std::string>> expandPattern(std::string_view value, std::string_view field,
                                                const std::filesystem::path& header);
 
-/// Where data files are, from their first byte on. Errors: as resolveDataFile; InvalidArgument (none, too many, or
-/// the header itself).
+/// Where data files are, from their first byte on. Errors: as resolveDataFile; InvalidArgument (none, too
+/// many, or the header itself).
 Result<std::vector<FilePart>> locateDataFiles(const std::vector<std::string>& names, std::string_view field,
                                               const std::filesystem::path& header, bool allowsExternal);
 

@@ -10,8 +10,8 @@
 #include "core/volume_io/sample_source.h"
 #include "core/volume_io/volume_choice.h"
 
-// The header is read here, strictly: MetaIO copies lists of any length into arrays of ten. ITK sees what is left of it
-// and tells the place in space.
+// The header is read here, strictly: MetaIO copies lists of any length into arrays of ten. ITK sees what is
+// left of it and tells the place in space.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -23,7 +23,7 @@ using Fields = std::map<std::string, std::string, std::less<>>;
 
 struct Header {
     Fields fields;
-    std::uint64_t sizeBytes = 0;   ///< where local data begins
+    std::uint64_t sizeBytes = 0; ///< where local data begins
     std::vector<std::string> list; ///< lines behind "ElementDataFile = LIST"
     std::vector<std::int64_t> sizes;
 };
@@ -32,15 +32,15 @@ struct TypeName {
     std::string_view name;
     FileType type;
 };
-constexpr TypeName kTypes[] = {
-    {"MET_UCHAR", FileType::U8},      {"MET_CHAR", FileType::I8},        {"MET_USHORT", FileType::U16},
-    {"MET_SHORT", FileType::I16},     {"MET_UINT", FileType::U32},       {"MET_INT", FileType::I32},
-    {"MET_ULONG_LONG", FileType::U64}, {"MET_LONG_LONG", FileType::I64}, {"MET_FLOAT", FileType::F32},
-    {"MET_DOUBLE", FileType::F64}};
+constexpr TypeName kTypes[] = {{"MET_UCHAR", FileType::U8},       {"MET_CHAR", FileType::I8},
+                               {"MET_USHORT", FileType::U16},     {"MET_SHORT", FileType::I16},
+                               {"MET_UINT", FileType::U32},       {"MET_INT", FileType::I32},
+                               {"MET_ULONG_LONG", FileType::U64}, {"MET_LONG_LONG", FileType::I64},
+                               {"MET_FLOAT", FileType::F32},      {"MET_DOUBLE", FileType::F64}};
 
 // Lists of which MetaIO wants NDims (or NDims squared) numbers.
-constexpr std::string_view kPerAxis[] = {"DimSize", "ElementSpacing", "ElementSize", "Offset", "Origin", "Position",
-                                         "CenterOfRotation"};
+constexpr std::string_view kPerAxis[] = {"DimSize", "ElementSpacing", "ElementSize",     "Offset",
+                                         "Origin",  "Position",       "CenterOfRotation"};
 constexpr std::string_view kPerAxisPair[] = {"TransformMatrix", "Rotation", "Orientation"};
 
 bool isList(std::string_view dataFile) { return dataFile.starts_with("LIST"); }
@@ -53,10 +53,12 @@ Status readList(std::string_view text, bool isCut, Header& header, const fs::pat
         if (!name.empty())
             header.list.emplace_back(name);
         if (name.size() > kMaxHeaderLine || header.list.size() > kMaxDataFiles)
-            return refuseField("ElementDataFile", "the list names more than 65536 files, or one too long", path);
+            return refuseField("ElementDataFile", "the list names more than 65536 files, or one too long",
+                               path);
     }
     if (isCut)
-        return refuseField("ElementDataFile", "the list does not end within the first MiB of the header", path);
+        return refuseField("ElementDataFile", "the list does not end within the first MiB of the header",
+                           path);
     return {};
 }
 
@@ -77,7 +79,8 @@ Result<Header> readHeader(const fs::path& path) {
             continue;
         if (separator == std::string_view::npos)
             return makeError(ErrorCode::InvalidArgument,
-                             "is not a MetaImage: a line 'name = value' was expected, found " + inQuotes(trimmed(line)),
+                             "is not a MetaImage: a line 'name = value' was expected, found " +
+                                 inQuotes(trimmed(line)),
                              path);
         const std::string key(trimmed(line.substr(0, separator)));
         if (!header.fields.emplace(key, trimmed(line.substr(separator + 1))).second)
@@ -106,12 +109,14 @@ Status checkNumbers(Header& header, const fs::path& path) {
     const Fields& fields = header.fields;
     const auto axes = parseInteger(valueOr(fields, "NDims", ""));
     if (!axes || *axes < 1 || *axes > 9)
-        return refuseField("NDims", inQuotes(valueOr(fields, "NDims", "")) + " is not a number of dimensions", path);
+        return refuseField("NDims", inQuotes(valueOr(fields, "NDims", "")) + " is not a number of dimensions",
+                           path);
     const auto hasCount = [&](std::string_view key, std::size_t count) {
         std::vector<double> numbers;
         return !fields.contains(key) ||
                (parseReals(fields.find(key)->second, numbers) && numbers.size() == count &&
-                std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); }));
+                std::all_of(numbers.begin(), numbers.end(),
+                            [](double number) { return std::isfinite(number); }));
     };
     const auto count = static_cast<std::size_t>(*axes);
     for (const std::string_view key : kPerAxis)
@@ -139,14 +144,16 @@ struct Image {
 Status readSamples(Image& image, const fs::path& path) {
     const Fields& fields = image.header.fields;
     const std::string_view name = valueOr(fields, "ElementType", "");
-    const auto known = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypeName& type) { return type.name == name; });
+    const auto known = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                    [&](const TypeName& type) { return type.name == name; });
     if (known == std::end(kTypes))
         return refuseField("ElementType", inQuotes(name) + " is not a known type of scalars", path);
     image.type = known->type;
     const std::string_view channels = valueOr(fields, "ElementNumberOfChannels", "1");
     const auto components = parseInteger(channels);
     if (!components || *components < 1 || *components > kMaxChannels)
-        return refuseField("ElementNumberOfChannels", inQuotes(channels) + " is not a number from 1 to 10000", path);
+        return refuseField("ElementNumberOfChannels", inQuotes(channels) + " is not a number from 1 to 10000",
+                           path);
     const auto& sizes = image.header.sizes;
     for (std::size_t axis = 0; axis < sizes.size(); ++axis)
         (axis < 3 ? image.field.dims[axis] : image.field.frames) *= sizes[axis];
@@ -158,7 +165,10 @@ Status readSamples(Image& image, const fs::path& path) {
     const bool isPacked = isTrue(fields, "CompressedData");
     if (isText && isPacked)
         return refuseField("BinaryData", "samples written as text are not compressed", path);
-    image.how = {isText ? Encoding::Text : isPacked ? Encoding::Deflate : Encoding::Plain, image.type, 0, false};
+    image.how = {isText     ? Encoding::Text
+                 : isPacked ? Encoding::Deflate
+                            : Encoding::Plain,
+                 image.type, 0, false};
     return {};
 }
 
@@ -180,7 +190,9 @@ Result<std::vector<std::string>> nameFiles(const Header& header, const fs::path&
             number.remove_suffix(1);
         const auto dims = parseInteger(number);
         if (!dims || *dims < 1 || *dims >= static_cast<std::int64_t>(header.sizes.size()))
-            return refuseField("ElementDataFile", inQuotes(value) + "; LIST takes the dimensions of a file, fewer than NDims", path);
+            return refuseField("ElementDataFile",
+                               inQuotes(value) + "; LIST takes the dimensions of a file, fewer than NDims",
+                               path);
         fileDims = static_cast<std::size_t>(*dims);
     }
     std::int64_t expected = 1;
@@ -188,8 +200,10 @@ Result<std::vector<std::string>> nameFiles(const Header& header, const fs::path&
         expected *= header.sizes[axis];
     auto names = isList(value) ? header.list : expandPattern(value, "ElementDataFile", path);
     if (names.isOk() && static_cast<std::int64_t>(names.value().size()) != expected)
-        return refuseField("ElementDataFile", std::to_string(expected) + " files expected, found " +
-                                                  std::to_string(names.value().size()), path);
+        return refuseField("ElementDataFile",
+                           std::to_string(expected) + " files expected, found " +
+                               std::to_string(names.value().size()),
+                           path);
     return names;
 }
 
@@ -199,8 +213,10 @@ Status checkCompressedSize(const Fields& fields, std::uint64_t available, const 
     if (!size || *size < 0)
         return refuseField("CompressedDataSize", inQuotes(text) + " is not a size", path);
     if (static_cast<std::uint64_t>(*size) > available)
-        return makeError(ErrorCode::Corruption, "CompressedDataSize: " + std::string(text) + ", but the file has only " +
-                                                    std::to_string(available) + " bytes of data", path);
+        return makeError(ErrorCode::Corruption,
+                         "CompressedDataSize: " + std::string(text) + ", but the file has only " +
+                             std::to_string(available) + " bytes of data",
+                         path);
     return {};
 }
 
@@ -209,7 +225,8 @@ Status placeSamples(Image& image, const fs::path& path) {
     const Fields& fields = image.header.fields;
     const auto skipped = parseInteger(valueOr(fields, "HeaderSize", "0"));
     if (!skipped || *skipped < -1)
-        return refuseField("HeaderSize", inQuotes(valueOr(fields, "HeaderSize", "")) + " is neither a size nor -1", path);
+        return refuseField("HeaderSize",
+                           inQuotes(valueOr(fields, "HeaderSize", "")) + " is neither a size nor -1", path);
     if (*skipped == -1 && image.how.encoding != Encoding::Plain)
         return refuseField("HeaderSize", "-1 has no meaning for compressed data or text", path);
     for (FilePart& part : image.parts) {
@@ -290,7 +307,8 @@ Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const 
     const auto choice = chooseInOnlyField(image.field, options, path);
     if (!choice.isOk())
         return choice.error();
-    auto geometry = readItkGeometryOfText(spatialHeader(image.header), ItkFormat::MetaImage, image.field.dims, path);
+    auto geometry =
+        readItkGeometryOfText(spatialHeader(image.header), ItkFormat::MetaImage, image.field.dims, path);
     if (!geometry.isOk())
         return std::move(geometry).error();
     ISO_TRY(checkGeometry(geometry.value(), "ElementSpacing, Offset, TransformMatrix", path));
@@ -300,11 +318,12 @@ Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const 
     if (image.isLonger)
         info.notes.push_back("the data file is longer than the samples; the rest is ignored");
     const Fields& fields = image.header.fields;
-    const bool isBig = image.how.encoding == Encoding::Text
-                           ? std::endian::native == std::endian::big
-                           : isTrue(fields, "BinaryDataByteOrderMSB") || isTrue(fields, "ElementByteOrderMSB");
+    const bool isBig = image.how.encoding == Encoding::Text ? std::endian::native == std::endian::big
+                                                            : isTrue(fields, "BinaryDataByteOrderMSB") ||
+                                                                  isTrue(fields, "ElementByteOrderMSB");
     SampleLayout layout{image.type, isBig, std::nullopt, image.field.components, choice.value().component, 0};
-    layout.firstValue = static_cast<std::uint64_t>(choice.value().frame * pointCount(image.field.dims) * image.field.components);
+    layout.firstValue = static_cast<std::uint64_t>(choice.value().frame * pointCount(image.field.dims) *
+                                                   image.field.components);
     return makeSampleSource(std::move(info), layout, std::move(bytes).value(), path);
 }
 

@@ -14,8 +14,8 @@
 #include "core/volume_io/volume_choice.h"
 
 // MRC and CCP4 maps: a header of 1024 bytes, symmetry records or an extended header, and samples, columns
-// fastest. Which axes of the cell columns, rows and sections run along is told by the direction matrix: samples
-// stay in the order of the file, so that they can be streamed.
+// fastest. Which axes of the cell columns, rows and sections run along is told by the direction matrix:
+// samples stay in the order of the file, so that they can be streamed.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -35,7 +35,8 @@ struct Header {
             std::reverse(raw.begin(), raw.end());
         return std::bit_cast<T>(raw);
     }
-    std::int32_t word(std::size_t number) const { return at<std::int32_t>(4 * (number - 1)); } ///< from 1, as in the format's description
+    // Words of four bytes, from 1 on as the format's description counts them.
+    std::int32_t word(std::size_t number) const { return at<std::int32_t>(4 * (number - 1)); }
     double real(std::size_t number) const { return at<float>(4 * (number - 1)); }
 };
 
@@ -45,8 +46,14 @@ struct Mode {
     int values = 1;
     const char* name = nullptr; ///< if fileTypeName will not do
 };
-constexpr Mode kModes[] = {{0, FileType::I8},  {1, FileType::I16}, {2, FileType::F32}, {3, FileType::I16, 2, "complex int16"},
-                           {4, FileType::F32, 2, "complex64"}, {6, FileType::U16}, {12, FileType::F16}, {16, FileType::U8, 3}};
+constexpr Mode kModes[] = {{0, FileType::I8},
+                           {1, FileType::I16},
+                           {2, FileType::F32},
+                           {3, FileType::I16, 2, "complex int16"},
+                           {4, FileType::F32, 2, "complex64"},
+                           {6, FileType::U16},
+                           {12, FileType::F16},
+                           {16, FileType::U8, 3}};
 
 struct Map {
     Header header;
@@ -76,7 +83,8 @@ Result<Header> readHeader(const fs::path& path, bool isPacked) {
     if (!text.isOk())
         return std::move(text).error();
     if (text.value().size() < kHeaderBytes)
-        return makeError(ErrorCode::InvalidArgument, "is not an MRC map: shorter than its header of 1024 bytes", path);
+        return makeError(ErrorCode::InvalidArgument,
+                         "is not an MRC map: shorter than its header of 1024 bytes", path);
     Header header;
     std::copy(text.value().begin(), text.value().end(), header.bytes.begin());
     header.isBigEndian = header.bytes[212] == std::byte{0x11};
@@ -107,8 +115,10 @@ Result<std::int64_t> readVolumeCount(const Header& header, const fs::path& path)
     if (header.word(23) < 401 || perVolume == sections)
         return std::int64_t{1};
     if (perVolume < 1 || sections % perVolume != 0)
-        return refuseField("mz", std::to_string(perVolume) + " does not divide the " + std::to_string(sections) +
-                                     " sections of a stack of volumes", path);
+        return refuseField("mz",
+                           std::to_string(perVolume) + " does not divide the " + std::to_string(sections) +
+                               " sections of a stack of volumes",
+                           path);
     return std::int64_t{sections / perVolume};
 }
 
@@ -119,8 +129,10 @@ Result<std::array<int, 3>> readAxes(const Header& header, const fs::path& path) 
     std::array<int, 3> sorted = axes;
     std::sort(sorted.begin(), sorted.end());
     if (sorted != std::array{1, 2, 3})
-        return refuseField("mapc, mapr, maps", std::to_string(axes[0]) + " " + std::to_string(axes[1]) + " " +
-                                                   std::to_string(axes[2]) + " are not the axes 1 to 3 in some order", path);
+        return refuseField("mapc, mapr, maps",
+                           std::to_string(axes[0]) + " " + std::to_string(axes[1]) + " " +
+                               std::to_string(axes[2]) + " are not the axes 1 to 3 in some order",
+                           path);
     return axes;
 }
 
@@ -132,7 +144,9 @@ Result<glm::dmat3> readCell(const Header& header, std::vector<std::string>& note
         if (!std::isfinite(lengths[axis]) || lengths[axis] < 0.0 || !std::isfinite(angles[axis]))
             return refuseField("cell", "its lengths or angles are not positive numbers", path);
         if (lengths[axis] == 0.0) {
-            lengths[axis] = header.word(8 + static_cast<std::size_t>(axis)) > 0 ? header.word(8 + static_cast<std::size_t>(axis)) : 1;
+            lengths[axis] = header.word(8 + static_cast<std::size_t>(axis)) > 0
+                                ? header.word(8 + static_cast<std::size_t>(axis))
+                                : 1;
             notes.push_back("the cell has no length along " + std::string(1, static_cast<char>('x' + axis)) +
                             "; a spacing is assumed");
         }
@@ -140,7 +154,8 @@ Result<glm::dmat3> readCell(const Header& header, std::vector<std::string>& note
     if (angles == glm::dvec3(0.0))
         angles = glm::dvec3(90.0);
     if (angles == glm::dvec3(90.0)) // exactly, without the rounding of cosines
-        return glm::dmat3(glm::dvec3(lengths.x, 0, 0), glm::dvec3(0, lengths.y, 0), glm::dvec3(0, 0, lengths.z));
+        return glm::dmat3(glm::dvec3(lengths.x, 0, 0), glm::dvec3(0, lengths.y, 0),
+                          glm::dvec3(0, 0, lengths.z));
     const glm::dvec3 cosines = glm::cos(glm::radians(angles));
     const double sine = std::sin(glm::radians(angles.z));
     const double y = (cosines.x - cosines.y * cosines.z) / sine;
@@ -162,7 +177,8 @@ Result<GridGeometry> readGeometry(const Map& map, std::vector<std::string>& note
     for (int axis = 0; axis < 3; ++axis) { // from edges of the cell to steps between samples
         std::int32_t intervals = header.word(8 + static_cast<std::size_t>(axis));
         if (intervals < 1) {
-            const auto place = std::find(axes.value().begin(), axes.value().end(), axis + 1) - axes.value().begin();
+            const auto place =
+                std::find(axes.value().begin(), axes.value().end(), axis + 1) - axes.value().begin();
             intervals = static_cast<std::int32_t>(map.field.dims[static_cast<std::size_t>(place)]);
             notes.push_back("the number of intervals along " + std::string(1, static_cast<char>('x' + axis)) +
                             " is missing; that of samples is taken");
@@ -204,8 +220,8 @@ Result<Map> describe(const fs::path& path) {
     if (extended < 0)
         return refuseField("nsymbt", std::to_string(extended) + " is not a number of bytes", path);
     map.dataOffset = kHeaderBytes + static_cast<std::uint64_t>(extended);
-    map.sampleBytes = static_cast<std::uint64_t>(pointCount(dims.value())) * static_cast<std::uint64_t>(map.mode.values) *
-                      fileTypeSizeBytes(map.mode.type);
+    map.sampleBytes = static_cast<std::uint64_t>(pointCount(dims.value())) *
+                      static_cast<std::uint64_t>(map.mode.values) * fileTypeSizeBytes(map.mode.type);
     const auto volumes = readVolumeCount(map.header, path);
     if (!volumes.isOk())
         return volumes.error();
@@ -217,13 +233,16 @@ Result<Map> describe(const fs::path& path) {
         map.field.componentNames = {"real", "imaginary"};
     else if (map.mode.values == 3)
         map.field.componentNames = {"red", "green", "blue"};
-    map.field.typeName = map.mode.name != nullptr ? std::string_view(map.mode.name) : fileTypeName(map.mode.type);
+    map.field.typeName =
+        map.mode.name != nullptr ? std::string_view(map.mode.name) : fileTypeName(map.mode.type);
     return map;
 }
 
-Result<std::unique_ptr<ByteStream>> openBytes(const Map& map, const fs::path& path, const ReadOptions& options) {
+Result<std::unique_ptr<ByteStream>> openBytes(const Map& map, const fs::path& path,
+                                              const ReadOptions& options) {
     if (map.isPacked)
-        return openEncoded({{path, 0}}, map.sampleBytes, {Encoding::Deflate, FileType::U8, map.dataOffset, options.allowsTrailing});
+        return openEncoded({{path, 0}}, map.sampleBytes,
+                           {Encoding::Deflate, FileType::U8, map.dataOffset, options.allowsTrailing});
     return openParts({{path, map.dataOffset}}, map.sampleBytes);
 }
 
@@ -257,7 +276,8 @@ Result<std::unique_ptr<VolumeSource>> openMrc(const fs::path& path, const ReadOp
     info.geometry = geometry.value();
     ISO_TRY(checkGeometry(info.geometry, "cell", path));
     ISO_TRY(noteTrailing(map, path, info.notes));
-    SampleLayout layout{map.mode.type, map.header.isBigEndian, std::nullopt, map.mode.values, choice.value().component, 0};
+    SampleLayout layout{map.mode.type,   map.header.isBigEndian,   std::nullopt,
+                        map.mode.values, choice.value().component, 0};
     layout.firstValue = static_cast<std::uint64_t>(choice.value().frame * pointCount(map.field.dims)) *
                         static_cast<std::uint64_t>(map.mode.values);
     return makeSampleSource(std::move(info), layout, std::move(bytes).value(), path);

@@ -83,13 +83,16 @@ Result<Bytes> readStartOfHeader(const NiftiFiles& files) {
         return std::move(read).error();
     Bytes bytes{std::move(read).value(), false};
     if (bytes.bytes.size() < kHeader1Bytes)
-        return makeError(ErrorCode::InvalidArgument, "is not NIfTI: shorter than its header of 348 bytes", files.header);
+        return makeError(ErrorCode::InvalidArgument, "is not NIfTI: shorter than its header of 348 bytes",
+                         files.header);
     for (const bool swaps : {false, true}) {
         bytes.isSwapped = swaps;
         const auto size = bytes.at<std::int32_t>(0);
         if (size == static_cast<std::int32_t>(kHeader2Bytes) && bytes.bytes.size() < kHeader2Bytes)
-            return makeError(ErrorCode::InvalidArgument, "is not NIfTI-2: shorter than its header of 540 bytes", files.header);
-        if (size == static_cast<std::int32_t>(kHeader1Bytes) || size == static_cast<std::int32_t>(kHeader2Bytes))
+            return makeError(ErrorCode::InvalidArgument,
+                             "is not NIfTI-2: shorter than its header of 540 bytes", files.header);
+        if (size == static_cast<std::int32_t>(kHeader1Bytes) ||
+            size == static_cast<std::int32_t>(kHeader2Bytes))
             return bytes;
     }
     return refuseField("sizeof_hdr", "348 or 540 expected: is not NIfTI", files.header);
@@ -107,8 +110,9 @@ Status checkExtensions(Bytes& bytes, const NiftiFiles& files, std::size_t header
     for (std::size_t at = headerBytes + 4; at < end;) {
         const std::int64_t size = end - at >= 8 ? bytes.at<std::int32_t>(at) : 0;
         if (size < 16 || size % 16 != 0 || static_cast<std::uint64_t>(size) > end - at)
-            return makeError(ErrorCode::InvalidArgument, "extension: its size " + std::to_string(size) +
-                                                             " is not possible", files.header, at);
+            return makeError(ErrorCode::InvalidArgument,
+                             "extension: its size " + std::to_string(size) + " is not possible", files.header,
+                             at);
         at += static_cast<std::size_t>(size);
     }
     return {};
@@ -116,7 +120,8 @@ Status checkExtensions(Bytes& bytes, const NiftiFiles& files, std::size_t header
 
 bool isUsable(const glm::dmat3& axes, const glm::dvec3& origin) {
     for (int i = 0; i < 3; ++i)
-        if (!std::isfinite(origin[i]) || !(glm::length(axes[i]) > 0.0) || !std::isfinite(glm::length(axes[i])))
+        if (!std::isfinite(origin[i]) || !(glm::length(axes[i]) > 0.0) ||
+            !std::isfinite(glm::length(axes[i])))
             return false;
     const glm::dmat3 unit(glm::normalize(axes[0]), glm::normalize(axes[1]), glm::normalize(axes[2]));
     return std::abs(glm::determinant(unit)) > 1e-6;
@@ -162,11 +167,13 @@ double millimetresPerUnit(const NiftiHeader& header, std::vector<std::string>& n
 } // namespace
 
 Result<NiftiFiles> findNiftiFiles(const fs::path& path) {
-    if (!endsWith(path, ".hdr") && !endsWith(path, ".img") && !endsWith(path, ".hdr.gz") && !endsWith(path, ".img.gz")) {
+    if (!endsWith(path, ".hdr") && !endsWith(path, ".img") && !endsWith(path, ".hdr.gz") &&
+        !endsWith(path, ".img.gz")) {
         const bool isPacked = endsWith(path, ".gz");
         return NiftiFiles{path, path, false, isPacked, isPacked};
     }
-    const fs::path stem = endsWith(path, ".gz") ? path.parent_path() / path.stem().stem() : path.parent_path() / path.stem();
+    const fs::path stem =
+        endsWith(path, ".gz") ? path.parent_path() / path.stem().stem() : path.parent_path() / path.stem();
     NiftiFiles files{stem, stem, true, false, false};
     std::error_code ignored;
     const auto find = [&](fs::path& file, const char* suffix, bool& isPacked) {
@@ -178,9 +185,11 @@ Result<NiftiFiles> findNiftiFiles(const fs::path& path) {
         return fs::exists(file, ignored);
     };
     if (!find(files.header, ".hdr", files.isHeaderPacked))
-        return makeError(ErrorCode::NotFound, "the header of the pair is missing", files.header.replace_extension());
+        return makeError(ErrorCode::NotFound, "the header of the pair is missing",
+                         files.header.replace_extension());
     if (!find(files.data, ".img", files.isDataPacked))
-        return makeError(ErrorCode::NotFound, "the samples of the pair are missing", files.data.replace_extension());
+        return makeError(ErrorCode::NotFound, "the samples of the pair are missing",
+                         files.data.replace_extension());
     return files;
 }
 
@@ -194,14 +203,19 @@ Result<NiftiHeader> readNiftiHeader(const NiftiFiles& files) {
                                   : (files.isPair ? bytes.has(344, "ni1") : bytes.has(344, "n+1"));
     const bool isOther = isSecond || bytes.has(344, "ni1") || bytes.has(344, "n+1");
     if (!isNifti && (isOther || !files.isPair))
-        return makeError(ErrorCode::InvalidArgument, std::string("magic: '") + (files.isPair ? "ni" : "n+") +
-                                                         (isSecond ? '2' : '1') + "' expected", files.header);
+        return makeError(ErrorCode::InvalidArgument,
+                         std::string("magic: '") + (files.isPair ? "ni" : "n+") + (isSecond ? '2' : '1') +
+                             "' expected",
+                         files.header);
     NiftiHeader header;
-    header.version = isSecond ? NiftiVersion::Nifti2 : isNifti ? NiftiVersion::Nifti1 : NiftiVersion::Analyze75;
+    header.version = isSecond  ? NiftiVersion::Nifti2
+                     : isNifti ? NiftiVersion::Nifti1
+                               : NiftiVersion::Analyze75;
     header.isBigEndian = bytes.isSwapped == (std::endian::native == std::endian::little);
     const std::int64_t count = isSecond ? bytes.at<std::int64_t>(16) : bytes.at<std::int16_t>(40);
     if (count < 1 || count > 7)
-        return refuseField("dim[0]", std::to_string(count) + " is not a number of dimensions from 1 to 7", files.header);
+        return refuseField("dim[0]", std::to_string(count) + " is not a number of dimensions from 1 to 7",
+                           files.header);
     if (isSecond) {
         readFields<std::int64_t, double, std::int32_t>(bytes, {16, 12, 504, 104, 176, 344, 352, 400}, header);
         header.dataOffset = static_cast<double>(bytes.at<std::int64_t>(168));
@@ -215,7 +229,8 @@ Result<NiftiHeader> readNiftiHeader(const NiftiFiles& files) {
     const double least = files.isPair ? 0.0 : static_cast<double>(headerBytes + 4);
     const double offset = header.dataOffset;
     if (!(offset >= least && offset <= kMaxDataOffset) || offset != std::floor(offset))
-        return refuseField("vox_offset", std::to_string(offset) + " is not a place for samples", files.header);
+        return refuseField("vox_offset", std::to_string(offset) + " is not a place for samples",
+                           files.header);
     if (header.version == NiftiVersion::Analyze75) { // the rest of its header means other things
         header.units = header.qformCode = header.sformCode = header.intent = 0;
         return header;
@@ -234,7 +249,8 @@ GridGeometry niftiGeometry(const NiftiHeader& header, const GridDims& dims, std:
         glm::dvec3 place;
         for (int row = 0; row < 3; ++row) {
             for (int column = 0; column < 3; ++column)
-                sform[column][row] = header.sform[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+                sform[column][row] =
+                    header.sform[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
             place[row] = header.sform[static_cast<std::size_t>(row)][3];
         }
         isPlaced = isUsable(sform, place);
@@ -264,13 +280,13 @@ GridGeometry niftiGeometry(const NiftiHeader& header, const GridDims& dims, std:
     const glm::dvec3 flip(-1.0, -1.0, 1.0); // from right-anterior-superior
     GridGeometry geometry;
     geometry.dims = dims;
-    geometry.origin = scale * flip * origin;
+    geometry.origin = scale * flip * origin + 0.0; // no negative zeros
     for (int axis = 0; axis < 3; ++axis) {
         const double length = glm::length(axes[axis]);
         // Rows of an sform are rounded; the pixel size is what was meant where both agree.
         const bool agrees = std::abs(length - sizes[axis]) <= 1e-5 * length;
         geometry.spacing[axis] = scale * (agrees ? sizes[axis] : length);
-        geometry.direction[axis] = flip * axes[axis] / length;
+        geometry.direction[axis] = flip * axes[axis] / length + 0.0;
     }
     return geometry;
 }

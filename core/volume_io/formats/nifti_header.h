@@ -29,7 +29,7 @@ struct NiftiHeader {
     std::int64_t dataType = 0;
     std::int64_t bitsPerSample = 0;
     std::int64_t intent = 0;
-    std::array<double, 4> pixelSizes{};  ///< pixdim[0] to pixdim[3]
+    std::array<double, 4> pixelSizes{}; ///< pixdim[0] to pixdim[3]
     double dataOffset = 0.0;
     double slope = 0.0;
     double intercept = 0.0;
@@ -44,7 +44,8 @@ struct NiftiHeader {
 /// Errors: NotFound (one of a pair is missing).
 Result<NiftiFiles> findNiftiFiles(const std::filesystem::path& path);
 
-/// Also checks that the chain of extensions stays before the samples. Errors: InvalidArgument, Corruption, IoError.
+/// Also checks that the chain of extensions stays before the samples. Errors: InvalidArgument, Corruption,
+/// IoError.
 Result<NiftiHeader> readNiftiHeader(const NiftiFiles& files);
 
 /// Place in space in left-posterior-superior millimetres: of the sform, else the qform, else the pixel sizes.

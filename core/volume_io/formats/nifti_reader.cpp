@@ -20,16 +20,26 @@ struct Code {
     int values = 1;
     const char* name = nullptr; ///< if fileTypeName will not do
 };
-constexpr Code kCodes[] = {
-    {2, FileType::U8},    {256, FileType::I8},   {512, FileType::U16}, {4, FileType::I16}, {768, FileType::U32},
-    {8, FileType::I32},   {1280, FileType::U64}, {1024, FileType::I64}, {16, FileType::F32}, {64, FileType::F64},
-    {128, FileType::U8, 3}, {2304, FileType::U8, 4}, {32, FileType::F32, 2, "complex64"}, {1792, FileType::F64, 2, "complex128"}};
+constexpr Code kCodes[] = {{2, FileType::U8},
+                           {256, FileType::I8},
+                           {512, FileType::U16},
+                           {4, FileType::I16},
+                           {768, FileType::U32},
+                           {8, FileType::I32},
+                           {1280, FileType::U64},
+                           {1024, FileType::I64},
+                           {16, FileType::F32},
+                           {64, FileType::F64},
+                           {128, FileType::U8, 3},
+                           {2304, FileType::U8, 4},
+                           {32, FileType::F32, 2, "complex64"},
+                           {1792, FileType::F64, 2, "complex128"}};
 
 struct Volume {
     NiftiFiles files;
     NiftiHeader header;
     Code code{};
-    std::int64_t times = 1;   ///< dim[4]: frames that lie beside each other
+    std::int64_t times = 1; ///< dim[4]: frames that lie beside each other
     std::int64_t vectors = 1; ///< dim[5]: components, each a volume or a series of its own
     std::uint64_t sampleBytes = 0;
     VolumeField field;
@@ -44,13 +54,19 @@ Result<Code> readCode(const NiftiHeader& header, const fs::path& path) {
     for (const Code& known : kCodes) {
         if (known.code != header.dataType)
             continue;
-        if (static_cast<std::size_t>(header.bitsPerSample) != 8 * fileTypeSizeBytes(known.type) * static_cast<std::size_t>(known.values))
-            return refuseField("bitpix", std::to_string(header.bitsPerSample) + " does not fit datatype " +
-                                             std::to_string(known.code), path);
+        if (static_cast<std::size_t>(header.bitsPerSample) !=
+            8 * fileTypeSizeBytes(known.type) * static_cast<std::size_t>(known.values))
+            return refuseField("bitpix",
+                               std::to_string(header.bitsPerSample) + " does not fit datatype " +
+                                   std::to_string(known.code),
+                               path);
         return known;
     }
-    const char* name = header.dataType == 1536 ? " (float128)" : header.dataType == 2048 ? " (complex256)" : "";
-    return refuseField("datatype", std::to_string(header.dataType) + name + " is not a type of samples that is read", path);
+    const char* name = header.dataType == 1536   ? " (float128)"
+                       : header.dataType == 2048 ? " (complex256)"
+                                                 : "";
+    return refuseField(
+        "datatype", std::to_string(header.dataType) + name + " is not a type of samples that is read", path);
 }
 
 std::vector<std::string> componentNames(const Volume& volume) {
@@ -86,11 +102,13 @@ Result<Volume> describe(const fs::path& path) {
     Volume volume{std::move(files).value(), std::move(header).value(), code.value(), size(3), size(4), 0, {}};
     volume.field.dims = {size(0), size(1), size(2)};
     if (volume.vectors > 1 && volume.code.values > 1)
-        return refuseField("dim[5]", "vectors of colours or complex numbers are not read", volume.files.header);
+        return refuseField("dim[5]", "vectors of colours or complex numbers are not read",
+                           volume.files.header);
     volume.field.components = static_cast<int>(volume.vectors) * volume.code.values;
     volume.field.componentNames = componentNames(volume);
     volume.field.frames = volume.times * size(5) * size(6);
-    volume.field.typeName = volume.code.name != nullptr ? std::string_view(volume.code.name) : fileTypeName(volume.code.type);
+    volume.field.typeName =
+        volume.code.name != nullptr ? std::string_view(volume.code.name) : fileTypeName(volume.code.type);
     const auto values = pointCount(volume.field.dims) * volume.field.components * volume.field.frames;
     volume.sampleBytes = static_cast<std::uint64_t>(values) * fileTypeSizeBytes(volume.code.type);
     return volume;
@@ -118,14 +136,17 @@ std::optional<Rescale> readRescale(const Volume& volume, VolumeInfo& info) {
 }
 
 Result<std::unique_ptr<VolumeSource>> openComponent(const Volume& volume, int component, std::int64_t frame,
-                                                    const VolumeInfo& info, const std::optional<Rescale>& rescale,
+                                                    const VolumeInfo& info,
+                                                    const std::optional<Rescale>& rescale,
                                                     const ReadOptions& options) {
     auto bytes = openBytes(volume, options);
     if (!bytes.isOk())
         return std::move(bytes).error();
     const bool isPlanar = volume.vectors > 1;
-    SampleLayout layout{volume.code.type, volume.header.isBigEndian, rescale, volume.code.values, isPlanar ? 0 : component, 0};
-    layout.firstValue = volume.pointsBefore(isPlanar ? component : 0, frame) * static_cast<std::uint64_t>(volume.code.values);
+    SampleLayout layout{volume.code.type,   volume.header.isBigEndian, rescale,
+                        volume.code.values, isPlanar ? 0 : component,  0};
+    layout.firstValue =
+        volume.pointsBefore(isPlanar ? component : 0, frame) * static_cast<std::uint64_t>(volume.code.values);
     return makeSampleSource(info, layout, std::move(bytes).value(), volume.files.data);
 }
 

@@ -14,21 +14,46 @@ struct TypeName {
     std::string_view name;
     FileType type;
 };
-constexpr TypeName kTypes[] = {
-    {"signed char", FileType::I8}, {"int8", FileType::I8}, {"int8_t", FileType::I8},
-    {"uchar", FileType::U8}, {"unsigned char", FileType::U8}, {"uint8", FileType::U8}, {"uint8_t", FileType::U8},
-    {"short", FileType::I16}, {"short int", FileType::I16}, {"signed short", FileType::I16},
-    {"signed short int", FileType::I16}, {"int16", FileType::I16}, {"int16_t", FileType::I16},
-    {"ushort", FileType::U16}, {"unsigned short", FileType::U16}, {"unsigned short int", FileType::U16},
-    {"uint16", FileType::U16}, {"uint16_t", FileType::U16},
-    {"int", FileType::I32}, {"signed int", FileType::I32}, {"int32", FileType::I32}, {"int32_t", FileType::I32},
-    {"uint", FileType::U32}, {"unsigned int", FileType::U32}, {"uint32", FileType::U32}, {"uint32_t", FileType::U32},
-    {"longlong", FileType::I64}, {"long long", FileType::I64}, {"long long int", FileType::I64},
-    {"signed long long", FileType::I64}, {"signed long long int", FileType::I64},
-    {"int64", FileType::I64}, {"int64_t", FileType::I64},
-    {"ulonglong", FileType::U64}, {"unsigned long long", FileType::U64}, {"unsigned long long int", FileType::U64},
-    {"uint64", FileType::U64}, {"uint64_t", FileType::U64},
-    {"float", FileType::F32}, {"double", FileType::F64}};
+constexpr TypeName kTypes[] = {{"signed char", FileType::I8},
+                               {"int8", FileType::I8},
+                               {"int8_t", FileType::I8},
+                               {"uchar", FileType::U8},
+                               {"unsigned char", FileType::U8},
+                               {"uint8", FileType::U8},
+                               {"uint8_t", FileType::U8},
+                               {"short", FileType::I16},
+                               {"short int", FileType::I16},
+                               {"signed short", FileType::I16},
+                               {"signed short int", FileType::I16},
+                               {"int16", FileType::I16},
+                               {"int16_t", FileType::I16},
+                               {"ushort", FileType::U16},
+                               {"unsigned short", FileType::U16},
+                               {"unsigned short int", FileType::U16},
+                               {"uint16", FileType::U16},
+                               {"uint16_t", FileType::U16},
+                               {"int", FileType::I32},
+                               {"signed int", FileType::I32},
+                               {"int32", FileType::I32},
+                               {"int32_t", FileType::I32},
+                               {"uint", FileType::U32},
+                               {"unsigned int", FileType::U32},
+                               {"uint32", FileType::U32},
+                               {"uint32_t", FileType::U32},
+                               {"longlong", FileType::I64},
+                               {"long long", FileType::I64},
+                               {"long long int", FileType::I64},
+                               {"signed long long", FileType::I64},
+                               {"signed long long int", FileType::I64},
+                               {"int64", FileType::I64},
+                               {"int64_t", FileType::I64},
+                               {"ulonglong", FileType::U64},
+                               {"unsigned long long", FileType::U64},
+                               {"unsigned long long int", FileType::U64},
+                               {"uint64", FileType::U64},
+                               {"uint64_t", FileType::U64},
+                               {"float", FileType::F32},
+                               {"double", FileType::F64}};
 
 /// A kind of axis that holds several values of one place, and their names if their number is that.
 struct ComponentKind {
@@ -38,32 +63,49 @@ struct ComponentKind {
 const std::vector<ComponentKind>& componentKinds() {
     static const std::vector<ComponentKind> kinds = {
         {"complex", {"real", "imaginary"}},
-        {"rgb-color", {"red", "green", "blue"}}, {"3-color", {"red", "green", "blue"}},
-        {"rgba-color", {"red", "green", "blue", "alpha"}}, {"4-color", {"red", "green", "blue", "alpha"}},
-        {"hsv-color", {"hue", "saturation", "value"}}, {"xyz-color", {"X", "Y", "Z"}},
-        {"vector", {"x", "y", "z"}}, {"covariant-vector", {"x", "y", "z"}}, {"normal", {"x", "y", "z"}},
-        {"point", {"x", "y", "z"}}, {"2-vector", {"x", "y"}}, {"3-vector", {"x", "y", "z"}},
-        {"3-gradient", {"x", "y", "z"}}, {"3-normal", {"x", "y", "z"}}, {"4-vector"}, {"quaternion", {"w", "x", "y", "z"}},
-        {"2d-symmetric-matrix", {"xx", "xy", "yy"}}, {"2d-masked-symmetric-matrix", {"mask", "xx", "xy", "yy"}},
-        {"2d-matrix", {"xx", "xy", "yx", "yy"}}, {"2d-masked-matrix", {"mask", "xx", "xy", "yx", "yy"}},
+        {"rgb-color", {"red", "green", "blue"}},
+        {"3-color", {"red", "green", "blue"}},
+        {"rgba-color", {"red", "green", "blue", "alpha"}},
+        {"4-color", {"red", "green", "blue", "alpha"}},
+        {"hsv-color", {"hue", "saturation", "value"}},
+        {"xyz-color", {"X", "Y", "Z"}},
+        {"vector", {"x", "y", "z"}},
+        {"covariant-vector", {"x", "y", "z"}},
+        {"normal", {"x", "y", "z"}},
+        {"point", {"x", "y", "z"}},
+        {"2-vector", {"x", "y"}},
+        {"3-vector", {"x", "y", "z"}},
+        {"3-gradient", {"x", "y", "z"}},
+        {"3-normal", {"x", "y", "z"}},
+        {"4-vector"},
+        {"quaternion", {"w", "x", "y", "z"}},
+        {"2d-symmetric-matrix", {"xx", "xy", "yy"}},
+        {"2d-masked-symmetric-matrix", {"mask", "xx", "xy", "yy"}},
+        {"2d-matrix", {"xx", "xy", "yx", "yy"}},
+        {"2d-masked-matrix", {"mask", "xx", "xy", "yx", "yy"}},
         {"3d-symmetric-matrix", {"xx", "xy", "xz", "yy", "yz", "zz"}},
         {"3d-masked-symmetric-matrix", {"mask", "xx", "xy", "xz", "yy", "yz", "zz"}},
-        {"3d-matrix", {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"}}, {"3d-masked-matrix"},
-        {"scalar"}, {"stub"}};
+        {"3d-matrix", {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"}},
+        {"3d-masked-matrix"},
+        {"scalar"},
+        {"stub"}};
     return kinds;
 }
 const ComponentKind* findComponentKind(std::string_view kind) {
     const auto& kinds = componentKinds();
-    const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const ComponentKind& k) { return k.kind == kind; });
+    const auto found =
+        std::find_if(kinds.begin(), kinds.end(), [&](const ComponentKind& k) { return k.kind == kind; });
     return found == kinds.end() ? nullptr : &*found;
 }
 
 // Spellings with and without the blank are the same field.
 std::string fieldName(std::string_view text) {
     std::string name = lowerCase(trimmed(text));
-    constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
-        {"datafile", "data file"}, {"lineskip", "line skip"}, {"byteskip", "byte skip"}, {"axismins", "axis mins"},
-        {"centerings", "centers"}};
+    constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {{"datafile", "data file"},
+                                                                            {"lineskip", "line skip"},
+                                                                            {"byteskip", "byte skip"},
+                                                                            {"axismins", "axis mins"},
+                                                                            {"centerings", "centers"}};
     for (const auto& [other, ours] : kSpellings)
         if (name == other)
             name = ours;
@@ -73,8 +115,8 @@ std::string fieldName(std::string_view text) {
 Status addField(NrrdHeader& header, std::string_view line, const fs::path& path) {
     const auto colon = line.find(':');
     if (colon == std::string_view::npos)
-        return makeError(ErrorCode::InvalidArgument, "is not NRRD: a line 'field: value' was expected, found " +
-                                                         inQuotes(line), path);
+        return makeError(ErrorCode::InvalidArgument,
+                         "is not NRRD: a line 'field: value' was expected, found " + inQuotes(line), path);
     if (line.substr(colon).starts_with(":=")) // a note of the writer's own
         return {};
     const std::string name = fieldName(line.substr(0, colon));
@@ -97,13 +139,16 @@ Result<NrrdHeader> readFields(const fs::path& path) {
         const auto lineEnd = rest.find('\n');
         const std::string_view line = trimmed(rest.substr(0, lineEnd));
         if (rest.substr(0, lineEnd).size() > kMaxHeaderLine)
-            return makeError(ErrorCode::InvalidArgument, "is not NRRD: line " + std::to_string(number + 1) +
-                                                             " of its header is too long", path);
+            return makeError(ErrorCode::InvalidArgument,
+                             "is not NRRD: line " + std::to_string(number + 1) + " of its header is too long",
+                             path);
         rest.remove_prefix(lineEnd == std::string_view::npos ? rest.size() : lineEnd + 1);
         if (number == 0) {
             if (line.size() != 8 || !line.starts_with("NRRD000") || line[7] < '1' || line[7] > '5')
-                return makeError(ErrorCode::InvalidArgument, "is not NRRD: NRRD0001 to NRRD0005 expected, found " +
-                                                                 inQuotes(line.substr(0, 12)), path);
+                return makeError(ErrorCode::InvalidArgument,
+                                 "is not NRRD: NRRD0001 to NRRD0005 expected, found " +
+                                     inQuotes(line.substr(0, 12)),
+                                 path);
         } else if (isList) {
             if (!line.empty())
                 header.dataFiles.emplace_back(line);
@@ -119,7 +164,8 @@ Result<NrrdHeader> readFields(const fs::path& path) {
         }
     }
     if (text.value().size() == kMaxHeaderBytes)
-        return makeError(ErrorCode::InvalidArgument, "is not NRRD: no end of its header in the first MiB", path);
+        return makeError(ErrorCode::InvalidArgument, "is not NRRD: no end of its header in the first MiB",
+                         path);
     return header;
 }
 
@@ -130,7 +176,8 @@ std::vector<std::string> directionsOf(std::string_view text) {
         const auto end = text.front() == '(' ? text.find(')') : text.find_first_of(" \t(", 1);
         const auto size = end == std::string_view::npos ? text.size() : text.front() == '(' ? end + 1 : end;
         std::string word(text.substr(0, size));
-        word.erase(std::remove_if(word.begin(), word.end(), [](char c) { return c == ' ' || c == '\t'; }), word.end());
+        word.erase(std::remove_if(word.begin(), word.end(), [](char c) { return c == ' ' || c == '\t'; }),
+                   word.end());
         out.push_back(std::move(word));
         text.remove_prefix(size);
     }
@@ -147,17 +194,22 @@ std::vector<std::string> wordsOf(std::string_view text) {
 Status readAxes(NrrdHeader& header, const fs::path& path) {
     const auto dimension = parseInteger(header["dimension"]);
     if (!dimension || *dimension < 1 || *dimension > 16)
-        return refuseField("dimension", inQuotes(header["dimension"]) + " is not a number from 1 to 16", path);
+        return refuseField("dimension", inQuotes(header["dimension"]) + " is not a number from 1 to 16",
+                           path);
     std::vector<std::int64_t> sizes;
     const auto count = static_cast<std::size_t>(*dimension);
     if (!parseIntegers(header["sizes"], sizes) || sizes.size() != count)
-        return refuseField("sizes", std::to_string(count) + " whole numbers expected, found " + inQuotes(header["sizes"]), path);
+        return refuseField(
+            "sizes", std::to_string(count) + " whole numbers expected, found " + inQuotes(header["sizes"]),
+            path);
     ISO_TRY(checkExtents(sizes, "sizes", path));
     for (const std::int64_t size : sizes)
         header.axes.emplace_back().size = size;
-    const auto fill = [&](std::string_view field, const std::vector<std::string>& values, std::string NrrdAxis::*member) -> Status {
+    const auto fill = [&](std::string_view field, const std::vector<std::string>& values,
+                          std::string NrrdAxis::*member) -> Status {
         if (!values.empty() && values.size() != count)
-            return refuseField(field, std::to_string(count) + " values expected, found " + inQuotes(header[field]), path);
+            return refuseField(
+                field, std::to_string(count) + " values expected, found " + inQuotes(header[field]), path);
         for (std::size_t i = 0; i < values.size(); ++i)
             header.axes[i].*member = values[i];
         return {};
@@ -186,7 +238,8 @@ Status splitTime(NrrdHeader& header, const fs::path& path) {
         if (axis.direction.empty() || axis.direction == "none")
             continue;
         if (std::count(axis.direction.begin(), axis.direction.end(), ',') != 3)
-            return refuseField("space directions", "four numbers expected, found " + inQuotes(axis.direction), path);
+            return refuseField("space directions", "four numbers expected, found " + inQuotes(axis.direction),
+                               path);
         axis.direction = firstThree(axis.direction);
         std::vector<double> numbers;
         std::string inner = axis.direction.substr(1, axis.direction.size() - 2);
@@ -202,19 +255,22 @@ Status splitTime(NrrdHeader& header, const fs::path& path) {
 }
 
 bool isSpace(const NrrdAxis& axis, std::size_t dimension) {
-    if (axis.direction == "none" || axis.kind == "time" || axis.kind == "list" || findComponentKind(axis.kind) != nullptr)
+    if (axis.direction == "none" || axis.kind == "time" || axis.kind == "list" ||
+        findComponentKind(axis.kind) != nullptr)
         return false;
     return dimension <= 3 || !axis.direction.empty() || axis.spacing != "nan"; // no distance: no space
 }
 
 Status assignRoles(NrrdHeader& header, const fs::path& path) {
     int spaces = 0;
-    // What is no space, and whose kind does not tell, is a series if it is the slowest axis, as writers have it.
+    // What is no space, and whose kind does not tell, is a series if it is the slowest axis, as writers have
+    // it.
     for (std::size_t i = 0; i < header.axes.size(); ++i) {
         NrrdAxis& axis = header.axes[i];
         if (isSpace(axis, header.axes.size()))
             axis.role = ++spaces <= 3 ? NrrdRole::Space : NrrdRole::Frame;
-        else if (axis.kind != "time" && (findComponentKind(axis.kind) != nullptr || i + 1 < header.axes.size()))
+        else if (axis.kind != "time" &&
+                 (findComponentKind(axis.kind) != nullptr || i + 1 < header.axes.size()))
             axis.role = NrrdRole::Component;
         else
             axis.role = NrrdRole::Frame;
@@ -224,8 +280,11 @@ Status assignRoles(NrrdHeader& header, const fs::path& path) {
     for (const NrrdRole role : {NrrdRole::Component, NrrdRole::Frame})
         if (std::count_if(header.axes.begin(), header.axes.end(),
                           [&](const NrrdAxis& axis) { return axis.role == role && axis.size > 1; }) > 1)
-            return refuseField("sizes", std::string("several axes of ") + (role == NrrdRole::Frame ? "frames" : "components") +
-                                            " are not read; save one volume of it", path);
+            return refuseField("sizes",
+                               std::string("several axes of ") +
+                                   (role == NrrdRole::Frame ? "frames" : "components") +
+                                   " are not read; save one volume of it",
+                               path);
     return {};
 }
 
@@ -242,7 +301,8 @@ Status checkSpacings(const NrrdHeader& header, const fs::path& path) {
 
 Status readType(NrrdHeader& header, const fs::path& path) {
     const std::string name = lowerCase(header["type"]);
-    const auto known = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypeName& type) { return type.name == name; });
+    const auto known = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                    [&](const TypeName& type) { return type.name == name; });
     if (known == std::end(kTypes))
         return refuseField("type", inQuotes(header["type"]) + " is not a known type of scalars", path);
     header.type = known->type;
@@ -311,7 +371,9 @@ std::string spatialNrrdHeader(const NrrdHeader& header) {
         ++count;
         sizes += " " + std::to_string(axis.size);
         kinds += " domain";
-        const auto add = [](std::string& list, const std::string& value) { list += value.empty() ? "" : " " + value; };
+        const auto add = [](std::string& list, const std::string& value) {
+            list += value.empty() ? "" : " " + value;
+        };
         add(directions, axis.direction);
         add(spacings, axis.spacing);
         add(minima, axis.minimum);

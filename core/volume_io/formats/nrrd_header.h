@@ -18,7 +18,7 @@ enum class NrrdRole { Space, Component, Frame };
 struct NrrdAxis {
     std::int64_t size = 1;
     NrrdRole role = NrrdRole::Space;
-    std::string kind;      ///< lower case; empty: not given
+    std::string kind; ///< lower case; empty: not given
     std::string direction; ///< "(1,0,0)", "none"; empty: not given
     std::string spacing, minimum, center; ///< as given
 };
@@ -29,7 +29,8 @@ struct NrrdHeader {
     std::vector<std::string> dataFiles; ///< after "data file: LIST"
     bool isDetached = false;
     std::uint64_t sizeBytes = 0; ///< where attached data begins
-    std::vector<NrrdAxis> axes;  ///< fastest first; at most one of components and one of frames is longer than 1
+    std::vector<NrrdAxis>
+        axes; ///< fastest first; at most one of components and one of frames is longer than 1
     FileType type = FileType::U8;
     bool isBigEndian = false;
 

@@ -15,8 +15,8 @@
 #include "core/volume_io/sample_source.h"
 #include "core/volume_io/volume_choice.h"
 
-// As with MetaImage, extents, files and sizes are settled here before ITK sees the header, and of that it sees
-// the axes of space only.
+// As with MetaImage, extents, files and sizes are settled here before ITK sees the header, and of that it
+// sees the axes of space only.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -42,7 +42,8 @@ Result<Encoding> readEncoding(const NrrdHeader& header, const fs::path& path) {
         return Encoding::Hex;
     if (header.isText())
         return Encoding::Text;
-    return refuseField("encoding", inQuotes(name) + " is not read; raw, gzip, bzip2, hex and ascii are", path);
+    return refuseField("encoding", inQuotes(name) + " is not read; raw, gzip, bzip2, hex and ascii are",
+                       path);
 }
 
 /// Names of data files, and of how many dimensions each is (0: not said).
@@ -54,7 +55,8 @@ struct NamedFiles {
 Result<NamedFiles> nameFiles(const NrrdHeader& header, const fs::path& path) {
     const std::string_view value = header["data file"];
     const auto parts = words(value);
-    const bool isList = value.starts_with("LIST"), isPattern = !isList && value.find('%') != std::string_view::npos;
+    const bool isList = value.starts_with("LIST"),
+               isPattern = !isList && value.find('%') != std::string_view::npos;
     NamedFiles files;
     if (!isList && !isPattern) {
         files.names = {std::string(value)};
@@ -66,14 +68,16 @@ Result<NamedFiles> nameFiles(const NrrdHeader& header, const fs::path& path) {
     if (hasDimension) {
         const auto dimension = parseInteger(parts.back());
         if (!dimension || *dimension < 1 || *dimension > static_cast<std::int64_t>(header.axes.size()))
-            return refuseField("data file", inQuotes(parts.back()) + " is not the number of dimensions of a file", path);
+            return refuseField("data file",
+                               inQuotes(parts.back()) + " is not the number of dimensions of a file", path);
         files.dimension = *dimension;
     }
     if (isList) {
         files.names = header.dataFiles;
         return files;
     }
-    const auto end = hasDimension ? static_cast<std::size_t>(parts.back().data() - value.data()) : value.size();
+    const auto end =
+        hasDimension ? static_cast<std::size_t>(parts.back().data() - value.data()) : value.size();
     auto names = expandPattern(value.substr(0, end), "data file", path);
     if (!names.isOk())
         return std::move(names).error();
@@ -87,10 +91,13 @@ Status checkFileCount(const NrrdHeader& header, const NamedFiles& files, const f
     for (std::size_t axis = static_cast<std::size_t>(files.dimension); axis < header.axes.size(); ++axis)
         expected *= header.axes[axis].size;
     const auto count = static_cast<std::int64_t>(files.names.size());
-    const bool isSlab = files.dimension == static_cast<std::int64_t>(header.axes.size()); // any number of them
+    const bool isSlab =
+        files.dimension == static_cast<std::int64_t>(header.axes.size()); // any number of them
     if (files.dimension > 0 && !isSlab && count != expected)
-        return refuseField("data file", std::to_string(expected) + " files of " + std::to_string(files.dimension) +
-                                            " dimensions expected, found " + std::to_string(count), path);
+        return refuseField("data file",
+                           std::to_string(expected) + " files of " + std::to_string(files.dimension) +
+                               " dimensions expected, found " + std::to_string(count),
+                           path);
     return {};
 }
 
@@ -126,7 +133,8 @@ Status applySkips(const NrrdHeader& header, Data& data, const fs::path& path) {
     const bool isPacked = data.how.encoding == Encoding::Deflate || data.how.encoding == Encoding::Bzip2;
     if (!lines || *lines < 0)
         return refuseField("line skip", inQuotes(header["line skip"]) + " is not a number of lines", path);
-    if (!bytes || *bytes < -1 || *bytes > kMaxPoints || (*bytes == -1 && data.how.encoding != Encoding::Plain))
+    if (!bytes || *bytes < -1 || *bytes > kMaxPoints ||
+        (*bytes == -1 && data.how.encoding != Encoding::Plain))
         return refuseField("byte skip", inQuotes(header["byte skip"]) + " is not a number of bytes", path);
     for (FilePart& part : data.parts) {
         ISO_TRY(skipLines(part, *lines, path));
@@ -169,34 +177,40 @@ Result<Data> findData(const NrrdHeader& header, const ReadOptions& options, cons
     for (const NrrdAxis& axis : header.axes)
         values *= static_cast<std::uint64_t>(axis.size);
     if (values % data.parts.size() != 0)
-        return refuseField("data file", std::to_string(data.parts.size()) + " files do not divide the samples evenly", path);
+        return refuseField(
+            "data file", std::to_string(data.parts.size()) + " files do not divide the samples evenly", path);
     data.partBytes = values / data.parts.size() * fileTypeSizeBytes(header.type);
     data.how = {encoding.value(), header.type, 0, options.allowsTrailing};
     ISO_TRY(applySkips(header, data, path));
     return data;
 }
 
+// The fastest axis is none of space: its values lie beside each other, and the sample source picks one.
+bool isInterleaved(const NrrdHeader& header) {
+    return header.axes[0].role != NrrdRole::Space && header.axes[0].size > 1;
+}
 bool hasInterleavedComponents(const NrrdHeader& header) {
-    return header.axes[0].role == NrrdRole::Component && header.axes[0].size > 1;
+    return isInterleaved(header) && header.axes[0].role == NrrdRole::Component;
 }
 
-/// The samples of one frame and component, or all components where they are interleaved. Axes are taken out from the slowest on,
-/// so that those that are left stay where they are.
-Result<std::unique_ptr<ByteStream>> openSamples(const NrrdHeader& header, const Data& data, std::int64_t component,
-                                                std::int64_t frame) {
+/// The samples of one component and frame, or all those of an interleaved axis. Axes are taken out from the
+/// slowest on, so that those that are left stay where they are.
+Result<std::unique_ptr<ByteStream>> openSamples(const NrrdHeader& header, const Data& data,
+                                                std::int64_t component, std::int64_t frame) {
     auto bytes = openEncoded(data.parts, data.partBytes, data.how);
     if (!bytes.isOk())
         return bytes;
     std::unique_ptr<ByteStream> stream = std::move(bytes).value();
     for (std::size_t axis = header.axes.size(); axis-- > 0;) {
         const NrrdAxis& held = header.axes[axis];
-        if (held.role == NrrdRole::Space || held.size == 1 || (held.role == NrrdRole::Component && axis == 0))
+        if (held.role == NrrdRole::Space || held.size == 1 || axis == 0)
             continue;
         Runs runs;
         runs.runBytes = fileTypeSizeBytes(header.type);
         for (std::size_t faster = 0; faster < axis; ++faster)
             runs.runBytes *= static_cast<std::uint64_t>(header.axes[faster].size);
-        runs.firstByte = runs.runBytes * static_cast<std::uint64_t>(held.role == NrrdRole::Component ? component : frame);
+        runs.firstByte =
+            runs.runBytes * static_cast<std::uint64_t>(held.role == NrrdRole::Component ? component : frame);
         runs.strideBytes = runs.runBytes * static_cast<std::uint64_t>(held.size);
         stream = takeRuns(std::move(stream), runs);
     }
@@ -209,7 +223,8 @@ void addUprightAxis(NrrdHeader& header) {
     for (const NrrdAxis& axis : header.axes) {
         std::vector<double> numbers;
         std::string inner = axis.direction;
-        std::replace_if(inner.begin(), inner.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+        std::replace_if(
+            inner.begin(), inner.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
         if (axis.role == NrrdRole::Space && parseReals(inner, numbers) && numbers.size() == 3)
             directions.emplace_back(numbers[0], numbers[1], numbers[2]);
     }
@@ -283,16 +298,19 @@ Result<Described> describe(const fs::path& path, const ReadOptions& options) {
     return Described{std::move(header).value(), std::move(data).value(), std::move(field)};
 }
 
-Result<std::unique_ptr<VolumeSource>> openComponent(const Described& volume, const VolumeInfo& info, const Choice& choice,
-                                                    const fs::path& path) {
+Result<std::unique_ptr<VolumeSource>> openComponent(const Described& volume, const VolumeInfo& info,
+                                                    const Choice& choice, const fs::path& path) {
     auto bytes = openSamples(volume.header, volume.data, std::max(choice.component, 0), choice.frame);
     if (!bytes.isOk())
         return std::move(bytes).error();
-    const bool isInterleaved = hasInterleavedComponents(volume.header);
     const bool isBig = volume.data.how.encoding == Encoding::Text ? std::endian::native == std::endian::big
                                                                   : volume.header.isBigEndian;
-    const SampleLayout layout{volume.header.type, isBig, std::nullopt, isInterleaved ? volume.field.components : 1,
-                              isInterleaved ? choice.component : 0, 0};
+    SampleLayout layout{volume.header.type, isBig, std::nullopt};
+    if (isInterleaved(volume.header)) {
+        layout.components = static_cast<int>(volume.header.axes[0].size);
+        layout.component =
+            hasInterleavedComponents(volume.header) ? choice.component : static_cast<int>(choice.frame);
+    }
     return makeSampleSource(info, layout, std::move(bytes).value(), path);
 }
 

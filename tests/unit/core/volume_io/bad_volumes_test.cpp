@@ -250,6 +250,8 @@ const std::vector<BadFile>& nrrds() {
         {"nrrd_four_dimensions", "a.nrrd", nrrdOfFour(), InvalidArgument, "--frame 0 to 1"},
         {"nrrd_list_dimension", "a.nhdr", detachedNrrd("LIST 9\nnone.raw"), InvalidArgument, "data file"},
         {"nrrd_list_count", "a.nhdr", detachedNrrd("LIST 1\nnone.raw"), InvalidArgument, "6 files of 1 dimensions"},
+        {"nrrd_gzip_ends_early", "a.nrrd", replaced(nrrdGzip(test::gzipped("ab") + std::string(1'100'000, 'x')), "sizes: 4 3 2", "sizes: 4096 4096 32"), Corruption, "unpacks to 2 bytes"},
+        {"nrrd_components_ask_much", "a.nrrd", replaced(replaced(withNrrdLine("domain domain domain", "vector domain domain"), "(1,0,0)", "none"), "sizes: 4 3 2", "sizes: 1000000 1000 2"), Corruption, "4000000000"},
         {"nrrd_short", "a.nrrd", shorter(test::nrrd()), Corruption, "48"},
         {"B039_nrrd_bomb", "a.nrrd", nrrdGzip(test::gzipped(std::string(100'000'000, '\0'))), Corruption, "more than"},
         {"B040_nrrd_gzip_cut", "a.nrrd", nrrdGzip(shorter(test::gzipped(test::ramp<std::int16_t>(24)))), Corruption, "early"},
@@ -336,9 +338,35 @@ const std::vector<BadFile>& vtks() {
 }
 
 const auto kLabel = [](const auto& parameter) { return std::string(parameter.param.label); };
+std::string mrc(std::int32_t sections) {
+    std::string bytes(1024, '\0');
+    const std::int32_t words[4] = {2048, 2048, sections, 2};
+    std::memcpy(bytes.data(), words, sizeof words);
+    std::memcpy(bytes.data() + 208, "MAP DD", 6);
+    return bytes;
+}
+std::string cube(const std::string& points) {
+    return "a\nb\n0 0 0 0\n" + points + " 1 0 0\n" + points + " 0 1 0\n" + points + " 0 0 1\n";
+}
+
+const std::vector<BadFile>& maps() {
+    static const std::vector<BadFile> files = {
+        {"mrc_asks_17_GB", "a.mrc", mrc(1024), Corruption, "17179869184"},
+        {"mrc_gz_asks_17_GB", "a.mrc.gz", test::gzipped(mrc(1024)), Corruption, "cannot hold"},
+        {"mrc_gz_ends_early", "a.mrc.gz", test::gzipped(mrc(64)) + std::string(1'100'000, 'x'), Corruption, "1024 bytes"},
+        {"mrc_not_a_map", "a.map", std::string(2000, '\1'), InvalidArgument, "nx"},
+        {"cube_asks_8_GB", "a.cube", cube("1000"), Corruption, "cannot hold"},
+        {"cube_gz_ends_early", "a.cube.gz", test::gzipped(cube("1000")) + std::string(2'000'000, 'x'), Corruption, "1000000000 expected"},
+        {"cube_of_blanks", "a.cube", cube("200") + std::string(16'000'000, ' '), Corruption, "8000000 expected"},
+        {"cube_not_one", "a.cub", "hello", Corruption, "title"},
+    };
+    return files;
+}
+
 INSTANTIATE_TEST_SUITE_P(MetaImage, BadVolume, testing::ValuesIn(metaImages()), kLabel);
 INSTANTIATE_TEST_SUITE_P(Nrrd, BadVolume, testing::ValuesIn(nrrds()), kLabel);
 INSTANTIATE_TEST_SUITE_P(Nifti, BadVolume, testing::ValuesIn(niftis()), kLabel);
+INSTANTIATE_TEST_SUITE_P(Maps, BadVolume, testing::ValuesIn(maps()), kLabel);
 INSTANTIATE_TEST_SUITE_P(Vtk, BadVolume, testing::ValuesIn(vtks()), kLabel);
 
 TEST(BadPath, IsRefused) {

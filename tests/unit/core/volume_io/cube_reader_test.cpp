@@ -15,8 +15,9 @@ namespace {
 using test::replaced;
 using testing::HasSubstr;
 
-const char* const kHeader = "title\nof two lines\n  2  10.0 20.0 30.0\n  2  1.0 0.0 0.0\n  3  0.0 2.0 0.0\n  4  0.0 0.5 3.0\n"
-                            "  1  1.0  0.0 0.0 0.0\n  8  8.0  1.0 1.0 1.0\n";
+const char* const kHeader =
+    "title\nof two lines\n  2  10.0 20.0 30.0\n  2  1.0 0.0 0.0\n  3  0.0 2.0 0.0\n  4  0.0 0.5 3.0\n"
+    "  1  1.0  0.0 0.0 0.0\n  8  8.0  1.0 1.0 1.0\n";
 
 // Numbers of 2 x 3 x 4 points, the third axis fastest: 0, 1, ...
 std::string numbers(int count) {
@@ -64,14 +65,16 @@ TEST_F(CubeReader, KeepsObliqueAxes) {
     EXPECT_NEAR(corner.y, 25.5, 1e-12);
     EXPECT_NEAR(corner.z, 39, 1e-12);
     EXPECT_THAT(info.notes, testing::ElementsAre("lengths are in bohr"));
-    const auto angstrom = openVolume(folder.write("b.cube", replaced(kHeader, "  2  1.0 0.0", " -2  1.0 0.0") + numbers(24)));
+    const auto angstrom =
+        openVolume(folder.write("b.cube", replaced(kHeader, "  2  1.0 0.0", " -2  1.0 0.0") + numbers(24)));
     ASSERT_THAT(angstrom, test::IsOk());
     EXPECT_THAT(angstrom.value()->info().notes, testing::ElementsAre("lengths are in angstrom"));
 }
 
 TEST_F(CubeReader, KeepsEveryDigit) {
-    const std::string text = replaced(kHeader + numbers(24), " 0 1 2 3 4 5\n",
-                                      " 0.1 1.2345678901234567E-300 -0.5D+01 1.5-102 1e-999 +4.9406564584124654e-324\n");
+    const std::string text =
+        replaced(kHeader + numbers(24), " 0 1 2 3 4 5\n",
+                 " 0.1 1.2345678901234567E-300 -0.5D+01 1.5-102 1e-999 +4.9406564584124654e-324\n");
     const auto grid = read(text);
     ASSERT_THAT(grid, test::IsOk());
     EXPECT_EQ(grid.value()->valueAt(0, 0, 0), 0.1);

@@ -16,14 +16,15 @@
 #include "core/volume_io/volume_reader.h"
 #include "tests/support/result_matchers.h"
 
-// Real files against readings that other programs took of them: every table in tests/data/readings, made by the
-// script of the same name in tests/support/readings.
+// Real files against readings that other programs took of them: every table in tests/data/readings, made by
+// the script of the same name in tests/support/readings.
 
 namespace isoslider::io {
 namespace {
 
 const std::filesystem::path kData = std::filesystem::path(ISOSLIDER_SHARED_DIR) / "data";
-const std::filesystem::path kReadings = std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "tests" / "data" / "readings";
+const std::filesystem::path kReadings =
+    std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "tests" / "data" / "readings";
 constexpr const char* kColumns = "file,field,component,frame,nx,ny,nz,type,min,max,distinct,missing,xxh3";
 
 struct Reading {
@@ -31,7 +32,9 @@ struct Reading {
     std::vector<std::string> cells; ///< in the order of kColumns; empty if its table cannot be read
 };
 
-void PrintTo(const Reading& reading, std::ostream* out) { *out << reading.label; } // NOLINT: GoogleTest's name
+void PrintTo(const Reading& reading, std::ostream* out) {
+    *out << reading.label;
+} // NOLINT: GoogleTest's name
 
 // A cell with a comma stands in double quotes, a quote in it twice.
 std::vector<std::string> cellsOf(const std::string& line) {
@@ -74,8 +77,9 @@ std::vector<Reading> allReadings() {
         }
     }
     for (Reading& reading : readings)
-        std::replace_if(reading.label.begin(), reading.label.end(),
-                        [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+        std::replace_if(
+            reading.label.begin(), reading.label.end(),
+            [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
     return readings;
 }
 
@@ -88,7 +92,8 @@ double number(const std::string& cell) {
 
 std::string xxh3(std::span<const std::byte> bytes) {
     char text[17];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH3_64bits(bytes.data(), bytes.size())));
+    std::snprintf(text, sizeof text, "%016llx",
+                  static_cast<unsigned long long>(XXH3_64bits(bytes.data(), bytes.size())));
     return text;
 }
 
@@ -150,7 +155,8 @@ TEST(IndependentPlaces, AreThoseOfOurReaders) {
             const glm::dmat4 world = geometry.indexToWorld();
             for (int row = 0; row < 3; ++row)
                 for (int column = 0; column < 4; ++column)
-                    EXPECT_NEAR(world[column][row], number(cells[static_cast<std::size_t>(1 + 4 * row + column)]),
+                    EXPECT_NEAR(world[column][row],
+                                number(cells[static_cast<std::size_t>(1 + 4 * row + column)]),
                                 1e-5 * geometry.spacing[std::min(column, 2)]);
         }
     }

@@ -34,7 +34,8 @@ protected:
 };
 
 TEST_F(MetaImageReader, TakesOneChannel) {
-    const std::string header = replaced(replaced(test::mhaHeader(), "NDims", "ElementNumberOfChannels = 3\nNDims"), "4 3 2", "2 1 1");
+    const std::string header = replaced(
+        replaced(test::mhaHeader(), "NDims", "ElementNumberOfChannels = 3\nNDims"), "4 3 2", "2 1 1");
     const std::string bytes = header + test::ramp<std::int16_t>(6);
     EXPECT_EQ(refusal(bytes), "has 3 components: choose one with --component 0 to 2 or magnitude");
     EXPECT_EQ(samples(bytes, {.component = 2}), (std::vector<int>{2, 5}));
@@ -44,9 +45,11 @@ TEST_F(MetaImageReader, TakesOneChannel) {
 }
 
 TEST_F(MetaImageReader, TakesOneFrameOfFourDimensions) {
-    const std::string bytes = "ObjectType = Image\nNDims = 4\nBinaryData = True\nElementNumberOfChannels = 2\n"
-                              "TransformMatrix = 0 1 0 0 1 0 0 0 0 0 1 0 0 0 0 1\nOffset = 1 2 3 4\nElementSpacing = 5 6 7 8\n"
-                              "DimSize = 2 1 1 3\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" + test::ramp<std::int16_t>(12);
+    const std::string bytes =
+        "ObjectType = Image\nNDims = 4\nBinaryData = True\nElementNumberOfChannels = 2\n"
+        "TransformMatrix = 0 1 0 0 1 0 0 0 0 0 1 0 0 0 0 1\nOffset = 1 2 3 4\nElementSpacing = 5 6 7 8\n"
+        "DimSize = 2 1 1 3\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" +
+        test::ramp<std::int16_t>(12);
     EXPECT_THAT(refusal(bytes), HasSubstr("--frame 0 to 2"));
     EXPECT_EQ(samples(bytes, {.component = 1, .frame = 2}), (std::vector<int>{9, 11}));
     ReadOptions options;
@@ -65,8 +68,9 @@ TEST_F(MetaImageReader, TakesOneFrameOfFourDimensions) {
 }
 
 TEST_F(MetaImageReader, ReadsSlicesOfTwoDimensions) {
-    const std::string bytes = "NDims = 2\nElementSpacing = 2 3\nDimSize = 4 3\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" +
-                              test::ramp<std::int16_t>(12);
+    const std::string bytes =
+        "NDims = 2\nElementSpacing = 2 3\nDimSize = 4 3\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" +
+        test::ramp<std::int16_t>(12);
     EXPECT_EQ(samples(bytes)[11], 11);
     const auto source = openVolume(folder / "a.mhd");
     ASSERT_THAT(source, test::IsOk());
@@ -86,12 +90,15 @@ TEST_F(MetaImageReader, ReadsListsAndPatterns) {
     EXPECT_EQ(samples(ends + test::mhaHeader("LIST 2D") + "\nslice 1.raw\r\n\ns02.raw")[12], 12);
     EXPECT_EQ(samples("HeaderSize = 4\n" + test::mhaHeader("s%02d.raw 1 2 1"))[23], 23);
     EXPECT_EQ(samples(test::mhaHeader("LIST 1") + "line0\nline1\nline2\nline3\nline4\nline5\n")[23], 23);
-    EXPECT_EQ(refusal(ends + test::mhaHeader("slice 1.raw")), "data ends early: the header asks for 48 bytes from byte 0, the file has 24 bytes");
+    EXPECT_EQ(refusal(ends + test::mhaHeader("slice 1.raw")),
+              "data ends early: the header asks for 48 bytes from byte 0, the file has 24 bytes");
     folder.write("whole file.raw", plain);
     EXPECT_EQ(samples(test::mhaHeader("whole file.raw"))[23], 23);
     folder.write("z1", test::packed(plain.substr(0, 24), 15));
     folder.write("z2", test::packed(plain.substr(24), 15));
-    EXPECT_EQ(samples(replaced(test::mhaHeader("LIST"), "CompressedData = False", "CompressedData = True") + "z1\nz2\n")[23], 23);
+    EXPECT_EQ(samples(replaced(test::mhaHeader("LIST"), "CompressedData = False", "CompressedData = True") +
+                      "z1\nz2\n")[23],
+              23);
 }
 
 TEST_F(MetaImageReader, ReadsNumbersAsText) {
@@ -105,7 +112,8 @@ TEST_F(MetaImageReader, ReadsNumbersAsText) {
     EXPECT_EQ(samples(replaced(header, "LOCAL", "numbers.txt"))[0], -12);
     EXPECT_THAT(refusal(header + text + "7"), HasSubstr("more than"));
     EXPECT_EQ(refusal(header + text + "7", {.allowsTrailing = true}), "is read");
-    EXPECT_THAT(refusal(replaced(header, "CompressedData = False", "CompressedData = True") + text), HasSubstr("BinaryData"));
+    EXPECT_THAT(refusal(replaced(header, "CompressedData = False", "CompressedData = True") + text),
+                HasSubstr("BinaryData"));
 }
 
 TEST_F(MetaImageReader, B053_LetsBytesBehindPackedSamplesPassWhenAllowed) {

@@ -16,7 +16,9 @@ namespace {
 using test::put;
 using testing::HasSubstr;
 
-void word(std::string& header, std::size_t number, std::int32_t value) { put(header, 4 * (number - 1), value); }
+void word(std::string& header, std::size_t number, std::int32_t value) {
+    put(header, 4 * (number - 1), value);
+}
 void real(std::string& header, std::size_t number, float value) { put(header, 4 * (number - 1), value); }
 
 /// 4 x 3 x 2 samples of `mode`, steps 1 2 3, the first at 10 20 30.
@@ -40,7 +42,8 @@ std::string mrcHeader(std::int32_t mode) {
 
 std::string swapped(std::string bytes, std::size_t size) {
     for (std::size_t at = 0; at + size <= bytes.size(); at += size)
-        std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(at + size));
+        std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                     bytes.begin() + static_cast<std::ptrdiff_t>(at + size));
     return bytes;
 }
 
@@ -50,7 +53,8 @@ protected:
                                                    const char* name = "a.mrc") {
         return readVolume(folder.write(name, bytes), options);
     }
-    std::string refusal(const std::string& bytes, const ReadOptions& options = {}, const char* name = "a.mrc") {
+    std::string refusal(const std::string& bytes, const ReadOptions& options = {},
+                        const char* name = "a.mrc") {
         const auto grid = read(bytes, options, name);
         return grid.isOk() ? "is read" : grid.error().message;
     }
@@ -71,8 +75,10 @@ TEST_F(MrcReader, ReadsEveryModeOfScalars) {
     std::string halves(48, '\0');
     for (std::size_t i = 0; i < 24; ++i) // 2^(i - 12)
         put<std::uint16_t>(halves, 2 * i, static_cast<std::uint16_t>((i + 3) << 10));
-    const Case cases[] = {{0, test::ramp<std::int8_t>(24), ScalarType::I8},   {1, test::ramp<std::int16_t>(24), ScalarType::I16},
-                          {2, test::ramp<float>(24), ScalarType::F32},        {6, test::ramp<std::uint16_t>(24), ScalarType::U16},
+    const Case cases[] = {{0, test::ramp<std::int8_t>(24), ScalarType::I8},
+                          {1, test::ramp<std::int16_t>(24), ScalarType::I16},
+                          {2, test::ramp<float>(24), ScalarType::F32},
+                          {6, test::ramp<std::uint16_t>(24), ScalarType::U16},
                           {12, halves, ScalarType::F32}};
     for (const Case& c : cases) {
         const auto grid = read(mrcHeader(c.mode) + c.samples);
@@ -138,7 +144,7 @@ TEST_F(MrcReader, PlacesAxesInAnyOrder) {
     std::string header = mrcHeader(2);
     const std::int32_t axes[3] = {3, 1, 2}; // columns along z, rows along x, sections along y
     const std::int32_t intervals[3] = {3, 2, 4}, start[3] = {5, 6, 7};
-    const float cell[3] = {6, 6, 4};        // steps 2 3 1
+    const float cell[3] = {6, 6, 4}; // steps 2 3 1
     for (std::size_t i = 0; i < 3; ++i) {
         word(header, 17 + i, axes[i]);
         word(header, 8 + i, intervals[i]);
@@ -150,7 +156,8 @@ TEST_F(MrcReader, PlacesAxesInAnyOrder) {
     EXPECT_EQ(g.dims, (GridDims{4, 3, 2}));
     EXPECT_EQ(g.spacing, glm::dvec3(1, 2, 3));
     EXPECT_EQ(g.direction, glm::dmat3(0, 0, 1, 1, 0, 0, 0, 1, 0));
-    EXPECT_EQ(g.origin, glm::dvec3(6 * 2, 7 * 3, 5 * 1)); // starts are in the order of columns, rows, sections
+    EXPECT_EQ(g.origin,
+              glm::dvec3(6 * 2, 7 * 3, 5 * 1)); // starts are in the order of columns, rows, sections
     word(header, 17, 1);
     EXPECT_THAT(refusal(header + test::ramp<float>(24)), HasSubstr("mapc"));
 }

@@ -42,7 +42,8 @@ std::string hexDigits(const std::string& bytes) {
 
 class NrrdReader : public testing::Test {
 protected:
-    Result<std::shared_ptr<const ScalarGrid>> read(const std::string& bytes, const ReadOptions& options = {}) {
+    Result<std::shared_ptr<const ScalarGrid>> read(const std::string& bytes,
+                                                   const ReadOptions& options = {}) {
         return readVolume(folder.write("a.nrrd", bytes), options);
     }
     std::vector<int> samples(const std::string& bytes, const ReadOptions& options = {}) {
@@ -61,8 +62,10 @@ protected:
 };
 
 TEST_F(NrrdReader, TakesInterleavedComponents) {
-    const std::string bytes = headerOf("3 2 1 1", "kinds: RGB-color domain domain domain\n\n") + test::ramp<std::int16_t>(6);
-    EXPECT_EQ(refusal(bytes), "has 3 components (red, green, blue): choose one with --component 0 to 2 or magnitude");
+    const std::string bytes =
+        headerOf("3 2 1 1", "kinds: RGB-color domain domain domain\n\n") + test::ramp<std::int16_t>(6);
+    EXPECT_EQ(refusal(bytes),
+              "has 3 components (red, green, blue): choose one with --component 0 to 2 or magnitude");
     EXPECT_EQ(samples(bytes, {.component = 1}), (std::vector<int>{1, 4}));
     EXPECT_THAT(refusal(bytes, {.component = 3}), HasSubstr("--component 3"));
     EXPECT_THAT(refusal(bytes, {.component = 0, .frame = 1}), HasSubstr("--frame 1"));
@@ -83,13 +86,17 @@ TEST_F(NrrdReader, TakesComponentsOfAnyAxis) {
         EXPECT_EQ(length.value()->dims(), (GridDims{2, 2, 2}));
         EXPECT_EQ(length.value()->values<float>()[3], static_cast<float>(std::sqrt(49.0 + 81 + 121)));
     }
-    const std::string last = headerOf("2 2 1 3", "kinds: domain domain domain 3-vector\n\n") + test::ramp<std::int16_t>(12);
+    const std::string last =
+        headerOf("2 2 1 3", "kinds: domain domain domain 3-vector\n\n") + test::ramp<std::int16_t>(12);
     EXPECT_EQ(samples(last, {.component = 2}), (std::vector<int>{8, 9, 10, 11}));
 }
 
 TEST_F(NrrdReader, TakesFramesAndComponentsTogether) {
-    const std::string bytes = headerOf("2 2 1 1 3", "kinds: complex domain domain domain time\n\n") + test::ramp<std::int16_t>(12);
-    EXPECT_EQ(refusal(bytes), "has 2 components (real, imaginary) and 3 frames: choose with --component 0 to 1 or magnitude, and --frame 0 to 2");
+    const std::string bytes =
+        headerOf("2 2 1 1 3", "kinds: complex domain domain domain time\n\n") + test::ramp<std::int16_t>(12);
+    EXPECT_EQ(
+        refusal(bytes),
+        "has 2 components (real, imaginary) and 3 frames: choose with --component 0 to 1 or magnitude, and --frame 0 to 2");
     EXPECT_EQ(samples(bytes, {.component = 1, .frame = 2}), (std::vector<int>{9, 11}));
     const auto contents = listVolumes(folder.write("l.nrrd", bytes));
     ASSERT_THAT(contents, test::IsOk());
@@ -102,17 +109,23 @@ TEST_F(NrrdReader, TakesFramesAndComponentsTogether) {
 }
 
 TEST_F(NrrdReader, KnowsSeriesByWhateverSaysSo) {
-    for (const char* names : {"\n", "kinds: domain domain domain list\n\n", "spacings: 1 1 1 nan\n\n",
-                              "space: left-posterior-superior-time\nspace directions: (1,0,0,0) (0,1,0,0) (0,0,1,0) (0,0,0,5)\nspace origin: (7,8,9,0)\n\n"}) {
+    for (
+        const char* names :
+        {"\n", "kinds: domain domain domain list\n\n", "spacings: 1 1 1 nan\n\n",
+         "space: left-posterior-superior-time\nspace directions: (1,0,0,0) (0,1,0,0) (0,0,1,0) (0,0,0,5)\nspace origin: (7,8,9,0)\n\n"}) {
         const std::string bytes = headerOf("2 1 1 3", names) + test::ramp<std::int16_t>(6);
         EXPECT_EQ(refusal(bytes), "has 3 frames: choose one with --frame 0 to 2") << names;
         EXPECT_EQ(samples(bytes, {.frame = 1}), (std::vector<int>{2, 3}));
     }
     // A series may be the fastest axis too.
-    EXPECT_EQ(samples(headerOf("3 2 1 1", "kinds: time domain domain domain\n\n") + test::ramp<std::int16_t>(6), {.frame = 2}),
-              (std::vector<int>{2, 5}));
-    EXPECT_THAT(refusal(headerOf("2 1 1 3 2", "\n") + test::ramp<std::int16_t>(12)), HasSubstr("several axes of frames"));
-    EXPECT_THAT(refusal(headerOf("2", "kinds: vector\n\n") + test::ramp<std::int16_t>(2)), HasSubstr("kinds"));
+    EXPECT_EQ(
+        samples(headerOf("3 2 1 1", "kinds: time domain domain domain\n\n") + test::ramp<std::int16_t>(6),
+                {.frame = 2}),
+        (std::vector<int>{2, 5}));
+    EXPECT_THAT(refusal(headerOf("2 1 1 3 2", "\n") + test::ramp<std::int16_t>(12)),
+                HasSubstr("several axes of frames"));
+    EXPECT_THAT(refusal(headerOf("2", "kinds: vector\n\n") + test::ramp<std::int16_t>(2)),
+                HasSubstr("kinds"));
 }
 
 TEST_F(NrrdReader, KeepsThePlaceOfSpatialAxes) {
@@ -124,12 +137,15 @@ TEST_F(NrrdReader, KeepsThePlaceOfSpatialAxes) {
         EXPECT_THAT(source, test::IsOk());
         return source.isOk() ? source.value()->info().geometry : GridGeometry{};
     };
-    const GridGeometry g = open(headerOf("3 2 2 2", space + "space directions: none (0,2,0) (0,0,3) (4,0,0)\n\n") + test::ramp<std::int16_t>(24));
+    const GridGeometry g =
+        open(headerOf("3 2 2 2", space + "space directions: none (0,2,0) (0,0,3) (4,0,0)\n\n") +
+             test::ramp<std::int16_t>(24));
     EXPECT_EQ(g.spacing, glm::dvec3(2, 3, 4));
     EXPECT_EQ(g.origin, glm::dvec3(-1, -2, 3)); // in left-posterior-superior
     EXPECT_EQ(g.direction, glm::dmat3(0, -1, 0, 0, 0, 1, -1, 0, 0));
     // A slice in space: the third axis stands on it.
-    const GridGeometry slice = open(headerOf("2 2", space + "space directions: (0,2,0) (0,0,3)\n\n") + test::ramp<std::int16_t>(4));
+    const GridGeometry slice =
+        open(headerOf("2 2", space + "space directions: (0,2,0) (0,0,3)\n\n") + test::ramp<std::int16_t>(4));
     EXPECT_EQ(slice.dims, (GridDims{2, 2, 1}));
     EXPECT_EQ(slice.direction[1], glm::dvec3(0, 0, 1));
     EXPECT_NEAR(std::abs(slice.direction[2].x), 1.0, 1e-12);
@@ -147,9 +163,12 @@ TEST_F(NrrdReader, DecodesTextHexAndBzip2) {
         EXPECT_EQ(samples(replaced(encoded(name, text), "endian: little\n", "")), expected) << name;
     EXPECT_EQ(samples(encoded("hex", hexDigits(plain) + "\n")), expected);
     EXPECT_EQ(samples(encoded("bzip2", test::bzipped(plain))), expected);
-    EXPECT_EQ(samples(encoded("bz2", test::bzipped(plain.substr(0, 17)) + test::bzipped(plain.substr(17)))), expected);
+    EXPECT_EQ(samples(encoded("bz2", test::bzipped(plain.substr(0, 17)) + test::bzipped(plain.substr(17)))),
+              expected);
     // Big-endian digits; text has no byte order.
-    EXPECT_EQ(samples(replaced(encoded("hex", hexDigits(test::bigEndian16(24))), "endian: little", "endian: big")), expected);
+    EXPECT_EQ(
+        samples(replaced(encoded("hex", hexDigits(test::bigEndian16(24))), "endian: little", "endian: big")),
+        expected);
     EXPECT_EQ(samples(replaced(encoded("ascii", text), "endian: little", "endian: big")), expected);
 }
 
@@ -159,19 +178,25 @@ TEST_F(NrrdReader, ReadsEveryTypeOfText) {
         const char* numbers;
         double first, second;
     };
-    const Case cases[] = {{"uchar", "0 255", 0, 255},           {"signed char", "-128 127", -128, 127},
-                          {"ushort", "+7 65535", 7, 65535},     {"int", "-2147483648 2147483647", -2147483648.0, 2147483647.0},
-                          {"uint", "0 4294967295", 0, 4294967295.0}, {"longlong", "-9007199254740992 1", -9007199254740992.0, 1},
-                          {"ulonglong", "0 9007199254740992", 0, 9007199254740992.0}, {"float", "0.1 -1e-45", 0.1f, -1e-45f},
+    const Case cases[] = {{"uchar", "0 255", 0, 255},
+                          {"signed char", "-128 127", -128, 127},
+                          {"ushort", "+7 65535", 7, 65535},
+                          {"int", "-2147483648 2147483647", -2147483648.0, 2147483647.0},
+                          {"uint", "0 4294967295", 0, 4294967295.0},
+                          {"longlong", "-9007199254740992 1", -9007199254740992.0, 1},
+                          {"ulonglong", "0 9007199254740992", 0, 9007199254740992.0},
+                          {"float", "0.1 -1e-45", 0.1f, -1e-45f},
                           {"double", "0.1 4.9e-324", 0.1, 4.9e-324}};
     for (const Case& c : cases) {
-        const auto grid = read("NRRD0001\ntype: " + std::string(c.type) + "\ndimension: 1\nsizes: 2\nencoding: ascii\n\n" + c.numbers + "\n");
+        const auto grid = read("NRRD0001\ntype: " + std::string(c.type) +
+                               "\ndimension: 1\nsizes: 2\nencoding: ascii\n\n" + c.numbers + "\n");
         ASSERT_THAT(grid, test::IsOk()) << c.type;
         EXPECT_EQ(grid.value()->valueAt(0, 0, 0), c.first) << c.type;
         EXPECT_EQ(grid.value()->valueAt(1, 0, 0), c.second) << c.type;
     }
     const auto outside = [&](const char* type, const char* numbers) {
-        return refusal("NRRD0001\ntype: " + std::string(type) + "\ndimension: 1\nsizes: 2\nencoding: ascii\n\n" + numbers + "\n");
+        return refusal("NRRD0001\ntype: " + std::string(type) +
+                       "\ndimension: 1\nsizes: 2\nencoding: ascii\n\n" + numbers + "\n");
     };
     EXPECT_THAT(outside("uchar", "1 256"), HasSubstr("sample 1"));
     EXPECT_THAT(outside("uchar", "-1 25"), HasSubstr("sample 0"));
@@ -186,7 +211,8 @@ TEST_F(NrrdReader, ReadsListsOfFilesOfAnyEncoding) {
     folder.write("2.gz", test::gzipped(plain.substr(24)));
     folder.write("line1.raw", plain.substr(0, 8));
     for (int i = 1; i < 6; ++i)
-        folder.write("line" + std::to_string(i + 1) + ".raw", plain.substr(static_cast<std::size_t>(i) * 8, 8));
+        folder.write("line" + std::to_string(i + 1) + ".raw",
+                     plain.substr(static_cast<std::size_t>(i) * 8, 8));
     const auto packed = replaced(test::nrrdHeader(), "encoding: raw", "encoding: gzip");
     EXPECT_EQ(samples(packed + "data file: LIST\n1.gz\n2.gz\n")[23], 23);
     EXPECT_EQ(samples(packed + "data file: LIST 2\n1.gz\n2.gz\n")[12], 12);
@@ -211,7 +237,8 @@ TEST_F(NrrdReader, B044_KeepsSpacingsOfAnySize) {
     for (const double spacing : {1e300, 1e-300}) {
         std::ostringstream text;
         text << "spacings: " << spacing << " 1 1\n\n";
-        const auto source = openVolume(folder.write("a.nrrd", headerOf("4 3 2", text.str()) + test::ramp<std::int16_t>(24)));
+        const auto source =
+            openVolume(folder.write("a.nrrd", headerOf("4 3 2", text.str()) + test::ramp<std::int16_t>(24)));
         ASSERT_THAT(source, test::IsOk());
         EXPECT_EQ(source.value()->info().geometry.spacing, glm::dvec3(spacing, 1, 1));
     }
@@ -226,7 +253,8 @@ TEST_F(NrrdReader, B041_ReadsPackedVolumesBeyondFourGigabytes) {
     auto source = openVolume(folder.write("a.nrrd", bytes));
     ASSERT_THAT(source, test::IsOk());
     std::vector<std::byte> plane(std::size_t{64} << 20);
-    ASSERT_THAT(source.value()->readSlab(64, 65, plane), test::IsOk()); // the byte at 2^32 and those behind it
+    ASSERT_THAT(source.value()->readSlab(64, 65, plane),
+                test::IsOk()); // the byte at 2^32 and those behind it
     EXPECT_EQ(plane.front(), std::byte{7});
     EXPECT_EQ(plane.back(), std::byte{7});
 }
