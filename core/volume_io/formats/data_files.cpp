@@ -48,11 +48,21 @@ Result<std::vector<FilePart>> locateDataFiles(const std::vector<std::string>& na
     if (names.size() > kMaxDataFiles)
         return refuseField(field, "the list names more than 65536 files", header);
     std::vector<FilePart> parts;
+    parts.reserve(names.size());
     for (const std::string& name : names) {
+        std::error_code ignored;
+        fs::path beside = header.parent_path() / name;
+        // A file beside the header, under its own name, needs no links followed: lists are long.
+        const bool isBeside = name.find('/') == std::string::npos && name != ".." &&
+                              name != header.filename() &&
+                              fs::symlink_status(beside, ignored).type() == fs::file_type::regular;
+        if (isBeside) {
+            parts.push_back({std::move(beside), 0});
+            continue;
+        }
         auto file = resolveDataFile(header, name, field, allowsExternal);
         if (!file.isOk())
             return std::move(file).error();
-        std::error_code ignored;
         if (fs::equivalent(file.value(), header, ignored))
             return refuseField(field, inQuotes(name) + " is the header itself", header);
         parts.push_back({std::move(file).value(), 0});
