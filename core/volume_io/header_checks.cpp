@@ -131,15 +131,13 @@ Result<fs::path> resolveDataFile(const fs::path& header, std::string_view name, 
         return makeError(ErrorCode::IoError, "cannot resolve its folder: " + problem.message(), header);
     const fs::path file = fs::weakly_canonical(folder / fs::path(name), problem);
     if (problem)
-        return makeError(ErrorCode::NotFound, std::string(field) + ": cannot resolve " + inQuotes(name) + ": " +
-                                                  problem.message(), header);
+        return refuseField(field, "cannot resolve " + inQuotes(name) + ": " + problem.message(), header);
     const auto mismatch = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
     if (!allowsExternal && mismatch.first != folder.end())
         return refuseField(
             field, inQuotes(name) + " lies outside the folder of the header (data outside it has to be allowed)", header);
     if (!fs::exists(file, problem))
-        return makeError(ErrorCode::NotFound, std::string(field) + ": there is no file " + inQuotes(name) +
-                                                  " beside the header", header);
+        return refuseField(field, "there is no file " + inQuotes(name) + " beside the header", header);
     return file;
 }
 

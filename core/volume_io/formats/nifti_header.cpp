@@ -185,10 +185,10 @@ Result<NiftiFiles> findNiftiFiles(const fs::path& path) {
         return fs::exists(file, ignored);
     };
     if (!find(files.header, ".hdr", files.isHeaderPacked))
-        return makeError(ErrorCode::NotFound, "the header of the pair is missing",
+        return makeError(ErrorCode::InvalidArgument, "the header of the pair is missing",
                          files.header.replace_extension());
     if (!find(files.data, ".img", files.isDataPacked))
-        return makeError(ErrorCode::NotFound, "the samples of the pair are missing",
+        return makeError(ErrorCode::InvalidArgument, "the samples of the pair are missing",
                          files.data.replace_extension());
     return files;
 }

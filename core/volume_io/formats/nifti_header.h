@@ -41,7 +41,7 @@ struct NiftiHeader {
     std::array<std::array<double, 4>, 3> sform{}; ///< rows x, y, z
 };
 
-/// Errors: NotFound (one of a pair is missing).
+/// Errors: InvalidArgument (one of a pair is missing).
 Result<NiftiFiles> findNiftiFiles(const std::filesystem::path& path);
 
 /// Also checks that the chain of extensions stays before the samples. Errors: InvalidArgument, Corruption,

@@ -164,7 +164,7 @@ const std::vector<BadFile>& metaImages() {
         {"B049_mhd_list_minus_1", "a.mhd", test::mhaHeader("LIST -1") + "data.raw\n", InvalidArgument, "ElementDataFile"},
         {"B049_mhd_list_of_volumes", "a.mhd", test::mhaHeader("LIST 3") + "data.raw\n", InvalidArgument, "ElementDataFile", "x"},
         {"mhd_list_count", "a.mhd", test::mhaHeader("LIST") + "data.raw\n", InvalidArgument, "2 files expected, found 1", "x"},
-        {"mhd_list_missing", "a.mhd", test::mhaHeader("LIST") + "data.raw\nnone.raw\n", NotFound, "none.raw", std::string(24, 'x')},
+        {"mhd_list_missing", "a.mhd", test::mhaHeader("LIST") + "data.raw\nnone.raw\n", InvalidArgument, "none.raw", std::string(24, 'x')},
         {"mhd_list_short", "a.mhd", test::mhaHeader("LIST") + "data.raw\ndata.raw\n", Corruption, "24", std::string(23, 'x')},
         {"mhd_list_outside", "a.mhd", test::mhaHeader("LIST") + "data.raw\n../b.raw\n", InvalidArgument, "outside", "x"},
         {"mhd_list_long", "a.mhd", test::mhaHeader("LIST") + repeated("a\n", 100'000), InvalidArgument, "65536"},
@@ -185,7 +185,7 @@ const std::vector<BadFile>& metaImages() {
         {"mha_prose", "a.mhd", "Dear reader,\nthis is a letter.\n", InvalidArgument, "MetaImage"},
         {"B050_mhd_outside", "a.mhd", test::mhaHeader("../x.raw"), InvalidArgument, "ElementDataFile"},
         {"mhd_absolute", "a.mhd", test::mhaHeader("/etc/passwd"), InvalidArgument, "ElementDataFile"},
-        {"B050_mhd_missing_data", "a.mhd", test::mhaHeader("none.raw"), NotFound, "none.raw"},
+        {"B050_mhd_missing_data", "a.mhd", test::mhaHeader("none.raw"), InvalidArgument, "none.raw"},
         {"B049_mhd_list", "a.mhd", test::mhaHeader("LIST -1"), InvalidArgument, "ElementDataFile"},
         {"mhd_pattern", "a.mhd", test::mhaHeader("%s%n%s"), InvalidArgument, "ElementDataFile"},
         {"mhd_short_data", "a.mhd", test::mhaHeader("data.raw"), Corruption, "47", std::string(47, 'x')},
@@ -209,8 +209,8 @@ const std::vector<BadFile>& nrrds() {
         {"B032_nrrd_endless_header", "a.nrrd", cat({"NRRD0004\n", std::string(2'000'000, 'x')}), InvalidArgument, "NRRD"},
         {"B032_nrrd_no_blank_line", "a.nrrd", test::nrrdHeader(), InvalidArgument, "data file"},
         {"B033_nrrd_outside", "a.nhdr", detachedNrrd("../../etc/passwd"), InvalidArgument, "data file"},
-        {"nrrd_missing", "a.nhdr", detachedNrrd("none.raw"), NotFound, "none.raw"},
-        {"B035_nrrd_list_missing", "a.nhdr", detachedNrrd("LIST\nnone1.raw\nnone2.raw"), NotFound, "none1.raw"},
+        {"B035_nrrd_missing", "a.nhdr", detachedNrrd("none.raw"), InvalidArgument, "none.raw"},
+        {"B035_nrrd_list_missing", "a.nhdr", detachedNrrd("LIST\nnone1.raw\nnone2.raw"), InvalidArgument, "none1.raw"},
         {"B036_nrrd_pattern_range", "a.nhdr", detachedNrrd("slice%03d.raw 1 999999999 1"), InvalidArgument, "data file"},
         {"B037_nrrd_pattern_printf", "a.nhdr", detachedNrrd("%s%n%s 1 2 1"), InvalidArgument, "data file"},
         {"B038_nrrd_byte_skip", "a.nrrd", withNrrdLine("kinds", "byte skip: -2\nkinds"), InvalidArgument, "byte skip"},
@@ -291,7 +291,7 @@ const std::vector<BadFile>& niftis() {
         {"B066_nifti_gz_is_not", "a.nii.gz", test::nifti(), Corruption, "compressed"},
         {"nifti_gz_cut", "a.nii.gz", shorter(test::gzipped(test::nifti())), Corruption, "early"},
         {"nifti_gz_longer", "a.nii.gz", test::gzipped(test::nifti() + "x"), Corruption, "more than"},
-        {"B066_nifti_pair_without_img", "a.hdr", replaced(test::nifti(), "n+1", "ni1"), NotFound, "a.img"},
+        {"B066_nifti_pair_without_img", "a.hdr", replaced(test::nifti(), "n+1", "ni1"), InvalidArgument, "a.img"},
     };
     return files;
 }
