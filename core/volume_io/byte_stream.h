@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/file_system.h"
+#include "core/volume_io/byte_decoder.h"
 
 namespace isoslider::io {
 
@@ -28,6 +29,28 @@ struct FilePart {
 /// Parts of `partBytes` each, one after the other. Each file's size is checked here and again, by
 /// the read, when it is used. Errors: NotFound, Corruption (a file is too short), IoError.
 Result<std::unique_ptr<ByteStream>> openParts(std::vector<FilePart> parts, std::uint64_t partBytes);
+
+/// How each of several parts is to be decoded.
+struct Encoded {
+    Encoding encoding = Encoding::Plain;
+    FileType textType = FileType::U8; ///< of the samples, if they are text
+    std::uint64_t skipBytes = 0; ///< decoded bytes of each part that are no samples and come first
+    bool allowsTrailing = false; ///< a part may decode to more; then its checksum is not verified
+};
+
+/// Parts that decode to `partBytes` each, one after the other; decoded as they are read: see openDeflated.
+Result<std::unique_ptr<ByteStream>> openEncoded(std::vector<FilePart> parts, std::uint64_t partBytes,
+                                                Encoded how);
+
+/// A part of every `strideBytes`: what is left of an array when one of its axes is held.
+struct Runs {
+    std::uint64_t firstByte = 0;
+    std::uint64_t runBytes = 0;
+    std::uint64_t strideBytes = 0;
+};
+
+/// REQUIRES: runs lie within their stride, and strides fill `bytes`.
+std::unique_ptr<ByteStream> takeRuns(std::unique_ptr<ByteStream> bytes, const Runs& runs);
 
 /// A gzip or zlib stream that starts at `offset` of a file and must unpack to exactly
 /// `skipBytes + sizeBytes` bytes, of which the first `skipBytes` are no samples. Unpacks as it is

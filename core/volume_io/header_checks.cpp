@@ -81,24 +81,30 @@ std::string inQuotes(std::string_view text) {
     return out + (text.size() > 60 ? "...'" : "'");
 }
 
-Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view field, const fs::path& path) {
-    GridDims dims{1, 1, 1};
+Status checkExtents(std::span<const std::int64_t> sizes, std::string_view field, const fs::path& path) {
     if (sizes.empty())
         return refuseField(field, "the data has no dimension", path);
-    std::int64_t points = 1;
+    std::int64_t values = 1;
     for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
-        const std::int64_t size = sizes[axis];
-        if (size < 1 || size > kMaxDim)
-            return refuseField(field, "extent " + std::to_string(size) + " of axis " + std::to_string(axis + 1) +
+        if (sizes[axis] < 1 || sizes[axis] > kMaxDim)
+            return refuseField(field, "extent " + std::to_string(sizes[axis]) + " of axis " + std::to_string(axis + 1) +
                                           " is not within 1.." + std::to_string(kMaxDim), path);
-        if (axis >= 3 && size != 1)
+        values *= sizes[axis]; // both factors are below 2^41: no overflow before the next test
+        if (values > kMaxPoints)
+            return refuseField(field, "more than 2^40 grid points in all", path);
+    }
+    return {};
+}
+
+Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view field, const fs::path& path) {
+    ISO_TRY(checkExtents(sizes, field, path));
+    GridDims dims{1, 1, 1};
+    for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
+        if (axis >= 3 && sizes[axis] != 1)
             return refuseField(field, "the data has " + std::to_string(sizes.size()) +
                                           " dimensions, a series or several components; save one volume of it", path);
-        points *= size; // both factors are below 2^41: no overflow before the next test
-        if (points > kMaxPoints)
-            return refuseField(field, "more than 2^40 grid points in all", path);
         if (axis < 3)
-            dims[axis] = size;
+            dims[axis] = sizes[axis];
     }
     return dims;
 }
@@ -125,14 +131,13 @@ Result<fs::path> resolveDataFile(const fs::path& header, std::string_view name, 
         return makeError(ErrorCode::IoError, "cannot resolve its folder: " + problem.message(), header);
     const fs::path file = fs::weakly_canonical(folder / fs::path(name), problem);
     if (problem)
-        return makeError(ErrorCode::NotFound, std::string(field) + ": cannot resolve " + inQuotes(name) + ": " +
-                                                  problem.message(), header);
+        return refuseField(field, "cannot resolve " + inQuotes(name) + ": " + problem.message(), header);
     const auto mismatch = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
     if (!allowsExternal && mismatch.first != folder.end())
-        return refuseField(field, inQuotes(name) + " lies outside the folder of the header (data outside it has to be allowed)", header);
+        return refuseField(
+            field, inQuotes(name) + " lies outside the folder of the header (data outside it has to be allowed)", header);
     if (!fs::exists(file, problem))
-        return makeError(ErrorCode::NotFound, std::string(field) + ": there is no file " + inQuotes(name) +
-                                                  " beside the header", header);
+        return refuseField(field, "there is no file " + inQuotes(name) + " beside the header", header);
     return file;
 }
 

@@ -31,8 +31,10 @@ std::string lowerCase(std::string_view text);
 /// Short and printable, for messages that quote a file.
 std::string inQuotes(std::string_view text);
 
-/// Checks extents as a header gives them: missing ones are 1, those beyond the third have to be;
-/// each within [1, kMaxDim], the product within kMaxPoints.
+/// Checks extents of any number of axes: each within [1, kMaxDim], their product within kMaxPoints.
+Status checkExtents(std::span<const std::int64_t> sizes, std::string_view field, const std::filesystem::path& path);
+
+/// The same of a volume's extents as a header gives them: missing ones are 1, those beyond the third have to be.
 Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view field,
                            const std::filesystem::path& path);
 
@@ -40,7 +42,8 @@ Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view
 Status checkGeometry(const GridGeometry& geometry, std::string_view field, const std::filesystem::path& path);
 
 /// Where a data file named in a header really is. Refuses one that lies outside the header's
-/// folder once links are followed, unless that is allowed. Errors: NotFound, InvalidArgument.
+/// folder once links are followed, unless that is allowed. Errors: InvalidArgument (also
+/// where there is none: the header is at fault, not the disk), IoError.
 Result<std::filesystem::path> resolveDataFile(const std::filesystem::path& header, std::string_view name,
                                               std::string_view field, bool allowsExternal = false);
 

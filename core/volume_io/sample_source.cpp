@@ -10,23 +10,6 @@
 namespace isoslider::io {
 namespace {
 
-template <class Function>
-decltype(auto) visitFileType(FileType type, Function&& function) {
-    switch (type) {
-        case FileType::U8: return function(std::uint8_t{});
-        case FileType::I8: return function(std::int8_t{});
-        case FileType::U16: return function(std::uint16_t{});
-        case FileType::I16: return function(std::int16_t{});
-        case FileType::U32: return function(std::uint32_t{});
-        case FileType::I32: return function(std::int32_t{});
-        case FileType::U64: return function(std::uint64_t{});
-        case FileType::I64: return function(std::int64_t{});
-        case FileType::F32: return function(float{});
-        case FileType::F64: return function(double{});
-    }
-    checkFailed("known FileType", __FILE__, __LINE__);
-}
-
 void swapSamples(std::span<std::byte> bytes, std::size_t sampleBytes) {
     for (std::size_t i = 0; i + sampleBytes <= bytes.size(); i += sampleBytes)
         std::reverse(bytes.data() + i, bytes.data() + i + sampleBytes);
@@ -81,14 +64,15 @@ private:
     }
 
     Status readConverted(std::size_t first, std::size_t count, std::span<std::byte> out) {
-        constexpr std::size_t kChunk = std::size_t{1} << 17;
+        constexpr std::size_t kBufferBytes = std::size_t{4} << 20; // samples may have thousands of components
         const std::size_t valueSize = fileTypeSizeBytes(layout_.type);
         const std::size_t fileSize = valueSize * static_cast<std::size_t>(layout_.components);
         const std::size_t memorySize = scalarTypeSizeBytes(info_.type);
         const std::uint64_t begin = layout_.firstValue * valueSize;
-        std::vector<std::byte> raw(std::min(kChunk, count) * fileSize);
+        const std::size_t most = std::min(std::max<std::size_t>(kBufferBytes / fileSize, 1), count);
+        std::vector<std::byte> raw(most * fileSize);
         for (std::size_t done = 0; done < count;) {
-            const std::size_t chunk = std::min(kChunk, count - done);
+            const std::size_t chunk = std::min(most, count - done);
             const auto bytes = std::span(raw).first(chunk * fileSize);
             ISO_TRY(bytes_->readAt(begin + (first + done) * fileSize, bytes));
             if (needsSwap())
@@ -155,35 +139,6 @@ private:
 };
 
 } // namespace
-
-std::size_t fileTypeSizeBytes(FileType type) {
-    return visitFileType(type, [](auto sample) { return sizeof sample; });
-}
-
-ScalarType memoryType(FileType type) {
-    switch (type) {
-        case FileType::U8: return ScalarType::U8;
-        case FileType::I8: return ScalarType::I8;
-        case FileType::U16: return ScalarType::U16;
-        case FileType::I16: return ScalarType::I16;
-        case FileType::I32: return ScalarType::I32;
-        case FileType::F32: return ScalarType::F32;
-        default: return ScalarType::F64;
-    }
-}
-
-FileType fileTypeOf(ScalarType type) {
-    switch (type) {
-        case ScalarType::U8: return FileType::U8;
-        case ScalarType::I8: return FileType::I8;
-        case ScalarType::U16: return FileType::U16;
-        case ScalarType::I16: return FileType::I16;
-        case ScalarType::I32: return FileType::I32;
-        case ScalarType::F32: return FileType::F32;
-        case ScalarType::F64: return FileType::F64;
-    }
-    checkFailed("known ScalarType", __FILE__, __LINE__);
-}
 
 std::unique_ptr<VolumeSource> makeSampleSource(VolumeInfo info, SampleLayout layout, std::unique_ptr<ByteStream> bytes,
                                                std::filesystem::path path) {

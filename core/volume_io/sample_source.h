@@ -4,17 +4,10 @@
 #include <optional>
 
 #include "core/volume_io/byte_stream.h"
+#include "core/volume_io/file_type.h"
 #include "core/volume_io/volume_reader.h"
 
 namespace isoslider::io {
-
-/// Sample types that occur in files. Those without a ScalarType are widened to f64.
-enum class FileType { U8, I8, U16, I16, U32, I32, U64, I64, F32, F64 };
-
-std::size_t fileTypeSizeBytes(FileType type);
-/// The type of FileType's samples in memory, when no slope is applied.
-ScalarType memoryType(FileType type);
-FileType fileTypeOf(ScalarType type);
 
 /// value = slope * sample + intercept.
 struct Rescale {

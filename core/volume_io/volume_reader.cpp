@@ -13,7 +13,7 @@ namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kSlabBytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t kSlabBytes = std::uint64_t{16} << 20;
 
 // Missing files, pipes, devices and empty files end here, before any library sees the name.
 Status checkInput(const fs::path& path, bool isRaw) {
@@ -48,12 +48,14 @@ Result<std::shared_ptr<const ScalarGrid>> readSlabs(VolumeSource& source, const 
         static_cast<std::uint64_t>(dims[0] * dims[1]) * scalarTypeSizeBytes(info.type);
     const std::uint64_t totalBytes = planeBytes * static_cast<std::uint64_t>(dims[2]);
     ISO_TRY(checkFitsMemory(totalBytes, path));
-    std::vector<std::byte> samples(totalBytes);
+    std::vector<std::byte> samples; // grows as samples come: packed data may hold fewer than its header says
+    samples.reserve(totalBytes);
     const auto step = static_cast<std::int64_t>(std::max<std::uint64_t>(1, kSlabBytes / planeBytes));
     for (std::int64_t z = 0; z < dims[2]; z += step) {
         if (job.isStopRequested())
             return cancelledError();
         const std::int64_t zEnd = std::min(z + step, dims[2]);
+        samples.resize(static_cast<std::size_t>(zEnd) * planeBytes);
         const auto slab = std::span(samples).subspan(static_cast<std::size_t>(z) * planeBytes,
                                                      static_cast<std::size_t>(zEnd - z) * planeBytes);
         ISO_TRY(source.readSlab(z, zEnd, slab));

@@ -20,6 +20,14 @@ OpenFormat openNifti;
 OpenFormat openVtkXml;
 OpenFormat openVtkLegacy;
 OpenFormat openPlot3d;
+OpenFormat openMrc;
+OpenFormat openCube;
+
+ListFormat listMetaImage;
+ListFormat listNrrd;
+ListFormat listNifti;
+ListFormat listMrc;
+ListFormat listCube;
 
 /// Of formats with one scalar volume per file: what opening it finds.
 Result<VolumeContents> listByOpening(OpenFormat open, const std::filesystem::path& path, const ReadOptions& options);

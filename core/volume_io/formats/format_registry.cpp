@@ -16,9 +16,12 @@ constexpr std::size_t kStartBytes = 512;
 
 constexpr std::string_view kMetaImage[] = {".mhd", ".mha"};
 constexpr std::string_view kNrrd[] = {".nrrd", ".nhdr"};
-constexpr std::string_view kNifti[] = {".nii", ".nii.gz", ".hdr", ".img"};
+constexpr std::string_view kNifti[] = {".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz"};
 constexpr std::string_view kVtkXml[] = {".vti"};
 constexpr std::string_view kVtkLegacy[] = {".vtk"};
+constexpr std::string_view kMrc[] = {".mrc",    ".map",    ".ccp4",    ".rec",    ".st",    ".mrcs",
+                                     ".mrc.gz", ".map.gz", ".ccp4.gz", ".rec.gz", ".st.gz", ".mrcs.gz"};
+constexpr std::string_view kCube[] = {".cube", ".cub", ".cube.gz", ".cub.gz"};
 constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"};
 
 template <std::size_t size>
@@ -27,15 +30,23 @@ bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
 }
 
 bool isNrrd(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "NRRD000"); }
+bool isNifti(const fs::path&, std::span<const std::byte> start) {
+    return start.size() >= 348 && (beginsWith(start.subspan(344), "n+1") || beginsWith(start.subspan(4), "n+2"));
+}
+bool isMrc(const fs::path&, std::span<const std::byte> start) {
+    return start.size() >= 212 && beginsWith(start.subspan(208), "MAP ");
+}
 bool isVtkLegacy(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "# vtk DataFile"); }
 
 const Format kFormats[] = {
-    {"MetaImage", kMetaImage, openMetaImage, nullptr, nullptr, false},
-    {"NRRD", kNrrd, openNrrd, nullptr, isNrrd, false},
-    {"NIfTI", kNifti, openNifti, nullptr, nullptr, false},
+    {"MetaImage", kMetaImage, openMetaImage, listMetaImage, nullptr, false},
+    {"NRRD", kNrrd, openNrrd, listNrrd, isNrrd, false},
+    {"NIfTI", kNifti, openNifti, listNifti, isNifti, false},
     {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false, true},
     {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false, true},
     {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false, true},
+    {"MRC", kMrc, openMrc, listMrc, isMrc, false},
+    {"Gaussian cube", kCube, openCube, listCube, nullptr, false},
 };
 
 std::string knownSuffixes() {

@@ -8,7 +8,6 @@
 
 #include <glm/geometric.hpp>
 #include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
 #include "core/base/quiet_stream.h"
@@ -21,7 +20,6 @@ itk::ImageIOBase::Pointer makeImageIo(ItkFormat format) {
     switch (format) {
         case ItkFormat::MetaImage: return itk::MetaImageIO::New().GetPointer();
         case ItkFormat::Nrrd: return itk::NrrdImageIO::New().GetPointer();
-        case ItkFormat::Nifti: return itk::NiftiImageIO::New().GetPointer();
     }
     checkFailed("known ItkFormat", __FILE__, __LINE__);
 }
@@ -36,14 +34,9 @@ std::string lastLine(std::string_view text) {
 }
 
 Status checkAgreement(const itk::ImageIOBase& io, const GridDims& dims, const std::filesystem::path& path) {
-    if (io.GetNumberOfComponents() != 1)
-        return refuseField("components", "each sample has " + std::to_string(io.GetNumberOfComponents()) +
-                                             " of them; only scalar volumes are read", path);
-    for (unsigned axis = 0; axis < io.GetNumberOfDimensions(); ++axis) {
-        const std::int64_t expected = axis < 3 ? dims[axis] : 1;
-        if (static_cast<std::int64_t>(io.GetDimensions(axis)) != expected)
+    for (unsigned axis = 0; axis < io.GetNumberOfDimensions(); ++axis)
+        if (static_cast<std::int64_t>(io.GetDimensions(axis)) != (axis < 3 ? dims[axis] : 1) || io.GetNumberOfComponents() != 1)
             return refuseField("dimensions", "are read as something else by ITK", path);
-    }
     return {};
 }
 
@@ -87,10 +80,6 @@ Result<GridGeometry> readGeometry(const std::string& fileName, ItkFormat format,
 }
 
 } // namespace
-
-Result<GridGeometry> readItkGeometry(const std::filesystem::path& path, ItkFormat format, const GridDims& dims) {
-    return readGeometry(path.string(), format, dims, path);
-}
 
 Result<GridGeometry> readItkGeometryOfText(std::string_view header, ItkFormat format, const GridDims& dims,
                                            const std::filesystem::path& path) {

@@ -1,160 +1,131 @@
-#include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "core/volume_io/formats/format_readers.h"
+#include "core/volume_io/formats/nifti_header.h"
 #include "core/volume_io/header_checks.h"
-#include "core/volume_io/formats/itk_header.h"
+#include "core/volume_io/magnitude_source.h"
 #include "core/volume_io/sample_source.h"
+#include "core/volume_io/volume_choice.h"
 
-// Sizes, types and extensions are settled here; ITK then works out the place in space.
+// NIfTI-1, NIfTI-2 and Analyze 7.5, which NIfTI grew from.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kHeaderBytes = 348;
-constexpr std::int64_t kMaxDataOffset = std::int64_t{16} << 20;
+/// A type of samples, some of several values beside each other.
+struct Code {
+    int code;
+    FileType type;
+    int values = 1;
+    const char* name = nullptr; ///< if fileTypeName will not do
+};
+constexpr Code kCodes[] = {{2, FileType::U8},
+                           {256, FileType::I8},
+                           {512, FileType::U16},
+                           {4, FileType::I16},
+                           {768, FileType::U32},
+                           {8, FileType::I32},
+                           {1280, FileType::U64},
+                           {1024, FileType::I64},
+                           {16, FileType::F32},
+                           {64, FileType::F64},
+                           {128, FileType::U8, 3},
+                           {2304, FileType::U8, 4},
+                           {32, FileType::F32, 2, "complex64"},
+                           {1792, FileType::F64, 2, "complex128"}};
 
-struct Files {
-    fs::path header;
-    fs::path data;
-    bool isPair = false;
-    bool isHeaderPacked = false;
-    bool isDataPacked = false;
+struct Volume {
+    NiftiFiles files;
+    NiftiHeader header;
+    Code code{};
+    std::int64_t times = 1; ///< dim[4]: frames that lie beside each other
+    std::int64_t vectors = 1; ///< dim[5]: components, each a volume or a series of its own
+    std::uint64_t sampleBytes = 0;
+    VolumeField field;
+
+    std::uint64_t pointsBefore(std::int64_t component, std::int64_t frame) const {
+        const std::int64_t volumes = frame % times + times * (component + vectors * (frame / times));
+        return static_cast<std::uint64_t>(volumes * pointCount(field.dims));
+    }
 };
 
-struct Header {
-    std::vector<std::byte> bytes; ///< up to the samples of a single file
-    bool isSwapped = false;
-
-    template <class T>
-    T at(std::size_t offset) const {
-        std::array<std::byte, sizeof(T)> raw;
-        std::memcpy(raw.data(), bytes.data() + offset, sizeof(T));
-        if (isSwapped)
-            std::reverse(raw.begin(), raw.end());
-        return std::bit_cast<T>(raw);
-    }
-};
-
-bool endsWith(const fs::path& path, std::string_view suffix) {
-    return lowerCase(path.filename().string()).ends_with(suffix);
-}
-
-Result<Files> findFiles(const fs::path& path) {
-    if (endsWith(path, ".nii"))
-        return Files{path, path};
-    if (endsWith(path, ".nii.gz"))
-        return Files{path, path, false, true, true};
-    Files files{path, path, true, false, false};
-    files.header.replace_extension(".hdr");
-    files.data.replace_extension(".img");
-    std::error_code ignored;
-    if (!fs::exists(files.header, ignored))
-        return makeError(ErrorCode::NotFound, "the header of the pair is missing", files.header);
-    if (!fs::exists(files.data, ignored)) {
-        files.data += ".gz";
-        files.isDataPacked = true;
-    }
-    if (!fs::exists(files.data, ignored))
-        return makeError(ErrorCode::NotFound, "the samples of the pair are missing", files.data.replace_extension());
-    return files;
-}
-
-Result<std::vector<std::byte>> readBytes(const Files& files, std::size_t maxBytes) {
-    if (files.isHeaderPacked)
-        return inflateStart(files.header, maxBytes);
-    auto text = readStart(files.header, maxBytes);
-    if (!text.isOk())
-        return std::move(text).error();
-    const auto bytes = std::as_bytes(std::span(text.value()));
-    return std::vector<std::byte>(bytes.begin(), bytes.end());
-}
-
-Result<Header> readHeader(const Files& files) {
-    auto bytes = readBytes(files, kHeaderBytes + 4);
-    if (!bytes.isOk())
-        return std::move(bytes).error();
-    if (bytes.value().size() < kHeaderBytes)
-        return makeError(ErrorCode::InvalidArgument, "is not NIfTI: shorter than its header of 348 bytes", files.header);
-    Header header{std::move(bytes).value(), false};
-    for (const bool swaps : {false, true}) {
-        header.isSwapped = swaps;
-        if (header.at<std::int32_t>(0) == 540)
-            return makeError(ErrorCode::UnsupportedVersion, "is NIfTI-2; NIfTI-1 is read", files.header);
-        if (header.at<std::int32_t>(0) == 348)
-            break;
-        if (swaps)
-            return refuseField("sizeof_hdr", "348 expected: is not NIfTI", files.header);
-    }
-    const char* expected = files.isPair ? "ni1" : "n+1";
-    if (std::memcmp(header.bytes.data() + 344, expected, 4) != 0)
-        return makeError(ErrorCode::UnsupportedVersion, std::string("magic: '") + expected +
-                                                            "' expected; Analyze files are not read", files.header);
-    return header;
-}
-
-Result<FileType> readType(const Header& header, const fs::path& path) {
-    struct Code {
-        int code;
-        FileType type;
-    };
-    constexpr Code kCodes[] = {{2, FileType::U8},    {256, FileType::I8},  {512, FileType::U16}, {4, FileType::I16},
-                               {768, FileType::U32}, {8, FileType::I32},   {1280, FileType::U64}, {1024, FileType::I64},
-                               {16, FileType::F32},  {64, FileType::F64}};
-    const int code = header.at<std::int16_t>(70), bits = header.at<std::int16_t>(72);
+Result<Code> readCode(const NiftiHeader& header, const fs::path& path) {
     for (const Code& known : kCodes) {
-        if (known.code != code)
+        if (known.code != header.dataType)
             continue;
-        if (static_cast<std::size_t>(bits) != 8 * fileTypeSizeBytes(known.type))
-            return refuseField("bitpix", std::to_string(bits) + " does not fit datatype " + std::to_string(code), path);
-        return known.type;
+        if (static_cast<std::size_t>(header.bitsPerSample) !=
+            8 * fileTypeSizeBytes(known.type) * static_cast<std::size_t>(known.values))
+            return refuseField("bitpix",
+                               std::to_string(header.bitsPerSample) + " does not fit datatype " +
+                                   std::to_string(known.code),
+                               path);
+        return known;
     }
-    return refuseField("datatype", std::to_string(code) + " is not a type of scalars that is read", path);
+    const char* name = header.dataType == 1536   ? " (float128)"
+                       : header.dataType == 2048 ? " (complex256)"
+                                                 : "";
+    return refuseField(
+        "datatype", std::to_string(header.dataType) + name + " is not a type of samples that is read", path);
 }
 
-Result<GridDims> readDims(const Header& header, const fs::path& path) {
-    const int count = header.at<std::int16_t>(40);
-    if (count < 1 || count > 7)
-        return refuseField("dim[0]", std::to_string(count) + " is not a number of dimensions from 1 to 7", path);
-    std::vector<std::int64_t> sizes;
-    for (int i = 1; i <= count; ++i)
-        sizes.push_back(header.at<std::int16_t>(40 + 2 * static_cast<std::size_t>(i)));
-    return checkDims(sizes, "dim", path);
-}
-
-Result<std::uint64_t> readDataOffset(const Header& header, const Files& files) {
-    const double offset = header.at<float>(108);
-    const double least = files.isPair ? 0.0 : 352.0;
-    if (!(offset >= least && offset <= static_cast<double>(kMaxDataOffset)) || offset != std::floor(offset))
-        return refuseField("vox_offset", std::to_string(offset) + " is not a place for samples", files.header);
-    return static_cast<std::uint64_t>(offset);
-}
-
-// A chain of extensions is bounded by the samples; a damaged one would lead anywhere.
-Status checkExtensions(Header& header, const Files& files, std::uint64_t dataOffset) {
-    if (header.bytes.size() < kHeaderBytes + 4 || header.bytes[kHeaderBytes] == std::byte{0})
-        return {};
-    auto bytes = readBytes(files, files.isPair ? kMaxDataOffset : dataOffset);
-    if (!bytes.isOk())
-        return std::move(bytes).error();
-    header.bytes = std::move(bytes).value();
-    const std::size_t end = header.bytes.size();
-    for (std::size_t at = kHeaderBytes + 4; at < end;) {
-        const std::int64_t size = end - at >= 8 ? header.at<std::int32_t>(at) : 0;
-        if (size < 16 || size % 16 != 0 || static_cast<std::uint64_t>(size) > end - at)
-            return makeError(ErrorCode::InvalidArgument, "extension: its size " + std::to_string(size) +
-                                                             " is not possible", files.header, at);
-        at += static_cast<std::size_t>(size);
-    }
+std::vector<std::string> componentNames(const Volume& volume) {
+    if (volume.code.name != nullptr)
+        return {"real", "imaginary"};
+    if (volume.code.values == 3)
+        return {"red", "green", "blue"};
+    if (volume.code.values == 4)
+        return {"red", "green", "blue", "alpha"};
+    if (volume.header.intent == 2003 && volume.vectors == 3)
+        return {"red", "green", "blue"};
+    if (volume.header.intent == 2004 && volume.vectors == 4)
+        return {"red", "green", "blue", "alpha"};
+    if (volume.header.intent == 1006 && volume.vectors == 3) // displacements
+        return {"x", "y", "z"};
     return {};
 }
 
-std::optional<Rescale> readRescale(const Header& header, VolumeInfo& info) {
-    const double slope = header.at<float>(112), intercept = header.at<float>(116);
+Result<Volume> describe(const fs::path& path) {
+    auto files = findNiftiFiles(path);
+    if (!files.isOk())
+        return std::move(files).error();
+    auto header = readNiftiHeader(files.value());
+    if (!header.isOk())
+        return std::move(header).error();
+    const auto code = readCode(header.value(), files.value().header);
+    if (!code.isOk())
+        return code.error();
+    const auto sizes = header.value().sizes;
+    ISO_TRY(checkExtents(sizes, "dim", files.value().header));
+    const auto size = [&](std::size_t axis) { return axis < sizes.size() ? sizes[axis] : 1; };
+
+    Volume volume{std::move(files).value(), std::move(header).value(), code.value(), size(3), size(4), 0, {}};
+    volume.field.dims = {size(0), size(1), size(2)};
+    if (volume.vectors > 1 && volume.code.values > 1)
+        return refuseField("dim[5]", "vectors of colours or complex numbers are not read",
+                           volume.files.header);
+    volume.field.components = static_cast<int>(volume.vectors) * volume.code.values;
+    volume.field.componentNames = componentNames(volume);
+    volume.field.frames = volume.times * size(5) * size(6);
+    volume.field.typeName =
+        volume.code.name != nullptr ? std::string_view(volume.code.name) : fileTypeName(volume.code.type);
+    const auto values = pointCount(volume.field.dims) * volume.field.components * volume.field.frames;
+    volume.sampleBytes = static_cast<std::uint64_t>(values) * fileTypeSizeBytes(volume.code.type);
+    return volume;
+}
+
+Result<std::unique_ptr<ByteStream>> openBytes(const Volume& volume, const ReadOptions& options) {
+    const auto offset = static_cast<std::uint64_t>(volume.header.dataOffset);
+    if (volume.files.isDataPacked)
+        return openEncoded({{volume.files.data, 0}}, volume.sampleBytes,
+                           {Encoding::Deflate, FileType::U8, offset, options.allowsTrailing});
+    return openParts({{volume.files.data, offset}}, volume.sampleBytes);
+}
+
+std::optional<Rescale> readRescale(const Volume& volume, VolumeInfo& info) {
+    const double slope = volume.header.slope, intercept = volume.header.intercept;
+    if (volume.code.values > 2 || volume.header.version == NiftiVersion::Analyze75) // of no meaning there
+        return std::nullopt;
     if (!std::isfinite(slope) || !std::isfinite(intercept)) {
         info.notes.push_back("scl_slope or scl_inter is not finite and is ignored");
         return std::nullopt;
@@ -164,55 +135,77 @@ std::optional<Rescale> readRescale(const Header& header, VolumeInfo& info) {
     return Rescale{slope, intercept};
 }
 
-void noteBadSpacing(const Header& header, VolumeInfo& info) {
-    for (std::size_t axis = 1; axis <= 3; ++axis) {
-        const float size = header.at<float>(76 + 4 * axis);
-        if (size == 0.0f || !std::isfinite(size))
-            info.notes.push_back("pixdim[" + std::to_string(axis) + "] is unusable; a spacing is assumed");
-    }
-    if (header.at<std::int16_t>(252) == 0 && header.at<std::int16_t>(254) == 0)
-        info.notes.push_back("has neither qform nor sform; its orientation is assumed");
+Result<std::unique_ptr<VolumeSource>> openComponent(const Volume& volume, int component, std::int64_t frame,
+                                                    const VolumeInfo& info,
+                                                    const std::optional<Rescale>& rescale,
+                                                    const ReadOptions& options) {
+    auto bytes = openBytes(volume, options);
+    if (!bytes.isOk())
+        return std::move(bytes).error();
+    const bool isPlanar = volume.vectors > 1;
+    SampleLayout layout{volume.code.type,   volume.header.isBigEndian, rescale,
+                        volume.code.values, isPlanar ? 0 : component,  0};
+    layout.firstValue =
+        volume.pointsBefore(isPlanar ? component : 0, frame) * static_cast<std::uint64_t>(volume.code.values);
+    return makeSampleSource(info, layout, std::move(bytes).value(), volume.files.data);
+}
+
+Status noteTrailing(const Volume& volume, VolumeInfo& info) {
+    if (volume.files.isDataPacked)
+        return {};
+    const auto file = defaultFileSystem().openForReading(volume.files.data);
+    if (!file.isOk())
+        return file.error();
+    if (file.value()->sizeBytes() > static_cast<std::uint64_t>(volume.header.dataOffset) + volume.sampleBytes)
+        info.notes.push_back("the data file is longer than the samples; the rest is ignored");
+    return {};
 }
 
 } // namespace
 
-Result<std::unique_ptr<VolumeSource>> openNifti(const fs::path& path, const ReadOptions& /*options*/) {
-    const auto files = findFiles(path);
-    if (!files.isOk())
-        return files.error();
-    const fs::path& headerPath = files.value().header;
-    auto header = readHeader(files.value());
-    if (!header.isOk())
-        return std::move(header).error();
-    const auto type = readType(header.value(), headerPath);
-    if (!type.isOk())
-        return type.error();
-    const auto dims = readDims(header.value(), headerPath);
-    if (!dims.isOk())
-        return dims.error();
-    const auto offset = readDataOffset(header.value(), files.value());
-    if (!offset.isOk())
-        return offset.error();
-    const std::uint64_t sampleBytes =
-        static_cast<std::uint64_t>(pointCount(dims.value())) * fileTypeSizeBytes(type.value());
-    const fs::path& data = files.value().data;
-    auto bytes = files.value().isDataPacked ? openDeflated(data, 0, offset.value(), sampleBytes)
-                                            : openParts({{data, offset.value()}}, sampleBytes);
+Result<std::unique_ptr<VolumeSource>> openNifti(const fs::path& path, const ReadOptions& options) {
+    const auto described = describe(path);
+    if (!described.isOk())
+        return described.error();
+    const Volume& volume = described.value();
+    const auto bytes = openBytes(volume, options); // sizes first: a choice among what is not there is none
     if (!bytes.isOk())
-        return std::move(bytes).error();
-    ISO_TRY(checkExtensions(header.value(), files.value(), offset.value()));
-
+        return bytes.error();
+    const auto choice = chooseInOnlyField(volume.field, options, volume.files.header);
+    if (!choice.isOk())
+        return choice.error();
     VolumeInfo info;
-    info.format = "NIfTI";
-    auto geometry = readItkGeometry(headerPath, ItkFormat::Nifti, dims.value());
-    if (!geometry.isOk())
-        return std::move(geometry).error();
-    info.geometry = geometry.value();
-    ISO_TRY(checkGeometry(info.geometry, "pixdim, qform, sform", headerPath));
-    noteBadSpacing(header.value(), info);
-    const bool isBigEndian = header.value().isSwapped == (std::endian::native == std::endian::little);
-    const SampleLayout layout{type.value(), isBigEndian, readRescale(header.value(), info)};
-    return makeSampleSource(std::move(info), layout, std::move(bytes).value(), data);
+    info.format = volume.header.version == NiftiVersion::Analyze75 ? "Analyze" : "NIfTI";
+    info.geometry = niftiGeometry(volume.header, volume.field.dims, info.notes);
+    ISO_TRY(checkGeometry(info.geometry, "pixdim, qform, sform", volume.files.header));
+    ISO_TRY(noteTrailing(volume, info));
+    const auto rescale = readRescale(volume, info);
+    const auto [component, frame] = choice.value();
+    if (component != kMagnitude || volume.vectors == 1)
+        return openComponent(volume, component, frame, info, rescale, options);
+    if (volume.field.components > static_cast<int>(kMaxMagnitudeParts))
+        return refuseField("--component magnitude", "is taken of at most 64 components", path);
+    std::vector<std::unique_ptr<VolumeSource>> parts;
+    for (int i = 0; i < volume.field.components; ++i) {
+        auto part = openComponent(volume, i, frame, info, rescale, options);
+        if (!part.isOk())
+            return std::move(part).error();
+        parts.push_back(std::move(part).value());
+    }
+    return makeMagnitudeSource(std::move(parts));
+}
+
+Result<VolumeContents> listNifti(const fs::path& path, const ReadOptions& options) {
+    auto volume = describe(path);
+    if (!volume.isOk())
+        return std::move(volume).error();
+    const auto bytes = openBytes(volume.value(), options);
+    if (!bytes.isOk())
+        return bytes.error();
+    VolumeContents contents;
+    contents.format = volume.value().header.version == NiftiVersion::Analyze75 ? "Analyze" : "NIfTI";
+    contents.fields.push_back(std::move(volume.value().field));
+    return contents;
 }
 
 } // namespace isoslider::io

@@ -1,204 +1,104 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
 #include <cmath>
-#include <map>
 
+#include <glm/geometric.hpp>
+
+#include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
-#include "core/volume_io/header_checks.h"
 #include "core/volume_io/formats/itk_header.h"
+#include "core/volume_io/formats/nrrd_header.h"
+#include "core/volume_io/header_checks.h"
+#include "core/volume_io/magnitude_source.h"
 #include "core/volume_io/sample_source.h"
+#include "core/volume_io/volume_choice.h"
 
-// As with MetaImage, extents, files and sizes are settled here before ITK sees the header.
+// As with MetaImage, extents, files and sizes are settled here before ITK sees the header, and of that it
+// sees the axes of space only.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kMaxDataFiles = 65536;
-
-struct Header {
-    std::map<std::string, std::string, std::less<>> fields;
-    std::vector<std::string> dataFiles; ///< after "data file: LIST"
-    bool isDetached = false;
-    std::uint64_t sizeBytes = 0; ///< where attached data begins
-
-    std::string_view operator[](std::string_view key) const {
-        const auto found = fields.find(key);
-        return found == fields.end() ? std::string_view() : std::string_view(found->second);
-    }
-};
-
-struct TypeName {
-    std::string_view name;
-    FileType type;
-};
-constexpr TypeName kTypes[] = {
-    {"signed char", FileType::I8}, {"int8", FileType::I8}, {"int8_t", FileType::I8},
-    {"uchar", FileType::U8}, {"unsigned char", FileType::U8}, {"uint8", FileType::U8}, {"uint8_t", FileType::U8},
-    {"short", FileType::I16}, {"short int", FileType::I16}, {"signed short", FileType::I16},
-    {"signed short int", FileType::I16}, {"int16", FileType::I16}, {"int16_t", FileType::I16},
-    {"ushort", FileType::U16}, {"unsigned short", FileType::U16}, {"unsigned short int", FileType::U16},
-    {"uint16", FileType::U16}, {"uint16_t", FileType::U16},
-    {"int", FileType::I32}, {"signed int", FileType::I32}, {"int32", FileType::I32}, {"int32_t", FileType::I32},
-    {"uint", FileType::U32}, {"unsigned int", FileType::U32}, {"uint32", FileType::U32}, {"uint32_t", FileType::U32},
-    {"longlong", FileType::I64}, {"long long", FileType::I64}, {"long long int", FileType::I64},
-    {"signed long long", FileType::I64}, {"signed long long int", FileType::I64},
-    {"int64", FileType::I64}, {"int64_t", FileType::I64},
-    {"ulonglong", FileType::U64}, {"unsigned long long", FileType::U64}, {"unsigned long long int", FileType::U64},
-    {"uint64", FileType::U64}, {"uint64_t", FileType::U64},
-    {"float", FileType::F32}, {"double", FileType::F64}};
-
-// Spellings with and without the blank are the same field.
-std::string fieldName(std::string_view text) {
-    std::string name = lowerCase(trimmed(text));
-    if (name == "datafile")
-        return "data file";
-    if (name == "lineskip")
-        return "line skip";
-    if (name == "byteskip")
-        return "byte skip";
-    return name;
-}
-
-Status addField(Header& header, std::string_view line, const fs::path& path) {
-    const auto colon = line.find(':');
-    if (colon == std::string_view::npos)
-        return makeError(ErrorCode::InvalidArgument, "is not NRRD: a line 'field: value' was expected, found " +
-                                                         inQuotes(line), path);
-    if (line.substr(colon).starts_with(":=")) // a note of the writer's own
-        return {};
-    const std::string name = fieldName(line.substr(0, colon));
-    if (!header.fields.emplace(name, trimmed(line.substr(colon + 1))).second)
-        return refuseField(name, "is given twice", path);
-    return {};
-}
-
-Result<Header> readHeader(const fs::path& path) {
-    auto text = readStart(path);
-    if (!text.isOk())
-        return std::move(text).error();
-    std::string_view rest = text.value();
-    if (rest.starts_with("\xef\xbb\xbf")) // byte order mark of an editor
-        rest.remove_prefix(3);
-    Header header;
-    header.isDetached = true; // until a blank line says otherwise
-    bool isList = false;
-    for (std::size_t number = 0; !rest.empty(); ++number) {
-        const auto lineEnd = rest.find('\n');
-        const std::string_view line = trimmed(rest.substr(0, lineEnd));
-        if (rest.substr(0, lineEnd).size() > kMaxHeaderLine)
-            return makeError(ErrorCode::InvalidArgument, "is not NRRD: line " + std::to_string(number + 1) +
-                                                             " of its header is too long", path);
-        rest.remove_prefix(lineEnd == std::string_view::npos ? rest.size() : lineEnd + 1);
-        if (number == 0) {
-            if (line.size() != 8 || !line.starts_with("NRRD000") || line[7] < '1' || line[7] > '5')
-                return makeError(ErrorCode::InvalidArgument, "is not NRRD: NRRD0001 to NRRD0005 expected, found " +
-                                                                 inQuotes(line.substr(0, 12)), path);
-        } else if (isList) {
-            if (!line.empty())
-                header.dataFiles.emplace_back(line);
-            if (header.dataFiles.size() > kMaxDataFiles)
-                return refuseField("data file", "the list names more than 65536 files", path);
-        } else if (line.empty()) {
-            header.isDetached = false;
-            header.sizeBytes = text.value().size() - rest.size();
-            return header;
-        } else if (!line.starts_with('#')) {
-            ISO_TRY(addField(header, line, path));
-            isList = header["data file"].starts_with("LIST");
-        }
-    }
-    if (text.value().size() == kMaxHeaderBytes)
-        return makeError(ErrorCode::InvalidArgument, "is not NRRD: no end of its header in the first MiB", path);
-    return header;
-}
-
-Result<GridDims> readDims(const Header& header, const fs::path& path) {
-    const auto dimension = parseInteger(header["dimension"]);
-    if (!dimension || *dimension < 1 || *dimension > 16)
-        return refuseField("dimension", inQuotes(header["dimension"]) + " is not a number from 1 to 16", path);
-    std::vector<std::int64_t> sizes;
-    if (!parseIntegers(header["sizes"], sizes) || sizes.size() != static_cast<std::size_t>(*dimension))
-        return refuseField("sizes", std::to_string(*dimension) + " whole numbers expected, found " +
-                                        inQuotes(header["sizes"]), path);
-    if (header["space directions"].find("none") != std::string_view::npos)
-        return refuseField("space directions", "an axis without direction holds components; only scalar volumes are read",
-                           path);
-    std::vector<double> spacings;
-    if (!header["spacings"].empty() && !parseReals(header["spacings"], spacings))
-        return refuseField("spacings", "numbers expected, found " + inQuotes(header["spacings"]), path);
-    for (std::size_t axis = 0; axis < std::min<std::size_t>(spacings.size(), 3); ++axis)
-        if (!std::isfinite(spacings[axis]) || !(spacings[axis] > 0.0)) // ITK would silently put 1
-            return refuseField("spacings", inQuotes(header["spacings"]) + " are not positive numbers", path);
-    return checkDims(sizes, "sizes", path);
-}
-
-Result<SampleLayout> sampleLayout(const Header& header, const fs::path& path) {
-    for (const TypeName& known : kTypes) {
-        if (known.name != lowerCase(header["type"]))
-            continue;
-        const std::string endian = lowerCase(header["endian"]);
-        if (endian != "little" && endian != "big" && (!endian.empty() || fileTypeSizeBytes(known.type) > 1))
-            return refuseField("endian", "little or big expected, found " + inQuotes(endian), path);
-        return SampleLayout{known.type, endian == "big", std::nullopt};
-    }
-    return refuseField("type", inQuotes(header["type"]) + " is not a known type of scalars", path);
-}
-
-// "name%03d.raw MIN MAX STEP [SUBDIM]": the one conversion is written out here, never by printf.
-Result<std::vector<std::string>> expandPattern(std::string_view value, const fs::path& path) {
-    const auto parts = words(value);
-    if (parts.size() != 4 && parts.size() != 5)
-        return refuseField("data file", "a pattern takes first, last and step, found " + inQuotes(value), path);
-    const std::string_view pattern = parts[0];
-    const auto percent = pattern.find('%');
-    const auto conversion = pattern.find('d', percent);
-    const std::string_view width =
-        percent == std::string_view::npos || conversion == std::string_view::npos
-            ? std::string_view("bad")
-            : pattern.substr(percent + 1, conversion - percent - 1);
-    const auto digits = width.empty() ? std::optional<std::int64_t>(0) : parseInteger(width);
-    const auto first = parseInteger(parts[1]), last = parseInteger(parts[2]), step = parseInteger(parts[3]);
-    if (!digits || *digits < 0 || *digits > 20 || pattern.find('%', percent + 1) != std::string_view::npos)
-        return refuseField("data file", inQuotes(pattern) + " is not a pattern with one %d", path);
-    constexpr std::int64_t kBound = std::int64_t{1} << 40;
-    if (!first || !last || !step || *step == 0 || std::abs(*first) > kBound || std::abs(*last) > kBound ||
-        (*last - *first) / *step < 0 || (*last - *first) / *step >= static_cast<std::int64_t>(kMaxDataFiles))
-        return refuseField("data file", "the range " + inQuotes(value.substr(pattern.size())) + " is not usable", path);
-    std::vector<std::string> names;
-    for (std::int64_t i = 0; i <= (*last - *first) / *step; ++i) {
-        std::string number = std::to_string(*first + i * *step);
-        if (!width.empty() && width[0] == '0' && number.size() < static_cast<std::size_t>(*digits))
-            number.insert(0, static_cast<std::size_t>(*digits) - number.size(), '0');
-        names.push_back(std::string(pattern.substr(0, percent)) + number + std::string(pattern.substr(conversion + 1)));
-    }
-    return names;
-}
-
-Result<std::vector<FilePart>> findParts(const Header& header, const fs::path& path) {
-    const std::string_view value = header["data file"];
-    if (value.empty() && header.isDetached)
-        return refuseField("data file", "missing, and no samples follow the header", path);
-    if (value.empty())
-        return std::vector<FilePart>{{path, header.sizeBytes}};
-    std::vector<std::string> names = header.dataFiles;
-    if (!value.starts_with("LIST")) {
-        names = {std::string(value)};
-        if (value.find('%') != std::string_view::npos) {
-            auto expanded = expandPattern(value, path);
-            if (!expanded.isOk())
-                return std::move(expanded).error();
-            names = std::move(expanded).value();
-        }
-    }
-    if (names.empty())
-        return refuseField("data file", "the list is empty", path);
+/// What to read, file by file, with all its axes.
+struct Data {
     std::vector<FilePart> parts;
-    for (const std::string& name : names) {
-        auto file = resolveDataFile(path, name, "data file");
-        if (!file.isOk())
-            return std::move(file).error();
-        parts.push_back({std::move(file).value(), 0});
+    std::uint64_t partBytes = 0;
+    Encoded how;
+    bool isLonger = false; ///< than its samples
+};
+
+Result<Encoding> readEncoding(const NrrdHeader& header, const fs::path& path) {
+    const std::string name = lowerCase(header["encoding"]);
+    if (name == "raw")
+        return Encoding::Plain;
+    if (name == "gzip" || name == "gz")
+        return Encoding::Deflate;
+    if (name == "bzip2" || name == "bz2")
+        return Encoding::Bzip2;
+    if (name == "hex")
+        return Encoding::Hex;
+    if (header.isText())
+        return Encoding::Text;
+    return refuseField("encoding", inQuotes(name) + " is not read; raw, gzip, bzip2, hex and ascii are",
+                       path);
+}
+
+/// Names of data files, and of how many dimensions each is (0: not said).
+struct NamedFiles {
+    std::vector<std::string> names;
+    std::int64_t dimension = 0;
+};
+
+Result<NamedFiles> nameFiles(const NrrdHeader& header, const fs::path& path) {
+    const std::string_view value = header["data file"];
+    const auto parts = words(value);
+    const bool isList = value.starts_with("LIST"),
+               isPattern = !isList && value.find('%') != std::string_view::npos;
+    NamedFiles files;
+    if (!isList && !isPattern) {
+        files.names = {std::string(value)};
+        return files;
     }
-    return parts;
+    const bool hasDimension = parts.size() == (isList ? 2u : 5u);
+    if (isList && (parts[0] != "LIST" || parts.size() > 2))
+        return refuseField("data file", "LIST and at most a number expected, found " + inQuotes(value), path);
+    if (hasDimension) {
+        const auto dimension = parseInteger(parts.back());
+        if (!dimension || *dimension < 1 || *dimension > static_cast<std::int64_t>(header.axes.size()))
+            return refuseField("data file",
+                               inQuotes(parts.back()) + " is not the number of dimensions of a file", path);
+        files.dimension = *dimension;
+    }
+    if (isList) {
+        files.names = header.dataFiles;
+        return files;
+    }
+    const auto end =
+        hasDimension ? static_cast<std::size_t>(parts.back().data() - value.data()) : value.size();
+    auto names = expandPattern(value.substr(0, end), "data file", path);
+    if (!names.isOk())
+        return std::move(names).error();
+    files.names = std::move(names).value();
+    return files;
+}
+
+// As many files as there are slices of their dimension.
+Status checkFileCount(const NrrdHeader& header, const NamedFiles& files, const fs::path& path) {
+    std::int64_t expected = 1;
+    for (std::size_t axis = static_cast<std::size_t>(files.dimension); axis < header.axes.size(); ++axis)
+        expected *= header.axes[axis].size;
+    const auto count = static_cast<std::int64_t>(files.names.size());
+    const bool isSlab =
+        files.dimension == static_cast<std::int64_t>(header.axes.size()); // any number of them
+    if (files.dimension > 0 && !isSlab && count != expected)
+        return refuseField("data file",
+                           std::to_string(expected) + " files of " + std::to_string(files.dimension) +
+                               " dimensions expected, found " + std::to_string(count),
+                           path);
+    return {};
 }
 
 Status skipLines(FilePart& part, std::int64_t lines, const fs::path& path) {
@@ -223,109 +123,239 @@ Status skipLines(FilePart& part, std::int64_t lines, const fs::path& path) {
     }
 }
 
-// Moves each part's offset behind what `line skip` and `byte skip` leave out; returns skipped bytes
-// that are inside a compressed stream.
-Result<std::uint64_t> applySkips(const Header& header, std::vector<FilePart>& parts, std::uint64_t partBytes,
-                                 bool isCompressed, const fs::path& path) {
+// Moves each part's offset behind what `line skip` and `byte skip` leave out; of compressed data, bytes are
+// skipped once it is unpacked.
+Status applySkips(const NrrdHeader& header, Data& data, const fs::path& path) {
     const auto number = [&](std::string_view key) {
         return header[key].empty() ? std::optional<std::int64_t>(0) : parseInteger(header[key]);
     };
     const auto lines = number("line skip"), bytes = number("byte skip");
+    const bool isPacked = data.how.encoding == Encoding::Deflate || data.how.encoding == Encoding::Bzip2;
     if (!lines || *lines < 0)
         return refuseField("line skip", inQuotes(header["line skip"]) + " is not a number of lines", path);
-    if (!bytes || *bytes < -1 || (*bytes == -1 && isCompressed))
+    if (!bytes || *bytes < -1 || *bytes > kMaxPoints ||
+        (*bytes == -1 && data.how.encoding != Encoding::Plain))
         return refuseField("byte skip", inQuotes(header["byte skip"]) + " is not a number of bytes", path);
-    for (FilePart& part : parts) {
+    for (FilePart& part : data.parts) {
         ISO_TRY(skipLines(part, *lines, path));
         auto file = defaultFileSystem().openForReading(part.path);
         if (!file.isOk())
             return std::move(file).error();
         const std::uint64_t size = file.value()->sizeBytes();
         if (*bytes == -1)
-            part.offset = size >= partBytes ? size - partBytes : 0;
-        else if (!isCompressed)
+            part.offset = size >= data.partBytes ? size - data.partBytes : 0;
+        else if (!isPacked)
             part.offset += static_cast<std::uint64_t>(*bytes);
         if (part.offset > size)
             return refuseField("byte skip", "leads beyond the end of the data", path);
+        data.isLonger |= data.how.encoding == Encoding::Plain && size - part.offset > data.partBytes;
     }
-    return isCompressed ? static_cast<std::uint64_t>(*bytes) : std::uint64_t{0};
+    data.how.skipBytes = isPacked ? static_cast<std::uint64_t>(*bytes) : 0;
+    return {};
 }
 
-Result<std::unique_ptr<ByteStream>> openBytes(const Header& header, std::uint64_t sampleBytes, const fs::path& path) {
-    const std::string encoding = lowerCase(header["encoding"]);
-    const bool isCompressed = encoding == "gzip" || encoding == "gz";
-    if (!isCompressed && encoding != "raw")
-        return refuseField("encoding", inQuotes(encoding) + " is not read; raw and gzip are", path);
-    auto parts = findParts(header, path);
-    if (!parts.isOk())
-        return std::move(parts).error();
-    const std::size_t count = parts.value().size();
-    if (isCompressed && count > 1)
-        return refuseField("encoding", "gzip with several data files is not read", path);
-    if (sampleBytes % count != 0)
-        return refuseField("data file", std::to_string(count) + " files do not divide the samples evenly", path);
-    auto skip = applySkips(header, parts.value(), sampleBytes / count, isCompressed, path);
-    if (!skip.isOk())
-        return std::move(skip).error();
-    if (isCompressed)
-        return openDeflated(parts.value()[0].path, parts.value()[0].offset, skip.value(), sampleBytes);
-    return openParts(std::move(parts).value(), sampleBytes / count);
+Result<Data> findData(const NrrdHeader& header, const ReadOptions& options, const fs::path& path) {
+    const auto encoding = readEncoding(header, path);
+    if (!encoding.isOk())
+        return encoding.error();
+    Data data;
+    if (!header["data file"].empty()) {
+        const auto files = nameFiles(header, path);
+        if (!files.isOk())
+            return files.error();
+        ISO_TRY(checkFileCount(header, files.value(), path));
+        auto parts = locateDataFiles(files.value().names, "data file", path, options.allowsExternalData);
+        if (!parts.isOk())
+            return std::move(parts).error();
+        data.parts = std::move(parts).value();
+    } else if (header.isDetached) {
+        return refuseField("data file", "missing, and no samples follow the header", path);
+    } else {
+        data.parts = {{path, header.sizeBytes}};
+    }
+    std::uint64_t values = 1;
+    for (const NrrdAxis& axis : header.axes)
+        values *= static_cast<std::uint64_t>(axis.size);
+    if (values % data.parts.size() != 0)
+        return refuseField(
+            "data file", std::to_string(data.parts.size()) + " files do not divide the samples evenly", path);
+    data.partBytes = values / data.parts.size() * fileTypeSizeBytes(header.type);
+    data.how = {encoding.value(), header.type, 0, options.allowsTrailing};
+    ISO_TRY(applySkips(header, data, path));
+    return data;
 }
 
-// Only what bears on geometry, in the order ITK's parser needs, without the byte order marks,
-// carriage returns and trailing blanks that it stumbles over.
-std::string headerForItk(const Header& header) {
-    std::string text = "NRRD0005\nencoding: raw\nendian: little\n";
-    const auto add = [&](std::string_view key) {
-        if (!header[key].empty())
-            text += std::string(key) + ": " + std::string(header[key]) + "\n";
-    };
-    for (const char* key : {"type", "dimension", "space", "space dimension", "sizes", "space directions",
-                            "space origin", "spacings", "axis mins", "axismins", "centers", "centerings", "kinds",
-                            "thicknesses"})
-        add(key);
-    return text + "\n";
+// The fastest axis is none of space: its values lie beside each other, and the sample source picks one.
+bool isInterleaved(const NrrdHeader& header) {
+    return header.axes[0].role != NrrdRole::Space && header.axes[0].size > 1;
+}
+bool hasInterleavedComponents(const NrrdHeader& header) {
+    return isInterleaved(header) && header.axes[0].role == NrrdRole::Component;
 }
 
-Result<GridGeometry> readGeometry(const Header& header, const GridDims& dims, VolumeInfo& info, const fs::path& path) {
+/// The samples of one component and frame, or all those of an interleaved axis. Axes are taken out from the
+/// slowest on, so that those that are left stay where they are.
+Result<std::unique_ptr<ByteStream>> openSamples(const NrrdHeader& header, const Data& data,
+                                                std::int64_t component, std::int64_t frame) {
+    auto bytes = openEncoded(data.parts, data.partBytes, data.how);
+    if (!bytes.isOk())
+        return bytes;
+    std::unique_ptr<ByteStream> stream = std::move(bytes).value();
+    for (std::size_t axis = header.axes.size(); axis-- > 0;) {
+        const NrrdAxis& held = header.axes[axis];
+        if (held.role == NrrdRole::Space || held.size == 1 || axis == 0)
+            continue;
+        Runs runs;
+        runs.runBytes = fileTypeSizeBytes(header.type);
+        for (std::size_t faster = 0; faster < axis; ++faster)
+            runs.runBytes *= static_cast<std::uint64_t>(header.axes[faster].size);
+        runs.firstByte =
+            runs.runBytes * static_cast<std::uint64_t>(held.role == NrrdRole::Component ? component : frame);
+        runs.strideBytes = runs.runBytes * static_cast<std::uint64_t>(held.size);
+        stream = takeRuns(std::move(stream), runs);
+    }
+    return stream;
+}
+
+// ITK refuses two axes in a space of three: one more is put upright on them.
+void addUprightAxis(NrrdHeader& header) {
+    std::vector<glm::dvec3> directions;
+    for (const NrrdAxis& axis : header.axes) {
+        std::vector<double> numbers;
+        std::string inner = axis.direction;
+        std::replace_if(
+            inner.begin(), inner.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+        if (axis.role == NrrdRole::Space && parseReals(inner, numbers) && numbers.size() == 3)
+            directions.emplace_back(numbers[0], numbers[1], numbers[2]);
+    }
+    if (directions.size() != 2 || header.dims()[2] != 1)
+        return;
+    const glm::dvec3 normal = glm::normalize(glm::cross(directions[0], directions[1]));
+    if (!std::isfinite(normal.x + normal.y + normal.z))
+        return;
+    NrrdAxis& axis = header.axes.emplace_back();
+    for (int row = 0; row < 3; ++row) {
+        std::array<char, 32> digits{};
+        const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), normal[row]).ptr;
+        axis.direction += (row == 0 ? "(" : ",") + std::string(digits.data(), end);
+    }
+    axis.direction += ")";
+}
+
+Result<GridGeometry> readGeometry(NrrdHeader header, VolumeInfo& info, const fs::path& path) {
     std::vector<double> spacings;
-    parseReals(header["spacings"], spacings);
+    bool hasDirections = false;
+    for (const NrrdAxis& axis : header.axes) {
+        if (axis.role != NrrdRole::Space)
+            continue;
+        spacings.push_back(parseReal(axis.spacing).value_or(0.0));
+        hasDirections |= !axis.direction.empty();
+    }
     const bool hasSpace = !header["space"].empty() || !header["space dimension"].empty();
-    if (!hasSpace || spacings.size() < 3 || !header["space directions"].empty())
-        return readItkGeometryOfText(headerForItk(header), ItkFormat::Nrrd, dims, path);
+    const bool hasSpacings = !spacings.empty() && *std::min_element(spacings.begin(), spacings.end()) > 0.0;
+    if (!hasSpace || hasDirections || !hasSpacings) {
+        addUprightAxis(header);
+        return readItkGeometryOfText(spatialNrrdHeader(header), ItkFormat::Nrrd, header.dims(), path);
+    }
     // A space without directions, only scalar spacings: well-formed, but ITK refuses it.
     info.notes.push_back("names a space but no directions in it; the axes are taken as they are");
     GridGeometry geometry;
-    geometry.dims = dims;
-    geometry.spacing = {spacings[0], spacings[1], spacings[2]};
+    geometry.dims = header.dims();
+    for (std::size_t axis = 0; axis < spacings.size(); ++axis)
+        geometry.spacing[static_cast<int>(axis)] = spacings[axis];
     return geometry;
+}
+
+VolumeField fieldOf(const NrrdHeader& header) {
+    VolumeField field;
+    field.title = std::string(header["content"].substr(0, 200));
+    field.dims = header.dims();
+    field.typeName = fileTypeName(header.type);
+    field.components = static_cast<int>(header.extent(NrrdRole::Component));
+    field.componentNames = header.componentNames();
+    field.frames = header.extent(NrrdRole::Frame);
+    return field;
+}
+
+/// Header, files and first bytes, checked against each other.
+struct Described {
+    NrrdHeader header;
+    Data data;
+    VolumeField field;
+};
+
+Result<Described> describe(const fs::path& path, const ReadOptions& options) {
+    auto header = readNrrdHeader(path);
+    if (!header.isOk())
+        return std::move(header).error();
+    auto data = findData(header.value(), options, path);
+    if (!data.isOk())
+        return std::move(data).error();
+    const auto bytes = openEncoded(data.value().parts, data.value().partBytes, data.value().how);
+    if (!bytes.isOk())
+        return bytes.error();
+    VolumeField field = fieldOf(header.value());
+    return Described{std::move(header).value(), std::move(data).value(), std::move(field)};
+}
+
+Result<std::unique_ptr<VolumeSource>> openComponent(const Described& volume, const VolumeInfo& info,
+                                                    const Choice& choice, const fs::path& path) {
+    auto bytes = openSamples(volume.header, volume.data, std::max(choice.component, 0), choice.frame);
+    if (!bytes.isOk())
+        return std::move(bytes).error();
+    const bool isBig = volume.data.how.encoding == Encoding::Text ? std::endian::native == std::endian::big
+                                                                  : volume.header.isBigEndian;
+    SampleLayout layout{volume.header.type, isBig, std::nullopt};
+    if (isInterleaved(volume.header)) {
+        layout.components = static_cast<int>(volume.header.axes[0].size);
+        layout.component =
+            hasInterleavedComponents(volume.header) ? choice.component : static_cast<int>(choice.frame);
+    }
+    return makeSampleSource(info, layout, std::move(bytes).value(), path);
 }
 
 } // namespace
 
-Result<std::unique_ptr<VolumeSource>> openNrrd(const fs::path& path, const ReadOptions& /*options*/) {
-    const auto header = readHeader(path);
-    if (!header.isOk())
-        return header.error();
-    const auto dims = readDims(header.value(), path);
-    if (!dims.isOk())
-        return dims.error();
-    const auto layout = sampleLayout(header.value(), path);
-    if (!layout.isOk())
-        return layout.error();
-    const std::uint64_t sampleBytes =
-        static_cast<std::uint64_t>(pointCount(dims.value())) * fileTypeSizeBytes(layout.value().type);
-    auto bytes = openBytes(header.value(), sampleBytes, path);
-    if (!bytes.isOk())
-        return std::move(bytes).error();
+Result<std::unique_ptr<VolumeSource>> openNrrd(const fs::path& path, const ReadOptions& options) {
+    const auto described = describe(path, options);
+    if (!described.isOk())
+        return described.error();
+    const Described& volume = described.value();
+    const auto chosen = chooseInOnlyField(volume.field, options, path);
+    if (!chosen.isOk())
+        return chosen.error();
     VolumeInfo info;
     info.format = "NRRD";
-    auto geometry = readGeometry(header.value(), dims.value(), info, path);
+    auto geometry = readGeometry(volume.header, info, path);
     if (!geometry.isOk())
         return std::move(geometry).error();
     ISO_TRY(checkGeometry(geometry.value(), "spacings or space directions", path));
     info.geometry = geometry.value();
-    return makeSampleSource(std::move(info), layout.value(), std::move(bytes).value(), path);
+    if (volume.data.isLonger)
+        info.notes.push_back("the data file is longer than the samples; the rest is ignored");
+    Choice choice = chosen.value();
+    if (choice.component != kMagnitude || hasInterleavedComponents(volume.header))
+        return openComponent(volume, info, choice, path);
+    if (volume.field.components > static_cast<int>(kMaxMagnitudeParts))
+        return refuseField("--component magnitude", "is taken of at most 64 components", path);
+    std::vector<std::unique_ptr<VolumeSource>> parts;
+    for (choice.component = 0; choice.component < volume.field.components; ++choice.component) {
+        auto part = openComponent(volume, info, choice, path);
+        if (!part.isOk())
+            return std::move(part).error();
+        parts.push_back(std::move(part).value());
+    }
+    return makeMagnitudeSource(std::move(parts));
+}
+
+Result<VolumeContents> listNrrd(const fs::path& path, const ReadOptions& options) {
+    auto volume = describe(path, options);
+    if (!volume.isOk())
+        return std::move(volume).error();
+    VolumeContents contents;
+    contents.format = "NRRD";
+    contents.fields.push_back(std::move(volume.value().field));
+    return contents;
 }
 
 } // namespace isoslider::io

@@ -70,6 +70,7 @@ bool isSample(std::string_view word, FileType type) {
         case FileType::U64: return isWithin<std::uint64_t>(word);
         case FileType::I64: return isWithin<std::int64_t>(word);
         case FileType::F32: return isWithin<double>(word, -kMaxFloat, kMaxFloat);
+        case FileType::F16: break; // no type of VTK
         case FileType::F64: return isWithin<double>(word);
     }
     return false;

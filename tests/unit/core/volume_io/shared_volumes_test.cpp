@@ -102,9 +102,9 @@ TEST(SharedFiles, ThatAreNoScalarVolumesAreRefused) {
     if (!std::filesystem::exists(kData))
         GTEST_SKIP() << "further test data is not here: " << kData;
     const Refused files[] = {
-        {"awkward/img4d_11f.nii.gz", ErrorCode::InvalidArgument, "4 dimensions"},
-        {"awkward/example_nifti2.nii.gz", ErrorCode::UnsupportedVersion, "NIfTI-2"},
-        {"awkward/tensor_rgb.nii.gz", ErrorCode::InvalidArgument, "dim"},
+        {"awkward/img4d_11f.nii.gz", ErrorCode::InvalidArgument, "has 11 frames: choose one with --frame 0 to 10"},
+        {"awkward/example_nifti2.nii.gz", ErrorCode::InvalidArgument, "has 2 frames: choose one with --frame 0 to 1"},
+        {"awkward/tensor_rgb.nii.gz", ErrorCode::InvalidArgument, "has 3 components: choose one with --component 0 to 2"},
         {"awkward/CT_small.dcm", ErrorCode::InvalidArgument, "expected .mhd"},
         {"vti/vase_4comp.vti", ErrorCode::InvalidArgument, "NumberOfComponents"},
         {"vtk/RectGrid2.vtk", ErrorCode::InvalidArgument, "STRUCTURED_POINTS"},

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <bzlib.h>
 #include <zlib.h>
 
 // Volume files as byte strings, small and sound; tests damage them.
@@ -42,6 +43,13 @@ inline std::string packed(const std::string& bytes, int windowBits) {
     ::deflate(&stream, Z_FINISH);
     out.resize(stream.total_out);
     ::deflateEnd(&stream);
+    return out;
+}
+inline std::string bzipped(const std::string& bytes) {
+    std::string out(bytes.size() + bytes.size() / 100 + 600, '\0');
+    auto size = static_cast<unsigned>(out.size());
+    ::BZ2_bzBuffToBuffCompress(out.data(), &size, const_cast<char*>(bytes.data()), static_cast<unsigned>(bytes.size()), 9, 0, 0);
+    out.resize(size);
     return out;
 }
 inline std::string gzipped(const std::string& bytes) { return packed(bytes, 31); }

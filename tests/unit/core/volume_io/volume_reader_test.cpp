@@ -103,9 +103,9 @@ const std::vector<GoodFile>& goodFiles() {
         {"nhdr_list", "a.nhdr", test::nrrdHeader() + "data file: LIST\nslice07.raw\nslice08.raw\n", "NRRD"},
         {"nhdr_pattern", "a.nhdr", test::nrrdHeader() + "data file: slice%02d.raw 7 8 1\n", "NRRD"},
         {"nrrd_gzip", "a.nrrd", nrrdGzip(test::gzipped(test::ramp<std::int16_t>(24))), "NRRD"},
-        {"nrrd_two_members", "a.nrrd", nrrdGzip(twoMembers()), "NRRD"},
-        {"nrrd_crlf", "a.nrrd", withCarriageReturns(test::nrrdHeader()) + "\r\n" + test::ramp<std::int16_t>(24), "NRRD"},
-        {"nrrd_byte_order_mark", "a.nrrd", "\xef\xbb\xbf" + test::nrrd(), "NRRD"},
+        {"B040_nrrd_two_members", "a.nrrd", nrrdGzip(twoMembers()), "NRRD"},
+        {"B048_nrrd_crlf", "a.nrrd", withCarriageReturns(test::nrrdHeader()) + "\r\n" + test::ramp<std::int16_t>(24), "NRRD"},
+        {"B048_nrrd_byte_order_mark", "a.nrrd", "\xef\xbb\xbf" + test::nrrd(), "NRRD"},
         {"nrrd_byte_skip", "a.nrrd", test::nrrdHeader() + "byte skip: -1\n\nsomething" + test::ramp<std::int16_t>(24), "NRRD"},
         {"nii", "a.nii", test::nifti(), "NIfTI", true},
         {"nii_gz", "a.nii.gz", test::gzipped(test::nifti()), "NIfTI", true},
@@ -185,7 +185,7 @@ TEST(VolumeReader, AppliesNiftiSlope) {
     }
 }
 
-TEST(VolumeReader, FallsBackWhereNiftiSaysNothingOfSpace) {
+TEST(VolumeReader, B063_FallsBackWhereNiftiSaysNothingOfSpace) {
     const TemporaryFolder folder;
     std::string bytes = test::niftiWith<std::int16_t>(254, 0);
     test::put<float>(bytes, 84, 0.0f); // pixdim[2]
@@ -193,9 +193,13 @@ TEST(VolumeReader, FallsBackWhereNiftiSaysNothingOfSpace) {
     ASSERT_THAT(source, test::IsOk());
     EXPECT_EQ(source.value()->info().geometry.spacing, glm::dvec3(1, 1, 3));
     EXPECT_EQ(source.value()->info().notes.size(), 2u);
+    test::put<float>(bytes, 84, std::numeric_limits<float>::quiet_NaN());
+    source = openVolume(folder.write("a.nii", bytes));
+    ASSERT_THAT(source, test::IsOk());
+    EXPECT_EQ(source.value()->info().geometry.spacing, glm::dvec3(1, 1, 3));
 }
 
-TEST(VolumeReader, KeepsLeftHandedDirections) {
+TEST(VolumeReader, B047_KeepsLeftHandedDirections) {
     const TemporaryFolder folder;
     const auto grid = readVolume(folder.write("a.nrrd", replaced(test::nrrd(), "(0,2,0)", "(0,-2,0)")));
     ASSERT_THAT(grid, test::IsOk());
