@@ -20,6 +20,7 @@ constexpr std::string_view kNifti[] = {".nii", ".nii.gz", ".hdr", ".img"};
 constexpr std::string_view kVtkXml[] = {".vti"};
 constexpr std::string_view kVtkLegacy[] = {".vtk"};
 constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"};
+constexpr std::string_view kDicom[] = {".dcm", ".ima", ".dicom"};
 
 template <std::size_t size>
 bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
@@ -36,6 +37,7 @@ const Format kFormats[] = {
     {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false},
     {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false},
     {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false},
+    {"DICOM", kDicom, openDicom, listDicom, isDicom, true},
 };
 
 std::string knownSuffixes() {
