@@ -172,6 +172,12 @@ ScalarType memoryType(FileType type) {
     }
 }
 
+std::string_view fileTypeName(FileType type) {
+    constexpr std::string_view kNames[] = {"uint8", "int8",   "uint16", "int16",   "uint32",
+                                           "int32", "uint64", "int64",  "float32", "float64"};
+    return kNames[static_cast<std::size_t>(type)];
+}
+
 FileType fileTypeOf(ScalarType type) {
     switch (type) {
         case ScalarType::U8: return FileType::U8;

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "core/volume_io/byte_stream.h"
 #include "core/volume_io/volume_reader.h"
@@ -12,6 +13,8 @@ namespace isoslider::io {
 enum class FileType { U8, I8, U16, I16, U32, I32, U64, I64, F32, F64 };
 
 std::size_t fileTypeSizeBytes(FileType type);
+/// "uint8", "int16", "float64".
+std::string_view fileTypeName(FileType type);
 /// The type of FileType's samples in memory, when no slope is applied.
 ScalarType memoryType(FileType type);
 FileType fileTypeOf(ScalarType type);

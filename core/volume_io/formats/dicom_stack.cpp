@@ -319,9 +319,7 @@ private:
         const DicomImage& first = image(slices.front());
         const DicomPixels& pixels = first.pixels;
         VolumeField& field = made.field;
-        constexpr std::string_view kTypes[] = {"uint8", "int8",   "uint16", "int16",   "uint32",
-                                               "int32", "uint64", "int64",  "float32", "float64"};
-        field.typeName = kTypes[static_cast<std::size_t>(pixels.type)];
+        field.typeName = fileTypeName(pixels.type);
         field.components = pixels.components;
         if (pixels.components == 3)
             field.componentNames = pixels.photometric.starts_with("YBR_F")

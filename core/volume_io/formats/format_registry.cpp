@@ -21,6 +21,7 @@ constexpr std::string_view kVtkXml[] = {".vti"};
 constexpr std::string_view kVtkLegacy[] = {".vtk"};
 constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"};
 constexpr std::string_view kDicom[] = {".dcm", ".ima", ".dicom"};
+constexpr std::string_view kTiff[] = {".tif", ".tiff"};
 
 template <std::size_t size>
 bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
@@ -38,6 +39,7 @@ const Format kFormats[] = {
     {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false},
     {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false},
     {"DICOM", kDicom, openDicom, listDicom, isDicom, true},
+    {"TIFF", kTiff, openTiff, listTiff, isTiff, true},
 };
 
 std::string knownSuffixes() {
