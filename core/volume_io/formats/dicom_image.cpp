@@ -50,10 +50,8 @@ constexpr KnownElement kImageElements[] = {
     {0x00181164, Decimal}, // imager pixel spacing
     {0x3004000c, Decimal}, // grid frame offset vector
     {0x3004000e, Decimal}, // dose grid scaling
-    {kLookupTable, Sequence},
-    {kSharedGroups, Sequence},
-    {kFrameGroups, Sequence},
-    {kDetectors, Sequence}, // of nuclear medicine
+    {kLookupTable, Sequence}, {kSharedGroups, Sequence},
+    {kFrameGroups, Sequence}, {kDetectors, Sequence}, // of nuclear medicine
 };
 
 // Of the whole file, or in the functional groups of all frames or of each.
@@ -307,6 +305,9 @@ Result<DicomPixels> readPixelLayout(const ImageSink& sink, const DicomDataSet& d
     if (pixels.components < 1 || pixels.components > 4)
         return refuseField("samples per pixel (0028,0002)",
                            std::to_string(pixels.components) + " is not within 1..4", path);
+    if (samples.isEncapsulated && pixels.components != 1 && pixels.components != 3)
+        return refuseField("samples per pixel (0028,0002)",
+                           std::to_string(pixels.components) + " are not read of compressed images", path);
     if (pixels.bitsStored < 1 || pixels.highBit < pixels.bitsStored - 1 ||
         pixels.highBit >= pixels.bitsAllocated)
         return refuseField("bits stored (0028,0101)",

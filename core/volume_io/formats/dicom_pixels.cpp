@@ -1,10 +1,14 @@
 #include "core/volume_io/formats/dicom_pixels.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
 #include <iostream>
+#include <mutex>
 #include <type_traits>
 
 #include <gdcmImage.h>
@@ -65,10 +69,13 @@ struct Codestream {
     bool isFound = false;
 };
 
+// Everything up to the scan, strictly: a decoder that only warns of what is odd there may also stop the
+// program.
 Codestream readJpegMarkers(std::span<const std::byte> bytes) {
     if (bytes.size() < 4 || bigEndian(bytes, 0, 2) != 0xffd8)
         return {};
-    for (std::size_t at = 2; at + 10 <= bytes.size();) {
+    Codestream stream;
+    for (std::size_t at = 2; at + 4 <= bytes.size();) {
         if (bytes[at] != std::byte{0xff})
             return {};
         const std::uint32_t marker = bigEndian(bytes, at + 1, 1);
@@ -76,34 +83,66 @@ Codestream readJpegMarkers(std::span<const std::byte> bytes) {
             ++at;
             continue;
         }
-        const bool isFrame =
-            (marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc) ||
-            marker == 0xf7;
-        if (isFrame)
-            return {bigEndian(bytes, at + 5, 2), bigEndian(bytes, at + 7, 2),
-                    static_cast<int>(bigEndian(bytes, at + 9, 1)),
-                    static_cast<int>(bigEndian(bytes, at + 4, 1)), true};
-        if (marker == 0xda || marker == 0xd9)
+        const std::size_t length = bigEndian(bytes, at + 2, 2);
+        if (marker < 0xc0 || (marker >= 0xd0 && marker <= 0xd9) || length < 2 ||
+            length > bytes.size() - at - 2)
             return {};
-        at += 2 + bigEndian(bytes, at + 2, 2);
+        const bool isFrame =
+            (marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc) || marker == 0xf7;
+        if (isFrame && (length < 8 || stream.components != 0))
+            return {};
+        if (isFrame)
+            stream = {bigEndian(bytes, at + 5, 2), bigEndian(bytes, at + 7, 2),
+                      static_cast<int>(bigEndian(bytes, at + 9, 1)),
+                      static_cast<int>(bigEndian(bytes, at + 4, 1)), false};
+        const bool isJfif = marker == 0xe0 && length >= 9 && bigEndian(bytes, at + 4, 4) == 0x4a464946;
+        const bool isAdobe = marker == 0xee && length >= 14 && bigEndian(bytes, at + 4, 4) == 0x41646f62;
+        if ((isJfif && bigEndian(bytes, at + 9, 1) != 1) || (isAdobe && bigEndian(bytes, at + 15, 1) > 1))
+            return {};
+        if (marker == 0xda) {
+            stream.isFound = stream.components != 0;
+            return stream;
+        }
+        at += 2 + length;
     }
     return {};
 }
 
-Codestream readJpeg2000Size(std::span<const std::byte> bytes) {
+/// Where the codestream begins, in a JP2 file or without one.
+std::size_t findJpeg2000(std::span<const std::byte> bytes) {
     constexpr std::array kStart{std::byte{0xff}, std::byte{0x4f}, std::byte{0xff}, std::byte{0x51}};
     const auto found = std::search(bytes.begin(), bytes.end(), kStart.begin(), kStart.end());
-    const auto at = static_cast<std::size_t>(found - bytes.begin());
-    if (bytes.size() < 45 || at > bytes.size() - 45)
+    return static_cast<std::size_t>(found - bytes.begin());
+}
+
+/// All segments up to the first tile's data lie within the bytes, and say how the samples are coded.
+bool areJpeg2000MarkersWhole(std::span<const std::byte> bytes) {
+    bool isCoded = false;
+    for (std::size_t at = 2; at + 4 <= bytes.size();) {
+        const std::uint32_t marker = bigEndian(bytes, at, 2);
+        if (marker == 0xff93)
+            return isCoded;
+        const std::size_t length = bigEndian(bytes, at + 2, 2);
+        const bool isSegment = marker >= 0xff50 && marker != 0xff92 && marker != 0xffd9;
+        if (!isSegment || length < 2 || length > bytes.size() - at - 2 || (marker == 0xff52 && length < 12))
+            return false;
+        isCoded = isCoded || marker == 0xff52;
+        at += 2 + length;
+    }
+    return false;
+}
+
+Codestream readJpeg2000Size(std::span<const std::byte> all) {
+    const auto bytes = all.subspan(findJpeg2000(all));
+    if (bytes.size() < 45 || !areJpeg2000MarkersWhole(bytes))
         return {};
     const auto field = [&](std::size_t offset) {
-        return static_cast<std::int64_t>(bigEndian(bytes, at + offset, 4));
+        return static_cast<std::int64_t>(bigEndian(bytes, offset, 4));
     };
-    Codestream stream{field(12) - field(20), field(8) - field(16),
-                      static_cast<int>(bigEndian(bytes, at + 40, 2)),
-                      static_cast<int>(bigEndian(bytes, at + 42, 1) & 0x7f) + 1, true};
+    Codestream stream{field(12) - field(20), field(8) - field(16), static_cast<int>(bigEndian(bytes, 40, 2)),
+                      static_cast<int>(bigEndian(bytes, 42, 1) & 0x7f) + 1, true};
     for (std::size_t c = 0; c < static_cast<std::size_t>(stream.components); ++c) {
-        const std::size_t component = at + 42 + 3 * c;
+        const std::size_t component = 42 + 3 * c;
         const bool isWhole = component + 3 <= bytes.size() && bigEndian(bytes, component + 1, 2) == 0x0101 &&
                              static_cast<int>(bigEndian(bytes, component, 1) & 0x7f) + 1 == stream.bits;
         if (!isWhole)
@@ -187,6 +226,35 @@ void keepStoredBits(std::span<std::byte> bytes, const DicomPixels& pixels) {
     }
 }
 
+/// While it lives, what is written to standard error is lost, also past the C++ streams: the JPEG library
+/// inside GDCM prints there what it gives up on. One at a time: the next waits.
+class QuietError {
+public:
+    QuietError() : lock_(mutex()), before_(::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0)) {
+        const int nothing = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+        if (before_ >= 0 && nothing >= 0)
+            ::dup2(nothing, STDERR_FILENO);
+        if (nothing >= 0)
+            ::close(nothing);
+    }
+    ~QuietError() {
+        if (before_ >= 0) {
+            ::dup2(before_, STDERR_FILENO);
+            ::close(before_);
+        }
+    }
+    QuietError(const QuietError&) = delete;
+    QuietError& operator=(const QuietError&) = delete;
+
+private:
+    static std::mutex& mutex() {
+        static std::mutex one;
+        return one;
+    }
+    std::scoped_lock<std::mutex> lock_;
+    int before_;
+};
+
 class FrameReader final : public DicomFrameReader {
 public:
     FrameReader(const DicomImage& image, std::shared_ptr<const RandomAccessFile> bytes)
@@ -260,11 +328,15 @@ private:
             return std::move(packed).error();
         // Files may have changed since they were looked at.
         ISO_TRY(checkDicomCodestream(*bytes_, pixels_, frame, image_.path));
+        const QuietError quietDescriptor;
         gdcm::Trace::WarningOff();
         gdcm::Trace::ErrorOff();
         const QuietStream quietErrors(std::cerr), quietLog(std::clog), quietOutput(std::cout);
         try {
-            if (decode(packed.value(), samples))
+            const std::span<const std::byte> all(packed.value());
+            const bool isJpeg2000 =
+                pixels_.coding == DicomCoding::Jpeg2000; // the box around it is not needed
+            if (decode(isJpeg2000 ? all.subspan(findJpeg2000(all)) : all, samples))
                 return {};
         } catch (const std::bad_alloc&) {
             throw;
@@ -291,12 +363,23 @@ private:
         decoder.SetPixelFormat(gdcm::PixelFormat(narrow(pixels_.components), narrow(pixels_.bitsAllocated),
                                                  narrow(pixels_.bitsStored), narrow(pixels_.highBit),
                                                  narrow(isSigned)));
-        decoder.SetPhotometricInterpretation(
-            gdcm::PhotometricInterpretation::GetPIType(pixels_.photometric.c_str()));
+        decoder.SetPhotometricInterpretation(photometric());
         decoder.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(pixels_.transferSyntax.c_str()));
         decoder.SetDataElement(element);
         return decoder.GetBufferLength() == samples.size() &&
                decoder.GetBuffer(reinterpret_cast<char*>(samples.data()));
+    }
+
+    // Of names that GDCM does not know, or that do not fit, it would make a failed assertion.
+    gdcm::PhotometricInterpretation photometric() const {
+        using Photometric = gdcm::PhotometricInterpretation;
+        const auto known = Photometric::GetPIType(pixels_.photometric.c_str());
+        constexpr Photometric::PIType kColours[] = {Photometric::RGB, Photometric::YBR_FULL,
+                                                    Photometric::YBR_FULL_422, Photometric::YBR_RCT,
+                                                    Photometric::YBR_ICT};
+        if (pixels_.components == 1)
+            return Photometric::MONOCHROME2;
+        return std::ranges::find(kColours, known) != std::end(kColours) ? known : Photometric::RGB;
     }
 
     const DicomImage& image_;

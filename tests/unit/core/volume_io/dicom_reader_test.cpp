@@ -533,13 +533,23 @@ std::string withFragments(const std::string& syntax, const std::vector<std::stri
     return dicomFile(elements.text(0x00280008, "IS", std::to_string(frames)), syntax);
 }
 
-std::string jpeg2000Head(int columns, int rows) {
-    const auto number = [](int value) {
-        return DicomElements::integer(static_cast<std::uint64_t>(value), 4, true);
+std::string jpeg2000Head(int columns, int rows, int codingBytes = 12) {
+    const auto number = [](int value, int size) {
+        return DicomElements::integer(static_cast<std::uint64_t>(value), size, true);
     };
-    return std::string("\xff\x4f\xff\x51\0\x29\0\0", 8) + number(columns) + number(rows) + number(0) +
-           number(0) + number(columns) + number(rows) + number(0) + number(0) +
-           std::string("\0\x01\x0f\x01\x01", 5) + std::string(20, 'x');
+    std::string all("\xff\x4f\xff\x51\0\x29\0\0", 8);
+    for (const int value : {columns, rows, 0, 0, columns, rows, 0, 0})
+        all += number(value, 4);
+    all += std::string("\0\x01\x0f\x01\x01\xff\x52", 7) + number(codingBytes, 2) + std::string(10, '\1');
+    return all + "\xff\x93" + std::string(20, 'x');
+}
+
+/// Segments of JPEG up to a scan of one component.
+std::string jpegHead(char version) {
+    std::string all("\xff\xd8\xff\xe0\0\x10JFIF\0", 11);
+    all += version + std::string("\1\0\0\1\0\1\0\0", 8);
+    all += std::string("\xff\xc3\0\x0b\x10\0\x06\0\x08\x01\1\x11\0", 13); // 8 x 6, lossless, 16 bits
+    return all + std::string("\xff\xda\0\x08\1\1\0\1\0\0", 10) + std::string(20, 'x');
 }
 
 std::string nested(int depth) {
@@ -551,6 +561,7 @@ std::string nested(int depth) {
 }
 
 const char* const kJpeg2000 = "1.2.840.10008.1.2.4.90";
+const char* const kJpegLossless = "1.2.840.10008.1.2.4.70";
 
 INSTANTIATE_TEST_SUITE_P(
     Dicom, BadDicomFile,
@@ -600,6 +611,17 @@ INSTANTIATE_TEST_SUITE_P(
         BadDicom{"a larger codestream", withFragments(kJpeg2000, {jpeg2000Head(8000, 6)}),
                  "is 8000 x 6 of 1 x 16 bits"},
         BadDicom{"a damaged codestream", withFragments(kJpeg2000, {jpeg2000Head(8, 6)}),
+                 "cannot be decompressed"},
+        BadDicom{"a codestream whose segment leads out of it",
+                 withFragments(kJpeg2000, {jpeg2000Head(8, 6, 5000)}), "is not compressed as"},
+        BadDicom{"JPEG of an unknown version", withFragments(kJpegLossless, {jpegHead('\x09')}),
+                 "is not compressed as"},
+        BadDicom{"JPEG without tables", withFragments(kJpegLossless, {jpegHead('\x01')}),
+                 "cannot be decompressed"},
+        BadDicom{"an unknown photometric interpretation",
+                 dicomFile(test::encapsulated(dicomSlice(0, 1), test::dicomFragments({jpegHead('\x01')}))
+                               .text(0x00280004, "CS", "MONOCROM"),
+                           kJpegLossless),
                  "cannot be decompressed"},
         BadDicom{"no codestream", withFragments(kJpeg2000, {"no JPEG at all"}), "is not compressed as"},
         BadDicom{"JPEG that is none", withFragments("1.2.840.10008.1.2.4.70", {"no JPEG at all"}),
