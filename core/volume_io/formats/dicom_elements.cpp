@@ -6,7 +6,6 @@
 #include <cstring>
 #include <optional>
 
-#include "core/volume_io/byte_stream.h"
 #include "core/volume_io/formats/inflated_file.h"
 #include "core/volume_io/header_checks.h"
 
@@ -355,6 +354,11 @@ std::string dicomTagText(DicomTag tag) {
             text += ',';
     }
     return text + ')';
+}
+
+void DicomDataSet::allow(std::uint64_t end) const {
+    if (const auto* inflated = dynamic_cast<const InflatedFile*>(bytes.get()))
+        inflated->allow(end);
 }
 
 bool looksLikeDicom(std::span<const std::byte> start) {

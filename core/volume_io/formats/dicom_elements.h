@@ -66,6 +66,9 @@ struct DicomDataSet {
     std::string transferSyntax; ///< empty: the file does not say
     bool isExplicit = true; ///< value representations are written out
     bool isBigEndian = false;
+
+    /// Lets the first `end` bytes of a deflated data set be unpacked, which by itself are bounded.
+    void allow(std::uint64_t end) const;
 };
 
 /// True of a file that begins as DICOM does, with or without a preamble. `start`: up to its first 512 bytes.

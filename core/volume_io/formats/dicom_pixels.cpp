@@ -471,6 +471,8 @@ Result<std::unique_ptr<DicomFrameReader>> openDicomFrames(const DicomImage& imag
     auto dataSet = openDicomDataSet(image.path);
     if (!dataSet.isOk())
         return std::move(dataSet).error();
+    const DicomPixels& pixels = image.pixels;
+    dataSet.value().allow(pixels.offset + image.frames.size() * pixels.frameBytes());
     return std::unique_ptr<DicomFrameReader>(std::make_unique<FrameReader>(image, dataSet.value().bytes));
 }
 

@@ -94,6 +94,8 @@ Result<Collection> collect(const fs::path& path) {
         auto image = readDicomImage(path);
         if (!image.isOk())
             return std::move(image).error();
+        if (image.value().frames.size() == 1 && image.value().frames.front().position)
+            found.notes.push_back("is one slice; its folder opens as the series");
         found.images.push_back(std::move(image).value());
     }
     found.stacks = buildDicomStacks(found.images);

@@ -19,6 +19,7 @@ using Slices = std::vector<DicomSlice>;
 constexpr std::size_t kMaxGroups = 1000; ///< of one series
 constexpr double kSamePlace = 0.01; ///< of the distance between samples
 constexpr double kEven = 0.02; ///< of the slice spacing
+constexpr double kNearlyEven = 0.05; ///< likewise, with a note
 constexpr double kStraight = 0.1; ///< of the distance between samples
 constexpr double kMaxSlope = 2.0; ///< of a gantry: some 63 degrees
 
@@ -440,27 +441,31 @@ private:
         return image(slice).frames.size() > 1 ? name + " frame " + std::to_string(slice.frame) : name;
     }
 
-    std::string findUneven(const DicomStack& made, const glm::dvec3& step) const {
+    std::string findUneven(DicomStack& made, const glm::dvec3& step) const {
         const Slices& slices = made.frames.front();
         const glm::dvec3& normal = made.geometry.direction[2];
         const double spacing = made.geometry.spacing.z;
         const double across = kStraight * sampleDistance(slices.front());
-        bool isEven = true;
+        double worst = 0.0;
         std::vector<double> gaps;
         for (std::size_t i = 0; i < slices.size(); ++i) {
             const glm::dvec3 place = *frame(slices[i]).position;
             const glm::dvec3 off = place - made.geometry.origin - static_cast<double>(i) * step;
             const double along = glm::dot(off, normal);
-            isEven = isEven && std::abs(along) <= kEven * spacing;
+            worst = std::max(worst, std::abs(along));
             if (i > 0)
                 gaps.push_back(glm::dot(place - *frame(slices[i - 1]).position, normal));
             if (glm::length(off - along * normal) > std::max(across, 1e-3 * std::abs(along)) &&
-                std::abs(along) <= kEven * spacing)
+                std::abs(along) <= kNearlyEven * spacing)
                 return "slice " + nameOf(slices[i]) +
                        " is moved sideways: the slices do not lie along a line";
         }
-        if (isEven)
+        if (worst <= kNearlyEven * spacing) {
+            if (worst > kEven * spacing)
+                made.notes.push_back("slices are not quite evenly spaced: positions are up to " +
+                                     shortNumber(worst) + " mm away from those of the grid");
             return "";
+        }
         std::vector<double> sorted = gaps;
         const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
         std::nth_element(sorted.begin(), middle, sorted.end());

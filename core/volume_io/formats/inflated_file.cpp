@@ -26,9 +26,16 @@ std::uint64_t InflatedFile::sizeBytes() const {
                     (packed_->sizeBytes() - std::min(begin_, packed_->sizeBytes())) * kMostPerByte);
 }
 
+void InflatedFile::allow(std::uint64_t bytes) const {
+    const std::scoped_lock lock(mutex_);
+    limit_ = std::max(limit_, std::min(bytes, kMaxBytes));
+}
+
 Result<std::size_t> InflatedFile::readAt(std::uint64_t offset, std::span<std::byte> out) const {
     const std::scoped_lock lock(mutex_);
-    ISO_TRY(inflateTo(std::min(kMaxBytes, offset + out.size())));
+    if (offset >= limit_)
+        return std::size_t{0};
+    ISO_TRY(inflateTo(std::min<std::uint64_t>(limit_, offset + out.size())));
     if (offset >= unpacked_.size())
         return std::size_t{0};
     const std::size_t count = std::min(out.size(), unpacked_.size() - static_cast<std::size_t>(offset));

@@ -196,6 +196,9 @@ Result<TiffPage> TiffFile::readDirectory() {
         {32, SAMPLEFORMAT_IEEEFP, FileType::F32}, {64, SAMPLEFORMAT_IEEEFP, FileType::F64}};
     if (format == SAMPLEFORMAT_VOID)
         format = SAMPLEFORMAT_UINT;
+    page.isBits = bits == 1 && components == 1 && TIFFIsTiled(tiff) == 0;
+    if (page.isBits)
+        bits = 8;
     const auto* known = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Known& type) {
         return type.bits == bits && type.format == format;
     });
@@ -244,7 +247,7 @@ Status TiffFile::checkStrips(const TiffPage& page) const {
     }
     std::uint16_t compression = COMPRESSION_NONE;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-    const std::uint64_t most = mostPerByte(compression);
+    const std::uint64_t most = mostPerByte(compression) * (page.isBits ? 8 : 1);
     if (most != 0 && page.sizeBytes() / most > total)
         return refuse(page.description() + " need " + std::to_string(page.sizeBytes()) + " bytes, " +
                       std::to_string(total) + " in the file cannot hold them");
@@ -258,7 +261,7 @@ bool TiffFile::arePlainStrips(const TiffPage& page) const {
     TIFF* tiff = handle_->tiff;
     std::uint16_t compression = COMPRESSION_NONE;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-    if (compression != COMPRESSION_NONE || page.isPlanar || TIFFIsTiled(tiff) != 0)
+    if (compression != COMPRESSION_NONE || page.isPlanar || page.isBits || TIFFIsTiled(tiff) != 0)
         return false;
     std::uint64_t next = page.offset;
     for (std::uint32_t i = 0; i < TIFFNumberOfStrips(tiff); ++i) {
@@ -278,9 +281,9 @@ Status TiffFile::readPage(std::size_t page, std::span<std::byte> samples) {
         return complaint("page " + std::to_string(page + 1) + " cannot be read again");
     if (wanted.photometric == PHOTOMETRIC_YCBCR)
         TIFFSetField(handle_->tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
-    const Status done =
-        TIFFIsTiled(handle_->tiff) != 0 ? readTiles(wanted, samples) : readStrips(wanted, samples);
-    return done;
+    if (wanted.isBits)
+        return readBits(wanted, samples);
+    return TIFFIsTiled(handle_->tiff) != 0 ? readTiles(wanted, samples) : readStrips(wanted, samples);
 }
 
 namespace {
@@ -321,6 +324,29 @@ Status TiffFile::readStrips(const TiffPage& page, std::span<std::byte> samples) 
                              static_cast<std::size_t>(plane) * typeBytes;
             copyRow(std::span(buffer).first(size), out, valueBytes, sampleBytes);
         }
+    return {};
+}
+
+// Rows begin at whole bytes, the highest bit first.
+Status TiffFile::readBits(const TiffPage& page, std::span<std::byte> samples) {
+    TIFF* tiff = handle_->tiff;
+    const auto columns = static_cast<std::size_t>(page.columns);
+    const std::size_t rowBytes = (columns + 7) / 8;
+    std::uint32_t stripRows = 0;
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_ROWSPERSTRIP, &stripRows);
+    const std::int64_t rows = std::clamp<std::int64_t>(stripRows, 1, page.rows);
+    std::vector<std::byte> buffer(static_cast<std::size_t>(rows) * rowBytes);
+    for (std::int64_t y = 0; y < page.rows; y += rows) {
+        const std::uint32_t strip = TIFFComputeStrip(tiff, static_cast<std::uint32_t>(y), 0);
+        const auto count = static_cast<std::size_t>(std::min(rows, page.rows - y));
+        const auto size = static_cast<tmsize_t>(count * rowBytes);
+        if (TIFFReadEncodedStrip(tiff, strip, buffer.data(), size) != size)
+            return complaint("strip " + std::to_string(strip) + " cannot be read");
+        for (std::size_t row = 0; row < count; ++row)
+            for (std::size_t x = 0; x < columns; ++x)
+                samples[(static_cast<std::size_t>(y) + row) * columns + x] =
+                    buffer[row * rowBytes + x / 8] >> static_cast<int>(7 - x % 8) & std::byte{1};
+    }
     return {};
 }
 

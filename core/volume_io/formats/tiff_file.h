@@ -21,6 +21,7 @@ struct TiffPage {
     int components = 1; ///< values per sample
     bool isPlanar = false;
     int photometric = 0;
+    bool isBits = false; ///< eight samples of u8 in a byte of the file
     std::uint64_t offset = 0; ///< of the first strip or tile
 
     std::uint64_t sizeBytes() const {
@@ -67,6 +68,7 @@ private:
     Status checkStrips(const TiffPage& page) const;
     bool arePlainStrips(const TiffPage& page) const;
     Status readStrips(const TiffPage& page, std::span<std::byte> samples);
+    Status readBits(const TiffPage& page, std::span<std::byte> samples);
     Status readTiles(const TiffPage& page, std::span<std::byte> samples);
     Error complaint(const std::string& what) const;
 

@@ -164,6 +164,13 @@ TEST_F(DicomFolder, WithUnevenSlicesIsRefused) {
     EXPECT_THAT(refusal(), HasSubstr("unevenly spaced"));
 }
 
+TEST_F(DicomFolder, NotesWhatIsNearlyEven) {
+    for (const double z : {0.0, 1.04, 2.0, 3.0})
+        add("slice" + std::to_string(z), filled(z, static_cast<int>(10 * z), 1));
+    EXPECT_EQ(read()->geometry().spacing.z, 1.0);
+    EXPECT_THAT(notes(), Contains(HasSubstr("up to 0.04 mm away")));
+}
+
 TEST_F(DicomFolder, LeavesCopiesOutAndRefusesSlicesThatContradictEachOther) {
     for (const int z : {0, 1, 2})
         add(std::to_string(z), filled(z, z, z));
@@ -351,6 +358,14 @@ std::string plainRunLength() {
     for (const int sample : plainSamples())
         low += static_cast<char>(sample);
     return runLengthFrame({std::string("\xd1\x00", 2), literally(low)}); // 48 zeros in two bytes
+}
+
+// 64 MiB of zeros in an element nobody asks for, in 64 KiB.
+TEST(DicomFile, DoesNotUnpackWhatNobodyAsksFor) {
+    auto elements = dicomSlice(0, 1);
+    elements.text(0x00091001, "UN", std::string(std::size_t{64} << 20, '\0'));
+    const auto grid = readFile(dicomFile(elements, test::kDeflatedLittle));
+    ASSERT_THAT(grid, test::HasError(Corruption));
 }
 
 TEST(DicomFile, UnpacksRunLengths) {

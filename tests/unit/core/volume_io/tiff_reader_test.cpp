@@ -314,6 +314,39 @@ TEST_F(TiffVolume, OfOmeHasItsDimensionOrderAndUnits) {
     expectSamples(*grid, 0, 3, 1);
 }
 
+TEST_F(TiffVolume, OfSingleBitsIsUnpacked) {
+    for (const int compression : {COMPRESSION_NONE, COMPRESSION_CCITTFAX4}) {
+        TIFF* tiff = TIFFOpen((folder_ / "bits.tif").c_str(), "w");
+        TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 11);
+        TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 5);
+        TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 1);
+        TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+        TIFFSetField(tiff, TIFFTAG_COMPRESSION, compression);
+        TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+        TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 2);
+        for (std::uint32_t y = 0; y < 5; ++y) {
+            unsigned char row[2] = {static_cast<unsigned char>(0x80 >> y), 0x20}; // bit y and the last
+            TIFFWriteScanline(tiff, row, y, 0);
+        }
+        TIFFClose(tiff);
+        const auto grid = read(folder_ / "bits.tif");
+        EXPECT_EQ(grid->type(), ScalarType::U8);
+        for (int y = 0; y < 5; ++y)
+            for (int x = 0; x < 11; ++x)
+                EXPECT_EQ(grid->valueAt(x, y, 0), x == y || x == 10) << x << ' ' << y;
+    }
+}
+
+TEST_F(TiffVolume, OfJpegIsNearlyTheSame) {
+    Layout layout;
+    layout.compression = COMPRESSION_JPEG;
+    layout.rowsPerStrip = 8;
+    const auto grid = written<std::uint8_t>(layout);
+    for (std::uint32_t y = 0; y < kRows; ++y)
+        for (std::uint32_t x = 0; x < kColumns; ++x)
+            ASSERT_NEAR(grid->valueAt(x, y, 0), value(x, y, 0, 0), 6.0) << x << ' ' << y;
+}
+
 TEST_F(TiffVolume, WithPagesOfTwoSizesIsRefused) {
     TIFF* tiff = TIFFOpen((folder_ / "two.tif").c_str(), "w");
     Layout layout;
