@@ -21,6 +21,8 @@ namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
+/// Bytes of samples for one that is compressed: JPEG 2000 makes 286,000 of a blank image of 16384 x 16384.
+constexpr std::uint64_t kMostPerByte = 300'000;
 constexpr std::size_t kMaxMarkerBytes = std::size_t{1} << 20; ///< of a JPEG frame before its extents
 
 Error damaged(const std::string& what, std::size_t frame, const fs::path& path) {
@@ -455,8 +457,13 @@ Status checkDicomCodestream(const RandomAccessFile& bytes, const DicomPixels& pi
             return damaged("is not compressed as the transfer syntax says", frame, path);
         const bool isSameDepth =
             stream.bits <= pixels.bitsAllocated && (stream.bits <= 8) == (pixels.bitsAllocated == 8);
-        if (stream.rows == pixels.rows && stream.columns == pixels.columns &&
-            stream.components == pixels.components && isSameDepth)
+        const bool isSame = stream.rows == pixels.rows && stream.columns == pixels.columns &&
+                            stream.components == pixels.components && isSameDepth;
+        if (isSame && pixels.frameBytes() / kMostPerByte > totalBytes(fragments))
+            return damaged("has " + std::to_string(totalBytes(fragments)) + " bytes, which cannot hold " +
+                               std::to_string(pixels.frameBytes()) + " of samples",
+                           frame, path);
+        if (isSame)
             return {};
         return damaged("is " + std::to_string(stream.columns) + " x " + std::to_string(stream.rows) + " of " +
                            std::to_string(stream.components) + " x " + std::to_string(stream.bits) +

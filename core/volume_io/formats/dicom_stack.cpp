@@ -315,6 +315,18 @@ private:
         return made;
     }
 
+    /// "axial ", "sagittal ", "coronal ", "oblique " by the normal's largest part, or nothing.
+    std::string orientationName(const DicomSlice& slice) const {
+        if (!frame(slice).directions)
+            return "";
+        constexpr const char* kNames[] = {"sagittal ", "coronal ", "axial "};
+        const glm::dvec3 normal = normalOf(slice);
+        for (int axis = 0; axis < 3; ++axis)
+            if (std::abs(normal[axis]) > 0.8) // within 37 degrees, as a gantry may be tilted
+                return kNames[axis];
+        return "oblique ";
+    }
+
     void describe(DicomStack& made, const std::string& framesName) const {
         const Slices& slices = made.frames.front();
         const DicomImage& first = image(slices.front());
@@ -330,8 +342,8 @@ private:
         std::string title = first.description.empty() ? "no description" : first.description;
         if (!first.modality.empty())
             title += ", " + first.modality;
-        title += ", " + counted(slices.size(), "slice") + " of " + std::to_string(pixels.columns) + " x " +
-                 std::to_string(pixels.rows);
+        title += ", " + counted(slices.size(), orientationName(slices.front()) + "slice") + " of " +
+                 std::to_string(pixels.columns) + " x " + std::to_string(pixels.rows);
         if (field.frames > 1)
             title += ", " + std::to_string(field.frames) + ' ' + framesName;
         if (first.date.size() == 8)

@@ -14,10 +14,11 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxPages = 65536;
-constexpr std::uint64_t kMaxTileBytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t kMaxTileBytes = std::uint64_t{16} << 20;
 constexpr tmsize_t kMaxAllocation = tmsize_t{32} << 20; ///< by libtiff at once, besides the file's own size
 
-/// How often a byte can be unpacked to at most; 0: that has no bound.
+/// Bytes of samples that one byte of the file can make at most: by the method where it has a bound, else well
+/// above what a blank image of 16384 x 16384 comes to (CCITT group 4: 34,000 samples, zstd: 2,500).
 std::uint64_t mostPerByte(int compression) {
     switch (compression) {
         case COMPRESSION_NONE: return 1;
@@ -25,7 +26,9 @@ std::uint64_t mostPerByte(int compression) {
         case COMPRESSION_DEFLATE:
         case COMPRESSION_ADOBE_DEFLATE: return 1032;
         case COMPRESSION_LZW: return 4096;
-        default: return 0;
+        case COMPRESSION_JPEG: return 4096;
+        case COMPRESSION_LZMA: return 65536;
+        default: return 100'000;
     }
 }
 
@@ -248,7 +251,7 @@ Status TiffFile::checkStrips(const TiffPage& page) const {
     std::uint16_t compression = COMPRESSION_NONE;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
     const std::uint64_t most = mostPerByte(compression) * (page.isBits ? 8 : 1);
-    if (most != 0 && page.sizeBytes() / most > total)
+    if (page.sizeBytes() / most > total)
         return refuse(page.description() + " need " + std::to_string(page.sizeBytes()) + " bytes, " +
                       std::to_string(total) + " in the file cannot hold them");
     const std::uint64_t part = isTiled ? TIFFTileSize64(tiff) : TIFFStripSize64(tiff);

@@ -144,7 +144,7 @@ TEST_F(DicomFolder, WithSeveralSeriesNeedsAChoice) {
     EXPECT_THAT(refusal(options), HasSubstr("there is no series '1.2'"));
     const auto listed = contents();
     ASSERT_EQ(listed.fields.size(), 2u);
-    EXPECT_EQ(listed.fields[0].title, "probe, MR, 1 slice of 8 x 6, 2024-01-31");
+    EXPECT_EQ(listed.fields[0].title, "probe, MR, 1 axial slice of 8 x 6, 2024-01-31");
     EXPECT_EQ(listed.fields[0].typeName, "int16");
     EXPECT_TRUE(listed.needsChoice());
 }
@@ -627,6 +627,13 @@ INSTANTIATE_TEST_SUITE_P(
                  "is 8000 x 6 of 1 x 16 bits"},
         BadDicom{"a damaged codestream", withFragments(kJpeg2000, {jpeg2000Head(8, 6)}),
                  "cannot be decompressed"},
+        BadDicom{
+            "a codestream of 100 bytes for 8 GB",
+            dicomFile(test::encapsulated(dicomSlice(0, 1), test::dicomFragments({jpeg2000Head(65535, 65535)}))
+                          .number(0x00280010, "US", 65535)
+                          .number(0x00280011, "US", 65535),
+                      kJpeg2000),
+            "which cannot hold 8589672450 of samples"},
         BadDicom{"a codestream whose segment leads out of it",
                  withFragments(kJpeg2000, {jpeg2000Head(8, 6, 5000)}), "is not compressed as"},
         BadDicom{"JPEG of an unknown version", withFragments(kJpegLossless, {jpegHead('\x09')}),

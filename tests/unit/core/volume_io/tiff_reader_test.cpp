@@ -451,6 +451,8 @@ TEST_F(TiffVolume, IsRefusedSoonWithOneClearLine) {
         {"no columns", image(0, 10), ""},
         {"too many columns", image(2'000'000, 10), "page 1"},
         {"larger than its file", image(1000, 1000), "do not lie within the 322 of the file"},
+        {"packed by any means, larger than possible", image(1 << 20, 1 << 19, 8, 50000),
+         "in the file cannot hold them"},
         {"packed, larger than possible", image(100'000, 100'000, 8, 8), "in the file cannot hold them"},
         {"a strip beyond the end", image(10, 10, 8, 8, 0, 1000), "do not lie within"},
         {"12 bits", image(10, 10, 12), "bits per sample"},
