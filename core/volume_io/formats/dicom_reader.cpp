@@ -160,7 +160,8 @@ public:
           info_(std::move(info)),
           slices_(stack_.frames[static_cast<std::size_t>(options.frame.value_or(0))]),
           component_(options.component.value_or(0)),
-          openImage_(images_.size()) {
+          openImage_(images_.size()),
+          heldSlices_{slices_.size(), slices_.size()} {
         info_.type = stack_.type;
         if (component_ == kMagnitude)
             info_.type = info_.type == ScalarType::I32 || info_.type == ScalarType::F64 ? ScalarType::F64
@@ -183,7 +184,22 @@ public:
 
 private:
     Status readSlice(std::size_t z, std::span<std::byte> out) {
-        const DicomSlice& slice = slices_[z];
+        if (!stack_.places.empty())
+            return blendSlices(static_cast<double>(z), out);
+        if (!stack_.isTilted())
+            return loadSlice(z, out);
+        const DicomPixels& pixels = images_[slices_[z].image].pixels;
+        auto& plane = planes_[0];
+        plane.resize(static_cast<std::size_t>(pixels.rows * pixels.columns) *
+                     scalarTypeSizeBytes(info_.type));
+        ISO_TRY(loadSlice(z, plane));
+        visitFloat([&](auto sample) { moveBack<decltype(sample)>(pixels, static_cast<double>(z), out); });
+        return {};
+    }
+
+    /// Slope and intercept applied, in the type of info().
+    Status loadSlice(std::size_t index, std::span<std::byte> out) {
+        const DicomSlice& slice = slices_[index];
         if (slice.image != openImage_) {
             auto opened = openDicomFrames(images_[slice.image]);
             if (!opened.isOk())
@@ -192,18 +208,48 @@ private:
             openImage_ = slice.image;
         }
         ISO_TRY(reader_->read(slice.frame, samples_));
-        const FileType stored = images_[slice.image].pixels.type;
         visitScalarType(info_.type, [&](auto sample) {
+            convertFrom<decltype(sample)>(images_[slice.image].pixels.type, slice, out);
+        });
+        return {};
+    }
+
+    /// Calls `function` with a sample of info()'s type, which is f32 or f64.
+    template <class Function>
+    void visitFloat(const Function& function) const {
+        if (info_.type == ScalarType::F64)
+            function(double{});
+        else
+            function(float{});
+    }
+
+    /// A plane between two slices that are not evenly spaced.
+    Status blendSlices(double z, std::span<std::byte> out) {
+        const auto above = std::upper_bound(stack_.places.begin(), stack_.places.end(), z);
+        const auto next = std::clamp<std::size_t>(static_cast<std::size_t>(above - stack_.places.begin()), 1,
+                                                  stack_.places.size() - 1);
+        const double begin = stack_.places[next - 1], end = stack_.places[next];
+        const double share = std::clamp((z - begin) / (end - begin), 0.0, 1.0);
+        // Neighbours lie in different ones of the two planes, and stay there for the next call.
+        for (const std::size_t slice : {next - 1, next}) {
+            auto& plane = planes_[slice % 2];
+            if (heldSlices_[slice % 2] == slice && plane.size() == out.size())
+                continue;
+            plane.resize(out.size());
+            heldSlices_[slice % 2] = slices_.size();
+            ISO_TRY(loadSlice(slice, plane));
+            heldSlices_[slice % 2] = slice;
+        }
+        visitFloat([&](auto sample) {
             using Out = decltype(sample);
-            if (!stack_.isTilted()) {
-                convertFrom<Out>(stored, slice, out);
-                return;
-            }
-            if constexpr (std::is_floating_point_v<Out>) {
-                const DicomPixels& pixels = images_[slice.image].pixels;
-                plane_.resize(static_cast<std::size_t>(pixels.rows * pixels.columns) * sizeof(Out));
-                convertFrom<Out>(stored, slice, plane_);
-                moveBack<Out>(pixels, static_cast<double>(z), out);
+            for (std::size_t i = 0; i < out.size(); i += sizeof(Out)) {
+                Out a, b;
+                std::memcpy(&a, planes_[(next - 1) % 2].data() + i, sizeof a);
+                std::memcpy(&b, planes_[next % 2].data() + i, sizeof b);
+                const Out value = share == 0.0   ? a
+                                  : share == 1.0 ? b
+                                                 : static_cast<Out>((1.0 - share) * a + share * b);
+                std::memcpy(out.data() + i, &value, sizeof value);
             }
         });
         return {};
@@ -257,7 +303,8 @@ private:
         }
     }
 
-    /// Takes plane_ to where slice z belongs in the grid. Samples the slice does not reach are missing.
+    /// Takes the first of planes_ to where slice z belongs in the grid. Samples the slice does not reach are
+    /// missing.
     template <class Out>
     void moveBack(const DicomPixels& pixels, double z, std::span<std::byte> out) const {
         const GridDims& dims = info_.geometry.dims;
@@ -266,7 +313,7 @@ private:
         const auto sample = [&](std::int64_t x, std::int64_t y) {
             Out value;
             std::memcpy(&value,
-                        plane_.data() + static_cast<std::size_t>(x + y * pixels.columns) * sizeof(Out),
+                        planes_[0].data() + static_cast<std::size_t>(x + y * pixels.columns) * sizeof(Out),
                         sizeof value);
             return static_cast<double>(value);
         };
@@ -301,7 +348,9 @@ private:
     int component_;
     std::size_t openImage_;
     std::unique_ptr<DicomFrameReader> reader_;
-    std::vector<std::byte> samples_, plane_;
+    std::vector<std::byte> samples_;
+    std::array<std::vector<std::byte>, 2> planes_;
+    std::array<std::size_t, 2> heldSlices_;
 };
 
 } // namespace

@@ -20,6 +20,7 @@ constexpr std::size_t kMaxGroups = 1000; ///< of one series
 constexpr double kSamePlace = 0.01; ///< of the distance between samples
 constexpr double kEven = 0.02; ///< of the slice spacing
 constexpr double kNearlyEven = 0.05; ///< likewise, with a note
+constexpr int kIntended = 3; ///< wider gaps beside each other: no slice is missing
 constexpr double kStraight = 0.1; ///< of the distance between samples
 constexpr double kMaxSlope = 2.0; ///< of a gantry: some 63 degrees
 
@@ -311,7 +312,7 @@ private:
         made.type = typeOf(made);
         made.field.problem = hasPlaces(slices) ? place(made) : placeInOrder(made);
         made.field.dims = made.geometry.dims;
-        made.field.isResampled = made.isTilted();
+        made.field.isResampled = made.isTilted() || !made.places.empty();
         return made;
     }
 
@@ -442,6 +443,8 @@ private:
         geometry.spacing.z = glm::dot(step, geometry.direction[2]);
         if (std::string problem = findUneven(made, step); !problem.empty())
             return problem;
+        if (!made.places.empty())
+            return "";
         made.notes.push_back(counted(slices.size(), "slice") +
                              " in the order of their positions, spacing from "
                              "these");
@@ -479,21 +482,52 @@ private:
             return "";
         }
         std::vector<double> sorted = gaps;
-        const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+        const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((sorted.size() - 1) / 2);
         std::nth_element(sorted.begin(), middle, sorted.end());
+        const auto between = [&](std::size_t i) {
+            return " between " + nameOf(slices[i]) + " and " + nameOf(slices[i + 1]);
+        };
         for (std::size_t i = 0; i < gaps.size(); ++i) {
-            if (std::abs(gaps[i] - *middle) <= 0.1 * *middle)
-                continue;
             const double ratio = gaps[i] / *middle;
-            const std::string between = " between " + nameOf(slices[i]) + " and " + nameOf(slices[i + 1]);
-            if (ratio > 1.5 && std::abs(ratio - std::round(ratio)) < 0.1)
-                return "slices are missing: " + std::to_string(std::lround(ratio) - 1) + between + ", " +
+            if (ratio > 1.5 && std::abs(ratio - std::round(ratio)) < 0.1 && runOf(gaps, i) < kIntended)
+                return "slices are missing: " + std::to_string(std::lround(ratio) - 1) + between(i) + ", " +
                        shortNumber(gaps[i]) + " mm apart where others are " + shortNumber(*middle);
-            return "slices are unevenly spaced:" + between + " are " + shortNumber(gaps[i]) + " mm, others " +
-                   shortNumber(*middle) + " apart";
         }
-        return "slices are unevenly spaced: from " + shortNumber(*std::ranges::min_element(gaps)) + " to " +
-               shortNumber(*std::ranges::max_element(gaps)) + " mm apart";
+        for (std::size_t i = 0; i < slices.size(); ++i) {
+            const glm::dvec3 off = *frame(slices[i]).position - made.geometry.origin;
+            if (glm::length(off - glm::dot(off, normal) * normal) > across)
+                return "slices are unevenly spaced and moved sideways, first at " + nameOf(slices[i]);
+        }
+        spaceEvenly(made, *std::ranges::min_element(gaps), *std::ranges::max_element(gaps));
+        return "";
+    }
+
+    /// How many gaps beside each other are as wide as this one.
+    static int runOf(const std::vector<double>& gaps, std::size_t at) {
+        const auto isAlike = [&](std::size_t i) { return std::abs(gaps[i] - gaps[at]) <= 0.1 * gaps[at]; };
+        int count = 1;
+        for (std::size_t i = at; i-- > 0 && isAlike(i);)
+            ++count;
+        for (std::size_t i = at + 1; i < gaps.size() && isAlike(i); ++i)
+            ++count;
+        return count;
+    }
+
+    // A grid as fine as the finest slices, with at most four planes for each.
+    void spaceEvenly(DicomStack& made, double least, double most) const {
+        const Slices& slices = made.frames.front();
+        GridGeometry& geometry = made.geometry;
+        const double extent = geometry.spacing.z * static_cast<double>(slices.size() - 1);
+        geometry.spacing.z = std::max(least, geometry.spacing.z / 4.0);
+        geometry.dims[2] = static_cast<std::int64_t>(std::floor(extent / geometry.spacing.z + 1e-6)) + 1;
+        for (const DicomSlice& slice : slices)
+            made.places.push_back(glm::dot(*frame(slice).position - geometry.origin, geometry.direction[2]) /
+                                  geometry.spacing.z);
+        made.notes.push_back(counted(slices.size(), "slice") + " in the order of their positions, " +
+                             shortNumber(least) + " to " + shortNumber(most) +
+                             " mm apart: linearly interpolated to " + std::to_string(geometry.dims[2]) +
+                             " of even spacing");
+        made.type = made.type == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
     }
 
     std::string undoTilt(DicomStack& made, const glm::dvec3& step) const {

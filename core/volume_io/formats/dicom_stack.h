@@ -25,6 +25,9 @@ struct DicomStack {
     /// in the first slice.
     glm::dvec2 shift{0.0};
     glm::dvec2 firstSample{0.0};
+    /// Of unevenly spaced slices, along the normal in planes of the grid; else empty: there is a slice in
+    /// each.
+    std::vector<double> places;
     std::vector<std::string> notes;
 
     bool isTilted() const { return shift != glm::dvec2(0.0); }

@@ -158,10 +158,37 @@ TEST_F(DicomFolder, WithAMissingSliceIsRefusedNamingThePlace) {
     EXPECT_THAT(contents().fields[0].problem, HasSubstr("missing"));
 }
 
-TEST_F(DicomFolder, WithUnevenSlicesIsRefused) {
-    for (const double z : {0.0, 1.0, 2.3, 3.3})
-        add("slice" + std::to_string(z), filled(z, static_cast<int>(10 * z), 1));
-    EXPECT_THAT(refusal(), HasSubstr("unevenly spaced"));
+TEST_F(DicomFolder, OfUnevenSlicesIsInterpolatedToEvenOnes) {
+    // 1 mm apart below, 2.5 above, as heads are scanned.
+    for (const double z : {0.0, 1.0, 2.0, 3.0, 5.5, 8.0, 10.5})
+        add("slice" + std::to_string(z), filled(z, static_cast<int>(10 * z), static_cast<int>(100 * z)));
+    EXPECT_TRUE(contents().fields[0].isResampled);
+    const auto grid = read();
+    EXPECT_EQ(grid->dims(), (GridDims{8, 6, 11}));
+    EXPECT_EQ(contents().fields[0].dims, grid->dims());
+    EXPECT_EQ(grid->geometry().spacing.z, 1.0);
+    EXPECT_EQ(grid->type(), ScalarType::F32);
+    for (int z = 0; z < 11; ++z)
+        EXPECT_NEAR(grid->valueAt(3, 4, z), 100.0 * z, 1e-3) << z;
+    EXPECT_THAT(notes(), Contains(HasSubstr("1 to 2.5 mm apart: linearly interpolated to 11")));
+    // In any order of slabs.
+    const auto source = openVolume(folder_.path());
+    ASSERT_THAT(source, test::IsOk());
+    for (const int z : {7, 2, 9, 4}) {
+        std::vector<float> plane(48);
+        ASSERT_THAT(source.value()->readSlab(z, z + 1, std::as_writable_bytes(std::span(plane))),
+                    test::IsOk());
+        EXPECT_NEAR(plane[5], 100.0 * z, 1e-3);
+    }
+}
+
+TEST_F(DicomFolder, OfUnevenSlicesThatAreMovedSidewaysIsRefused) {
+    for (const double z : {0.0, 1.0, 2.3, 3.3}) {
+        auto slice = filled(z, static_cast<int>(10 * z), 1);
+        slice.text(0x00200032, "DS", "10\\" + std::to_string(20 + z) + "\\" + std::to_string(z));
+        add("slice" + std::to_string(z), slice);
+    }
+    EXPECT_THAT(refusal(), HasSubstr("unevenly spaced and moved sideways"));
 }
 
 TEST_F(DicomFolder, NotesWhatIsNearlyEven) {
