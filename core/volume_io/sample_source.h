@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "core/volume_io/byte_stream.h"
 #include "core/volume_io/file_type.h"

@@ -28,6 +28,14 @@ ListFormat listNrrd;
 ListFormat listNifti;
 ListFormat listMrc;
 ListFormat listCube;
+OpenFormat openDicom;
+ListFormat listDicom;
+/// A file with DICM at byte 128 or elements at its start, or a folder with such files in it.
+bool isDicom(const std::filesystem::path& path, std::span<const std::byte> start);
+OpenFormat openTiff;
+ListFormat listTiff;
+/// A file by its first bytes, or a folder with files named .tif or .tiff in it.
+bool isTiff(const std::filesystem::path& path, std::span<const std::byte> start);
 
 /// Of formats with one scalar volume per file: what opening it finds.
 Result<VolumeContents> listByOpening(OpenFormat open, const std::filesystem::path& path, const ReadOptions& options);

@@ -23,6 +23,8 @@ constexpr std::string_view kMrc[] = {".mrc",    ".map",    ".ccp4",    ".rec",  
                                      ".mrc.gz", ".map.gz", ".ccp4.gz", ".rec.gz", ".st.gz", ".mrcs.gz"};
 constexpr std::string_view kCube[] = {".cube", ".cub", ".cube.gz", ".cub.gz"};
 constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"};
+constexpr std::string_view kDicom[] = {".dcm", ".ima", ".dicom"};
+constexpr std::string_view kTiff[] = {".tif", ".tiff"};
 
 template <std::size_t size>
 bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
@@ -47,6 +49,8 @@ const Format kFormats[] = {
     {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false, true},
     {"MRC", kMrc, openMrc, listMrc, isMrc, false},
     {"Gaussian cube", kCube, openCube, listCube, nullptr, false},
+    {"DICOM", kDicom, openDicom, listDicom, isDicom, true, true},
+    {"TIFF", kTiff, openTiff, listTiff, isTiff, true, true},
 };
 
 std::string knownSuffixes() {
