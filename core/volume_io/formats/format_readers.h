@@ -21,6 +21,8 @@ OpenFormat openVtkXml;
 OpenFormat openVtkLegacy;
 OpenFormat openPlot3d;
 
+ListFormat listPlot3d;
+
 /// Of formats with one scalar volume per file: what opening it finds.
 Result<VolumeContents> listByOpening(OpenFormat open, const std::filesystem::path& path, const ReadOptions& options);
 

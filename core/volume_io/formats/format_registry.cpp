@@ -35,7 +35,7 @@ const Format kFormats[] = {
     {"NIfTI", kNifti, openNifti, nullptr, nullptr, false},
     {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false},
     {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false},
-    {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false},
+    {"PLOT3D", kPlot3d, openPlot3d, listPlot3d, nullptr, false},
 };
 
 std::string knownSuffixes() {
