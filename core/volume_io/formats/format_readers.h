@@ -20,8 +20,12 @@ OpenFormat openNifti;
 OpenFormat openVtkXml;
 OpenFormat openVtkLegacy;
 OpenFormat openPlot3d;
+OpenFormat openNetcdf;
+OpenFormat openHdf5;
 
 ListFormat listPlot3d;
+ListFormat listNetcdf;
+ListFormat listHdf5;
 
 /// Of formats with one scalar volume per file: what opening it finds.
 Result<VolumeContents> listByOpening(OpenFormat open, const std::filesystem::path& path, const ReadOptions& options);

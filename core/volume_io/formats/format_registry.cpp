@@ -20,6 +20,8 @@ constexpr std::string_view kNifti[] = {".nii", ".nii.gz", ".hdr", ".img"};
 constexpr std::string_view kVtkXml[] = {".vti"};
 constexpr std::string_view kVtkLegacy[] = {".vtk"};
 constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"};
+constexpr std::string_view kNetcdf[] = {".nc", ".nc4", ".cdf", ".netcdf"};
+constexpr std::string_view kHdf5[] = {".h5", ".hdf5", ".he5", ".hdf"};
 
 template <std::size_t size>
 bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
@@ -28,6 +30,11 @@ bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
 
 bool isNrrd(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "NRRD000"); }
 bool isVtkLegacy(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "# vtk DataFile"); }
+// NetCDF-4 files are HDF5; unless the name says so, they are read as that.
+bool isNetcdf(const fs::path&, std::span<const std::byte> start) {
+    return beginsWith(start, "CDF\1") || beginsWith(start, "CDF\2") || beginsWith(start, "CDF\5");
+}
+bool isHdf5(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "\x89HDF\r\n\x1a\n"); }
 
 const Format kFormats[] = {
     {"MetaImage", kMetaImage, openMetaImage, nullptr, nullptr, false},
@@ -36,6 +43,8 @@ const Format kFormats[] = {
     {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false},
     {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false},
     {"PLOT3D", kPlot3d, openPlot3d, listPlot3d, nullptr, false},
+    {"NetCDF", kNetcdf, openNetcdf, listNetcdf, isNetcdf, false},
+    {"HDF5", kHdf5, openHdf5, listHdf5, isHdf5, false},
 };
 
 std::string knownSuffixes() {
