@@ -23,6 +23,8 @@ OpenFormat openPlot3d;
 OpenFormat openNetcdf;
 OpenFormat openHdf5;
 
+ListFormat listVtkXml;
+ListFormat listVtkLegacy;
 ListFormat listPlot3d;
 ListFormat listNetcdf;
 ListFormat listHdf5;

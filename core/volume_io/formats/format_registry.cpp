@@ -17,7 +17,7 @@ constexpr std::size_t kStartBytes = 512;
 constexpr std::string_view kMetaImage[] = {".mhd", ".mha"};
 constexpr std::string_view kNrrd[] = {".nrrd", ".nhdr"};
 constexpr std::string_view kNifti[] = {".nii", ".nii.gz", ".hdr", ".img"};
-constexpr std::string_view kVtkXml[] = {".vti"};
+constexpr std::string_view kVtkXml[] = {".vti", ".vtr", ".vts", ".vtu"};
 constexpr std::string_view kVtkLegacy[] = {".vtk"};
 constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"};
 constexpr std::string_view kNetcdf[] = {".nc", ".nc4", ".cdf", ".netcdf"};
@@ -40,8 +40,8 @@ const Format kFormats[] = {
     {"MetaImage", kMetaImage, openMetaImage, nullptr, nullptr, false},
     {"NRRD", kNrrd, openNrrd, nullptr, isNrrd, false},
     {"NIfTI", kNifti, openNifti, nullptr, nullptr, false},
-    {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false},
-    {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false},
+    {"VTK XML", kVtkXml, openVtkXml, listVtkXml, nullptr, false},
+    {"VTK", kVtkLegacy, openVtkLegacy, listVtkLegacy, isVtkLegacy, false},
     {"PLOT3D", kPlot3d, openPlot3d, listPlot3d, nullptr, false},
     {"NetCDF", kNetcdf, openNetcdf, listNetcdf, isNetcdf, false},
     {"HDF5", kHdf5, openHdf5, listHdf5, isHdf5, false},

@@ -251,7 +251,7 @@ const std::vector<BadFile>& vtks() {
         {"vti_base64", "a.vti", replaced(withVti("format=\"ascii\"", "format=\"binary\""), "0 1 2 3", "???? !!!! $$$$ )))) "), Corruption, "VTK"},
         {"vti_short_text", "a.vti", withVti(" 20 21 22 23", ""), Corruption, "VTK"},
         {"vti_cells", "a.vti", replaced(replaced(test::vti(), "<PointData", "<CellData"), "</PointData", "</CellData"), InvalidArgument, "cells"},
-        {"vti_components", "a.vti", withVti("Name=\"s\"", "Name=\"s\" NumberOfComponents=\"3\""), InvalidArgument, "NumberOfComponents"},
+        {"vti_components", "a.vti", withVti("Name=\"s\"", "Name=\"s\" NumberOfComponents=\"3\""), InvalidArgument, "component"},
         {"vti_not_xml", "a.vti", "hello", InvalidArgument, "XML"},
         {"vti_cut", "a.vti", test::vti().substr(0, 300), InvalidArgument, "XML"},
         {"plot3d_size", "xyz.bin", std::string(1000, '\0'), NotFound, "q.bin"},
