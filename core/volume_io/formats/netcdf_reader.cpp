@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <netcdf.h>
@@ -313,7 +314,7 @@ Result<Prepared> prepare(const fs::path& path, const ReadOptions& options) {
 
 } // namespace
 
-Result<VolumeContents> listNetcdf(const fs::path& path, const ReadOptions&) {
+Result<VolumeContents> listNetcdf(const fs::path& path, const ReadOptions& options) {
     const Hdf5Session session;
     const auto file = openFile(path);
     if (!file.isOk())
@@ -321,7 +322,25 @@ Result<VolumeContents> listNetcdf(const fs::path& path, const ReadOptions&) {
     const auto variables = catalogueNetcdf(file.value().id(), path);
     if (!variables.isOk())
         return variables.error();
-    return contentsOf(variables.value());
+    VolumeContents contents = contentsOf(variables.value());
+    std::map<std::pair<int, int>, bool> known; // coordinate variables that are even, each read once
+    for (std::size_t i = 0; i < contents.fields.size(); ++i) {
+        VolumeField& field = contents.fields[i];
+        for (const int own : variables.value()[i].axisOf) {
+            const NetcdfAxis none;
+            const NetcdfAxis& axis = own < 0 ? none : variables.value()[i].axes[static_cast<std::size_t>(own)];
+            if (axis.variable < 0 || axis.extent < 1 || axis.extent > static_cast<std::uint64_t>(kMaxDim))
+                continue;
+            const auto [at, isNew] = known.try_emplace({axis.group, axis.variable}, true);
+            std::vector<std::string> ignored;
+            if (isNew)
+                at->second = coordinatesOf(axis, ignored, path).isEven;
+            field.isResampled = field.isResampled || !at->second;
+        }
+        if (field.isResampled && options.resampleDims != GridDims{0, 0, 0})
+            field.dims = options.resampleDims;
+    }
+    return contents;
 }
 
 Result<std::unique_ptr<VolumeSource>> openNetcdf(const fs::path& path, const ReadOptions& options) {

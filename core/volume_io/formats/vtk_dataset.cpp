@@ -4,6 +4,7 @@
 
 #include <vtkDataArray.h>
 #include <vtkImageData.h>
+#include <vtkPointSet.h>
 #include <vtkPoints.h>
 #include <vtkRectilinearGrid.h>
 #include <vtkStructuredGrid.h>
@@ -73,8 +74,7 @@ Opened ofImage(vtkImageData& image, vtkDataArray& array, int component, VolumeIn
     return makeMemorySource(std::make_shared<const ScalarGrid>(std::move(grid).value()), std::move(info));
 }
 
-Opened ofRectilinear(vtkRectilinearGrid& rectilinear, vtkDataArray& array, int component, VolumeInfo info,
-                     const ReadOptions& options, const std::filesystem::path& path) {
+Result<std::array<GridAxis, 3>> axesOf(vtkRectilinearGrid& rectilinear, const std::filesystem::path& path) {
     constexpr const char* kNames[] = {"X coordinates", "Y coordinates", "Z coordinates"};
     vtkDataArray* coordinates[] = {rectilinear.GetXCoordinates(), rectilinear.GetYCoordinates(),
                                    rectilinear.GetZCoordinates()};
@@ -94,12 +94,22 @@ Opened ofRectilinear(vtkRectilinearGrid& rectilinear, vtkDataArray& array, int c
             return refuseField(kNames[axis], "descend; ascending ones are expected", path);
         axes[axis] = std::move(made).value();
     }
+    return axes;
+}
+
+Opened ofRectilinear(vtkRectilinearGrid& rectilinear, vtkDataArray& array, int component, VolumeInfo info,
+                     const ReadOptions& options, const std::filesystem::path& path) {
+    auto axes = axesOf(rectilinear, path);
+    if (!axes.isOk())
+        return std::move(axes).error();
+    int sizes[3];
+    rectilinear.GetDimensions(sizes);
     info.geometry.dims = {sizes[0], sizes[1], sizes[2]};
     auto grid = componentGrid(info.geometry, array, component, path);
     if (!grid.isOk())
         return std::move(grid).error();
     auto source = makeMemorySource(std::make_shared<const ScalarGrid>(std::move(grid).value()), std::move(info));
-    return placeOnAxes(std::move(source), std::move(axes), options, path);
+    return placeOnAxes(std::move(source), std::move(axes).value(), options, path);
 }
 
 Opened ofStructured(vtkStructuredGrid& structured, vtkDataArray& array, int component, VolumeInfo info,
@@ -158,6 +168,32 @@ Opened sourceOf(vtkDataSet& data, vtkDataArray& array, int component, VolumeInfo
     if (auto* unstructured = vtkUnstructuredGrid::SafeDownCast(&data))
         return ofUnstructured(*unstructured, array, component, std::move(info), options, path);
     return refuseField("type", "is not a kind of grid that is read", path);
+}
+
+Result<VtkOutlook> outlookOf(vtkDataSet& data, const ReadOptions& options, const std::filesystem::path& path) {
+    int sizes[3] = {0, 0, 0};
+    if (auto* image = vtkImageData::SafeDownCast(&data))
+        image->GetDimensions(sizes);
+    if (auto* rectilinear = vtkRectilinearGrid::SafeDownCast(&data)) {
+        rectilinear->GetDimensions(sizes);
+        const auto axes = axesOf(*rectilinear, path);
+        if (!axes.isOk())
+            return axes.error();
+        if (!(axes.value()[0].isEven && axes.value()[1].isEven && axes.value()[2].isEven)) {
+            const auto dims = resampledDims(options, {sizes[0], sizes[1], sizes[2]}, path);
+            return dims.isOk() ? Result<VtkOutlook>(VtkOutlook{dims.value(), true}) : dims.error();
+        }
+    }
+    if (auto* pointSet = vtkPointSet::SafeDownCast(&data)) {
+        const auto points = pointsOf(pointSet->GetPoints(), data.GetNumberOfPoints(), path);
+        if (!points.isOk())
+            return points.error();
+        if (points.value().empty())
+            return refuseField("Points", "there are none", path);
+        const auto geometry = boxOf(points.value(), options, path);
+        return geometry.isOk() ? Result<VtkOutlook>(VtkOutlook{geometry.value().dims, true}) : geometry.error();
+    }
+    return VtkOutlook{{sizes[0], sizes[1], sizes[2]}, false};
 }
 
 } // namespace isoslider::io

@@ -26,6 +26,14 @@ std::string_view formatName(VtkKind kind);
 Result<std::unique_ptr<VolumeSource>> sourceOf(vtkDataSet& data, vtkDataArray& array, int component, VolumeInfo info,
                                                const ReadOptions& options, const std::filesystem::path& path);
 
+/// What sourceOf would make of a grid, told from the places of its points alone.
+struct VtkOutlook {
+    GridDims dims{0, 0, 0};
+    bool isResampled = false;
+};
+/// Errors: as sourceOf.
+Result<VtkOutlook> outlookOf(vtkDataSet& data, const ReadOptions& options, const std::filesystem::path& path);
+
 /// Cells of an unstructured grid, with one value per point. Says in `notes` which cells are left out.
 /// Errors: Corruption (cells that refer to points which are not there), InvalidArgument (no cells with a volume).
 Result<std::unique_ptr<SourceMesh>> makeUnstructuredMesh(vtkSmartPointer<vtkUnstructuredGrid> grid,

@@ -64,6 +64,24 @@ VolumeContents contentsOf(const LegacyFile& file) {
     return contents;
 }
 
+/// VTK reads `text`, which has to outlive what is done with the reader.
+vtkSmartPointer<vtkDataReader> readByVtk(VtkKind kind, std::string& text) {
+    const vtkNew<vtkCharArray> input;
+    input->SetArray(text.data(), static_cast<vtkIdType>(text.size()), 1);
+    auto reader = readerOf(kind);
+    reader->ReadFromInputStringOn();
+    reader->SetInputArray(input);
+    reader->Update();
+    return reader;
+}
+
+/// The text of a file up to its arrays.
+std::string startOf(const LegacyFile& header) {
+    std::string text = header.hasOffsets ? "# vtk DataFile Version 5.1\n" : "# vtk DataFile Version 3.0\n";
+    text += header.isBinary ? "volume\nBINARY\n" : "volume\nASCII\n";
+    return text + header.structure;
+}
+
 /// The text of a file that has but one array.
 class Excerpt {
 public:
@@ -81,9 +99,7 @@ public:
                              file_.path(), array_.position);
         const std::uint64_t fileBytes = header_.isBinary ? values * width : left;
         ISO_TRY(checkFitsMemory(3 * header_.structure.size() + 2 * fileBytes + 2 * values * width, file_.path()));
-        text_ = header_.hasOffsets ? "# vtk DataFile Version 5.1\nvolume\n" : "# vtk DataFile Version 3.0\nvolume\n";
-        text_ += header_.isBinary ? "BINARY\n" : "ASCII\n";
-        text_ += header_.structure;
+        text_ = startOf(header_);
         text_ += "POINT_DATA " + std::to_string(header_.points) + "\nFIELD FieldData 1\n" + kSamples + " " +
                  std::to_string(array_.components) + " " + std::to_string(header_.points) + " " +
                  std::string(legacyTypeName(array_.type)) + "\n";
@@ -124,14 +140,32 @@ private:
 
 } // namespace
 
-Result<VolumeContents> listVtkLegacy(const fs::path& path, const ReadOptions&) {
+Result<VolumeContents> listVtkLegacy(const fs::path& path, const ReadOptions& options) {
     const auto file = defaultFileSystem().openForReading(path);
     if (!file.isOk())
         return file.error();
-    const auto header = readLegacyHeader(*file.value(), {});
+    LegacyRequest request;
+    request.keepsStructure = true;
+    const auto header = readLegacyHeader(*file.value(), request);
     if (!header.isOk())
         return header.error();
-    return contentsOf(header.value());
+    VolumeContents contents = contentsOf(header.value());
+    if (header.value().kind == VtkKind::Image)
+        return contents;
+    const VtkSession session;
+    std::string text = startOf(header.value());
+    const auto reader = readByVtk(header.value().kind, text);
+    auto* data = vtkDataSet::SafeDownCast(reader->GetOutputDataObject(0));
+    if (!session.complaint().empty() || !session.warning().empty() || data == nullptr)
+        return session.error(session.warning(), path);
+    const auto outlook = outlookOf(*data, options, path);
+    if (!outlook.isOk())
+        return outlook.error();
+    for (VolumeField& field : contents.fields) {
+        field.dims = outlook.value().dims;
+        field.isResampled = outlook.value().isResampled;
+    }
+    return contents;
 }
 
 Result<std::unique_ptr<VolumeSource>> openVtkLegacy(const fs::path& path, const ReadOptions& options) {
@@ -164,12 +198,7 @@ Result<std::unique_ptr<VolumeSource>> openVtkLegacy(const fs::path& path, const 
         return std::move(text).error();
 
     const VtkSession session;
-    const vtkNew<vtkCharArray> input;
-    input->SetArray(text.value().data(), static_cast<vtkIdType>(text.value().size()), 1);
-    const auto reader = readerOf(kind);
-    reader->ReadFromInputStringOn();
-    reader->SetInputArray(input);
-    reader->Update();
+    const auto reader = readByVtk(kind, text.value());
     auto* data = vtkDataSet::SafeDownCast(reader->GetOutputDataObject(0));
     if (!session.complaint().empty() || !session.warning().empty() || data == nullptr)
         return session.error(session.warning(), path);

@@ -28,14 +28,35 @@ vtkSmartPointer<vtkXMLReader> readerOf(VtkKind kind) {
 
 } // namespace
 
-Result<VolumeContents> listVtkXml(const std::filesystem::path& path, const ReadOptions&) {
+Result<VolumeContents> listVtkXml(const std::filesystem::path& path, const ReadOptions& options) {
     const auto file = defaultFileSystem().openForReading(path);
     if (!file.isOk())
         return file.error();
     const auto header = readVtkXmlHeader(*file.value());
     if (!header.isOk())
         return header.error();
-    return contentsOf(header.value());
+    VolumeContents contents = contentsOf(header.value());
+    if (header.value().kind == VtkKind::Image)
+        return contents;
+    ISO_TRY(checkVtkXmlRoom(*file.value(), header.value(), contents.preferred));
+    const VtkSession session;
+    const auto reader = readerOf(header.value().kind);
+    reader->SetFileName(path.c_str());
+    reader->UpdateInformation();
+    reader->GetPointDataArraySelection()->DisableAllArrays();
+    reader->GetCellDataArraySelection()->DisableAllArrays();
+    reader->Update();
+    vtkDataSet* data = reader->GetOutputAsDataSet();
+    if (!session.complaint().empty() || data == nullptr)
+        return session.error("no grid", path);
+    const auto outlook = outlookOf(*data, options, path);
+    if (!outlook.isOk())
+        return outlook.error();
+    for (VolumeField& field : contents.fields) {
+        field.dims = outlook.value().dims;
+        field.isResampled = outlook.value().isResampled;
+    }
+    return contents;
 }
 
 Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& path, const ReadOptions& options) {

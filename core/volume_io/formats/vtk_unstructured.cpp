@@ -47,6 +47,19 @@ vtkIdType pointsOfKind(int type) {
     return found == std::end(kCellKinds) ? 0 : found->points;
 }
 
+/// VTK takes wedges and curved tetrahedra for cubes when it says whether a place is inside them.
+bool isInTriangle(int type, const double* place) {
+    constexpr double kVtkTolerance = 1e-3; // what VTK itself lets pass at the other sides
+    switch (type) {
+        case VTK_WEDGE:
+        case VTK_QUADRATIC_WEDGE:
+        case VTK_QUADRATIC_LINEAR_WEDGE:
+        case VTK_BIQUADRATIC_QUADRATIC_WEDGE: return place[0] + place[1] <= 1.0 + kVtkTolerance;
+        case VTK_QUADRATIC_TETRA: return place[0] + place[1] + place[2] <= 1.0 + kVtkTolerance;
+        default: return true;
+    }
+}
+
 /// A cell and the box it may fill, in index units of the output.
 struct BoxedCell {
     vtkIdType id;
@@ -153,7 +166,7 @@ private:
         std::array<double, kMaxCellPoints> weights{};
         int part = 0;
         const int inside = cell.EvaluatePosition(x, closest, part, place, distance2, weights.data());
-        if (inside < 0 || (inside == 0 && !(distance2 <= tolerance2)))
+        if (inside < 0 || (inside == 0 && !(distance2 <= tolerance2)) || !isInTriangle(cell.GetCellType(), place))
             return std::numeric_limits<float>::quiet_NaN();
         double sum = 0.0;
         for (vtkIdType i = 0; i < cell.GetNumberOfPoints(); ++i)

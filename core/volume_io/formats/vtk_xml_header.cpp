@@ -1,6 +1,7 @@
 #include "core/volume_io/formats/vtk_xml_header.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "core/volume_io/header_checks.h"
 
@@ -85,31 +86,112 @@ Status checkArrays(const VtkXmlOutline& outline, const std::filesystem::path& pa
     return {};
 }
 
+constexpr std::uint64_t kMaxPacking = 8000; ///< deflate packs at most 1032 to 1, LZ4 less; LZMA is given the benefit
+constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 28;
+
+int base64Value(char c) {
+    constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const auto at = kLetters.find(c);
+    return at == std::string_view::npos ? -1 : static_cast<int>(at);
+}
+
+/// The numbers that head the data of an array, raw or in base64.
+class BlockHeading {
+public:
+    BlockHeading(const RandomAccessFile& file, std::uint64_t begin, bool isText, std::uint64_t width, bool isBigEndian)
+        : file_(file), begin_(begin), isText_(isText), width_(width), isBigEndian_(isBigEndian) {}
+
+    /// Errors: Corruption (the file ends first, or it is no base64).
+    Result<std::uint64_t> number(std::uint64_t index) {
+        const std::uint64_t end = (index + 1) * width_;
+        if (end > bytes_.size())
+            ISO_TRY(isText_ ? decode(end) : fetch(end));
+        std::uint64_t value = 0;
+        for (std::uint64_t i = 0; i < width_; ++i)
+            value |= std::to_integer<std::uint64_t>(bytes_[end - width_ + i]) << 8 * (isBigEndian_ ? width_ - 1 - i : i);
+        return value;
+    }
+
+private:
+    static constexpr std::uint64_t kStep = std::uint64_t{1} << 16;
+
+    Status fetch(std::uint64_t end) {
+        const std::uint64_t begin = bytes_.size();
+        const std::uint64_t left = file_.sizeBytes() - std::min(file_.sizeBytes(), begin_ + begin);
+        bytes_.resize(std::max(end, begin + std::min(kStep, left)));
+        return file_.readExactlyAt(begin_ + begin, std::span(bytes_).subspan(begin));
+    }
+
+    Status decode(std::uint64_t end) {
+        std::vector<std::byte> text(kStep);
+        while (bytes_.size() < end) {
+            const auto got = file_.readAt(begin_ + consumed_, text);
+            if (!got.isOk())
+                return got.error();
+            for (std::size_t i = 0; i < got.value(); ++i, ++consumed_) {
+                const char c = static_cast<char>(text[i]);
+                if (c == ' ' || c == '\n' || c == '\t' || c == '\r')
+                    continue;
+                const int value = c == '=' ? 0 : base64Value(c); // a heading of packed data is encoded alone
+                if (value < 0)
+                    return makeError(ErrorCode::Corruption, "data: its heading is no base64", file_.path(),
+                                     begin_ + consumed_);
+                bits_ = bits_ << 6 | static_cast<unsigned>(value);
+                if (++letters_ % 4 == 0)
+                    for (int shift = 16; shift >= 0; shift -= 8)
+                        bytes_.push_back(static_cast<std::byte>(bits_ >> shift & 0xff));
+                if (bytes_.size() >= end) {
+                    ++consumed_;
+                    return {};
+                }
+            }
+            if (got.value() == 0)
+                break;
+        }
+        if (bytes_.size() < end)
+            return makeError(ErrorCode::Corruption, "data: the file ends in its heading", file_.path(), begin_);
+        return {};
+    }
+
+    const RandomAccessFile& file_;
+    std::uint64_t begin_;
+    bool isText_;
+    std::uint64_t width_;
+    bool isBigEndian_;
+    std::vector<std::byte> bytes_;
+    std::uint64_t consumed_ = 0, letters_ = 0;
+    unsigned bits_ = 0;
+};
+
 /// Checks that the file can hold what an array claims.
 class RoomCheck {
 public:
-    /// `expected` bytes in `values` numbers.
-    RoomCheck(const RandomAccessFile& file, const VtkXmlOutline& outline, std::uint64_t values, std::uint64_t expected)
-        : file_(file), outline_(outline), values_(values), expected_(expected) {
-        isWide_ = xmlValue(outline.file, "header_type", "UInt32") == "UInt64";
-        isCompressed_ = !xmlValue(outline.file, "compressor").empty();
+    /// Of `values` numbers of `size` bytes; none: as many as there are.
+    RoomCheck(const RandomAccessFile& file, const VtkXmlOutline& outline, std::optional<std::uint64_t> values,
+              std::uint64_t size)
+        : file_(file), outline_(outline), values_(values), expected_(values.value_or(0) * size) {
+        width_ = xmlValue(outline.file, "header_type", "UInt32") == "UInt64" ? 8 : 4;
+        isPacked_ = !xmlValue(outline.file, "compressor").empty();
         isBigEndian_ = xmlValue(outline.file, "byte_order") == "BigEndian";
     }
 
-    Status run(const XmlAttributes& array) const {
+    Status run(const XmlArray& array) const {
         const std::string_view format = xmlValue(array, "format", "ascii");
-        // Deflate packs at most 1032 to 1, LZ4 less; LZMA is given the benefit of the doubt.
-        const std::uint64_t least = format == "ascii" ? values_ : isCompressed_ ? expected_ / 8000 : expected_;
+        const std::uint64_t least = format == "ascii" ? values_.value_or(0) : isPacked_ ? expected_ / kMaxPacking : expected_;
         if (least > file_.sizeBytes())
             return makeError(ErrorCode::Corruption,
                              "data: the extent asks for " + std::to_string(expected_) + " bytes, the file has only " +
                                  std::to_string(file_.sizeBytes()),
                              file_.path());
-        return format == "appended" ? checkAppended(array) : Status();
+        if (format == "appended")
+            return checkAppended(array);
+        if (format != "ascii" && format != "binary")
+            return refuseField("format", inQuotes(format) + " is not ascii, binary or appended", file_.path());
+        return format == "binary" ? checkBlocks(array.contentBegin, true) : Status();
     }
 
 private:
-    Status checkAppended(const XmlAttributes& array) const {
+    Status checkAppended(const XmlArray& array) const {
         const auto offset = parseInteger(xmlValue(array, "offset"));
         auto begin = outline_.appendedBegin;
         if (!begin || !offset || *offset < 0)
@@ -118,55 +200,64 @@ private:
         auto got = file_.readAt(*begin, start);
         if (!got.isOk())
             return std::move(got).error();
-        const auto mark = std::find(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(got.value()), std::byte{'_'});
+        const auto end = start.begin() + static_cast<std::ptrdiff_t>(got.value());
+        const auto mark = std::find(start.begin(), end, std::byte{'_'});
         const std::uint64_t at = *begin + static_cast<std::uint64_t>(mark - start.begin()) + 1 +
                                  static_cast<std::uint64_t>(*offset);
-        if (mark == start.begin() + static_cast<std::ptrdiff_t>(got.value()) || at >= file_.sizeBytes())
+        if (mark == end || at >= file_.sizeBytes())
             return makeError(ErrorCode::Corruption, "offset: appended data lies beyond the end of the file",
                              file_.path(), at);
-        return xmlValue(outline_.appended, "encoding", "raw") == "raw" ? checkBlocks(at) : Status();
-    }
-
-    Result<std::uint64_t> headerNumber(std::uint64_t at) const {
-        const std::size_t size = isWide_ ? 8 : 4;
-        std::byte raw[8]{};
-        ISO_TRY(file_.readExactlyAt(at, std::span(raw).first(size)));
-        std::uint64_t value = 0;
-        for (std::size_t i = 0; i < size; ++i)
-            value |= std::to_integer<std::uint64_t>(raw[i]) << 8 * (isBigEndian_ ? size - 1 - i : i);
-        return value;
+        const std::string_view encoding = xmlValue(outline_.appended, "encoding");
+        if (encoding != "raw" && encoding != "base64")
+            return refuseField("encoding", inQuotes(encoding) + " is not raw or base64", file_.path());
+        return checkBlocks(at, encoding == "base64");
     }
 
     Error blockError(std::string problem, std::uint64_t at) const {
         return makeError(ErrorCode::Corruption, "data block: " + std::move(problem), file_.path(), at);
     }
 
-    // Uncompressed: byte count, bytes. Compressed: number of blocks, their size, the last one's
-    // size if it differs, the packed sizes, the blocks.
-    Status checkBlocks(std::uint64_t at) const {
-        const std::uint64_t width = isWide_ ? 8 : 4;
-        const auto first = headerNumber(at);
-        if (!first.isOk())
-            return first.error();
-        if (!isCompressed_) {
-            if (first.value() != expected_ || expected_ > file_.sizeBytes() - at)
-                return blockError(std::to_string(first.value()) + " bytes announced, " + std::to_string(expected_) +
-                                      " expected, " + std::to_string(file_.sizeBytes() - at) + " left", at);
-            return {};
-        }
+    Status checkBlocks(std::uint64_t at, bool isText) const {
+        BlockHeading heading(file_, at, isText, width_, isBigEndian_);
+        // What is left of the file, as raw bytes.
+        const std::uint64_t left = (file_.sizeBytes() - std::min(at, file_.sizeBytes())) * (isText ? 3 : 4) / 4;
+        return isPacked_ ? checkPacked(heading, at, left) : checkPlain(heading, at, left);
+    }
+
+    // Byte count, bytes.
+    Status checkPlain(BlockHeading& heading, std::uint64_t at, std::uint64_t left) const {
+        const auto bytes = heading.number(0);
+        if (!bytes.isOk())
+            return bytes.error();
+        if ((values_ ? bytes.value() != expected_ : bytes.value() == 0) || bytes.value() > left)
+            return blockError(std::to_string(bytes.value()) + " bytes announced, " +
+                                  (values_ ? std::to_string(expected_) + " expected, " : "") + std::to_string(left) +
+                                  " left", at);
+        return {};
+    }
+
+    // Number of blocks, their size, the last one's size if it differs, the packed sizes, the blocks.
+    Status checkPacked(BlockHeading& heading, std::uint64_t at, std::uint64_t left) const {
+        const auto first = heading.number(0), size = heading.number(1), last = heading.number(2);
+        if (!first.isOk() || !size.isOk() || !last.isOk())
+            return !first.isOk() ? first.error() : !size.isOk() ? size.error() : last.error();
         const std::uint64_t blocks = first.value();
-        const auto size = headerNumber(at + width), last = headerNumber(at + 2 * width);
-        if (!size.isOk() || !last.isOk() || blocks == 0 || blocks > (file_.sizeBytes() - at) / width)
+        if ((blocks == 0 && (expected_ > 0 || !values_)) || blocks > left / width_)
             return blockError(std::to_string(blocks) + " blocks cannot be in this file", at);
-        const std::uint64_t whole = last.value() == 0 ? blocks : blocks - 1;
-        if (size.value() > expected_ || last.value() > expected_ || whole * size.value() + last.value() != expected_)
-            return blockError("the blocks do not unpack to the expected " + std::to_string(expected_) + " bytes", at);
-        std::uint64_t end = at + (3 + blocks) * width;
+        // Where the only block is a last one that is not full, the size of full ones means nothing.
+        const std::uint64_t whole = last.value() == 0 || blocks == 0 ? blocks : blocks - 1;
+        if ((whole > 0 && size.value() > kMaxBlockBytes) || last.value() > kMaxBlockBytes)
+            return blockError("is of more than " + std::to_string(kMaxBlockBytes) + " bytes", at);
+        const std::uint64_t total = whole * (whole > 0 ? size.value() : 0) + last.value();
+        if (values_ ? total != expected_ : total == 0 || total / kMaxPacking > left)
+            return blockError("the blocks unpack to " + std::to_string(total) + " bytes" +
+                                  (values_ ? ", expected are " + std::to_string(expected_) : ""), at);
+        std::uint64_t packedBytes = (3 + blocks) * width_;
         for (std::uint64_t i = 0; i < blocks; ++i) {
-            const auto packed = headerNumber(at + (3 + i) * width);
+            const auto packed = heading.number(3 + i);
             if (!packed.isOk())
                 return packed.error();
-            if (packed.value() > file_.sizeBytes() || (end += packed.value()) > file_.sizeBytes())
+            if (packed.value() > left || (packedBytes += packed.value()) > left)
                 return blockError("ends beyond the file", at);
         }
         return {};
@@ -174,9 +265,10 @@ private:
 
     const RandomAccessFile& file_;
     const VtkXmlOutline& outline_;
-    std::uint64_t values_, expected_;
-    bool isWide_ = false;
-    bool isCompressed_ = false;
+    std::optional<std::uint64_t> values_;
+    std::uint64_t expected_;
+    std::uint64_t width_ = 4;
+    bool isPacked_ = false;
     bool isBigEndian_ = false;
 };
 
@@ -235,21 +327,27 @@ VolumeContents contentsOf(const VtkXmlHeader& header) {
 }
 
 Status checkVtkXmlRoom(const RandomAccessFile& file, const VtkXmlHeader& header, std::size_t array) {
-    std::vector<const XmlAttributes*> needed{&header.outline.pointArrays[array]};
-    std::vector<std::uint64_t> tuples{header.points};
-    for (std::size_t i = 0; i < header.outline.placeArrays.size(); ++i) {
-        needed.push_back(&header.outline.placeArrays[i]);
-        tuples.push_back(header.kind == VtkKind::Rectilinear ? static_cast<std::uint64_t>(header.dims[std::min<std::size_t>(i, 2)])
-                                                             : header.points);
-    }
-    for (std::size_t i = 0; i < needed.size(); ++i) {
-        const TypeSize* type = typeOf(*needed[i]);
-        const auto components = static_cast<std::uint64_t>(componentsOf(*needed[i]));
+    const VtkXmlOutline& outline = header.outline;
+    const auto check = [&](const XmlArray& needed, std::optional<std::uint64_t> tuples) -> Status {
+        const TypeSize* type = typeOf(needed);
+        const auto components = static_cast<std::uint64_t>(componentsOf(needed));
         if (type == nullptr || components == 0)
             return refuseField(type == nullptr ? "type" : "NumberOfComponents",
-                               "of the array " + inQuotes(xmlValue(*needed[i], "Name")) + " is not usable", file.path());
-        const std::uint64_t values = tuples[i] * components;
-        ISO_TRY(RoomCheck(file, header.outline, values, values * type->sizeBytes).run(*needed[i]));
+                               "of the array " + inQuotes(xmlValue(needed, "Name")) + " is not usable", file.path());
+        if (tuples)
+            *tuples *= components;
+        return RoomCheck(file, outline, tuples, type->sizeBytes).run(needed);
+    };
+    ISO_TRY(check(outline.pointArrays[array], header.points));
+    for (std::size_t i = 0; i < outline.placeArrays.size(); ++i)
+        ISO_TRY(check(outline.placeArrays[i], header.kind == VtkKind::Rectilinear
+                                                  ? static_cast<std::uint64_t>(header.dims[std::min<std::size_t>(i, 2)])
+                                                  : header.points));
+    for (const XmlArray& cells : outline.cellsArrays) {
+        const std::string_view name = xmlValue(cells, "Name");
+        const bool isOnePerCell = name == "offsets" || name == "types";
+        const auto count = parseInteger(xmlValue(outline.pieces[0], "NumberOfCells"));
+        ISO_TRY(check(cells, isOnePerCell && count ? std::optional(static_cast<std::uint64_t>(*count)) : std::nullopt));
     }
     return {};
 }

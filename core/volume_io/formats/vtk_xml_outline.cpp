@@ -35,8 +35,15 @@ bool isKnownKind(std::string_view kind) {
     return false;
 }
 
-void keepArray(Gathering& gathered, const std::string& parent, XmlAttributes attributes) {
+/// Where what follows the tag at hand begins.
+std::uint64_t afterTag(XML_Parser parser) {
+    return static_cast<std::uint64_t>(XML_GetCurrentByteIndex(parser)) +
+           static_cast<std::uint64_t>(XML_GetCurrentByteCount(parser));
+}
+
+void keepArray(Gathering& gathered, const std::string& parent, XmlArray attributes) {
     VtkXmlOutline& outline = gathered.outline;
+    attributes.contentBegin = afterTag(gathered.parser);
     if (parent == "PointData")
         outline.pointArrays.push_back(std::move(attributes));
     else if (parent == "Points" || parent == "Coordinates")
@@ -72,11 +79,10 @@ void XMLCALL onStart(void* data, const XML_Char* rawName, const XML_Char** rawAt
     } else if (name == "PointData") {
         outline.pointData = attributes;
     } else if (name == "DataArray" || name == "Array") {
-        keepArray(gathered, parent, std::move(attributes));
+        keepArray(gathered, parent, {std::move(attributes)});
     } else if (name == "AppendedData") {
         outline.appended = attributes;
-        outline.appendedBegin = static_cast<std::uint64_t>(XML_GetCurrentByteIndex(gathered.parser)) +
-                                static_cast<std::uint64_t>(XML_GetCurrentByteCount(gathered.parser));
+        outline.appendedBegin = afterTag(gathered.parser);
         XML_StopParser(gathered.parser, XML_FALSE); // what follows need not be XML
     }
 }
