@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,17 @@
 
 namespace isoslider::io {
 
+/// How well a uniform grid stands for the grid it was made from. At each point of that grid which has a value, the
+/// resampled grid is interpolated (trilinear) and compared. Differences in units of the samples.
+struct ResampleReport {
+    std::int64_t sourcePoints = 0;   ///< of the file's own grid
+    std::int64_t comparedPoints = 0; ///< of those, with a value of their own and in the resampled grid
+    double maxDifference = 0.0;      ///< the largest, without sign
+    double rmsDifference = 0.0;      ///< root of the mean square
+    double rangeFraction = 0.0;      ///< maxDifference as part of the range of the source's values; 0 if that is 0
+    std::int64_t outsidePoints = 0;  ///< of the resampled grid: in no cell, or in one that lacks a value; missing
+};
+
 /// What a volume is, known before its samples are read.
 struct VolumeInfo {
     GridGeometry geometry;
@@ -19,6 +31,8 @@ struct VolumeInfo {
     std::string format;    ///< "MetaImage", "NRRD", "NIfTI", "VTK image", "PLOT3D", "raw", "generated"
     std::string fieldName; ///< the scalar field, where the format names it
     std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
+    /// Set when the source has been resampled: once its first slab is read.
+    std::optional<ResampleReport> resampling;
 };
 
 /// Samples delivered in slabs of whole z planes, so that preprocessing never needs them all at once.

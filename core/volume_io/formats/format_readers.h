@@ -36,6 +36,14 @@ OpenFormat openTiff;
 ListFormat listTiff;
 /// A file by its first bytes, or a folder with files named .tif or .tiff in it.
 bool isTiff(const std::filesystem::path& path, std::span<const std::byte> start);
+OpenFormat openNetcdf;
+OpenFormat openHdf5;
+
+ListFormat listVtkXml;
+ListFormat listVtkLegacy;
+ListFormat listPlot3d;
+ListFormat listNetcdf;
+ListFormat listHdf5;
 
 /// Of formats with one scalar volume per file: what opening it finds.
 Result<VolumeContents> listByOpening(OpenFormat open, const std::filesystem::path& path, const ReadOptions& options);

@@ -17,7 +17,7 @@ constexpr std::size_t kStartBytes = 512;
 constexpr std::string_view kMetaImage[] = {".mhd", ".mha"};
 constexpr std::string_view kNrrd[] = {".nrrd", ".nhdr"};
 constexpr std::string_view kNifti[] = {".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz"};
-constexpr std::string_view kVtkXml[] = {".vti"};
+constexpr std::string_view kVtkXml[] = {".vti", ".vtr", ".vts", ".vtu"};
 constexpr std::string_view kVtkLegacy[] = {".vtk"};
 constexpr std::string_view kMrc[] = {".mrc",    ".map",    ".ccp4",    ".rec",    ".st",    ".mrcs",
                                      ".mrc.gz", ".map.gz", ".ccp4.gz", ".rec.gz", ".st.gz", ".mrcs.gz"};
@@ -25,6 +25,8 @@ constexpr std::string_view kCube[] = {".cube", ".cub", ".cube.gz", ".cub.gz"};
 constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"};
 constexpr std::string_view kDicom[] = {".dcm", ".ima", ".dicom"};
 constexpr std::string_view kTiff[] = {".tif", ".tiff"};
+constexpr std::string_view kNetcdf[] = {".nc", ".nc4", ".cdf", ".netcdf"};
+constexpr std::string_view kHdf5[] = {".h5", ".hdf5", ".he5", ".hdf"};
 
 template <std::size_t size>
 bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
@@ -39,18 +41,25 @@ bool isMrc(const fs::path&, std::span<const std::byte> start) {
     return start.size() >= 212 && beginsWith(start.subspan(208), "MAP ");
 }
 bool isVtkLegacy(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "# vtk DataFile"); }
+// NetCDF-4 files are HDF5; unless the name says so, they are read as that.
+bool isNetcdf(const fs::path&, std::span<const std::byte> start) {
+    return beginsWith(start, "CDF\1") || beginsWith(start, "CDF\2") || beginsWith(start, "CDF\5");
+}
+bool isHdf5(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "\x89HDF\r\n\x1a\n"); }
 
 const Format kFormats[] = {
     {"MetaImage", kMetaImage, openMetaImage, listMetaImage, nullptr, false},
     {"NRRD", kNrrd, openNrrd, listNrrd, isNrrd, false},
     {"NIfTI", kNifti, openNifti, listNifti, isNifti, false},
-    {"VTK XML", kVtkXml, openVtkXml, nullptr, nullptr, false, true},
-    {"VTK", kVtkLegacy, openVtkLegacy, nullptr, isVtkLegacy, false, true},
-    {"PLOT3D", kPlot3d, openPlot3d, nullptr, nullptr, false, true},
+    {"VTK XML", kVtkXml, openVtkXml, listVtkXml, nullptr, false, true},
+    {"VTK", kVtkLegacy, openVtkLegacy, listVtkLegacy, isVtkLegacy, false, true},
+    {"PLOT3D", kPlot3d, openPlot3d, listPlot3d, nullptr, false, true},
     {"MRC", kMrc, openMrc, listMrc, isMrc, false},
     {"Gaussian cube", kCube, openCube, listCube, nullptr, false},
     {"DICOM", kDicom, openDicom, listDicom, isDicom, true, true},
     {"TIFF", kTiff, openTiff, listTiff, isTiff, true, true},
+    {"NetCDF", kNetcdf, openNetcdf, listNetcdf, isNetcdf, false, true},
+    {"HDF5", kHdf5, openHdf5, listHdf5, isHdf5, false, true},
 };
 
 std::string knownSuffixes() {

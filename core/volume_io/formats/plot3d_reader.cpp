@@ -15,6 +15,7 @@
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/formats/vtk_bridge.h"
+#include "core/volume_io/resampled_source.h"
 
 // VTK reads the pair once its layout is known and its sizes are proved. PLOT3D files say nothing of
 // byte order, precision or record marks: each combination implies a file size and the marks' values,
@@ -24,7 +25,7 @@ namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kDefaultSize = 256;
+constexpr GridDims kDefaultDims{256, 256, 256};
 constexpr std::int64_t kMaxVtkValues = std::numeric_limits<std::int32_t>::max(); ///< VTK counts them in an int
 
 /// One scalar of the solution, as VTK names it.
@@ -182,29 +183,6 @@ Result<Files> findPair(const fs::path& path) {
     return files;
 }
 
-class Plot3dSource final : public WholeGridSource {
-public:
-    Plot3dSource(VolumeInfo info, CurvilinearGrid curvilinear)
-        : info_(std::move(info)), curvilinear_(std::move(curvilinear)) {}
-
-    const VolumeInfo& info() const override { return info_; }
-
-    Result<std::shared_ptr<const ScalarGrid>> grid(const JobControl& job) override {
-        if (grid_)
-            return grid_;
-        auto made = resampleCurvilinear(curvilinear_, info_.geometry, job);
-        if (!made.isOk())
-            return std::move(made).error();
-        grid_ = std::make_shared<const ScalarGrid>(std::move(made).value());
-        return grid_;
-    }
-
-private:
-    VolumeInfo info_;
-    CurvilinearGrid curvilinear_;
-    std::shared_ptr<const ScalarGrid> grid_;
-};
-
 /// Proves the sizes of both files. VTK has one setting for the two, so their layouts must agree.
 Result<Layout> checkPair(const Files& files) {
     auto grid = defaultFileSystem().openForReading(files.grid);
@@ -282,6 +260,27 @@ Result<CurvilinearGrid> readPair(const Files& files, const Field& field) {
 
 } // namespace
 
+Result<VolumeContents> listPlot3d(const fs::path& path, const ReadOptions& options) {
+    const auto files = findPair(path);
+    if (!files.isOk())
+        return files.error();
+    const auto layout = checkPair(files.value());
+    if (!layout.isOk())
+        return layout.error();
+    VolumeContents contents;
+    contents.format = "PLOT3D";
+    contents.isPreferredChosen = true; // density, which every solution has and which needs no frame of reference
+    for (const Field& field : kFields) {
+        VolumeField listed;
+        listed.name = std::string(field.name);
+        listed.dims = options.resampleDims == GridDims{0, 0, 0} ? kDefaultDims : options.resampleDims;
+        listed.typeName = layout.value().isDouble ? "float64" : "float32";
+        listed.isResampled = true;
+        contents.fields.push_back(std::move(listed));
+    }
+    return contents;
+}
+
 Result<std::unique_ptr<VolumeSource>> openPlot3d(const fs::path& path, const ReadOptions& options) {
     const Field* field = findField(options.field);
     if (field == nullptr)
@@ -293,21 +292,15 @@ Result<std::unique_ptr<VolumeSource>> openPlot3d(const fs::path& path, const Rea
     auto curvilinear = readPair(files.value(), *field);
     if (!curvilinear.isOk())
         return std::move(curvilinear).error();
-    GridDims wanted = options.resampleDims;
-    if (wanted == GridDims{0, 0, 0})
-        wanted = {kDefaultSize, kDefaultSize, kDefaultSize};
-    const auto dims = checkDims(wanted, "size", path);
+    const auto dims = resampledDims(options, kDefaultDims, path);
     if (!dims.isOk())
         return dims.error();
-    ISO_TRY(checkFitsMemory(2 * sizeof(float) * static_cast<std::uint64_t>(pointCount(dims.value())), path));
     VolumeInfo info;
     info.format = "PLOT3D";
-    info.type = ScalarType::F32;
-    info.fieldName = options.field.empty() ? "density" : options.field;
+    info.fieldName = std::string(field->name);
     info.geometry = boundingGeometry(curvilinear.value().points, dims.value());
     ISO_TRY(checkGeometry(info.geometry, "grid points", path));
-    return std::unique_ptr<VolumeSource>(
-        std::make_unique<Plot3dSource>(std::move(info), std::move(curvilinear).value()));
+    return makeResampledSource(std::move(info), makeCurvilinearMesh(std::move(curvilinear).value()));
 }
 
 } // namespace isoslider::io

@@ -1,5 +1,6 @@
 #include "core/volume_io/formats/vtk_bridge.h"
 
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include <vtkOutputWindow.h>
 
 #include "core/volume_io/header_checks.h"
+#include "core/volume_io/volume_reader.h"
 
 namespace isoslider::io {
 
@@ -111,6 +113,29 @@ Result<ScalarGrid> toGrid(const GridGeometry& geometry, vtkDataArray& array, con
         case VTK_UNSIGNED_LONG_LONG: return widened(geometry, static_cast<const unsigned long long*>(data), path);
         default: return refuseField("type", "is not a type of scalars that is read", path);
     }
+}
+
+Result<ScalarGrid> componentGrid(const GridGeometry& geometry, vtkDataArray& array, int component,
+                                 const std::filesystem::path& path) {
+    ISO_CHECK(array.GetNumberOfTuples() == pointCount(geometry.dims) && component < array.GetNumberOfComponents());
+    if (component == kMagnitude) {
+        const bool isWide = array.GetDataTypeSize() > 4 || array.GetDataType() == VTK_INT ||
+                            array.GetDataType() == VTK_UNSIGNED_INT;
+        std::vector<double> lengths(static_cast<std::size_t>(array.GetNumberOfTuples()));
+        for (std::size_t i = 0; i < lengths.size(); ++i)
+            for (int c = 0; c < array.GetNumberOfComponents(); ++c)
+                lengths[i] = std::hypot(lengths[i], array.GetComponent(static_cast<vtkIdType>(i), c));
+        if (isWide)
+            return ScalarGrid::fromValues<double>(geometry, ScalarType::F64, lengths);
+        const std::vector<float> narrow(lengths.begin(), lengths.end());
+        return ScalarGrid::fromValues<float>(geometry, ScalarType::F32, narrow);
+    }
+    if (array.GetNumberOfComponents() == 1)
+        return toGrid(geometry, array, path);
+    const auto single = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(array.GetDataType()));
+    single->SetNumberOfTuples(array.GetNumberOfTuples());
+    single->CopyComponent(0, &array, component);
+    return toGrid(geometry, *single, path);
 }
 
 GridGeometry geometryOf(vtkImageData& image, const GridDims& dims) {

@@ -47,6 +47,10 @@ private:
 /// or a 64-bit sample without an exact f64).
 Result<ScalarGrid> toGrid(const GridGeometry& geometry, vtkDataArray& array, const std::filesystem::path& path);
 
+/// Likewise one component of several, or kMagnitude: f32, or f64 of values beyond 16 bits or f32.
+Result<ScalarGrid> componentGrid(const GridGeometry& geometry, vtkDataArray& array, int component,
+                                 const std::filesystem::path& path);
+
 /// Where VTK says that an image lies; `dims` are those already checked.
 GridGeometry geometryOf(vtkImageData& image, const GridDims& dims);
 

@@ -1,53 +1,108 @@
 #include <vtkDataArray.h>
 #include <vtkDataArraySelection.h>
-#include <vtkImageData.h>
-#include <vtkNew.h>
+#include <vtkDataSet.h>
 #include <vtkPointData.h>
 #include <vtkXMLImageDataReader.h>
+#include <vtkXMLRectilinearGridReader.h>
+#include <vtkXMLStructuredGridReader.h>
+#include <vtkXMLUnstructuredGridReader.h>
 
+#include "core/volume_io/formats/field_choice.h"
 #include "core/volume_io/formats/format_readers.h"
+#include "core/volume_io/formats/vtk_dataset.h"
+#include "core/volume_io/formats/vtk_xml_header.h"
 #include "core/volume_io/header_checks.h"
-#include "core/volume_io/formats/vti_header.h"
-#include "core/volume_io/formats/vtk_bridge.h"
 
 namespace isoslider::io {
-Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& path, const ReadOptions& options) {
-    auto file = defaultFileSystem().openForReading(path);
+namespace {
+
+vtkSmartPointer<vtkXMLReader> readerOf(VtkKind kind) {
+    switch (kind) {
+        case VtkKind::Image: return vtkSmartPointer<vtkXMLImageDataReader>::New();
+        case VtkKind::Rectilinear: return vtkSmartPointer<vtkXMLRectilinearGridReader>::New();
+        case VtkKind::Structured: return vtkSmartPointer<vtkXMLStructuredGridReader>::New();
+        case VtkKind::Unstructured: return vtkSmartPointer<vtkXMLUnstructuredGridReader>::New();
+    }
+    checkFailed("known VtkKind", __FILE__, __LINE__);
+}
+
+} // namespace
+
+Result<VolumeContents> listVtkXml(const std::filesystem::path& path, const ReadOptions& options) {
+    const auto file = defaultFileSystem().openForReading(path);
     if (!file.isOk())
-        return std::move(file).error();
-    const auto header = checkVtiHeader(*file.value(), options.field);
+        return file.error();
+    const auto header = readVtkXmlHeader(*file.value());
     if (!header.isOk())
         return header.error();
-    ISO_TRY(checkFitsMemory(2 * static_cast<std::uint64_t>(pointCount(header.value().dims)), path));
-
-    VtkSession session;
-    vtkNew<vtkXMLImageDataReader> reader;
+    VolumeContents contents = contentsOf(header.value());
+    if (header.value().kind == VtkKind::Image)
+        return contents;
+    ISO_TRY(checkVtkXmlRoom(*file.value(), header.value(), contents.preferred));
+    const VtkSession session;
+    const auto reader = readerOf(header.value().kind);
     reader->SetFileName(path.c_str());
     reader->UpdateInformation();
-    if (!header.value().isFirstUnnamed) { // other arrays may be huge, or damaged
+    reader->GetPointDataArraySelection()->DisableAllArrays();
+    reader->GetCellDataArraySelection()->DisableAllArrays();
+    reader->Update();
+    vtkDataSet* data = reader->GetOutputAsDataSet();
+    if (!session.complaint().empty() || data == nullptr)
+        return session.error("no grid", path);
+    const auto outlook = outlookOf(*data, options, path);
+    if (!outlook.isOk())
+        return outlook.error();
+    for (VolumeField& field : contents.fields) {
+        field.dims = outlook.value().dims;
+        field.isResampled = outlook.value().isResampled;
+    }
+    return contents;
+}
+
+Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& path, const ReadOptions& options) {
+    const auto file = defaultFileSystem().openForReading(path);
+    if (!file.isOk())
+        return file.error();
+    const auto read = readVtkXmlHeader(*file.value());
+    if (!read.isOk())
+        return read.error();
+    const VtkXmlHeader& header = read.value();
+    const VolumeContents contents = contentsOf(header);
+    const auto chosen = chooseField(contents, options, path);
+    if (!chosen.isOk())
+        return chosen.error();
+    const VolumeField& field = contents.fields[chosen.value()];
+    const auto component = chooseComponent(field, options, path);
+    const auto frame = chooseFrame(field, options, path);
+    if (!component.isOk() || !frame.isOk())
+        return component.isOk() ? frame.error() : component.error();
+    ISO_TRY(checkVtkXmlRoom(*file.value(), header, chosen.value()));
+    ISO_TRY(checkFitsMemory(2 * header.points * static_cast<std::uint64_t>(field.components), path));
+
+    const VtkSession session;
+    const auto reader = readerOf(header.kind);
+    reader->SetFileName(path.c_str());
+    reader->UpdateInformation();
+    const bool isNamed = !field.name.empty(); // other arrays may be huge, or damaged
+    if (isNamed) {
         reader->GetPointDataArraySelection()->DisableAllArrays();
-        reader->GetPointDataArraySelection()->EnableArray(header.value().array.c_str());
+        reader->GetPointDataArraySelection()->EnableArray(field.name.c_str());
     }
     reader->GetCellDataArraySelection()->DisableAllArrays();
     reader->Update();
-    vtkImageData* image = reader->GetOutput();
-    if (!session.complaint().empty() || image == nullptr)
-        return session.error("no image", path);
-    vtkDataArray* array = header.value().isFirstUnnamed
-                              ? image->GetPointData()->GetArray(0)
-                              : image->GetPointData()->GetArray(header.value().array.c_str());
-    if (array == nullptr || array->GetNumberOfComponents() != 1 ||
-        array->GetNumberOfTuples() != pointCount(header.value().dims))
+    vtkDataSet* data = reader->GetOutputAsDataSet();
+    if (!session.complaint().empty() || data == nullptr)
+        return session.error("no grid", path);
+    vtkDataArray* array = isNamed ? data->GetPointData()->GetArray(field.name.c_str())
+                                  : data->GetPointData()->GetArray(static_cast<int>(chosen.value()));
+    if (array == nullptr || array->GetNumberOfComponents() != field.components ||
+        static_cast<std::uint64_t>(data->GetNumberOfPoints()) != header.points ||
+        static_cast<std::uint64_t>(array->GetNumberOfTuples()) != header.points)
         return session.error("the array has not one value per point", path);
     VolumeInfo info;
-    info.format = "VTK image";
-    info.fieldName = header.value().array;
-    info.geometry = geometryOf(*image, header.value().dims);
-    ISO_TRY(checkGeometry(info.geometry, "Spacing, Origin, Direction", path));
-    auto grid = toGrid(info.geometry, *array, path);
-    if (!grid.isOk())
-        return std::move(grid).error();
-    return makeMemorySource(std::make_shared<const ScalarGrid>(std::move(grid).value()), std::move(info));
+    info.format = contents.format;
+    info.fieldName = field.name;
+    return sourceOf(*data, *array, component.value(), std::move(info), options, path);
 }
 
 } // namespace isoslider::io

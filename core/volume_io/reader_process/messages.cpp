@@ -124,6 +124,14 @@ void info(Codec& codec, Info& value) {
     codec.text(value.format);
     codec.text(value.fieldName);
     codec.list(value.notes, [&](auto& note) { codec.text(note); });
+    codec.optional(value.resampling, [&](auto& report) {
+        codec.number(report.sourcePoints);
+        codec.number(report.comparedPoints);
+        codec.number(report.maxDifference);
+        codec.number(report.rmsDifference);
+        codec.number(report.rangeFraction);
+        codec.number(report.outsidePoints);
+    });
 }
 
 template <class Codec, class Contents>

@@ -307,12 +307,35 @@ const std::vector<BadFile>& niftis() {
     return files;
 }
 
+/// Appended zlib data; the numbers are those that head it: blocks, their size, the last one's, packed sizes.
+std::string vtiPacked(std::initializer_list<std::uint32_t> heading) {
+    std::string bytes;
+    for (const std::uint32_t number : heading) {
+        bytes.resize(bytes.size() + 4);
+        test::put(bytes, bytes.size() - 4, number);
+    }
+    std::string text = replaced(test::vtiAppended("0", 48), " byte_order", " compressor=\"vtkZLibDataCompressor\" byte_order");
+    const auto begin = text.find("\n_") + 2;
+    return text.replace(begin, 4, bytes);
+}
+
+std::string laughs() {
+    std::string text = "<?xml version=\"1.0\"?><!DOCTYPE lolz [<!ENTITY lol \"lol\">";
+    for (char c = 'a'; c < 'k'; ++c)
+        text += std::string("<!ENTITY lol") + c + " \"" + repeated(c == 'a' ? "&lol;" : std::string("&lol") + static_cast<char>(c - 1) + ";", 10) + "\">";
+    return text + "]><VTKFile type=\"ImageData\">&lolj;</VTKFile>";
+}
+
 const std::vector<BadFile>& vtks() {
     static const std::vector<BadFile> files = {
-        {"vtk_three_lines", "a.vtk", "# vtk DataFile Version 3.0\ntitle\nASCII\n", InvalidArgument, "DATASET"},
-        {"vtk_count", "a.vtk", withVtk("POINT_DATA 24", "POINT_DATA 25"), InvalidArgument, "POINT_DATA"},
-        {"vtk_components", "a.vtk", withVtk("SCALARS s short", "SCALARS s short 1000000"), InvalidArgument, "components"},
-        {"vtk_color", "a.vtk", withVtk("SCALARS s short\nLOOKUP_TABLE default", "COLOR_SCALARS s -1"), InvalidArgument, "components"},
+        {"B068_vtk_three_lines", "a.vtk", "# vtk DataFile Version 3.0\ntitle\nASCII\n", InvalidArgument, "DATASET"},
+        {"B068_vtk_one_line", "a.vtk", "# vtk DataFile Version 3.0", InvalidArgument, "encoding"},
+        {"B068_vtk_two_lines", "a.vtk", "# vtk DataFile Version 3.0\ntitle", InvalidArgument, "encoding"},
+        {"B069_vtk_coordinates", "a.vtk", replaced(test::vtkRectilinear(), "Y_COORDINATES 2", "Y_COORDINATES 1"), InvalidArgument, ""},
+        {"B069_vtk_points", "a.vtk", replaced(test::vtkCells(), "POINT_DATA 5", "POINT_DATA 6"), InvalidArgument, "POINT_DATA"},
+        {"B069_vtk_count", "a.vtk", withVtk("POINT_DATA 24", "POINT_DATA 25"), InvalidArgument, "POINT_DATA"},
+        {"B070_vtk_components", "a.vtk", withVtk("SCALARS s short", "SCALARS s short 1000000"), InvalidArgument, "components"},
+        {"B070_vtk_color", "a.vtk", withVtk("SCALARS s short\nLOOKUP_TABLE default", "COLOR_SCALARS s -1"), InvalidArgument, "components"},
         {"vtk_short", "a.vtk", shorter(shorter(test::vtkBinary())), Corruption, "early"},
         {"vtk_text_number", "a.vtk", replaced(test::vtkText(), " 7 ", " abc "), InvalidArgument, "sample 7"},
         {"vtk_text_range", "a.vtk", replaced(test::vtkText(), " 7 ", " 99999 "), InvalidArgument, "sample 7"},
@@ -324,23 +347,46 @@ const std::vector<BadFile>& vtks() {
         {"vtk_text_short", "a.vtk", replaced(test::vtkText(), " 21 22 23", " 21 22"), InvalidArgument, "sample 23"},
         {"vtk_endless_header", "a.vtk", withVtk("SPACING 1 2 3\n", repeated("SPACING 1 2 3\n", 100'000)), InvalidArgument, "header"},
         {"vtk_million_in_samples", "a.vtk", withVtk("LOOKUP_TABLE default\n", "LOOKUP_TABLE default\nSCALARS t float 100000000\n").substr(0, 200), Corruption, "early"},
-        {"vtk_cells", "a.vtk", withVtk("POINT_DATA 24", "CELL_DATA 6"), InvalidArgument, "cells"},
+        {"B074_vtk_cells", "a.vtk", withVtk("POINT_DATA 24", "CELL_DATA 6"), InvalidArgument, "cells"},
         {"vtk_huge", "a.vtk", replaced(withVtk("DIMENSIONS 4 3 2", "DIMENSIONS 4000 3000 2000"), "POINT_DATA 24", "POINT_DATA 24000000000"), Corruption, "early"},
-        {"vti_reversed", "a.vti", withVti("0 3 0 2 0 1\" Origin", "3 0 0 2 0 1\" Origin"), InvalidArgument, "Piece"},
-        {"vti_int_max", "a.vti", replaced(withVti("0 3 0 2 0 1\" Origin", "0 2147483647 0 2 0 1\" Origin"), "Extent=\"0 3 0 2 0 1\">", "Extent=\"0 2147483647 0 2 0 1\">"), InvalidArgument, "WholeExtent"},
+        {"B071_vti_reversed", "a.vti", withVti("0 3 0 2 0 1\" Origin", "3 0 0 2 0 1\" Origin"), InvalidArgument, "Piece"},
+        {"B071_vti_int_max", "a.vti", replaced(withVti("0 3 0 2 0 1\" Origin", "0 2147483647 0 2 0 1\" Origin"), "Extent=\"0 3 0 2 0 1\">", "Extent=\"0 2147483647 0 2 0 1\">"), InvalidArgument, "WholeExtent"},
         {"vti_huge", "a.vti", replaced(withVti("0 3 0 2 0 1\" Origin", "0 3000 0 2000 0 1000\" Origin"), "Extent=\"0 3 0 2 0 1\">", "Extent=\"0 3000 0 2000 0 1000\">"), Corruption, "data"},
-        {"vti_piece", "a.vti", withVti("Piece Extent=\"0 3 0 2 0 1\"", "Piece Extent=\"0 3 0 2 0 0\""), InvalidArgument, "Piece"},
-        {"vti_offset", "a.vti", test::vtiAppended("1000000", 48), Corruption, "offset"},
-        {"vti_block_bytes", "a.vti", test::vtiAppended("0", 0xffffffffu), Corruption, "block"},
-        {"vti_blocks", "a.vti", replaced(test::vtiAppended("0", 0xffffffffu), " byte_order", " compressor=\"vtkZLibDataCompressor\" byte_order"), Corruption, "blocks"},
-        {"vti_doctype", "a.vti", replaced(test::vti(), "<VTKFile", "<!DOCTYPE a [<!ENTITY b \"c\">]><VTKFile"), InvalidArgument, "DOCTYPE"},
-        {"vti_deep", "a.vti", deepXml(), InvalidArgument, "deeper"},
-        {"vti_base64", "a.vti", replaced(withVti("format=\"ascii\"", "format=\"binary\""), "0 1 2 3", "???? !!!! $$$$ )))) "), Corruption, "VTK"},
+        {"B071_vti_piece", "a.vti", withVti("Piece Extent=\"0 3 0 2 0 1\"", "Piece Extent=\"0 3 0 2 0 0\""), InvalidArgument, "Piece"},
+        {"B072_vti_offset", "a.vti", test::vtiAppended("1000000", 48), Corruption, "offset"},
+        {"B072_vti_block_bytes", "a.vti", test::vtiAppended("0", 0xffffffffu), Corruption, "block"},
+        {"B072_vti_blocks", "a.vti", replaced(test::vtiAppended("0", 0xffffffffu), " byte_order", " compressor=\"vtkZLibDataCompressor\" byte_order"), Corruption, "blocks"},
+        {"B072_vti_encoding", "a.vti", replaced(test::vtiAppended("0", 48), "encoding=\"raw\"", "encoding=\"rav\""), InvalidArgument, "encoding"},
+        {"B072_vti_format", "a.vti", withVti("format=\"ascii\"", "format=\"askii\""), InvalidArgument, "format"},
+        {"B072_vti_block_of_none", "a.vti", vtiPacked({1, 0, 0, 8}), Corruption, "blocks"},
+        {"B072_vti_2_to_the_32_blocks", "a.vti", vtiPacked({0xffffffffu, 48, 0, 8}), Corruption, "blocks"},
+        {"B072_vti_packed_beyond", "a.vti", vtiPacked({1, 48, 0, 1'000'000}), Corruption, "beyond"},
+        {"B073_vti_laughs", "a.vti", laughs(), InvalidArgument, "DOCTYPE"},
+        {"B073_vtu_laughs", "a.vtu", laughs(), InvalidArgument, "DOCTYPE"},
+        {"B073_vti_doctype", "a.vti", replaced(test::vti(), "<VTKFile", "<!DOCTYPE a [<!ENTITY b \"c\">]><VTKFile"), InvalidArgument, "DOCTYPE"},
+        {"B073_vti_deep", "a.vti", deepXml(), InvalidArgument, "deeper"},
+        {"B073_vti_base64", "a.vti", replaced(withVti("format=\"ascii\"", "format=\"binary\""), "0 1 2 3", "???? !!!! $$$$ )))) "), Corruption, "base64"},
+        {"B073_vti_base64_later", "a.vti", replaced(withVti("format=\"ascii\"", "format=\"binary\""), "0 1 2 3", "MAAAAA!!!! $$$$ )))) "), Corruption, ""},
         {"vti_short_text", "a.vti", withVti(" 20 21 22 23", ""), Corruption, "VTK"},
-        {"vti_cells", "a.vti", replaced(replaced(test::vti(), "<PointData", "<CellData"), "</PointData", "</CellData"), InvalidArgument, "cells"},
-        {"vti_components", "a.vti", withVti("Name=\"s\"", "Name=\"s\" NumberOfComponents=\"3\""), InvalidArgument, "NumberOfComponents"},
+        {"B074_vti_cells", "a.vti", replaced(replaced(test::vti(), "<PointData", "<CellData"), "</PointData", "</CellData"), InvalidArgument, "cells"},
+        {"vti_components", "a.vti", withVti("Name=\"s\"", "Name=\"s\" NumberOfComponents=\"3\""), InvalidArgument, "component"},
         {"vti_not_xml", "a.vti", "hello", InvalidArgument, "XML"},
         {"vti_cut", "a.vti", test::vti().substr(0, 300), InvalidArgument, "XML"},
+        {"vtk_polydata", "a.vtk", withVtk("STRUCTURED_POINTS", "POLYDATA"), InvalidArgument, "POLYDATA"},
+        {"vtk_cells_beyond", "a.vtk", replaced(test::vtkCells(), "4 0 1 2 3", "4 0 1 2 9"), Corruption, "point 9 of 5"},
+        {"vtk_cells_negative", "a.vtk", replaced(test::vtkCells(), "4 0 1 2 3", "4 0 1 2 -3"), Corruption, "Cells"},
+        {"vtk_cells_short", "a.vtk", replaced(test::vtkCells(), "4 0 1 2 3\n4 1 2 3 4", "3 0 1 2 5 1 2 3 4 0"), Corruption, "its type 4"},
+        {"vtk_cells_too_many", "a.vtk", replaced(test::vtkCells(), "CELLS 2 10", "CELLS 2 1000000000000"), Corruption, "early"},
+        {"vtk_cells_of_none", "a.vtk", replaced(test::vtkCells(), "10 10", "5 5"), InvalidArgument, "volume"},
+        {"vtk_cells_flat", "a.vtk", replaced(test::vtkCells(), "10 10", "9 9"), InvalidArgument, "volume"},
+        {"vtk_points_nan", "a.vtk", replaced(test::vtkCells(), "0 0 0", "0 nan 0"), InvalidArgument, "points: number 1"},
+        {"vtu_huge", "a.vtu", replaced(test::vtu(), "NumberOfPoints=\"5\"", "NumberOfPoints=\"500000000000\""), Corruption, "data"},
+        {"vtu_no_cells", "a.vtu", replaced(test::vtu(), "NumberOfCells=\"2\"", "NumberOfCells=\"0\""), InvalidArgument, "NumberOfCells"},
+        {"vtu_too_many_cells", "a.vtu", replaced(test::vtu(), "NumberOfCells=\"2\"", "NumberOfCells=\"9000000000000000\""), InvalidArgument, "NumberOfCells"},
+        {"vtu_cells_beyond", "a.vtu", replaced(test::vtu(), "0 1 2 3 1", "0 1 2 9 1"), Corruption, "point 9 of 5"},
+        {"vtu_offsets", "a.vtu", replaced(test::vtu(), "4 8", "4 3"), Corruption, ""},
+        {"vtu_offsets_beyond", "a.vtu", replaced(test::vtu(), "4 8", "4 8000000000"), OutOfSpace, "memory"},
+        {"vtp", "a.vtu", replaced(test::vtu(), "type=\"UnstructuredGrid\"", "type=\"PolyData\""), InvalidArgument, "PolyData"},
         {"plot3d_size", "xyz.bin", std::string(1000, '\0'), NotFound, "q.bin"},
         {"unknown_suffix", "a.txt", "hello", InvalidArgument, "expected .mhd"},
         {"empty", "a.mha", "", InvalidArgument, "empty"},

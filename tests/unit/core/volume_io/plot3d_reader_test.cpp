@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/volume_io/volume_contents.h"
 #include "core/volume_io/volume_reader.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
@@ -175,6 +176,31 @@ TEST_F(Plot3dReader, RefusesSizesBeyondTheFile) {
     }
     const std::int32_t most = 100'000;
     expectRefusal(write.integers({most, most, most}), solutionFile({}), "is not a PLOT3D grid");
+}
+
+TEST_F(Plot3dReader, ListsItsFields) {
+    folder.write("axyz.bin", gridFile({.isDouble = true}));
+    const auto contents = listVolumes(folder.write("aq.bin", solutionFile({.isDouble = true})));
+    ASSERT_THAT(contents, test::IsOk());
+    ASSERT_EQ(contents.value().fields.size(), 5u);
+    EXPECT_EQ(contents.value().fields[1].name, "x momentum");
+    EXPECT_EQ(contents.value().fields[0].typeName, "float64");
+    EXPECT_TRUE(contents.value().fields[0].isResampled);
+    EXPECT_FALSE(contents.value().needsChoice());
+}
+
+TEST_F(Plot3dReader, TellsHowWellTheGridIsKept) {
+    folder.write("axyz.bin", gridFile({}));
+    ReadOptions options;
+    options.resampleDims = kDims;
+    const auto source = openVolume(folder.write("aq.bin", solutionFile({})), options);
+    ASSERT_THAT(source, test::IsOk());
+    EXPECT_FALSE(source.value()->info().resampling.has_value());
+    std::vector<float> plane(static_cast<std::size_t>(kDims[0] * kDims[1]));
+    ASSERT_THAT(source.value()->readSlab(0, 1, std::as_writable_bytes(std::span(plane))), test::IsOk());
+    ASSERT_TRUE(source.value()->info().resampling.has_value());
+    EXPECT_EQ(source.value()->info().resampling->comparedPoints, pointCount(kDims));
+    EXPECT_LT(source.value()->info().resampling->maxDifference, 1e-3);
 }
 
 } // namespace

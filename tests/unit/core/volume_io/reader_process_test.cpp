@@ -118,6 +118,7 @@ VolumeInfo someInfo() {
     info.format = "a format";
     info.fieldName = "a field";
     info.notes = {"one", "two"};
+    info.resampling = ResampleReport{1, 2, 0.5, 0.25, 0.125, 3};
     return info;
 }
 
@@ -168,6 +169,10 @@ TEST(ReaderMessages, KeepEveryField) {
     EXPECT_EQ(infoTaken->format, info.format);
     EXPECT_EQ(infoTaken->fieldName, info.fieldName);
     EXPECT_EQ(infoTaken->notes, info.notes);
+    ASSERT_TRUE(infoTaken->resampling);
+    const ResampleReport& report = *infoTaken->resampling;
+    EXPECT_EQ(std::tie(report.sourcePoints, report.comparedPoints, report.outsidePoints), std::tuple(1, 2, 3));
+    EXPECT_EQ(std::tie(report.maxDifference, report.rmsDifference, report.rangeFraction), std::tuple(0.5, 0.25, 0.125));
 
     const auto contents = decodeContents(encodeContents(someContents()));
     ASSERT_TRUE(contents);

@@ -145,4 +145,35 @@ inline std::string vtkText() {
     return text + "\n";
 }
 
+/// 3 x 2 x 2 points, uneven along x; value = x + 10 y + 100 z.
+inline std::string vtkRectilinear() {
+    return "# vtk DataFile Version 2.0\ntitle\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 3 2 2\n"
+           "X_COORDINATES 3 float\n0 1 4\nY_COORDINATES 2 float\n0 1\nZ_COORDINATES 2 double\n0 1\n"
+           "POINT_DATA 12\nSCALARS s float\nLOOKUP_TABLE default\n"
+           "0 1 4 10 11 14\n100 101 104 110 111 114\n";
+}
+
+/// Two tetrahedra side by side; value = x + 2 y + 3 z.
+inline std::string vtkCells() {
+    return "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+           "POINTS 5 float\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n"
+           "CELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 2\n10 10\n"
+           "CELL_DATA 2\nSCALARS c int\nLOOKUP_TABLE default\n7 8\n"
+           "POINT_DATA 5\nVECTORS v float\n0 0 0 1 0 0 0 1 0 0 0 1 3 4 12\n"
+           "SCALARS s double\nLOOKUP_TABLE default\n0 1 2 3 6\n";
+}
+inline std::string vtu() {
+    return "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n"
+           "<Piece NumberOfPoints=\"5\" NumberOfCells=\"2\">\n<PointData>\n"
+           "<DataArray type=\"Float32\" Name=\"v\" NumberOfComponents=\"3\" format=\"ascii\">\n"
+           "0 0 0 1 0 0 0 1 0 0 0 1 3 4 12</DataArray>\n"
+           "<DataArray type=\"Float64\" Name=\"s\" format=\"ascii\">0 1 2 3 6</DataArray>\n</PointData>\n"
+           "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">\n"
+           "0 0 0 1 0 0 0 1 0 0 0 1 1 1 1</DataArray></Points>\n<Cells>\n"
+           "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3 1 2 3 4</DataArray>\n"
+           "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4 8</DataArray>\n"
+           "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10 10</DataArray>\n</Cells>\n"
+           "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+}
+
 } // namespace isoslider::test

@@ -1,0 +1,298 @@
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/base/file_system.h"
+#include "core/volume_io/array_source.h"
+#include "core/volume_io/formats/field_choice.h"
+#include "core/volume_io/formats/format_readers.h"
+#include "core/volume_io/formats/hdf5_file.h"
+#include "core/volume_io/header_checks.h"
+
+// HDF5 says nothing of space: the last axis of a data set is taken for x, as NumPy users write z, y, x. Where the file
+// follows openPMD, or gives element_size_um as ilastik and Fiji do, spacing, origin and order are taken from there.
+
+namespace isoslider::io {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kFormat = "HDF5";
+
+/// Which axis of a data set is x, y, z and where its samples lie.
+struct Placement {
+    std::array<int, 3> axisOf{-1, -1, -1};
+    GridGeometry geometry;
+    std::vector<std::string> notes;
+};
+
+std::string typeNameOf(FileType type) {
+    constexpr const char* kNames[] = {"uint8", "int8",   "uint16", "int16",   "uint32",
+                                      "int32", "uint64", "int64",  "float32", "float64"};
+    return kNames[static_cast<std::size_t>(type)];
+}
+
+/// The last three axes, z slowest; the two of a plane.
+Placement usualPlacement(const std::vector<std::uint64_t>& extents) {
+    Placement placement;
+    const auto rank = static_cast<int>(extents.size());
+    for (int axis = 0; axis < std::min(rank, 3); ++axis)
+        placement.axisOf[static_cast<std::size_t>(axis)] = rank - 1 - axis;
+    return placement;
+}
+
+/// The axis of the data set that each label names; false unless they are x, y and z, or two of them.
+bool orderByLabels(const std::vector<std::string>& labels, std::array<int, 3>& axisOf) {
+    std::array<int, 3> found{-1, -1, -1};
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        const std::string label = lowerCase(labels[i]);
+        if (label != "x" && label != "y" && label != "z")
+            return false;
+        int& axis = found[static_cast<std::size_t>(label[0] - 'x')];
+        if (axis >= 0)
+            return false;
+        axis = static_cast<int>(i);
+    }
+    axisOf = found;
+    return true;
+}
+
+class PlacementReader {
+public:
+    PlacementReader(hid_t file, const Hdf5Dataset& dataset) : placement_(usualPlacement(dataset.extents)) {
+        const std::size_t slash = dataset.path.rfind('/');
+        dataset_ = Hdf5Handle(H5Oopen(file, dataset.path.c_str(), H5P_DEFAULT), H5Oclose);
+        parent_ = Hdf5Handle(H5Oopen(file, slash == 0 ? "/" : dataset.path.substr(0, slash).c_str(), H5P_DEFAULT),
+                             H5Oclose);
+        rank_ = dataset.extents.size();
+    }
+
+    Placement run() {
+        // A mesh of one scalar is a data set with the attributes, one of several a group.
+        for (const hid_t mesh : {dataset_.id(), parent_.id()})
+            if (mesh >= 0 && placeAsOpenPmd(mesh))
+                return std::move(placement_);
+        placeByElementSize();
+        return std::move(placement_);
+    }
+
+private:
+    bool placeAsOpenPmd(hid_t mesh) {
+        auto spacing = attributeNumbers(mesh, "gridSpacing");
+        if (spacing.size() != rank_ || rank_ > 3)
+            return false;
+        auto labels = attributeTexts(mesh, "axisLabels");
+        auto origin = attributeNumbers(mesh, "gridGlobalOffset");
+        auto position = attributeNumbers(dataset_.id(), "position");
+        origin.resize(rank_, 0.0);
+        position.resize(rank_, 0.0);
+        const auto order = attributeTexts(mesh, "dataOrder");
+        if (!order.empty() && order[0] == "F") // labels and the like begin with the fastest axis
+            for (auto* list : {&spacing, &origin, &position})
+                std::reverse(list->begin(), list->end());
+        if (!order.empty() && order[0] == "F")
+            std::reverse(labels.begin(), labels.end());
+        if (labels.size() != rank_ || !orderByLabels(labels, placement_.axisOf))
+            placement_.notes.push_back("the axes are not labelled x, y, z: the last one is taken for x");
+        for (int axis = 0; axis < 3; ++axis) {
+            const int own = placement_.axisOf[static_cast<std::size_t>(axis)];
+            if (own < 0)
+                continue;
+            const auto index = static_cast<std::size_t>(own);
+            placement_.geometry.spacing[axis] = spacing[index];
+            placement_.geometry.origin[axis] = origin[index] + position[index] * spacing[index];
+        }
+        noteUnits(mesh);
+        return true;
+    }
+
+    void noteUnits(hid_t mesh) {
+        const auto lengths = attributeNumbers(mesh, "gridUnitSI");
+        if (lengths.size() == 1 && lengths[0] != 1.0)
+            placement_.notes.push_back("lengths are in units of " + std::to_string(lengths[0]) + " m (gridUnitSI)");
+        const auto values = attributeNumbers(dataset_.id(), "unitSI");
+        if (values.size() == 1 && values[0] != 1.0)
+            placement_.notes.push_back("values are stored in units of " + std::to_string(values[0]) + " SI (unitSI)");
+    }
+
+    void placeByElementSize() {
+        const auto size = attributeNumbers(dataset_.id(), "element_size_um"); // z, y, x
+        if (size.size() != 3)
+            return;
+        if (std::any_of(size.begin(), size.end(), [](double s) { return !(s > 0.0) || !std::isfinite(s); })) {
+            placement_.notes.push_back("element_size_um is not positive: spacing 1 is taken");
+            return;
+        }
+        placement_.geometry.spacing = {size[2], size[1], size[0]};
+        placement_.notes.push_back("lengths are in micrometres (element_size_um)");
+    }
+
+    Placement placement_;
+    Hdf5Handle dataset_, parent_;
+    std::size_t rank_ = 0;
+};
+
+VolumeField fieldOf(const Hdf5Dataset& dataset, const Placement& placement) {
+    VolumeField field;
+    field.name = dataset.path;
+    field.typeName = dataset.problem.empty() ? typeNameOf(dataset.type) : "";
+    field.problem = dataset.problem;
+    field.dims = {1, 1, 1};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (placement.axisOf[axis] >= 0) // extents beyond what is read are refused when it is opened
+            field.dims[axis] = static_cast<std::int64_t>(std::min<std::uint64_t>(
+                dataset.extents[static_cast<std::size_t>(placement.axisOf[axis])], std::uint64_t{1} << 62));
+    if (dataset.extents.size() == 4)
+        field.frames = static_cast<std::int64_t>(std::min<std::uint64_t>(dataset.extents[0], std::uint64_t{1} << 62));
+    return field;
+}
+
+hid_t memoryTypeId(FileType type) {
+    switch (type) {
+        case FileType::U8: return H5T_NATIVE_UINT8;
+        case FileType::I8: return H5T_NATIVE_INT8;
+        case FileType::U16: return H5T_NATIVE_UINT16;
+        case FileType::I16: return H5T_NATIVE_INT16;
+        case FileType::U32: return H5T_NATIVE_UINT32;
+        case FileType::I32: return H5T_NATIVE_INT32;
+        case FileType::U64: return H5T_NATIVE_UINT64;
+        case FileType::I64: return H5T_NATIVE_INT64;
+        case FileType::F16: break; // HDF5 widens these itself
+        case FileType::F32: return H5T_NATIVE_FLOAT;
+        case FileType::F64: return H5T_NATIVE_DOUBLE;
+    }
+    checkFailed("known FileType", __FILE__, __LINE__);
+}
+
+class Hdf5ArrayReader final : public ArrayReader {
+public:
+    Hdf5ArrayReader(Hdf5Handle file, Hdf5Handle dataset, std::string name, FileType type, fs::path path)
+        : file_(std::move(file)), dataset_(std::move(dataset)), name_(std::move(name)), type_(type),
+          path_(std::move(path)) {}
+    ~Hdf5ArrayReader() override {
+        const Hdf5Session session;
+        dataset_.close();
+        file_.close();
+    }
+
+    Status read(std::span<const std::uint64_t> start, std::span<const std::uint64_t> count,
+                std::span<std::byte> out) override {
+        const Hdf5Session session;
+        const std::vector<hsize_t> begin(start.begin(), start.end()), size(count.begin(), count.end());
+        const Hdf5Handle from(H5Dget_space(dataset_.id()), H5Sclose);
+        const Hdf5Handle to(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
+        if (H5Sselect_hyperslab(from.id(), H5S_SELECT_SET, begin.data(), nullptr, size.data(), nullptr) < 0 ||
+            H5Dread(dataset_.id(), memoryTypeId(type_), to.id(), from.id(), H5P_DEFAULT, out.data()) < 0)
+            return session.error("samples of " + inQuotes(name_) + " cannot be read", path_);
+        return {};
+    }
+
+private:
+    Hdf5Handle file_, dataset_;
+    std::string name_;
+    FileType type_;
+    fs::path path_;
+};
+
+/// A file and what is in it.
+struct Opened {
+    Hdf5Handle file;
+    Hdf5Tree tree;
+    VolumeContents contents;
+    std::vector<Placement> placements; ///< as many as fields
+};
+
+Result<Opened> openTree(const Hdf5Session& session, const fs::path& path) {
+    auto file = openHdf5File(session, path);
+    if (!file.isOk())
+        return std::move(file).error();
+    Opened opened;
+    opened.file = std::move(file).value();
+    opened.tree = walkHdf5(opened.file.id());
+    opened.contents.format = kFormat;
+    for (const Hdf5Dataset& dataset : opened.tree.datasets) {
+        opened.placements.push_back(PlacementReader(opened.file.id(), dataset).run());
+        opened.contents.fields.push_back(fieldOf(dataset, opened.placements.back()));
+    }
+    // The one that can be opened is preferred.
+    const auto& fields = opened.contents.fields;
+    const auto isSound = [](const VolumeField& field) { return field.problem.empty(); };
+    const auto first = std::find_if(fields.begin(), fields.end(), isSound);
+    if (first != fields.end()) {
+        opened.contents.preferred = static_cast<std::size_t>(first - fields.begin());
+        opened.contents.isPreferredChosen = std::count_if(fields.begin(), fields.end(), isSound) == 1;
+    }
+    return opened;
+}
+
+/// Everything but the samples. The order of the members is that in which they have to go.
+struct Prepared {
+    VolumeInfo info;
+    ArrayView view;
+    std::unique_ptr<ArrayReader> reader;
+};
+
+Result<Prepared> prepare(const fs::path& path, ReadOptions options, std::uint64_t fileBytes) {
+    const Hdf5Session session;
+    auto opened = openTree(session, path);
+    if (!opened.isOk())
+        return std::move(opened).error();
+    Opened& tree = opened.value();
+    if (!options.field.empty() && options.field[0] != '/')
+        options.field.insert(0, "/");
+    const auto chosen = chooseField(tree.contents, options, path);
+    if (!chosen.isOk())
+        return chosen.error();
+    const Hdf5Dataset& dataset = tree.tree.datasets[chosen.value()];
+    const VolumeField& field = tree.contents.fields[chosen.value()];
+    const auto frame = chooseFrame(field, options, path);
+    const auto component = chooseComponent(field, options, path);
+    const auto dims = checkDims(field.dims, "dims of " + inQuotes(field.name), path);
+    if (!frame.isOk() || !component.isOk() || !dims.isOk())
+        return !frame.isOk() ? frame.error() : !component.isOk() ? component.error() : dims.error();
+    Hdf5Handle handle = openDataset(tree.file.id(), dataset.path);
+    if (!handle.isOpen())
+        return session.error(inQuotes(dataset.path) + " cannot be opened", path);
+    ISO_TRY(checkStorage(session, handle.id(), dataset.path, path, fileBytes));
+
+    Prepared prepared;
+    Placement& placement = tree.placements[chosen.value()];
+    prepared.info.format = kFormat;
+    prepared.info.fieldName = dataset.path;
+    prepared.info.notes = std::move(placement.notes);
+    if (tree.tree.isCut)
+        prepared.info.notes.push_back("the file has more data sets than are listed");
+    prepared.info.geometry = placement.geometry;
+    prepared.info.geometry.dims = dims.value();
+    ISO_TRY(checkGeometry(prepared.info.geometry, "gridSpacing, gridGlobalOffset", path));
+    prepared.view.type = dataset.type;
+    prepared.view.axisOf = placement.axisOf;
+    prepared.view.start.assign(dataset.extents.size(), 0);
+    if (dataset.extents.size() == 4)
+        prepared.view.start[0] = static_cast<std::uint64_t>(frame.value());
+    prepared.reader = std::make_unique<Hdf5ArrayReader>(std::move(tree.file), std::move(handle), dataset.path,
+                                                        dataset.type, path);
+    return prepared;
+}
+
+} // namespace
+
+Result<VolumeContents> listHdf5(const fs::path& path, const ReadOptions&) {
+    const Hdf5Session session;
+    auto opened = openTree(session, path);
+    if (!opened.isOk())
+        return std::move(opened).error();
+    return std::move(opened.value().contents);
+}
+
+Result<std::unique_ptr<VolumeSource>> openHdf5(const fs::path& path, const ReadOptions& options) {
+    const auto file = defaultFileSystem().openForReading(path);
+    if (!file.isOk())
+        return file.error();
+    auto prepared = prepare(path, options, file.value()->sizeBytes());
+    if (!prepared.isOk())
+        return std::move(prepared).error();
+    Prepared& parts = prepared.value();
+    return makeArraySource(std::move(parts.info), std::move(parts.view), {}, std::move(parts.reader), path);
+}
+
+} // namespace isoslider::io
