@@ -71,10 +71,10 @@ std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
     return nullptr; // damaged or of another shape: the next build replaces it
 }
 
-Status readGrid(const OpenRequest& request, const SampleLoader& samples, const JobControl& job,
-                LoadedDataset& loaded) {
+Status readGrid(const OpenRequest& request, const SampleLoader& samples, const VolumeAccess& volumes,
+                const JobControl& job, LoadedDataset& loaded) {
     const auto reading = job.part(0.0, 0.7);
-    auto grid = request.sampleName.empty() ? io::readVolume(request.path, request.readOptions, reading)
+    auto grid = request.sampleName.empty() ? volumes.read(request.path, request.readOptions, reading)
                                            : samples(request.sampleName, reading);
     if (!grid.isOk())
         return grid.error();
@@ -171,7 +171,7 @@ std::string displayName(const OpenRequest& request) {
 
 Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache,
                                   const SampleLoader& samples, std::uint64_t wholeVolumeBytes,
-                                  const JobControl& job) {
+                                  const JobControl& job, const VolumeAccess& volumes) {
     if (request.sampleName.empty() && isIndexFile(request.path))
         return loadIndexFile(request);
     LoadedDataset loaded;
@@ -182,7 +182,7 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
     dataset.format = "built-in sample";
     dataset.indexPath = cachedIndexPath(request, cache);
     if (request.sampleName.empty()) {
-        auto source = io::openVolume(request.path, request.readOptions);
+        auto source = volumes.open(request.path, request.readOptions);
         if (!source.isOk())
             return source.error();
         const auto& info = source.value()->info();
@@ -190,13 +190,14 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
         dataset.type = info.type;
         dataset.format = info.format;
         dataset.fieldName = info.fieldName;
+        dataset.notes = info.notes;
         if (auto engine = openCached(dataset))
             return fromEngine(std::move(dataset), std::move(engine), request);
         if (dataset.sampleBytes() > wholeVolumeBytes)
             ISO_TRY(readPreview(*source.value(), wholeVolumeBytes, job, loaded));
     }
     if (!loaded.grid)
-        ISO_TRY(readGrid(request, samples, job, loaded));
+        ISO_TRY(readGrid(request, samples, volumes, job, loaded));
     if (!request.sampleName.empty())
         if (auto engine = openCached(dataset))
             return fromEngine(std::move(dataset), std::move(engine), request);
