@@ -11,7 +11,6 @@
 #include <QTableView>
 #include <QTest>
 
-#include "core/volume_io/coarse_reader.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/message_bar.h"
@@ -76,6 +75,13 @@ protected:
             if (!label->wordWrap()) {
                 EXPECT_GE(label->width(), label->sizeHint().width()) << label->text().toStdString();
             }
+        }
+        for (const auto* widget : dialog->findChildren<QWidget*>()) {
+            const auto shown = widget->visibleRegion().boundingRect();
+            const bool isSimple =
+                widget->findChildren<QWidget*>().size() <= 3 && widget->parentWidget() != nullptr;
+            EXPECT_TRUE(!isSimple || shown.isEmpty() || shown.width() == widget->width())
+                << widget->objectName().toStdString() << " (" << widget->metaObject()->className() << ")";
         }
     }
     /// Every control has a name for those who do not see it.
@@ -184,13 +190,11 @@ protected:
                 std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<std::int16_t>(
                     geometry, ScalarType::I16, ballSamples<std::int16_t>(geometry.dims, top))));
         };
-        volumes_.read = [this](const fs::path& path, const io::ReadOptions& options,
-                               const JobControl& job) -> Result<std::shared_ptr<const ScalarGrid>> {
+        volumes_.read = [this, read = volumes_.read](io::VolumeSource& source, const fs::path& path,
+                                                     const JobControl& job) {
             while (isHeld_ && !job.isStopRequested())
                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
-            const auto source = volumes_.open(path, options);
-            return source.isOk() ? io::readCoarse(*source.value(), 1, job)
-                                 : Result<std::shared_ptr<const ScalarGrid>>(source.error());
+            return job.isStopRequested() ? cancelledError() : read(source, path, job);
         };
         contents_.format = "DICOM";
         contents_.fields = {fieldOf("a", "3: T1 MPRAGE sagittal", {24, 20, 28}),

@@ -15,12 +15,12 @@ struct VolumeAccess {
     using List = Result<io::VolumeContents>(const std::filesystem::path&, const io::ReadOptions&);
     using Open = Result<std::unique_ptr<io::VolumeSource>>(const std::filesystem::path&,
                                                            const io::ReadOptions&);
-    using Read = Result<std::shared_ptr<const ScalarGrid>>(const std::filesystem::path&,
-                                                           const io::ReadOptions&, const JobControl&);
+    using Read = Result<std::shared_ptr<const ScalarGrid>>(io::VolumeSource&, const std::filesystem::path&,
+                                                           const JobControl&);
 
     std::function<List> list = io::listVolumes;
     std::function<Open> open = io::openVolume;
-    std::function<Read> read = io::readVolume;
+    std::function<Read> read = static_cast<Read*>(io::readVolume);
 };
 
 } // namespace isoslider::model

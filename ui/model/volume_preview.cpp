@@ -100,9 +100,11 @@ Result<VolumePreview> readVolumePreview(const std::filesystem::path& path, const
     if (!step.isOk())
         return step.error();
     preview.coarseStep = step.value();
-    const auto read = io::readCoarse(*source.value(), step.value(), job);
+    ISO_TRY(source.value()->prepare(job.part(0.0, 0.5)));
+    const auto read = io::readCoarse(*source.value(), step.value(), job.part(0.5, 1.0));
     if (!read.isOk())
         return read.error();
+    preview.info = source.value()->info(); // complete by now
     const ScalarGrid& grid = *read.value();
     preview.samples = static_cast<std::uint64_t>(pointCount(grid.dims()));
     const auto statistics = computeStatistics(grid, false, kBins, job);

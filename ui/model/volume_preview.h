@@ -38,7 +38,7 @@ struct VolumePreview {
 };
 
 /// Most samples that a preview is made of.
-inline constexpr std::uint64_t kMostPreviewPaneSamples = std::uint64_t{1} << 21;
+inline constexpr std::uint64_t kMostPreviewPaneSamples = std::uint64_t{1} << 22;
 
 /// Reads one plane of samples at a time, and no more planes than are shown. Worker thread.
 /// Errors: Cancelled, OutOfSpace (a plane is too large to hold), whatever opening and reading report.

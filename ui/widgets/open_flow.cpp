@@ -1,5 +1,6 @@
 #include "ui/widgets/open_flow.h"
 
+#include <QDir>
 #include <QFileInfo>
 
 #include "ui/model/raw_guess.h"
@@ -16,7 +17,7 @@ constexpr const char* kFolderSetting = "files/openFolder";
 constexpr const char* kPreviewSetting = "files/previewsFirst";
 
 std::filesystem::path absolutePath(const QString& path) {
-    return std::filesystem::path(QFileInfo(path).absoluteFilePath().toStdU16String());
+    return std::filesystem::path(QDir::cleanPath(QFileInfo(path).absoluteFilePath()).toStdU16String());
 }
 
 bool isHeaderlessFile(const QString& path) {

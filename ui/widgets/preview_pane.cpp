@@ -33,7 +33,7 @@ QString describe(const model::VolumePreview& volume) {
     else if (volume.coarseStep > 1)
         text = PreviewPane::tr("One of %1 samples along each axis: %2").arg(volume.coarseStep).arg(range);
     if (volume.missingSamples > 0 && volume.missingSamples < volume.samples)
-        text += PreviewPane::tr(", %1 missing").arg(fromStd(model::groupedText(volume.missingSamples)));
+        text += PreviewPane::tr(", %1 missing (violet)").arg(fromStd(model::groupedText(volume.missingSamples)));
     return text;
 }
 
@@ -78,21 +78,34 @@ void PreviewPane::makePlot() {
     plot_->plotLayout()->setMargins(QMargins(0, 0, 4, 0));
     plot_->axisRect()->setRangeDrag(Qt::Orientations());
     plot_->axisRect()->setMinimumMargins(QMargins(44, 4, 10, 0));
-    plot_->setBackground(palette().color(QPalette::Window));
-    plot_->axisRect()->setBackground(palette().color(QPalette::Base));
-    const auto colours = plotColours(palette());
     counts_ = plot_->addGraph();
     counts_->setLineStyle(QCPGraph::lsStepLeft);
-    counts_->setPen(QPen(colours.counts, 1.0));
-    counts_->setBrush(colours.countsFill);
-    for (QCPAxis* axis : {plot_->xAxis, plot_->yAxis})
-        styleAxis(axis, palette());
+    applyPalette();
     plot_->xAxis->ticker()->setTickCount(6);
     plot_->xAxis->setLabel(tr("value"));
     plot_->yAxis->setLabel(tr("samples, logarithmic"));
     plot_->yAxis->setScaleType(QCPAxis::stLogarithmic);
     plot_->yAxis->setTicker(QSharedPointer<CompactLogTicker>::create());
     clearVolume();
+}
+
+void PreviewPane::applyPalette() {
+    const auto colours = plotColours(palette());
+    plot_->setBackground(palette().color(QPalette::Window));
+    plot_->axisRect()->setBackground(palette().color(QPalette::Base));
+    counts_->setPen(QPen(colours.counts, 1.0));
+    counts_->setBrush(colours.countsFill);
+    for (QCPAxis* axis : {plot_->xAxis, plot_->yAxis})
+        styleAxis(axis, palette());
+}
+
+void PreviewPane::changeEvent(QEvent* event) {
+    QWidget::changeEvent(event);
+    if (event->type() != QEvent::PaletteChange || counts_ == nullptr || status_ == nullptr)
+        return;
+    applyPalette();
+    plot_->replot(QCustomPlot::rpQueuedReplot);
+    setStatus(status_->text(), isError_);
 }
 
 void PreviewPane::showPreview(const model::PreviewModel& preview) {
@@ -158,6 +171,7 @@ void PreviewPane::clearVolume() {
 }
 
 void PreviewPane::setStatus(const QString& text, bool isError) {
+    isError_ = isError;
     status_->setText(text);
     QPalette colours = palette();
     const bool isDark = colours.color(QPalette::Window).lightness() < 128;

@@ -27,8 +27,12 @@ public:
     void showProblem(const QString& text);
     QString statusText() const;
 
+protected:
+    void changeEvent(QEvent* event) override;
+
 private:
     void makePlot();
+    void applyPalette();
     void showVolume(const model::VolumePreview& volume);
     void showHistogram(const model::VolumePreview& volume);
     void clearVolume();
@@ -39,6 +43,7 @@ private:
     QCPGraph* counts_ = nullptr;
     QProgressBar* progress_ = nullptr;
     QLabel* status_ = nullptr;
+    bool isError_ = false;
 };
 
 } // namespace isoslider::widgets

@@ -6,7 +6,9 @@
 #include <QComboBox>
 #include <QDialogButtonBox>
 #include <QDir>
+#include <QFontMetrics>
 #include <QGridLayout>
+#include <QGuiApplication>
 #include <QHBoxLayout>
 #include <QHeaderView>
 #include <QLabel>
@@ -26,7 +28,9 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kLeftWidth = 380;
+constexpr int kFolderWidth = 240; // of it, for the longest value
 constexpr int kMostRowsShown = 8;
+constexpr int kLeastNumberWidth = 68;
 
 bool isFolder(const std::filesystem::path& path) {
     std::error_code ignored;
@@ -59,14 +63,18 @@ std::uint64_t bytesOf(const GridDims& dims, ScalarType type) {
     return static_cast<std::uint64_t>(pointCount(dims)) * scalarTypeSizeBytes(type);
 }
 
+QString nativeText(const std::filesystem::path& path) {
+    return QDir::toNativeSeparators(QString::fromStdU16String(path.u16string()));
+}
+
 std::vector<Fact> factsOf(const model::OpenModel& model, const model::VolumeChoice& choice) {
     const auto* preview = model.preview().preview();
-    const QString path = QDir::toNativeSeparators(QString::fromStdU16String(model.path().u16string()));
     const GridDims& dims = choice.size();
     std::vector<Fact> facts;
-    facts.push_back(
-        {VolumeDialog::tr("Folder"),
-         QDir::toNativeSeparators(QString::fromStdU16String(model.path().parent_path().u16string())), path});
+    const QString folder = nativeText(model.path().parent_path());
+    facts.push_back({VolumeDialog::tr("Folder"),
+                     QFontMetrics(QGuiApplication::font()).elidedText(folder, Qt::ElideMiddle, kFolderWidth),
+                     nativeText(model.path())});
     facts.push_back({VolumeDialog::tr("Format"), fromStd(choice.contents().format), {}});
     if (!choice.hasFields() && !choice.field().name.empty())
         facts.push_back({VolumeDialog::tr("Field"), titleOf(choice.field()), {}});
@@ -250,6 +258,7 @@ void VolumeDialog::makeSizeRow(QWidget* page) {
         box->setAccessibleName(tr("Grid points along %1").arg(letter));
         box->setRange(2, static_cast<int>(kMaxDim));
         box->setKeyboardTracking(false);
+        box->setMinimumWidth(kLeastNumberWidth); // that of the greatest number would not leave room for three
         layout->addWidget(box, 1);
         connect(box, &QSpinBox::valueChanged, this, [this, axis](int count) {
             change([=](model::VolumeChoice& choice) {

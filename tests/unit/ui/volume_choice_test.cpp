@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/volume_io/coarse_reader.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/ui/main_thread_queue.h"
@@ -137,13 +136,6 @@ VolumeAccess fakeReaders() {
         values[3] = std::numeric_limits<float>::quiet_NaN();
         return io::makeMemorySource(std::make_shared<const ScalarGrid>(
             ScalarGrid::fromValues(geometry, ScalarType::F32, std::span<const float>(values))));
-    };
-    volumes.read = [open = volumes.open](const fs::path& path, const io::ReadOptions& options,
-                                         const JobControl& job) -> Result<std::shared_ptr<const ScalarGrid>> {
-        const auto source = open(path, options);
-        if (!source.isOk())
-            return source.error();
-        return io::readCoarse(*source.value(), 1, job);
     };
     return volumes;
 }
@@ -356,11 +348,11 @@ TEST_F(ChoosingSessionTest, KeepsTheErrorOfAFileThatIsJustBroken) {
 TEST_F(ChoosingSessionTest, CancellingKeepsWhatIsOpen) {
     auto readers = fakeReaders();
     auto isHeld = std::make_shared<std::atomic<bool>>(false);
-    readers.read = [read = readers.read, isHeld](const fs::path& path, const io::ReadOptions& options,
+    readers.read = [read = readers.read, isHeld](io::VolumeSource& source, const fs::path& path,
                                                  const JobControl& job) {
         while (*isHeld && !job.isStopRequested())
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        return read(path, options, job);
+        return job.isStopRequested() ? cancelledError() : read(source, path, job);
     };
     make(readers);
     ASSERT_TRUE(open(true, "pressure"));
