@@ -12,13 +12,11 @@
 #include "app/desktop/sample_loader.h"
 #include "app/desktop/screenshot_runner.h"
 #include "core/base/machine.h"
-#include "ui/model/raw_guess.h"
 #include "ui/model/session.h"
 #include "ui/render/gl_program.h"
 #include "ui/render/gl_support.h"
 #include "ui/widgets/file_dialogs.h"
 #include "ui/widgets/main_window.h"
-#include "ui/widgets/message_bar.h"
 #include "ui/widgets/settings_store.h"
 
 namespace isoslider::desktop {
@@ -76,9 +74,7 @@ model::SessionServices makeServices(const CommandLine& line) {
 }
 
 void openFirst(widgets::MainWindow& window, model::Session& session, const CommandLine& line) {
-    const bool asksUser = line.screenshot.isEmpty() && model::isHeaderlessSuffix(line.file.toStdString());
-    if (asksUser)
-        return window.openFile(line.file);
+    const bool asksUser = line.screenshot.isEmpty() && !line.isSelfTest;
     model::OpenRequest request;
     request.isovalue = line.isovalue;
     if (line.isSelfTest)
@@ -89,11 +85,12 @@ void openFirst(widgets::MainWindow& window, model::Session& session, const Comma
         request.path = std::filesystem::path(line.file.toStdU16String());
     else
         return;
-    session.open(std::move(request));
+    if (asksUser && !line.file.isEmpty())
+        window.openFile(line.file, line.isovalue);
+    else
+        session.open(std::move(request));
     if (!line.furtherFiles.isEmpty())
-        window.messageBar().showNotice({model::Notice::Severity::Information,
-                                        widgets::MainWindow::tr("One volume is shown at a time").toStdString(),
-                                        widgets::MainWindow::tr("Not opened: %1").arg(line.furtherFiles.join(QStringLiteral(", "))).toStdString()});
+        window.tellNotOpened(line.furtherFiles);
 }
 
 int run(int argc, char** argv, const CommandLine& line) {

@@ -135,11 +135,16 @@ Result<std::shared_ptr<const ScalarGrid>> readVolume(const fs::path& path, const
     auto source = openVolume(path, options);
     if (!source.isOk())
         return std::move(source).error();
+    return readVolume(*source.value(), path, job);
+}
+
+Result<std::shared_ptr<const ScalarGrid>> readVolume(VolumeSource& source, const fs::path& path,
+                                                     const JobControl& job) {
     try {
-        if (auto* whole = dynamic_cast<WholeGridSource*>(source.value().get()))
+        if (auto* whole = dynamic_cast<WholeGridSource*>(&source))
             return whole->grid(job);
-        ISO_TRY(source.value()->prepare(job));
-        return readSlabs(*source.value(), path, job);
+        ISO_TRY(source.prepare(job));
+        return readSlabs(source, path, job);
     } catch (const std::bad_alloc&) {
         return makeError(ErrorCode::OutOfSpace, "does not fit in memory", path);
     }

@@ -59,4 +59,8 @@ Result<std::shared_ptr<const ScalarGrid>> readVolume(const std::filesystem::path
                                                      const ReadOptions& options = {},
                                                      const JobControl& job = {});
 
+/// The same of a volume that is open; `path` is for errors. Afterwards info() is complete.
+Result<std::shared_ptr<const ScalarGrid>> readVolume(VolumeSource& source, const std::filesystem::path& path,
+                                                     const JobControl& job = {});
+
 } // namespace isoslider::io

@@ -4,11 +4,8 @@
 
 #include <QAction>
 #include <QDockWidget>
-#include <QDropEvent>
 #include <QLabel>
-#include <QMimeData>
 #include <QTest>
-#include <QUrl>
 
 #include "tests/gui/run_recorder.h"
 #include "tests/gui/window_fixture.h"
@@ -65,14 +62,6 @@ protected:
     widgets::HistogramPlot& plot() { return window_->isovaluePanel().plot(); }
     model::IsovalueModel& isovalue() { return session_->isovalue(); }
 
-    void drop(const fs::path& path) {
-        QMimeData data;
-        data.setUrls({QUrl::fromLocalFile(QString::fromStdString(path.string()))});
-        QDragEnterEvent enter(QPoint(50, 50), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
-        QApplication::sendEvent(window_.get(), &enter);
-        QDropEvent event(QPointF(50, 50), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
-        QApplication::sendEvent(window_.get(), &event);
-    }
     bool waitUntilDisplayed() {
         return waitUntil([this] { return session_->frame() != nullptr && !isovalue().isLagging(); },
                          std::chrono::seconds(30));
@@ -206,8 +195,8 @@ protected:
         EXPECT_GE(label().width(), label().sizeHint().width());
         EXPECT_GE(label().height(), label().sizeHint().height());
         EXPECT_TRUE(window_->viewportHost().rect().contains(label().geometry()));
-        for (const char* other : {"viewReadout", "loadingLabel"}) {
-            const auto* overlay = child<QLabel>(other);
+        for (const char* other : {"viewReadout", "loadingCard"}) {
+            const auto* overlay = child<QWidget>(other);
             EXPECT_FALSE(overlay->isVisible() && overlay->geometry().intersects(label().geometry())) << other;
         }
     }

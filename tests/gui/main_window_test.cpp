@@ -4,16 +4,12 @@
 #include <QAction>
 #include <QDialog>
 #include <QDockWidget>
-#include <QDropEvent>
 #include <QLabel>
 #include <QMenu>
-#include <QMimeData>
 #include <QPushButton>
-#include <QSpinBox>
 #include <QTableView>
 #include <QTest>
 #include <QToolButton>
-#include <QUrl>
 
 #include "core/mesh/mesh_checks.h"
 #include "core/volume_io/volume_reader.h"
@@ -41,6 +37,9 @@ TEST_F(MainWindowTest, BeginsWithTheStartPage) {
 TEST_F(MainWindowTest, OpensAFileFromTheStartPage) {
     dialogs_.answers.push_back(qpath(writeBall(folder_, "ball.mha", 16)));
     QTest::mouseClick(child<QPushButton>("start.file.open"), Qt::LeftButton);
+    auto* open = child<QPushButton>("volumeOpen");
+    ASSERT_TRUE(waitUntil([&] { return open->isEnabled(); }));
+    QTest::mouseClick(open, Qt::LeftButton);
     ASSERT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
     EXPECT_FALSE(window_->viewportHost().startPage().isVisible());
     EXPECT_TRUE(window_->windowTitle().contains(QStringLiteral("ball.mha")));
@@ -50,14 +49,9 @@ TEST_F(MainWindowTest, OpensAFileFromTheStartPage) {
 }
 
 TEST_F(MainWindowTest, OpensADroppedFile) {
-    QMimeData data;
-    data.setUrls({QUrl::fromLocalFile(qpath(writeBall(folder_, "ball.mha", 16)))});
-    QDragEnterEvent enter(QPoint(50, 50), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
-    QApplication::sendEvent(window_.get(), &enter);
-    EXPECT_TRUE(enter.isAccepted());
-    QDropEvent drop(QPointF(50, 50), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
-    QApplication::sendEvent(window_.get(), &drop);
+    drop(writeBall(folder_, "ball.mha", 16));
     EXPECT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
+    EXPECT_EQ(window_->findChild<QDialog*>(), nullptr) << "with nothing to choose nothing is asked";
 }
 
 TEST_F(MainWindowTest, ABadFileShowsTheMessageBarAndKeepsTheOldSurface) {
@@ -78,25 +72,6 @@ TEST_F(MainWindowTest, AMissingFileIsToldOnTheStartPage) {
     window_->openFile(qpath(folder_ / "nowhere.mha"));
     ASSERT_TRUE(waitUntil([&] { return window_->messageBar().isVisible(); }));
     EXPECT_TRUE(window_->viewportHost().startPage().isVisible());
-}
-
-TEST_F(MainWindowTest, AsksHowAHeaderlessFileIsArranged) {
-    std::string samples(12 * 12 * 12, '\0');
-    for (std::size_t i = 0; i < samples.size(); ++i)
-        samples[i] = static_cast<char>(i % 12 * 20);
-    window_->openFile(qpath(folder_.write("ramp.raw", samples)));
-    auto* dialog = child<QDialog>("rawImportDialog");
-    auto* open = dialog->findChild<QPushButton*>(QStringLiteral("rawOpen"));
-    auto* depth = dialog->findChild<QSpinBox*>(QStringLiteral("rawDimZ"));
-    EXPECT_EQ(depth->value(), 12);
-    EXPECT_TRUE(open->isEnabled());
-    depth->setValue(13);
-    EXPECT_FALSE(open->isEnabled());
-    depth->setValue(12);
-    QTest::mouseClick(open, Qt::LeftButton);
-    ASSERT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
-    EXPECT_EQ(session_->dataset()->max, 220.0);
-    EXPECT_TRUE(waitUntilSettled());
 }
 
 TEST_F(MainWindowTest, ASecondOpenUsesTheIndexAtOnce) {

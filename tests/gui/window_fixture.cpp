@@ -5,8 +5,11 @@
 
 #include <QAction>
 #include <QApplication>
+#include <QDropEvent>
 #include <QElapsedTimer>
+#include <QMimeData>
 #include <QTest>
+#include <QUrl>
 
 #include "core/volume_io/volume_source.h"
 #include "preprocess/brick_list.h"
@@ -79,6 +82,7 @@ void WindowTest::makeWindow() {
         QMetaObject::invokeMethod(QCoreApplication::instance(), std::move(function), Qt::QueuedConnection);
     };
     services.indexBuilder = builder_;
+    services.volumes = volumes_;
     services.cacheFolder = folder_ / "indexes";
     services.wholeVolumeBytes = wholeVolumeBytes_;
     services.sampleLoader = [](const std::string& name, const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
@@ -121,6 +125,24 @@ void WindowTest::trigger(const char* actionId) {
     QAction* action = window_->actions().action(actionId);
     ASSERT_TRUE(action->isEnabled()) << actionId;
     action->trigger();
+}
+
+void WindowTest::drop(const std::filesystem::path& path) {
+    QMimeData data;
+    data.setUrls({QUrl::fromLocalFile(QString::fromStdString(path.string()))});
+    QDragEnterEvent enter(QPoint(50, 50), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(window_.get(), &enter);
+    ASSERT_TRUE(enter.isAccepted());
+    QDropEvent event(QPointF(50, 50), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(window_.get(), &event);
+}
+
+void WindowTest::keepPicture(QWidget& widget, const char* name) {
+    const QString folder = qEnvironmentVariable("ISOSLIDER_RECORD_FOLDER");
+    if (folder.isEmpty())
+        return;
+    QTest::qWait(50); // layouts and queued paints
+    EXPECT_TRUE(widget.grab().save(folder + QStringLiteral("/%1.png").arg(QLatin1String(name))));
 }
 
 } // namespace isoslider::test

@@ -26,6 +26,7 @@ public:
     std::deque<QString> answers;
 
     void askOpen(QWidget*, const QString&, const QString&, const QString&, Chosen chosen) override { answer(chosen); }
+    void askFolder(QWidget*, const QString&, const QString&, Chosen chosen) override { answer(chosen); }
     void askSave(QWidget*, const QString&, const QString&, const QString&, Chosen chosen) override { answer(chosen); }
 
 private:
@@ -76,10 +77,14 @@ protected:
         return found;
     }
     void trigger(const char* actionId);
+    void drop(const std::filesystem::path& path);
+    /// Writes a picture of a dialog or the window, where pictures are wanted: see CONTRIBUTING.md.
+    static void keepPicture(QWidget& widget, const char* name);
 
     TemporaryFolder folder_;
     AnsweringDialogs dialogs_;
     std::shared_ptr<HoldableBuilder> builder_ = std::make_shared<HoldableBuilder>();
+    model::VolumeAccess volumes_; ///< for the next makeWindow()
     std::uint64_t wholeVolumeBytes_ =
         std::numeric_limits<std::uint64_t>::max(); ///< for the next makeWindow()
     std::unique_ptr<widgets::SettingsStore> settings_;

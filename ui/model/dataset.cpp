@@ -71,13 +71,18 @@ std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
     return nullptr; // damaged or of another shape: the next build replaces it
 }
 
-Status readGrid(const OpenRequest& request, const SampleLoader& samples, const JobControl& job,
-                LoadedDataset& loaded) {
-    const auto reading = job.part(0.0, 0.7);
-    auto grid = request.sampleName.empty() ? io::readVolume(request.path, request.readOptions, reading)
-                                           : samples(request.sampleName, reading);
+/// What is known of a volume without its samples. Complete once they are read.
+void describe(const io::VolumeInfo& info, Dataset& dataset) {
+    dataset.geometry = info.geometry;
+    dataset.type = info.type;
+    dataset.format = info.format;
+    dataset.fieldName = info.fieldName;
+    dataset.notes = info.notes;
+}
+
+Status takeGrid(Result<std::shared_ptr<const ScalarGrid>> grid, LoadedDataset& loaded) {
     if (!grid.isOk())
-        return grid.error();
+        return std::move(grid).error();
     loaded.grid = std::move(grid).value();
     loaded.dataset.geometry = loaded.grid->geometry();
     loaded.dataset.type = loaded.grid->type();
@@ -98,7 +103,8 @@ Status readPreview(io::VolumeSource& source, std::uint64_t mostBytes, const JobC
             "does not fit in memory, and is too flat for a preview; build its index with isoslider-cli "
             "build, and open that",
             dataset.path.string());
-    auto grid = io::readCoarse(source, *step, job.part(0.0, 0.7));
+    ISO_TRY(source.prepare(job.part(0.0, 0.35)));
+    auto grid = io::readCoarse(source, *step, job.part(0.35, 0.7));
     if (!grid.isOk())
         return grid.error();
     dataset.coarseStep = *step;
@@ -171,7 +177,7 @@ std::string displayName(const OpenRequest& request) {
 
 Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache,
                                   const SampleLoader& samples, std::uint64_t wholeVolumeBytes,
-                                  const JobControl& job) {
+                                  const JobControl& job, const VolumeAccess& volumes) {
     if (request.sampleName.empty() && isIndexFile(request.path))
         return loadIndexFile(request);
     LoadedDataset loaded;
@@ -182,24 +188,22 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
     dataset.format = "built-in sample";
     dataset.indexPath = cachedIndexPath(request, cache);
     if (request.sampleName.empty()) {
-        auto source = io::openVolume(request.path, request.readOptions);
+        auto source = volumes.open(request.path, request.readOptions);
         if (!source.isOk())
             return source.error();
-        const auto& info = source.value()->info();
-        dataset.geometry = info.geometry;
-        dataset.type = info.type;
-        dataset.format = info.format;
-        dataset.fieldName = info.fieldName;
+        describe(source.value()->info(), dataset);
         if (auto engine = openCached(dataset))
             return fromEngine(std::move(dataset), std::move(engine), request);
         if (dataset.sampleBytes() > wholeVolumeBytes)
             ISO_TRY(readPreview(*source.value(), wholeVolumeBytes, job, loaded));
-    }
-    if (!loaded.grid)
-        ISO_TRY(readGrid(request, samples, job, loaded));
-    if (!request.sampleName.empty())
+        else
+            ISO_TRY(takeGrid(volumes.read(*source.value(), request.path, job.part(0.0, 0.7)), loaded));
+        dataset.notes = source.value()->info().notes;
+    } else {
+        ISO_TRY(takeGrid(samples(request.sampleName, job.part(0.0, 0.7)), loaded));
         if (auto engine = openCached(dataset))
             return fromEngine(std::move(dataset), std::move(engine), request);
+    }
     ISO_TRY(addStatistics(loaded, job));
     loaded.isovalue = request.isovalue.value_or(suggestIsovalue(dataset.histogram));
     return loaded;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/job_control.h"
 #include "core/extract/slide_engine.h"
@@ -13,6 +14,7 @@
 #include "core/index/index_info.h"
 #include "core/volume_io/volume_reader.h"
 #include "ui/model/index_cache.h"
+#include "ui/model/volume_access.h"
 
 namespace isoslider::model {
 
@@ -23,6 +25,7 @@ struct Dataset {
     io::ReadOptions readOptions; ///< what `path` was opened with
     std::string format;
     std::string fieldName;
+    std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
     GridGeometry geometry; ///< of the whole volume
     ScalarType type = ScalarType::U8;
     /// Above 1: min, max, missingSamples and histogram are those of every coarseStep-th sample along each
@@ -46,6 +49,8 @@ struct OpenRequest {
     std::string sampleName;
     io::ReadOptions readOptions;
     std::optional<double> isovalue;   ///< the first isovalue; otherwise a suggested one
+    /// A file of several volumes is not an error: Session::choiceNeeded tells what it holds.
+    bool asksForChoice = false;
 };
 
 /// Makes a built-in sample volume.
@@ -77,6 +82,6 @@ void adoptIndex(Dataset& dataset, const index::IndexInfo& info);
 /// InvalidArgument if no sample is finite; OutOfSpace if no preview fits.
 Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache,
                                   const SampleLoader& samples, std::uint64_t wholeVolumeBytes,
-                                  const JobControl& job);
+                                  const JobControl& job, const VolumeAccess& volumes = {});
 
 } // namespace isoslider::model

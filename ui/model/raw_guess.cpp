@@ -35,6 +35,15 @@ std::optional<ScalarType> typeInName(const std::string& name) {
     return std::nullopt;
 }
 
+/// A word of its own: "be" and "le" also stand in the middle of others.
+std::optional<bool> byteOrderInName(const std::string& name) {
+    static const std::regex big("(^|[^a-z])(be|bigendian|big_endian|msb)([^a-z]|$)");
+    static const std::regex little("(^|[^a-z])(le|littleendian|little_endian|lsb)([^a-z]|$)");
+    if (std::regex_search(name, big))
+        return true;
+    return std::regex_search(name, little) ? std::optional(false) : std::nullopt;
+}
+
 GridDims dimsInName(const std::string& name) {
     static const std::regex pattern("([0-9]{1,6})[x_]([0-9]{1,6})[x_]([0-9]{1,6})");
     std::smatch match;
@@ -75,13 +84,17 @@ std::uint64_t layoutBytes(const io::RawLayout& layout) {
     return layout.skipBytes + static_cast<std::uint64_t>(pointCount(layout.dims)) * scalarTypeSizeBytes(layout.type);
 }
 
-io::RawLayout guessRawLayout(std::string_view fileName, std::uint64_t fileBytes) {
+NamedLayout layoutInName(std::string_view fileName) {
     std::string name(fileName);
     std::transform(name.begin(), name.end(), name.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return {dimsInName(name), typeInName(name), byteOrderInName(name)};
+}
+
+io::RawLayout guessRawLayout(std::string_view fileName, std::uint64_t fileBytes) {
+    const auto [dims, named, isBigEndian] = layoutInName(fileName);
     io::RawLayout layout;
-    const auto named = typeInName(name);
-    const auto dims = dimsInName(name);
+    layout.isBigEndian = isBigEndian.value_or(false);
     layout.type = named.value_or(ScalarType::U8);
     if (named && dims[0] > 0) {
         layout.dims = dims;

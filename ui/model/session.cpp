@@ -4,6 +4,7 @@
 
 #include "core/mesh/mesh_export.h"
 #include "ui/model/histogram_model.h"
+#include "ui/model/volume_choice.h"
 
 namespace isoslider::model {
 namespace fs = std::filesystem;
@@ -66,32 +67,55 @@ SlideWorker::Callbacks Session::workerCallbacks() {
     return callbacks;
 }
 
+Result<Session::Opened> Session::openOrAsk(const OpenRequest& request, const SessionServices& services,
+                                           const IndexCache& cache, const JobControl& job) {
+    Opened opened;
+    auto loaded = loadDataset(request, cache, services.sampleLoader, services.wholeVolumeBytes, job, services.volumes);
+    if (loaded.isOk()) {
+        opened.loaded = std::move(loaded).value();
+        return opened;
+    }
+    // Only what is refused is listed: a file with nothing to choose is opened without being read twice.
+    if (request.asksForChoice && loaded.error().code == ErrorCode::InvalidArgument && !job.isStopRequested()) {
+        auto contents = services.volumes.list(request.path, request.readOptions);
+        if (contents.isOk() && isWorthAsking(contents.value())) {
+            opened.contents = std::move(contents).value();
+            return opened;
+        }
+    }
+    return std::move(loaded).error();
+}
+
 void Session::open(OpenRequest request) {
     if (loadJob_)
         runner_->cancel(*loadJob_);
     const auto ticket = ++loadTicket_;
-    const auto name = displayName(request);
-    loadJob_ = runner_->run<LoadedDataset>(
-        "Open " + name,
-        [request = std::move(request), cache = cache_, samples = services_.sampleLoader,
-         wholeVolumeBytes = services_.wholeVolumeBytes](const JobControl& job) {
-            return loadDataset(request, cache, samples, wholeVolumeBytes, job);
+    loadJob_ = runner_->run<Opened>(
+        "Open " + displayName(request),
+        [request, cache = cache_, services = services_](const JobControl& job) {
+            return openOrAsk(request, services, cache, job);
         },
-        [this, ticket, name](Result<LoadedDataset> loaded) {
+        [this, ticket, request](Result<Opened> opened) {
             if (ticket == loadTicket_)
-                onLoaded(std::move(loaded), name);
+                onOpened(std::move(opened), request);
         });
     datasetChanged_.notify();
 }
 
-void Session::onLoaded(Result<LoadedDataset> loaded, const std::string& name) {
+void Session::cancelOpening() {
+    if (loadJob_)
+        runner_->cancel(*loadJob_);
+}
+
+void Session::onOpened(Result<Opened> opened, const OpenRequest& request) {
     loadJob_.reset();
-    if (loaded.isOk())
-        adopt(std::move(loaded).value());
-    else
-        datasetChanged_.notify();
-    if (!loaded.isOk() && !loaded.isCancelled())
-        fail("Could not open " + name, loaded.error());
+    if (opened.isOk() && opened.value().loaded)
+        return adopt(std::move(*opened.value().loaded));
+    datasetChanged_.notify();
+    if (opened.isOk())
+        choiceNeeded_.notify(request, opened.value().contents);
+    else if (!opened.isCancelled())
+        fail("Could not open " + displayName(request), opened.error());
 }
 
 void Session::forgetDataset() {

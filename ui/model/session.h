@@ -32,6 +32,7 @@ struct SessionServices {
     MainThread postToMain;
     std::shared_ptr<IndexBuilder> indexBuilder; ///< null: indexes are never built
     SampleLoader sampleLoader;
+    VolumeAccess volumes;
     std::filesystem::path cacheFolder;
     /// A file with more bytes of samples is shown as a preview until its index is there.
     std::uint64_t wholeVolumeBytes = std::numeric_limits<std::uint64_t>::max();
@@ -46,6 +47,8 @@ public:
     ~Session();
 
     void open(OpenRequest request);
+    /// Stops opening; the present volume stays.
+    void cancelOpening();
     void close();
     /// Starts the index build again after it failed or was cancelled.
     void buildIndex();
@@ -56,6 +59,9 @@ public:
     void cancelJob(JobId id);
 
     bool isLoading() const { return loadJob_.has_value(); }
+    /// Of opening, in jobs(); null when nothing is being opened.
+    const JobEntry* loading() const { return loadJob_ ? jobs_.find(*loadJob_) : nullptr; }
+    const SessionServices& services() const { return services_; }
     /// Nothing is being read, built, checked, written or moved.
     bool isSettled() const;
     const Dataset* dataset() const { return dataset_ ? &*dataset_ : nullptr; }
@@ -79,6 +85,8 @@ public:
     ObserverList<>& frameChanged() { return frameChanged_; }
     ObserverList<>& certificateChanged() { return certificateChanged_; }
     ObserverList<const Notice&>& noticePosted() { return noticePosted_; }
+    /// A request that asksForChoice cannot be opened before one is made; nothing is open that was not before.
+    ObserverList<const OpenRequest&, const io::VolumeContents&>& choiceNeeded() { return choiceNeeded_; }
 
 private:
     struct FrameSlot;
@@ -87,7 +95,15 @@ private:
         std::shared_ptr<SurfaceSource> source;
     };
 
-    void onLoaded(Result<LoadedDataset> loaded, const std::string& name);
+    /// What opening a file came to: a volume, or what the user must choose from.
+    struct Opened {
+        std::optional<LoadedDataset> loaded;
+        io::VolumeContents contents;
+    };
+
+    static Result<Opened> openOrAsk(const OpenRequest& request, const SessionServices& services,
+                                    const IndexCache& cache, const JobControl& job);
+    void onOpened(Result<Opened> opened, const OpenRequest& request);
     void adopt(LoadedDataset loaded);
     void startIndexBuild();
     void onIndexBuilt(const Status& status);
@@ -121,6 +137,7 @@ private:
     ObserverList<> frameChanged_;
     ObserverList<> certificateChanged_;
     ObserverList<const Notice&> noticePosted_;
+    ObserverList<const OpenRequest&, const io::VolumeContents&> choiceNeeded_;
     Subscription requestSubscription_;
     std::shared_ptr<FrameSlot> slot_;
     SourceGeneration generation_{};

@@ -31,6 +31,9 @@ const std::vector<SectionSpec>& specs() {
     static const std::vector<SectionSpec> all{
         {TR("File"),
          {{"file.open", TR("&Open Volume…"), "Ctrl+O", TR("Open a volume or an index file"), "open"},
+          {"file.openFolder", TR("Open &Folder…"), "Ctrl+Shift+O", TR("Open a folder of slices: DICOM or pictures"), "open"},
+          {"file.importRaw", TR("&Import Raw Samples…"), "", TR("Open a file without a header, saying how its samples are arranged"), ""},
+          {"file.previewsFirst", TR("&Preview Before Opening"), "", TR("Show a file chosen with Open Volume before it is opened"), "", true},
           {"file.sampleBluntFin", TR("&Blunt Fin"), "", TR("Open the Blunt Fin air-flow sample"), "sample"},
           {"file.sampleShell", TR("&Spherical Shell"), "", TR("Open the spherical shell sample"), "sample"},
           {"file.saveImage", TR("Save &View as Image…"), "Ctrl+Shift+S", TR("Save the 3-D view as a PNG image"), "image"},

@@ -12,36 +12,11 @@
 #include "ui/model/number_text.h"
 #include "ui/model/session.h"
 #include "ui/widgets/action_registry.h"
+#include "ui/widgets/fact_texts.h"
 #include "ui/widgets/small_widgets.h"
 
 namespace isoslider::widgets {
 namespace {
-
-QString fromStd(const std::string& text) { return QString::fromStdString(text); }
-
-QString valueTriple(const glm::dvec3& v) {
-    return QStringLiteral("%1 × %2 × %3")
-        .arg(fromStd(model::valueText(v.x, 6)), fromStd(model::valueText(v.y, 6)), fromStd(model::valueText(v.z, 6)));
-}
-
-QString pointText(const glm::dvec3& v) {
-    return QStringLiteral("(%1, %2, %3)")
-        .arg(fromStd(model::valueText(v.x, 6)), fromStd(model::valueText(v.y, 6)), fromStd(model::valueText(v.z, 6)));
-}
-
-QString typeText(ScalarType type) {
-    const QString bits = QString::number(8 * scalarTypeSizeBytes(type));
-    const auto name = scalarTypeName(type);
-    const QString kind = isFloatType(type) ? DatasetPanel::tr("floating point")
-                         : name.front() == 'u' ? DatasetPanel::tr("unsigned integer")
-                                               : DatasetPanel::tr("signed integer");
-    return QStringLiteral("%1 (%2, %3)").arg(QString::fromUtf8(name.data(), static_cast<qsizetype>(name.size())), kind,
-                                              DatasetPanel::tr("%1 bits").arg(bits));
-}
-
-QString dimsText(const GridDims& dims) {
-    return QStringLiteral("%1 × %2 × %3").arg(dims[0]).arg(dims[1]).arg(dims[2]);
-}
 
 /// What is known of the samples: of all, or of those of the preview.
 std::vector<Fact> sampleFactsOf(const model::Dataset& dataset, bool isPreview, bool isInMemory) {
@@ -89,17 +64,13 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, b
                              .arg(dimsText(io::coarseDims(geometry.dims, dataset.coarseStep)))
                              .arg(dataset.coarseStep),
                          DatasetPanel::tr("One of %1 samples along each axis").arg(dataset.coarseStep)});
-    facts.push_back({DatasetPanel::tr("Spacing"), valueTriple(geometry.spacing), DatasetPanel::tr("in the file's units of length")});
-    facts.push_back({DatasetPanel::tr("Origin"), pointText(geometry.origin), DatasetPanel::tr("in the file's units of length")});
-    if (geometry.direction != glm::dmat3(1.0))
-        facts.push_back({DatasetPanel::tr("Axes"),
-                         geometry.isLeftHanded() ? DatasetPanel::tr("turned, left-handed") : DatasetPanel::tr("turned"),
-                         DatasetPanel::tr("x %1\ny %2\nz %3").arg(pointText(geometry.direction[0]),
-                                                                 pointText(geometry.direction[1]),
-                                                                 pointText(geometry.direction[2]))});
+    for (auto& fact : placeFactsOf(geometry))
+        facts.push_back(std::move(fact));
     facts.push_back({DatasetPanel::tr("Sample type"), typeText(dataset.type), {}});
     for (auto& fact : sampleFactsOf(dataset, isPreview, isInMemory))
         facts.push_back(std::move(fact));
+    for (const auto& note : dataset.notes)
+        facts.push_back({DatasetPanel::tr("Note"), fromStd(note), {}});
     return facts;
 }
 

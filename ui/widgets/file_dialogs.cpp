@@ -24,6 +24,15 @@ void PlatformFileDialogs::askOpen(QWidget* parent, const QString& title, const Q
     dialog->open();
 }
 
+void PlatformFileDialogs::askFolder(QWidget* parent, const QString& title, const QString& folder, Chosen chosen) {
+    auto* dialog = new QFileDialog(parent, title, folder);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->setFileMode(QFileDialog::Directory);
+    dialog->setOption(QFileDialog::ShowDirsOnly);
+    QObject::connect(dialog, &QFileDialog::fileSelected, parent, std::move(chosen));
+    dialog->open();
+}
+
 void PlatformFileDialogs::askSave(QWidget* parent, const QString& title, const QString& suggestion,
                                   const QString& filters, Chosen chosen) {
     const QFileInfo suggested(suggestion);

@@ -17,6 +17,7 @@ public:
     virtual ~FileDialogs() = default;
     virtual void askOpen(QWidget* parent, const QString& title, const QString& folder,
                          const QString& filters, Chosen chosen) = 0;
+    virtual void askFolder(QWidget* parent, const QString& title, const QString& folder, Chosen chosen) = 0;
     /// `suggestion` is a whole path. A name without suffix gets the one of the chosen filter.
     virtual void askSave(QWidget* parent, const QString& title, const QString& suggestion,
                          const QString& filters, Chosen chosen) = 0;
@@ -27,6 +28,7 @@ class PlatformFileDialogs final : public FileDialogs {
 public:
     void askOpen(QWidget* parent, const QString& title, const QString& folder, const QString& filters,
                  Chosen chosen) override;
+    void askFolder(QWidget* parent, const QString& title, const QString& folder, Chosen chosen) override;
     void askSave(QWidget* parent, const QString& title, const QString& suggestion, const QString& filters,
                  Chosen chosen) override;
 };

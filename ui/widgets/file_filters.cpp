@@ -41,6 +41,10 @@ QString volumeFilters() {
     return each.join(QStringLiteral(";;"));
 }
 
+QString rawFilters() {
+    return QCoreApplication::translate("FileFilters", "All files (*);;Raw samples (*.raw *.dat *.bin *.img *.vol)");
+}
+
 QString meshFilters() {
     QStringList each;
     for (const auto& [name, patterns] : kMeshes)

@@ -6,6 +6,8 @@ namespace isoslider::widgets {
 
 /// Filters of the open dialog: all that can be opened, then by format.
 QString volumeFilters();
+/// Filters for files whose samples have no header.
+QString rawFilters();
 /// Filters of the export dialog, one per mesh format.
 QString meshFilters();
 

@@ -10,7 +10,6 @@
 #include <QMimeData>
 #include <QVBoxLayout>
 
-#include "ui/model/raw_guess.h"
 #include "ui/model/session.h"
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/dataset_panel.h"
@@ -21,7 +20,7 @@
 #include "ui/widgets/levels_panel.h"
 #include "ui/widgets/mesh_panel.h"
 #include "ui/widgets/message_bar.h"
-#include "ui/widgets/raw_import_dialog.h"
+#include "ui/widgets/open_flow.h"
 #include "ui/widgets/settings_store.h"
 #include "ui/widgets/start_page.h"
 #include "ui/widgets/viewport_host.h"
@@ -31,19 +30,21 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kMostRecentFiles = 10;
+constexpr int kMostFilesNamed = 3;
 constexpr int kLayoutVersion = 1;
 
 } // namespace
 
 MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs, QWidget* parent)
     : QMainWindow(parent), session_(session), settings_(settings), dialogs_(dialogs),
-      actions_(new ActionRegistry(this)) {
+      actions_(new ActionRegistry(this)), openFlow_(new OpenFlow(session, settings, dialogs, this)) {
     setObjectName(QStringLiteral("mainWindow"));
     setWindowTitle(QStringLiteral("ISOSLIDER"));
     setWindowIcon(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")));
     setAcceptDrops(true);
     setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
     setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
+    connect(openFlow_, &OpenFlow::opening, this, [this] { messageBar_->hide(); });
     makeCentre();
     makeDocks();
     makeMenus();
@@ -72,7 +73,7 @@ void MainWindow::makeCentre() {
     layout->addWidget(messageBar_);
     layout->addWidget(host_, 1);
     setCentralWidget(centre);
-    connect(&host_->startPage(), &StartPage::openRequested, this, &MainWindow::openFile);
+    connect(&host_->startPage(), &StartPage::openRequested, this, [this](const QString& path) { openFile(path); });
 }
 
 QDockWidget* MainWindow::addDock(const QString& title, const char* name, QWidget* panel) {
@@ -121,45 +122,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     QMainWindow::closeEvent(event);
 }
 
-void MainWindow::open(model::OpenRequest request) {
-    messageBar_->hide();
-    session_.open(std::move(request));
-}
-
-void MainWindow::openFile(const QString& path) {
-    if (model::isHeaderlessSuffix(path.toStdString()) && QFileInfo(path).isFile())
-        return askRawLayout(path);
-    model::OpenRequest request;
-    request.path = std::filesystem::path(QFileInfo(path).absoluteFilePath().toStdU16String());
-    open(std::move(request));
-}
-
-void MainWindow::openSample(const QString& name) {
-    model::OpenRequest request;
-    request.sampleName = name.toStdString();
-    open(std::move(request));
-}
-
-void MainWindow::askRawLayout(const QString& path) {
-    const QFileInfo file(path);
-    auto* dialog = new RawImportDialog(std::filesystem::path(file.absoluteFilePath().toStdU16String()),
-                                       static_cast<std::uint64_t>(file.size()), this);
-    connect(dialog, &RawImportDialog::openRequested, this, [this](const QString& chosen, const io::ReadOptions& options) {
-        model::OpenRequest request;
-        request.path = std::filesystem::path(chosen.toStdU16String());
-        request.readOptions = options;
-        open(std::move(request));
-    });
-    dialog->open();
-}
-
-void MainWindow::askOpen() {
-    dialogs_.askOpen(this, tr("Open Volume"), settings_.text("files/openFolder"), volumeFilters(),
-                     [this](const QString& path) {
-                         settings_.set("files/openFolder", QFileInfo(path).path());
-                         openFile(path);
-                     });
-}
+void MainWindow::openFile(const QString& path, std::optional<double> isovalue) { openFlow_->openPath(path, isovalue); }
 
 void MainWindow::askExport() {
     const auto* dataset = session_.dataset();
@@ -233,6 +196,20 @@ void MainWindow::dropEvent(QDropEvent* event) {
         return;
     event->acceptProposedAction();
     openFile(urls.first().toLocalFile());
+    QStringList further;
+    for (const auto& url : urls.mid(1))
+        further << url.fileName();
+    if (!further.isEmpty())
+        tellNotOpened(further);
+}
+
+void MainWindow::tellNotOpened(const QStringList& files) {
+    const QString shown = files.mid(0, kMostFilesNamed).join(QStringLiteral(", "));
+    const auto more = files.size() - kMostFilesNamed;
+    const QString all = more > 0 ? tr("%1 and %2 more").arg(shown).arg(more) : shown;
+    messageBar_->showNotice({model::Notice::Severity::Information,
+                             tr("One volume is shown at a time; a folder of slices is opened as a whole").toStdString(),
+                             tr("Not opened: %1").arg(all).toStdString()});
 }
 
 void MainWindow::changeEvent(QEvent* event) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <QMainWindow>
@@ -12,7 +13,6 @@ class QMenu;
 
 namespace isoslider::model {
 class Session;
-struct OpenRequest;
 } // namespace isoslider::model
 
 namespace isoslider::widgets {
@@ -21,6 +21,7 @@ class ActionRegistry;
 class FileDialogs;
 class IsovaluePanel;
 class MessageBar;
+class OpenFlow;
 class SettingsStore;
 class ViewportHost;
 
@@ -33,10 +34,11 @@ public:
                QWidget* parent = nullptr);
     ~MainWindow() override;
 
-    /// Opens a volume or an index and remembers it among the recent files once it is open. Asks
-    /// first how a headerless file is arranged.
-    void openFile(const QString& path);
-    void openSample(const QString& name);
+    /// Opens a volume, a folder or an index and remembers it among the recent files once it is open. Asks
+    /// what has to be known of it first. `isovalue`: the first one; otherwise a suggested one.
+    void openFile(const QString& path, std::optional<double> isovalue = std::nullopt);
+    /// Says that these were given, and that one volume is shown at a time.
+    void tellNotOpened(const QStringList& files);
     /// Place, size and panels as they were when the window was last closed.
     void restoreLayout();
     void resetLayout();
@@ -59,9 +61,6 @@ private:
     void makeToolBar();
     void connectActions();
     QDockWidget* addDock(const QString& title, const char* name, QWidget* panel);
-    void askOpen();
-    void askRawLayout(const QString& path);
-    void open(model::OpenRequest request);
     void askExport();
     void askSaveImage();
     void showDataset();
@@ -73,6 +72,7 @@ private:
     SettingsStore& settings_;
     FileDialogs& dialogs_;
     ActionRegistry* actions_;
+    OpenFlow* openFlow_;
     MessageBar* messageBar_ = nullptr;
     ViewportHost* host_ = nullptr;
     IsovaluePanel* isovaluePanel_ = nullptr;

@@ -10,6 +10,7 @@
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/help_dialogs.h"
 #include "ui/widgets/main_window.h"
+#include "ui/widgets/open_flow.h"
 #include "ui/widgets/settings_store.h"
 #include "ui/widgets/start_page.h"
 #include "ui/widgets/viewport_host.h"
@@ -22,10 +23,11 @@ void MainWindow::makeMenus() {
             menu->addAction(actions_->action(id));
     };
     QMenu* file = menuBar()->addMenu(tr("&File"));
-    add(file, {"file.open"});
+    add(file, {"file.open", "file.openFolder", "file.importRaw"});
     recentMenu_ = file->addMenu(tr("Open &Recent"));
     QMenu* samples = file->addMenu(tr("Open &Sample"));
     add(samples, {"file.sampleBluntFin", "file.sampleShell"});
+    add(file, {"file.previewsFirst"});
     file->addSeparator();
     add(file, {"mesh.export", "file.saveImage"});
     file->addSeparator();
@@ -88,9 +90,11 @@ void MainWindow::connectActions() {
     const auto on = [this](const char* id, auto handler) {
         connect(actions_->action(id), &QAction::triggered, this, handler);
     };
-    on("file.open", [this] { askOpen(); });
-    on("file.sampleBluntFin", [this] { openSample(QStringLiteral("bluntfin")); });
-    on("file.sampleShell", [this] { openSample(QStringLiteral("shell")); });
+    on("file.open", [this] { openFlow_->askFile(); });
+    on("file.openFolder", [this] { openFlow_->askFolder(); });
+    on("file.importRaw", [this] { openFlow_->askRawFile(); });
+    on("file.sampleBluntFin", [this] { openFlow_->openSample(QStringLiteral("bluntfin")); });
+    on("file.sampleShell", [this] { openFlow_->openSample(QStringLiteral("shell")); });
     on("file.saveImage", [this] { askSaveImage(); });
     on("file.close", [this] { session_.close(); });
     on("file.quit", [this] { close(); });
@@ -105,6 +109,11 @@ void MainWindow::connectActions() {
     on("view.fullScreen", [this](bool isFull) { isFull ? showFullScreen() : showNormal(); });
     on("help.shortcuts", [this] { showShortcutSheet(*actions_, this); });
     on("help.about", [this] { showAbout(this); });
+
+    QAction* previewsFirst = actions_->action("file.previewsFirst");
+    previewsFirst->setChecked(settings_.boolean("files/previewsFirst"));
+    connect(previewsFirst, &QAction::toggled, openFlow_, &OpenFlow::setPreviewsFirst);
+    connect(openFlow_, &OpenFlow::previewsFirstChanged, previewsFirst, &QAction::setChecked);
 
     QAction* perspective = actions_->action("view.perspective");
     connect(perspective, &QAction::toggled, this, [this](bool isOn) { settings_.set("view/perspective", isOn); });

@@ -1,39 +1,54 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
+#include <memory>
 
 #include <QDialog>
 
-#include "core/volume_io/volume_reader.h"
+#include "ui/model/raw_import_model.h"
 
 class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
+class QFormLayout;
 class QLabel;
 class QPushButton;
 class QSpinBox;
+class QTableView;
+class QVBoxLayout;
 
 namespace isoslider::widgets {
 
-/// Asks what a headerless file holds. Starts from a guess; opens only what fits the file's size.
+class PreviewPane;
+class TextTableModel;
+
+/// Asks what a headerless file holds: offers the ways to read it that suggest themselves, and shows at once
+/// how each looks. Opens only what fits the file's size.
 class RawImportDialog : public QDialog {
     Q_OBJECT
 public:
-    RawImportDialog(std::filesystem::path path, std::uint64_t fileBytes, QWidget* parent = nullptr);
-
-    io::ReadOptions optionsAsked() const;
+    explicit RawImportDialog(std::unique_ptr<model::RawImportModel> model, QWidget* parent = nullptr);
+    ~RawImportDialog() override;
 
 Q_SIGNALS:
     void openRequested(const QString& path, const isoslider::io::ReadOptions& options);
 
 private:
-    io::RawLayout layoutAsked() const;
-    void makeForm();
+    QWidget* makeLeft();
+    void makeGuesses(QVBoxLayout* rows, QWidget* page);
+    void makeForm(QVBoxLayout* rows, QWidget* page);
+    void makeWarning(QVBoxLayout* rows, QWidget* page);
+    void takeLayout();
+    void showState();
+    void showLayout();
+    void showGuesses();
     void showFit();
 
-    std::filesystem::path path_;
-    std::uint64_t fileBytes_;
+    std::unique_ptr<model::RawImportModel> model_;
+    bool isShowing_ = false; ///< controls are being set, not used
+    QLabel* guessHint_ = nullptr;
+    QTableView* guesses_ = nullptr;
+    TextTableModel* guessRows_ = nullptr;
     std::array<QSpinBox*, 3> dims_{};
     std::array<QDoubleSpinBox*, 3> spacing_{};
     QComboBox* type_ = nullptr;
@@ -41,7 +56,11 @@ private:
     QCheckBox* bigEndian_ = nullptr;
     QCheckBox* trailing_ = nullptr;
     QLabel* fit_ = nullptr;
+    QWidget* warning_ = nullptr;
+    QLabel* warningText_ = nullptr;
+    PreviewPane* pane_ = nullptr;
     QPushButton* open_ = nullptr;
+    model::Subscription subscription_;
 };
 
 } // namespace isoslider::widgets

@@ -55,7 +55,7 @@ StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
     layout->addWidget(open);
     layout->addWidget(actionButton(actions.action("file.sampleBluntFin"), tr("Open sample: Blunt Fin"), this));
     layout->addWidget(actionButton(actions.action("file.sampleShell"), tr("Open sample: Spherical Shell"), this));
-    auto* drop = new QLabel(tr("or drop a file here"), this);
+    auto* drop = new QLabel(tr("or drop a file or folder here"), this);
     drop->setForegroundRole(QPalette::PlaceholderText);
     layout->addWidget(drop, 0, Qt::AlignHCenter);
     layout->addSpacing(8);

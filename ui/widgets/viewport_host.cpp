@@ -10,6 +10,7 @@
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
 #include "ui/widgets/action_registry.h"
+#include "ui/widgets/loading_card.h"
 #include "ui/widgets/settings_store.h"
 #include "ui/widgets/start_page.h"
 #include "ui/widgets/viewport_overlay.h"
@@ -71,8 +72,7 @@ ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, con
     readout_ = new ViewReadout(this);
     preview_ = new ViewReadout(this, kPreviewColour);
     preview_->setObjectName(QStringLiteral("previewLabel"));
-    loading_ = new ViewReadout(this);
-    loading_->setObjectName(QStringLiteral("loadingLabel"));
+    loading_ = new LoadingCard(session_, this);
     startPage_ = new StartPage(actions, this);
     startPage_->installEventFilter(this);
     connectActions(settings, actions);
@@ -158,10 +158,8 @@ void ViewportHost::showFrame() {
 
 void ViewportHost::showState() {
     const bool isEmpty = session_.dataset() == nullptr && !session_.isLoading();
-    const bool isWaiting = session_.isLoading() || (session_.dataset() != nullptr && !session_.frame());
     startPage_->setVisible(isEmpty);
-    loading_->setText(session_.isLoading() ? tr("Opening…") : tr("Extracting the first surface…"));
-    loading_->setVisible(isWaiting);
+    loading_->showState();
     const auto& options = viewState_.options();
     axes_->setVisible(options.showsAxes && viewport_ != nullptr && session_.dataset() != nullptr);
     readout_->setVisible(options.showsReadout && viewport_ != nullptr && session_.frame() != nullptr);

@@ -5,8 +5,6 @@
 #include "ui/model/observers.h"
 #include "ui/model/view_state.h"
 
-class QLabel;
-
 namespace isoslider::model {
 class Session;
 }
@@ -15,6 +13,7 @@ namespace isoslider::widgets {
 
 class ActionRegistry;
 class AxesGlyph;
+class LoadingCard;
 class SettingsStore;
 class StartPage;
 class ViewReadout;
@@ -51,7 +50,7 @@ private:
     ViewportWidget* viewport_ = nullptr;
     QWidget* view_ = nullptr;
     StartPage* startPage_ = nullptr;
-    QLabel* loading_ = nullptr;
+    LoadingCard* loading_ = nullptr;
     ViewReadout* readout_ = nullptr;
     ViewReadout* preview_ = nullptr;
     AxesGlyph* axes_ = nullptr;

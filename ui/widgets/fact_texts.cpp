@@ -1,0 +1,50 @@
+#include "ui/widgets/fact_texts.h"
+
+#include <QCoreApplication>
+
+#include "ui/model/number_text.h"
+
+namespace isoslider::widgets {
+namespace {
+
+QString tr(const char* text) { return QCoreApplication::translate("FactTexts", text); }
+
+QString joined(const glm::dvec3& v, const QString& pattern) {
+    return pattern.arg(fromStd(model::valueText(v.x, 6)), fromStd(model::valueText(v.y, 6)),
+                       fromStd(model::valueText(v.z, 6)));
+}
+
+} // namespace
+
+QString fromStd(const std::string& text) { return QString::fromStdString(text); }
+
+QString dimsText(const GridDims& dims) {
+    return QStringLiteral("%1 × %2 × %3").arg(dims[0]).arg(dims[1]).arg(dims[2]);
+}
+
+QString valueTriple(const glm::dvec3& v) { return joined(v, QStringLiteral("%1 × %2 × %3")); }
+
+QString pointText(const glm::dvec3& v) { return joined(v, QStringLiteral("(%1, %2, %3)")); }
+
+QString typeText(ScalarType type) {
+    const auto name = scalarTypeName(type);
+    const QString kind = isFloatType(type)     ? tr("floating point")
+                         : name.front() == 'u' ? tr("unsigned integer")
+                                               : tr("signed integer");
+    return QStringLiteral("%1 (%2, %3)")
+        .arg(fromStd(std::string(name)), kind, tr("%1 bits").arg(8 * scalarTypeSizeBytes(type)));
+}
+
+std::vector<Fact> placeFactsOf(const GridGeometry& geometry) {
+    std::vector<Fact> facts{
+        {tr("Spacing"), valueTriple(geometry.spacing), tr("in the file's units of length")},
+        {tr("Origin"), pointText(geometry.origin), tr("in the file's units of length")}};
+    if (geometry.direction != glm::dmat3(1.0))
+        facts.push_back({tr("Axes"), geometry.isLeftHanded() ? tr("turned, left-handed") : tr("turned"),
+                         tr("x %1\ny %2\nz %3")
+                             .arg(pointText(geometry.direction[0]), pointText(geometry.direction[1]),
+                                  pointText(geometry.direction[2]))});
+    return facts;
+}
+
+} // namespace isoslider::widgets

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include <QString>
+
+#include "core/grid/grid_geometry.h"
+#include "core/grid/scalar_type.h"
+#include "ui/widgets/small_widgets.h"
+
+namespace isoslider::widgets {
+
+QString fromStd(const std::string& text);
+/// "256 × 256 × 109"
+QString dimsText(const GridDims& dims);
+/// "1 × 1 × 2.5"
+QString valueTriple(const glm::dvec3& v);
+/// "(0, -1, 0.5)"
+QString pointText(const glm::dvec3& v);
+/// "u16 (unsigned integer, 16 bits)"
+QString typeText(ScalarType type);
+
+/// Spacing, origin and, where they are turned, axes.
+std::vector<Fact> placeFactsOf(const GridGeometry& geometry);
+
+} // namespace isoslider::widgets
