@@ -12,15 +12,6 @@ namespace {
 
 constexpr std::uint64_t kBlockBytes = std::uint64_t{64} << 20;
 
-template <class T>
-bool isExactInDouble(T value) {
-    if constexpr (std::is_integral_v<T> && sizeof(T) == 8) {
-        const double converted = static_cast<double>(value);
-        return converted < std::ldexp(1.0, std::is_signed_v<T> ? 63 : 64) && static_cast<T>(converted) == value;
-    }
-    return true;
-}
-
 class ArraySource final : public VolumeSource {
 public:
     ArraySource(VolumeInfo info, ArrayView view, ArrayMeaning meaning, std::unique_ptr<ArrayReader> reader,

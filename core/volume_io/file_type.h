@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <string_view>
+#include <type_traits>
 
 #include "core/base/check.h"
 #include "core/grid/scalar_type.h"
@@ -45,6 +46,17 @@ decltype(auto) visitFileType(FileType type, Function&& function) {
         case FileType::F64: return function(double{});
     }
     checkFailed("known FileType", __FILE__, __LINE__);
+}
+
+/// False for 64-bit integers that a double has to round.
+template <class T>
+bool isExactInDouble(T value) {
+    if constexpr (std::is_integral_v<T> && sizeof(T) == 8) {
+        const double converted = static_cast<double>(value);
+        // 2^63 and 2^64 do not convert back.
+        return converted < std::ldexp(1.0, std::is_signed_v<T> ? 63 : 64) && static_cast<T>(converted) == value;
+    }
+    return true;
 }
 
 std::size_t fileTypeSizeBytes(FileType type);

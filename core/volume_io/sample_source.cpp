@@ -15,16 +15,6 @@ void swapSamples(std::span<std::byte> bytes, std::size_t sampleBytes) {
         std::reverse(bytes.data() + i, bytes.data() + i + sampleBytes);
 }
 
-template <class T>
-bool isExactInDouble(T value) {
-    if constexpr (std::is_integral_v<T> && sizeof(T) == 8) {
-        const double converted = static_cast<double>(value);
-        // 2^63 and 2^64 do not convert back.
-        return converted < std::ldexp(1.0, std::is_signed_v<T> ? 63 : 64) && static_cast<T>(converted) == value;
-    }
-    return true;
-}
-
 class SampleSource final : public VolumeSource {
 public:
     SampleSource(VolumeInfo info, SampleLayout layout, std::unique_ptr<ByteStream> bytes, std::filesystem::path path)
