@@ -251,6 +251,8 @@ const std::vector<BadFile>& nrrds() {
         {"nrrd_list_dimension", "a.nhdr", detachedNrrd("LIST 9\nnone.raw"), InvalidArgument, "data file"},
         {"nrrd_list_count", "a.nhdr", detachedNrrd("LIST 1\nnone.raw"), InvalidArgument, "6 files of 1 dimensions"},
         {"nrrd_gzip_ends_early", "a.nrrd", replaced(nrrdGzip(test::gzipped("ab") + std::string(1'100'000, 'x')), "sizes: 4 3 2", "sizes: 4096 4096 32"), Corruption, "unpacks to 2 bytes"},
+        {"nrrd_bzip2_asks_a_large_plane", "a.nrrd", replaced(nrrdEncoded("bzip2", test::bzipped("ab")), "sizes: 4 3 2", "sizes: 32768 8192 2"), Corruption, "unpacks to 2 bytes"},
+        {"nrrd_gzip_asks_a_large_plane", "a.nrrd", replaced(nrrdGzip(test::gzipped("ab") + std::string(1'100'000, 'x')), "sizes: 4 3 2", "sizes: 32768 16384 1"), Corruption, "unpacks to 2 bytes"},
         {"nrrd_components_ask_much", "a.nrrd", replaced(replaced(withNrrdLine("domain domain domain", "vector domain domain"), "(1,0,0)", "none"), "sizes: 4 3 2", "sizes: 1000000 1000 2"), Corruption, "4000000000"},
         {"nrrd_short", "a.nrrd", shorter(test::nrrd()), Corruption, "48"},
         {"B039_nrrd_bomb", "a.nrrd", nrrdGzip(test::gzipped(std::string(100'000'000, '\0'))), Corruption, "more than"},
