@@ -240,7 +240,8 @@ void addUprightAxis(NrrdHeader& header) {
         if (axis.role == NrrdRole::Space && parseReals(inner, numbers) && numbers.size() == 3)
             directions.emplace_back(numbers[0], numbers[1], numbers[2]);
     }
-    if (directions.size() != 2 || header.dims()[2] != 1)
+    const auto isSpace = [](const NrrdAxis& axis) { return axis.role == NrrdRole::Space; };
+    if (directions.size() != 2 || std::count_if(header.axes.begin(), header.axes.end(), isSpace) != 2)
         return;
     const glm::dvec3 normal = glm::normalize(glm::cross(directions[0], directions[1]));
     if (!std::isfinite(normal.x + normal.y + normal.z))

@@ -246,6 +246,7 @@ const std::vector<BadFile>& nrrds() {
         {"B045_nrrd_nan_direction", "a.nrrd", withNrrdLine("(0,2,0)", "(0,nan,0)"), InvalidArgument, ""},
         {"B045_nrrd_short_direction", "a.nrrd", withNrrdLine("(0,2,0)", "(1,0)"), InvalidArgument, ""},
         {"B046_nrrd_none_of_vectors", "a.nrrd", replaced(withNrrdLine("(0,2,0)", "none"), "domain domain domain", "domain 3-vector domain"), InvalidArgument, "3 components (x, y, z)"},
+        {"nrrd_two_directions_of_three", "a.nrrd", replaced(withNrrdLine("(0,2,0)", "(0,2)"), "sizes: 4 3 2", "sizes: 4 6 1"), InvalidArgument, ""},
         {"nrrd_kinds_count", "a.nrrd", withNrrdLine("domain domain domain", "domain domain"), InvalidArgument, "kinds"},
         {"nrrd_four_dimensions", "a.nrrd", nrrdOfFour(), InvalidArgument, "--frame 0 to 1"},
         {"nrrd_list_dimension", "a.nhdr", detachedNrrd("LIST 9\nnone.raw"), InvalidArgument, "data file"},
