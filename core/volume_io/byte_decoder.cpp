@@ -398,9 +398,11 @@ std::optional<double> parseFortranReal(std::string_view word) {
     std::string text(word.starts_with('+') ? word.substr(1) : word);
     std::replace_if(
         text.begin(), text.end(), [](char c) { return c == 'D' || c == 'd'; }, 'e');
-    const auto sign = text.find_last_of("+-");
-    if (sign != std::string::npos && sign > 0 &&
-        (text[sign - 1] == '.' || (text[sign - 1] >= '0' && text[sign - 1] <= '9')))
+    const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
+    const auto sign = text.size() > 4 ? text.size() - 4 : 0; // of an exponent of three digits
+    if (sign > 0 && (text[sign] == '+' || text[sign] == '-') &&
+        (isDigit(text[sign - 1]) || text[sign - 1] == '.') &&
+        std::all_of(text.begin() + static_cast<std::ptrdiff_t>(sign) + 1, text.end(), isDigit))
         text.insert(sign, 1, 'e');
     double value = 0.0;
     const char* end = text.data() + text.size();

@@ -75,6 +75,19 @@ public:
         return {};
     }
 
+    /// Decodes the first bytes once and keeps nothing of them, if they are many.
+    Status probe() {
+        constexpr std::uint64_t kManyBytes = std::uint64_t{32} << 20;
+        if (how_.probeBytes <= kManyBytes)
+            return {};
+        std::uint64_t left = std::min(how_.probeBytes, sizeBytes());
+        for (std::size_t part = 0; left > 0; ++part) {
+            ISO_TRY(moveTo(part, how_.skipBytes + std::min(left, partBytes_)));
+            left -= std::min(left, partBytes_);
+        }
+        return {};
+    }
+
     Status open(std::size_t part) {
         auto file = defaultFileSystem().openForReading(parts_[part].path);
         if (!file.isOk())
@@ -193,6 +206,7 @@ Result<std::unique_ptr<ByteStream>> openEncoded(std::vector<FilePart> parts, std
     auto stream = std::make_unique<DecodedStream>(std::move(parts), partBytes, how);
     for (std::size_t i = count; i-- > 0;)
         ISO_TRY(stream->open(i));
+    ISO_TRY(stream->probe());
     return std::unique_ptr<ByteStream>(std::move(stream));
 }
 

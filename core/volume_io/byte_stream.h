@@ -36,6 +36,9 @@ struct Encoded {
     FileType textType = FileType::U8; ///< of the samples, if they are text
     std::uint64_t skipBytes = 0; ///< decoded bytes of each part that are no samples and come first
     bool allowsTrailing = false; ///< a part may decode to more; then its checksum is not verified
+    /// So many of the first bytes, one plane perhaps, are decoded before opening succeeds: a small packed
+    /// file must not make its reader take the memory that its header asks for.
+    std::uint64_t probeBytes = 0;
 };
 
 /// Parts that decode to `partBytes` each, one after the other; decoded as they are read: see openDeflated.

@@ -130,6 +130,11 @@ private:
 
 } // namespace
 
+std::uint64_t planeBytes(const VolumeField& field, FileType type) {
+    return static_cast<std::uint64_t>(field.dims[0] * field.dims[1]) * static_cast<std::uint64_t>(field.components) *
+           fileTypeSizeBytes(type);
+}
+
 std::unique_ptr<VolumeSource> makeSampleSource(VolumeInfo info, SampleLayout layout, std::unique_ptr<ByteStream> bytes,
                                                std::filesystem::path path) {
     return std::make_unique<SampleSource>(std::move(info), layout, std::move(bytes), std::move(path));

@@ -6,6 +6,7 @@
 
 #include "core/volume_io/byte_stream.h"
 #include "core/volume_io/file_type.h"
+#include "core/volume_io/volume_contents.h"
 #include "core/volume_io/volume_reader.h"
 
 namespace isoslider::io {
@@ -25,6 +26,9 @@ struct SampleLayout {
     int component = 0;              ///< the one to take, or kMagnitude: f32, or f64 of values beyond 16 bits or f32
     std::uint64_t firstValue = 0;   ///< values in the stream before the first sample
 };
+
+/// Bytes of a plane of samples in a file, all components of them.
+std::uint64_t planeBytes(const VolumeField& field, FileType type);
 
 /// Samples of a byte stream, swapped, widened and rescaled slab by slab. `info.type` is set here.
 /// REQUIRES: the stream holds that many values; component is one of those, or kMagnitude.

@@ -49,12 +49,13 @@ Result<std::shared_ptr<const ScalarGrid>> readSlabs(VolumeSource& source, const 
     const std::uint64_t totalBytes = planeBytes * static_cast<std::uint64_t>(dims[2]);
     ISO_TRY(checkFitsMemory(totalBytes, path));
     std::vector<std::byte> samples; // grows as samples come: packed data may hold fewer than its header says
-    samples.reserve(totalBytes);
     const auto step = static_cast<std::int64_t>(std::max<std::uint64_t>(1, kSlabBytes / planeBytes));
     for (std::int64_t z = 0; z < dims[2]; z += step) {
         if (job.isStopRequested())
             return cancelledError();
         const std::int64_t zEnd = std::min(z + step, dims[2]);
+        if (z > 0) // the first slab is there: so is the rest, likely
+            samples.reserve(totalBytes);
         samples.resize(static_cast<std::size_t>(zEnd) * planeBytes);
         const auto slab = std::span(samples).subspan(static_cast<std::size_t>(z) * planeBytes,
                                                      static_cast<std::size_t>(zEnd - z) * planeBytes);

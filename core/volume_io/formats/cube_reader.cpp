@@ -226,9 +226,13 @@ private:
                        const JobControl& job) const {
         const GridDims& dims = info_.geometry.dims;
         const std::int64_t count = pointCount(dims);
-        samples.reserve(static_cast<std::size_t>(count)); // touched as numbers come: there may be fewer
+        // Room for all is made when these have come: there may be fewer than the header says.
+        constexpr std::int64_t kFirstSamples = std::int64_t{1} << 20;
+        samples.reserve(static_cast<std::size_t>(std::min(count, kFirstSamples)));
         std::string word;
         for (std::int64_t i = 0; i < count; ++i) {
+            if (i == kFirstSamples)
+                samples.reserve(static_cast<std::size_t>(count));
             if (i % (dims[1] * dims[2]) == 0) {
                 if (job.isStopRequested())
                     return cancelledError();

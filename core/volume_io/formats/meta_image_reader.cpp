@@ -256,6 +256,7 @@ Result<Image> describe(const fs::path& path, const ReadOptions& options) {
     ISO_TRY(checkNumbers(image.header, path));
     ISO_TRY(readSamples(image, path));
     image.how.allowsTrailing = options.allowsTrailing;
+    image.how.probeBytes = planeBytes(image.field, image.type);
     const auto names = nameFiles(image.header, path);
     if (!names.isOk())
         return names.error();

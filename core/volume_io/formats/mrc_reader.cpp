@@ -242,7 +242,8 @@ Result<std::unique_ptr<ByteStream>> openBytes(const Map& map, const fs::path& pa
                                               const ReadOptions& options) {
     if (map.isPacked)
         return openEncoded({{path, 0}}, map.sampleBytes,
-                           {Encoding::Deflate, FileType::U8, map.dataOffset, options.allowsTrailing});
+                           {Encoding::Deflate, FileType::U8, map.dataOffset, options.allowsTrailing,
+                            planeBytes(map.field, map.mode.type)});
     return openParts({{path, map.dataOffset}}, map.sampleBytes);
 }
 

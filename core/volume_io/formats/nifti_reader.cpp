@@ -118,7 +118,8 @@ Result<std::unique_ptr<ByteStream>> openBytes(const Volume& volume, const ReadOp
     const auto offset = static_cast<std::uint64_t>(volume.header.dataOffset);
     if (volume.files.isDataPacked)
         return openEncoded({{volume.files.data, 0}}, volume.sampleBytes,
-                           {Encoding::Deflate, FileType::U8, offset, options.allowsTrailing});
+                           {Encoding::Deflate, FileType::U8, offset, options.allowsTrailing,
+                            planeBytes(volume.field, volume.code.type)});
     return openParts({{volume.files.data, offset}}, volume.sampleBytes);
 }
 
@@ -135,19 +136,15 @@ std::optional<Rescale> readRescale(const Volume& volume, VolumeInfo& info) {
     return Rescale{slope, intercept};
 }
 
-Result<std::unique_ptr<VolumeSource>> openComponent(const Volume& volume, int component, std::int64_t frame,
-                                                    const VolumeInfo& info,
-                                                    const std::optional<Rescale>& rescale,
-                                                    const ReadOptions& options) {
-    auto bytes = openBytes(volume, options);
-    if (!bytes.isOk())
-        return std::move(bytes).error();
+std::unique_ptr<VolumeSource> openComponent(const Volume& volume, int component, std::int64_t frame,
+                                            const VolumeInfo& info, const std::optional<Rescale>& rescale,
+                                            std::unique_ptr<ByteStream> bytes) {
     const bool isPlanar = volume.vectors > 1;
     SampleLayout layout{volume.code.type,   volume.header.isBigEndian, rescale,
                         volume.code.values, isPlanar ? 0 : component,  0};
     layout.firstValue =
         volume.pointsBefore(isPlanar ? component : 0, frame) * static_cast<std::uint64_t>(volume.code.values);
-    return makeSampleSource(info, layout, std::move(bytes).value(), volume.files.data);
+    return makeSampleSource(info, layout, std::move(bytes), volume.files.data);
 }
 
 Status noteTrailing(const Volume& volume, VolumeInfo& info) {
@@ -168,9 +165,9 @@ Result<std::unique_ptr<VolumeSource>> openNifti(const fs::path& path, const Read
     if (!described.isOk())
         return described.error();
     const Volume& volume = described.value();
-    const auto bytes = openBytes(volume, options); // sizes first: a choice among what is not there is none
+    auto bytes = openBytes(volume, options); // sizes first: a choice among what is not there is none
     if (!bytes.isOk())
-        return bytes.error();
+        return std::move(bytes).error();
     const auto choice = chooseInOnlyField(volume.field, options, volume.files.header);
     if (!choice.isOk())
         return choice.error();
@@ -182,15 +179,15 @@ Result<std::unique_ptr<VolumeSource>> openNifti(const fs::path& path, const Read
     const auto rescale = readRescale(volume, info);
     const auto [component, frame] = choice.value();
     if (component != kMagnitude || volume.vectors == 1)
-        return openComponent(volume, component, frame, info, rescale, options);
+        return openComponent(volume, component, frame, info, rescale, std::move(bytes).value());
     if (volume.field.components > static_cast<int>(kMaxMagnitudeParts))
         return refuseField("--component magnitude", "is taken of at most 64 components", path);
     std::vector<std::unique_ptr<VolumeSource>> parts;
     for (int i = 0; i < volume.field.components; ++i) {
-        auto part = openComponent(volume, i, frame, info, rescale, options);
-        if (!part.isOk())
-            return std::move(part).error();
-        parts.push_back(std::move(part).value());
+        bytes = openBytes(volume, options);
+        if (!bytes.isOk())
+            return std::move(bytes).error();
+        parts.push_back(openComponent(volume, i, frame, info, rescale, std::move(bytes).value()));
     }
     return makeMagnitudeSource(std::move(parts));
 }

@@ -154,6 +154,17 @@ Status applySkips(const NrrdHeader& header, Data& data, const fs::path& path) {
     return {};
 }
 
+VolumeField fieldOf(const NrrdHeader& header) {
+    VolumeField field;
+    field.title = std::string(header["content"].substr(0, 200));
+    field.dims = header.dims();
+    field.typeName = fileTypeName(header.type);
+    field.components = static_cast<int>(header.extent(NrrdRole::Component));
+    field.componentNames = header.componentNames();
+    field.frames = header.extent(NrrdRole::Frame);
+    return field;
+}
+
 Result<Data> findData(const NrrdHeader& header, const ReadOptions& options, const fs::path& path) {
     const auto encoding = readEncoding(header, path);
     if (!encoding.isOk())
@@ -180,7 +191,8 @@ Result<Data> findData(const NrrdHeader& header, const ReadOptions& options, cons
         return refuseField(
             "data file", std::to_string(data.parts.size()) + " files do not divide the samples evenly", path);
     data.partBytes = values / data.parts.size() * fileTypeSizeBytes(header.type);
-    data.how = {encoding.value(), header.type, 0, options.allowsTrailing};
+    data.how = {encoding.value(), header.type, 0, options.allowsTrailing,
+                planeBytes(fieldOf(header), header.type)};
     ISO_TRY(applySkips(header, data, path));
     return data;
 }
@@ -228,7 +240,8 @@ void addUprightAxis(NrrdHeader& header) {
         if (axis.role == NrrdRole::Space && parseReals(inner, numbers) && numbers.size() == 3)
             directions.emplace_back(numbers[0], numbers[1], numbers[2]);
     }
-    if (directions.size() != 2 || header.dims()[2] != 1)
+    const auto isSpace = [](const NrrdAxis& axis) { return axis.role == NrrdRole::Space; };
+    if (directions.size() != 2 || std::count_if(header.axes.begin(), header.axes.end(), isSpace) != 2)
         return;
     const glm::dvec3 normal = glm::normalize(glm::cross(directions[0], directions[1]));
     if (!std::isfinite(normal.x + normal.y + normal.z))
@@ -264,17 +277,6 @@ Result<GridGeometry> readGeometry(NrrdHeader header, VolumeInfo& info, const fs:
     for (std::size_t axis = 0; axis < spacings.size(); ++axis)
         geometry.spacing[static_cast<int>(axis)] = spacings[axis];
     return geometry;
-}
-
-VolumeField fieldOf(const NrrdHeader& header) {
-    VolumeField field;
-    field.title = std::string(header["content"].substr(0, 200));
-    field.dims = header.dims();
-    field.typeName = fileTypeName(header.type);
-    field.components = static_cast<int>(header.extent(NrrdRole::Component));
-    field.componentNames = header.componentNames();
-    field.frames = header.extent(NrrdRole::Frame);
-    return field;
 }
 
 /// Header, files and first bytes, checked against each other.

@@ -110,6 +110,7 @@ TEST_F(CubeReader, RefusesWhatIsNone) {
     EXPECT_THAT(refusal(good + "24\n"), HasSubstr("more than the 24"));
     EXPECT_EQ(refusal(good + "24\n", {.allowsTrailing = true}), "is read");
     EXPECT_THAT(refusal(replaced(good, " 7 ", " abc ")), HasSubstr("number 7: 'abc'"));
+    EXPECT_THAT(refusal(replaced(good, " 7 ", " 1-2 ")), HasSubstr("number 7: '1-2'"));
     EXPECT_THAT(refusal(replaced(good, " 7 ", " 1e999 ")), HasSubstr("number 7: '1e999'"));
     EXPECT_THAT(refusal(replaced(good, " 7 ", " " + std::string(100'000, '0') + " ")), HasSubstr("number 7"));
     EXPECT_THAT(refusal(replaced(good, "  4  0.0", "  0  0.0")), HasSubstr("axes"));

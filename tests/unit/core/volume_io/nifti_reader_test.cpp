@@ -265,8 +265,8 @@ TEST_F(NiftiReader, TurnsMetresAndMicrometresToMillimetres) {
 
 TEST_F(NiftiReader, B062_LeavesOutSlopesThatAreNoNumbers) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-    for (const auto& [at, value, notes] :
-         {std::tuple(112, 0.0f, 0u), {112, nan, 1u}, {112, inf, 1u}, {116, nan, 1u}}) {
+    for (const auto& [at, value, notes] : {std::tuple(112, 0.0f, 0u), std::tuple(112, nan, 1u),
+                                           std::tuple(112, inf, 1u), std::tuple(116, nan, 1u)}) {
         const auto source =
             openVolume(folder.write("a.nii", test::niftiWith<float>(static_cast<std::size_t>(at), value)));
         ASSERT_THAT(source, test::IsOk());
