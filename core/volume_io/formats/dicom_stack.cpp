@@ -41,19 +41,21 @@ public:
     explicit Stacker(const std::vector<DicomImage>& images) : images_(images) {}
 
     std::vector<DicomStack> build() {
-        std::map<std::pair<std::int64_t, std::string>, Slices> series;
+        std::map<std::string, Slices> bySeries;
         for (std::size_t i = 0; i < images_.size(); ++i)
             for (std::size_t frame = 0; frame < images_[i].frames.size(); ++frame)
-                series[{images_[i].seriesNumber, images_[i].series}].push_back({i, frame});
+                bySeries[images_[i].series].push_back({i, frame});
+        std::vector<std::pair<std::string, Slices>> series(bySeries.begin(), bySeries.end());
+        std::ranges::stable_sort(series, {},
+                                 [&](const auto& named) { return image(named.second.front()).seriesNumber; });
         std::vector<DicomStack> all;
-        for (auto& [key, slices] : series) {
+        for (auto& [name, slices] : series) {
             std::vector<DicomStack> stacks = stacksOf(std::move(slices));
-            const std::string uid = key.second.empty() ? "unnamed" : key.second;
+            const std::string uid = name.empty() ? "unnamed" : name;
             for (std::size_t i = 0; i < stacks.size(); ++i)
                 stacks[i].field.name = stacks.size() == 1 ? uid : uid + '#' + std::to_string(i + 1);
             std::move(stacks.begin(), stacks.end(), std::back_inserter(all));
         }
-        makeNamesUnique(all);
         return all;
     }
 
@@ -61,14 +63,6 @@ private:
     const DicomImage& image(const DicomSlice& slice) const { return images_[slice.image]; }
     const DicomFrame& frame(const DicomSlice& slice) const {
         return images_[slice.image].frames[slice.frame];
-    }
-
-    // One identifier under two series numbers.
-    static void makeNamesUnique(std::vector<DicomStack>& stacks) {
-        std::set<std::string> names;
-        for (DicomStack& stack : stacks)
-            while (!names.insert(stack.field.name).second)
-                stack.field.name += '+';
     }
 
     std::vector<DicomStack> stacksOf(Slices slices) {

@@ -149,6 +149,22 @@ TEST_F(DicomFolder, WithSeveralSeriesNeedsAChoice) {
     EXPECT_TRUE(listed.needsChoice());
 }
 
+TEST_F(DicomFolder, ListsSeriesByTheirNumbersButTellsThemApartByTheirUids) {
+    for (int i = 0; i < 3; ++i) {
+        auto slice = filled(i, i, i);
+        slice.text(0x00200011, "IS", std::to_string(7 + i)); // not quite as it should be
+        add("a" + std::to_string(i), slice);
+    }
+    auto first = filled(0, 9, 9);
+    first.text(0x0020000e, "UI", "1.2.9").text(0x00200011, "IS", "2");
+    add("z", first);
+    const auto listed = contents();
+    ASSERT_EQ(listed.fields.size(), 2u);
+    EXPECT_EQ(listed.fields[0].name, "1.2.9");
+    EXPECT_EQ(listed.fields[1].name, "1.2.3");
+    EXPECT_EQ(listed.fields[1].dims[2], 3);
+}
+
 TEST_F(DicomFolder, WithAMissingSliceIsRefusedNamingThePlace) {
     for (const int z : {0, 1, 2, 4, 5})
         add("slice" + std::to_string(z), filled(z, z, z));
