@@ -28,7 +28,7 @@ struct ResampleReport {
 struct VolumeInfo {
     GridGeometry geometry;
     ScalarType type = ScalarType::U8;
-    std::string format;    ///< "MetaImage", "NRRD", "NIfTI", "DICOM", "TIFF", "VTK image", "raw", ...
+    std::string format;    ///< "MetaImage", "NRRD", "NIfTI", "DICOM", "TIFF", "VTK image", "NetCDF", "raw", ...
     std::string fieldName; ///< the scalar field, where the format names it
     std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
     /// Set when the source has been resampled: once its first slab is read.

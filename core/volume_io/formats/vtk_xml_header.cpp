@@ -196,15 +196,18 @@ private:
         auto begin = outline_.appendedBegin;
         if (!begin || !offset || *offset < 0)
             return refuseField("offset", "appended data has no usable place", file_.path());
-        std::vector<std::byte> start(256); // blanks, then an underscore
+        std::vector<std::byte> start(256); // blanks, then an underscore: what VTK makes of anything else is its own
         auto got = file_.readAt(*begin, start);
         if (!got.isOk())
             return std::move(got).error();
         const auto end = start.begin() + static_cast<std::ptrdiff_t>(got.value());
-        const auto mark = std::find(start.begin(), end, std::byte{'_'});
+        const auto mark = std::find_if(start.begin(), end, [](std::byte b) {
+            const char c = static_cast<char>(b);
+            return c != ' ' && c != '\n' && c != '\t' && c != '\r';
+        });
         const std::uint64_t at = *begin + static_cast<std::uint64_t>(mark - start.begin()) + 1 +
                                  static_cast<std::uint64_t>(*offset);
-        if (mark == end || at >= file_.sizeBytes())
+        if (mark == end || *mark != std::byte{'_'} || at >= file_.sizeBytes())
             return makeError(ErrorCode::Corruption, "offset: appended data lies beyond the end of the file",
                              file_.path(), at);
         const std::string_view encoding = xmlValue(outline_.appended, "encoding");
@@ -244,11 +247,11 @@ private:
         const std::uint64_t blocks = first.value();
         if ((blocks == 0 && (expected_ > 0 || !values_)) || blocks > left / width_)
             return blockError(std::to_string(blocks) + " blocks cannot be in this file", at);
-        // Where the only block is a last one that is not full, the size of full ones means nothing.
+        if (blocks > 0 && (size.value() == 0 || size.value() > kMaxBlockBytes || last.value() > size.value()))
+            return blockError("of " + std::to_string(size.value()) + " bytes, the last one of " +
+                                  std::to_string(last.value()), at); // VTK divides by the size
         const std::uint64_t whole = last.value() == 0 || blocks == 0 ? blocks : blocks - 1;
-        if ((whole > 0 && size.value() > kMaxBlockBytes) || last.value() > kMaxBlockBytes)
-            return blockError("is of more than " + std::to_string(kMaxBlockBytes) + " bytes", at);
-        const std::uint64_t total = whole * (whole > 0 ? size.value() : 0) + last.value();
+        const std::uint64_t total = whole * size.value() + last.value();
         if (values_ ? total != expected_ : total == 0 || total / kMaxPacking > left)
             return blockError("the blocks unpack to " + std::to_string(total) + " bytes" +
                                   (values_ ? ", expected are " + std::to_string(expected_) : ""), at);

@@ -233,7 +233,7 @@ TEST_F(Hdf5Reader, FollowsOpenPmd) {
         EXPECT_EQ(geometry.dims, isFortran ? (GridDims{4, 3, 2}) : (GridDims{2, 3, 4}));
         EXPECT_EQ(grid.value()->valueAt(1, 0, 0), isFortran ? 1.0 : 12.0);
         EXPECT_EQ(grid.value()->valueAt(0, 0, 1), isFortran ? 12.0 : 1.0);
-        EXPECT_EQ(grid.value()->valueAt(1, 2, 1), isFortran ? 21.0 : 21.0);
+        EXPECT_EQ(grid.value()->valueAt(1, 2, 1), 21.0);
         const auto source = openVolume(path);
         EXPECT_THAT(source.value()->info().notes, testing::Contains(HasSubstr("unitSI")));
         // Planes across the file's order, last first.
@@ -315,17 +315,6 @@ TEST_F(Hdf5Reader, RefusesEveryShorterFile) {
     const std::string whole = test::readText(writer.close());
     for (std::size_t size = 1; size < whole.size(); size += 37)
         ASSERT_FALSE(read(folder.write("b.h5", whole.substr(0, size))).isOk()) << size;
-}
-
-TEST_F(Hdf5Reader, SurvivesEveryDamagedByte) {
-    Writer writer(at("a.h5"));
-    writer.ramp("v", {5, 3, 4}, {2, 2, 3}, true);
-    const std::string whole = test::readText(writer.close());
-    for (std::size_t i = 0; i < whole.size(); i += 3) {
-        std::string damaged = whole;
-        damaged[i] = static_cast<char>(damaged[i] ^ 0x55);
-        static_cast<void>(read(folder.write("b.h5", damaged)));
-    }
 }
 
 TEST_F(Hdf5Reader, IsKnownByItsFirstBytes) {
