@@ -342,7 +342,7 @@ void VolumeDialog::showChoices(const model::VolumeChoice& choice) {
         static_cast<int>(std::min<std::int64_t>(choice.field().frames - 1, std::numeric_limits<int>::max()));
     frameSlider_->setRange(0, last);
     frame_->setRange(0, last);
-    frame_->setSuffix(tr(" of 0 … %1").arg(last));
+    frameName_->setText(tr("F&rame, 0 … %1").arg(last));
     frame_->setValue(static_cast<int>(choice.frame()));
     frameSlider_->setValue(frame_->value());
     for (std::size_t axis = 0; axis < size_.size(); ++axis)
