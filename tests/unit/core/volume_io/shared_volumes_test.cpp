@@ -105,7 +105,7 @@ TEST(SharedFiles, ThatAreNoScalarVolumesAreRefused) {
         {"awkward/img4d_11f.nii.gz", ErrorCode::InvalidArgument, "has 11 frames: choose one with --frame 0 to 10"},
         {"awkward/example_nifti2.nii.gz", ErrorCode::InvalidArgument, "has 2 frames: choose one with --frame 0 to 1"},
         {"awkward/tensor_rgb.nii.gz", ErrorCode::InvalidArgument, "has 3 components: choose one with --component 0 to 2"},
-        {"awkward/CT_small.dcm", ErrorCode::InvalidArgument, "expected .mhd"},
+        {"awkward/no_meta.dcm", ErrorCode::InvalidArgument, "is not DICOM"},
         {"vti/vase_4comp.vti", ErrorCode::InvalidArgument, "--component"},
         {"hdf5/openpmd_femm_3d.h5", ErrorCode::InvalidArgument, "--field"},
     };
