@@ -25,12 +25,6 @@ struct Placement {
     std::vector<std::string> notes;
 };
 
-std::string typeNameOf(FileType type) {
-    constexpr const char* kNames[] = {"uint8", "int8",   "uint16", "int16",   "uint32",
-                                      "int32", "uint64", "int64",  "float32", "float64"};
-    return kNames[static_cast<std::size_t>(type)];
-}
-
 /// The last three axes, z slowest; the two of a plane.
 Placement usualPlacement(const std::vector<std::uint64_t>& extents) {
     Placement placement;
@@ -134,7 +128,7 @@ private:
 VolumeField fieldOf(const Hdf5Dataset& dataset, const Placement& placement) {
     VolumeField field;
     field.name = dataset.path;
-    field.typeName = dataset.problem.empty() ? typeNameOf(dataset.type) : "";
+    field.typeName = dataset.problem.empty() ? std::string(fileTypeName(dataset.type)) : std::string();
     field.problem = dataset.problem;
     field.dims = {1, 1, 1};
     for (std::size_t axis = 0; axis < 3; ++axis)

@@ -38,12 +38,6 @@ vtkSmartPointer<vtkDataReader> readerOf(VtkKind kind) {
     checkFailed("known VtkKind", __FILE__, __LINE__);
 }
 
-std::string typeNameOf(FileType type) {
-    constexpr const char* kNames[] = {"uint8", "int8",   "uint16", "int16",   "uint32",
-                                      "int32", "uint64", "int64",  "float32", "float64"};
-    return kNames[static_cast<std::size_t>(type)];
-}
-
 VolumeContents contentsOf(const LegacyFile& file) {
     VolumeContents contents;
     contents.format = formatName(file.kind);
@@ -52,7 +46,7 @@ VolumeContents contentsOf(const LegacyFile& file) {
         VolumeField field;
         field.name = array.name;
         field.dims = file.dims;
-        field.typeName = typeNameOf(array.type);
+        field.typeName = fileTypeName(array.type);
         field.components = static_cast<int>(array.components);
         field.isResampled = file.kind == VtkKind::Structured || file.kind == VtkKind::Unstructured;
         contents.fields.push_back(std::move(field));

@@ -184,10 +184,13 @@ public:
         if (!info || info->geometry != info_.geometry || info->type != info_.type)
             return process_->nonsense();
         info_ = *std::move(info);
+        isPrepared_ = true;
         return {};
     }
 
     Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) override {
+        if (!isPrepared_) // so that info() says what only the first slab brings to light
+            ISO_TRY(prepare({}));
         ReaderRequest request;
         request.kind = RequestKind::ReadSlab;
         request.zBegin = zBegin;
@@ -201,6 +204,7 @@ public:
 private:
     std::unique_ptr<ReaderProcess> process_;
     VolumeInfo info_;
+    bool isPrepared_ = false;
 };
 
 ReaderRequest requestFor(RequestKind kind, const fs::path& path, const ReadOptions& options) {
