@@ -18,11 +18,16 @@ std::string namesOf(const VolumeContents& contents) {
 
 } // namespace
 
+Status checkAnyField(const VolumeContents& contents, const std::filesystem::path& path) {
+    if (contents.fields.empty())
+        return refuseField("field", "the file has no samples of two or three dimensions", path);
+    return {};
+}
+
 Result<std::size_t> chooseField(const VolumeContents& contents, const ReadOptions& options,
                                 const std::filesystem::path& path) {
     const auto& fields = contents.fields;
-    if (fields.empty())
-        return refuseField("field", "the file has no samples of two or three dimensions", path);
+    ISO_TRY(checkAnyField(contents, path));
     std::size_t chosen = contents.preferred;
     if (!options.field.empty()) {
         const auto found = std::find_if(fields.begin(), fields.end(),
@@ -42,8 +47,6 @@ Result<std::size_t> chooseField(const VolumeContents& contents, const ReadOption
 
 Result<std::int64_t> chooseFrame(const VolumeField& field, const ReadOptions& options,
                                  const std::filesystem::path& path) {
-    if (field.frames < 1)
-        return refuseField("frame", inQuotes(field.name) + " is a series of none", path);
     if (!options.frame && field.frames > 1)
         return refuseField("frame", inQuotes(field.name) + " is a series of " + std::to_string(field.frames) +
                                         "; choose one from 0 (--frame)", path);

@@ -128,7 +128,7 @@ private:
 VolumeField fieldOf(const Hdf5Dataset& dataset, const Placement& placement) {
     VolumeField field;
     field.name = dataset.path;
-    field.typeName = dataset.problem.empty() ? std::string(fileTypeName(dataset.type)) : std::string();
+    field.typeName = dataset.problem.empty() ? std::string(fileTypeName(dataset.type)) : "";
     field.problem = dataset.problem;
     field.dims = {1, 1, 1};
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -137,6 +137,10 @@ VolumeField fieldOf(const Hdf5Dataset& dataset, const Placement& placement) {
                 dataset.extents[static_cast<std::size_t>(placement.axisOf[axis])], std::uint64_t{1} << 62));
     if (dataset.extents.size() == 4)
         field.frames = static_cast<std::int64_t>(std::min<std::uint64_t>(dataset.extents[0], std::uint64_t{1} << 62));
+    if (field.frames < 1) {
+        field.frames = 1;
+        field.problem = "it is a series of none";
+    }
     return field;
 }
 
@@ -275,6 +279,7 @@ Result<VolumeContents> listHdf5(const fs::path& path, const ReadOptions&) {
     auto opened = openTree(session, path);
     if (!opened.isOk())
         return std::move(opened).error();
+    ISO_TRY(checkAnyField(opened.value().contents, path));
     return std::move(opened.value().contents);
 }
 

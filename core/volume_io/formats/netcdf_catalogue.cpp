@@ -253,6 +253,10 @@ VolumeContents contentsOf(const std::vector<NetcdfVariable>& variables) {
         field.dims = variable.dims();
         for (const std::size_t axis : variable.others)
             field.frames = clampedProduct(field.frames, variable.axes[axis].extent);
+        if (field.frames < 1) {
+            field.frames = 1;
+            field.problem = "it is a series of none";
+        }
         // Where one of them has depth, planes beside it are masks and the like.
         if (field.problem.empty() && field.dims[0] > 1 && field.dims[1] > 1 && field.dims[2] > 1 && ++volumes == 1)
             out.preferred = out.fields.size();

@@ -323,6 +323,7 @@ Result<VolumeContents> listNetcdf(const fs::path& path, const ReadOptions& optio
     if (!variables.isOk())
         return variables.error();
     VolumeContents contents = contentsOf(variables.value());
+    ISO_TRY(checkAnyField(contents, path));
     std::map<std::pair<int, int>, bool> known; // coordinate variables that are even, each read once
     for (std::size_t i = 0; i < contents.fields.size(); ++i) {
         VolumeField& field = contents.fields[i];

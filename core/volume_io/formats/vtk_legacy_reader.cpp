@@ -144,6 +144,7 @@ Result<VolumeContents> listVtkLegacy(const fs::path& path, const ReadOptions& op
     if (!header.isOk())
         return header.error();
     VolumeContents contents = contentsOf(header.value());
+    ISO_TRY(checkAnyField(contents, path));
     if (header.value().kind == VtkKind::Image)
         return contents;
     const VtkSession session;

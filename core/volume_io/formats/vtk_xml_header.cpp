@@ -306,10 +306,11 @@ VolumeContents contentsOf(const VtkXmlHeader& header) {
         field.isResampled = header.kind == VtkKind::Structured || header.kind == VtkKind::Unstructured;
         const TypeSize* type = typeOf(array);
         field.typeName = type == nullptr ? "" : type->listed;
-        field.components = static_cast<int>(componentsOf(array));
+        const std::int64_t components = componentsOf(array);
+        field.components = static_cast<int>(std::max<std::int64_t>(components, 1));
         if (type == nullptr)
             field.problem = "type: " + inQuotes(xmlValue(array, "type")) + " is not a known type of scalars";
-        else if (field.components == 0)
+        else if (components == 0)
             field.problem = "NumberOfComponents: " + inQuotes(xmlValue(array, "NumberOfComponents")) +
                             " is not a number of components";
         for (int c = 0; c < field.components && array.contains("ComponentName0"); ++c)

@@ -187,6 +187,24 @@ TEST_F(Hdf5Reader, ListsTheWholeTreeOnce) {
     EXPECT_TRUE(contents.value().needsChoice());
 }
 
+TEST_F(Hdf5Reader, ListsTypesAndWhatCannotBeRead) {
+    Writer writer(at("a.h5"));
+    writer.dataset<float>("f", {2, 2, 2}, std::vector<float>(8), H5T_NATIVE_FLOAT, H5T_IEEE_F32LE);
+    writer.dataset<double>("g", {2, 2, 2}, std::vector<double>(8), H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+    writer.dataset<double>("none", {0, 2, 2, 2}, {}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+    const auto contents = listVolumes(writer.close());
+    ASSERT_THAT(contents, test::IsOk());
+    ASSERT_EQ(contents.value().fields.size(), 3u);
+    EXPECT_EQ(contents.value().fields[0].typeName, "float32");
+    EXPECT_EQ(contents.value().fields[1].typeName, "float64");
+    EXPECT_THAT(contents.value().fields[2].problem, HasSubstr("series of none"));
+    Writer line(at("b.h5"));
+    line.ramp("line", {7});
+    const auto nothing = listVolumes(line.close());
+    ASSERT_FALSE(nothing.isOk());
+    EXPECT_THAT(nothing.error().line(), HasSubstr("no samples of two or three dimensions"));
+}
+
 TEST_F(Hdf5Reader, AsksWhichDatasetAndFrame) {
     Writer writer(at("a.h5"));
     writer.group("g");

@@ -158,9 +158,11 @@ TEST_P(NetcdfReader, ResamplesUnevenAxes) {
     options.resampleDims = {2, 2, 5};
     const auto source = openVolume(w.finish(), options);
     ASSERT_THAT(source, test::IsOk());
+    ASSERT_THAT(source.value()->prepare({}), test::IsOk());
     std::vector<float> values(20);
     ASSERT_THAT(source.value()->readSlab(0, 5, std::as_writable_bytes(std::span(values))), test::IsOk());
     EXPECT_EQ(values[8], 20.0f);
+    ASSERT_TRUE(source.value()->info().resampling.has_value());
     EXPECT_EQ(source.value()->info().resampling->maxDifference, 0.0);
 }
 
@@ -334,12 +336,10 @@ TEST_P(NetcdfReader, RefusesEveryShorterFile) {
 }
 
 TEST_P(NetcdfReader, SurvivesEveryDamagedByte) {
-    if (GetParam())
-        GTEST_SKIP() << "the HDF5 library itself does not: it reads what damaged lengths in its heaps say";
     auto w = writer();
     w.putRamp(w.define("v", NC_DOUBLE, evenAxes(w)), 24);
     const std::string whole = test::readText(w.finish());
-    for (std::size_t i = 0; i < whole.size(); ++i) {
+    for (std::size_t i = 0; i < whole.size(); i += 1 + whole.size() / 150) {
         std::string damaged = whole;
         damaged[i] = static_cast<char>(damaged[i] ^ 0x55);
         static_cast<void>(read(folder.write("b.nc", damaged)));

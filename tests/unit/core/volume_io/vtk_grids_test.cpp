@@ -267,8 +267,7 @@ TEST_P(VtkGrids, ReportWhatResamplingLoses) {
     options.resampleDims = {13, 5, 5};
     const auto source = openVolume(file(cells()), options);
     ASSERT_THAT(source, test::IsOk());
-    std::vector<float> samples(13 * 5 * 5);
-    ASSERT_THAT(source.value()->readSlab(0, 5, std::as_writable_bytes(std::span(samples))), test::IsOk());
+    ASSERT_THAT(source.value()->prepare({}), test::IsOk());
     const auto report = source.value()->info().resampling;
     ASSERT_TRUE(report.has_value());
     EXPECT_EQ(report->sourcePoints, 16);
@@ -339,7 +338,7 @@ TEST_P(VtkGrids, ThatEndEarlyAreRefused) {
 TEST_P(VtkGrids, SurviveDamage) {
     for (const auto& path : {file(cells()), file(sheared()), file(rectilinear(false))}) {
         const std::string whole = test::readText(path);
-        for (std::size_t i = 0; i < whole.size(); i += 1 + whole.size() / 150) {
+        for (std::size_t i = 0; i < whole.size(); i += 1 + whole.size() / 40) {
             std::string damaged = whole;
             damaged[i] = static_cast<char>(damaged[i] ^ 0x15);
             static_cast<void>(readVolume(folder.write(path.filename().string(), damaged)));
