@@ -18,6 +18,12 @@
 namespace isoslider::widgets {
 namespace {
 
+/// A name without blanks, such as that of a DICOM series, cannot be broken into lines.
+QString shortened(const QString& name) {
+    constexpr qsizetype kMost = 36;
+    return name.size() <= kMost ? name : name.left(kMost / 2) + QStringLiteral("…") + name.right(kMost / 2);
+}
+
 /// What is known of the samples: of all, or of those of the preview.
 std::vector<Fact> sampleFactsOf(const model::Dataset& dataset, bool isPreview, bool isInMemory) {
     using model::groupedText;
@@ -53,7 +59,7 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, b
     facts.push_back({DatasetPanel::tr("File"), fromStd(dataset.name), QDir::toNativeSeparators(path)});
     facts.push_back({DatasetPanel::tr("Format"), fromStd(dataset.format), {}});
     if (!dataset.fieldName.empty())
-        facts.push_back({DatasetPanel::tr("Field"), fromStd(dataset.fieldName), {}});
+        facts.push_back({DatasetPanel::tr("Field"), shortened(fromStd(dataset.fieldName)), fromStd(dataset.fieldName)});
     facts.push_back({DatasetPanel::tr("Grid points"),
                      QStringLiteral("%1 = %2").arg(dimsText(geometry.dims),
                                                    fromStd(groupedText(pointCount(geometry.dims)))),

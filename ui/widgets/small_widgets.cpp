@@ -1,8 +1,8 @@
 #include "ui/widgets/small_widgets.h"
 
 #include <QAction>
-#include <QFormLayout>
 #include <QFrame>
+#include <QGridLayout>
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QScrollArea>
@@ -76,13 +76,12 @@ ScrollPage fillWithScrollPage(QWidget* panel) {
     return made;
 }
 
-FactForm::FactForm(QWidget* parent) : QWidget(parent), form_(new QFormLayout(this)) {
-    form_->setContentsMargins(0, 0, 0, 0);
-    form_->setHorizontalSpacing(14);
-    form_->setVerticalSpacing(3);
-    form_->setLabelAlignment(Qt::AlignLeft | Qt::AlignTop);
-    form_->setFormAlignment(Qt::AlignLeft | Qt::AlignTop);
-    form_->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
+// Not a QFormLayout: when rows come and go, it shares the height of wrapped texts out among all rows.
+FactForm::FactForm(QWidget* parent) : QWidget(parent), grid_(new QGridLayout(this)) {
+    grid_->setContentsMargins(0, 0, 0, 0);
+    grid_->setHorizontalSpacing(14);
+    grid_->setVerticalSpacing(3);
+    grid_->setColumnStretch(1, 1);
 }
 
 void FactForm::reserveNameWidth(const QString& name) {
@@ -102,13 +101,16 @@ void FactForm::setFacts(const std::vector<Fact>& facts) {
         value->setWordWrap(true);
         value->setTextFormat(Qt::PlainText);
         value->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
-        form_->addRow(name, value);
+        const int row = static_cast<int>(names_.size());
+        grid_->addWidget(name, row, 0, Qt::AlignLeft | Qt::AlignTop);
+        grid_->addWidget(value, row, 1);
         names_.push_back(name);
         values_.push_back(value);
     }
     for (std::size_t row = 0; row < names_.size(); ++row) {
         const bool isUsed = row < facts.size();
-        form_->setRowVisible(static_cast<int>(row), isUsed);
+        names_[row]->setVisible(isUsed);
+        values_[row]->setVisible(isUsed);
         if (!isUsed)
             continue;
         names_[row]->setText(facts[row].name);

@@ -6,7 +6,7 @@
 #include <QWidget>
 
 class QAction;
-class QFormLayout;
+class QGridLayout;
 class QHBoxLayout;
 class QLabel;
 class QScrollArea;
@@ -50,7 +50,7 @@ public:
     void reserveNameWidth(const QString& name);
 
 private:
-    QFormLayout* form_;
+    QGridLayout* grid_;
     std::vector<QLabel*> names_;
     std::vector<QLabel*> values_;
     int nameWidth_ = 0;

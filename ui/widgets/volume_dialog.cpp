@@ -76,8 +76,9 @@ std::vector<Fact> factsOf(const model::OpenModel& model, const model::VolumeChoi
                      QFontMetrics(QGuiApplication::font()).elidedText(folder, Qt::ElideMiddle, kFolderWidth),
                      nativeText(model.path())});
     facts.push_back({VolumeDialog::tr("Format"), fromStd(choice.contents().format), {}});
-    if (!choice.hasFields() && !choice.field().name.empty())
-        facts.push_back({VolumeDialog::tr("Field"), titleOf(choice.field()), {}});
+    if (!titleOf(choice.field()).isEmpty()) // in full: the table may have no room for it
+        facts.push_back({isFolder(model.path()) ? VolumeDialog::tr("Series") : VolumeDialog::tr("Field"),
+                         titleOf(choice.field()), fromStd(choice.field().name)});
     facts.push_back(
         {VolumeDialog::tr("Grid points"),
          QStringLiteral("%1 = %2").arg(dimsText(dims), fromStd(model::groupedText(pointCount(dims)))),
