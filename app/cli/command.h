@@ -37,5 +37,6 @@ std::unique_ptr<Command> makeStatsCommand();
 std::unique_ptr<Command> makeExtractCommand();
 std::unique_ptr<Command> makeSlideCommand();
 std::unique_ptr<Command> makeCheckCommand();
+std::unique_ptr<Command> makeResampleCommand();
 
 } // namespace isoslider::cli

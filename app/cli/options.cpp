@@ -115,6 +115,13 @@ CLI::Option* addInteger(CLI::App& command, const std::string& name, std::int64_t
         ->type_name("N");
 }
 
+CLI::Option* addDims(CLI::App& command, const std::string& name, GridDims& target, const std::string& help) {
+    return addText(
+               command, name,
+               [&target](const std::string& option, const std::string& text) { target = dimsOrThrow(option, text); }, help)
+        ->type_name("NX,NY,NZ");
+}
+
 CLI::Option* addLodError(CLI::App& command) {
     const auto parse = [](const std::string& name, const std::string& text) {
         const bool hasUnit = text.ends_with('%') || text.ends_with('c');
@@ -176,17 +183,14 @@ void addVolumeOptions(CLI::App& command, VolumeOptions& target) {
         command, "--frame",
         [&target](const std::string& name, const std::string& text) { target.frame = frameOrThrow(name, text); },
         "volume of a series in time to take, from 0");
-    auto* resample = addText(
-        command, "--resample",
-        [&target](const std::string& name, const std::string& text) { target.resampleDims = dimsOrThrow(name, text); },
-        "size of the uniform grid that other grids are resampled to");
+    auto* resample =
+        addDims(command, "--resample", target.resampleDims, "size of the uniform grid that other grids are resampled to");
     dims->needs(type)->type_name("NX,NY,NZ");
     type->needs(dims)->type_name("TYPE");
     spacing->type_name("A,B,C");
     field->type_name("NAME");
     component->type_name("N");
     frame->type_name("N");
-    resample->type_name("NX,NY,NZ");
     for (auto* option : {spacing, skip, bigEndian})
         option->needs(dims);
     for (auto* option : {dims, type, spacing, skip, bigEndian, trailing, external, field, component, frame, resample})

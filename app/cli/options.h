@@ -17,6 +17,8 @@ CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional
                        const std::string& help);
 CLI::Option* addInteger(CLI::App& command, const std::string& name, std::int64_t& target, std::int64_t least,
                         std::int64_t most, const std::string& help);
+/// Three whole numbers with commas between.
+CLI::Option* addDims(CLI::App& command, const std::string& name, GridDims& target, const std::string& help);
 /// --lod-error: only zero is known in this version.
 CLI::Option* addLodError(CLI::App& command);
 

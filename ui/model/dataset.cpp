@@ -199,6 +199,7 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
         else
             ISO_TRY(takeGrid(volumes.read(*source.value(), request.path, job.part(0.0, 0.7)), loaded));
         dataset.notes = source.value()->info().notes;
+        dataset.resampling = source.value()->info().resampling;
     } else {
         ISO_TRY(takeGrid(samples(request.sampleName, job.part(0.0, 0.7)), loaded));
         if (auto engine = openCached(dataset))

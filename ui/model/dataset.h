@@ -26,6 +26,7 @@ struct Dataset {
     std::string format;
     std::string fieldName;
     std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
+    std::optional<io::ResampleReport> resampling; ///< what a grid that is not uniform lost when it was read
     GridGeometry geometry; ///< of the whole volume
     ScalarType type = ScalarType::U8;
     /// Above 1: min, max, missingSamples and histogram are those of every coarseStep-th sample along each

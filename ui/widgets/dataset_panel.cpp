@@ -75,6 +75,8 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, b
     facts.push_back({DatasetPanel::tr("Sample type"), typeText(dataset.type), {}});
     for (auto& fact : sampleFactsOf(dataset, isPreview, isInMemory))
         facts.push_back(std::move(fact));
+    for (auto& fact : resamplingFactsOf(dataset.resampling))
+        facts.push_back(std::move(fact));
     for (const auto& note : dataset.notes)
         facts.push_back({DatasetPanel::tr("Note"), fromStd(note), {}});
     return facts;

@@ -47,4 +47,19 @@ std::vector<Fact> placeFactsOf(const GridGeometry& geometry) {
     return facts;
 }
 
+std::vector<Fact> resamplingFactsOf(const std::optional<io::ResampleReport>& report) {
+    if (!report)
+        return {};
+    const QString most = fromStd(model::valueText(report->maxDifference, 3));
+    const QString share = fromStd(model::valueText(report->rangeFraction * 100.0, 2));
+    std::vector<Fact> facts{{tr("Resampling error"), tr("at most %1, %2 % of the range").arg(most, share),
+                             tr("At the %1 points of the file's own grid; root mean square %2")
+                                 .arg(fromStd(model::groupedText(report->comparedPoints)),
+                                      fromStd(model::valueText(report->rmsDifference, 3)))}};
+    if (report->outsidePoints > 0)
+        facts.push_back({tr("Outside the grid"), tr("%1 grid points").arg(fromStd(model::groupedText(report->outsidePoints))),
+                         tr("Of the resampled grid, in no cell of the file's own: they are missing")});
+    return facts;
+}
+
 } // namespace isoslider::widgets

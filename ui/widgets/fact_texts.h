@@ -6,6 +6,7 @@
 
 #include "core/grid/grid_geometry.h"
 #include "core/grid/scalar_type.h"
+#include "core/volume_io/volume_source.h"
 #include "ui/widgets/small_widgets.h"
 
 namespace isoslider::widgets {
@@ -20,6 +21,8 @@ QString pointText(const glm::dvec3& v);
 /// "u16 (unsigned integer, 16 bits)"
 QString typeText(ScalarType type);
 
+/// What a grid that is not uniform loses by being resampled; empty if it was not.
+std::vector<Fact> resamplingFactsOf(const std::optional<io::ResampleReport>& report);
 /// Spacing, origin and, where they are turned, axes.
 std::vector<Fact> placeFactsOf(const GridGeometry& geometry);
 

@@ -1,0 +1,59 @@
+#include "tests/cli/cli_fixture.h"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+namespace isoslider::test {
+
+using ::testing::HasSubstr;
+
+class CliResample : public CliTest {
+protected:
+    /// x + 2y + 4z at the points of a rectilinear grid whose x axis is not even.
+    std::string rectilinear(const std::string& name = "grid.vtk") const {
+        const double xs[] = {0, 1, 3, 6, 10}, ys[] = {0, 1, 2, 3}, zs[] = {0, 2, 4};
+        std::string text = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 5 4 3\n"
+                           "X_COORDINATES 5 double\n0 1 3 6 10\nY_COORDINATES 4 double\n0 1 2 3\n"
+                           "Z_COORDINATES 3 double\n0 2 4\nPOINT_DATA 60\nSCALARS ramp double 1\nLOOKUP_TABLE default\n";
+        for (const double z : zs)
+            for (const double y : ys)
+                for (const double x : xs)
+                    text += fmt::format("{}\n", x + 2 * y + 4 * z);
+        folder_.write(name, text);
+        return path(name);
+    }
+};
+
+TEST_F(CliResample, WritesAUniformVolumeAndTellsWhatWasLost) {
+    const auto json = runJson({"resample", rectilinear(), "-o", path("a.mha"), "--size", "21,4,3"});
+    EXPECT_THAT(keysOf(json), ::testing::ElementsAre("dims", "spacing", "origin", "scalar_type", "field", "source_points",
+                                                     "compared_points", "max_difference", "rms_difference",
+                                                     "range_fraction", "outside_points"));
+    EXPECT_EQ(json["dims"], OrderedJson({21, 4, 3}));
+    EXPECT_EQ(json["spacing"], OrderedJson({0.5, 1.0, 2.0}));
+    EXPECT_EQ(json["source_points"], 60);
+    EXPECT_EQ(json["compared_points"], 60);
+    EXPECT_LT(json["max_difference"], 1e-5) << "a ramp is kept by linear interpolation";
+    EXPECT_EQ(json["outside_points"], 0);
+    const auto written = runJson({"info", path("a.mha")});
+    EXPECT_EQ(written["dims"], json["dims"]);
+    EXPECT_EQ(written["min"], 0.0);
+    EXPECT_NEAR(written["max"].get<double>(), 10 + 6 + 16, 1e-5);
+    const auto coarse = runJson({"resample", rectilinear(), "-o", path("b.mha"), "--size", "2,2,2"});
+    EXPECT_EQ(coarse["dims"], OrderedJson({2, 2, 2}));
+    EXPECT_THAT(run({"resample", rectilinear(), "-o", path("c.mha")}).standardOutput, HasSubstr("largest difference"));
+    EXPECT_EQ(runJson({"info", path("c.mha")})["dims"], OrderedJson({5, 4, 3}));
+}
+
+TEST_F(CliResample, RefusesWhatNeedsNone) {
+    expectRefusal({"resample", sphereVolume(), "-o", path("a.mha")}, 3, "uniform grid");
+    expectRefusal({"resample", rectilinear(), "-o", path("a.nrrd")}, 2, ".mha");
+    expectRefusal({"resample", rectilinear(), "-o", path("a.mha"), "--size", "1,2"}, 2, "--size");
+    expectRefusal({"resample", rectilinear(), "-o", path("a.mha"), "--size", "0,2,2"}, 3, "extent 0");
+    expectRefusal({"resample", rectilinear("a.vtk"), "-o", path("a.vtk")}, 2, "input");
+    expectRefusal({"resample", path("none.vts"), "-o", path("a.mha")}, 4, "none.vts");
+    EXPECT_FALSE(std::filesystem::exists(path("a.mha")));
+}
+
+} // namespace isoslider::test
