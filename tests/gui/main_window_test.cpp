@@ -54,7 +54,7 @@ TEST_F(MainWindowTest, OpensADroppedFile) {
     EXPECT_EQ(window_->findChild<QDialog*>(), nullptr) << "with nothing to choose nothing is asked";
 }
 
-TEST_F(MainWindowTest, ABadFileShowsTheMessageBarAndKeepsTheOldSurface) {
+TEST_F(MainWindowTest, B109_ABadFileShowsTheMessageBarAndKeepsTheOldSurface) {
     openBall();
     const auto frame = session_->frame();
     const auto bad = folder_.write("bad.mha", "ObjectType = Image\nNDims = 3\nDimSize = 4 4 bananas\n");
@@ -279,7 +279,7 @@ TEST_F(MainWindowTest, ABuildCanBeCancelledAndStartedAgain) {
     EXPECT_TRUE(waitUntil([&] { return session_->indexState() == model::IndexState::Ready; }));
 }
 
-TEST_F(MainWindowTest, ClosingTheWindowDuringABuildIsSafe) {
+TEST_F(MainWindowTest, B108_ClosingTheWindowDuringABuildIsSafe) {
     builder_->holds = true;
     openBall();
     window_->close();
@@ -369,7 +369,7 @@ TEST_F(MainWindowTest, TypingDigitsInTheIsovalueFieldLeavesTheCameraAlone) {
     EXPECT_EQ(viewport->camera().backward(), before);
 }
 
-TEST_F(MainWindowTest, WithoutOpenGlThePanelsStillWork) {
+TEST_F(MainWindowTest, B104_WithoutOpenGlThePanelsStillWork) {
     if (window_->viewportHost().viewport() != nullptr)
         GTEST_SKIP() << "OpenGL 3.3 is there";
     EXPECT_TRUE(child<QLabel>("viewportFallback")->text().contains(QStringLiteral("OpenGL 3.3")));

@@ -165,7 +165,7 @@ TEST_F(DicomFolder, ListsSeriesByTheirNumbersButTellsThemApartByTheirUids) {
     EXPECT_EQ(listed.fields[1].dims[2], 3);
 }
 
-TEST_F(DicomFolder, WithAMissingSliceIsRefusedNamingThePlace) {
+TEST_F(DicomFolder, B075_WithAMissingSliceIsRefusedNamingThePlace) {
     for (const int z : {0, 1, 2, 4, 5})
         add("slice" + std::to_string(z), filled(z, z, z));
     EXPECT_THAT(
@@ -214,7 +214,7 @@ TEST_F(DicomFolder, NotesWhatIsNearlyEven) {
     EXPECT_THAT(notes(), Contains(HasSubstr("up to 0.04 mm away")));
 }
 
-TEST_F(DicomFolder, LeavesCopiesOutAndRefusesSlicesThatContradictEachOther) {
+TEST_F(DicomFolder, B075_LeavesCopiesOutAndRefusesSlicesThatContradictEachOther) {
     for (const int z : {0, 1, 2})
         add(std::to_string(z), filled(z, z, z));
     add("copy", filled(1, 1, 1));

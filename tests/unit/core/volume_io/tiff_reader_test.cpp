@@ -347,7 +347,7 @@ TEST_F(TiffVolume, OfJpegIsNearlyTheSame) {
             ASSERT_NEAR(grid->valueAt(x, y, 0), value(x, y, 0, 0), 6.0) << x << ' ' << y;
 }
 
-TEST_F(TiffVolume, WithPagesOfTwoSizesIsRefused) {
+TEST_F(TiffVolume, B075_WithPagesOfTwoSizesIsRefused) {
     TIFF* tiff = TIFFOpen((folder_ / "two.tif").c_str(), "w");
     Layout layout;
     writePage<std::uint8_t>(tiff, layout, 0);
@@ -365,7 +365,7 @@ TEST_F(TiffVolume, NotesATableOfColours) {
                 Contains(HasSubstr("not inverted")));
 }
 
-TEST_F(TiffVolume, OfAFolderIsInNaturalOrder) {
+TEST_F(TiffVolume, B075_OfAFolderIsInNaturalOrder) {
     const char* const names[] = {"slice1.tif", "slice2.tif", "slice9.tif", "slice10.tif", "slice011.TIFF"};
     for (int i = 0; i < 5; ++i)
         slice(names[i], i);
@@ -378,7 +378,7 @@ TEST_F(TiffVolume, OfAFolderIsInNaturalOrder) {
     EXPECT_THAT(notes(folder_.path()), Contains(HasSubstr("gap between 'slice2.tif' and 'slice9.tif'")));
 }
 
-TEST_F(TiffVolume, OfAFolderNamesTheSliceThatDoesNotFit) {
+TEST_F(TiffVolume, B075_OfAFolderNamesTheSliceThatDoesNotFit) {
     for (int i = 0; i < 3; ++i)
         slice("s" + std::to_string(i) + ".tif", i);
     slice("s3.tif", 3, 30);
