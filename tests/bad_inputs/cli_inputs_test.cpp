@@ -115,7 +115,8 @@ TEST_F(BadCommand, B102_ManyIsovalues) {
     std::string some = "9,8.5,8.5,3,-4,3";
     const auto few = run({"slide", index, "--path", some, "--json"});
     ASSERT_EQ(few.exitCode, 0) << few.standardError;
-    for (const auto& step : OrderedJson::parse(few.standardOutput)["steps"]) {
+    const auto steps = OrderedJson::parse(few.standardOutput)["steps"];
+    for (const auto& step : steps) {
         const auto fresh = expectAcceptedSoon({"extract", index, "--isovalue", step["isovalue"].dump()});
         EXPECT_EQ(step["triangles"], fresh["triangles"]);
     }
