@@ -4,6 +4,14 @@
 
 namespace isoslider::io {
 
+/// Refuses a file in which there is nothing to choose from.
+Status checkAnyField(const VolumeContents& contents, const std::filesystem::path& path);
+
+/// Index of the field that the options name or, if they name none, of the one there is to take. Refuses one with a
+/// problem, and a choice that is not made, naming what there is.
+Result<std::size_t> chooseField(const VolumeContents& contents, const ReadOptions& options,
+                                const std::filesystem::path& path);
+
 /// What of a field is taken.
 struct Choice {
     int component = 0; ///< or kMagnitude

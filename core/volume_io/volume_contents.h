@@ -17,6 +17,7 @@ struct VolumeField {
     std::string typeName;      ///< of samples as the file stores them: "int16", "float64"
     int components = 1;        ///< per sample
     std::vector<std::string> componentNames; ///< as many as components, or none
+    bool hasMagnitude = true;  ///< of several components; false where they are stored apart
     std::int64_t frames = 1;   ///< volumes one after the other: times, echoes, directions
     bool isResampled = false;  ///< the file's own grid is not uniform
     std::string problem;       ///< why it cannot be opened; empty: it can

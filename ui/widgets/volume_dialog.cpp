@@ -332,11 +332,13 @@ void VolumeDialog::showChoices(const model::VolumeChoice& choice) {
     QStringList names;
     for (const auto& name : choice.componentNames())
         names << fromStd(name);
-    names << tr("Magnitude");
+    const qsizetype components = names.size();
+    if (choice.field().hasMagnitude)
+        names << tr("Magnitude");
     if (component_->count() != names.size() || component_->itemText(0) != names[0]) {
         component_->clear();
         for (int i = 0; i < names.size(); ++i)
-            component_->addItem(names[i], i + 1 < names.size() ? i : io::kMagnitude);
+            component_->addItem(names[i], i < components ? i : io::kMagnitude);
     }
     component_->setCurrentIndex(component_->findData(choice.component()));
     const int last =

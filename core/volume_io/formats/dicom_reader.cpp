@@ -10,6 +10,7 @@
 #include "core/volume_io/formats/dicom_stack.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
+#include "core/volume_io/volume_choice.h"
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -102,64 +103,27 @@ Result<Collection> collect(const fs::path& path) {
     return found;
 }
 
-std::string names(const std::vector<DicomStack>& stacks) {
-    constexpr std::size_t kMost = 8;
-    std::string text;
-    for (std::size_t i = 0; i < std::min(kMost, stacks.size()); ++i)
-        text += (i > 0 ? "; " : "") + stacks[i].field.name + " (" + stacks[i].field.title + ")";
-    return text + (stacks.size() > kMost ? "; and " + std::to_string(stacks.size() - kMost) + " more" : "");
-}
-
-Result<DicomStack> choose(const Collection& found, const fs::path& path, const ReadOptions& options) {
-    const auto& stacks = found.stacks;
-    const DicomStack* chosen = options.field.empty() && stacks.size() == 1 ? &stacks.front() : nullptr;
-    for (const DicomStack& stack : stacks)
-        if (stack.field.name == options.field)
-            chosen = &stack;
-    if (chosen == nullptr && options.field.empty())
-        return refuseField("field",
-                           "there are " + std::to_string(stacks.size()) +
-                               " series, one of which has to be chosen (--field): " + names(stacks),
-                           path);
-    if (chosen == nullptr)
-        return refuseField("field",
-                           "there is no series " + inQuotes(options.field) + ", but " + names(stacks), path);
-    const VolumeField& field = chosen->field;
-    if (!field.problem.empty())
-        return makeError(ErrorCode::InvalidArgument, field.problem, path);
-    if (field.frames > 1 && !options.frame)
-        return refuseField("frame",
-                           "the series has " + std::to_string(field.frames) +
-                               " volumes, one of which has to be chosen (--frame 0.." +
-                               std::to_string(field.frames - 1) + "): " + field.title,
-                           path);
-    if (options.frame && (*options.frame < 0 || *options.frame >= field.frames))
-        return refuseField(
-            "frame", std::to_string(*options.frame) + " is not within 0.." + std::to_string(field.frames - 1),
-            path);
-    if (field.components > 1 && !options.component)
-        return refuseField("component",
-                           "samples have " + std::to_string(field.components) +
-                               " components, one of which has to be chosen (--component 0.." +
-                               std::to_string(field.components - 1) + ")",
-                           path);
-    if (options.component && (*options.component < kMagnitude || *options.component >= field.components))
-        return refuseField("component",
-                           std::to_string(*options.component) + " is not within 0.." +
-                               std::to_string(field.components - 1),
-                           path);
-    return *chosen;
+VolumeContents contentsOf(const Collection& found) {
+    VolumeContents contents;
+    contents.format = "DICOM";
+    for (const DicomStack& stack : found.stacks)
+        contents.fields.push_back(stack.field);
+    const auto opens =
+        std::ranges::find_if(contents.fields, [](const auto& field) { return field.problem.empty(); });
+    contents.preferred =
+        opens == contents.fields.end() ? 0 : static_cast<std::size_t>(opens - contents.fields.begin());
+    return contents;
 }
 
 /// Slices decoded as they are asked for.
 class DicomSource final : public VolumeSource {
 public:
-    DicomSource(std::vector<DicomImage> images, DicomStack stack, VolumeInfo info, const ReadOptions& options)
+    DicomSource(std::vector<DicomImage> images, DicomStack stack, VolumeInfo info, const Choice& choice)
         : images_(std::move(images)),
           stack_(std::move(stack)),
           info_(std::move(info)),
-          slices_(stack_.frames[static_cast<std::size_t>(options.frame.value_or(0))]),
-          component_(options.component.value_or(0)),
+          slices_(stack_.frames[static_cast<std::size_t>(choice.frame)]),
+          component_(choice.component),
           openImage_(images_.size()),
           heldSlices_{slices_.size(), slices_.size()} {
         info_.type = stack_.type;
@@ -372,36 +336,32 @@ Result<VolumeContents> listDicom(const fs::path& path, const ReadOptions& /*opti
     const auto found = collect(path);
     if (!found.isOk())
         return found.error();
-    VolumeContents contents;
-    contents.format = "DICOM";
-    for (const DicomStack& stack : found.value().stacks)
-        contents.fields.push_back(stack.field);
-    const auto opens =
-        std::ranges::find_if(contents.fields, [](const auto& field) { return field.problem.empty(); });
-    contents.preferred =
-        opens == contents.fields.end() ? 0 : static_cast<std::size_t>(opens - contents.fields.begin());
-    return contents;
+    return contentsOf(found.value());
 }
 
 Result<std::unique_ptr<VolumeSource>> openDicom(const fs::path& path, const ReadOptions& options) {
     auto found = collect(path);
     if (!found.isOk())
         return std::move(found).error();
-    auto stack = choose(found.value(), path, options);
-    if (!stack.isOk())
-        return std::move(stack).error();
+    const auto chosen = chooseField(contentsOf(found.value()), options, path);
+    if (!chosen.isOk())
+        return chosen.error();
+    DicomStack stack = std::move(found.value().stacks[chosen.value()]);
+    const auto choice = chooseIn(stack.field, options, path);
+    if (!choice.isOk())
+        return choice.error();
     VolumeInfo info;
     info.format = "DICOM";
-    info.fieldName = stack.value().field.name;
-    info.geometry = stack.value().geometry;
-    info.notes = stack.value().notes;
+    info.fieldName = stack.field.name;
+    info.geometry = stack.geometry;
+    info.notes = stack.notes;
     info.notes.insert(info.notes.end(), found.value().notes.begin(), found.value().notes.end());
     const auto dims = checkDims(info.geometry.dims, "rows, columns, slices", path);
     if (!dims.isOk())
         return dims.error();
     ISO_TRY(checkGeometry(info.geometry, "pixel spacing, positions", path));
     return std::unique_ptr<VolumeSource>(std::make_unique<DicomSource>(
-        std::move(found).value().images, std::move(stack).value(), std::move(info), options));
+        std::move(found).value().images, std::move(stack), std::move(info), choice.value()));
 }
 
 } // namespace isoslider::io

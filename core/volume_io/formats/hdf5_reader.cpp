@@ -4,10 +4,10 @@
 
 #include "core/base/file_system.h"
 #include "core/volume_io/array_source.h"
-#include "core/volume_io/formats/field_choice.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/hdf5_file.h"
 #include "core/volume_io/header_checks.h"
+#include "core/volume_io/volume_choice.h"
 
 // HDF5 says nothing of space: the last axis of a data set is taken for x, as NumPy users write z, y, x. Where the file
 // follows openPMD, or gives element_size_um as ilastik and Fiji do, spacing, origin and order are taken from there.
@@ -242,11 +242,10 @@ Result<Prepared> prepare(const fs::path& path, ReadOptions options, std::uint64_
         return chosen.error();
     const Hdf5Dataset& dataset = tree.tree.datasets[chosen.value()];
     const VolumeField& field = tree.contents.fields[chosen.value()];
-    const auto frame = chooseFrame(field, options, path);
-    const auto component = chooseComponent(field, options, path);
+    const auto choice = chooseIn(field, options, path);
     const auto dims = checkDims(field.dims, "dims of " + inQuotes(field.name), path);
-    if (!frame.isOk() || !component.isOk() || !dims.isOk())
-        return !frame.isOk() ? frame.error() : !component.isOk() ? component.error() : dims.error();
+    if (!choice.isOk() || !dims.isOk())
+        return !choice.isOk() ? choice.error() : dims.error();
     Hdf5Handle handle = openDataset(tree.file.id(), dataset.path);
     if (!handle.isOpen())
         return session.error(inQuotes(dataset.path) + " cannot be opened", path);
@@ -266,7 +265,7 @@ Result<Prepared> prepare(const fs::path& path, ReadOptions options, std::uint64_
     prepared.view.axisOf = placement.axisOf;
     prepared.view.start.assign(dataset.extents.size(), 0);
     if (dataset.extents.size() == 4)
-        prepared.view.start[0] = static_cast<std::uint64_t>(frame.value());
+        prepared.view.start[0] = static_cast<std::uint64_t>(choice.value().frame);
     prepared.reader = std::make_unique<Hdf5ArrayReader>(std::move(tree.file), std::move(handle), dataset.path,
                                                         dataset.type, path);
     return prepared;

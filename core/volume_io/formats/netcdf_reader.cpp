@@ -8,13 +8,13 @@
 
 #include "core/base/file_system.h"
 #include "core/volume_io/array_source.h"
-#include "core/volume_io/formats/field_choice.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/hdf5_file.h"
 #include "core/volume_io/formats/netcdf_catalogue.h"
 #include "core/volume_io/formats/netcdf_classic_header.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/rectilinear_resampler.h"
+#include "core/volume_io/volume_choice.h"
 
 // Classic and NetCDF-4 files by the NetCDF library. What variables mean is read by the CF conventions: coordinate
 // variables, missing values, packing.
@@ -277,10 +277,9 @@ Result<Prepared> prepare(const fs::path& path, const ReadOptions& options) {
         return std::move(chosen).error();
     const VolumeField field = chosen.value().field;
     const auto dims = checkDims(field.dims, "dims of " + inQuotes(field.name), path);
-    const auto frame = chooseFrame(field, options, path);
-    const auto component = chooseComponent(field, options, path);
-    if (!frame.isOk() || !component.isOk() || !dims.isOk())
-        return !dims.isOk() ? dims.error() : !frame.isOk() ? frame.error() : component.error();
+    const auto choice = chooseIn(field, options, path);
+    if (!choice.isOk() || !dims.isOk())
+        return !dims.isOk() ? dims.error() : choice.error();
     if (isHdf5Based(chosen.value().file.id())) { // a classic file is checked before it is opened
         chosen.value().file.close();
         ISO_TRY(checkHdf5Storage(session, chosen.value().variable, path));
@@ -301,7 +300,7 @@ Result<Prepared> prepare(const fs::path& path, const ReadOptions& options) {
     prepared.meaning = std::move(meaning).value();
     prepared.view.type = reader.type();
     prepared.view.axisOf = variable.axisOf;
-    prepared.view.start = startOf(variable, frame.value());
+    prepared.view.start = startOf(variable, choice.value().frame);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const int own = variable.axisOf[axis];
         prepared.axes[axis] = own < 0 ? indexAxis(1)

@@ -10,6 +10,7 @@
 #include "core/volume_io/formats/tiff_file.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/sample_source.h"
+#include "core/volume_io/volume_choice.h"
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -371,33 +372,22 @@ private:
     std::int64_t heldZ_ = -1;
 };
 
-Status checkChoice(const Stack& stack, const fs::path& path, const ReadOptions& options) {
-    const int components = stack.components();
-    if (!options.field.empty())
-        return refuseField("field", "a TIFF file has no fields with names", path);
-    if (stack.order.frames > 1 && !options.frame)
-        return refuseField("frame",
-                           "there are " + std::to_string(stack.order.frames) +
-                               " volumes, one of which has to be chosen (--frame 0.." +
-                               std::to_string(stack.order.frames - 1) + ")",
-                           path);
-    if (options.frame && (*options.frame < 0 || *options.frame >= stack.order.frames))
-        return refuseField("frame",
-                           std::to_string(*options.frame) + " is not within 0.." +
-                               std::to_string(stack.order.frames - 1),
-                           path);
-    if (components > 1 && !options.component)
-        return refuseField("component",
-                           "samples have " + std::to_string(components) +
-                               " components, one of which has to be chosen (--component 0.." +
-                               std::to_string(components - 1) + ")",
-                           path);
-    const int least = stack.order.channels > 1 ? 0 : kMagnitude; // channels are in pages apart
-    if (options.component && (*options.component < least || *options.component >= components))
-        return refuseField(
-            "component",
-            std::to_string(*options.component) + " is not within 0.." + std::to_string(components - 1), path);
-    return {};
+VolumeField fieldOf(const Stack& stack) {
+    VolumeField field;
+    field.title = std::to_string(stack.order.slices) +
+                  (stack.order.slices == 1 ? " slice of " : " slices of ") + stack.page.description();
+    field.dims = {stack.page.columns, stack.page.rows, stack.order.slices};
+    field.typeName = fileTypeName(stack.page.type);
+    field.components = stack.components();
+    field.hasMagnitude = stack.order.channels == 1;
+    field.frames = stack.order.frames;
+    const bool isColour =
+        stack.page.photometric == PHOTOMETRIC_RGB || stack.page.photometric == PHOTOMETRIC_YCBCR;
+    if (isColour && stack.order.channels == 1 && field.components == 3)
+        field.componentNames = {"red", "green", "blue"};
+    if (isColour && stack.order.channels == 1 && field.components == 4)
+        field.componentNames = {"red", "green", "blue", "alpha"};
+    return field;
 }
 
 } // namespace
@@ -418,23 +408,9 @@ Result<VolumeContents> listTiff(const fs::path& path, const ReadOptions& /*optio
     const auto found = collect(path);
     if (!found.isOk())
         return found.error();
-    const Stack& stack = found.value();
-    VolumeField field;
-    field.title = std::to_string(stack.order.slices) +
-                  (stack.order.slices == 1 ? " slice of " : " slices of ") + stack.page.description();
-    field.dims = {stack.page.columns, stack.page.rows, stack.order.slices};
-    field.typeName = fileTypeName(stack.page.type);
-    field.components = stack.components();
-    field.frames = stack.order.frames;
-    const bool isColour =
-        stack.page.photometric == PHOTOMETRIC_RGB || stack.page.photometric == PHOTOMETRIC_YCBCR;
-    if (isColour && stack.order.channels == 1 && field.components == 3)
-        field.componentNames = {"red", "green", "blue"};
-    if (isColour && stack.order.channels == 1 && field.components == 4)
-        field.componentNames = {"red", "green", "blue", "alpha"};
     VolumeContents contents;
     contents.format = "TIFF";
-    contents.fields.push_back(std::move(field));
+    contents.fields.push_back(fieldOf(found.value()));
     return contents;
 }
 
@@ -443,7 +419,9 @@ Result<std::unique_ptr<VolumeSource>> openTiff(const fs::path& path, const ReadO
     if (!found.isOk())
         return std::move(found).error();
     Stack& stack = found.value();
-    ISO_TRY(checkChoice(stack, path, options));
+    const auto choice = chooseInOnlyField(fieldOf(stack), options, path);
+    if (!choice.isOk())
+        return choice.error();
     const std::int64_t sizes[] = {stack.page.columns, stack.page.rows, stack.order.slices};
     const auto dims = checkDims(sizes, "columns, rows, slices", path);
     if (!dims.isOk())
@@ -456,10 +434,10 @@ Result<std::unique_ptr<VolumeSource>> openTiff(const fs::path& path, const ReadO
     layout.type = stack.page.type;
     layout.isBigEndian = std::endian::native == std::endian::big;
     layout.components = stack.page.components;
-    const int component = options.component.value_or(0);
+    const int component = choice.value().component;
     layout.component = component == kMagnitude ? kMagnitude : component % stack.page.components;
     const std::int64_t channel = component == kMagnitude ? 0 : component / stack.page.components;
-    auto bytes = std::make_unique<PageStream>(std::move(stack), channel, options.frame.value_or(0));
+    auto bytes = std::make_unique<PageStream>(std::move(stack), channel, choice.value().frame);
     return makeSampleSource(std::move(info), layout, std::move(bytes), path);
 }
 

@@ -10,12 +10,12 @@
 #include <vtkStructuredPointsReader.h>
 #include <vtkUnstructuredGridReader.h>
 
-#include "core/volume_io/formats/field_choice.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/vtk_dataset.h"
 #include "core/volume_io/formats/vtk_legacy_header.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/text_scanner.h"
+#include "core/volume_io/volume_choice.h"
 
 // VTK reads the structure and the samples, but only what has passed the gate of vtk_legacy_header.h, handed over in
 // memory: the checked lines and the one array that is wanted. By itself VTK allocates what any header line asks
@@ -180,10 +180,9 @@ Result<std::unique_ptr<VolumeSource>> openVtkLegacy(const fs::path& path, const 
     if (!chosen.isOk())
         return chosen.error();
     const VolumeField& field = contents.fields[chosen.value()];
-    const auto component = chooseComponent(field, options, path);
-    const auto frame = chooseFrame(field, options, path);
-    if (!component.isOk() || !frame.isOk())
-        return component.isOk() ? frame.error() : component.error();
+    const auto choice = chooseIn(field, options, path);
+    if (!choice.isOk())
+        return choice.error();
 
     const VtkKind kind = read.value().kind;
     const LegacyArray array = read.value().arrays[chosen.value()];
@@ -205,7 +204,7 @@ Result<std::unique_ptr<VolumeSource>> openVtkLegacy(const fs::path& path, const 
     VolumeInfo info;
     info.format = contents.format;
     info.fieldName = array.name;
-    return sourceOf(*data, *samples, component.value(), std::move(info), options, path);
+    return sourceOf(*data, *samples, choice.value().component, std::move(info), options, path);
 }
 
 } // namespace isoslider::io

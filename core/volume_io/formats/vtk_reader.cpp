@@ -7,11 +7,11 @@
 #include <vtkXMLStructuredGridReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
-#include "core/volume_io/formats/field_choice.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/vtk_dataset.h"
 #include "core/volume_io/formats/vtk_xml_header.h"
 #include "core/volume_io/header_checks.h"
+#include "core/volume_io/volume_choice.h"
 
 namespace isoslider::io {
 namespace {
@@ -72,10 +72,9 @@ Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& pa
     if (!chosen.isOk())
         return chosen.error();
     const VolumeField& field = contents.fields[chosen.value()];
-    const auto component = chooseComponent(field, options, path);
-    const auto frame = chooseFrame(field, options, path);
-    if (!component.isOk() || !frame.isOk())
-        return component.isOk() ? frame.error() : component.error();
+    const auto choice = chooseIn(field, options, path);
+    if (!choice.isOk())
+        return choice.error();
     ISO_TRY(checkVtkXmlRoom(*file.value(), header, chosen.value()));
     ISO_TRY(checkFitsMemory(2 * header.points * static_cast<std::uint64_t>(field.components), path));
 
@@ -102,7 +101,7 @@ Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& pa
     VolumeInfo info;
     info.format = contents.format;
     info.fieldName = field.name;
-    return sourceOf(*data, *array, component.value(), std::move(info), options, path);
+    return sourceOf(*data, *array, choice.value().component, std::move(info), options, path);
 }
 
 } // namespace isoslider::io

@@ -144,6 +144,7 @@ void contents(Codec& codec, Contents& value) {
         codec.text(field.typeName);
         codec.number(field.components);
         codec.list(field.componentNames, [&](auto& name) { codec.text(name); });
+        codec.flag(field.hasMagnitude);
         codec.number(field.frames);
         codec.flag(field.isResampled);
         codec.text(field.problem);

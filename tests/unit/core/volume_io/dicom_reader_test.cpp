@@ -136,12 +136,12 @@ TEST_F(DicomFolder, WithSeveralSeriesNeedsAChoice) {
     other.text(0x0020000e, "UI", "1.2.4").text(0x0008103e, "LO", "second");
     add("b", other);
     EXPECT_THAT(refusal(),
-                testing::AllOf(HasSubstr("--field"), HasSubstr("1.2.3 (probe"), HasSubstr("1.2.4 (second")));
+                testing::AllOf(HasSubstr("--field"), HasSubstr("1.2.3' (probe"), HasSubstr("1.2.4' (second")));
     ReadOptions options;
     options.field = "1.2.4";
     EXPECT_EQ(read(options)->valueAt(0, 0, 0), 2);
     options.field = "1.2";
-    EXPECT_THAT(refusal(options), HasSubstr("there is no series '1.2'"));
+    EXPECT_THAT(refusal(options), HasSubstr("there is none named '1.2'"));
     const auto listed = contents();
     ASSERT_EQ(listed.fields.size(), 2u);
     EXPECT_EQ(listed.fields[0].title, "probe, MR, 1 axial slice of 8 x 6, 2024-01-31");
@@ -230,7 +230,7 @@ TEST_F(DicomFolder, OffersASliceOfAnotherSizeApart) {
     auto odd = filled(3, 3, 3);
     odd.number(0x00280010, "US", 5);
     add("3", odd);
-    EXPECT_THAT(refusal(), HasSubstr("there are 2 series"));
+    EXPECT_THAT(refusal(), HasSubstr("the file has 2"));
     ReadOptions options;
     options.field = "1.2.3#1";
     EXPECT_EQ(read(options)->dims(), (GridDims{8, 6, 3}));
@@ -247,14 +247,14 @@ TEST_F(DicomFolder, MakesEchoesFramesOfOneSeries) {
     ASSERT_EQ(contents().fields.size(), 1u);
     EXPECT_EQ(contents().fields[0].frames, 2);
     EXPECT_THAT(contents().fields[0].title, HasSubstr("2 echo times"));
-    EXPECT_THAT(refusal(), HasSubstr("--frame 0..1"));
+    EXPECT_THAT(refusal(), HasSubstr("--frame 0 to 1"));
     ReadOptions options;
     options.frame = 0;
     EXPECT_EQ(read(options)->valueAt(0, 0, 2), 12);
     options.frame = 1;
     EXPECT_EQ(read(options)->valueAt(0, 0, 2), 2);
     options.frame = 2;
-    EXPECT_THAT(refusal(options), HasSubstr("frame: 2 is not within 0..1"));
+    EXPECT_THAT(refusal(options), HasSubstr("--frame 2"));
 }
 
 TEST_F(DicomFolder, TellsRepeatedSlicesApartByTheirOrderIfByNothingElse) {

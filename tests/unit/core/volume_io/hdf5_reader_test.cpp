@@ -221,7 +221,7 @@ TEST_F(Hdf5Reader, AsksWhichDatasetAndFrame) {
     options.field = "/two";
     expectRefusal(path, "--frame", options);
     options.frame = 3;
-    expectRefusal(path, "frame: 3", options);
+    expectRefusal(path, "--frame 3", options);
     options.frame = 2;
     const auto grid = read(path, options);
     ASSERT_THAT(grid, test::IsOk());

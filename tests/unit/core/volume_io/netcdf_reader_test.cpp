@@ -251,7 +251,7 @@ TEST_P(NetcdfReader, TakesTimesForFrames) {
     ASSERT_THAT(grid, test::IsOk());
     EXPECT_EQ(grid.value()->valueAt(1, 0, 0), 49.0);
     options.frame = -1;
-    expectRefusal(path, "frame: -1", options);
+    expectRefusal(path, "--frame -1", options);
 }
 
 TEST_P(NetcdfReader, CountsFramesOverAllFurtherAxes) {
