@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -30,6 +31,7 @@ struct VolumeInfo {
     ScalarType type = ScalarType::U8;
     std::string format;    ///< "MetaImage", "NRRD", "NIfTI", "DICOM", "TIFF", "VTK image", "NetCDF", "raw", ...
     std::string fieldName; ///< the scalar field, where the format names it
+    std::vector<std::filesystem::path> dataFiles; ///< that are read beside the file or folder that was opened
     std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
     /// Set when the source has been resampled: once its first slab is read.
     std::optional<ResampleReport> resampling;

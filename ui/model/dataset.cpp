@@ -13,24 +13,6 @@ namespace isoslider::model {
 namespace fs = std::filesystem;
 namespace {
 
-std::string layoutText(const io::ReadOptions& options) {
-    std::ostringstream text;
-    text << options.field;
-    if (options.component)
-        text << ",component " << *options.component;
-    if (options.frame)
-        text << ",frame " << *options.frame;
-    if (options.resampleDims[0] > 0)
-        text << ",resampled " << options.resampleDims[0] << 'x' << options.resampleDims[1] << 'x' << options.resampleDims[2];
-    if (options.raw) {
-        const auto& raw = *options.raw;
-        for (int axis = 0; axis < 3; ++axis)
-            text << ',' << raw.dims[static_cast<std::size_t>(axis)] << ',' << raw.spacing[axis];
-        text << ',' << raw.skipBytes << (raw.isBigEndian ? "be" : "le") << scalarTypeName(raw.type);
-    }
-    return text.str();
-}
-
 fs::path cachedIndexPath(const OpenRequest& request, const IndexCache& cache) {
     if (!request.sampleName.empty())
         return cache.pathForSample(request.sampleName);
@@ -59,11 +41,17 @@ Result<LoadedDataset> loadIndexFile(const OpenRequest& request) {
     return fromEngine(std::move(dataset), std::move(engine).value(), request);
 }
 
-/// The cached index, if there is a whole one that is of this volume's shape.
-std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
+/// The cached index, if there is a whole one that is of this volume's shape and, of a file, of its bytes.
+std::unique_ptr<extract::SlideEngine> openCached(Dataset& dataset, const IndexCache& cache, const JobControl& job) {
     std::error_code ignored;
-    if (!fs::exists(dataset.indexPath, ignored))
+    if (dataset.stamp) {
+        const auto finding = cache.find(*dataset.stamp, layoutText(dataset.readOptions), job);
+        dataset.wasStale = finding == IndexCache::Finding::Stale;
+        if (finding != IndexCache::Finding::Fresh)
+            return nullptr;
+    } else if (!fs::exists(dataset.indexPath, ignored)) {
         return nullptr;
+    }
     auto engine = extract::SlideEngine::open(dataset.indexPath);
     if (engine.isOk() && engine.value()->info().geometry == dataset.geometry &&
         engine.value()->info().type == dataset.type)
@@ -142,6 +130,24 @@ Status addStatistics(LoadedDataset& loaded, const JobControl& job) {
 
 } // namespace
 
+std::string layoutText(const io::ReadOptions& options) {
+    std::ostringstream text;
+    text << options.field;
+    if (options.component)
+        text << ",component " << *options.component;
+    if (options.frame)
+        text << ",frame " << *options.frame;
+    if (options.resampleDims[0] > 0)
+        text << ",resampled " << options.resampleDims[0] << 'x' << options.resampleDims[1] << 'x' << options.resampleDims[2];
+    if (options.raw) {
+        const auto& raw = *options.raw;
+        for (int axis = 0; axis < 3; ++axis)
+            text << ',' << raw.dims[static_cast<std::size_t>(axis)] << ',' << raw.spacing[axis];
+        text << ',' << raw.skipBytes << (raw.isBigEndian ? "be" : "le") << scalarTypeName(raw.type);
+    }
+    return text.str();
+}
+
 std::uint64_t Dataset::sampleBytes() const {
     return static_cast<std::uint64_t>(pointCount(geometry.dims)) * scalarTypeSizeBytes(type);
 }
@@ -192,17 +198,22 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
         if (!source.isOk())
             return source.error();
         describe(source.value()->info(), dataset);
-        if (auto engine = openCached(dataset))
+        auto stamp = VolumeStamp::of(request.path, source.value()->info().dataFiles);
+        if (stamp.isOk()) // without one, the index serves this run only
+            dataset.stamp = std::move(stamp).value();
+        if (auto engine = dataset.stamp ? openCached(dataset, cache, job.part(0.0, 0.1)) : nullptr)
             return fromEngine(std::move(dataset), std::move(engine), request);
         if (dataset.sampleBytes() > wholeVolumeBytes)
             ISO_TRY(readPreview(*source.value(), wholeVolumeBytes, job, loaded));
         else
             ISO_TRY(takeGrid(volumes.read(*source.value(), request.path, job.part(0.0, 0.7)), loaded));
         dataset.notes = source.value()->info().notes;
+        if (dataset.wasStale)
+            dataset.notes.emplace_back("changed since its index was built, which is built anew");
         dataset.resampling = source.value()->info().resampling;
     } else {
         ISO_TRY(takeGrid(samples(request.sampleName, job.part(0.0, 0.7)), loaded));
-        if (auto engine = openCached(dataset))
+        if (auto engine = openCached(dataset, cache, job))
             return fromEngine(std::move(dataset), std::move(engine), request);
     }
     ISO_TRY(addStatistics(loaded, job));

@@ -38,6 +38,8 @@ struct Dataset {
     std::uint64_t missingSamples = 0;
     index::Histogram histogram;
     std::filesystem::path indexPath;  ///< where the index is or will be
+    std::optional<VolumeStamp> stamp; ///< of the volume's files before they were read; none of samples and indexes
+    bool wasStale = false;            ///< there was an index of other bytes, which is no longer used
     std::optional<index::IndexInfo> index;
 
     std::uint64_t sampleBytes() const;
@@ -69,6 +71,9 @@ struct LoadedDataset {
 
 /// Most samples of a preview: what a machine reads and shows within seconds.
 inline constexpr std::uint64_t kMostPreviewSamples = 24'000'000;
+
+/// Tells apart readings of one file, in the cache of indexes.
+std::string layoutText(const io::ReadOptions& options);
 
 bool isIndexFile(const std::filesystem::path& path);
 /// The name to show for a request before anything is read.

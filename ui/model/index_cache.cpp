@@ -1,18 +1,21 @@
 #include "ui/model/index_cache.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <span>
 #include <system_error>
-#include <vector>
+
+#include "core/base/file_system.h"
 
 namespace isoslider::model {
 namespace fs = std::filesystem;
 namespace {
 
-/// Changes when the index format does, so that old cache entries are simply not found.
-constexpr std::string_view kKeyVersion = "isx1";
-constexpr std::size_t kMostCompanions = 4096;
+/// Changes when the index format or what names an entry does, so that old entries are simply not found.
+constexpr std::string_view kKeyVersion = "isx3";
+constexpr std::string_view kRecordSuffix = ".source";
+constexpr std::size_t kMostRecordBytes = 32u << 20;
+constexpr std::size_t kMostRecords = 4096; // looked through for a volume that has moved
 
 /// FNV-1a, 64 bits: names a cache entry, protects nothing.
 std::uint64_t hashOf(std::string_view text) {
@@ -22,30 +25,25 @@ std::uint64_t hashOf(std::string_view text) {
     return hash;
 }
 
-std::string stampOf(const fs::path& file) {
-    std::error_code ignored;
-    const auto size = fs::file_size(file, ignored);
-    const auto time = fs::last_write_time(file, ignored).time_since_epoch().count();
-    return file.filename().string() + ":" + std::to_string(size) + ":" + std::to_string(time) + ";";
+fs::path recordOf(fs::path index) { return index += kRecordSuffix; }
+
+/// Layout, line break, stamp.
+std::optional<VolumeStamp> readRecord(const fs::path& index, std::string_view layout) {
+    const auto bytes = readWholeFile(recordOf(index), kMostRecordBytes);
+    if (!bytes.isOk())
+        return std::nullopt;
+    const std::string text(reinterpret_cast<const char*>(bytes.value().data()), bytes.value().size());
+    const std::string start = std::string(layout) + "\n";
+    return text.starts_with(start) ? VolumeStamp::fromText(text.substr(start.size())) : std::nullopt;
 }
 
-/// Files that the volume's samples may lie in: those sharing its stem, or all of a folder.
-std::string companionStamps(const fs::path& volume) {
-    std::error_code error;
-    const bool isFolder = fs::is_directory(volume, error);
-    std::vector<std::string> stamps;
-    for (fs::directory_iterator entry(isFolder ? volume : volume.parent_path(), error), end;
-         !error && entry != end && stamps.size() < kMostCompanions; entry.increment(error)) {
-        std::error_code ignored;
-        const bool belongs = isFolder || entry->path().stem() == volume.stem();
-        if (belongs && entry->is_regular_file(ignored))
-            stamps.push_back(stampOf(entry->path()));
-    }
-    std::sort(stamps.begin(), stamps.end());
-    std::string all;
-    for (const auto& stamp : stamps)
-        all += stamp;
-    return all;
+Status writeRecord(const fs::path& index, const VolumeStamp& stamp, std::string_view layout) {
+    auto file = AtomicFile::create(recordOf(index));
+    if (!file.isOk())
+        return file.error();
+    const std::string text = std::string(layout) + "\n" + stamp.toText();
+    ISO_TRY(file.value()->writeAll(std::as_bytes(std::span(text))));
+    return file.value()->publish();
 }
 
 } // namespace
@@ -55,7 +53,7 @@ fs::path IndexCache::pathForFile(const fs::path& volume, std::string_view layout
     auto absolute = fs::weakly_canonical(volume, error);
     if (error)
         absolute = volume;
-    std::string key = absolute.string() + "|" + companionStamps(absolute) + "|";
+    std::string key = absolute.string() + "|";
     key += layout;
     return pathForKey(absolute.stem().string(), std::move(key));
 }
@@ -69,6 +67,67 @@ fs::path IndexCache::pathForKey(std::string_view stem, std::string key) const {
     char hash[17];
     std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(hashOf(key)));
     return folder_ / (std::string(stem.substr(0, 64)) + "-" + hash + ".isx");
+}
+
+IndexCache::Finding IndexCache::find(const VolumeStamp& volume, std::string_view layout, const JobControl& job) const {
+    const fs::path index = pathForFile(volume.volume(), layout);
+    std::error_code error;
+    if (!fs::exists(index, error))
+        return takeMoved(volume, layout, job) ? Finding::Fresh : Finding::None;
+    const auto recorded = readRecord(index, layout);
+    if (!recorded)
+        return Finding::None;
+    if (recorded->looksLike(volume))
+        return Finding::Fresh;
+    if (!recorded->couldBe(volume))
+        return Finding::Stale;
+    VolumeStamp present = volume;
+    if (!present.hash(job).isOk())
+        return Finding::None;
+    if (!present.hasContentOf(*recorded))
+        return Finding::Stale;
+    (void)writeRecord(index, present, layout); // or the bytes are read again the next time
+    return Finding::Fresh;
+}
+
+bool IndexCache::takeMoved(const VolumeStamp& volume, std::string_view layout, const JobControl& job) const {
+    std::error_code error, ignored;
+    std::size_t seen = 0;
+    std::optional<VolumeStamp> present; // with hashes, once they are needed
+    for (fs::directory_iterator entry(folder_, error), end; !error && entry != end && seen < kMostRecords;
+         entry.increment(error)) {
+        const fs::path& index = entry->path();
+        if (index.extension() != ".isx")
+            continue;
+        ++seen;
+        const auto recorded = readRecord(index, layout);
+        if (!recorded || !recorded->couldBe(volume) || fs::exists(recorded->volume(), ignored))
+            continue;
+        if (!present) {
+            present = volume;
+            if (!present->hash(job).isOk())
+                return false;
+        }
+        const fs::path here = pathForFile(volume.volume(), layout);
+        if (!present->hasContentOf(*recorded) || !writeRecord(here, *present, layout).isOk())
+            continue;
+        fs::rename(index, here, error);
+        if (error)
+            return false;
+        fs::remove(recordOf(index), ignored);
+        return true;
+    }
+    return false;
+}
+
+void IndexCache::forget(const fs::path& index) {
+    std::error_code ignored;
+    fs::remove(recordOf(index), ignored);
+}
+
+Status IndexCache::record(const fs::path& index, VolumeStamp volume, std::string_view layout, const JobControl& job) {
+    ISO_TRY(volume.hash(job));
+    return writeRecord(index, volume, layout);
 }
 
 } // namespace isoslider::model

@@ -210,9 +210,13 @@ void Session::startIndexBuild() {
         if (error)
             return makeError(ErrorCode::IoError, "the folder for indexes cannot be made: " + error.message(),
                              path.parent_path().string());
-        return volume.coarseStep > 1
-                   ? builder->buildFromFile(volume.path, volume.readOptions, volume.name, path, job)
-                   : builder->build(grid, volume.name, path, job);
+        IndexCache::forget(path);
+        ISO_TRY(volume.coarseStep > 1
+                    ? builder->buildFromFile(volume.path, volume.readOptions, volume.name, path, job.part(0.0, 0.95))
+                    : builder->build(grid, volume.name, path, job.part(0.0, 0.95)));
+        if (volume.stamp) // what cannot be recorded is built again the next time
+            (void)IndexCache::record(path, *volume.stamp, layoutText(volume.readOptions), job.part(0.95, 1.0));
+        return {};
     };
     indexJob_ = runner_->run<void>("Build index of " + dataset_->name, std::move(work),
                                    [this, ticket = datasetTicket_](const Status& status) {

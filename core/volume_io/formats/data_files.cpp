@@ -70,4 +70,12 @@ Result<std::vector<FilePart>> locateDataFiles(const std::vector<std::string>& na
     return parts;
 }
 
+std::vector<fs::path> filesBeside(const fs::path& opened, const std::vector<FilePart>& parts) {
+    std::vector<fs::path> files;
+    for (const FilePart& part : parts)
+        if (part.path != opened)
+            files.push_back(part.path);
+    return files;
+}
+
 } // namespace isoslider::io

@@ -22,4 +22,7 @@ Result<std::vector<std::string>> expandPattern(std::string_view value, std::stri
 Result<std::vector<FilePart>> locateDataFiles(const std::vector<std::string>& names, std::string_view field,
                                               const std::filesystem::path& header, bool allowsExternal);
 
+/// The files of `parts` but `opened` itself, for VolumeInfo::dataFiles.
+std::vector<std::filesystem::path> filesBeside(const std::filesystem::path& opened, const std::vector<FilePart>& parts);
+
 } // namespace isoslider::io

@@ -315,6 +315,7 @@ Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const 
     ISO_TRY(checkGeometry(geometry.value(), "ElementSpacing, Offset, TransformMatrix", path));
     VolumeInfo info;
     info.format = "MetaImage";
+    info.dataFiles = filesBeside(path, image.parts);
     info.geometry = geometry.value();
     if (image.isLonger)
         info.notes.push_back("the data file is longer than the samples; the rest is ignored");

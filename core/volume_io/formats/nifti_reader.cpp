@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/nifti_header.h"
 #include "core/volume_io/header_checks.h"
@@ -173,6 +174,7 @@ Result<std::unique_ptr<VolumeSource>> openNifti(const fs::path& path, const Read
         return choice.error();
     VolumeInfo info;
     info.format = volume.header.version == NiftiVersion::Analyze75 ? "Analyze" : "NIfTI";
+    info.dataFiles = filesBeside(path, {{volume.files.header, 0}, {volume.files.data, 0}});
     info.geometry = niftiGeometry(volume.header, volume.field.dims, info.notes);
     ISO_TRY(checkGeometry(info.geometry, "pixdim, qform, sform", volume.files.header));
     ISO_TRY(noteTrailing(volume, info));

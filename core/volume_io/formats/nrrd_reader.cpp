@@ -328,6 +328,7 @@ Result<std::unique_ptr<VolumeSource>> openNrrd(const fs::path& path, const ReadO
         return chosen.error();
     VolumeInfo info;
     info.format = "NRRD";
+    info.dataFiles = filesBeside(path, volume.data.parts);
     auto geometry = readGeometry(volume.header, info, path);
     if (!geometry.isOk())
         return std::move(geometry).error();

@@ -12,6 +12,7 @@
 
 #include "core/base/file_system.h"
 #include "core/volume_io/curvilinear_resampler.h"
+#include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/formats/vtk_bridge.h"
@@ -297,6 +298,7 @@ Result<std::unique_ptr<VolumeSource>> openPlot3d(const fs::path& path, const Rea
         return dims.error();
     VolumeInfo info;
     info.format = "PLOT3D";
+    info.dataFiles = filesBeside(path, {{files.value().grid, 0}, {files.value().solution, 0}});
     info.fieldName = std::string(field->name);
     info.geometry = boundingGeometry(curvilinear.value().points, dims.value());
     ISO_TRY(checkGeometry(info.geometry, "grid points", path));

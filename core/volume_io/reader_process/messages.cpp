@@ -16,6 +16,7 @@ public:
     template <class Value>
     void number(const Value& value) { out_.put<Value>(value); }
     void text(const std::string& value) { out_.putString(value.substr(0, kMaxText)); }
+    void path(const std::filesystem::path& value) { text(value.string()); }
     template <class Enum>
     void choice(const Enum& value, Enum /*last*/) { out_.put<std::uint8_t>(static_cast<std::uint8_t>(value)); }
     void flag(const bool& value) { out_.put<std::uint8_t>(value ? 1 : 0); }
@@ -43,6 +44,11 @@ public:
     template <class Value>
     void number(Value& value) { value = in_.get<Value>(); }
     void text(std::string& value) { value = in_.getString(kMaxText); }
+    void path(std::filesystem::path& value) {
+        std::string name;
+        text(name);
+        value = std::move(name);
+    }
     template <class Enum>
     void choice(Enum& value, Enum last) {
         const auto index = in_.get<std::uint8_t>();
@@ -123,6 +129,7 @@ void info(Codec& codec, Info& value) {
     codec.choice(value.type, ScalarType::F64);
     codec.text(value.format);
     codec.text(value.fieldName);
+    codec.list(value.dataFiles, [&](auto& file) { codec.path(file); });
     codec.list(value.notes, [&](auto& note) { codec.text(note); });
     codec.optional(value.resampling, [&](auto& report) {
         codec.number(report.sourcePoints);

@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include "tests/support/temporary_folder.h"
-#include "ui/model/index_cache.h"
 #include "ui/model/number_text.h"
 #include "ui/model/raw_guess.h"
 
@@ -61,43 +59,6 @@ TEST(RawGuess, GivesNothingForASizeThatFitsNothing) {
     EXPECT_EQ(guessRawLayout("a.raw", 1000003).dims, (GridDims{0, 0, 0}));
     EXPECT_EQ(guessRawLayout("", 0).dims, (GridDims{0, 0, 0}));
     EXPECT_EQ(guessRawLayout("999999_999999_999999.raw", 5).dims, (GridDims{999999, 999999, 999999}));
-}
-
-class IndexCacheTest : public ::testing::Test {
-protected:
-    test::TemporaryFolder folder_;
-    IndexCache cache_{"/cache"};
-};
-
-TEST_F(IndexCacheTest, NamesAFileTheSameEachTime) {
-    const auto volume = folder_.write("head.mhd", "header");
-    EXPECT_EQ(cache_.pathForFile(volume), cache_.pathForFile(volume));
-    EXPECT_EQ(cache_.pathForFile(volume).parent_path(), "/cache");
-    EXPECT_EQ(cache_.pathForFile(volume).extension(), ".isx");
-}
-
-TEST_F(IndexCacheTest, AnotherContentHasAnotherName) {
-    const auto volume = folder_.write("head.mhd", "header");
-    const auto before = cache_.pathForFile(volume);
-    folder_.write("head.mhd", "longer header");
-    EXPECT_NE(cache_.pathForFile(volume), before);
-}
-
-TEST_F(IndexCacheTest, CompanionFilesCount) {
-    const auto volume = folder_.write("head.mhd", "header");
-    const auto raw = folder_.write("head.raw", "samples");
-    const auto before = cache_.pathForFile(volume);
-    std::filesystem::last_write_time(raw, std::filesystem::last_write_time(raw) + std::chrono::seconds(5));
-    EXPECT_NE(cache_.pathForFile(volume), before);
-    const auto after = cache_.pathForFile(volume);
-    folder_.write("other.raw", "not of this volume");
-    EXPECT_EQ(cache_.pathForFile(volume), after);
-}
-
-TEST_F(IndexCacheTest, LayoutsAndSamplesDiffer) {
-    const auto volume = folder_.write("head.raw", "samples");
-    EXPECT_NE(cache_.pathForFile(volume, "u8"), cache_.pathForFile(volume, "u16"));
-    EXPECT_NE(cache_.pathForSample("shell"), cache_.pathForSample("bluntfin"));
 }
 
 } // namespace
