@@ -17,6 +17,7 @@
 #include "ui/render/gl_support.h"
 #include "ui/widgets/file_dialogs.h"
 #include "ui/widgets/main_window.h"
+#include "ui/widgets/session_keeper.h"
 #include "ui/widgets/settings_store.h"
 
 namespace isoslider::desktop {
@@ -73,6 +74,12 @@ model::SessionServices makeServices(const CommandLine& line) {
     return services;
 }
 
+/// Where running programs keep their sessions.
+std::filesystem::path sessionFolder() {
+    const QString data = QStandardPaths::writableLocation(QStandardPaths::GenericDataLocation);
+    return std::filesystem::path(data.toStdU16String()) / "isoslider" / "sessions";
+}
+
 void openFirst(widgets::MainWindow& window, model::Session& session, const CommandLine& line) {
     const bool asksUser = line.screenshot.isEmpty() && !line.isSelfTest;
     model::OpenRequest request;
@@ -85,7 +92,7 @@ void openFirst(widgets::MainWindow& window, model::Session& session, const Comma
         request.path = std::filesystem::path(line.file.toStdU16String());
     else
         return;
-    if (asksUser && !line.file.isEmpty())
+    if (!line.file.isEmpty() && (asksUser || model::isSessionFile(request.path)))
         window.openFile(line.file, line.isovalue);
     else
         session.open(std::move(request));
@@ -110,6 +117,8 @@ int run(int argc, char** argv, const CommandLine& line) {
     if (line.size)
         window.resize(*line.size);
     window.show();
+    if (isInteractive)
+        window.sessionKeeper().keepIn(sessionFolder());
     std::unique_ptr<ScreenshotRunner> runner;
     if (!isInteractive)
         runner = std::make_unique<ScreenshotRunner>(window, session, line.screenshot);

@@ -66,6 +66,20 @@ void Camera::zoom(double factor, glm::dvec2 screen, double aspect) {
     target_ += (right() * (screen.x * aspect) + up() * screen.y) * moved;
 }
 
+bool Camera::setPose(const CameraPose& pose) {
+    const auto& q = pose.orientation;
+    const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    const double sum = length + pose.target.x + pose.target.y + pose.target.z + pose.distance;
+    if (!std::isfinite(sum) || !(length > 1e-6) || !(pose.distance > 0.0))
+        return false;
+    orientation_ = glm::dquat(q.w / length, q.x / length, q.y / length, q.z / length);
+    const double farthest = sceneRadius_ * kFarthestDistance;
+    target_ = glm::clamp(pose.target, glm::dvec3(-farthest), glm::dvec3(farthest));
+    distance_ = std::clamp(pose.distance, sceneRadius_ * kNearestDistance, farthest);
+    isPerspective_ = pose.isPerspective;
+    return true;
+}
+
 glm::dvec3 Camera::right() const { return orientation_ * glm::dvec3(1.0, 0.0, 0.0); }
 glm::dvec3 Camera::up() const { return orientation_ * glm::dvec3(0.0, 1.0, 0.0); }
 glm::dvec3 Camera::backward() const { return orientation_ * glm::dvec3(0.0, 0.0, 1.0); }

@@ -9,6 +9,14 @@ namespace isoslider::model {
 
 enum class StandardView { Front, Back, Right, Left, Top, Bottom };
 
+/// What of a camera is worth keeping. In world units about the volume's centre.
+struct CameraPose {
+    glm::dquat orientation{1.0, 0.0, 0.0, 0.0}; ///< camera axes to world axes
+    glm::dvec3 target{0.0};
+    double distance = 1.0; ///< from the target to the eye
+    bool isPerspective = true;
+};
+
 /// Where the viewer stands. World space is centred: the volume's centre is (0, 0, 0), its bounding
 /// sphere has sceneRadius(). Screen positions are in [-1, 1], y up, x scaled like y by the caller's
 /// aspect (width / height). Everything is in double; the renderer rounds the product.
@@ -27,6 +35,11 @@ public:
     /// Comes closer by `factor` > 1; what lies under `screen` on the target plane stays there.
     void zoom(double factor, glm::dvec2 screen, double aspect);
     void setPerspective(bool isPerspective) { isPerspective_ = isPerspective; }
+
+    CameraPose pose() const { return {orientation_, target_, distance_, isPerspective_}; }
+    /// False, and nothing is changed, if a number is not finite, the orientation is null or the distance is not
+    /// positive. Comes no closer and goes no farther than zoom().
+    bool setPose(const CameraPose& pose);
 
     bool isPerspective() const { return isPerspective_; }
     double sceneRadius() const { return sceneRadius_; }

@@ -190,6 +190,7 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
     auto& dataset = loaded.dataset;
     dataset.name = displayName(request);
     dataset.path = request.path;
+    dataset.sampleName = request.sampleName;
     dataset.readOptions = request.readOptions;
     dataset.format = "built-in sample";
     dataset.indexPath = cachedIndexPath(request, cache);

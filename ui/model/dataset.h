@@ -22,6 +22,7 @@ namespace isoslider::model {
 struct Dataset {
     std::string name;                 ///< file name or sample title
     std::filesystem::path path;       ///< empty for samples
+    std::string sampleName;           ///< of a built-in sample
     io::ReadOptions readOptions; ///< what `path` was opened with
     std::string format;
     std::string fieldName;

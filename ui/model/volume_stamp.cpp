@@ -10,6 +10,7 @@
 
 #include "core/base/content_hash.h"
 #include "core/base/file_system.h"
+#include "ui/model/path_text.h"
 
 namespace isoslider::model {
 namespace fs = std::filesystem;
@@ -61,37 +62,6 @@ Result<std::vector<fs::path>> filesBelow(const fs::path& folder) {
         return systemError(error.value(), "cannot list", folder);
     std::sort(files.begin(), files.end());
     return files;
-}
-
-/// What is not text in UTF-8 has no place in JSON: paths are written byte by byte.
-std::string escaped(const fs::path& path) {
-    std::string text;
-    for (const char byte : path.native()) {
-        const auto code = static_cast<unsigned char>(byte);
-        if (code < 0x80 && code != '%') {
-            text += byte;
-        } else {
-            constexpr char kDigits[] = "0123456789abcdef";
-            text += {'%', kDigits[code / 16], kDigits[code % 16]};
-        }
-    }
-    return text;
-}
-
-std::optional<fs::path> unescaped(const std::string& text) {
-    std::string path;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        if (text[i] != '%') {
-            path += text[i];
-            continue;
-        }
-        const std::string digits = text.substr(i + 1, 2);
-        if (digits.size() != 2 || digits.find_first_not_of("0123456789abcdef") != std::string::npos)
-            return std::nullopt;
-        path += static_cast<char>(std::stoi(digits, nullptr, 16));
-        i += 2;
-    }
-    return fs::path(path);
 }
 
 } // namespace
@@ -164,13 +134,13 @@ bool VolumeStamp::hasContentOf(const VolumeStamp& other) const {
 std::string VolumeStamp::toText() const {
     nlohmann::json files = nlohmann::json::array();
     for (const FileStamp& file : files_)
-        files.push_back({{"path", escaped(file.path)},
+        files.push_back({{"path", bytesText(file.path.native())},
                          {"size", file.size},
                          {"modified", file.modified},
                          {"changed", file.changed},
                          {"settled", file.isSettled},
                          {"xxh3", file.hash}});
-    return nlohmann::json{{"version", 1}, {"volume", escaped(volume_)}, {"files", files}}.dump(1) + "\n";
+    return nlohmann::json{{"version", 1}, {"volume", bytesText(volume_.native())}, {"files", files}}.dump(1) + "\n";
 }
 
 std::optional<VolumeStamp> VolumeStamp::fromText(const std::string& text) {
@@ -179,12 +149,12 @@ std::optional<VolumeStamp> VolumeStamp::fromText(const std::string& text) {
         return std::nullopt;
     try { // whatever is not there or of another kind
         VolumeStamp stamp;
-        const auto volume = unescaped(json.at("volume").get<std::string>());
+        const auto volume = bytesFromText(json.at("volume").get<std::string>());
         if (!volume)
             return std::nullopt;
         stamp.volume_ = *volume;
         for (const auto& file : json.at("files")) {
-            const auto path = unescaped(file.at("path").get<std::string>());
+            const auto path = bytesFromText(file.at("path").get<std::string>());
             if (!path)
                 return std::nullopt;
             stamp.files_.push_back({*path, file.at("size").get<std::uint64_t>(), file.at("modified").get<std::int64_t>(),

@@ -45,6 +45,8 @@ QString rawFilters() {
     return QCoreApplication::translate("FileFilters", "All files (*);;Raw samples (*.raw *.dat *.bin *.img *.vol)");
 }
 
+QString sessionFilters() { return QCoreApplication::translate("FileFilters", "Sessions (*.isosession)"); }
+
 QString meshFilters() {
     QStringList each;
     for (const auto& [name, patterns] : kMeshes)

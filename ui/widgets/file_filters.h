@@ -8,6 +8,8 @@ namespace isoslider::widgets {
 QString volumeFilters();
 /// Filters for files whose samples have no header.
 QString rawFilters();
+/// Filter of session files.
+QString sessionFilters();
 /// Filters of the export dialog, one per mesh format.
 QString meshFilters();
 

@@ -21,6 +21,7 @@
 #include "ui/widgets/mesh_panel.h"
 #include "ui/widgets/message_bar.h"
 #include "ui/widgets/open_flow.h"
+#include "ui/widgets/session_keeper.h"
 #include "ui/widgets/settings_store.h"
 #include "ui/widgets/start_page.h"
 #include "ui/widgets/viewport_host.h"
@@ -46,6 +47,8 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
     connect(openFlow_, &OpenFlow::opening, this, [this] { messageBar_->hide(); });
     makeCentre();
+    keeper_ = new SessionKeeper(session_, *host_, *actions_, dialogs_, *messageBar_, *recoveryBar_, this);
+    connect(keeper_, &SessionKeeper::opening, this, [this] { messageBar_->hide(); });
     makeDocks();
     makeMenus();
     makeToolBar();
@@ -68,8 +71,11 @@ void MainWindow::makeCentre() {
     auto* layout = new QVBoxLayout(centre);
     layout->setContentsMargins(0, 0, 0, 0);
     layout->setSpacing(0);
+    recoveryBar_ = new MessageBar(centre);
+    recoveryBar_->setObjectName(QStringLiteral("recoveryBar"));
     messageBar_ = new MessageBar(centre);
     host_ = new ViewportHost(session_, settings_, *actions_, centre);
+    layout->addWidget(recoveryBar_);
     layout->addWidget(messageBar_);
     layout->addWidget(host_, 1);
     setCentralWidget(centre);
@@ -122,7 +128,12 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     QMainWindow::closeEvent(event);
 }
 
-void MainWindow::openFile(const QString& path, std::optional<double> isovalue) { openFlow_->openPath(path, isovalue); }
+void MainWindow::openFile(const QString& path, std::optional<double> isovalue) {
+    if (model::isSessionFile(std::filesystem::path(path.toStdU16String())))
+        keeper_->open(path);
+    else
+        openFlow_->openPath(path, isovalue);
+}
 
 void MainWindow::askExport() {
     const auto* dataset = session_.dataset();
@@ -176,7 +187,7 @@ void MainWindow::updateActions() {
     const auto* dataset = session_.dataset();
     const bool hasSurface = session_.frame() != nullptr;
     const auto state = session_.indexState();
-    for (const char* id : {"isovalue.edit", "isovalue.play", "isovalue.resetZoom", "file.close"})
+    for (const char* id : {"isovalue.edit", "isovalue.play", "isovalue.resetZoom", "file.close", "file.saveSession"})
         actions_->action(id)->setEnabled(dataset != nullptr);
     actions_->action("mesh.export")->setEnabled(hasSurface);
     actions_->action("file.saveImage")->setEnabled(hasSurface && host_->viewport() != nullptr);

@@ -22,6 +22,7 @@ class FileDialogs;
 class IsovaluePanel;
 class MessageBar;
 class OpenFlow;
+class SessionKeeper;
 class SettingsStore;
 class ViewportHost;
 
@@ -34,7 +35,7 @@ public:
                QWidget* parent = nullptr);
     ~MainWindow() override;
 
-    /// Opens a volume, a folder or an index and remembers it among the recent files once it is open. Asks
+    /// Opens a volume, a folder, an index or a session file, and remembers it among the recent files once it is open. Asks
     /// what has to be known of it first. `isovalue`: the first one; otherwise a suggested one.
     void openFile(const QString& path, std::optional<double> isovalue = std::nullopt);
     /// Says that these were given, and that one volume is shown at a time.
@@ -47,6 +48,7 @@ public:
     ViewportHost& viewportHost() { return *host_; }
     IsovaluePanel& isovaluePanel() { return *isovaluePanel_; }
     MessageBar& messageBar() { return *messageBar_; }
+    SessionKeeper& sessionKeeper() { return *keeper_; }
 
 protected:
     void closeEvent(QCloseEvent* event) override;
@@ -73,7 +75,9 @@ private:
     FileDialogs& dialogs_;
     ActionRegistry* actions_;
     OpenFlow* openFlow_;
+    SessionKeeper* keeper_ = nullptr;
     MessageBar* messageBar_ = nullptr;
+    MessageBar* recoveryBar_ = nullptr;
     ViewportHost* host_ = nullptr;
     IsovaluePanel* isovaluePanel_ = nullptr;
     QMenu* recentMenu_ = nullptr;

@@ -11,6 +11,7 @@
 #include "ui/widgets/help_dialogs.h"
 #include "ui/widgets/main_window.h"
 #include "ui/widgets/open_flow.h"
+#include "ui/widgets/session_keeper.h"
 #include "ui/widgets/settings_store.h"
 #include "ui/widgets/start_page.h"
 #include "ui/widgets/viewport_host.h"
@@ -28,6 +29,8 @@ void MainWindow::makeMenus() {
     QMenu* samples = file->addMenu(tr("Open &Sample"));
     add(samples, {"file.sampleBluntFin", "file.sampleShell"});
     add(file, {"file.previewsFirst"});
+    file->addSeparator();
+    add(file, {"file.openSession", "file.saveSession"});
     file->addSeparator();
     add(file, {"mesh.export", "file.saveImage"});
     file->addSeparator();
@@ -95,6 +98,8 @@ void MainWindow::connectActions() {
     on("file.importRaw", [this] { openFlow_->askRawFile(); });
     on("file.sampleBluntFin", [this] { openFlow_->openSample(QStringLiteral("bluntfin")); });
     on("file.sampleShell", [this] { openFlow_->openSample(QStringLiteral("shell")); });
+    on("file.openSession", [this] { keeper_->askOpen(); });
+    on("file.saveSession", [this] { keeper_->askSave(); });
     on("file.saveImage", [this] { askSaveImage(); });
     on("file.close", [this] { session_.close(); });
     on("file.quit", [this] { close(); });

@@ -3,6 +3,7 @@
 #include <QHBoxLayout>
 #include <QKeyEvent>
 #include <QLabel>
+#include <QPushButton>
 #include <QToolButton>
 #include <QVBoxLayout>
 
@@ -41,6 +42,9 @@ MessageBar::MessageBar(QWidget* parent)
     connect(close_, &QToolButton::clicked, this, &QWidget::hide);
     layout->addWidget(icon_, 0, Qt::AlignTop);
     layout->addLayout(texts, 1);
+    offers_ = new QHBoxLayout;
+    offers_->setSpacing(6);
+    layout->addLayout(offers_);
     layout->addWidget(close_, 0, Qt::AlignTop);
     hideTimer_.setSingleShot(true);
     hideTimer_.setInterval(kInformationMs);
@@ -48,7 +52,26 @@ MessageBar::MessageBar(QWidget* parent)
     hide();
 }
 
+void MessageBar::showOffer(const model::Notice& notice, const std::vector<Offer>& offers) {
+    showNotice(notice);
+    hideTimer_.stop();
+    for (const Offer& offer : offers) {
+        auto* button = new QPushButton(offer.text, this);
+        button->setObjectName(QStringLiteral("messageBarOffer%1").arg(offers_->count()));
+        connect(button, &QPushButton::clicked, this, [this, run = offer.run] {
+            hide();
+            run();
+        });
+        offers_->addWidget(button, 0, Qt::AlignVCenter);
+    }
+}
+
 void MessageBar::showNotice(const model::Notice& notice) {
+    while (QLayoutItem* item = offers_->takeAt(0)) {
+        item->widget()->hide();
+        item->widget()->deleteLater(); // one of them may be the sender
+        delete item;
+    }
     const bool isError = notice.severity == model::Notice::Severity::Error;
     title_->setText(QString::fromStdString(notice.title));
     detail_->setText(QString::fromStdString(notice.detail));

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <functional>
+#include <vector>
+
 #include <QFrame>
 #include <QTimer>
 
 #include "ui/model/session.h"
 
+class QHBoxLayout;
 class QLabel;
 class QToolButton;
 
@@ -18,6 +22,13 @@ public:
     explicit MessageBar(QWidget* parent = nullptr);
 
     void showNotice(const model::Notice& notice);
+    /// Something to press, and what it does. The bar hides first.
+    struct Offer {
+        QString text;
+        std::function<void()> run;
+    };
+    /// Stays until one is taken or the bar is closed.
+    void showOffer(const model::Notice& notice, const std::vector<Offer>& offers);
     QString text() const;
 
 protected:
@@ -27,6 +38,7 @@ private:
     QLabel* icon_;
     QLabel* title_;
     QLabel* detail_;
+    QHBoxLayout* offers_;
     QToolButton* close_;
     QTimer hideTimer_;
 };

@@ -1,5 +1,7 @@
 #include "ui/model/camera.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
@@ -118,6 +120,35 @@ TEST(Camera, ARadiusThatIsNoneStillGivesAPicture) {
     Camera camera;
     camera.reset(0.0);
     EXPECT_EQ(camera.sceneRadius(), 1.0);
+}
+
+TEST(Camera, TakesAPoseAgain) {
+    Camera camera, other;
+    camera.reset(10.0);
+    camera.orbit(0.3, -0.8);
+    camera.pan({0.2, 0.1}, 1.5);
+    camera.setPerspective(false);
+    other.reset(10.0);
+    ASSERT_TRUE(other.setPose(camera.pose()));
+    EXPECT_EQ(other.viewMatrix(), camera.viewMatrix());
+    EXPECT_EQ(other.projectionMatrix(1.5), camera.projectionMatrix(1.5));
+}
+
+TEST(Camera, RefusesAPoseThatIsNone) {
+    Camera camera;
+    camera.reset(10.0);
+    const auto before = camera.pose();
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& pose : {CameraPose{{0.0, 0.0, 0.0, 0.0}, {}, 1.0}, CameraPose{{1.0, nan, 0.0, 0.0}, {}, 1.0},
+                             CameraPose{{1.0, 0.0, 0.0, 0.0}, {0.0, 1e308 * 10, 0.0}, 1.0},
+                             CameraPose{{1.0, 0.0, 0.0, 0.0}, {}, 0.0}, CameraPose{{1.0, 0.0, 0.0, 0.0}, {}, nan}})
+        EXPECT_FALSE(camera.setPose(pose));
+    EXPECT_EQ(camera.pose().distance, before.distance);
+    EXPECT_EQ(camera.pose().orientation, before.orientation);
+    ASSERT_TRUE(camera.setPose({{2.0, 0.0, 0.0, 0.0}, {1e300, 0.0, 0.0}, 1e300}));
+    EXPECT_EQ(camera.distance(), 1e4);
+    EXPECT_EQ(camera.target().x, 1e4);
+    EXPECT_NEAR(glm::length(camera.orientation()), 1.0, 1e-12);
 }
 
 } // namespace

@@ -1,0 +1,195 @@
+// Sessions in the window: saved and opened by the user, kept by themselves, offered when they were lost.
+#include <fstream>
+
+#include <QAction>
+#include <QPushButton>
+#include <QtTest>
+
+#include "tests/gui/window_fixture.h"
+#include "ui/model/saved_session.h"
+#include "ui/model/session_slot.h"
+#include "ui/widgets/action_registry.h"
+#include "ui/widgets/message_bar.h"
+#include "ui/widgets/session_keeper.h"
+#include "ui/widgets/viewport_host.h"
+#include "ui/widgets/viewport_widget.h"
+
+namespace isoslider::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+QString pathText(const fs::path& path) { return QString::fromStdString(path.string()); }
+
+class SessionKeeperTest : public WindowTest {
+protected:
+    fs::path saveSession() {
+        const auto path = folder_ / "ball.isosession";
+        dialogs_.answers.push_back(pathText(path));
+        trigger("file.saveSession");
+        EXPECT_TRUE(fs::exists(path));
+        return path;
+    }
+    bool isChecked(const char* action) { return window_->actions().action(action)->isChecked(); }
+    std::string message() { return window_->messageBar().text().toStdString(); }
+    widgets::MessageBar* recoveryBar() { return child<widgets::MessageBar>("recoveryBar"); }
+    void press(widgets::MessageBar& bar, int offer) {
+        auto* button = bar.findChild<QPushButton*>(QStringLiteral("messageBarOffer%1").arg(offer));
+        ASSERT_NE(button, nullptr);
+        QTest::mouseClick(button, Qt::LeftButton);
+    }
+    /// What a program that was killed leaves in `folder`.
+    static void loseSession(const fs::path& folder, const fs::path& volume, double isovalue) {
+        model::SavedSession saved;
+        saved.volume = volume;
+        saved.isovalue = isovalue;
+        ASSERT_TRUE(model::SessionSlot::create(folder).value()->save(saved).isOk());
+    }
+    void openAndWait(const fs::path& path) {
+        window_->openFile(pathText(path));
+        ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr && session_->isSettled(); }));
+    }
+};
+
+TEST_F(SessionKeeperTest, ShowsAgainWhatWasSaved) {
+    openBall();
+    session_->isovalue().request(-7.5);
+    ASSERT_TRUE(waitUntilSettled());
+    window_->actions().action("view.box")->setChecked(false);
+    window_->actions().action("view.perspective")->setChecked(false);
+    model::CameraPose pose;
+    if (auto* viewport = window_->viewportHost().viewport()) {
+        viewport->changeCamera([](model::Camera& camera) {
+            camera.orbit(0.4, 0.2);
+            camera.zoom(1.7, {0.1, 0.2}, 1.5);
+        });
+        pose = viewport->camera().pose();
+    }
+    const auto path = saveSession();
+    window_->actions().action("view.box")->setChecked(true);
+    window_->actions().action("view.perspective")->setChecked(true);
+    trigger("file.close");
+    drop(path);
+    ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr && session_->isSettled(); }));
+    EXPECT_EQ(session_->isovalue().requested(), -7.5);
+    EXPECT_FALSE(isChecked("view.box"));
+    EXPECT_FALSE(isChecked("view.perspective"));
+    if (auto* viewport = window_->viewportHost().viewport()) {
+        EXPECT_EQ(viewport->camera().target(), pose.target);
+        EXPECT_NEAR(viewport->camera().distance(), pose.distance, 1e-9);
+        EXPECT_NEAR(glm::length(viewport->camera().orientation() - pose.orientation), 0.0, 1e-12);
+    }
+    EXPECT_FALSE(window_->messageBar().isVisible()) << message();
+}
+
+TEST_F(SessionKeeperTest, B110_ADamagedFileOpensWithDefaultsAndListsWhatIsWrong) {
+    openBall();
+    const auto path = saveSession();
+    std::string text = readText(path);
+    text.replace(text.find("\"distance\": "), 12, "\"distance\": null, \"length\": ");
+    text.replace(text.find("\"isovalue\""), 10, "\"colour\": 3, \"isovalue\"");
+    folder_.write("ball.isosession", text);
+    trigger("file.close");
+    openAndWait(path);
+    EXPECT_TRUE(window_->messageBar().isVisible());
+    for (const char* says : {"Not all of ball.isosession", "camera, distance", "'length' is not known", "'colour' is not known"})
+        EXPECT_NE(message().find(says), std::string::npos) << says << " in " << message();
+    keepPicture(*window_, "session_problems");
+
+    for (const char* bytes : {"", "{", "\x89PNG\r\n"}) {
+        window_->openFile(pathText(folder_.write("bad.isosession", bytes)));
+        EXPECT_NE(message().find("bad.isosession"), std::string::npos) << message();
+        EXPECT_NE(session_->dataset(), nullptr) << "what was open stays";
+    }
+}
+
+TEST_F(SessionKeeperTest, B110_AVolumeThatIsGoneIsAskedFor) {
+    openBall();
+    session_->isovalue().request(-6.25);
+    const auto path = saveSession();
+    trigger("file.close");
+    fs::create_directory(folder_ / "elsewhere");
+    fs::rename(folder_ / "ball.mha", folder_ / "elsewhere/moved.mha");
+    window_->openFile(pathText(path));
+    EXPECT_TRUE(window_->messageBar().isVisible());
+    EXPECT_NE(message().find("not where it was"), std::string::npos) << message();
+    EXPECT_NE(message().find("ball.mha"), std::string::npos) << message();
+    EXPECT_EQ(session_->dataset(), nullptr);
+    keepPicture(*window_, "session_volume_missing");
+    dialogs_.answers.push_back(pathText(folder_ / "elsewhere/moved.mha"));
+    press(window_->messageBar(), 0);
+    ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr && session_->isSettled(); }));
+    EXPECT_EQ(session_->isovalue().requested(), -6.25);
+}
+
+TEST_F(SessionKeeperTest, SaysWhenItCannotSave) {
+    openBall();
+    dialogs_.answers.push_back(pathText(folder_ / "none/ball.isosession"));
+    trigger("file.saveSession");
+    EXPECT_NE(message().find("was not saved"), std::string::npos) << message();
+}
+
+TEST_F(SessionKeeperTest, KeepsWhatIsShownWhileItRunsAndNothingAfterwards) {
+    const auto sessions = folder_ / "sessions";
+    window_->sessionKeeper().keepIn(sessions, std::chrono::milliseconds(20));
+    openBall();
+    session_->isovalue().request(-5.5);
+    const auto isKept = [&] {
+        for (const auto& entry : fs::directory_iterator(sessions))
+            if (model::isSessionFile(entry.path()))
+                return model::readSession(entry.path()).value().session.isovalue == -5.5;
+        return false;
+    };
+    EXPECT_TRUE(waitUntil(isKept));
+    EXPECT_TRUE(model::SessionSlot::findLost(sessions).empty()) << "the program that keeps it lives";
+    EXPECT_FALSE(recoveryBar()->isVisible());
+    window_.reset();
+    EXPECT_TRUE(fs::is_empty(sessions));
+}
+
+TEST_F(SessionKeeperTest, B111_ALostSessionIsOfferedUntilItIsDecidedUpon) {
+    const auto sessions = folder_ / "sessions";
+    const auto ball = writeBall(folder_, "ball.mha", 24);
+    loseSession(sessions, ball, -8.125);
+    window_->sessionKeeper().keepIn(sessions);
+    ASSERT_TRUE(recoveryBar()->isVisible());
+    const auto text = recoveryBar()->text().toStdString();
+    EXPECT_NE(text.find("did not end properly"), std::string::npos) << text;
+    EXPECT_NE(text.find("ball.mha, isovalue -8.125"), std::string::npos) << text;
+    openAndWait(writeBall(folder_, "other.mha", 16));
+    window_->openFile(pathText(folder_ / "none.mha"));
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(recoveryBar()->isVisible()) << "other messages do not take its place";
+    keepPicture(*window_, "session_recovery");
+    press(*recoveryBar(), 0);
+    ASSERT_TRUE(waitUntil([this] { return session_->dataset()->name == "ball.mha" && session_->isSettled(); }));
+    EXPECT_EQ(session_->isovalue().requested(), -8.125);
+    EXPECT_FALSE(recoveryBar()->isVisible());
+    EXPECT_TRUE(model::SessionSlot::findLost(sessions).empty());
+}
+
+TEST_F(SessionKeeperTest, B111_SeveralAreOfferedOneAfterTheOther) {
+    const auto sessions = folder_ / "sessions";
+    loseSession(sessions, "/volumes/older.mha", 1.0);
+    for (const auto& entry : fs::directory_iterator(sessions))
+        fs::last_write_time(entry.path(), fs::file_time_type::clock::now() - std::chrono::hours(1));
+    loseSession(sessions, "/volumes/newer.mha", 2.0);
+    window_->sessionKeeper().keepIn(sessions);
+    EXPECT_NE(recoveryBar()->text().indexOf(QLatin1String("newer.mha")), -1);
+    press(*recoveryBar(), 1);
+    EXPECT_TRUE(recoveryBar()->isVisible());
+    EXPECT_NE(recoveryBar()->text().indexOf(QLatin1String("older.mha")), -1);
+    press(*recoveryBar(), 1);
+    EXPECT_FALSE(recoveryBar()->isVisible());
+    EXPECT_EQ(session_->dataset(), nullptr);
+}
+
+TEST_F(SessionKeeperTest, SaysWhenNothingCanBeKept) {
+    folder_.write("file", "");
+    window_->sessionKeeper().keepIn(folder_ / "file");
+    EXPECT_NE(message().find("cannot be restored"), std::string::npos) << message();
+    openBall();
+}
+
+} // namespace
+} // namespace isoslider::test
