@@ -212,7 +212,7 @@ void Session::startIndexBuild() {
                              path.parent_path().string());
         return volume.coarseStep > 1
                    ? builder->buildFromFile(volume.path, volume.readOptions, volume.name, path, job)
-                   : builder->build(grid, volume.name, path, job);
+                   : builder->build(grid, volume.name, volume.lengthUnit, path, job);
     };
     indexJob_ = runner_->run<void>("Build index of " + dataset_->name, std::move(work),
                                    [this, ticket = datasetTicket_](const Status& status) {

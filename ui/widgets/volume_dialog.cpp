@@ -94,10 +94,10 @@ std::vector<Fact> factsOf(const model::OpenModel& model, const model::VolumeChoi
     facts.push_back(
         {VolumeDialog::tr("Sample data"), fromStd(model::bytesText(bytesOf(dims, info.type))),
          VolumeDialog::tr("%1 bytes").arg(fromStd(model::groupedText(bytesOf(dims, info.type))))});
-    for (auto& fact : placeFactsOf(info.geometry))
-        if (!choice.hasSize() ||
-            fact.name != placeFactsOf(info.geometry).front().name) // spacing is the preview's
-            facts.push_back(std::move(fact));
+    auto place = placeFactsOf(info.geometry, info.lengthUnit);
+    if (choice.hasSize())
+        place.erase(place.begin()); // the spacing is the preview's
+    std::move(place.begin(), place.end(), std::back_inserter(facts));
     for (const auto& note : info.notes)
         facts.push_back({VolumeDialog::tr("Note"), fromStd(note), {}});
     return facts;
