@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,7 @@ class FileDialogs;
 class IsovaluePanel;
 class MessageBar;
 class OpenFlow;
+class RecentFiles;
 class SettingsStore;
 class ViewportHost;
 
@@ -65,12 +67,12 @@ private:
     void askSaveImage();
     void showDataset();
     void showRecentFiles();
-    void rememberFile(const QString& path);
     void updateActions();
 
     model::Session& session_;
     SettingsStore& settings_;
     FileDialogs& dialogs_;
+    std::unique_ptr<RecentFiles> recentFiles_;
     ActionRegistry* actions_;
     OpenFlow* openFlow_;
     MessageBar* messageBar_ = nullptr;
