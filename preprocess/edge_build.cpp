@@ -236,6 +236,7 @@ private:
         info_.distinctValues = distinct_.count();
         info_.redundancyThreshold = redundancyThreshold_;
         info_.sourceName = options_.sourceName;
+        info_.lengthUnit = source_.info().lengthUnit;
         info_.levels = std::move(levels);
         index::IndexMeta meta;
         meta.info = info_;

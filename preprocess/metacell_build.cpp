@@ -300,6 +300,7 @@ private:
         info_.geometry = geometry_;
         info_.type = source_.info().type;
         info_.sourceName = options_.sourceName;
+        info_.lengthUnit = source_.info().lengthUnit;
         index::IndexMeta meta;
         meta.info = std::move(info_);
         meta.missingCells = std::move(missingCells_);

@@ -30,6 +30,8 @@ struct Facts {
     preprocess::VolumeFacts samples;
     std::string format;
     std::string fieldName;
+    std::string fieldTitle;
+    std::string lengthUnit;
     std::vector<std::string> notes;
 };
 
@@ -51,7 +53,7 @@ Result<Facts> factsOfIndex(const std::string& path) {
     if (!engine.isOk())
         return std::move(engine).error();
     const index::IndexInfo& info = engine.value()->info();
-    return Facts{info.geometry, info.type, {info.min, info.max, info.distinctValues, info.nanCount}, "ISOSLIDER index", "", {}};
+    return Facts{info.geometry, info.type, {info.min, info.max, info.distinctValues, info.nanCount}, "ISOSLIDER index", "", "", info.lengthUnit, {}};
 }
 
 Result<Report> reportOfIndex(const std::string& path) {
@@ -77,7 +79,8 @@ Result<Facts> factsOfVolume(const std::string& path, const io::ReadOptions& opti
     const GridDims& dims = info.geometry.dims;
     if (std::min({dims[0], dims[1], dims[2]}) < 2)
         notes.push_back("has no cells, so no surface: that takes two grid points along each axis");
-    return Facts{info.geometry, info.type, found.value(), info.format, info.fieldName, std::move(notes)};
+    return Facts{info.geometry, info.type, found.value(), info.format, info.fieldName, info.fieldTitle, info.lengthUnit,
+                 std::move(notes)};
 }
 
 const io::VolumeField* fieldAsked(const io::VolumeContents& contents, const std::string& name) {
@@ -135,6 +138,12 @@ Json jsonOf(const Facts& facts) {
     json["distinct_values"] = facts.samples.distinctValues;
     json["nan_count"] = facts.samples.missingSamples;
     json["format"] = facts.format;
+    if (!facts.fieldName.empty())
+        json["field"] = facts.fieldName;
+    if (!facts.fieldTitle.empty())
+        json["title"] = facts.fieldTitle;
+    if (!facts.lengthUnit.empty())
+        json["length_unit"] = facts.lengthUnit;
     json["direction"] = {vectorJson(facts.geometry.direction[0]), vectorJson(facts.geometry.direction[1]),
                          vectorJson(facts.geometry.direction[2])};
     return json;
@@ -200,9 +209,12 @@ std::string textOf(const Facts& facts) {
     std::string text = fmt::format("format           {}\n", facts.format);
     if (!facts.fieldName.empty())
         text += fmt::format("field            {}\n", facts.fieldName);
+    if (!facts.fieldTitle.empty())
+        text += fmt::format("title            {}\n", facts.fieldTitle);
     text += fmt::format("dims             {}\n", dimsText(facts.geometry.dims));
-    text += fmt::format("spacing          {}\n", vectorText(facts.geometry.spacing));
-    text += fmt::format("origin           {}\n", vectorText(facts.geometry.origin));
+    const std::string unit = facts.lengthUnit.empty() ? "" : " " + facts.lengthUnit;
+    text += fmt::format("spacing          {}{}\n", vectorText(facts.geometry.spacing), unit);
+    text += fmt::format("origin           {}{}\n", vectorText(facts.geometry.origin), unit);
     text += fmt::format("direction        {} | {} | {}\n", vectorText(facts.geometry.direction[0]),
                         vectorText(facts.geometry.direction[1]), vectorText(facts.geometry.direction[2]));
     text += fmt::format("scalar type      {}\n", scalarTypeName(facts.type));

@@ -26,9 +26,11 @@ Status buildFrom(io::VolumeSource& source, const std::string& sourceName,
 } // namespace
 
 Status PreprocessIndexBuilder::build(const std::shared_ptr<const ScalarGrid>& grid,
-                                     const std::string& sourceName, const std::filesystem::path& indexPath,
-                                     const JobControl& job) {
-    return buildFrom(*io::makeMemorySource(grid), sourceName, indexPath, job);
+                                     const std::string& sourceName, const std::string& lengthUnit,
+                                     const std::filesystem::path& indexPath, const JobControl& job) {
+    io::VolumeInfo info;
+    info.lengthUnit = lengthUnit;
+    return buildFrom(*io::makeMemorySource(grid, std::move(info)), sourceName, indexPath, job);
 }
 
 Status PreprocessIndexBuilder::buildFromFile(const std::filesystem::path& volume,

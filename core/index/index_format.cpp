@@ -9,6 +9,7 @@
 #include <zstd.h>
 
 #include "core/base/byte_codec.h"
+#include "core/grid/length_unit.h"
 #include "core/index/sample_store.h"
 
 namespace isoslider::index {
@@ -285,6 +286,8 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
     return preamble;
 }
 
+std::uint16_t minorOf(const IndexMeta& meta) { return meta.info.lengthUnit.empty() ? 0 : 1; }
+
 std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     std::vector<std::byte> bytes;
     ByteWriter out(bytes);
@@ -311,6 +314,8 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     putHiddenPages(out, meta.hiddenPages);
     putShelves(out, meta);
     putMissingCells(out, meta.missingCells);
+    if (minorOf(meta) >= 1)
+        out.putString(info.lengthUnit);
     return bytes;
 }
 
@@ -360,6 +365,10 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
         return corrupt("shelves of samples");
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
+    if (preamble.minor >= 1)
+        info.lengthUnit = in.getString(kMaxLengthUnitBytes);
+    if (!isLengthUnit(info.lengthUnit))
+        return corrupt("unit of length");
     // A later minor version may have more to say, which a reader of this one need not know.
     if (in.hasFailed() || (in.remaining() != 0 && preamble.minor <= kFormatMinor))
         return corrupt("length");

@@ -15,7 +15,7 @@ namespace isoslider::index {
 /// FORMAT.md describes the bytes; this header is the one place where code knows them.
 inline constexpr char kIndexMagic[12] = {'I', 'S', 'O', 'S', 'L', 'I', 'D', 'E', '\r', '\n', '\x1a', '\n'};
 inline constexpr std::uint16_t kFormatMajor = 3;
-inline constexpr std::uint16_t kFormatMinor = 0;
+inline constexpr std::uint16_t kFormatMinor = 1;
 inline constexpr std::size_t kPreambleBytes = 64;
 inline constexpr std::uint64_t kMaxMetaBytes = std::uint64_t{4} << 30;
 inline constexpr int kMaxSkipLevels = 8;
@@ -31,7 +31,7 @@ inline constexpr std::size_t kMaxHiddenPageBytes = 16 + 12 * (4 + kMaxHiddenPage
 /// The first bytes of the file: where everything else is.
 struct Preamble {
     std::uint16_t major = kFormatMajor;
-    std::uint16_t minor = kFormatMinor;
+    std::uint16_t minor = 0; ///< minorOf() the meta
     std::uint64_t metaOffset = 0;
     std::uint64_t metaBytes = 0;
     std::uint64_t metaChecksum = 0;
@@ -104,6 +104,9 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
 
 /// Sets the sums in `meta.info` that follow from the directory of hidden corners.
 void countHiddenCorners(IndexMeta& meta);
+
+/// The least minor version whose readers know all of `meta`: files of volumes without a unit stay those of 3.0.
+std::uint16_t minorOf(const IndexMeta& meta);
 
 std::vector<std::byte> encodeMeta(const IndexMeta& meta);
 /// Checks every field against the file's size and the grid. Errors: Corruption.

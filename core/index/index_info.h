@@ -52,6 +52,7 @@ struct IndexInfo {
     std::uint64_t mergeErrorBytes = 0;   ///< encoded bytes of the merged cells' errors; 0 with edges
     double redundancyThreshold = 0.0; ///< k of the paper, section 2.1
     std::string sourceName;        ///< file name of the volume, without its folder
+    std::string lengthUnit;        ///< of spacing and origin (core/grid/length_unit.h); empty: unknown
     std::vector<SkipLevelInfo> levels;
     Histogram histogram;
     /// Active edges at the lower end of each histogram bin: the cost of an isovalue before a visit.

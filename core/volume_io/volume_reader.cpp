@@ -123,6 +123,7 @@ Result<VolumeContents> listByOpening(OpenFormat open, const fs::path& path, cons
     const VolumeInfo& info = source.value()->info();
     VolumeField field;
     field.name = info.fieldName;
+    field.title = info.fieldTitle;
     field.dims = info.geometry.dims;
     field.typeName = scalarTypeName(info.type);
     VolumeContents contents;

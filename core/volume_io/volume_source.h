@@ -32,6 +32,9 @@ struct VolumeInfo {
     std::string format;    ///< "MetaImage", "NRRD", "NIfTI", "DICOM", "TIFF", "VTK image", "NetCDF", "raw", ...
     std::string fieldName; ///< the scalar field, where the format names it
     std::vector<std::filesystem::path> dataFiles; ///< that are read beside the file or folder that was opened
+    std::string fieldTitle; ///< the same for people; empty: the name will do
+    /// Of spacing and origin: "mm", "Å"; empty where the format does not say. isLengthUnit() holds.
+    std::string lengthUnit;
     std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
     /// Set when the source has been resampled: once its first slab is read.
     std::optional<ResampleReport> resampling;

@@ -62,6 +62,22 @@ TEST_F(CliInfo, RefusesARawFileOfAnotherSize) {
     EXPECT_EQ(run(withLayout({"info", path("long.raw"), "--allow-trailing"})).exitCode, 0);
 }
 
+TEST_F(CliInfo, TellsTheUnitOfLengthAndTheTitle) {
+    folder_.write("a.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 2\n"
+                            "units: \"micron\" \"micron\" \"micron\"\ncontent: a shell\nencoding: raw\n\n12345678");
+    const auto json = runJson({"info", path("a.nrrd")});
+    EXPECT_EQ(json["length_unit"], "µm");
+    EXPECT_EQ(json["title"], "a shell");
+    const auto text = run({"info", path("a.nrrd")}).standardOutput;
+    EXPECT_THAT(text, HasSubstr("spacing          1 1 2 µm\n"));
+    EXPECT_THAT(text, HasSubstr("title            a shell\n"));
+    for (const char* kind : {"edges", "metacells"}) {
+        run({"build", path("a.nrrd"), "-o", path("a.isx"), "--index", kind});
+        EXPECT_EQ(runJson({"info", path("a.isx")})["length_unit"], "µm") << kind;
+    }
+    EXPECT_FALSE(runJson({"info", sphereVolume()}).contains("length_unit"));
+}
+
 TEST_F(CliInfo, RefusesGridsThatCannotBe) {
     folder_.write("a.raw", std::string(64, 'x'));
     for (const auto* dims :

@@ -166,8 +166,8 @@ TEST_F(MainWindowTest, ShowsTheCertificateOfTheSurface) {
     EXPECT_EQ(factTextOf(*form, "Euler number"), "2");
     EXPECT_EQ(factTextOf(*form, "Genus"), "0");
     EXPECT_EQ(factTextOf(*form, "Inner vertices"), "0");
-    EXPECT_TRUE(factOf(*form, "Area")->text().endsWith(QStringLiteral(" units²")));
-    EXPECT_TRUE(factOf(*form, "Enclosed volume")->text().endsWith(QStringLiteral(" units³")));
+    EXPECT_TRUE(factOf(*form, "Area")->text().endsWith(QChar(QChar::Nbsp) + QStringLiteral("units²")));
+    EXPECT_TRUE(factOf(*form, "Enclosed volume")->text().endsWith(QChar(QChar::Nbsp) + QStringLiteral("units³")));
     session_->isovalue().request(-14.0); // cut by every face of the box
     trigger("mesh.check");
     ASSERT_TRUE(waitUntil([&] { return factOf(*form, "Surface")->text() != QStringLiteral("closed"); }));

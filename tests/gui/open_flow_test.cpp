@@ -1,6 +1,4 @@
 // From a file or folder to an open volume: previews, choices, raw samples, cancelling.
-#include <cmath>
-
 #include <QCheckBox>
 #include <QComboBox>
 #include <QDialog>
@@ -10,94 +8,15 @@
 #include <QSpinBox>
 #include <QTableView>
 #include <QTest>
+#include <QTreeView>
 
-#include "tests/gui/window_fixture.h"
+#include "tests/gui/fake_readers.h"
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/message_bar.h"
 #include "ui/widgets/preview_pane.h"
 
 namespace isoslider::test {
 namespace {
-
-namespace fs = std::filesystem;
-
-QString qpath(const fs::path& path) { return QString::fromStdString(path.string()); }
-
-/// A ball of radius n/3, 0 outside to `top` inside, as samples of T.
-template <class T>
-std::vector<T> ballSamples(const GridDims& dims, double top) {
-    std::vector<T> samples;
-    for (std::int64_t z = 0; z < dims[2]; ++z)
-        for (std::int64_t y = 0; y < dims[1]; ++y)
-            for (std::int64_t x = 0; x < dims[0]; ++x) {
-                const auto from = [](std::int64_t i, std::int64_t n) {
-                    return static_cast<double>(i) / static_cast<double>(n - 1) - 0.5;
-                };
-                const double r = std::hypot(from(x, dims[0]), from(y, dims[1]), from(z, dims[2]));
-                samples.push_back(static_cast<T>(top / (1.0 + std::exp((r - 0.33) * 24.0))));
-            }
-    return samples;
-}
-
-class OpenFlowTest : public WindowTest {
-protected:
-    QDialog* dialog(const char* name) {
-        QDialog* found = nullptr;
-        waitUntil([&] { return (found = window_->findChild<QDialog*>(QLatin1String(name))) != nullptr; });
-        EXPECT_NE(found, nullptr) << name;
-        return found;
-    }
-    bool waitForPreview(QDialog* dialog) {
-        auto* open = dialog->findChild<QPushButton*>(dialog->objectName() == QStringLiteral("volumeDialog")
-                                                         ? QStringLiteral("volumeOpen")
-                                                         : QStringLiteral("rawOpen"));
-        auto* progress = dialog->findChild<QProgressBar*>(QStringLiteral("previewProgress"));
-        return waitUntil([&] { return open->isEnabled() && !progress->isVisible(); });
-    }
-    static QString status(QDialog* dialog) {
-        return dialog->findChild<widgets::PreviewPane*>()->statusText();
-    }
-    bool isGone(const char* dialog) {
-        return waitUntil([&] { return window_->findChild<QDialog*>(QLatin1String(dialog)) == nullptr; });
-    }
-    bool waitForSurface() {
-        return waitUntil([this] { return session_->frame() != nullptr && !session_->isLoading(); });
-    }
-    /// Nothing that a label says is cut off.
-    static void expectLegible(const QDialog* dialog) {
-        QTest::qWait(50); // the layout follows
-        for (const auto* label : dialog->findChildren<QLabel*>()) {
-            if (!label->isVisible() || label->text().isEmpty())
-                continue;
-            const int needed =
-                label->wordWrap() ? label->heightForWidth(label->width()) : label->sizeHint().height();
-            EXPECT_GE(label->height(), needed) << label->text().toStdString();
-            if (!label->wordWrap()) {
-                EXPECT_GE(label->width(), label->sizeHint().width()) << label->text().toStdString();
-            }
-        }
-        for (const auto* widget : dialog->findChildren<QWidget*>()) {
-            const auto shown = widget->visibleRegion().boundingRect();
-            const bool isSimple =
-                widget->findChildren<QWidget*>().size() <= 3 && widget->parentWidget() != nullptr;
-            EXPECT_TRUE(!isSimple || shown.isEmpty() || shown.width() == widget->width())
-                << widget->objectName().toStdString() << " (" << widget->metaObject()->className() << ")";
-        }
-    }
-    /// Every control has a name for those who do not see it.
-    static void expectNamed(const QDialog* dialog) {
-        for (const auto* widget : dialog->findChildren<QWidget*>()) {
-            const bool isControl = qobject_cast<const QAbstractSpinBox*>(widget) != nullptr ||
-                                   qobject_cast<const QComboBox*>(widget) != nullptr ||
-                                   qobject_cast<const QTableView*>(widget) != nullptr;
-            bool hasBuddy = false;
-            for (const auto* label : dialog->findChildren<QLabel*>())
-                hasBuddy = hasBuddy || label->buddy() == widget;
-            EXPECT_TRUE(!isControl || hasBuddy || !widget->accessibleName().isEmpty())
-                << widget->objectName().toStdString();
-        }
-    }
-};
 
 TEST_F(OpenFlowTest, AFileIsShownBeforeItIsOpened) {
     dialogs_.answers.push_back(qpath(writeBall(folder_, "ball.mha", 40)));
@@ -107,7 +26,7 @@ TEST_F(OpenFlowTest, AFileIsShownBeforeItIsOpened) {
     EXPECT_EQ(session_->dataset(), nullptr);
     EXPECT_TRUE(status(shown).startsWith(QStringLiteral("All samples: values -33")))
         << status(shown).toStdString();
-    EXPECT_FALSE(shown->findChild<QTableView*>(QStringLiteral("volumeFields"))->isVisible())
+    EXPECT_FALSE(shown->findChild<QTreeView*>(QStringLiteral("volumeFields"))->isVisible())
         << "one field is no choice";
     expectLegible(shown);
     expectNamed(shown);
@@ -158,64 +77,13 @@ TEST_F(OpenFlowTest, ABadFileIsToldInTheDialogAndTheOldVolumeStays) {
     EXPECT_TRUE(waitUntil([&] { return session_->isovalue().displayed() == -5.0; }));
 }
 
-io::VolumeField fieldOf(const char* name, const char* title, const GridDims& dims) {
-    io::VolumeField field;
-    field.name = name;
-    field.title = title;
-    field.dims = dims;
-    field.typeName = "int16";
-    return field;
-}
-
-/// Readers that find what they are told to; samples are a ball whose greatest value tells what was chosen.
-class FakeReadersTest : public OpenFlowTest {
-protected:
-    FakeReadersTest() {
-        volumes_.list = [this](const fs::path&, const io::ReadOptions&) -> Result<io::VolumeContents> {
-            return contents_;
-        };
-        volumes_.open = [this](const fs::path& path,
-                               const io::ReadOptions& options) -> Result<std::unique_ptr<io::VolumeSource>> {
-            const bool mustChoose =
-                contents_.needsChoice() && options.field.empty() && !options.component && !options.frame;
-            if (mustChoose)
-                return makeError(ErrorCode::InvalidArgument, "holds several volumes; choose one",
-                                 path.string());
-            GridGeometry geometry;
-            geometry.dims = options.resampleDims[0] > 0 ? options.resampleDims : contents_.fields[0].dims;
-            const double top = 1000.0 + (options.field == "b" ? 500.0 : 0.0) +
-                               100.0 * options.component.value_or(0) +
-                               10.0 * static_cast<double>(options.frame.value_or(0));
-            return io::makeMemorySource(
-                std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<std::int16_t>(
-                    geometry, ScalarType::I16, ballSamples<std::int16_t>(geometry.dims, top))));
-        };
-        volumes_.read = [this, read = volumes_.read](io::VolumeSource& source, const fs::path& path,
-                                                     const JobControl& job) {
-            while (isHeld_ && !job.isStopRequested())
-                std::this_thread::sleep_for(std::chrono::milliseconds(1));
-            return job.isStopRequested() ? cancelledError() : read(source, path, job);
-        };
-        contents_.format = "DICOM";
-        contents_.fields = {fieldOf("a", "3: T1 MPRAGE sagittal", {24, 20, 28}),
-                            fieldOf("b", "5: T2 FLAIR axial", {24, 20, 28})};
-        makeWindow();
-    }
-    ~FakeReadersTest() override {
-        window_.reset();
-        session_.reset();
-    }
-    io::VolumeContents contents_;
-    std::atomic<bool> isHeld_{false};
-};
-
 TEST_F(FakeReadersTest, AFolderOfSeveralSeriesAsksWhich) {
     fs::create_directory(folder_ / "study");
     drop(folder_ / "study");
     auto* shown = dialog("volumeDialog");
     ASSERT_TRUE(waitForPreview(shown));
     EXPECT_EQ(shown->windowTitle(), QStringLiteral("Open Folder"));
-    auto* series = shown->findChild<QTableView*>(QStringLiteral("volumeFields"));
+    auto* series = shown->findChild<QTreeView*>(QStringLiteral("volumeFields"));
     ASSERT_TRUE(series->isVisible());
     EXPECT_EQ(series->model()->rowCount(), 2);
     EXPECT_EQ(series->model()->index(1, 0).data().toString(), QStringLiteral("5: T2 FLAIR axial"));

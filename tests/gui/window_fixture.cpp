@@ -19,8 +19,11 @@
 namespace isoslider::test {
 
 Status HoldableBuilder::build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
-                              const std::filesystem::path& indexPath, const JobControl& job) {
-    return buildFrom(*io::makeMemorySource(grid), sourceName, indexPath, job);
+                              const std::string& lengthUnit, const std::filesystem::path& indexPath,
+                              const JobControl& job) {
+    io::VolumeInfo info;
+    info.lengthUnit = lengthUnit;
+    return buildFrom(*io::makeMemorySource(grid, std::move(info)), sourceName, indexPath, job);
 }
 
 Status HoldableBuilder::buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,

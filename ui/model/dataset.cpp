@@ -65,6 +65,8 @@ void describe(const io::VolumeInfo& info, Dataset& dataset) {
     dataset.type = info.type;
     dataset.format = info.format;
     dataset.fieldName = info.fieldName;
+    dataset.fieldTitle = info.fieldTitle;
+    dataset.lengthUnit = info.lengthUnit;
     dataset.notes = info.notes;
 }
 
@@ -165,6 +167,8 @@ void adoptIndex(Dataset& dataset, const index::IndexInfo& info) {
     dataset.distinctValues = info.distinctValues;
     dataset.missingSamples = info.nanCount;
     dataset.histogram = info.histogram;
+    if (!info.lengthUnit.empty()) // an index of an earlier version does not know it
+        dataset.lengthUnit = info.lengthUnit;
     dataset.index = info;
 }
 

@@ -26,6 +26,8 @@ struct Dataset {
     io::ReadOptions readOptions; ///< what `path` was opened with
     std::string format;
     std::string fieldName;
+    std::string fieldTitle; ///< the same for people; empty: the name will do
+    std::string lengthUnit; ///< of spacing and origin; empty: unknown
     std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
     std::optional<io::ResampleReport> resampling; ///< what a grid that is not uniform lost when it was read
     GridGeometry geometry; ///< of the whole volume

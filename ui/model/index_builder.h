@@ -18,8 +18,10 @@ public:
 
     /// Builds the index of `grid` and publishes it at `indexPath`, whose folder exists. On failure
     /// or cancel nothing is left behind. Runs on a worker thread; several may run at once.
+    /// `lengthUnit`: as io::VolumeInfo's.
     virtual Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
-                         const std::filesystem::path& indexPath, const JobControl& job) = 0;
+                         const std::string& lengthUnit, const std::filesystem::path& indexPath,
+                         const JobControl& job) = 0;
 
     /// As above, of a volume on disk that does not fit in memory: read in slabs, more than once.
     /// Errors as above, and whatever io::openVolume reports.

@@ -175,7 +175,10 @@ std::optional<io::RawLayout> rawFrom(const Json& json, std::vector<std::string>&
     std::string type;
     const bool hasDims = members.dims("dims", raw.dims, 1), hasType = members.text("type", type);
     const auto scalar = hasType ? scalarTypeFromName(type) : std::nullopt;
-    members.numbers("spacing", raw.spacing, 3);
+    if (members.numbers("spacing", raw.spacing, 3) && !(raw.spacing.x > 0.0 && raw.spacing.y > 0.0 && raw.spacing.z > 0.0)) {
+        members.tellOf("spacing", "is not positive and ignored");
+        raw.spacing = glm::dvec3(1.0);
+    }
     members.integer("skipBytes", raw.skipBytes, 0, INT64_MAX);
     members.flag("bigEndian", raw.isBigEndian);
     if (!hasDims || !scalar) {

@@ -213,7 +213,7 @@ void Session::startIndexBuild() {
         IndexCache::forget(path);
         ISO_TRY(volume.coarseStep > 1
                     ? builder->buildFromFile(volume.path, volume.readOptions, volume.name, path, job.part(0.0, 0.95))
-                    : builder->build(grid, volume.name, path, job.part(0.0, 0.95)));
+                    : builder->build(grid, volume.name, volume.lengthUnit, path, job.part(0.0, 0.95)));
         if (volume.stamp) // what cannot be recorded is built again the next time
             (void)IndexCache::record(path, *volume.stamp, layoutText(volume.readOptions), job.part(0.95, 1.0));
         return {};

@@ -51,6 +51,16 @@ std::vector<Fact> sampleFactsOf(const model::Dataset& dataset, bool isPreview, b
     return facts;
 }
 
+/// For people, with the name that the file knows it by in the tip.
+std::optional<Fact> fieldFactOf(const model::Dataset& dataset) {
+    const QString name = fromStd(dataset.fieldName);
+    if (!dataset.fieldTitle.empty())
+        return Fact{DatasetPanel::tr("Field"), fromStd(dataset.fieldTitle), name};
+    if (!name.isEmpty())
+        return Fact{DatasetPanel::tr("Field"), shortened(name), name};
+    return std::nullopt;
+}
+
 std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, bool isInMemory) {
     using model::groupedText;
     const auto& geometry = dataset.geometry;
@@ -58,8 +68,8 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, b
     std::vector<Fact> facts;
     facts.push_back({DatasetPanel::tr("File"), fromStd(dataset.name), QDir::toNativeSeparators(path)});
     facts.push_back({DatasetPanel::tr("Format"), fromStd(dataset.format), {}});
-    if (!dataset.fieldName.empty())
-        facts.push_back({DatasetPanel::tr("Field"), shortened(fromStd(dataset.fieldName)), fromStd(dataset.fieldName)});
+    if (const auto fact = fieldFactOf(dataset))
+        facts.push_back(*fact);
     facts.push_back({DatasetPanel::tr("Grid points"),
                      QStringLiteral("%1 = %2").arg(dimsText(geometry.dims),
                                                    fromStd(groupedText(pointCount(geometry.dims)))),
@@ -70,7 +80,7 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, b
                              .arg(dimsText(io::coarseDims(geometry.dims, dataset.coarseStep)))
                              .arg(dataset.coarseStep),
                          DatasetPanel::tr("One of %1 samples along each axis").arg(dataset.coarseStep)});
-    for (auto& fact : placeFactsOf(geometry))
+    for (auto& fact : placeFactsOf(geometry, dataset.lengthUnit))
         facts.push_back(std::move(fact));
     facts.push_back({DatasetPanel::tr("Sample type"), typeText(dataset.type), {}});
     for (auto& fact : sampleFactsOf(dataset, isPreview, isInMemory))

@@ -1,5 +1,7 @@
 #include "ui/widgets/fact_texts.h"
 
+#include <array>
+
 #include <QCoreApplication>
 
 #include "ui/model/number_text.h"
@@ -35,10 +37,21 @@ QString typeText(ScalarType type) {
         .arg(fromStd(std::string(name)), kind, tr("%1 bits").arg(8 * scalarTypeSizeBytes(type)));
 }
 
-std::vector<Fact> placeFactsOf(const GridGeometry& geometry) {
-    std::vector<Fact> facts{
-        {tr("Spacing"), valueTriple(geometry.spacing), tr("in the file's units of length")},
-        {tr("Origin"), pointText(geometry.origin), tr("in the file's units of length")}};
+QString inLengthUnit(const QString& number, const std::string& unit, int power) {
+    static const std::array kPowers{QString(), QStringLiteral("²"), QStringLiteral("³")};
+    return number + QChar(QChar::Nbsp) + (unit.empty() ? tr("units") : fromStd(unit)) +
+           kPowers[static_cast<std::size_t>(power - 1)];
+}
+
+std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& unit) {
+    const auto withUnit = [&](const QString& text) { return unit.empty() ? text : inLengthUnit(text, unit); };
+    const QString tip = unit.empty() ? tr("The file does not say in which unit of length") : QString();
+    glm::dvec3 size = geometry.spacing;
+    for (int axis = 0; axis < 3; ++axis)
+        size[axis] *= static_cast<double>(geometry.dims[static_cast<std::size_t>(axis)] - 1);
+    std::vector<Fact> facts{{tr("Spacing"), withUnit(valueTriple(geometry.spacing)), tip},
+                            {tr("Origin"), withUnit(pointText(geometry.origin)), tip},
+                            {tr("Box"), withUnit(valueTriple(size)), tr("From the first grid points to the last")}};
     if (geometry.direction != glm::dmat3(1.0))
         facts.push_back({tr("Axes"), geometry.isLeftHanded() ? tr("turned, left-handed") : tr("turned"),
                          tr("x %1\ny %2\nz %3")

@@ -23,7 +23,9 @@ QString typeText(ScalarType type);
 
 /// What a grid that is not uniform loses by being resampled; empty if it was not.
 std::vector<Fact> resamplingFactsOf(const std::optional<io::ResampleReport>& report);
-/// Spacing, origin and, where they are turned, axes.
-std::vector<Fact> placeFactsOf(const GridGeometry& geometry);
+/// Spacing, origin, size of the box and, where they are turned, axes. `unit` may be empty: not known.
+std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& unit);
+/// "12.5 mm²": a number in a power of the unit of length, 1 to 3; "12.5 units²" where that is not known.
+QString inLengthUnit(const QString& number, const std::string& unit, int power = 1);
 
 } // namespace isoslider::widgets

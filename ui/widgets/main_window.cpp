@@ -22,6 +22,7 @@
 #include "ui/widgets/message_bar.h"
 #include "ui/widgets/open_flow.h"
 #include "ui/widgets/session_keeper.h"
+#include "ui/widgets/recent_files.h"
 #include "ui/widgets/settings_store.h"
 #include "ui/widgets/start_page.h"
 #include "ui/widgets/viewport_host.h"
@@ -30,7 +31,6 @@
 namespace isoslider::widgets {
 namespace {
 
-constexpr int kMostRecentFiles = 10;
 constexpr int kMostFilesNamed = 3;
 constexpr int kLayoutVersion = 1;
 
@@ -38,7 +38,7 @@ constexpr int kLayoutVersion = 1;
 
 MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs, QWidget* parent)
     : QMainWindow(parent), session_(session), settings_(settings), dialogs_(dialogs),
-      actions_(new ActionRegistry(this)), openFlow_(new OpenFlow(session, settings, dialogs, this)) {
+      recentFiles_(std::make_unique<RecentFiles>(settings)), actions_(new ActionRegistry(this)), openFlow_(new OpenFlow(session, settings, dialogs, this)) {
     setObjectName(QStringLiteral("mainWindow"));
     setWindowTitle(QStringLiteral("ISOSLIDER"));
     setWindowIcon(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")));
@@ -79,7 +79,7 @@ void MainWindow::makeCentre() {
     layout->addWidget(messageBar_);
     layout->addWidget(host_, 1);
     setCentralWidget(centre);
-    connect(&host_->startPage(), &StartPage::openRequested, this, [this](const QString& path) { openFile(path); });
+    connect(&host_->startPage(), &StartPage::openRequested, openFlow_, &OpenFlow::openRecent);
 }
 
 QDockWidget* MainWindow::addDock(const QString& title, const char* name, QWidget* panel) {
@@ -168,19 +168,9 @@ void MainWindow::showDataset() {
     const auto* dataset = session_.dataset();
     setWindowTitle(dataset == nullptr ? QStringLiteral("ISOSLIDER")
                                       : QStringLiteral("%1 – ISOSLIDER").arg(QString::fromStdString(dataset->name)));
-    if (dataset != nullptr && !dataset->path.empty())
-        rememberFile(QString::fromStdU16String(dataset->path.u16string()));
+    if (dataset != nullptr && !dataset->path.empty() && recentFiles_->remember(model::recentOf(*dataset)))
+        showRecentFiles();
     updateActions();
-}
-
-void MainWindow::rememberFile(const QString& path) {
-    QStringList recent = settings_.list("files/recent");
-    if (!recent.isEmpty() && recent.first() == path)
-        return;
-    recent.removeAll(path);
-    recent.prepend(path);
-    settings_.set("files/recent", QStringList(recent.mid(0, kMostRecentFiles)));
-    showRecentFiles();
 }
 
 void MainWindow::updateActions() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,7 @@ class IsovaluePanel;
 class MessageBar;
 class OpenFlow;
 class SessionKeeper;
+class RecentFiles;
 class SettingsStore;
 class ViewportHost;
 
@@ -67,12 +69,12 @@ private:
     void askSaveImage();
     void showDataset();
     void showRecentFiles();
-    void rememberFile(const QString& path);
     void updateActions();
 
     model::Session& session_;
     SettingsStore& settings_;
     FileDialogs& dialogs_;
+    std::unique_ptr<RecentFiles> recentFiles_;
     ActionRegistry* actions_;
     OpenFlow* openFlow_;
     SessionKeeper* keeper_ = nullptr;

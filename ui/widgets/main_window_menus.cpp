@@ -1,7 +1,5 @@
 #include <QAction>
-#include <QDir>
 #include <QDockWidget>
-#include <QFileInfo>
 #include <QMenu>
 #include <QMenuBar>
 #include <QToolBar>
@@ -12,6 +10,7 @@
 #include "ui/widgets/main_window.h"
 #include "ui/widgets/open_flow.h"
 #include "ui/widgets/session_keeper.h"
+#include "ui/widgets/recent_files.h"
 #include "ui/widgets/settings_store.h"
 #include "ui/widgets/start_page.h"
 #include "ui/widgets/viewport_host.h"
@@ -128,21 +127,22 @@ void MainWindow::connectActions() {
 }
 
 void MainWindow::showRecentFiles() {
-    const QStringList recent = settings_.list("files/recent");
+    const auto recent = recentFiles_->all();
     recentMenu_->clear();
     int number = 1;
-    for (const auto& path : recent) {
-        QAction* action = recentMenu_->addAction(QStringLiteral("&%1 %2").arg(number++).arg(QFileInfo(path).fileName()));
-        action->setToolTip(QDir::toNativeSeparators(path));
+    for (const auto& file : recent) {
+        QAction* action =
+            recentMenu_->addAction(QStringLiteral("&%1 ").arg(number++) + recentTitle(file));
+        action->setToolTip(recentTip(file));
         action->setStatusTip(action->toolTip());
-        connect(action, &QAction::triggered, this, [this, path] { openFile(path); });
+        connect(action, &QAction::triggered, this, [this, file] { openFlow_->openRecent(file); });
     }
     recentMenu_->setToolTipsVisible(true);
-    recentMenu_->setEnabled(!recent.isEmpty());
+    recentMenu_->setEnabled(!recent.empty());
     recentMenu_->addSeparator();
     QAction* clear = recentMenu_->addAction(tr("&Clear List"));
     connect(clear, &QAction::triggered, this, [this] {
-        settings_.set("files/recent", QStringList());
+        recentFiles_->clear();
         showRecentFiles();
     });
     host_->startPage().setRecentFiles(recent);

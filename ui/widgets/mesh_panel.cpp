@@ -9,6 +9,7 @@
 #include "ui/model/number_text.h"
 #include "ui/model/session.h"
 #include "ui/widgets/action_registry.h"
+#include "ui/widgets/fact_texts.h"
 #include "ui/widgets/small_widgets.h"
 
 namespace isoslider::widgets {
@@ -50,13 +51,13 @@ QString surfaceText(const mesh::Certificate& certificate) {
     return places.isEmpty() ? MeshPanel::tr("closed") : MeshPanel::tr("open at %1").arg(places.join(QStringLiteral(", ")));
 }
 
-QString nudgeText(const mesh::Nudge& nudge) {
+QString nudgeText(const mesh::Nudge& nudge, const std::string& unit) {
     if (nudge.vertices == 0)
         return grouped(0);
     const auto length = [](double value) { return QString::fromStdString(model::valueText(value, 3)); };
     return MeshPanel::tr("%1, by at most %2 %3")
         .arg(grouped(nudge.vertices), unbroken(MeshPanel::tr("%1 cells").arg(length(nudge.largestCells))),
-             unbroken(MeshPanel::tr("(%1 units)").arg(length(nudge.largestWorld))));
+             QStringLiteral("(%1)").arg(inLengthUnit(length(nudge.largestWorld), unit)));
 }
 
 QString verdict(const mesh::Certificate& certificate) {
@@ -66,9 +67,10 @@ QString verdict(const mesh::Certificate& certificate) {
     return faults.isEmpty() ? yesNo(true) : MeshPanel::tr("%1: %2").arg(yesNo(false), faults.join(QStringLiteral(", ")));
 }
 
-std::vector<Fact> factsOf(const mesh::Certificate& certificate) {
+std::vector<Fact> factsOf(const mesh::Certificate& certificate, const std::string& unit) {
     const auto tr = [](const char* text) { return MeshPanel::tr(text); };
     const mesh::MeshReport& report = certificate.report;
+    const QString unitTip = unit.empty() ? tr("In the units of the volume's spacing, which its file does not name") : QString();
     const bool hasGenus = report.isManifold && report.isOriented;
     return {
         {tr("Sound"), verdict(certificate), tr("An oriented manifold, open only where it meets the box or a missing value")},
@@ -84,12 +86,12 @@ std::vector<Fact> factsOf(const mesh::Certificate& certificate) {
         {tr("Euler number"), number(report.euler), tr("Vertices − edges + triangles")},
         {tr("Boundary loops"), grouped(report.boundaryLoops), {}},
         {tr("Genus"), hasGenus ? number(report.genus) : QStringLiteral("–"), tr("Tunnels, summed over components")},
-        {tr("Area"), MeshPanel::tr("%1 units²").arg(number(report.area)), tr("In the units of the volume's spacing")},
-        {tr("Enclosed volume"), report.isClosed ? MeshPanel::tr("%1 units³").arg(number(report.enclosedVolume)) : tr("– (open)"),
-         tr("In the units of the volume's spacing")},
+        {tr("Area"), inLengthUnit(number(report.area), unit, 2), unitTip},
+        {tr("Enclosed volume"), report.isClosed ? inLengthUnit(number(report.enclosedVolume), unit, 3) : tr("– (open)"),
+         unitTip},
         {tr("Degenerate triangles"), grouped(report.degenerateTriangles), tr("Zero area or a repeated vertex")},
         {tr("Duplicate triangles"), grouped(report.duplicateTriangles), {}},
-        {tr("Nudged vertices"), nudgeText(certificate.nudge),
+        {tr("Nudged vertices"), nudgeText(certificate.nudge, unit),
          tr("Held off grid points that have the isovalue, along their edges, so that no triangle has zero area")},
         {tr("Grid"), certificate.geometry.isLeftHanded() ? tr("left-handed") : tr("right-handed"),
          tr("Triangles of a left-handed grid are turned, so that they face the same side in space")}};
@@ -145,7 +147,7 @@ void MeshPanel::showReport() {
     const auto frame = session_.frame();
     const auto& certificate = session_.certificate();
     check_->setEnabled(frame && !session_.isCheckingMesh());
-    report_->setFacts(certificate ? factsOf(*certificate) : std::vector<Fact>{});
+    report_->setFacts(certificate ? factsOf(*certificate, session_.dataset()->lengthUnit) : std::vector<Fact>{});
     if (session_.isCheckingMesh())
         state_->setText(tr("Checking…"));
     else if (session_.isPreview())

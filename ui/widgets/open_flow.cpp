@@ -85,6 +85,16 @@ void OpenFlow::openPath(const QString& path, std::optional<double> isovalue) {
     open(std::move(request));
 }
 
+void OpenFlow::openRecent(const model::RecentFile& file) {
+    if (!file.hasChoices())
+        return openPath(QString::fromStdU16String(file.path.u16string()));
+    model::OpenRequest request;
+    request.path = file.path;
+    request.readOptions = file.options;
+    request.asksForChoice = !file.options.raw;
+    open(std::move(request));
+}
+
 void OpenFlow::openSample(const QString& name) {
     model::OpenRequest request;
     request.sampleName = name.toStdString();

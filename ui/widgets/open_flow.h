@@ -7,6 +7,7 @@
 #include <QString>
 
 #include "ui/model/open_model.h"
+#include "ui/model/recent_file.h"
 #include "ui/model/session.h"
 
 class QWidget;
@@ -35,6 +36,9 @@ public:
     /// Opens a volume, an index or a folder. Asks only what has to be known: how a headerless file is
     /// arranged, and which of several volumes is meant. `isovalue`: the first one; otherwise a suggested one.
     void openPath(const QString& path, std::optional<double> isovalue = std::nullopt);
+    /// Opens what was open before, with the choices that were made then. Asks nothing, unless the file has changed
+    /// so that they are no longer there.
+    void openRecent(const model::RecentFile& file);
     void openSample(const QString& name);
     void setPreviewsFirst(bool isOn);
 

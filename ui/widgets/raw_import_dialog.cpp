@@ -4,7 +4,6 @@
 
 #include <QCheckBox>
 #include <QComboBox>
-#include <QDialogButtonBox>
 #include <QDoubleSpinBox>
 #include <QFormLayout>
 #include <QHBoxLayout>
@@ -29,20 +28,6 @@ constexpr int kRowsShown = 6;
 
 QString grouped(std::uint64_t value) { return fromStd(model::groupedText(value)); }
 
-template <class Box>
-QWidget* inARow(const std::array<Box*, 3>& boxes, const char* objectName, const QString& name,
-                QWidget* parent) {
-    auto* row = new QWidget(parent);
-    auto* layout = new QHBoxLayout(row);
-    layout->setContentsMargins(0, 0, 0, 0);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        boxes[axis]->setObjectName(QLatin1String(objectName) + QLatin1Char("XYZ"[axis]));
-        boxes[axis]->setAccessibleName(name + QLatin1Char(' ') + QLatin1Char("XYZ"[axis]));
-        layout->addWidget(boxes[axis], 1);
-    }
-    return row;
-}
-
 QStringList rowOf(const model::RawGuess& guess) {
     const auto& layout = guess.layout;
     const bool hasOrder = scalarTypeSizeBytes(layout.type) > 1;
@@ -61,28 +46,15 @@ RawImportDialog::RawImportDialog(std::unique_ptr<model::RawImportModel> model, Q
     setObjectName(QStringLiteral("rawImportDialog"));
     setAttribute(Qt::WA_DeleteOnClose);
     setWindowTitle(tr("Import Raw Samples"));
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(16, 14, 16, 14);
-    layout->setSpacing(10);
-    auto* heading = makeHeading(QString::fromStdU16String(model_->path().filename().u16string()), this);
-    heading->setTextFormat(Qt::PlainText);
-    layout->addWidget(heading);
-    auto* file = new QLabel(
-        tr("This file has no header: say how its %1 bytes are arranged.").arg(grouped(model_->fileBytes())),
-        this);
-    layout->addWidget(file);
-    auto* columns = new QHBoxLayout;
-    columns->setSpacing(16);
-    columns->addWidget(makeLeft());
-    columns->addWidget(pane_ = new PreviewPane(this), 1);
-    layout->addLayout(columns, 1);
-    auto* buttons = new QDialogButtonBox(QDialogButtonBox::Open | QDialogButtonBox::Cancel, this);
-    open_ = buttons->button(QDialogButtonBox::Open);
+    auto* left = makeLeft();
+    pane_ = new PreviewPane(this);
+    const auto frame =
+        layOutFileDialog(this, QString::fromStdU16String(model_->path().filename().u16string()), left, pane_);
+    frame.top->addWidget(new QLabel(
+        tr("This file has no header: say how its %1 bytes are arranged.").arg(grouped(model_->fileBytes())), this));
+    open_ = frame.open;
     open_->setObjectName(QStringLiteral("rawOpen"));
-    open_->setDefault(true);
-    layout->addWidget(buttons);
-    connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
-    connect(buttons, &QDialogButtonBox::accepted, this, [this] {
+    connect(open_, &QPushButton::clicked, this, [this] {
         if (!model_->canOpen())
             return;
         Q_EMIT openRequested(QString::fromStdU16String(model_->path().u16string()), model_->options());
@@ -177,11 +149,11 @@ void RawImportDialog::makeForm(QVBoxLayout* rows, QWidget* page) {
     fit_ = new QLabel(page);
     fit_->setObjectName(QStringLiteral("rawFit"));
     fit_->setWordWrap(true);
-    form->addRow(tr("&Grid points X, Y, Z"), inARow(dims_, "rawDim", tr("Grid points"), page));
+    form->addRow(tr("&Grid points X, Y, Z"), makeAxisRow({dims_[0], dims_[1], dims_[2]}, "rawDim", tr("Grid points"), page));
     form->addRow(tr("&Sample type"), type_);
     form->addRow(QString(), bigEndian_);
     form->addRow(tr("S&kip at the start"), skip_);
-    form->addRow(tr("S&pacing X, Y, Z"), inARow(spacing_, "rawSpacing", tr("Spacing"), page));
+    form->addRow(tr("S&pacing X, Y, Z"), makeAxisRow({spacing_[0], spacing_[1], spacing_[2]}, "rawSpacing", tr("Spacing"), page));
     form->addRow(QString(), trailing_);
     form->addRow(QString(), fit_);
     rows->addLayout(form);

@@ -1,11 +1,15 @@
 #include "ui/widgets/small_widgets.h"
 
 #include <QAction>
+#include <QDialog>
+#include <QDialogButtonBox>
 #include <QFrame>
 #include <QGridLayout>
 #include <QHBoxLayout>
 #include <QLabel>
+#include <QPushButton>
 #include <QScrollArea>
+#include <QTextDocument>
 #include <QToolButton>
 #include <QVBoxLayout>
 
@@ -56,6 +60,12 @@ QLabel* makeHeading(const QString& text, QWidget* parent) {
     return label;
 }
 
+QString plainTip(const QString& text) {
+    return Qt::mightBeRichText(text)
+               ? QStringLiteral("<p style=\"white-space:pre-wrap\">%1</p>").arg(text.toHtmlEscaped())
+               : text;
+}
+
 ScrollPage makeScrollPage(QWidget* parent) {
     ScrollPage made{};
     made.area = new QScrollArea(parent);
@@ -74,6 +84,43 @@ ScrollPage fillWithScrollPage(QWidget* panel) {
     const ScrollPage made = makeScrollPage(panel);
     outer->addWidget(made.area);
     return made;
+}
+
+QWidget* makeAxisRow(const std::array<QWidget*, 3>& boxes, const char* objectName, const QString& name, QWidget* parent) {
+    auto* row = new QWidget(parent);
+    auto* layout = new QHBoxLayout(row);
+    layout->setContentsMargins(0, 0, 0, 0);
+    for (std::size_t axis = 0; axis < boxes.size(); ++axis) {
+        const QChar letter = QLatin1Char("XYZ"[axis]);
+        boxes[axis]->setObjectName(QLatin1String(objectName) + letter);
+        boxes[axis]->setAccessibleName(FactForm::tr("%1 along %2").arg(name, letter));
+        layout->addWidget(boxes[axis], 1);
+    }
+    return row;
+}
+
+FileDialogFrame layOutFileDialog(QDialog* dialog, const QString& fileName, QWidget* left, QWidget* right) {
+    auto* layout = new QVBoxLayout(dialog);
+    layout->setContentsMargins(16, 14, 16, 14);
+    layout->setSpacing(10);
+    FileDialogFrame frame{new QVBoxLayout, new QHBoxLayout, nullptr};
+    frame.top->setSpacing(10);
+    auto* heading = makeHeading(fileName, dialog);
+    heading->setTextFormat(Qt::PlainText);
+    frame.top->addWidget(heading);
+    layout->addLayout(frame.top);
+    auto* columns = new QHBoxLayout;
+    columns->setSpacing(16);
+    columns->addWidget(left);
+    columns->addWidget(right, 1);
+    layout->addLayout(columns, 1);
+    auto* buttons = new QDialogButtonBox(QDialogButtonBox::Open | QDialogButtonBox::Cancel, dialog);
+    frame.open = buttons->button(QDialogButtonBox::Open);
+    frame.open->setDefault(true);
+    frame.bottom->addWidget(buttons, 1);
+    layout->addLayout(frame.bottom);
+    QObject::connect(buttons, &QDialogButtonBox::rejected, dialog, &QDialog::reject);
+    return frame;
 }
 
 // Not a QFormLayout: when rows come and go, it shares the height of wrapped texts out among all rows.
@@ -115,7 +162,7 @@ void FactForm::setFacts(const std::vector<Fact>& facts) {
             continue;
         names_[row]->setText(facts[row].name);
         values_[row]->setText(facts[row].value);
-        values_[row]->setToolTip(facts[row].tip);
+        values_[row]->setToolTip(plainTip(facts[row].tip));
         values_[row]->setAccessibleName(facts[row].name);
     }
 }

@@ -1,14 +1,17 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <QString>
 #include <QWidget>
 
 class QAction;
+class QDialog;
 class QGridLayout;
 class QHBoxLayout;
 class QLabel;
+class QPushButton;
 class QScrollArea;
 class QToolButton;
 class QVBoxLayout;
@@ -24,6 +27,9 @@ QLabel* addReadout(QHBoxLayout* row, const QString& caption, const char* objectN
 /// A heading within a panel.
 QLabel* makeHeading(const QString& text, QWidget* parent);
 
+/// A tip that is shown letter by letter: one that a file has a word in must not be taken for HTML.
+QString plainTip(const QString& text);
+
 /// Rows one above the other on a page that scrolls when it does not fit.
 struct ScrollPage {
     QScrollArea* area;
@@ -33,6 +39,19 @@ struct ScrollPage {
 ScrollPage makeScrollPage(QWidget* parent);
 /// The same, as all that the panel shows.
 ScrollPage fillWithScrollPage(QWidget* panel);
+
+/// Boxes for x, y and z side by side. They get the object name with that letter behind it, and accessible names
+/// such as "Spacing along X".
+QWidget* makeAxisRow(const std::array<QWidget*, 3>& boxes, const char* objectName, const QString& name, QWidget* parent);
+
+/// How dialogs that show a file before it is opened are laid out.
+struct FileDialogFrame {
+    QVBoxLayout* top;    ///< the file's name; more may follow
+    QHBoxLayout* bottom; ///< the buttons; more may come before them
+    QPushButton* open;   ///< the default; accepts nothing by itself
+};
+/// Lays out a dialog: the file's name, `left` and `right` side by side, buttons to open and to cancel.
+FileDialogFrame layOutFileDialog(QDialog* dialog, const QString& fileName, QWidget* left, QWidget* right);
 
 struct Fact {
     QString name;

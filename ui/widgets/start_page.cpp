@@ -1,8 +1,9 @@
 #include "ui/widgets/start_page.h"
 
+#include <algorithm>
+
 #include <QAction>
 #include <QDir>
-#include <QFileInfo>
 #include <QIcon>
 #include <QLabel>
 #include <QPainter>
@@ -10,11 +11,14 @@
 #include <QVBoxLayout>
 
 #include "ui/widgets/action_registry.h"
+#include "ui/widgets/recent_files.h"
 
 namespace isoslider::widgets {
 namespace {
 
-constexpr int kMostRecent = 5;
+constexpr std::size_t kMostRecent = 5;
+constexpr int kRecentMargin = 78; // of a row: page and button
+constexpr int kLeastFolderWidth = 40;
 
 QPushButton* actionButton(QAction* action, const QString& text, QWidget* parent) {
     auto* button = new QPushButton(action->icon(), text, parent);
@@ -68,24 +72,27 @@ StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
     setRecentFiles({});
 }
 
-void StartPage::setRecentFiles(const QStringList& paths) {
+void StartPage::setRecentFiles(const std::vector<model::RecentFile>& files) {
     while (QLayoutItem* item = recentLayout_->takeAt(0)) {
         delete item->widget();
         delete item;
     }
-    for (const auto& path : paths.mid(0, kMostRecent)) {
-        const QFileInfo file(path);
+    for (std::size_t i = 0; i < std::min(files.size(), kMostRecent); ++i) {
+        const auto& file = files[i];
         auto* button = new QPushButton(this);
         button->setFlat(true);
         button->setStyleSheet(QStringLiteral("text-align: left; padding: 4px 2px;"));
-        const QString folder = QDir::toNativeSeparators(file.path());
-        const int room = width() - 90 - fontMetrics().horizontalAdvance(file.fileName());
-        button->setText(QStringLiteral("%1   %2").arg(file.fileName(), fontMetrics().elidedText(folder, Qt::ElideMiddle, std::max(40, room))));
-        button->setToolTip(QDir::toNativeSeparators(path));
-        connect(button, &QPushButton::clicked, this, [this, path] { Q_EMIT openRequested(path); });
+        const QString folder = QDir::toNativeSeparators(QString::fromStdU16String(file.path.parent_path().u16string()));
+        const QString title = fontMetrics().elidedText(recentTitle(file), Qt::ElideMiddle, width() - kRecentMargin);
+        const int room = width() - kRecentMargin - fontMetrics().horizontalAdvance(title + QStringLiteral("   "));
+        button->setText(room < kLeastFolderWidth
+                            ? title
+                            : QStringLiteral("%1   %2").arg(title, fontMetrics().elidedText(folder, Qt::ElideMiddle, room)));
+        button->setToolTip(recentTip(file));
+        connect(button, &QPushButton::clicked, this, [this, file] { Q_EMIT openRequested(file); });
         recentLayout_->addWidget(button);
     }
-    recentHeading_->setVisible(!paths.isEmpty());
+    recentHeading_->setVisible(!files.empty());
     adjustSize();
 }
 

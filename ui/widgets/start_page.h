@@ -1,6 +1,10 @@
 #pragma once
 
+#include <vector>
+
 #include <QFrame>
+
+#include "ui/model/recent_file.h"
 
 class QLabel;
 class QVBoxLayout;
@@ -14,10 +18,10 @@ class StartPage : public QFrame {
     Q_OBJECT
 public:
     explicit StartPage(const ActionRegistry& actions, QWidget* parent = nullptr);
-    void setRecentFiles(const QStringList& paths);
+    void setRecentFiles(const std::vector<model::RecentFile>& files);
 
 Q_SIGNALS:
-    void openRequested(const QString& path);
+    void openRequested(const isoslider::model::RecentFile& file);
 
 protected:
     void paintEvent(QPaintEvent* event) override;

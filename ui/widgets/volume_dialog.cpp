@@ -4,52 +4,34 @@
 
 #include <QCheckBox>
 #include <QComboBox>
-#include <QDialogButtonBox>
 #include <QDir>
 #include <QFontMetrics>
 #include <QGridLayout>
 #include <QGuiApplication>
 #include <QHBoxLayout>
-#include <QHeaderView>
 #include <QLabel>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QSlider>
 #include <QSpinBox>
-#include <QTableView>
 #include <QVBoxLayout>
 
 #include "ui/model/number_text.h"
 #include "ui/widgets/fact_texts.h"
+#include "ui/widgets/field_tree_model.h"
+#include "ui/widgets/field_tree_view.h"
 #include "ui/widgets/preview_pane.h"
-#include "ui/widgets/text_table_model.h"
 
 namespace isoslider::widgets {
 namespace {
 
-constexpr int kLeftWidth = 380;
-constexpr int kFolderWidth = 240; // of it, for the longest value
-constexpr int kMostRowsShown = 8;
+constexpr int kLeftWidth = 440;
+constexpr int kFolderWidth = 300; // of it, for the longest value
 constexpr int kLeastNumberWidth = 68;
 
 bool isFolder(const std::filesystem::path& path) {
     std::error_code ignored;
     return std::filesystem::is_directory(path, ignored);
-}
-
-QString titleOf(const io::VolumeField& field) {
-    return fromStd(field.title.empty() ? field.name : field.title);
-}
-
-QString partsText(const io::VolumeField& field) {
-    QStringList parts;
-    if (field.components > 1)
-        parts << VolumeDialog::tr("%n component(s)", nullptr, field.components);
-    if (field.frames > 1)
-        parts << VolumeDialog::tr("%n frame(s)", nullptr, static_cast<int>(field.frames));
-    if (!field.problem.empty())
-        parts << VolumeDialog::tr("cannot be opened");
-    return parts.join(QStringLiteral(", "));
 }
 
 /// "int16" and "i16" are one type.
@@ -79,6 +61,8 @@ std::vector<Fact> factsOf(const model::OpenModel& model, const model::VolumeChoi
     if (!titleOf(choice.field()).isEmpty()) // in full: the table may have no room for it
         facts.push_back({isFolder(model.path()) ? VolumeDialog::tr("Series") : VolumeDialog::tr("Field"),
                          titleOf(choice.field()), fromStd(choice.field().name)});
+    if (!choice.field().problem.empty()) // which is said beside
+        return facts;
     facts.push_back(
         {VolumeDialog::tr("Grid points"),
          QStringLiteral("%1 = %2").arg(dimsText(dims), fromStd(model::groupedText(pointCount(dims)))),
@@ -94,10 +78,10 @@ std::vector<Fact> factsOf(const model::OpenModel& model, const model::VolumeChoi
     facts.push_back(
         {VolumeDialog::tr("Sample data"), fromStd(model::bytesText(bytesOf(dims, info.type))),
          VolumeDialog::tr("%1 bytes").arg(fromStd(model::groupedText(bytesOf(dims, info.type))))});
-    for (auto& fact : placeFactsOf(info.geometry))
-        if (!choice.hasSize() ||
-            fact.name != placeFactsOf(info.geometry).front().name) // spacing is the preview's
-            facts.push_back(std::move(fact));
+    auto place = placeFactsOf(info.geometry, info.lengthUnit);
+    if (choice.hasSize())
+        place.erase(place.begin()); // the spacing is the preview's
+    std::move(place.begin(), place.end(), std::back_inserter(facts));
     for (const auto& note : info.notes)
         facts.push_back({VolumeDialog::tr("Note"), fromStd(note), {}});
     return facts;
@@ -116,38 +100,25 @@ VolumeDialog::VolumeDialog(std::unique_ptr<model::OpenModel> model, QWidget* par
     setObjectName(QStringLiteral("volumeDialog"));
     setAttribute(Qt::WA_DeleteOnClose);
     setWindowTitle(isFolder(model_->path()) ? tr("Open Folder") : tr("Open Volume"));
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(16, 14, 16, 14);
-    layout->setSpacing(10);
-    heading_ = makeHeading(QString::fromStdU16String(model_->path().filename().u16string()), this);
-    heading_->setTextFormat(Qt::PlainText);
-    layout->addWidget(heading_);
-    auto* columns = new QHBoxLayout;
-    columns->setSpacing(16);
-    columns->addWidget(makeLeft());
-    columns->addWidget(pane_ = new PreviewPane(this), 1);
-    layout->addLayout(columns, 1);
-    auto* buttons = new QDialogButtonBox(QDialogButtonBox::Open | QDialogButtonBox::Cancel, this);
-    open_ = buttons->button(QDialogButtonBox::Open);
+    auto* left = makeLeft();
+    pane_ = new PreviewPane(this);
+    const auto frame =
+        layOutFileDialog(this, QString::fromStdU16String(model_->path().filename().u16string()), left, pane_);
+    open_ = frame.open;
     open_->setObjectName(QStringLiteral("volumeOpen"));
-    open_->setDefault(true);
-    auto* bottom = new QHBoxLayout;
     previewsFirst_ = new QCheckBox(tr("&Preview every file before it is opened"), this);
     previewsFirst_->setObjectName(QStringLiteral("previewsFirst"));
     previewsFirst_->hide();
     connect(previewsFirst_, &QCheckBox::toggled, this, &VolumeDialog::previewsFirstToggled);
-    bottom->addWidget(previewsFirst_);
-    bottom->addWidget(buttons, 1);
-    layout->addLayout(bottom);
-    connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
-    connect(buttons, &QDialogButtonBox::accepted, this, [this] {
+    frame.bottom->insertWidget(0, previewsFirst_);
+    connect(open_, &QPushButton::clicked, this, [this] {
         if (!model_->canOpen())
             return;
         Q_EMIT openRequested(QString::fromStdU16String(model_->path().u16string()),
                              model_->choice()->options());
         accept();
     });
-    resize(1040, 620);
+    resize(1100, 640);
     subscription_ = model_->changed().observe([this] { showState(); });
     showState();
 }
@@ -178,38 +149,15 @@ QWidget* VolumeDialog::makeLeft() {
 void VolumeDialog::makeFields(QVBoxLayout* rows, QWidget* page) {
     const bool isSeries = isFolder(model_->path());
     fieldsHeading_ = new QLabel(isSeries ? tr("&Series in this folder") : tr("&Fields in this file"), page);
-    fields_ = new QTableView(page);
+    fields_ = new FieldTreeView(isSeries ? tr("Series") : tr("Field"), page);
     fieldsHeading_->setBuddy(fields_);
     fields_->setObjectName(QStringLiteral("volumeFields"));
     fields_->setAccessibleName(isSeries ? tr("Series in this folder") : tr("Fields in this file"));
-    fieldRows_ = new TextTableModel({{isSeries ? tr("Series") : tr("Field"), {}},
-                                     {tr("Grid points"), tr("Along x, y and z")},
-                                     {tr("Type"), tr("Of the samples, in the file")},
-                                     {tr("Parts"), tr("Components of each sample, and frames of a series")}},
-                                    this);
-    fields_->setModel(fieldRows_);
-    fields_->setSelectionBehavior(QAbstractItemView::SelectRows);
-    fields_->setSelectionMode(QAbstractItemView::SingleSelection);
-    fields_->setAlternatingRowColors(true);
-    fields_->setShowGrid(false);
-    fields_->setWordWrap(false);
-    fields_->setTextElideMode(Qt::ElideMiddle);
-    fields_->setTabKeyNavigation(false);
-    fields_->verticalHeader()->hide();
-    fields_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
-    fields_->horizontalHeader()->setHighlightSections(false);
-    fields_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
-    fields_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Stretch);
     rows->addWidget(fieldsHeading_);
     rows->addWidget(fields_);
-    connect(fields_->selectionModel(), &QItemSelectionModel::currentRowChanged, this,
-            [this](const QModelIndex& row) {
-                if (row.isValid())
-                    change([&](model::VolumeChoice& choice) {
-                        choice.setField(static_cast<std::size_t>(row.row()));
-                    });
-            });
-    connect(fields_, &QTableView::doubleClicked, this, [this] { open_->click(); });
+    connect(fields_, &FieldTreeView::fieldChosen, this,
+            [this](int field) { change([=](model::VolumeChoice& choice) { choice.setField(static_cast<std::size_t>(field)); }); });
+    connect(fields_, &FieldTreeView::fieldOpened, this, [this] { open_->click(); });
 }
 
 void VolumeDialog::makeChoices(QVBoxLayout* rows, QWidget* page) {
@@ -249,18 +197,11 @@ void VolumeDialog::makeChoices(QVBoxLayout* rows, QWidget* page) {
 }
 
 void VolumeDialog::makeSizeRow(QWidget* page) {
-    sizeRow_ = new QWidget(page);
-    auto* layout = new QHBoxLayout(sizeRow_);
-    layout->setContentsMargins(0, 0, 0, 0);
     for (std::size_t axis = 0; axis < size_.size(); ++axis) {
-        auto* box = size_[axis] = new QSpinBox(sizeRow_);
-        const QChar letter = QLatin1Char("XYZ"[axis]);
-        box->setObjectName(QStringLiteral("volumeSize") + letter);
-        box->setAccessibleName(tr("Grid points along %1").arg(letter));
+        auto* box = size_[axis] = new QSpinBox(page);
         box->setRange(2, static_cast<int>(kMaxDim));
         box->setKeyboardTracking(false);
         box->setMinimumWidth(kLeastNumberWidth); // that of the greatest number would not leave room for three
-        layout->addWidget(box, 1);
         connect(box, &QSpinBox::valueChanged, this, [this, axis](int count) {
             change([=](model::VolumeChoice& choice) {
                 GridDims size = choice.size();
@@ -269,6 +210,7 @@ void VolumeDialog::makeSizeRow(QWidget* page) {
             });
         });
     }
+    sizeRow_ = makeAxisRow({size_[0], size_[1], size_[2]}, "volumeSize", tr("Grid points"), page);
     sizeName_ = caption(tr("Resample &to X, Y, Z"), size_[0], page);
     const QString tip =
         tr("The grid of the file is not uniform: so many grid points along x, y and z take its place");
@@ -305,21 +247,9 @@ void VolumeDialog::showState() {
 }
 
 void VolumeDialog::showFields(const model::VolumeChoice& choice) {
-    const auto& all = choice.contents().fields;
-    if (fieldRows_->rowCount() != static_cast<int>(all.size())) {
-        std::vector<QStringList> rows;
-        for (const auto& field : all)
-            rows.push_back({titleOf(field), dimsText(field.dims), fromStd(field.typeName), partsText(field)});
-        fieldRows_->setRows(std::move(rows));
-        fields_->setColumnHidden(
-            3, std::all_of(all.begin(), all.end(), [](const auto& f) { return partsText(f).isEmpty(); }));
-        const int shown = std::min(kMostRowsShown, static_cast<int>(all.size()));
-        fields_->setFixedHeight(fields_->horizontalHeader()->sizeHint().height() +
-                                shown * fields_->verticalHeader()->defaultSectionSize() +
-                                2 * fields_->frameWidth());
-    }
-    if (fields_->currentIndex().row() != static_cast<int>(choice.fieldIndex()))
-        fields_->selectRow(static_cast<int>(choice.fieldIndex()));
+    if (!fields_->hasContents())
+        fields_->setContents(choice.contents());
+    fields_->setField(choice.fieldIndex());
 }
 
 void VolumeDialog::showChoices(const model::VolumeChoice& choice) {

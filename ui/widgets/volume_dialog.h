@@ -12,14 +12,13 @@ class QLabel;
 class QPushButton;
 class QSlider;
 class QSpinBox;
-class QTableView;
 class QVBoxLayout;
 
 namespace isoslider::widgets {
 
 class FactForm;
+class FieldTreeView;
 class PreviewPane;
-class TextTableModel;
 
 /// Shows a file or folder before it is opened, and asks which of its volumes to open: field or series,
 /// component, frame, and the size of a grid that has to be resampled.
@@ -49,10 +48,8 @@ private:
 
     std::unique_ptr<model::OpenModel> model_;
     bool isShowing_ = false; ///< controls are being set, not used
-    QLabel* heading_ = nullptr;
     QLabel* fieldsHeading_ = nullptr;
-    QTableView* fields_ = nullptr;
-    TextTableModel* fieldRows_ = nullptr;
+    FieldTreeView* fields_ = nullptr;
     QWidget* choices_ = nullptr;
     QLabel* componentName_ = nullptr;
     QComboBox* component_ = nullptr;

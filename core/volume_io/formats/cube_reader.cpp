@@ -296,7 +296,8 @@ Result<std::unique_ptr<VolumeSource>> openCube(const fs::path& path, const ReadO
     VolumeInfo info;
     info.format = "Gaussian cube";
     info.geometry = header.value().geometry;
-    info.notes.push_back(header.value().isInBohr ? "lengths are in bohr" : "lengths are in angstrom");
+    info.fieldTitle = header.value().title;
+    info.lengthUnit = header.value().isInBohr ? "bohr" : "Å";
     return std::unique_ptr<VolumeSource>(std::make_unique<CubeSource>(
         path, std::move(info), choice.value().component, options.allowsTrailing));
 }

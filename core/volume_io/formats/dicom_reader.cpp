@@ -353,6 +353,9 @@ Result<std::unique_ptr<VolumeSource>> openDicom(const fs::path& path, const Read
     VolumeInfo info;
     info.format = "DICOM";
     info.fieldName = stack.field.name;
+    info.fieldTitle = stack.field.title;
+    if (stack.hasMillimetres)
+        info.lengthUnit = "mm";
     info.geometry = stack.geometry;
     info.notes = stack.notes;
     info.notes.insert(info.notes.end(), found.value().notes.begin(), found.value().notes.end());

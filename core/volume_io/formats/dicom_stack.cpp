@@ -389,6 +389,7 @@ private:
         const DicomPixels& pixels = image(slices.front()).pixels;
         GridGeometry& geometry = made.geometry;
         geometry.dims = {pixels.columns, pixels.rows, static_cast<std::int64_t>(slices.size())};
+        made.hasMillimetres = first.spacing.has_value();
         if (first.spacing) {
             geometry.spacing.x = first.spacing->x;
             geometry.spacing.y = first.spacing->y;

@@ -29,6 +29,7 @@ struct DicomStack {
     /// each.
     std::vector<double> places;
     std::vector<std::string> notes;
+    bool hasMillimetres = false; ///< false: the slices say nothing of their spacing, and 1 is assumed
 
     bool isTilted() const { return shift != glm::dvec2(0.0); }
 };

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "core/base/file_system.h"
+#include "core/grid/length_unit.h"
 #include "core/volume_io/array_source.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/hdf5_file.h"
@@ -23,6 +24,7 @@ struct Placement {
     std::array<int, 3> axisOf{-1, -1, -1};
     GridGeometry geometry;
     std::vector<std::string> notes;
+    std::string lengthUnit; ///< as VolumeInfo::lengthUnit
 };
 
 /// The last three axes, z slowest; the two of a plane.
@@ -101,7 +103,9 @@ private:
 
     void noteUnits(hid_t mesh) {
         const auto lengths = attributeNumbers(mesh, "gridUnitSI");
-        if (lengths.size() == 1 && lengths[0] != 1.0)
+        if (lengths.size() == 1)
+            placement_.lengthUnit = lengthUnitOfMetres(lengths[0]);
+        if (lengths.size() == 1 && placement_.lengthUnit.empty())
             placement_.notes.push_back("lengths are in units of " + std::to_string(lengths[0]) + " m (gridUnitSI)");
         const auto values = attributeNumbers(dataset_.id(), "unitSI");
         if (values.size() == 1 && values[0] != 1.0)
@@ -117,7 +121,7 @@ private:
             return;
         }
         placement_.geometry.spacing = {size[2], size[1], size[0]};
-        placement_.notes.push_back("lengths are in micrometres (element_size_um)");
+        placement_.lengthUnit = "µm";
     }
 
     Placement placement_;
@@ -255,6 +259,7 @@ Result<Prepared> prepare(const fs::path& path, ReadOptions options, std::uint64_
     Placement& placement = tree.placements[chosen.value()];
     prepared.info.format = kFormat;
     prepared.info.fieldName = dataset.path;
+    prepared.info.lengthUnit = std::move(placement.lengthUnit);
     prepared.info.notes = std::move(placement.notes);
     if (tree.tree.isCut)
         prepared.info.notes.push_back("the file has more data sets than are listed");

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/grid/length_unit.h"
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/itk_header.h"
@@ -317,6 +318,7 @@ Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const 
     info.format = "MetaImage";
     info.dataFiles = filesBeside(path, image.parts);
     info.geometry = geometry.value();
+    info.lengthUnit = knownLengthUnit(valueOr(image.header.fields, "DistanceUnits", ""));
     if (image.isLonger)
         info.notes.push_back("the data file is longer than the samples; the rest is ignored");
     const Fields& fields = image.header.fields;

@@ -136,6 +136,11 @@ Result<std::array<int, 3>> readAxes(const Header& header, const fs::path& path) 
     return axes;
 }
 
+/// Lengths are known; else a spacing is assumed.
+bool hasCell(const Header& header) {
+    return header.real(11) > 0.0f && header.real(12) > 0.0f && header.real(13) > 0.0f;
+}
+
 /// Edges of the unit cell as columns, in angstrom: the first along x, the second in the plane of x and y.
 Result<glm::dmat3> readCell(const Header& header, std::vector<std::string>& notes, const fs::path& path) {
     glm::dvec3 lengths(header.real(11), header.real(12), header.real(13));
@@ -275,6 +280,8 @@ Result<std::unique_ptr<VolumeSource>> openMrc(const fs::path& path, const ReadOp
     if (!geometry.isOk())
         return geometry.error();
     info.geometry = geometry.value();
+    if (hasCell(map.header))
+        info.lengthUnit = "Å";
     ISO_TRY(checkGeometry(info.geometry, "cell", path));
     ISO_TRY(noteTrailing(map, path, info.notes));
     SampleLayout layout{map.mode.type,   map.header.isBigEndian,   std::nullopt,

@@ -2,11 +2,13 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include <netcdf.h>
 
 #include "core/base/file_system.h"
+#include "core/grid/length_unit.h"
 #include "core/volume_io/array_source.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/hdf5_file.h"
@@ -203,9 +205,26 @@ GridAxis coordinatesOf(const NetcdfAxis& axis, std::vector<std::string>& notes, 
         notes.push_back(made.error().message + ": spacing 1 is taken");
         return indexAxis(count);
     }
-    if (const std::string units = netcdfText(axis.group, axis.variable, "units"); !units.empty())
-        notes.push_back(inQuotes(axis.name) + " is in " + inQuotes(units));
     return std::move(made).value();
+}
+
+/// The unit of all axes of space, if they have one of length; else it is noted what their coordinates are in.
+std::string lengthUnitOf(const NetcdfVariable& variable, std::vector<std::string>& notes) {
+    std::vector<std::string> own;
+    std::set<std::string> units;
+    for (const int index : variable.axisOf) {
+        if (index < 0)
+            continue;
+        const NetcdfAxis& axis = variable.axes[static_cast<std::size_t>(index)];
+        const std::string unit = axis.variable < 0 ? "" : netcdfText(axis.group, axis.variable, "units");
+        units.insert(knownLengthUnit(unit));
+        if (!unit.empty())
+            own.push_back(inQuotes(axis.name) + " is in " + inQuotes(unit));
+    }
+    if (units.size() == 1 && !units.begin()->empty())
+        return *units.begin();
+    notes.insert(notes.end(), own.begin(), own.end());
+    return {};
 }
 
 /// All of a variable but its samples, read while nobody else calls the library.
@@ -292,6 +311,7 @@ Result<Prepared> prepare(const fs::path& path, const ReadOptions& options) {
     Prepared prepared;
     prepared.info.format = "NetCDF";
     prepared.info.fieldName = variable.name;
+    prepared.info.fieldTitle = field.title;
     prepared.info.geometry.dims = dims.value();
     MeaningReader reader(variable, path);
     auto meaning = reader.run(prepared.info.notes);
@@ -307,6 +327,7 @@ Result<Prepared> prepare(const fs::path& path, const ReadOptions& options) {
                                       : coordinatesOf(variable.axes[static_cast<std::size_t>(own)], prepared.info.notes, path);
         prepared.view.isFlipped[axis] = prepared.axes[axis].isDescending;
     }
+    prepared.info.lengthUnit = lengthUnitOf(variable, prepared.info.notes);
     prepared.reader = std::make_unique<NetcdfArrayReader>(std::move(chosen.value().file), variable, path);
     return prepared;
 }

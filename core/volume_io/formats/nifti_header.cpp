@@ -239,6 +239,11 @@ Result<NiftiHeader> readNiftiHeader(const NiftiFiles& files) {
     return header;
 }
 
+bool hasMillimetres(const NiftiHeader& header) {
+    const auto unit = header.units & 7;
+    return header.version == NiftiVersion::Analyze75 || (unit >= 1 && unit <= 3);
+}
+
 GridGeometry niftiGeometry(const NiftiHeader& header, const GridDims& dims, std::vector<std::string>& notes) {
     const glm::dvec3 sizes = pixelSizes(header, notes);
     glm::dmat3 axes(glm::dvec3(sizes.x, 0, 0), glm::dvec3(0, sizes.y, 0), glm::dvec3(0, 0, sizes.z));

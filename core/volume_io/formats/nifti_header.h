@@ -48,6 +48,9 @@ Result<NiftiFiles> findNiftiFiles(const std::filesystem::path& path);
 /// IoError.
 Result<NiftiHeader> readNiftiHeader(const NiftiFiles& files);
 
+/// The header says how long its units are, or is of a format that has but one: niftiGeometry is in millimetres.
+bool hasMillimetres(const NiftiHeader& header);
+
 /// Place in space in left-posterior-superior millimetres: of the sform, else the qform, else the pixel sizes.
 /// What had to be assumed goes to `notes`.
 GridGeometry niftiGeometry(const NiftiHeader& header, const GridDims& dims, std::vector<std::string>& notes);

@@ -176,6 +176,8 @@ Result<std::unique_ptr<VolumeSource>> openNifti(const fs::path& path, const Read
     info.format = volume.header.version == NiftiVersion::Analyze75 ? "Analyze" : "NIfTI";
     info.dataFiles = filesBeside(path, {{volume.files.header, 0}, {volume.files.data, 0}});
     info.geometry = niftiGeometry(volume.header, volume.field.dims, info.notes);
+    if (hasMillimetres(volume.header))
+        info.lengthUnit = "mm";
     ISO_TRY(checkGeometry(info.geometry, "pixdim, qform, sform", volume.files.header));
     ISO_TRY(noteTrailing(volume, info));
     const auto rescale = readRescale(volume, info);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/grid/length_unit.h"
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/header_checks.h"
 
@@ -191,6 +192,26 @@ std::vector<std::string> wordsOf(std::string_view text) {
     return out;
 }
 
+/// What stands between quotes.
+std::vector<std::string> quotedOf(std::string_view text) {
+    std::vector<std::string> out;
+    for (auto begin = text.find('"'); begin != std::string_view::npos; begin = text.find('"')) {
+        const auto end = text.find('"', begin + 1);
+        if (end == std::string_view::npos)
+            break;
+        out.emplace_back(text.substr(begin + 1, end - begin - 1));
+        text.remove_prefix(end + 1);
+    }
+    return out;
+}
+
+// A unit is of no weight for the samples: where the count is wrong, there is none.
+void readUnits(NrrdHeader& header) {
+    const auto units = quotedOf(header["units"]);
+    for (std::size_t i = 0; units.size() == header.axes.size() && i < units.size(); ++i)
+        header.axes[i].unit = units[i];
+}
+
 Status readAxes(NrrdHeader& header, const fs::path& path) {
     const auto dimension = parseInteger(header["dimension"]);
     if (!dimension || *dimension < 1 || *dimension > 16)
@@ -218,6 +239,7 @@ Status readAxes(NrrdHeader& header, const fs::path& path) {
     ISO_TRY(fill("space directions", directionsOf(header["space directions"]), &NrrdAxis::direction));
     ISO_TRY(fill("spacings", wordsOf(lowerCase(header["spacings"])), &NrrdAxis::spacing));
     ISO_TRY(fill("axis mins", wordsOf(header["axis mins"]), &NrrdAxis::minimum));
+    readUnits(header);
     return fill("centers", wordsOf(header["centers"]), &NrrdAxis::center);
 }
 
@@ -359,6 +381,19 @@ Result<NrrdHeader> readNrrdHeader(const fs::path& path) {
     ISO_TRY(checkSpacings(header, path));
     ISO_TRY(readType(header, path));
     return read;
+}
+
+std::string lengthUnitOf(const NrrdHeader& header) {
+    std::vector<std::string> units = quotedOf(header["space units"]);
+    if (units.empty()) {
+        for (const NrrdAxis& axis : header.axes)
+            if (axis.role == NrrdRole::Space)
+                units.push_back(axis.unit);
+    } else if (units.size() > 3) {
+        units.resize(3); // that of time
+    }
+    const bool isOne = !units.empty() && std::equal(units.begin() + 1, units.end(), units.begin());
+    return isOne ? isoslider::lengthUnitOf(units[0]) : std::string();
 }
 
 std::string spatialNrrdHeader(const NrrdHeader& header) {

@@ -21,6 +21,7 @@ struct NrrdAxis {
     std::string kind; ///< lower case; empty: not given
     std::string direction; ///< "(1,0,0)", "none"; empty: not given
     std::string spacing, minimum, center; ///< as given
+    std::string unit; ///< without quotes
 };
 
 /// Header of a NRRD file, checked but for its data files.
@@ -48,6 +49,9 @@ struct NrrdHeader {
 
 /// Errors: InvalidArgument, naming the field; IoError.
 Result<NrrdHeader> readNrrdHeader(const std::filesystem::path& path);
+
+/// The unit of all axes of space, by "space units" or "units"; empty where they have none, or several.
+std::string lengthUnitOf(const NrrdHeader& header);
 
 /// The header of the axes of space alone, for a parser that knows of nothing else.
 std::string spatialNrrdHeader(const NrrdHeader& header);

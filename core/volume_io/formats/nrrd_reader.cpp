@@ -334,6 +334,8 @@ Result<std::unique_ptr<VolumeSource>> openNrrd(const fs::path& path, const ReadO
         return std::move(geometry).error();
     ISO_TRY(checkGeometry(geometry.value(), "spacings or space directions", path));
     info.geometry = geometry.value();
+    info.fieldTitle = volume.field.title;
+    info.lengthUnit = lengthUnitOf(volume.header);
     if (volume.data.isLonger)
         info.notes.push_back("the data file is longer than the samples; the rest is ignored");
     Choice choice = chosen.value();

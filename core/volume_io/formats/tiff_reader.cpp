@@ -2,10 +2,12 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <system_error>
 
 #include <tiff.h>
 
+#include "core/grid/length_unit.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/tiff_file.h"
 #include "core/volume_io/header_checks.h"
@@ -178,7 +180,9 @@ void readImageJ(const TiffFile& file, Stack& stack, std::int64_t pages) {
     for (int axis = 0; axis < 2; ++axis)
         setSpacing(stack.info, axis, 1.0 / file.resolution(axis));
     setSpacing(stack.info, 2, std::abs(parseReal(imageJValue(text, "spacing")).value_or(1.0)));
-    stack.info.notes.push_back("the spacing is in " + (unit.empty() ? "an unknown unit" : inQuotes(unit)));
+    stack.info.lengthUnit = lengthUnitOf(unit);
+    if (stack.info.lengthUnit.empty())
+        stack.info.notes.push_back("the spacing is in " + (unit.empty() ? "an unknown unit" : inQuotes(unit)));
 }
 
 void readOme(const TiffFile& file, Stack& stack, std::int64_t pages) {
@@ -204,16 +208,19 @@ void readOme(const TiffFile& file, Stack& stack, std::int64_t pages) {
                                    std::to_string(pages) + ", which are taken as slices");
     constexpr const char* kSizes[] = {"PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"};
     std::string units;
+    std::set<std::string> known;
     for (int axis = 0; axis < 3; ++axis) {
         const auto size = parseReal(omeValue(text, kSizes[axis]));
         if (!size)
             continue;
         setSpacing(stack.info, axis, *size);
         const std::string_view unit = omeValue(text, std::string(kSizes[axis]) + "Unit");
-        units +=
-            (units.empty() ? "" : ", ") + (unit.empty() ? std::string("micrometres") : std::string(unit));
+        units += (units.empty() ? "" : ", ") + (unit.empty() ? std::string("micrometres") : inQuotes(unit));
+        known.insert(unit.empty() ? "µm" : lengthUnitOf(unit));
     }
-    if (!units.empty())
+    if (known.size() == 1)
+        stack.info.lengthUnit = *known.begin();
+    if (!units.empty() && stack.info.lengthUnit.empty())
         stack.info.notes.push_back("the spacing is in " + units);
 }
 

@@ -1,3 +1,5 @@
+#include <new>
+
 #include <vtkDataArray.h>
 #include <vtkDataArraySelection.h>
 #include <vtkDataSet.h>
@@ -9,6 +11,7 @@
 
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/vtk_dataset.h"
+#include "core/volume_io/formats/vtk_xml_cells.h"
 #include "core/volume_io/formats/vtk_xml_header.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/volume_choice.h"
@@ -26,6 +29,31 @@ vtkSmartPointer<vtkXMLReader> readerOf(VtkKind kind) {
     checkFailed("known VtkKind", __FILE__, __LINE__);
 }
 
+Status check(const RandomAccessFile& file, const VtkXmlHeader& header, std::size_t array) {
+    ISO_TRY(checkVtkXmlRoom(file, header, array));
+    return header.kind == VtkKind::Unstructured ? checkVtkXmlCells(file, header) : Status();
+}
+
+/// Has VTK read. What packed arrays of cells claim is not known before: where all that the header speaks of is small,
+/// it is the file that is at fault when memory does not suffice, not the machine.
+Status update(vtkXMLReader& reader, const VtkXmlHeader& header, const std::filesystem::path& path) {
+    constexpr std::uint64_t kSmall = std::uint64_t{1} << 22; // points and cells: some 100 MB of arrays
+    try {
+        reader.Update();
+        return {};
+    } catch (const std::bad_alloc&) {
+        const auto cells = header.outline.pieces.empty()
+                               ? 0
+                               : parseInteger(xmlValue(header.outline.pieces[0], "NumberOfCells", "0")).value_or(0);
+        if (header.points > kSmall || cells > static_cast<std::int64_t>(kSmall))
+            throw;
+        return makeError(ErrorCode::Corruption,
+                         "its arrays of cells ask for more memory than " + std::to_string(cells) +
+                             " cells can need: the file is damaged",
+                         path);
+    }
+}
+
 } // namespace
 
 Result<VolumeContents> listVtkXml(const std::filesystem::path& path, const ReadOptions& options) {
@@ -38,14 +66,14 @@ Result<VolumeContents> listVtkXml(const std::filesystem::path& path, const ReadO
     VolumeContents contents = contentsOf(header.value());
     if (header.value().kind == VtkKind::Image)
         return contents;
-    ISO_TRY(checkVtkXmlRoom(*file.value(), header.value(), contents.preferred));
+    ISO_TRY(check(*file.value(), header.value(), contents.preferred));
     const VtkSession session;
     const auto reader = readerOf(header.value().kind);
     reader->SetFileName(path.c_str());
     reader->UpdateInformation();
     reader->GetPointDataArraySelection()->DisableAllArrays();
     reader->GetCellDataArraySelection()->DisableAllArrays();
-    reader->Update();
+    ISO_TRY(update(*reader, header.value(), path));
     vtkDataSet* data = reader->GetOutputAsDataSet();
     if (!session.complaint().empty() || data == nullptr)
         return session.error("no grid", path);
@@ -75,7 +103,7 @@ Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& pa
     const auto choice = chooseIn(field, options, path);
     if (!choice.isOk())
         return choice.error();
-    ISO_TRY(checkVtkXmlRoom(*file.value(), header, chosen.value()));
+    ISO_TRY(check(*file.value(), header, chosen.value()));
     ISO_TRY(checkFitsMemory(2 * header.points * static_cast<std::uint64_t>(field.components), path));
 
     const VtkSession session;
@@ -88,7 +116,7 @@ Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& pa
         reader->GetPointDataArraySelection()->EnableArray(field.name.c_str());
     }
     reader->GetCellDataArraySelection()->DisableAllArrays();
-    reader->Update();
+    ISO_TRY(update(*reader, header, path));
     vtkDataSet* data = reader->GetOutputAsDataSet();
     if (!session.complaint().empty() || data == nullptr)
         return session.error("no grid", path);

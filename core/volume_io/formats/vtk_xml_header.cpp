@@ -183,39 +183,13 @@ public:
                              "data: the extent asks for " + std::to_string(expected_) + " bytes, the file has only " +
                                  std::to_string(file_.sizeBytes()),
                              file_.path());
-        if (format == "appended")
-            return checkAppended(array);
-        if (format != "ascii" && format != "binary")
-            return refuseField("format", inQuotes(format) + " is not ascii, binary or appended", file_.path());
-        return format == "binary" ? checkBlocks(array.contentBegin, true) : Status();
+        if (format == "ascii")
+            return {};
+        const auto place = placeOfData(file_, outline_, array);
+        return place.isOk() ? checkBlocks(place.value().begin, place.value().isText) : Status(place.error());
     }
 
 private:
-    Status checkAppended(const XmlArray& array) const {
-        const auto offset = parseInteger(xmlValue(array, "offset"));
-        auto begin = outline_.appendedBegin;
-        if (!begin || !offset || *offset < 0)
-            return refuseField("offset", "appended data has no usable place", file_.path());
-        std::vector<std::byte> start(256); // blanks, then an underscore: what VTK makes of anything else is its own
-        auto got = file_.readAt(*begin, start);
-        if (!got.isOk())
-            return std::move(got).error();
-        const auto end = start.begin() + static_cast<std::ptrdiff_t>(got.value());
-        const auto mark = std::find_if(start.begin(), end, [](std::byte b) {
-            const char c = static_cast<char>(b);
-            return c != ' ' && c != '\n' && c != '\t' && c != '\r';
-        });
-        const std::uint64_t at = *begin + static_cast<std::uint64_t>(mark - start.begin()) + 1 +
-                                 static_cast<std::uint64_t>(*offset);
-        if (mark == end || *mark != std::byte{'_'} || at >= file_.sizeBytes())
-            return makeError(ErrorCode::Corruption, "offset: appended data lies beyond the end of the file",
-                             file_.path(), at);
-        const std::string_view encoding = xmlValue(outline_.appended, "encoding");
-        if (encoding != "raw" && encoding != "base64")
-            return refuseField("encoding", inQuotes(encoding) + " is not raw or base64", file_.path());
-        return checkBlocks(at, encoding == "base64");
-    }
-
     Error blockError(std::string problem, std::uint64_t at) const {
         return makeError(ErrorCode::Corruption, "data block: " + std::move(problem), file_.path(), at);
     }
@@ -276,6 +250,36 @@ private:
 };
 
 } // namespace
+
+Result<VtkXmlPlace> placeOfData(const RandomAccessFile& file, const VtkXmlOutline& outline, const XmlArray& array) {
+    const std::string_view format = xmlValue(array, "format", "ascii");
+    if (format == "binary")
+        return VtkXmlPlace{array.contentBegin, true};
+    if (format != "appended")
+        return refuseField("format", inQuotes(format) + " is not ascii, binary or appended", file.path());
+    const auto offset = parseInteger(xmlValue(array, "offset"));
+    const auto begin = outline.appendedBegin;
+    if (!begin || !offset || *offset < 0)
+        return refuseField("offset", "appended data has no usable place", file.path());
+    std::vector<std::byte> start(256); // blanks, then an underscore: what VTK makes of anything else is its own
+    auto got = file.readAt(*begin, start);
+    if (!got.isOk())
+        return std::move(got).error();
+    const auto end = start.begin() + static_cast<std::ptrdiff_t>(got.value());
+    const auto mark = std::find_if(start.begin(), end, [](std::byte b) {
+        const char c = static_cast<char>(b);
+        return c != ' ' && c != '\n' && c != '\t' && c != '\r';
+    });
+    const std::uint64_t at = *begin + static_cast<std::uint64_t>(mark - start.begin()) + 1 +
+                             static_cast<std::uint64_t>(*offset);
+    if (mark == end || *mark != std::byte{'_'} || at >= file.sizeBytes())
+        return makeError(ErrorCode::Corruption, "offset: appended data lies beyond the end of the file", file.path(),
+                         at);
+    const std::string_view encoding = xmlValue(outline.appended, "encoding");
+    if (encoding != "raw" && encoding != "base64")
+        return refuseField("encoding", inQuotes(encoding) + " is not raw or base64", file.path());
+    return VtkXmlPlace{at, encoding == "base64"};
+}
 
 Result<VtkXmlHeader> readVtkXmlHeader(const RandomAccessFile& file) {
     auto outline = readVtkXmlOutline(file);

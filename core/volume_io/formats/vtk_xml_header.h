@@ -22,6 +22,14 @@ Result<VtkXmlHeader> readVtkXmlHeader(const RandomAccessFile& file);
 /// preferred and chosen.
 VolumeContents contentsOf(const VtkXmlHeader& header);
 
+/// Where the data of a "binary" or "appended" array begins, with its heading, and whether it is base64.
+struct VtkXmlPlace {
+    std::uint64_t begin = 0;
+    bool isText = false;
+};
+/// Errors: InvalidArgument, Corruption (beyond the file), IoError.
+Result<VtkXmlPlace> placeOfData(const RandomAccessFile& file, const VtkXmlOutline& outline, const XmlArray& array);
+
 /// Whether the file can hold `array` (of outline.pointArrays) and the arrays that say where the points are.
 /// Errors: InvalidArgument, Corruption, IoError.
 Status checkVtkXmlRoom(const RandomAccessFile& file, const VtkXmlHeader& header, std::size_t array);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/grid/length_unit.h"
 #include "core/volume_io/header_checks.h"
 
 namespace isoslider::io {
@@ -130,6 +131,8 @@ void info(Codec& codec, Info& value) {
     codec.text(value.format);
     codec.text(value.fieldName);
     codec.list(value.dataFiles, [&](auto& file) { codec.path(file); });
+    codec.text(value.fieldTitle);
+    codec.text(value.lengthUnit);
     codec.list(value.notes, [&](auto& note) { codec.text(note); });
     codec.optional(value.resampling, [&](auto& report) {
         codec.number(report.sourcePoints);
@@ -270,7 +273,7 @@ std::optional<Error> decodeError(std::span<const std::byte> bytes) {
 std::optional<VolumeInfo> decodeInfo(std::span<const std::byte> bytes) {
     auto value = decodedReply<VolumeInfo>(bytes, [](Decoder& codec, VolumeInfo& volume) { info(codec, volume); });
     if (!value || !checkDims(value->geometry.dims, "dims", {}).isOk() ||
-        !checkGeometry(value->geometry, "geometry", {}).isOk())
+        !checkGeometry(value->geometry, "geometry", {}).isOk() || !isLengthUnit(value->lengthUnit))
         return std::nullopt;
     return value;
 }

@@ -156,8 +156,8 @@ TEST_F(PreviewTest, IsRefusedWhereItShowsNothing) {
 /// Builds from files; can be told to wait, to refuse, or to come upon another volume.
 class FileBuilder final : public IndexBuilder {
 public:
-    Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const fs::path&,
-                 const JobControl&) override {
+    Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const std::string&,
+                 const fs::path&, const JobControl&) override {
         ++gridBuilds;
         return makeError(ErrorCode::InvalidArgument, "was given samples, not a file");
     }

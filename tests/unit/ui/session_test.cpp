@@ -24,8 +24,8 @@ std::shared_ptr<const ScalarGrid> ballGrid(double spacing = 1.0) {
 /// Refuses, or waits to be cancelled.
 class FakeBuilder final : public IndexBuilder {
 public:
-    Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const std::filesystem::path&,
-                 const JobControl& job) override {
+    Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const std::string&,
+                 const std::filesystem::path&, const JobControl& job) override {
         ++builds;
         while (waits && !job.isStopRequested())
             std::this_thread::yield();

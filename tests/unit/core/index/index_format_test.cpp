@@ -146,13 +146,42 @@ TEST(IndexMeta, GivesBackWhatItTook) {
 }
 
 TEST(IndexMeta, RefusesEveryTruncationAndTrailingBytes) {
-    auto bytes = encodeMeta(someMeta());
-    for (std::size_t length = 0; length < bytes.size(); ++length) {
-        const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
-        ASSERT_THAT(decodeMeta(cut, somePreamble(), "p"), HasError(ErrorCode::Corruption)) << length;
+    for (const char* unit : {"", "mm"}) {
+        IndexMeta meta = someMeta();
+        meta.info.lengthUnit = unit;
+        Preamble preamble = somePreamble();
+        preamble.minor = minorOf(meta);
+        auto bytes = encodeMeta(meta);
+        for (std::size_t length = 0; length < bytes.size(); ++length) {
+            const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
+            ASSERT_THAT(decodeMeta(cut, preamble, "p"), HasError(ErrorCode::Corruption)) << length;
+        }
+        bytes.push_back(std::byte{0});
+        EXPECT_THAT(decodeMeta(bytes, preamble, "p"), HasError(ErrorCode::Corruption));
+        preamble.minor = kFormatMinor + 1;
+        if (*unit != '\0') // or else the byte is no unit
+            EXPECT_THAT(decodeMeta(bytes, preamble, "p"), IsOk());
     }
-    bytes.push_back(std::byte{0});
-    EXPECT_THAT(decodeMeta(bytes, somePreamble(), "p"), HasError(ErrorCode::Corruption));
+}
+
+TEST(IndexMeta, HasAUnitOfLengthFromMinorVersion1On) {
+    IndexMeta meta = someMeta();
+    EXPECT_EQ(minorOf(meta), 0);
+    const auto without = encodeMeta(meta);
+    meta.info.lengthUnit = "µm";
+    EXPECT_EQ(minorOf(meta), 1);
+    const auto with = encodeMeta(meta);
+    EXPECT_TRUE(std::equal(without.begin(), without.end(), with.begin())) << "what an earlier reader knows";
+    Preamble preamble = somePreamble();
+    EXPECT_EQ(decodeMeta(without, preamble, "p").value().info.lengthUnit, "");
+    preamble.minor = 1;
+    const auto decoded = decodeMeta(with, preamble, "p");
+    ASSERT_THAT(decoded, IsOk());
+    EXPECT_EQ(decoded.value().info.lengthUnit, "µm");
+    for (const char* bad : {"m\nm", "\xff", "seventeen_letters"}) {
+        meta.info.lengthUnit = bad;
+        EXPECT_THAT(decodeMeta(encodeMeta(meta), preamble, "p"), HasError(ErrorCode::Corruption)) << bad;
+    }
 }
 
 TEST(IndexMeta, RefusesFieldsThatCannotBe) {

@@ -64,11 +64,12 @@ TEST_F(CubeReader, KeepsObliqueAxes) {
     EXPECT_NEAR(corner.x, 11, 1e-12);
     EXPECT_NEAR(corner.y, 25.5, 1e-12);
     EXPECT_NEAR(corner.z, 39, 1e-12);
-    EXPECT_THAT(info.notes, testing::ElementsAre("lengths are in bohr"));
+    EXPECT_EQ(info.lengthUnit, "bohr");
+    EXPECT_THAT(info.notes, testing::IsEmpty());
     const auto angstrom =
         openVolume(folder.write("b.cube", replaced(kHeader, "  2  1.0 0.0", " -2  1.0 0.0") + numbers(24)));
     ASSERT_THAT(angstrom, test::IsOk());
-    EXPECT_THAT(angstrom.value()->info().notes, testing::ElementsAre("lengths are in angstrom"));
+    EXPECT_EQ(angstrom.value()->info().lengthUnit, "Å");
 }
 
 TEST_F(CubeReader, KeepsEveryDigit) {

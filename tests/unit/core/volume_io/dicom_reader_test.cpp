@@ -87,6 +87,21 @@ TEST_F(DicomFolder, IsSortedByPositionWithTheSpacingOfThePositions) {
     for (int z = 0; z < 3; ++z)
         EXPECT_EQ(grid->valueAt(3, 2, z), 10 * (z + 1));
     EXPECT_THAT(notes(), Contains(HasSubstr("in the order of their positions")));
+    const auto source = openVolume(folder_.path());
+    ASSERT_THAT(source, test::IsOk());
+    EXPECT_EQ(source.value()->info().lengthUnit, "mm");
+    EXPECT_EQ(source.value()->info().fieldName, "1.2.3");
+    EXPECT_EQ(source.value()->info().fieldTitle, listVolumes(folder_.path()).value().fields[0].title);
+    EXPECT_THAT(source.value()->info().fieldTitle, HasSubstr("probe, MR"));
+}
+
+TEST_F(DicomFolder, WithoutPixelSpacingIsInNoUnit) {
+    add("a", filled(7.0, 1, 30).without(0x00280030));
+    add("b", filled(4.5, 3, 20).without(0x00280030));
+    const auto source = openVolume(folder_.path());
+    ASSERT_THAT(source, test::IsOk());
+    EXPECT_EQ(source.value()->info().lengthUnit, "");
+    EXPECT_THAT(source.value()->info().notes, Contains(HasSubstr("no pixel spacing")));
 }
 
 TEST_F(DicomFolder, TakesTheDirectionOfObliqueSlices) {

@@ -266,9 +266,24 @@ TEST_F(Hdf5Reader, TakesSpacingFromElementSize) {
     Writer writer(at("a.h5"));
     writer.ramp("v", {2, 3, 4});
     writer.numbers("v", "element_size_um", {5, 1, 0.5});
-    const auto grid = read(writer.close());
+    const auto path = writer.close();
+    const auto grid = read(path);
     ASSERT_THAT(grid, test::IsOk());
     EXPECT_EQ(grid.value()->geometry().spacing, glm::dvec3(0.5, 1, 5));
+    EXPECT_EQ(openVolume(path).value()->info().lengthUnit, "µm");
+}
+
+TEST_F(Hdf5Reader, TakesTheUnitOfLengthFromOpenPmd) {
+    for (const auto& [metres, unit] : {std::pair{1.0, "m"}, {1e-6, "µm"}, {1e-10, "Å"}, {0.02, ""}}) {
+        Writer writer(at("a.h5"));
+        writer.ramp("v", {2, 3, 4});
+        writer.numbers("v", "gridSpacing", {1, 1, 1});
+        writer.numbers("v", "gridUnitSI", {metres});
+        const auto source = openVolume(writer.close());
+        ASSERT_THAT(source, test::IsOk());
+        EXPECT_EQ(source.value()->info().lengthUnit, unit);
+        EXPECT_EQ(source.value()->info().notes.size(), *unit == '\0' ? 2u : 1u) << "the axes; the unit that has no name";
+    }
 }
 
 TEST_F(Hdf5Reader, RefusesSpacingThatIsNone) {

@@ -121,6 +121,28 @@ TEST_P(NetcdfReader, TakesPlaceAndSpacingFromCoordinates) {
         ASSERT_EQ(grid.value()->valueAt(i % 4, i / 4 % 3, i / 12), static_cast<double>(i));
     EXPECT_THAT(notesOf(path), testing::Contains(HasSubstr("'K'")));
     EXPECT_THAT(notesOf(path), testing::Contains(HasSubstr("'lon' is in 'degrees_east'")));
+    EXPECT_EQ(openVolume(path).value()->info().lengthUnit, "") << "not all are lengths";
+}
+
+TEST_P(NetcdfReader, AxesOfOneUnitOfLengthSayIt) {
+    auto w = writer();
+    const int v = w.define("v", NC_SHORT, {w.axis("z", {0, 10}, "km"), w.axis("y", {0, 1, 2}, "kilometers"),
+                                           w.axis("x", {0, 1, 2, 3}, "km")});
+    w.text(v, "long_name", "wind speed");
+    w.putRamp(v, 24);
+    const auto source = openVolume(w.finish());
+    ASSERT_THAT(source, test::IsOk());
+    EXPECT_EQ(source.value()->info().lengthUnit, "km");
+    EXPECT_EQ(source.value()->info().fieldTitle, "wind speed");
+    EXPECT_THAT(source.value()->info().notes, testing::Not(testing::Contains(HasSubstr("is in"))));
+    auto mixed = writer("mixed.nc");
+    const int u = mixed.define("v", NC_SHORT, {mixed.axis("z", {0, 10}, "m"), mixed.axis("y", {0, 1, 2}, "km"),
+                                               mixed.axis("x", {0, 1, 2, 3}, "km")});
+    mixed.putRamp(u, 24);
+    const auto other = openVolume(mixed.finish());
+    ASSERT_THAT(other, test::IsOk());
+    EXPECT_EQ(other.value()->info().lengthUnit, "");
+    EXPECT_THAT(other.value()->info().notes, testing::Contains(HasSubstr("'z' is in 'm'")));
 }
 
 TEST_P(NetcdfReader, TurnsDescendingAxesRound) {

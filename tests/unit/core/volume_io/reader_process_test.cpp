@@ -117,6 +117,8 @@ VolumeInfo someInfo() {
     info.type = ScalarType::I16;
     info.format = "a format";
     info.fieldName = "a field";
+    info.fieldTitle = "what people call it";
+    info.lengthUnit = "µm";
     info.notes = {"one", "two"};
     info.resampling = ResampleReport{1, 2, 0.5, 0.25, 0.125, 3};
     return info;
@@ -168,6 +170,8 @@ TEST(ReaderMessages, KeepEveryField) {
     EXPECT_EQ(infoTaken->type, info.type);
     EXPECT_EQ(infoTaken->format, info.format);
     EXPECT_EQ(infoTaken->fieldName, info.fieldName);
+    EXPECT_EQ(infoTaken->fieldTitle, info.fieldTitle);
+    EXPECT_EQ(infoTaken->lengthUnit, info.lengthUnit);
     EXPECT_EQ(infoTaken->notes, info.notes);
     ASSERT_TRUE(infoTaken->resampling);
     const ResampleReport& report = *infoTaken->resampling;
@@ -199,6 +203,11 @@ TEST(ReaderMessages, ThatNoReaderMaySendAreRefused) {
     info = someInfo();
     info.geometry.spacing[1] = 0.0;
     EXPECT_FALSE(decodeInfo(encodeInfo(info)));
+    for (const char* unit : {"m\x1bm", "\xff", "a unit", "seventeen_letters"}) {
+        info = someInfo();
+        info.lengthUnit = unit;
+        EXPECT_FALSE(decodeInfo(encodeInfo(info))) << unit;
+    }
     VolumeContents contents = someContents();
     contents.preferred = 2;
     EXPECT_FALSE(decodeContents(encodeContents(contents)));

@@ -240,6 +240,11 @@ TEST_F(TiffVolume, OfImageJHasSpacingChannelsAndFrames) {
     EXPECT_EQ(grid->dims(), (GridDims{kColumns, kRows, 3}));
     EXPECT_EQ(grid->geometry().spacing, glm::dvec3(0.25, 0.125, 1.5));
     expectSamples(*grid, 0, 7, 2); // channel 1 of frame 1
+    EXPECT_EQ(openVolume(path, options).value()->info().lengthUnit, "µm");
+    layout.description = test::replaced(layout.description, "unit=micron", "unit=pixel");
+    const auto source = openVolume(write<std::uint16_t>(folder_ / "pixels.tif", layout), options);
+    EXPECT_EQ(source.value()->info().lengthUnit, "");
+    EXPECT_THAT(source.value()->info().notes, Contains(HasSubstr("'pixel'")));
 }
 
 TEST_F(TiffVolume, OfImageJMayHaveOneDirectoryForAllSlices) {
@@ -312,6 +317,15 @@ TEST_F(TiffVolume, OfOmeHasItsDimensionOrderAndUnits) {
     EXPECT_EQ(grid->geometry().spacing, glm::dvec3(0.5, 0.25, 2.0));
     EXPECT_EQ(grid->dims()[2], 3);
     expectSamples(*grid, 0, 3, 1);
+    const auto unitWith = [&](const char* unit) {
+        layout.description = test::replaced(layout.description, "PhysicalSizeZ=\"2\"",
+                                            std::string("PhysicalSizeZ=\"2\" PhysicalSizeZUnit=\"") + unit + '"');
+        return openVolume(write<std::uint8_t>(folder_ / "other.ome.tif", layout), options).value()->info();
+    };
+    const auto mixed = openVolume(path, options).value()->info();
+    EXPECT_EQ(mixed.lengthUnit, "") << "nm and, where none is named, µm";
+    EXPECT_THAT(mixed.notes, Contains(HasSubstr("'nm', 'nm', micrometres")));
+    EXPECT_EQ(unitWith("nm").lengthUnit, "nm");
 }
 
 TEST_F(TiffVolume, OfSingleBitsIsUnpacked) {

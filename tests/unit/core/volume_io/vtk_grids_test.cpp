@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <vtkCellArray.h>
 #include <vtkCellType.h>
 #include <vtkDoubleArray.h>
 #include <vtkFloatArray.h>
@@ -333,6 +334,32 @@ TEST_P(VtkGrids, ThatEndEarlyAreRefused) {
     for (std::size_t size = 1; size < most; size += 131)
         ASSERT_FALSE(read(folder.write(path.filename().string(), whole.substr(0, size))).isOk())
             << size << " of " << whole.size();
+}
+
+// VTK would take memory for as many corners as the last offset says.
+TEST_P(VtkGrids, WhoseOffsetsLeadBeyondTheCornersAreRefused) {
+    if (!GetParam().isXml)
+        GTEST_SKIP() << "this format counts its corners apart";
+    for (const vtkIdType offset : {vtkIdType{26}, vtkIdType{4'000'000'000'000}, vtkIdType{-1}}) {
+        const auto data = cells();
+        vtkDataArray& offsets = *data->GetCells()->GetOffsetsArray();
+        offsets.SetComponent(offsets.GetNumberOfTuples() - 1, 0, static_cast<double>(offset));
+        const auto grid = read(file(data));
+        EXPECT_THAT(grid, test::HasError(ErrorCode::Corruption)) << offset;
+        EXPECT_EQ(grid.error().line().find('\n'), std::string::npos);
+        if (!GetParam().isPacked) {
+            EXPECT_THAT(grid.error().line(), HasSubstr("offsets")) << "VTK is not asked";
+        }
+        EXPECT_THAT(listVolumes(folder / "a.vtu"), test::HasError(ErrorCode::Corruption)) << offset;
+    }
+}
+
+TEST_P(VtkGrids, WithCornersThatAreNoPointsAreRefused) {
+    const auto data = cells();
+    data->GetCells()->GetConnectivityArray()->SetComponent(3, 0, 16.0);
+    const auto grid = read(file(data));
+    EXPECT_THAT(grid, test::HasError(ErrorCode::Corruption));
+    EXPECT_THAT(grid.error().line(), HasSubstr("point 16 of 16"));
 }
 
 TEST_P(VtkGrids, SurviveDamage) {
