@@ -197,13 +197,14 @@ TEST_F(ChoicesTest, ChoicesThatAreGoneAreAskedAnew) {
     ASSERT_NE(entry, nullptr);
     entry->trigger();
     auto* shown = dialog("volumeDialog");
+    ASSERT_NE(shown, nullptr);
     ASSERT_TRUE(waitForPreview(shown));
     EXPECT_EQ(chosen(shown), "a");
 }
 
 TEST_F(ChoicesTest, DamagedChoicesAreNoChoices) {
     contents_.fields.pop_back();
-    settings_->set("files/recent", QStringList{qpath(folder_.write("flow.nc", "x")) + QStringLiteral("\x1f" "frame=many")});
+    settings_->set("files/recent", QStringList{qpath(folder_.write("flow.nc", "x")) + QStringLiteral("\x1f" "field=gone\x1f" "frame=many")});
     restart();
     auto* start = window_->findChild<QWidget*>(QStringLiteral("startPage"));
     QPushButton* button = nullptr;
