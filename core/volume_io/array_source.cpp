@@ -153,11 +153,10 @@ private:
 
 ScalarType arrayType(FileType type, const ArrayMeaning& meaning) {
     const ScalarType own = memoryType(type);
+    const ScalarType real = own == ScalarType::I32 || own == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
     if (meaning.rescale)
-        return meaning.isRescaleWide || own == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
-    if (!meaning.hasMissing() || own == ScalarType::F32 || own == ScalarType::F64)
-        return own;
-    return own == ScalarType::I32 ? ScalarType::F64 : ScalarType::F32;
+        return meaning.isRescaleWide ? ScalarType::F64 : real;
+    return meaning.hasMissing() ? real : own;
 }
 
 std::unique_ptr<VolumeSource> makeArraySource(VolumeInfo info, ArrayView view, ArrayMeaning meaning,

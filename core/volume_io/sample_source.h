@@ -21,7 +21,7 @@ struct Rescale {
 struct SampleLayout {
     FileType type = FileType::U8;
     bool isBigEndian = false;
-    std::optional<Rescale> rescale; ///< makes integers f32
+    std::optional<Rescale> rescale; ///< makes integers f32, those of 32 bits f64
     int components = 1;             ///< values per sample
     int component = 0;              ///< the one to take, or kMagnitude: f32, or f64 of values beyond 16 bits or f32
     std::uint64_t firstValue = 0;   ///< values in the stream before the first sample

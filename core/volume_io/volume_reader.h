@@ -48,7 +48,8 @@ struct ReadOptions {
 ///
 /// World space is that of the file: of medical formats, millimetres, left-posterior-superior.
 /// Unsigned 32-bit and all 64-bit integers become f64; a 64-bit value that has no exact f64 is refused when it
-/// is met. Slope and intercept make integers f32, where they are not whole numbers that keep the type's range.
+/// is met. Slope and intercept make integers f32, those of 32 bits f64, where they are not whole numbers that keep
+/// the type's range.
 /// A file with several fields, components or frames is refused, naming them, unless one is chosen.
 /// Errors: NotFound, IoError (system), InvalidArgument or Corruption (refused, naming the field).
 Result<std::unique_ptr<VolumeSource>> openVolume(const std::filesystem::path& path,

@@ -275,6 +275,18 @@ TEST_F(NiftiReader, B062_LeavesOutSlopesThatAreNoNumbers) {
     }
 }
 
+TEST_F(NiftiReader, KeepsTheDigitsOfScaledIntegers) {
+    std::string bytes = test::niftiHeader();
+    setDims(bytes, {3, 2, 1, 1});
+    setType(bytes, 8, 32);
+    test::put<float>(bytes, 112, 0.5f);
+    for (const std::int32_t value : {(1 << 30) + 1, -7}) { // no f32 holds half the first
+        bytes.resize(bytes.size() + sizeof value);
+        test::put(bytes, bytes.size() - sizeof value, value);
+    }
+    EXPECT_THAT(values<double>(folder.write("a.nii", bytes)), testing::ElementsAre(536870912.5, -3.5));
+}
+
 TEST_F(NiftiReader, LetsTrailingBytesPassWhenAllowed) {
     const auto path = folder.write("a.nii.gz", test::gzipped(test::nifti() + "x"));
     EXPECT_THAT(refusal(path), HasSubstr("more than"));
