@@ -16,6 +16,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
+constexpr std::int64_t kMaxSlid = 1 << 14; ///< samples of a volume
 constexpr std::uint64_t kMaxChunks = 64;
 constexpr std::size_t kMaxPages = 64;
 
@@ -138,7 +139,7 @@ void readIndex(std::span<const std::byte> bytes) {
     if (!reader.isOk())
         return requireGoodError(reader.error());
     const index::IndexInfo& info = reader.value()->info();
-    if (pointCount(info.geometry.dims) > kMaxSamples)
+    if (pointCount(info.geometry.dims) > kMaxSlid)
         return;
     visitScalarType(info.type, [&](auto sample) { readParts<decltype(sample)>(*reader.value()); });
     slide(path);

@@ -68,12 +68,16 @@ void decodeErrors(std::span<const std::byte> bytes, const index::MergeExtent& po
     index::MergeErrors errors, copy;
     if (!index::decodeMergeErrors(bytes, points, errors))
         return;
+    ISO_REQUIRE(index::decodeMergeErrors(index::encodeMergeErrors(errors), points, copy), "");
     for (int level = 1; level <= index::kMergeLevels; ++level) {
         const auto [nx, ny, nz] = errors.cells(level);
-        if (nx > 0 && ny > 0 && nz > 0)
-            ISO_REQUIRE(errors.errorBound(level, nx - 1, ny - 1, nz - 1) >= 0.0, "");
+        for (int z = 0; z < nz; ++z)
+            for (int y = 0; y < ny; ++y)
+                for (int x = 0; x < nx; ++x) {
+                    const double bound = errors.errorBound(level, x, y, z);
+                    ISO_REQUIRE(bound >= 0.0 && bound == copy.errorBound(level, x, y, z), std::to_string(bound));
+                }
     }
-    ISO_REQUIRE(index::decodeMergeErrors(index::encodeMergeErrors(errors), points, copy) && copy == errors, "");
 }
 
 } // namespace
