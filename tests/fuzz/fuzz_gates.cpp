@@ -4,12 +4,32 @@
 #include "core/volume_io/formats/plot3d_layout.h"
 #include "core/volume_io/formats/vtk_legacy_header.h"
 #include "core/volume_io/formats/vtk_xml_header.h"
+#include "core/volume_io/volume_choice.h"
 #include "tests/fuzz/fuzz_support.h"
 #include "tests/fuzz/fuzz_targets.h"
 
 // Of formats that a library reads: what we check before it sees the file.
 
 namespace isoslider::fuzz {
+namespace {
+
+/// Refusals name the fields, whose names are the file's.
+void chooseAmong(const io::VolumeContents& contents, const std::filesystem::path& path) {
+    io::ReadOptions options;
+    for (const char* name : {"", "none such"}) {
+        options.field = name;
+        const auto chosen = io::chooseField(contents, options, path);
+        if (!chosen.isOk()) {
+            requireGoodError(chosen.error());
+            continue;
+        }
+        const auto choice = io::chooseIn(contents.fields[chosen.value()], options, path);
+        if (!choice.isOk())
+            requireGoodError(choice.error());
+    }
+}
+
+} // namespace
 
 void fuzzVtkXml(std::span<const std::byte> bytes) {
     const BytesFile file(bytes, "input.vti");
@@ -19,8 +39,11 @@ void fuzzVtkXml(std::span<const std::byte> bytes) {
     const io::VolumeContents contents = contentsOf(header.value());
     ISO_REQUIRE(!contents.fields.empty() && contents.preferred < contents.fields.size(), contents.format);
     ISO_REQUIRE(contents.fields.size() == header.value().outline.pointArrays.size(), contents.format);
+    chooseAmong(contents, file.path());
     for (std::size_t i = 0; i < contents.fields.size(); ++i) {
         ISO_REQUIRE(contents.fields[i].components >= 1, contents.fields[i].name);
+        if (!contents.fields[i].problem.empty())
+            requireLine(contents.fields[i].problem);
         const Status room = checkVtkXmlRoom(file, header.value(), i);
         if (!room.isOk())
             requireGoodError(room.error());

@@ -27,10 +27,16 @@ void fuzzMessages(std::span<const std::byte> bytes) {
     requireRoundTrip(bytes, io::decodeError, io::encodeError);
     requireRoundTrip(bytes, io::decodeInfo, io::encodeInfo);
     requireRoundTrip(bytes, io::decodeContents, io::encodeContents);
-    if (const auto info = io::decodeInfo(bytes))
+    if (const auto error = io::decodeError(bytes); error && !error->message.empty())
+        requireLine(error->message);
+    if (const auto info = io::decodeInfo(bytes)) {
         requireGoodGeometry(info->geometry);
+        for (const std::string& note : info->notes)
+            if (!note.empty())
+                requireLine(note);
+    }
     if (const auto contents = io::decodeContents(bytes))
-        ISO_REQUIRE(contents->fields.empty() || contents->preferred < contents->fields.size(), contents->format);
+        ISO_REQUIRE(contents->preferred < contents->fields.size(), contents->format);
 }
 
 } // namespace isoslider::fuzz

@@ -54,6 +54,12 @@ void tryField(io::OpenFormat* open, const std::filesystem::path& path, io::ReadO
     ISO_REQUIRE(!field.problem.empty() || std::ranges::all_of(field.dims, [](auto size) { return size >= 1; }), field.name);
     ISO_REQUIRE(field.componentNames.empty() || field.componentNames.size() == static_cast<std::size_t>(field.components),
                  field.name);
+    requireLine(field.typeName);
+    for (const std::string* text : {&field.title, &field.problem})
+        if (!text->empty())
+            requireLine(*text);
+    for (const std::string& name : field.componentNames)
+        requireLine(name);
     options.field = field.name;
     options.component = field.components > 1 && field.hasMagnitude ? io::kMagnitude : field.components - 1;
     options.frame = field.frames - 1;
