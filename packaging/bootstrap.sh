@@ -26,7 +26,7 @@ usage() {
 usage: $PROGRAM run [FILE]       build, and open the window on FILE or on the Blunt Fin sample
        $PROGRAM test [--quick] [--again]
                                  build, and run every test that has not passed on these files yet;
-                                 --quick leaves out the sanitizer build, --again runs all
+                                 --quick leaves out the sanitizer and fuzzing builds, --again runs all
 TEXT
 }
 
@@ -171,6 +171,8 @@ command_test() {
   if ! $is_quick; then
     build_preset asan-ubsan
     run_ctest asan-ubsan
+    build_preset fuzz fuzzers
+    run_ctest fuzz
   fi
   printf '\n%s\n' "${SUMMARY[@]}"
   return "$FAILURES"

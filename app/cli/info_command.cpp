@@ -13,6 +13,7 @@
 #include "app/cli/input_kind.h"
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
+#include "core/base/one_line.h"
 #include "core/extract/slide_engine.h"
 #include "core/volume_io/volume_contents.h"
 #include "preprocess/volume_facts.h"
@@ -208,9 +209,9 @@ Json jsonOf(const Report& report) {
 std::string textOf(const Facts& facts) {
     std::string text = fmt::format("format           {}\n", facts.format);
     if (!facts.fieldName.empty())
-        text += fmt::format("field            {}\n", facts.fieldName);
+        text += fmt::format("field            {}\n", oneLine(facts.fieldName));
     if (!facts.fieldTitle.empty())
-        text += fmt::format("title            {}\n", facts.fieldTitle);
+        text += fmt::format("title            {}\n", oneLine(facts.fieldTitle));
     text += fmt::format("dims             {}\n", dimsText(facts.geometry.dims));
     const std::string unit = facts.lengthUnit.empty() ? "" : " " + facts.lengthUnit;
     text += fmt::format("spacing          {}{}\n", vectorText(facts.geometry.spacing), unit);
@@ -229,7 +230,7 @@ std::string textOf(const preprocess::VolumeFacts& samples) {
 std::string textOf(const io::VolumeContents& contents) {
     std::string text;
     for (const io::VolumeField& field : contents.fields) {
-        text += fmt::format("  {}  {}, {}", field.name.empty() ? "(no name)" : field.name, dimsText(field.dims), field.typeName);
+        text += fmt::format("  {}  {}, {}", field.name.empty() ? "(no name)" : oneLine(field.name), dimsText(field.dims), field.typeName);
         if (field.components > 1)
             text += fmt::format(", {} components", field.components);
         if (field.frames > 1)
@@ -237,9 +238,9 @@ std::string textOf(const io::VolumeContents& contents) {
         if (field.isResampled)
             text += ", resampled";
         if (!field.title.empty())
-            text += ": " + field.title;
+            text += ": " + oneLine(field.title);
         if (!field.problem.empty())
-            text += " (" + field.problem + ")";
+            text += " (" + oneLine(field.problem) + ")";
         text += "\n";
     }
     return text;

@@ -137,8 +137,8 @@ void residualsOfRow(ChunkMode mode, const Bits* chunk, const Shape& shape, Width
     } else {
         line[0] = 0;
         const auto addRow = [&](const Bits* other, Bits sign) {
-            for (int x = 0; x < width; ++x)
-                line[x + 1] = static_cast<Bits>(line[x + 1] + static_cast<Bits>(sign * other[x]));
+            for (int x = 0; x < width; ++x) // 1u: of 16 bits, the product would overflow an int
+                line[x + 1] = static_cast<Bits>(line[x + 1] + static_cast<Bits>(1u * sign * other[x]));
         };
         if (y > 0)
             addRow(row - width, static_cast<Bits>(-1));

@@ -12,7 +12,7 @@ namespace isoslider::io {
 /// A scalar field, data set or series of slices, as its file or folder declares it.
 struct VolumeField {
     std::string name;   ///< for ReadOptions::field, unique in the file; empty where the format has no names
-    std::string title;  ///< for people; empty: the name will do
+    std::string title;  ///< for people, one line; empty: the name will do
     GridDims dims{0, 0, 0};    ///< grid points, after resampling if isResampled
     std::string typeName;      ///< of samples as the file stores them: "int16", "float64"
     int components = 1;        ///< per sample

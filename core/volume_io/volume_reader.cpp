@@ -1,7 +1,6 @@
 #include "core/volume_io/volume_reader.h"
 
 #include <algorithm>
-#include <cstring>
 #include <new>
 
 #include "core/base/file_system.h"
@@ -116,22 +115,6 @@ Result<VolumeContents> listInProcess(const fs::path& path, const ReadOptions& op
     return list(path, options, false);
 }
 
-Result<VolumeContents> listByOpening(OpenFormat open, const fs::path& path, const ReadOptions& options) {
-    const auto source = open(path, options);
-    if (!source.isOk())
-        return source.error();
-    const VolumeInfo& info = source.value()->info();
-    VolumeField field;
-    field.name = info.fieldName;
-    field.title = info.fieldTitle;
-    field.dims = info.geometry.dims;
-    field.typeName = scalarTypeName(info.type);
-    VolumeContents contents;
-    contents.format = info.format;
-    contents.fields.push_back(std::move(field));
-    return contents;
-}
-
 Result<std::shared_ptr<const ScalarGrid>> readVolume(const fs::path& path, const ReadOptions& options,
                                                      const JobControl& job) {
     auto source = openVolume(path, options);
@@ -150,26 +133,6 @@ Result<std::shared_ptr<const ScalarGrid>> readVolume(VolumeSource& source, const
     } catch (const std::bad_alloc&) {
         return makeError(ErrorCode::OutOfSpace, "does not fit in memory", path);
     }
-}
-
-Status WholeGridSource::prepare(const JobControl& job) {
-    const auto made = grid(job);
-    return made.isOk() ? Status{} : made.error();
-}
-
-Status WholeGridSource::readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
-    const auto made = grid({});
-    if (!made.isOk())
-        return made.error();
-    const ScalarGrid& whole = *made.value();
-    const auto planeBytes = static_cast<std::size_t>(whole.dims()[0] * whole.dims()[1]) *
-                            scalarTypeSizeBytes(whole.type());
-    const auto bytes = whole.bytes().subspan(static_cast<std::size_t>(zBegin) * planeBytes,
-                                             static_cast<std::size_t>(zEnd - zBegin) * planeBytes);
-    ISO_CHECK(bytes.size() == out.size());
-    if (!bytes.empty())
-        std::memcpy(out.data(), bytes.data(), bytes.size());
-    return {};
 }
 
 } // namespace isoslider::io

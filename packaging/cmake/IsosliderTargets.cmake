@@ -2,7 +2,8 @@
 add_library(isoslider_options INTERFACE)
 target_compile_features(isoslider_options INTERFACE cxx_std_20)
 target_compile_options(isoslider_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wno-missing-field-initializers
-  -Wno-stringop-overflow -Wno-restrict) # GCC 12 sees overflows in inlined vectors and strings that are not there
+  # GCC 12 sees overflows in inlined vectors and strings that are not there
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow> $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 # Population counts and bit scans as instructions: in every PC since 2009.
 if(ISOSLIDER_ARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(isoslider_options INTERFACE -march=${ISOSLIDER_ARCH})
@@ -10,15 +11,18 @@ endif()
 if(ISOSLIDER_WARNINGS_AS_ERRORS)
   target_compile_options(isoslider_options INTERFACE -Werror)
 endif()
-# asan-ubsan | tsan, empty for none
+# asan-ubsan | tsan | fuzzer, empty for none
 if(ISOSLIDER_SANITIZER STREQUAL "asan-ubsan")
   target_compile_options(isoslider_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(isoslider_options INTERFACE -fsanitize=address,undefined)
 elseif(ISOSLIDER_SANITIZER STREQUAL "tsan")
   target_compile_options(isoslider_options INTERFACE -fsanitize=thread -fno-omit-frame-pointer)
   target_link_options(isoslider_options INTERFACE -fsanitize=thread)
+elseif(ISOSLIDER_SANITIZER STREQUAL "fuzzer") # libFuzzer itself is linked where targets are: see tests/fuzz
+  target_compile_options(isoslider_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(isoslider_options INTERFACE -fsanitize=address,undefined)
 elseif(NOT ISOSLIDER_SANITIZER STREQUAL "")
-  message(FATAL_ERROR "ISOSLIDER_SANITIZER is '${ISOSLIDER_SANITIZER}'; known: asan-ubsan, tsan")
+  message(FATAL_ERROR "ISOSLIDER_SANITIZER is '${ISOSLIDER_SANITIZER}'; known: asan-ubsan, tsan, fuzzer")
 endif()
 
 # isoslider_library(NAME SOURCES ... [HEADERS ...])

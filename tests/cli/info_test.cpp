@@ -104,6 +104,17 @@ TEST_F(CliInfo, PrintsOneLineForANameWithALineBreak) {
     expectRefusal({"info", path("new\nline%s%n.mha")}, 4, "\\x0a");
 }
 
+TEST_F(CliInfo, KeepsAFieldsNameInItsLine) {
+    folder_.write("a.vti", "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\">"
+                           "<ImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\">"
+                           "<Piece Extent=\"0 1 0 1 0 1\"><PointData>"
+                           "<DataArray type=\"UInt8\" Name=\"a&#10;&#127;b\" format=\"ascii\">1 2 3 4 5 6 7 8</DataArray>"
+                           "</PointData></Piece></ImageData></VTKFile>");
+    const auto result = run({"info", path("a.vti")});
+    EXPECT_EQ(result.exitCode, 0) << result.standardError;
+    EXPECT_THAT(result.standardOutput, HasSubstr("field            a  b\n"));
+}
+
 TEST_F(CliInfo, KnowsAnIndexByItsContent) {
     std::filesystem::rename(sphereIndex(), path("renamed.mha"));
     EXPECT_EQ(runJson({"info", path("renamed.mha")})["format"], "ISOSLIDER index");

@@ -4,6 +4,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "core/base/one_line.h"
 #include "core/volume_io/byte_decoder.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"
@@ -115,7 +116,7 @@ Result<Header> readHeader(TextReader& reader, const fs::path& path) {
     if (!reader.line(line) || !reader.line(second))
         return endsIn("its two lines of title", reader, path);
     header.title = std::string(trimmed(line)) + " " + std::string(trimmed(second));
-    header.title = std::string(trimmed(header.title.substr(0, 200)));
+    header.title = trimmed(oneLine(header.title.substr(0, 200)));
     const auto atoms = readCountedVector(reader, "atoms and origin", true, path);
     if (!atoms.isOk())
         return atoms.error();

@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "core/base/one_line.h"
 #include "core/volume_io/header_checks.h"
 
 namespace isoslider::io {
@@ -344,10 +345,7 @@ private:
         if (first.date.size() == 8)
             title +=
                 ", " + first.date.substr(0, 4) + '-' + first.date.substr(4, 2) + '-' + first.date.substr(6);
-        for (char& c : title)
-            if (static_cast<unsigned char>(c) < 0x20)
-                c = ' ';
-        field.title = std::move(title);
+        field.title = oneLine(title);
     }
 
     // Slope and intercept that are whole keep integers integers, as far as all possible samples fit.

@@ -7,6 +7,16 @@
 #include <mutex>
 
 #include <glm/geometric.hpp>
+#if defined(__clang__) // Debian's ITK asks for the compiler that it was built with: to this header alone, Clang is GCC 5
+#pragma push_macro("__clang__")
+#pragma push_macro("__GNUC__")
+#undef __clang__
+#undef __GNUC__
+#define __GNUC__ 5
+#include <itk_compiler_detection.h>
+#pragma pop_macro("__GNUC__")
+#pragma pop_macro("__clang__")
+#endif
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
 

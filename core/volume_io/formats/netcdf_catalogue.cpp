@@ -6,6 +6,7 @@
 
 #include <netcdf.h>
 
+#include "core/base/one_line.h"
 #include "core/volume_io/header_checks.h"
 
 namespace isoslider::io {
@@ -247,7 +248,7 @@ VolumeContents contentsOf(const std::vector<NetcdfVariable>& variables) {
     for (const NetcdfVariable& variable : variables) {
         VolumeField field;
         field.name = variable.name;
-        field.title = netcdfText(variable.group, variable.id, "long_name");
+        field.title = oneLine(netcdfText(variable.group, variable.id, "long_name"));
         field.typeName = typeNameOf(variable.type);
         field.problem = variable.problem;
         field.dims = variable.dims();

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "core/base/one_line.h"
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/itk_header.h"
@@ -156,7 +157,7 @@ Status applySkips(const NrrdHeader& header, Data& data, const fs::path& path) {
 
 VolumeField fieldOf(const NrrdHeader& header) {
     VolumeField field;
-    field.title = std::string(header["content"].substr(0, 200));
+    field.title = oneLine(header["content"].substr(0, 200));
     field.dims = header.dims();
     field.typeName = fileTypeName(header.type);
     field.components = static_cast<int>(header.extent(NrrdRole::Component));

@@ -1,6 +1,5 @@
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <vtkDataArray.h>
 #include <vtkMultiBlockDataSet.h>
@@ -14,20 +13,19 @@
 #include "core/volume_io/curvilinear_resampler.h"
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
-#include "core/volume_io/header_checks.h"
+#include "core/volume_io/formats/plot3d_layout.h"
 #include "core/volume_io/formats/vtk_bridge.h"
+#include "core/volume_io/header_checks.h"
 #include "core/volume_io/resampled_source.h"
 
-// VTK reads the pair once its layout is known and its sizes are proved. PLOT3D files say nothing of
-// byte order, precision or record marks: each combination implies a file size and the marks' values,
-// and the one that fits is taken. VTK's own detection looks at the grid file alone and knows no padding.
+// VTK reads the pair once its layout is known and its sizes are proved. VTK's own detection looks at the grid file
+// alone and knows no padding.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr GridDims kDefaultDims{256, 256, 256};
-constexpr std::int64_t kMaxVtkValues = std::numeric_limits<std::int32_t>::max(); ///< VTK counts them in an int
 
 /// One scalar of the solution, as VTK names it.
 struct Field {
@@ -44,117 +42,6 @@ constexpr Field kFields[] = {{"density", "density", "Density", 0},
 struct Files {
     fs::path grid, solution;
 };
-
-/// How one file of a single block is laid out.
-struct Layout {
-    GridDims dims{0, 0, 0};
-    bool isBigEndian = false;
-    bool hasMarks = false;  ///< Fortran's byte counts around each record
-    bool hasCount = false;  ///< the number of blocks, 1, comes first
-    bool isDouble = false;
-    bool hasBlanking = false; ///< an integer per point behind the coordinates
-};
-
-/// Bytes of each record, without its marks.
-std::vector<std::uint64_t> recordsOf(const Layout& layout, bool isGrid) {
-    const std::uint64_t real = layout.isDouble ? 8 : 4;
-    const auto points = static_cast<std::uint64_t>(pointCount(layout.dims));
-    std::vector<std::uint64_t> records;
-    if (layout.hasCount)
-        records.push_back(4);
-    records.push_back(12);
-    if (!isGrid) // Mach number, angle, Reynolds number, time
-        records.push_back(4 * real);
-    records.push_back(points * real * (isGrid ? 3 : 5) + (layout.hasBlanking ? 4 * points : 0));
-    return records;
-}
-
-Result<std::uint32_t> integerAt(const RandomAccessFile& file, std::uint64_t at, bool isBigEndian) {
-    std::array<std::byte, 4> bytes{};
-    ISO_TRY(file.readExactlyAt(at, bytes));
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-        value |= std::to_integer<std::uint32_t>(bytes[i]) << 8 * (isBigEndian ? 3 - i : i);
-    return value;
-}
-
-/// Whether the file has the records of the layout, up to `padding` bytes behind them, and marks
-/// around each that say its size: VTK trusts them.
-Result<bool> hasRecords(const RandomAccessFile& file, const Layout& layout, bool isGrid, std::uint64_t padding) {
-    const auto records = recordsOf(layout, isGrid);
-    const std::uint64_t mark = layout.hasMarks ? 4 : 0;
-    std::uint64_t size = 0;
-    for (const std::uint64_t record : records)
-        size += record + 2 * mark;
-    if (file.sizeBytes() < size || file.sizeBytes() > size + padding)
-        return false;
-    std::uint64_t at = 0;
-    for (const std::uint64_t record : records) {
-        for (const std::uint64_t place : {at, at + mark + record}) {
-            const auto value = layout.hasMarks ? integerAt(file, place, layout.isBigEndian) : std::uint32_t{0};
-            if (!value.isOk())
-                return value.error();
-            if (layout.hasMarks && value.value() != record)
-                return false;
-        }
-        at += record + 2 * mark;
-    }
-    return true;
-}
-
-/// The dims at the start of a file, if it may be laid out so; zeros if it cannot.
-Result<GridDims> dimsOf(const RandomAccessFile& file, const Layout& layout) {
-    const std::uint64_t mark = layout.hasMarks ? 4 : 0;
-    const std::uint64_t begin = (layout.hasCount ? 4 + 2 * mark : 0) + mark;
-    if (file.sizeBytes() < begin + 12)
-        return GridDims{0, 0, 0};
-    if (layout.hasCount) {
-        const auto count = integerAt(file, mark, layout.isBigEndian);
-        if (!count.isOk() || count.value() != 1)
-            return count.isOk() ? Result<GridDims>(GridDims{0, 0, 0}) : count.error();
-    }
-    GridDims dims{0, 0, 0};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto value = integerAt(file, begin + 4 * axis, layout.isBigEndian);
-        if (!value.isOk())
-            return value.error();
-        dims[axis] = value.value();
-        if (dims[axis] < 2 || dims[axis] > 100'000)
-            return GridDims{0, 0, 0};
-    }
-    return 5 * pointCount(dims) <= kMaxVtkValues ? dims : GridDims{0, 0, 0};
-}
-
-Result<Layout> detectLayout(const RandomAccessFile& file, bool isGrid) {
-    for (unsigned combination = 0; combination < 64; ++combination) {
-        // Some old files are padded to whole disk sectors; an exact fit is preferred.
-        const std::uint64_t padding = combination < 32 ? 0 : 511;
-        Layout layout;
-        layout.isBigEndian = (combination & 1) == 0; // the usual one for binary files comes first
-        layout.hasCount = (combination & 2) != 0;
-        layout.isDouble = (combination & 4) != 0;
-        layout.hasBlanking = (combination & 8) != 0;
-        layout.hasMarks = (combination & 16) == 0; // marks that agree prove more than a size does
-        if (layout.hasBlanking && !isGrid)
-            continue;
-        const auto dims = dimsOf(file, layout);
-        if (!dims.isOk())
-            return dims.error();
-        layout.dims = dims.value();
-        if (layout.dims == GridDims{0, 0, 0})
-            continue;
-        const auto fits = hasRecords(file, layout, isGrid, padding);
-        if (!fits.isOk())
-            return fits.error();
-        if (fits.value())
-            return layout;
-    }
-    return makeError(ErrorCode::InvalidArgument,
-                     std::string("is not a PLOT3D ") + (isGrid ? "grid" : "solution") +
-                         " file: no dims of a single block at its start agree with its size of " +
-                         std::to_string(file.sizeBytes()) + " bytes",
-                     file.path());
-}
 
 /// The field of that name, the first one for none; null if there is none such.
 const Field* findField(std::string_view name) {
@@ -184,30 +71,20 @@ Result<Files> findPair(const fs::path& path) {
     return files;
 }
 
-/// Proves the sizes of both files. VTK has one setting for the two, so their layouts must agree.
-Result<Layout> checkPair(const Files& files) {
+/// Proves the sizes of both files.
+Result<Plot3dLayout> checkPair(const Files& files) {
     auto grid = defaultFileSystem().openForReading(files.grid);
     auto solution = defaultFileSystem().openForReading(files.solution);
     if (!grid.isOk() || !solution.isOk())
         return grid.isOk() ? std::move(solution).error() : std::move(grid).error();
-    const auto gridLayout = detectLayout(*grid.value(), true);
-    const auto solutionLayout = detectLayout(*solution.value(), false);
-    if (!gridLayout.isOk() || !solutionLayout.isOk())
-        return gridLayout.isOk() ? solutionLayout.error() : gridLayout.error();
-    const Layout& a = gridLayout.value();
-    const Layout& b = solutionLayout.value();
-    if (a.dims != b.dims)
-        return makeError(ErrorCode::InvalidArgument, "dims: the two files of the PLOT3D pair disagree", files.solution);
-    if (a.isBigEndian != b.isBigEndian || a.hasMarks != b.hasMarks || a.hasCount != b.hasCount ||
-        a.isDouble != b.isDouble)
-        return makeError(ErrorCode::InvalidArgument,
-                         "layout: the two files of the PLOT3D pair differ in byte order, precision or record marks",
-                         files.solution);
+    auto layout = detectPlot3dPair(*grid.value(), *solution.value());
+    if (!layout.isOk())
+        return layout;
     const std::uint64_t inCurvilinear = sizeof(glm::dvec3) + sizeof(float);
     ISO_TRY(checkFitsMemory(grid.value()->sizeBytes() + solution.value()->sizeBytes() +
-                                inCurvilinear * static_cast<std::uint64_t>(pointCount(a.dims)),
+                                inCurvilinear * static_cast<std::uint64_t>(pointCount(layout.value().dims)),
                             files.solution));
-    return a;
+    return layout;
 }
 
 Result<CurvilinearGrid> convert(vtkStructuredGrid& block, vtkDataArray& values, int component, const fs::path& path) {

@@ -151,12 +151,6 @@ Opened ofUnstructured(vtkUnstructuredGrid& grid, vtkDataArray& array, int compon
 
 } // namespace
 
-std::string_view formatName(VtkKind kind) {
-    constexpr std::string_view kNames[] = {"VTK image", "VTK rectilinear grid", "VTK structured grid",
-                                           "VTK unstructured grid"};
-    return kNames[static_cast<std::size_t>(kind)];
-}
-
 Opened sourceOf(vtkDataSet& data, vtkDataArray& array, int component, VolumeInfo info, const ReadOptions& options,
                 const std::filesystem::path& path) {
     if (auto* image = vtkImageData::SafeDownCast(&data))

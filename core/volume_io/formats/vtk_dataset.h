@@ -4,6 +4,7 @@
 
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/vtk_bridge.h"
+#include "core/volume_io/formats/vtk_kind.h"
 #include "core/volume_io/resampled_source.h"
 
 class vtkDataSet;
@@ -12,12 +13,6 @@ class vtkUnstructuredGrid;
 // From what VTK has read to a source. For the sources of this folder only.
 
 namespace isoslider::io {
-
-/// The kinds of VTK's files that can become a volume, whether XML or not.
-enum class VtkKind { Image, Rectilinear, Structured, Unstructured };
-
-/// "VTK image", "VTK rectilinear grid" ...
-std::string_view formatName(VtkKind kind);
 
 /// One component of the point array, or its magnitude, as samples of a uniform grid: those of an image as they are, of
 /// a rectilinear grid too if its axes are even, else resampled. Without options, what is resampled has as many

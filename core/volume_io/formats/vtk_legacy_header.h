@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/volume_io/formats/vtk_dataset.h"
+#include "core/volume_io/formats/vtk_kind.h"
 #include "core/volume_io/sample_source.h"
 
 namespace isoslider::io {

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "core/volume_io/formats/vtk_dataset.h"
+#include "core/volume_io/formats/vtk_kind.h"
 #include "core/volume_io/formats/vtk_xml_outline.h"
+#include "core/volume_io/volume_contents.h"
 
 namespace isoslider::io {
 

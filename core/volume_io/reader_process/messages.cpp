@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/base/one_line.h"
 #include "core/grid/length_unit.h"
 #include "core/volume_io/header_checks.h"
 
@@ -206,14 +207,6 @@ std::optional<Value> decodedReply(std::span<const std::byte> bytes, const Functi
     });
 }
 
-// A message is shown as one line.
-std::string oneLine(std::string text) {
-    for (char& c : text)
-        if (c == '\n' || c == '\r' || c == '\0')
-            c = ' ';
-    return text;
-}
-
 } // namespace
 
 std::vector<std::byte> encodeRequest(const ReaderRequest& value) {
@@ -266,7 +259,7 @@ std::optional<ReaderProgress> decodeProgress(std::span<const std::byte> bytes) {
 std::optional<Error> decodeError(std::span<const std::byte> bytes) {
     auto value = decodedReply<Error>(bytes, [](Decoder& codec, Error& problem) { error(codec, problem); });
     if (value)
-        value->message = oneLine(std::move(value->message));
+        value->message = oneLine(value->message);
     return value;
 }
 
@@ -275,6 +268,9 @@ std::optional<VolumeInfo> decodeInfo(std::span<const std::byte> bytes) {
     if (!value || !checkDims(value->geometry.dims, "dims", {}).isOk() ||
         !checkGeometry(value->geometry, "geometry", {}).isOk() || !isLengthUnit(value->lengthUnit))
         return std::nullopt;
+    value->fieldTitle = oneLine(value->fieldTitle);
+    for (std::string& note : value->notes)
+        note = oneLine(note);
     return value;
 }
 
@@ -283,11 +279,14 @@ std::optional<VolumeContents> decodeContents(std::span<const std::byte> bytes) {
         bytes, [](Decoder& codec, VolumeContents& volumes) { contents(codec, volumes); });
     if (!value || value->fields.empty() || value->preferred >= value->fields.size())
         return std::nullopt;
-    for (const VolumeField& field : value->fields)
+    for (VolumeField& field : value->fields) {
+        field.title = oneLine(field.title);
+        field.problem = oneLine(field.problem);
         if (field.components < 1 || field.frames < 1 ||
             (!field.componentNames.empty() &&
              field.componentNames.size() != static_cast<std::size_t>(field.components)))
             return std::nullopt;
+    }
     return value;
 }
 

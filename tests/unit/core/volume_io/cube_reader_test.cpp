@@ -105,6 +105,13 @@ TEST_F(CubeReader, AsksWhichOrbital) {
     EXPECT_THAT(refusal(gradient + numbers(96)), HasSubstr("4 components"));
 }
 
+TEST_F(CubeReader, TitleIsOneLine) {
+    const std::string text = replaced(kHeader, "title\n", "ti\x1b[2Jt\tle\x7f\n") + numbers(24);
+    const auto contents = listVolumes(folder.write("a.cube", text));
+    ASSERT_THAT(contents, test::IsOk());
+    EXPECT_EQ(contents.value().fields[0].title, "ti [2Jt le  of two lines");
+}
+
 TEST_F(CubeReader, RefusesWhatIsNone) {
     const std::string good = kHeader + numbers(24);
     EXPECT_THAT(refusal(kHeader + numbers(23)), HasSubstr("24 expected, found 23"));

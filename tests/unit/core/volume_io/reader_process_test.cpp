@@ -218,6 +218,20 @@ TEST(ReaderMessages, ThatNoReaderMaySendAreRefused) {
     EXPECT_FALSE(decodeProgress(encodeProgress(std::nan(""), "x")));
 }
 
+TEST(ReaderMessages, WhatIsForPeopleIsOneLine) {
+    const auto error = decodeError(encodeError(makeError(ErrorCode::Corruption, "a\nb\x1b[2J\x7f", "/a")));
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->message, "a b [2J ");
+    VolumeInfo info = someInfo();
+    info.notes = {"a\nb"};
+    EXPECT_EQ(decodeInfo(encodeInfo(info)).value().notes[0], "a b");
+    VolumeContents contents = someContents();
+    contents.fields[0].title = contents.fields[0].problem = "a\rb";
+    const auto decoded = decodeContents(encodeContents(contents));
+    ASSERT_TRUE(decoded);
+    EXPECT_EQ(decoded->fields[0].title + decoded->fields[0].problem, "a ba b");
+}
+
 TEST(ReaderMessages, OfAnyBytesNeverHarm) {
     std::mt19937 random(5);
     const std::vector<std::vector<std::byte>> seeds = {encodeInfo(someInfo()), encodeContents(someContents()),

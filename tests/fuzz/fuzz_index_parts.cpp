@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/base/byte_codec.h"
+#include "core/grid/scalar_key.h"
+#include "core/index/block_codec.h"
+#include "core/index/chunk_codec.h"
+#include "core/index/hidden_corner_codec.h"
+#include "core/index/merge_errors.h"
+#include "tests/fuzz/fuzz_support.h"
+#include "tests/fuzz/fuzz_targets.h"
+
+namespace isoslider::fuzz {
+namespace {
+
+template <class Sample>
+void decodePages(std::span<const std::byte> bytes, const GridDims& dims) {
+    const BrickGrid grid(dims);
+    index::DecodedPage<KeyOf<Sample>> page;
+    const Status status = index::decodePage<KeyOf<Sample>>(bytes, grid, page, "input.isx");
+    if (!status.isOk())
+        return requireGoodError(status.error());
+    ISO_REQUIRE(page.ids.size() == page.keys.size() && page.masks.size() == page.keys.size() &&
+                    page.normals.size() == page.keys.size() && page.farNormals.size() == page.farKeys.size(),
+                "");
+    const PointId points = PointId{grid.brickCount()} * kBrickPoints;
+    ISO_REQUIRE(std::ranges::all_of(page.ids, [&](PointId id) { return id < points; }), "");
+}
+
+void decodeHidden(ByteReader& in, ScalarType type, const GridDims& dims) {
+    index::HiddenPageEntry entry;
+    entry.lastBrick = in.get<std::uint8_t>();
+    entry.corners = in.get<std::uint16_t>();
+    index::IndexInfo info;
+    info.geometry.dims = dims;
+    info.type = type;
+    visitScalarType(type, [&](auto sample) {
+        using Limits = std::numeric_limits<decltype(sample)>;
+        info.min = static_cast<double>(Limits::lowest());
+        info.max = static_cast<double>(Limits::max());
+    });
+    const auto bytes = in.getBytes(in.remaining());
+    entry.bytes = static_cast<std::uint32_t>(bytes.size());
+    if (entry.lastBrick >= BrickGrid(dims).brickCount() || entry.corners == 0 || entry.corners > index::kMaxHiddenPageCorners)
+        return; // the directory is refused already
+    index::HiddenPage page;
+    const Status status = index::decodeHiddenPage(bytes, entry, info, page, "input.isx");
+    if (!status.isOk())
+        return requireGoodError(status.error());
+    ISO_REQUIRE(page.places.size() == entry.corners && page.scalars.size() == entry.corners, "");
+    ISO_REQUIRE(std::ranges::is_sorted(page.places), "");
+}
+
+template <class Sample>
+void decodeSamples(std::span<const std::byte> bytes, const index::ChunkExtent& extent) {
+    std::vector<Sample> samples(static_cast<std::size_t>(extent[0] * extent[1] * extent[2]));
+    if (!index::decodeChunk<Sample>(bytes, extent, samples))
+        return;
+    const auto again = index::encodeChunk<Sample>(samples, extent);
+    std::vector<Sample> copy(samples.size());
+    ISO_REQUIRE(index::decodeChunk<Sample>(again, extent, copy), "what has been decoded can be encoded");
+    ISO_REQUIRE(std::ranges::equal(std::as_bytes(std::span(samples)), std::as_bytes(std::span(copy))), "");
+}
+
+void decodeErrors(std::span<const std::byte> bytes, const index::MergeExtent& points) {
+    index::MergeErrors errors, copy;
+    if (!index::decodeMergeErrors(bytes, points, errors))
+        return;
+    ISO_REQUIRE(index::decodeMergeErrors(index::encodeMergeErrors(errors), points, copy), "");
+    for (int level = 1; level <= index::kMergeLevels; ++level) {
+        const auto [nx, ny, nz] = errors.cells(level);
+        for (int z = 0; z < nz; ++z)
+            for (int y = 0; y < ny; ++y)
+                for (int x = 0; x < nx; ++x) {
+                    const double bound = errors.errorBound(level, x, y, z);
+                    ISO_REQUIRE(bound >= 0.0 && bound == copy.errorBound(level, x, y, z), std::to_string(bound));
+                }
+    }
+}
+
+} // namespace
+
+/// One part of an index, without the checksums that stand round it. Six bytes say what it is, the type of samples and
+/// the dims, all of them small; then comes the part.
+void fuzzIndexParts(std::span<const std::byte> bytes) {
+    ByteReader in(bytes);
+    const auto part = in.get<std::uint8_t>() % 4;
+    const ScalarType type = kAllScalarTypes[in.get<std::uint8_t>() % kAllScalarTypes.size()];
+    std::array<int, 3> sizes{};
+    for (int& size : sizes)
+        size = 1 + (in.get<std::uint8_t>() + index::kChunkSide) % (index::kChunkSide + 1);
+    in.get<std::uint8_t>();
+    const GridDims dims{sizes[0], sizes[1], sizes[2]};
+    if (part == 1)
+        return decodeHidden(in, type, dims);
+    const auto content = in.getBytes(in.remaining());
+    if (part == 3)
+        return decodeErrors(content, sizes);
+    const auto chunk = [](int size) { return std::min(size, index::kChunkSide); };
+    visitScalarType(type, [&](auto sample) {
+        using Sample = decltype(sample);
+        if (part == 0)
+            decodePages<Sample>(content, dims);
+        else
+            decodeSamples<Sample>(content, {chunk(sizes[0]), chunk(sizes[1]), chunk(sizes[2])});
+    });
+}
+
+} // namespace isoslider::fuzz
