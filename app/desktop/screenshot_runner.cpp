@@ -6,6 +6,7 @@
 #include <QPixmap>
 
 #include "ui/model/session.h"
+#include "ui/render/gl_support.h"
 #include "ui/widgets/main_window.h"
 #include "ui/widgets/viewport_host.h"
 #include "ui/widgets/viewport_widget.h"
@@ -37,6 +38,9 @@ ScreenshotRunner::ScreenshotRunner(widgets::MainWindow& window, model::Session& 
         std::fprintf(stderr, "isoslider: %s\n", notice.detail.c_str());
         exitCode_ = exitCodeOf(notice);
     });
+    if (!path_.isEmpty() && !render::isOpenGlUsable())
+        std::fprintf(stderr, "isoslider: the picture will show no surface, for want of OpenGL 3.3: %s\n",
+                     qPrintable(render::openGlProblem()));
     connect(&timer_, &QTimer::timeout, this, &ScreenshotRunner::poll);
     timer_.start(kPollMs);
 }

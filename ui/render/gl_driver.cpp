@@ -37,8 +37,9 @@ bool GlDriver::allocate(Gl& gl, GLenum target, GLuint buffer, std::size_t bytes)
 }
 
 bool GlDriver::isLost(QOpenGLContext& context) {
-    if (!context.isValid())
-        return true;
+    // Of a context that is not current nothing can be asked; one without a surface yet is not lost.
+    if (!context.isValid() || QOpenGLContext::currentContext() != &context)
+        return !context.isValid();
     using ResetStatus = GLenum(QOPENGLF_APIENTRYP)();
     for (const auto& [extension, function] : {std::pair{"GL_KHR_robustness", "glGetGraphicsResetStatus"},
                                               std::pair{"GL_ARB_robustness", "glGetGraphicsResetStatusARB"}}) {

@@ -19,8 +19,17 @@ QString driverName(QOpenGLContext& context) {
     return name == nullptr ? tr("its driver") : QString::fromLatin1(reinterpret_cast<const char*>(name));
 }
 
+/// Platforms without windows that OpenGL can be composed into. Some give contexts all the same, by way of a display.
+bool isPictureless(const QString& platform) {
+    static const QStringList kPictureless{QStringLiteral("offscreen"), QStringLiteral("minimal"), QStringLiteral("linuxfb"),
+                                          QStringLiteral("vnc")};
+    return kPictureless.contains(platform);
+}
+
 /// Empty if it works.
 QString tryContext() {
+    if (isPictureless(QGuiApplication::platformName()))
+        return tr("the display (%1) shows none").arg(QGuiApplication::platformName());
     QOpenGLContext context;
     context.setFormat(viewportFormat());
     if (!context.create())
