@@ -18,6 +18,7 @@ class Session;
 namespace isoslider::widgets {
 
 class ActionRegistry;
+class CompactLayout;
 class FileDialogs;
 class IsovaluePanel;
 class MessageBar;
@@ -76,6 +77,7 @@ private:
     MessageBar* messageBar_ = nullptr;
     ViewportHost* host_ = nullptr;
     IsovaluePanel* isovaluePanel_ = nullptr;
+    CompactLayout* compactLayout_ = nullptr;
     QMenu* recentMenu_ = nullptr;
     QMenu* panelsMenu_ = nullptr;
     QDockWidget* datasetDock_ = nullptr;

@@ -1,11 +1,12 @@
 #include "ui/widgets/small_widgets.h"
 
 #include <QAction>
+#include <QEvent>
 #include <QFrame>
 #include <QGridLayout>
 #include <QHBoxLayout>
 #include <QLabel>
-#include <QScrollArea>
+#include <QScrollBar>
 #include <QToolButton>
 #include <QVBoxLayout>
 
@@ -61,6 +62,7 @@ ScrollPage makeScrollPage(QWidget* parent) {
     made.area = new QScrollArea(parent);
     made.area->setWidgetResizable(true);
     made.area->setFrameShape(QFrame::NoFrame);
+    made.area->setMinimumSize(80, 20); // in a small window the view comes first
     made.page = new QWidget(made.area);
     made.rows = new QVBoxLayout(made.page);
     made.rows->setContentsMargins(10, 8, 10, 8);
@@ -74,6 +76,33 @@ ScrollPage fillWithScrollPage(QWidget* panel) {
     const ScrollPage made = makeScrollPage(panel);
     outer->addWidget(made.area);
     return made;
+}
+
+RowScroll::RowScroll(QWidget* row, QWidget* parent) : QScrollArea(parent) {
+    setWidgetResizable(true);
+    setFrameShape(QFrame::NoFrame);
+    setVerticalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    setFocusPolicy(Qt::NoFocus);
+    setMinimumWidth(0);
+    setWidget(row);
+    row->installEventFilter(this);
+    fitHeight();
+}
+
+void RowScroll::fitHeight() {
+    const bool needsBar = width() < widget()->minimumSizeHint().width();
+    setFixedHeight(widget()->sizeHint().height() + (needsBar ? horizontalScrollBar()->sizeHint().height() : 0));
+}
+
+void RowScroll::resizeEvent(QResizeEvent* event) {
+    QScrollArea::resizeEvent(event);
+    fitHeight();
+}
+
+bool RowScroll::eventFilter(QObject* watched, QEvent* event) {
+    if (watched == widget() && event->type() == QEvent::LayoutRequest)
+        fitHeight(); // its texts grew or shrank
+    return QScrollArea::eventFilter(watched, event);
 }
 
 // Not a QFormLayout: when rows come and go, it shares the height of wrapped texts out among all rows.

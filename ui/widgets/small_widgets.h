@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <QScrollArea>
 #include <QString>
 #include <QWidget>
 
@@ -33,6 +34,20 @@ struct ScrollPage {
 ScrollPage makeScrollPage(QWidget* parent);
 /// The same, as all that the panel shows.
 ScrollPage fillWithScrollPage(QWidget* panel);
+
+/// A row of controls that scrolls sideways when there is no room for all of it.
+class RowScroll : public QScrollArea {
+    Q_OBJECT
+public:
+    RowScroll(QWidget* row, QWidget* parent);
+
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+private:
+    void fitHeight();
+};
 
 struct Fact {
     QString name;

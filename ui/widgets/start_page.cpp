@@ -1,7 +1,9 @@
 #include "ui/widgets/start_page.h"
 
 #include <QAction>
+#include <QCoreApplication>
 #include <QDir>
+#include <QEvent>
 #include <QFileInfo>
 #include <QIcon>
 #include <QLabel>
@@ -15,6 +17,7 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kMostRecent = 5;
+constexpr int kWidth = 440;
 
 QPushButton* actionButton(QAction* action, const QString& text, QWidget* parent) {
     auto* button = new QPushButton(action->icon(), text, parent);
@@ -29,33 +32,36 @@ QPushButton* actionButton(QAction* action, const QString& text, QWidget* parent)
 } // namespace
 
 StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
-    : QFrame(parent), recentLayout_(new QVBoxLayout), recentHeading_(new QLabel(tr("Recent files"), this)) {
+    : QFrame(parent), scroll_(fillWithScrollPage(this)), recentLayout_(new QVBoxLayout),
+      recentHeading_(new QLabel(tr("Recent files"), scroll_.page)) {
     setObjectName(QStringLiteral("startPage"));
     setFrameShape(QFrame::NoFrame);
-    setFixedWidth(440);
-    auto* layout = new QVBoxLayout(this);
+    setMaximumWidth(kWidth);
+    scroll_.area->viewport()->setAutoFillBackground(false);
+    scroll_.page->setAutoFillBackground(false);
+    QVBoxLayout* layout = scroll_.rows;
     layout->setContentsMargins(34, 28, 34, 26);
     layout->setSpacing(8);
-    auto* logo = new QLabel(this);
+    auto* logo = new QLabel(scroll_.page);
     logo->setPixmap(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")).pixmap(QSize(72, 72), devicePixelRatioF()));
-    auto* name = new QLabel(QStringLiteral("ISOSLIDER"), this);
+    auto* name = new QLabel(QStringLiteral("ISOSLIDER"), scroll_.page);
     QFont font = name->font();
     font.setPointSizeF(font.pointSizeF() * 1.9);
     font.setWeight(QFont::DemiBold);
     font.setLetterSpacing(QFont::AbsoluteSpacing, 2.0);
     name->setFont(font);
-    auto* claim = new QLabel(tr("Slide isosurfaces through large volumes"), this);
+    auto* claim = new QLabel(tr("Slide isosurfaces through large volumes"), scroll_.page);
     claim->setForegroundRole(QPalette::PlaceholderText);
     layout->addWidget(logo, 0, Qt::AlignHCenter);
     layout->addWidget(name, 0, Qt::AlignHCenter);
     layout->addWidget(claim, 0, Qt::AlignHCenter);
     layout->addSpacing(14);
-    auto* open = actionButton(actions.action("file.open"), tr("Open volume…"), this);
+    auto* open = actionButton(actions.action("file.open"), tr("Open volume…"), scroll_.page);
     open->setDefault(true);
     layout->addWidget(open);
-    layout->addWidget(actionButton(actions.action("file.sampleBluntFin"), tr("Open sample: Blunt Fin"), this));
-    layout->addWidget(actionButton(actions.action("file.sampleShell"), tr("Open sample: Spherical Shell"), this));
-    auto* drop = new QLabel(tr("or drop a file or folder here"), this);
+    layout->addWidget(actionButton(actions.action("file.sampleBluntFin"), tr("Open sample: Blunt Fin"), scroll_.page));
+    layout->addWidget(actionButton(actions.action("file.sampleShell"), tr("Open sample: Spherical Shell"), scroll_.page));
+    auto* drop = new QLabel(tr("or drop a file or folder here"), scroll_.page);
     drop->setForegroundRole(QPalette::PlaceholderText);
     layout->addWidget(drop, 0, Qt::AlignHCenter);
     layout->addSpacing(8);
@@ -68,6 +74,8 @@ StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
     setRecentFiles({});
 }
 
+QSize StartPage::sizeHint() const { return {kWidth, scroll_.page->sizeHint().height()}; }
+
 void StartPage::setRecentFiles(const QStringList& paths) {
     while (QLayoutItem* item = recentLayout_->takeAt(0)) {
         delete item->widget();
@@ -75,18 +83,18 @@ void StartPage::setRecentFiles(const QStringList& paths) {
     }
     for (const auto& path : paths.mid(0, kMostRecent)) {
         const QFileInfo file(path);
-        auto* button = new QPushButton(this);
+        auto* button = new QPushButton(scroll_.page);
         button->setFlat(true);
         button->setStyleSheet(QStringLiteral("text-align: left; padding: 4px 2px;"));
         const QString folder = QDir::toNativeSeparators(file.path());
-        const int room = width() - 90 - fontMetrics().horizontalAdvance(file.fileName());
+        const int room = kWidth - 90 - fontMetrics().horizontalAdvance(file.fileName());
         button->setText(QStringLiteral("%1   %2").arg(file.fileName(), fontMetrics().elidedText(folder, Qt::ElideMiddle, std::max(40, room))));
         button->setToolTip(QDir::toNativeSeparators(path));
         connect(button, &QPushButton::clicked, this, [this, path] { Q_EMIT openRequested(path); });
         recentLayout_->addWidget(button);
     }
     recentHeading_->setVisible(!paths.isEmpty());
-    adjustSize();
+    QCoreApplication::postEvent(this, new QEvent(QEvent::LayoutRequest)); // to be placed anew
 }
 
 void StartPage::paintEvent(QPaintEvent*) {

@@ -2,6 +2,8 @@
 
 #include <QFrame>
 
+#include "ui/widgets/small_widgets.h"
+
 class QLabel;
 class QVBoxLayout;
 
@@ -15,6 +17,7 @@ class StartPage : public QFrame {
 public:
     explicit StartPage(const ActionRegistry& actions, QWidget* parent = nullptr);
     void setRecentFiles(const QStringList& paths);
+    QSize sizeHint() const override;
 
 Q_SIGNALS:
     void openRequested(const QString& path);
@@ -23,6 +26,7 @@ protected:
     void paintEvent(QPaintEvent* event) override;
 
 private:
+    ScrollPage scroll_; ///< for views smaller than the page
     QVBoxLayout* recentLayout_;
     QLabel* recentHeading_;
 };
