@@ -14,7 +14,7 @@ namespace isoslider::test {
 class FaultyDriver final : public render::GlDriver {
 public:
     std::size_t memoryBytes = std::numeric_limits<std::size_t>::max();
-    int refusedCall = 0;  ///< counting from 1, the allocation that fails; 0 for none
+    int refusedCall = 0;  ///< counting from 1, the allocation that fails, and the next, which may be another try; 0 for none
     int lostContexts = 0; ///< so many contexts more will be found lost
 
     int allocations() const { return allocations_; }
@@ -38,7 +38,9 @@ public:
     }
     bool allocate(render::Gl& gl, GLenum target, GLuint buffer, std::size_t bytes) override {
         sizes_[buffer] = 0;
-        if (++allocations_ == refusedCall || usedBytes() + bytes > memoryBytes) {
+        ++allocations_;
+        const bool isRefused = refusedCall > 0 && (allocations_ == refusedCall || allocations_ == refusedCall + 1);
+        if (isRefused || usedBytes() + bytes > memoryBytes) {
             ++refusals_;
             GlDriver::allocate(gl, target, buffer, 0); // what is in it is lost, as on a real card
             return false;

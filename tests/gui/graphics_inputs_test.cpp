@@ -162,7 +162,7 @@ TEST_F(GraphicsInputs, B106_EachAllocationFailsOnce) {
         driver_->refusedCall = driver_->allocations() + call;
         request(-11.0 - 0.1 * call);
         request(-12.0);
-        EXPECT_EQ(driver_->refusals(), refusals + 1) << call;
+        EXPECT_EQ(driver_->refusals(), refusals + 2) << call;
         // Whole, or a coarser one that is made after the refusal was noticed.
         ASSERT_TRUE(waitUntil([&] { return surfacePixels(grab()) > 0; })) << call;
         EXPECT_NEAR(static_cast<double>(surfacePixels(grab())) / static_cast<double>(pixels), 1.0, 0.03) << call;
