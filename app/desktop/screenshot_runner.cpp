@@ -38,9 +38,6 @@ ScreenshotRunner::ScreenshotRunner(widgets::MainWindow& window, model::Session& 
         std::fprintf(stderr, "isoslider: %s\n", notice.detail.c_str());
         exitCode_ = exitCodeOf(notice);
     });
-    if (!path_.isEmpty() && !render::isOpenGlUsable())
-        std::fprintf(stderr, "isoslider: the picture will show no surface, for want of OpenGL 3.3: %s\n",
-                     qPrintable(render::openGlProblem()));
     connect(&timer_, &QTimer::timeout, this, &ScreenshotRunner::poll);
     timer_.start(kPollMs);
 }
@@ -70,6 +67,8 @@ void ScreenshotRunner::grab() {
         std::fprintf(stderr, "isoslider: %s: the picture could not be written; check the folder and the suffix\n", qPrintable(path_));
         return QApplication::exit(kIoFailure);
     }
+    if (!path_.isEmpty() && session_.frame() != nullptr && !render::isOpenGlUsable())
+        std::fprintf(stderr, "isoslider: the picture shows no surface, for want of OpenGL 3.3: %s\n", qPrintable(render::openGlProblem()));
     QApplication::exit(exitCode_);
 }
 
