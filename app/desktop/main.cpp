@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include <QApplication>
 #include <QIcon>
@@ -8,6 +9,7 @@
 #include <QTimer>
 
 #include "app/desktop/command_line.h"
+#include "app/desktop/display_guard.h"
 #include "app/desktop/preprocess_index_builder.h"
 #include "app/desktop/sample_loader.h"
 #include "app/desktop/screenshot_runner.h"
@@ -105,7 +107,9 @@ int run(int argc, char** argv, const CommandLine& line) {
         std::fputs("isoslider: no display: set DISPLAY or WAYLAND_DISPLAY, or run it under xvfb-run\n", stderr);
         return kIoFailure;
     }
+    std::optional<DisplayGuard> guard(std::in_place);
     QApplication application(argc, argv);
+    guard.reset();
     setUpApplication();
     const bool isInteractive = line.screenshot.isEmpty() && !line.isSelfTest;
     widgets::SettingsStore settings;

@@ -6,6 +6,7 @@
 #include <QPixmap>
 
 #include "ui/model/session.h"
+#include "ui/render/gl_support.h"
 #include "ui/widgets/main_window.h"
 #include "ui/widgets/viewport_host.h"
 #include "ui/widgets/viewport_widget.h"
@@ -66,6 +67,8 @@ void ScreenshotRunner::grab() {
         std::fprintf(stderr, "isoslider: %s: the picture could not be written; check the folder and the suffix\n", qPrintable(path_));
         return QApplication::exit(kIoFailure);
     }
+    if (!path_.isEmpty() && session_.frame() != nullptr && !render::isOpenGlUsable())
+        std::fprintf(stderr, "isoslider: the picture shows no surface, for want of OpenGL 3.3: %s\n", qPrintable(render::openGlProblem()));
     QApplication::exit(exitCode_);
 }
 

@@ -51,6 +51,15 @@ struct SurfaceFrame {
     SlideStats stats;
     bool isFromIndex = false;       ///< false: from the volume in memory, before the index was there
     bool isWholeExtraction = false; ///< not slid to: every triangle is new
+    /// Above 1: a coarser surface to look at, its vertices merged in blocks of so many cells along each axis. `stats`
+    /// are of the whole one.
+    std::int64_t mergedCells = 1;
 };
+
+/// What the arrays of a frame take, here and on a graphics card.
+inline std::uint64_t pictureBytes(const SurfaceFrame& frame) {
+    return (frame.positions.size() + frame.normals.size()) * sizeof(glm::vec3) +
+           (frame.indices.size() + frame.changedIndices.size()) * sizeof(std::uint32_t);
+}
 
 } // namespace isoslider::extract

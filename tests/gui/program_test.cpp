@@ -1,36 +1,8 @@
 // The real program, run as a shell runs it.
-#include <sstream>
-
-#include <QImage>
-
-#include <gtest/gtest.h>
-
-#include "tests/gui/window_fixture.h"
-#include "tests/support/process_runner.h"
+#include "tests/gui/program_fixture.h"
 
 namespace isoslider::test {
 namespace {
-
-class ProgramTest : public ::testing::Test {
-protected:
-    ProcessResult run(std::vector<std::string> arguments) {
-        ProcessOptions options;
-        options.timeout = std::chrono::seconds(60);
-        const std::string home = folder_.path().string();
-        for (const char* name : {"HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME", "XDG_RUNTIME_DIR"})
-            options.environment.emplace_back(name, home);
-        return runProcess(ISOSLIDER_PROGRAM, arguments, options);
-    }
-    /// One line of ours; the platform's plugin may say something about itself.
-    static void expectOneLine(const std::string& text) {
-        std::istringstream lines(text);
-        int count = 0;
-        for (std::string line; std::getline(lines, line);)
-            count += line.rfind("This plugin does not support", 0) == 0 ? 0 : 1;
-        EXPECT_EQ(count, 1) << text;
-    }
-    TemporaryFolder folder_;
-};
 
 TEST_F(ProgramTest, TakesAPictureOfTheWholeWindow) {
     const auto picture = folder_ / "out.png";

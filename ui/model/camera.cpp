@@ -11,6 +11,7 @@ namespace {
 constexpr double kHalfFieldOfView = 0.5 * 0.6108652381980153; // 35 degrees
 constexpr double kNearestDistance = 1e-4;                     // of the scene radius
 constexpr double kFarthestDistance = 1e3;
+constexpr double kLargestAspect = 1e6; // of views of one row of pixels
 
 /// The orientation of a viewer who stands at `direction` from the target with `up` upwards.
 glm::dquat lookFrom(glm::dvec3 direction, glm::dvec3 up) {
@@ -91,6 +92,7 @@ glm::dmat4 Camera::viewMatrix() const {
 }
 
 glm::dmat4 Camera::projectionMatrix(double aspect) const {
+    aspect = std::isfinite(aspect) && aspect > 0.0 ? std::clamp(aspect, 1.0 / kLargestAspect, kLargestAspect) : 1.0;
     // Both planes hug the scene's sphere, wherever the viewer stands: all depth bits go to the scene.
     const double centreDepth = glm::dot(backward(), eye());
     const double reach = sceneRadius_ * 1.05;

@@ -53,6 +53,7 @@ public:
     glm::dquat orientation() const { return orientation_; }
 
     glm::dmat4 viewMatrix() const;
+    /// Finite for any aspect: of what is none, as of a view without height, it is that of a square.
     glm::dmat4 projectionMatrix(double aspect) const;
     /// World units from the centre to the top of the view, on the target plane.
     double halfHeight() const;

@@ -129,10 +129,12 @@ void Session::forgetDataset() {
     frame_.reset();
     certificate_.reset();
     isCheckingMesh_ = false;
+    isPictureComing_ = false;
 }
 
 void Session::adopt(LoadedDataset loaded) {
     forgetDataset();
+    worker_->limitPicture(std::numeric_limits<std::uint64_t>::max());
     dataset_ = std::move(loaded.dataset);
     grid_ = std::move(loaded.grid);
     isovalue_.setDomain(dataset_->min, dataset_->max, loaded.isovalue);
@@ -166,6 +168,14 @@ void Session::useSource(std::shared_ptr<SurfaceSource> source) {
     worker_->request(isovalue_.requested());
 }
 
+void Session::limitPicture(std::uint64_t bytes) {
+    worker_->limitPicture(bytes);
+    if (!frame_)
+        return;
+    isPictureComing_ = true;
+    worker_->request(isovalue_.requested());
+}
+
 void Session::takeFrame() {
     SourceGeneration generation{};
     std::shared_ptr<const extract::SurfaceFrame> frame;
@@ -178,6 +188,7 @@ void Session::takeFrame() {
     if (!frame || generation != generation_)
         return;
     frame_ = std::move(frame);
+    isPictureComing_ = false;
     isovalue_.setDisplayed(frame_->isovalue, frame_->stats.updateMs + frame_->stats.interpolateMs);
     frameChanged_.notify();
     // The first picture has both cores for itself; the index comes after it.
@@ -188,6 +199,7 @@ void Session::takeFrame() {
 void Session::onSlideError(const Error& error, SourceGeneration generation) {
     if (generation != generation_)
         return;
+    isPictureComing_ = false;
     fail("The surface could not be moved", error);
     if (indexState_ == IndexState::None)
         startIndexBuild();
@@ -376,7 +388,7 @@ bool Session::isSettled() const {
         return false;
     if (!dataset_)
         return true;
-    if (!frame_ || isovalue_.isLagging())
+    if (!frame_ || isPictureComing_ || isovalue_.isLagging())
         return false;
     switch (indexState_) {
         case IndexState::None: return !grid_ || !services_.indexBuilder;

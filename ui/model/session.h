@@ -72,6 +72,9 @@ public:
     bool isPreview() const;
     /// Above 1: the surface on screen is that of every n-th sample along each axis.
     std::int64_t shownStep() const;
+    /// Shows the surface, and all that follow of this volume, by pictures of at most so many bytes: larger ones are
+    /// coarser, see SurfaceFrame::mergedCells. Meshes are checked and exported whole all the same.
+    void limitPicture(std::uint64_t bytes);
     /// Null until the first surface.
     std::shared_ptr<const extract::SurfaceFrame> frame() const { return frame_; }
     IsovalueModel& isovalue() { return isovalue_; }
@@ -131,6 +134,7 @@ private:
     std::optional<JobId> indexJob_;
     std::optional<mesh::Certificate> certificate_;
     bool isCheckingMesh_ = false;
+    bool isPictureComing_ = false; ///< another one of the same surface was asked for
     std::uint64_t loadTicket_ = 0;    ///< tells a superseded load from the present one
     std::uint64_t datasetTicket_ = 0; ///< tells results about an earlier volume from present ones
     ObserverList<> datasetChanged_;

@@ -4,6 +4,8 @@
 #include <exception>
 #include <new>
 
+#include "ui/model/coarse_picture.h"
+
 namespace isoslider::model {
 namespace {
 
@@ -109,7 +111,12 @@ bool SlideWorker::waitForWork(std::stop_token stop, Work& work) {
 
 void SlideWorker::move(const Work& work) {
     auto frame = pool_.take();
-    const Status status = guarded([&] { return work.source->moveTo(*work.isovalue, work.stop, *frame); });
+    const Status status = guarded([&]() -> Status {
+        ISO_TRY(work.source->moveTo(*work.isovalue, work.stop, *frame));
+        frame->mergedCells = 1;
+        fitPicture(*frame, pictureLimit_);
+        return {};
+    });
     if (!isCurrent(work.generation))
         return;
     if (status.isOk())

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <future>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -36,6 +38,8 @@ public:
     /// Frames of earlier generations may still be delivered once.
     SourceGeneration setSource(std::shared_ptr<SurfaceSource> source);
     void request(double isovalue);
+    /// Frames from the next move on take at most `bytes`, see fitPicture; meshes are whole all the same.
+    void limitPicture(std::uint64_t bytes) { pictureLimit_ = bytes; }
 
     /// The surface as a mesh, after all pending moves. Blocks: call it from a job, never the window.
     /// Errors: Cancelled; InvalidArgument without a source.
@@ -62,6 +66,7 @@ private:
 
     Callbacks callbacks_;
     FramePool pool_;
+    std::atomic<std::uint64_t> pictureLimit_{std::numeric_limits<std::uint64_t>::max()};
     std::mutex mutex_;
     std::condition_variable_any wake_;
     std::shared_ptr<SurfaceSource> source_;

@@ -67,19 +67,24 @@ struct SceneRenderer::Matrices {
 };
 
 struct SceneRenderer::Resources {
-    explicit Resources(Gl& functions) : gl(functions), surface(functions) {
+    Resources(Gl& functions, GlDriver& usedDriver) : gl(functions), driver(usedDriver), surface(functions, usedDriver) {
         gl.glGenVertexArrays(1, &emptyArray);
         gl.glGenVertexArrays(1, &boxArray);
-        gl.glGenBuffers(1, &boxBuffer);
+        boxBuffer = driver.makeBuffer(gl);
     }
     ~Resources() {
-        gl.glDeleteBuffers(1, &boxBuffer);
+        if (isAbandoned)
+            return;
+        driver.freeBuffer(gl, boxBuffer);
         gl.glDeleteVertexArrays(1, &boxArray);
         gl.glDeleteVertexArrays(1, &emptyArray);
     }
 
     Gl& gl;
+    GlDriver& driver;
     SurfaceBuffers surface;
+    bool isAbandoned = false;
+    bool hasBox = false;
     GLuint emptyArray = 0;
     GLuint boxArray = 0;
     GLuint boxBuffer = 0;
@@ -101,14 +106,16 @@ glm::dmat4 indexToCentredWorld(const GridGeometry& grid, const GridGeometry& vol
     return map;
 }
 
-SceneRenderer::SceneRenderer() = default;
+SceneRenderer::SceneRenderer(std::shared_ptr<GlDriver> driver) : driver_(std::move(driver)) {}
 SceneRenderer::~SceneRenderer() = default;
 
 bool SceneRenderer::initialize() {
+    // What an earlier context left behind has names that are this context's by now.
+    abandon();
     auto* gl = QOpenGLVersionFunctionsFactory::get<Gl>();
     if (gl == nullptr || !gl->initializeOpenGLFunctions())
         return false;
-    resources_ = std::make_unique<Resources>(*gl);
+    resources_ = std::make_unique<Resources>(*gl, *driver_);
     resources_->backgroundProgram = loadProgram("background");
     resources_->lineProgram = loadProgram("line");
     resources_->surfaceProgram = loadProgram("surface");
@@ -120,6 +127,14 @@ bool SceneRenderer::initialize() {
 }
 
 void SceneRenderer::release() { resources_.reset(); }
+
+void SceneRenderer::abandon() {
+    if (!resources_)
+        return;
+    resources_->isAbandoned = true;
+    resources_->surface.abandon();
+    resources_.reset();
+}
 
 void SceneRenderer::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
                              const std::optional<GridGeometry>& volume) {
@@ -134,14 +149,22 @@ void SceneRenderer::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
 void SceneRenderer::uploadIfNew() {
     if (!std::exchange(isFrameNew_, false))
         return;
+    refusedBytes_ = 0;
     if (!frame_)
         return resources_->surface.clear();
-    resources_->surface.upload(*frame_);
+    if (!resources_->surface.upload(*frame_))
+        refusedBytes_ = extract::pictureBytes(*frame_);
+    uploadBox();
+}
+
+void SceneRenderer::uploadBox() {
     auto& gl = resources_->gl;
     const auto lines = boxLines(glm::vec3(lastPoint(volume_)));
     gl.glBindVertexArray(resources_->boxArray);
+    resources_->hasBox = driver_->allocate(gl, GL_ARRAY_BUFFER, resources_->boxBuffer, sizeof lines);
+    if (resources_->hasBox)
+        gl.glBufferSubData(GL_ARRAY_BUFFER, 0, sizeof lines, lines.data());
     gl.glBindBuffer(GL_ARRAY_BUFFER, resources_->boxBuffer);
-    gl.glBufferData(GL_ARRAY_BUFFER, sizeof lines, lines.data(), GL_STATIC_DRAW);
     gl.glEnableVertexAttribArray(0);
     gl.glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
     gl.glBindVertexArray(0);
@@ -168,7 +191,7 @@ void SceneRenderer::draw(const model::Camera& camera, const model::ViewOptions& 
     gl.glEnable(GL_DEPTH_TEST);
     gl.glDepthFunc(GL_LEQUAL);
     drawSurface(matrices, camera.isPerspective(), options.showsChanged);
-    if (options.showsBox)
+    if (options.showsBox && resources_->hasBox)
         drawBox(matrices);
     gl.glDisable(GL_DEPTH_TEST);
 }

@@ -10,6 +10,7 @@
 #include "core/extract/surface_frame.h"
 #include "ui/model/camera.h"
 #include "ui/model/view_state.h"
+#include "ui/render/gl_driver.h"
 
 namespace isoslider::render {
 
@@ -33,13 +34,15 @@ glm::dmat4 indexToCentredWorld(const GridGeometry& grid, const GridGeometry& vol
 /// the same context current.
 class SceneRenderer {
 public:
-    SceneRenderer();
+    explicit SceneRenderer(std::shared_ptr<GlDriver> driver = std::make_shared<GlDriver>());
     ~SceneRenderer();
 
     /// False if the context has no OpenGL 3.3 core or a shader is refused: nothing will be drawn.
     bool initialize();
     /// Frees every GPU object; initialize() may follow in another context.
     void release();
+    /// Forgets every GPU object without a call to OpenGL: for a context that is gone or cannot be made current.
+    void abandon();
 
     /// The surface to draw from now on; null for none. Uploaded at the next draw, once. `volume` is what its
     /// grid is of, if that is larger: a preview does not reach all the ends. Its box is drawn, its centre is
@@ -48,6 +51,9 @@ public:
                   const std::optional<GridGeometry>& volume = {});
 
     void draw(const model::Camera& camera, const model::ViewOptions& options, glm::ivec2 pixels);
+
+    /// Bytes of the present surface, if the card has no memory for it and it is not drawn; 0 otherwise.
+    std::uint64_t refusedBytes() const { return refusedBytes_; }
 
 private:
     struct Resources;
@@ -58,11 +64,15 @@ private:
     void drawBox(const Matrices& matrices);
     void drawSurface(const Matrices& matrices, bool isPerspective, bool showsChanged);
 
+    void uploadBox();
+
+    std::shared_ptr<GlDriver> driver_; // before the resources, which use it to the last
     std::unique_ptr<Resources> resources_;
     std::shared_ptr<const extract::SurfaceFrame> frame_;
     GridGeometry volume_;
     SceneColours colours_;
     bool isFrameNew_ = false;
+    std::uint64_t refusedBytes_ = 0;
 };
 
 } // namespace isoslider::render

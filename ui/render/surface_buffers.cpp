@@ -11,10 +11,10 @@ constexpr double kLargestGlow = 0.95;
 
 } // namespace
 
-SurfaceBuffers::SurfaceBuffers(Gl& gl) : gl_(gl) {
+SurfaceBuffers::SurfaceBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) {
     gl_.glGenVertexArrays(1, &vertexArray_);
     for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_})
-        gl_.glGenBuffers(1, &buffer->name);
+        buffer->name = driver_.makeBuffer(gl_);
     gl_.glBindVertexArray(vertexArray_);
     GLuint location = 0;
     for (const Buffer* buffer : {&positions_, &normals_}) {
@@ -26,36 +26,58 @@ SurfaceBuffers::SurfaceBuffers(Gl& gl) : gl_(gl) {
 }
 
 SurfaceBuffers::~SurfaceBuffers() {
+    if (vertexArray_ == 0)
+        return;
     for (const Buffer* buffer : {&positions_, &normals_, &indices_, &changed_})
-        gl_.glDeleteBuffers(1, &buffer->name);
+        driver_.freeBuffer(gl_, buffer->name);
     gl_.glDeleteVertexArrays(1, &vertexArray_);
 }
 
-void SurfaceBuffers::upload(const extract::SurfaceFrame& frame) {
+bool SurfaceBuffers::upload(const extract::SurfaceFrame& frame) {
+    clear();
     gl_.glBindVertexArray(vertexArray_);
-    const auto bytesOf = [](const auto& values) { return values.size() * sizeof(values[0]); };
-    fill(GL_ARRAY_BUFFER, positions_, frame.positions.data(), bytesOf(frame.positions));
-    fill(GL_ARRAY_BUFFER, normals_, frame.normals.data(), bytesOf(frame.normals));
-    fill(GL_ELEMENT_ARRAY_BUFFER, indices_, frame.indices.data(), bytesOf(frame.indices));
-    fill(GL_ELEMENT_ARRAY_BUFFER, changed_, frame.changedIndices.data(), bytesOf(frame.changedIndices));
+    const bool isThere = uploadArrays(frame);
+    if (!isThere)
+        for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_}) {
+            buffer->capacityBytes = 0;
+            driver_.allocate(gl_, GL_ARRAY_BUFFER, buffer->name, 0);
+        }
     gl_.glBindVertexArray(0);
+    if (!isThere)
+        return false;
     surfaceIndices_ = frame.indices.size();
     // Where all of the surface is new, red on all of it would say nothing.
-    const auto surfaceTriangles = static_cast<double>(frame.stats.triangles);
+    const auto surfaceTriangles =
+        frame.mergedCells > 1 ? static_cast<double>(frame.indices.size() / 3) : static_cast<double>(frame.stats.triangles);
     const bool isMostlyOld = static_cast<double>(frame.changedIndices.size()) < 3.0 * kLargestGlow * surfaceTriangles;
     changedIndices_ = isMostlyOld ? frame.changedIndices.size() : 0;
+    return true;
+}
+
+bool SurfaceBuffers::uploadArrays(const extract::SurfaceFrame& frame) {
+    const auto bytesOf = [](const auto& values) { return values.size() * sizeof(values[0]); };
+    return fill(GL_ARRAY_BUFFER, positions_, frame.positions.data(), bytesOf(frame.positions)) &&
+           fill(GL_ARRAY_BUFFER, normals_, frame.normals.data(), bytesOf(frame.normals)) &&
+           fill(GL_ELEMENT_ARRAY_BUFFER, indices_, frame.indices.data(), bytesOf(frame.indices)) &&
+           fill(GL_ELEMENT_ARRAY_BUFFER, changed_, frame.changedIndices.data(), bytesOf(frame.changedIndices));
 }
 
 void SurfaceBuffers::clear() { surfaceIndices_ = changedIndices_ = 0; }
 
-void SurfaceBuffers::fill(GLenum target, Buffer& buffer, const void* data, std::size_t bytes) {
-    gl_.glBindBuffer(target, buffer.name);
+bool SurfaceBuffers::fill(GLenum target, Buffer& buffer, const void* data, std::size_t bytes) {
     if (bytes > buffer.capacityBytes) // room to grow, so that a slide seldom allocates
         buffer.capacityBytes = bytes + bytes / 4;
     // A fresh store each time: the driver need not wait for the draw that reads the old one.
-    gl_.glBufferData(target, static_cast<GLsizeiptr>(buffer.capacityBytes), nullptr, GL_STREAM_DRAW);
+    if (!driver_.allocate(gl_, target, buffer.name, buffer.capacityBytes)) {
+        if (buffer.capacityBytes == bytes)
+            return false;
+        buffer.capacityBytes = bytes; // there may be room for it, if not to grow
+        if (!driver_.allocate(gl_, target, buffer.name, bytes))
+            return false;
+    }
     if (bytes > 0)
         gl_.glBufferSubData(target, 0, static_cast<GLsizeiptr>(bytes), data);
+    return true;
 }
 
 void SurfaceBuffers::drawSurface() { draw(indices_, surfaceIndices_); }

@@ -3,21 +3,24 @@
 #include <cstddef>
 
 #include "core/extract/surface_frame.h"
-#include "ui/render/gl_program.h"
+#include "ui/render/gl_driver.h"
 
 namespace isoslider::render {
 
 /// One surface on the GPU. Buffers grow and are filled again, never shrunk while in use.
-/// REQUIRES for every call: the context it was made in is current.
+/// REQUIRES for every call but abandon() and the destructor after it: the context it was made in is current.
 class SurfaceBuffers {
 public:
-    explicit SurfaceBuffers(Gl& gl);
+    SurfaceBuffers(Gl& gl, GlDriver& driver);
     ~SurfaceBuffers();
     SurfaceBuffers(const SurfaceBuffers&) = delete;
     SurfaceBuffers& operator=(const SurfaceBuffers&) = delete;
 
-    void upload(const extract::SurfaceFrame& frame);
+    /// False if the card has no memory for it: then nothing is drawn, and no memory is kept.
+    bool upload(const extract::SurfaceFrame& frame);
     void clear();
+    /// Forgets everything on the GPU without a call to it: the context is gone.
+    void abandon() { vertexArray_ = 0; }
 
     bool isEmpty() const { return surfaceIndices_ == 0; }
     bool hasChanged() const { return changedIndices_ > 0; }
@@ -29,10 +32,12 @@ private:
         GLuint name = 0;
         std::size_t capacityBytes = 0;
     };
-    void fill(GLenum target, Buffer& buffer, const void* data, std::size_t bytes);
+    bool uploadArrays(const extract::SurfaceFrame& frame);
+    bool fill(GLenum target, Buffer& buffer, const void* data, std::size_t bytes);
     void draw(const Buffer& indices, std::size_t count);
 
     Gl& gl_;
+    GlDriver& driver_;
     GLuint vertexArray_ = 0;
     Buffer positions_;
     Buffer normals_;

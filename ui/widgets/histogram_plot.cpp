@@ -16,13 +16,15 @@ constexpr int kGrabPixels = 6;
 constexpr double kZoomPerNotch = 1.25;
 constexpr double kNotch = 120.0;
 constexpr double kSmallestRange = 1e-6; // of the whole
+constexpr int kMostTicks = 9;
+constexpr int kLowHeight = 90; // below it, there is room for the curve but not for its scale
 
 } // namespace
 
 HistogramPlot::HistogramPlot(QWidget* parent) : QCustomPlot(parent) {
     setObjectName(QStringLiteral("histogramPlot"));
     setFocusPolicy(Qt::StrongFocus);
-    setMinimumSize(240, 110);
+    setMinimumSize(120, 40);
     setAccessibleName(tr("Isovalue"));
     installIsovalueAccessibility();
     setWhatsThis(tr("Drag to move the isosurface; Shift makes the drag finer; Ctrl with the wheel zooms."));
@@ -43,7 +45,7 @@ void HistogramPlot::setUpAxes() {
     activeEdges_ = addGraph(xAxis, yAxis2);
     yAxis->setTicker(QSharedPointer<CompactTicker>::create());
     yAxis2->setTicker(QSharedPointer<CompactTicker>::create());
-    xAxis->ticker()->setTickCount(9);
+    xAxis->ticker()->setTickCount(kMostTicks);
     connect(xAxis, qOverload<const QCPRange&>(&QCPAxis::rangeChanged), this, &HistogramPlot::clampRange);
 }
 
@@ -63,7 +65,6 @@ void HistogramPlot::setUpHandle() {
     emptyHint_ = new QCPItemText(this);
     emptyHint_->position->setType(QCPItemPosition::ptViewportRatio);
     emptyHint_->position->setCoords(0.5, 0.5);
-    emptyHint_->setText(tr("The histogram of a volume stands here, with the isovalue handle on it."));
 }
 
 void HistogramPlot::setHistogram(const index::Histogram& histogram, ScalarType type,
@@ -86,7 +87,6 @@ void HistogramPlot::setHistogram(const index::Histogram& histogram, ScalarType t
         edges.append(static_cast<double>(activeEdgesPerBin[bin]));
     }
     activeEdges_->setData(places, edges, true);
-    yAxis2->setLabel(tr("active edges"));
     for (QCPAxis* axis : {xAxis, yAxis})
         axis->setVisible(true);
     yAxis2->setVisible(!edges.isEmpty());
@@ -140,14 +140,22 @@ void HistogramPlot::applyVerticalRange() {
         yAxis->setRange(0.0, largest(counts_) * 1.05);
     }
     applyTickCounts();
-    yAxis->setLabel(tr("samples"));
     yAxis2->setRange(0.0, largest(activeEdges_) * 1.08);
 }
 
 void HistogramPlot::applyTickCounts() {
+    const QString hint = tr("The histogram of a volume stands here, with the isovalue handle on it.");
+    emptyHint_->setText(fontMetrics().horizontalAdvance(hint) < width() ? hint : tr("Histogram"));
     const int labels = std::clamp(height() / (2 * fontMetrics().height()), 2, 6);
-    yAxis->ticker()->setTickCount(labels);
-    yAxis2->ticker()->setTickCount(labels);
+    const bool isLow = height() < kLowHeight;
+    for (QCPAxis* axis : {yAxis, yAxis2}) {
+        axis->ticker()->setTickCount(labels);
+        axis->setTickLabels(!isLow);
+    }
+    yAxis->setLabel(isLow ? QString() : tr("samples"));
+    yAxis2->setLabel(isLow ? QString() : tr("active edges"));
+    const int widest = fontMetrics().horizontalAdvance(QStringLiteral("-0000000"));
+    xAxis->ticker()->setTickCount(std::clamp(axisRect()->width() / (2 * widest), 1, kMostTicks));
 }
 
 void HistogramPlot::showWholeRange() {

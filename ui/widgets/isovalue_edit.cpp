@@ -11,11 +11,36 @@
 #include "ui/model/number_text.h"
 
 namespace isoslider::widgets {
+namespace {
+
+constexpr int kMostCharacters = 100; // more than any number that a person types
+constexpr int kMostQuoted = 24;
+
+/// What was typed, for a sentence about it: its beginning, without what would turn or break the sentence.
+QString quoted(const QString& text) {
+    QString kept;
+    int count = 0;
+    for (const char32_t character : text.toUcs4()) {
+        if (count++ == kMostQuoted) {
+            kept += QChar(0x2026);
+            break;
+        }
+        const bool isShown = QChar::isPrint(character) && QChar::category(character) != QChar::Other_Format;
+        kept += isShown ? QString::fromUcs4(&character, 1) : QString(QChar::ReplacementCharacter);
+    }
+    // Isolated, so that words from right to left stay between the quotation marks.
+    return QChar(0x2068) + kept + QChar(0x2069);
+}
+
+} // namespace
 
 IsovalueEdit::IsovalueEdit(QWidget* parent) : QLineEdit(parent) {
     setObjectName(QStringLiteral("isovalueEdit"));
     setAccessibleName(tr("Requested isovalue"));
     setAlignment(Qt::AlignRight);
+    setMaxLength(kMostCharacters);
+    connect(this, &QLineEdit::inputRejected, this, [this] { isCut_ = true; });
+    connect(this, &QLineEdit::textEdited, this, [this](const QString& text) { isCut_ = isCut_ && text.size() == kMostCharacters; });
     connect(this, &QLineEdit::editingFinished, this, &IsovalueEdit::commit);
 }
 
@@ -33,6 +58,7 @@ void IsovalueEdit::showNothing() {
 void IsovalueEdit::restore() {
     setText(shownText_);
     setModified(false);
+    isCut_ = false;
 }
 
 void IsovalueEdit::commit() {
@@ -43,17 +69,23 @@ void IsovalueEdit::commit() {
     double value = text().trimmed().toDouble(&isNumber);
     if (!isNumber)
         value = locale().toDouble(text().trimmed(), &isNumber);
-    const QString refused = text();
     setModified(false);
-    if (isNumber && !std::isnan(value)) {
+    if (isCut_) {
+        refuse(tr("“%1” is too long for a number").arg(quoted(text())));
+    } else if (isNumber && !std::isnan(value)) {
         Q_EMIT valueCommitted(value);
         restore(); // shows the clamped value if the request changed nothing
     } else {
-        restore();
-        QToolTip::showText(mapToGlobal(QPoint(0, height())), tr("“%1” is not a number").arg(refused), this);
+        refuse(tr("“%1” is not a number").arg(quoted(text())));
     }
     if (hasFocus())
         selectAll();
+}
+
+void IsovalueEdit::refuse(const QString& reason) {
+    restore();
+    // Escaped: tool tips take text with tags for a page.
+    QToolTip::showText(mapToGlobal(QPoint(0, height())), QStringLiteral("<qt>%1</qt>").arg(reason.toHtmlEscaped()), this);
 }
 
 void IsovalueEdit::keyPressEvent(QKeyEvent* event) {

@@ -5,7 +5,7 @@
 namespace isoslider::widgets {
 
 /// A number typed in data units: taken on Enter or when the focus leaves, put back on Escape or if
-/// it is not a number. Never rewritten while the user types.
+/// it is not a number, with a word on why. Never rewritten while the user types.
 class IsovalueEdit : public QLineEdit {
     Q_OBJECT
 public:
@@ -25,8 +25,10 @@ protected:
 private:
     void commit();
     void restore();
+    void refuse(const QString& reason);
 
     QString shownText_;
+    bool isCut_ = false; ///< what was put in was longer than fits: what is there is not what was meant
 };
 
 } // namespace isoslider::widgets

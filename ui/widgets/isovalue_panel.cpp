@@ -39,7 +39,7 @@ IsovaluePanel::IsovaluePanel(model::Session& session, SettingsStore& settings, c
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(8, 6, 8, 8);
     layout->setSpacing(6);
-    layout->addWidget(makeControls(actions));
+    layout->addWidget(new RowScroll(makeControls(actions), this));
     layout->addWidget(plot_, 1);
     connectControls(settings, actions);
     datasetSubscription_ = session_.datasetChanged().observe([this] { showDataset(); });

@@ -22,13 +22,14 @@ LoadingCard::LoadingCard(model::Session& session, QWidget* parent)
       bar_(new QProgressBar(this)),
       cancel_(new QPushButton(tr("Cancel"), this)) {
     setObjectName(QStringLiteral("loadingCard"));
-    setFixedWidth(kWidth);
+    setMaximumWidth(kWidth);
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(18, 14, 18, 14);
     layout->setSpacing(10);
     text_->setObjectName(QStringLiteral("loadingLabel"));
     text_->setTextFormat(Qt::PlainText);
     text_->setAlignment(Qt::AlignHCenter);
+    text_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     bar_->setObjectName(QStringLiteral("loadingProgress"));
     bar_->setAccessibleName(tr("Opening"));
     bar_->setTextVisible(false);
@@ -45,6 +46,8 @@ LoadingCard::LoadingCard(model::Session& session, QWidget* parent)
     jobsSubscription_ = session_.jobs().observe([this] { showProgress(); });
     showState();
 }
+
+QSize LoadingCard::sizeHint() const { return {kWidth, QFrame::sizeHint().height()}; }
 
 void LoadingCard::showState() {
     const bool isLoading = session_.isLoading();

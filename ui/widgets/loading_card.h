@@ -22,6 +22,7 @@ public:
     explicit LoadingCard(model::Session& session, QWidget* parent = nullptr);
     /// As the session is now.
     void showState();
+    QSize sizeHint() const override;
 
 protected:
     void paintEvent(QPaintEvent* event) override;

@@ -12,9 +12,11 @@
 
 #include "ui/model/session.h"
 #include "ui/widgets/action_registry.h"
+#include "ui/widgets/compact_layout.h"
 #include "ui/widgets/dataset_panel.h"
 #include "ui/widgets/file_dialogs.h"
 #include "ui/widgets/file_filters.h"
+#include "ui/widgets/histogram_plot.h"
 #include "ui/widgets/isovalue_panel.h"
 #include "ui/widgets/jobs_panel.h"
 #include "ui/widgets/levels_panel.h"
@@ -33,6 +35,7 @@ namespace {
 
 constexpr int kMostFilesNamed = 3;
 constexpr int kLayoutVersion = 1;
+constexpr QSize kSmallestWindow(320, 240); // smaller than all panels together, see CompactLayout
 
 } // namespace
 
@@ -43,6 +46,7 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     setWindowTitle(QStringLiteral("ISOSLIDER"));
     setWindowIcon(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")));
     setAcceptDrops(true);
+    setMinimumSize(kSmallestWindow);
     setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
     setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
     connect(openFlow_, &OpenFlow::opening, this, [this] { messageBar_->hide(); });
@@ -97,6 +101,8 @@ void MainWindow::makeDocks() {
     meshDock_ = addDock(tr("Mesh"), "meshDock", new MeshPanel(session_, *actions_, this));
     jobsDock_ = addDock(tr("Jobs"), "jobsDock", new JobsPanel(session_, this));
     setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
+    compactLayout_ =
+        new CompactLayout(*this, {datasetDock_, levelsDock_, meshDock_, jobsDock_}, isovaluePanel_->plot());
 }
 
 void MainWindow::resetLayout() {
@@ -120,6 +126,7 @@ void MainWindow::resetLayout() {
 void MainWindow::restoreLayout() {
     restoreGeometry(settings_.bytes("window/geometry"));
     restoreState(settings_.bytes("window/state"), kLayoutVersion);
+    compactLayout_->startAnew();
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {

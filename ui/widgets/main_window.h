@@ -19,6 +19,7 @@ class Session;
 namespace isoslider::widgets {
 
 class ActionRegistry;
+class CompactLayout;
 class FileDialogs;
 class IsovaluePanel;
 class MessageBar;
@@ -82,6 +83,7 @@ private:
     MessageBar* recoveryBar_ = nullptr;
     ViewportHost* host_ = nullptr;
     IsovaluePanel* isovaluePanel_ = nullptr;
+    CompactLayout* compactLayout_ = nullptr;
     QMenu* recentMenu_ = nullptr;
     QMenu* panelsMenu_ = nullptr;
     QDockWidget* datasetDock_ = nullptr;

@@ -3,12 +3,14 @@
 #include <QAction>
 #include <QDialog>
 #include <QDialogButtonBox>
+#include <QEvent>
 #include <QFrame>
 #include <QGridLayout>
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QPushButton>
 #include <QScrollArea>
+#include <QScrollBar>
 #include <QTextDocument>
 #include <QToolButton>
 #include <QVBoxLayout>
@@ -71,6 +73,7 @@ ScrollPage makeScrollPage(QWidget* parent) {
     made.area = new QScrollArea(parent);
     made.area->setWidgetResizable(true);
     made.area->setFrameShape(QFrame::NoFrame);
+    made.area->setMinimumSize(80, 20); // in a small window the view comes first
     made.page = new QWidget(made.area);
     made.rows = new QVBoxLayout(made.page);
     made.rows->setContentsMargins(10, 8, 10, 8);
@@ -121,6 +124,33 @@ FileDialogFrame layOutFileDialog(QDialog* dialog, const QString& fileName, QWidg
     layout->addLayout(frame.bottom);
     QObject::connect(buttons, &QDialogButtonBox::rejected, dialog, &QDialog::reject);
     return frame;
+}
+
+RowScroll::RowScroll(QWidget* row, QWidget* parent) : QScrollArea(parent) {
+    setWidgetResizable(true);
+    setFrameShape(QFrame::NoFrame);
+    setVerticalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    setFocusPolicy(Qt::NoFocus);
+    setMinimumWidth(0);
+    setWidget(row);
+    row->installEventFilter(this);
+    fitHeight();
+}
+
+void RowScroll::fitHeight() {
+    const bool needsBar = width() < widget()->minimumSizeHint().width();
+    setFixedHeight(widget()->sizeHint().height() + (needsBar ? horizontalScrollBar()->sizeHint().height() : 0));
+}
+
+void RowScroll::resizeEvent(QResizeEvent* event) {
+    QScrollArea::resizeEvent(event);
+    fitHeight();
+}
+
+bool RowScroll::eventFilter(QObject* watched, QEvent* event) {
+    if (watched == widget() && event->type() == QEvent::LayoutRequest)
+        fitHeight(); // its texts grew or shrank
+    return QScrollArea::eventFilter(watched, event);
 }
 
 // Not a QFormLayout: when rows come and go, it shares the height of wrapped texts out among all rows.

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include <QScrollArea>
 #include <QString>
 #include <QWidget>
 
@@ -52,6 +53,20 @@ struct FileDialogFrame {
 };
 /// Lays out a dialog: the file's name, `left` and `right` side by side, buttons to open and to cancel.
 FileDialogFrame layOutFileDialog(QDialog* dialog, const QString& fileName, QWidget* left, QWidget* right);
+
+/// A row of controls that scrolls sideways when there is no room for all of it.
+class RowScroll : public QScrollArea {
+    Q_OBJECT
+public:
+    RowScroll(QWidget* row, QWidget* parent);
+
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+private:
+    void fitHeight();
+};
 
 struct Fact {
     QString name;

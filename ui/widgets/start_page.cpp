@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include <QAction>
+#include <QCoreApplication>
 #include <QDir>
+#include <QEvent>
 #include <QIcon>
 #include <QLabel>
 #include <QPainter>
@@ -19,6 +21,7 @@ namespace {
 constexpr std::size_t kMostRecent = 5;
 constexpr int kRecentMargin = 78; // of a row: page and button
 constexpr int kLeastFolderWidth = 40;
+constexpr int kWidth = 440;
 
 QPushButton* actionButton(QAction* action, const QString& text, QWidget* parent) {
     auto* button = new QPushButton(action->icon(), text, parent);
@@ -33,33 +36,36 @@ QPushButton* actionButton(QAction* action, const QString& text, QWidget* parent)
 } // namespace
 
 StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
-    : QFrame(parent), recentLayout_(new QVBoxLayout), recentHeading_(new QLabel(tr("Recent files"), this)) {
+    : QFrame(parent), scroll_(fillWithScrollPage(this)), recentLayout_(new QVBoxLayout),
+      recentHeading_(new QLabel(tr("Recent files"), scroll_.page)) {
     setObjectName(QStringLiteral("startPage"));
     setFrameShape(QFrame::NoFrame);
-    setFixedWidth(440);
-    auto* layout = new QVBoxLayout(this);
+    setMaximumWidth(kWidth);
+    scroll_.area->viewport()->setAutoFillBackground(false);
+    scroll_.page->setAutoFillBackground(false);
+    QVBoxLayout* layout = scroll_.rows;
     layout->setContentsMargins(34, 28, 34, 26);
     layout->setSpacing(8);
-    auto* logo = new QLabel(this);
+    auto* logo = new QLabel(scroll_.page);
     logo->setPixmap(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")).pixmap(QSize(72, 72), devicePixelRatioF()));
-    auto* name = new QLabel(QStringLiteral("ISOSLIDER"), this);
+    auto* name = new QLabel(QStringLiteral("ISOSLIDER"), scroll_.page);
     QFont font = name->font();
     font.setPointSizeF(font.pointSizeF() * 1.9);
     font.setWeight(QFont::DemiBold);
     font.setLetterSpacing(QFont::AbsoluteSpacing, 2.0);
     name->setFont(font);
-    auto* claim = new QLabel(tr("Slide isosurfaces through large volumes"), this);
+    auto* claim = new QLabel(tr("Slide isosurfaces through large volumes"), scroll_.page);
     claim->setForegroundRole(QPalette::PlaceholderText);
     layout->addWidget(logo, 0, Qt::AlignHCenter);
     layout->addWidget(name, 0, Qt::AlignHCenter);
     layout->addWidget(claim, 0, Qt::AlignHCenter);
     layout->addSpacing(14);
-    auto* open = actionButton(actions.action("file.open"), tr("Open volume…"), this);
+    auto* open = actionButton(actions.action("file.open"), tr("Open volume…"), scroll_.page);
     open->setDefault(true);
     layout->addWidget(open);
-    layout->addWidget(actionButton(actions.action("file.sampleBluntFin"), tr("Open sample: Blunt Fin"), this));
-    layout->addWidget(actionButton(actions.action("file.sampleShell"), tr("Open sample: Spherical Shell"), this));
-    auto* drop = new QLabel(tr("or drop a file or folder here"), this);
+    layout->addWidget(actionButton(actions.action("file.sampleBluntFin"), tr("Open sample: Blunt Fin"), scroll_.page));
+    layout->addWidget(actionButton(actions.action("file.sampleShell"), tr("Open sample: Spherical Shell"), scroll_.page));
+    auto* drop = new QLabel(tr("or drop a file or folder here"), scroll_.page);
     drop->setForegroundRole(QPalette::PlaceholderText);
     layout->addWidget(drop, 0, Qt::AlignHCenter);
     layout->addSpacing(8);
@@ -72,6 +78,8 @@ StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
     setRecentFiles({});
 }
 
+QSize StartPage::sizeHint() const { return {kWidth, scroll_.page->sizeHint().height()}; }
+
 void StartPage::setRecentFiles(const std::vector<model::RecentFile>& files) {
     while (QLayoutItem* item = recentLayout_->takeAt(0)) {
         delete item->widget();
@@ -79,12 +87,12 @@ void StartPage::setRecentFiles(const std::vector<model::RecentFile>& files) {
     }
     for (std::size_t i = 0; i < std::min(files.size(), kMostRecent); ++i) {
         const auto& file = files[i];
-        auto* button = new QPushButton(this);
+        auto* button = new QPushButton(scroll_.page);
         button->setFlat(true);
         button->setStyleSheet(QStringLiteral("text-align: left; padding: 4px 2px;"));
         const QString folder = QDir::toNativeSeparators(QString::fromStdU16String(file.path.parent_path().u16string()));
-        const QString title = fontMetrics().elidedText(recentTitle(file), Qt::ElideMiddle, width() - kRecentMargin);
-        const int room = width() - kRecentMargin - fontMetrics().horizontalAdvance(title + QStringLiteral("   "));
+        const QString title = fontMetrics().elidedText(recentTitle(file), Qt::ElideMiddle, kWidth - kRecentMargin);
+        const int room = kWidth - kRecentMargin - fontMetrics().horizontalAdvance(title + QStringLiteral("   "));
         button->setText(room < kLeastFolderWidth
                             ? title
                             : QStringLiteral("%1   %2").arg(title, fontMetrics().elidedText(folder, Qt::ElideMiddle, room)));
@@ -93,7 +101,7 @@ void StartPage::setRecentFiles(const std::vector<model::RecentFile>& files) {
         recentLayout_->addWidget(button);
     }
     recentHeading_->setVisible(!files.empty());
-    adjustSize();
+    QCoreApplication::postEvent(this, new QEvent(QEvent::LayoutRequest)); // to be placed anew
 }
 
 void StartPage::paintEvent(QPaintEvent*) {

@@ -5,6 +5,7 @@
 #include <QFrame>
 
 #include "ui/model/recent_file.h"
+#include "ui/widgets/small_widgets.h"
 
 class QLabel;
 class QVBoxLayout;
@@ -19,6 +20,7 @@ class StartPage : public QFrame {
 public:
     explicit StartPage(const ActionRegistry& actions, QWidget* parent = nullptr);
     void setRecentFiles(const std::vector<model::RecentFile>& files);
+    QSize sizeHint() const override;
 
 Q_SIGNALS:
     void openRequested(const isoslider::model::RecentFile& file);
@@ -27,6 +29,7 @@ protected:
     void paintEvent(QPaintEvent* event) override;
 
 private:
+    ScrollPage scroll_; ///< for views smaller than the page
     QVBoxLayout* recentLayout_;
     QLabel* recentHeading_;
 };

@@ -21,6 +21,7 @@ namespace {
 
 constexpr int kOverlayMargin = 12;
 constexpr int kOverlaySpacing = 6;
+constexpr std::uint64_t kLeastPictureBytes = 1 << 14; // below it, it is not for its size that a surface is refused
 const QColor kPreviewColour(255, 214, 138);
 
 struct OptionAction {
@@ -77,6 +78,7 @@ ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, con
     startPage_->installEventFilter(this);
     connectActions(settings, actions);
     connectViews(actions);
+    connectGraphics();
     optionsSubscription_ = viewState_.observe([this] { applyOptions(); });
     datasetSubscription_ = session_.datasetChanged().observe([this] { showState(); });
     frameSubscription_ = session_.frameChanged().observe([this] { showFrame(); });
@@ -85,10 +87,12 @@ ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, con
 }
 
 QWidget* ViewportHost::makeFallback() {
-    auto* label = new QLabel(tr("OpenGL 3.3 is not available, so the surface cannot be drawn.\n"
+    auto* label = new QLabel(tr("OpenGL 3.3 is not available, so the surface cannot be drawn: %1.\n"
                                 "The panels still work: isovalue, levels, mesh check and export.\n"
-                                "Install or enable a graphics driver with OpenGL 3.3 to see the surface."),
+                                "Install or enable a graphics driver with OpenGL 3.3 to see the surface.")
+                                 .arg(render::openGlProblem()),
                              this);
+    label->setTextFormat(Qt::PlainText); // drivers name themselves
     label->setObjectName(QStringLiteral("viewportFallback"));
     label->setAlignment(Qt::AlignCenter);
     label->setWordWrap(true);
@@ -138,6 +142,63 @@ void ViewportHost::connectViews(const ActionRegistry& actions) {
     axes_->setOrientation(viewport_->camera().orientation());
 }
 
+void ViewportHost::connectGraphics() {
+    if (viewport_ == nullptr)
+        return;
+    // Queued: both come from within a paint.
+    connect(viewport_, &ViewportWidget::surfaceRefused, this, &ViewportHost::showCoarser, Qt::QueuedConnection);
+    connect(
+        viewport_, &ViewportWidget::graphicsLost, this,
+        [this] {
+            session_.noticePosted().notify(
+                {model::Notice::Severity::Error, tr("The graphics card was reset and has not come back").toStdString(),
+                 tr("The panels still work. If the picture stays away, start the program again").toStdString(),
+                 ErrorCode::IoError});
+        },
+        Qt::QueuedConnection);
+}
+
+void ViewportHost::showCoarser(std::uint64_t refusedBytes) {
+    const auto frame = session_.frame();
+    if (frame == nullptr || extract::pictureBytes(*frame) != refusedBytes)
+        return; // another one is on its way already
+    if (refusedBytes >= kLeastPictureBytes)
+        return session_.limitPicture(refusedBytes / 2);
+    session_.noticePosted().notify({model::Notice::Severity::Error,
+                                    tr("The graphics card has no memory for any surface").toStdString(),
+                                    tr("The panels still work. Close other programs that draw").toStdString(),
+                                    ErrorCode::OutOfSpace});
+}
+
+void ViewportHost::tellWhatIsDrawn() {
+    const auto frame = session_.frame();
+    const auto merged = frame ? frame->mergedCells : 1;
+    const auto told = std::exchange(toldMergedCells_, merged > 1 ? std::max(merged, toldMergedCells_) : 1);
+    const auto grouped = [](std::uint64_t count) { return QString::fromStdString(model::groupedText(count)); };
+    if (merged > told)
+        session_.noticePosted().notify(
+            {model::Notice::Severity::Error, tr("The graphics card has no memory for this surface").toStdString(),
+             tr("It has %1 triangles; drawn is a coarser one of %2, its vertices merged in blocks of %3 cells along each "
+                "axis. Meshes are checked and exported whole")
+                 .arg(grouped(frame->stats.triangles), grouped(frame->indices.size() / 3))
+                 .arg(merged)
+                 .toStdString(),
+             ErrorCode::OutOfSpace});
+    else if (frame && merged == 1 && told > 1)
+        session_.noticePosted().notify({model::Notice::Severity::Information, tr("The surface is drawn whole again").toStdString(), {}});
+}
+
+QString ViewportHost::standInText() const {
+    QStringList lines;
+    const auto step = session_.shownStep();
+    if (step > 1)
+        lines << tr("preview at 1:%1\none of %1 samples along each axis\n%2").arg(step).arg(indexText(session_.indexState()));
+    if (const auto frame = session_.frame(); frame && frame->mergedCells > 1)
+        lines << tr("coarser surface: vertices merged in blocks of %1 cells\nthe graphics card has no memory for the whole one")
+                     .arg(frame->mergedCells);
+    return lines.join(QLatin1Char('\n'));
+}
+
 void ViewportHost::showFrame() {
     const auto frame = session_.frame();
     if (viewport_ != nullptr) {
@@ -153,6 +214,7 @@ void ViewportHost::showFrame() {
                                    text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs))));
         readout_->adjustSize();
     }
+    tellWhatIsDrawn();
     showState();
 }
 
@@ -161,13 +223,10 @@ void ViewportHost::showState() {
     startPage_->setVisible(isEmpty);
     loading_->showState();
     const auto& options = viewState_.options();
-    axes_->setVisible(options.showsAxes && viewport_ != nullptr && session_.dataset() != nullptr);
-    readout_->setVisible(options.showsReadout && viewport_ != nullptr && session_.frame() != nullptr);
-    const auto step = session_.shownStep();
-    preview_->setText(tr("preview at 1:%1\none of %1 samples along each axis\n%2")
-                          .arg(step)
-                          .arg(indexText(session_.indexState())));
-    preview_->setVisible(step > 1);
+    areAxesWanted_ = options.showsAxes && viewport_ != nullptr && session_.dataset() != nullptr;
+    isReadoutWanted_ = options.showsReadout && viewport_ != nullptr && session_.frame() != nullptr;
+    preview_->setText(standInText());
+    preview_->setVisible(!preview_->text().isEmpty());
     placeOverlays();
 }
 
@@ -177,13 +236,26 @@ void ViewportHost::applyOptions() {
     showState();
 }
 
+bool ViewportHost::fits(const QWidget& overlay) const {
+    return overlay.width() + 2 * kOverlayMargin <= width() && overlay.height() + 2 * kOverlayMargin <= height();
+}
+
 void ViewportHost::placeOverlays() {
     const auto centreOn = [this](QWidget* overlay) {
-        overlay->adjustSize();
+        overlay->resize(overlay->sizeHint().boundedTo(size()));
         overlay->move((width() - overlay->width()) / 2, std::max(0, (height() - overlay->height()) / 2));
     };
+    // What stands in for the surface is always said; the rest gives way.
+    readout_->setVisible(isReadoutWanted_ && fits(*readout_));
+    axes_->setVisible(areAxesWanted_ && width() >= 2 * axes_->width() && height() >= 2 * axes_->height());
     readout_->move(kOverlayMargin, kOverlayMargin);
+    preview_->setWordWrap(false);
     preview_->adjustSize();
+    if (!fits(*preview_)) {
+        const int room = std::max(1, width() - 2 * kOverlayMargin);
+        preview_->setWordWrap(true);
+        preview_->resize(room, preview_->heightForWidth(room));
+    }
     preview_->move(kOverlayMargin,
                    readout_->isHidden() ? kOverlayMargin : readout_->geometry().bottom() + kOverlaySpacing);
     axes_->move(4, height() - axes_->height() - 4);

@@ -40,10 +40,15 @@ private:
     QWidget* makeFallback();
     void connectActions(SettingsStore& settings, const ActionRegistry& actions);
     void connectViews(const ActionRegistry& actions);
+    void connectGraphics();
+    void showCoarser(std::uint64_t refusedBytes);
+    void tellWhatIsDrawn();
+    QString standInText() const;
     void showFrame();
     void showState();
     void applyOptions();
     void placeOverlays();
+    bool fits(const QWidget& overlay) const;
 
     model::Session& session_;
     model::ViewState viewState_;
@@ -54,7 +59,10 @@ private:
     ViewReadout* readout_ = nullptr;
     ViewReadout* preview_ = nullptr;
     AxesGlyph* axes_ = nullptr;
+    bool areAxesWanted_ = false;
+    bool isReadoutWanted_ = false;
     std::uint64_t framedDataset_ = 0;
+    std::int64_t toldMergedCells_ = 1; ///< the most that was told since the surface was drawn whole
     model::Subscription datasetSubscription_;
     model::Subscription frameSubscription_;
     model::Subscription optionsSubscription_;

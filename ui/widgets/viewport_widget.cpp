@@ -2,11 +2,13 @@
 
 #include <cmath>
 
+#include <QEvent>
 #include <QMouseEvent>
 #include <QOpenGLContext>
 #include <QWheelEvent>
 
 #include "ui/model/isovalue_model.h"
+#include "ui/render/gl_driver.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
 
@@ -16,17 +18,22 @@ namespace {
 constexpr double kOrbitPerHeight = 3.4; // radians for a drag over the view's height
 constexpr double kZoomPerHeight = 3.0;  // powers of e
 constexpr double kZoomPerNotch = 1.15;
+constexpr int kFirstRebuildMs = 50; // then twice as long each time
+constexpr int kSlowestRebuild = 6;  // powers of two: 3.2 s
 
 } // namespace
 
 ViewportWidget::ViewportWidget(QWidget* parent)
-    : QOpenGLWidget(parent), renderer_(std::make_unique<render::SceneRenderer>()) {
+    : QOpenGLWidget(parent), driver_(std::make_shared<render::GlDriver>()),
+      renderer_(std::make_unique<render::SceneRenderer>(driver_)) {
     setObjectName(QStringLiteral("viewport"));
     setFormat(render::viewportFormat());
     setFocusPolicy(Qt::StrongFocus);
-    setMinimumSize(200, 150);
+    setMinimumSize(120, 60);
     setAccessibleName(tr("3-D view of the isosurface"));
     camera_.reset(1.0);
+    rebuildTimer_.setSingleShot(true);
+    connect(&rebuildTimer_, &QTimer::timeout, this, &ViewportWidget::rebuildContext);
 }
 
 ViewportWidget::~ViewportWidget() {
@@ -37,11 +44,39 @@ ViewportWidget::~ViewportWidget() {
 }
 
 void ViewportWidget::releaseGl() {
-    if (context() == nullptr)
-        return;
     makeCurrent();
+    // In another context, or in none, the same names would be those of someone else.
+    if (context() == nullptr || QOpenGLContext::currentContext() != context())
+        return renderer_->abandon();
     renderer_->release();
     doneCurrent();
+}
+
+bool ViewportWidget::isLost() {
+    if (context() == nullptr || !driver_->isLost(*context()))
+        return false;
+    if (!rebuildTimer_.isActive())
+        rebuildTimer_.start(kFirstRebuildMs << std::min(rebuilds_, kSlowestRebuild));
+    return true;
+}
+
+void ViewportWidget::rebuildContext() {
+    if (++rebuilds_ == kSlowestRebuild)
+        Q_EMIT graphicsLost();
+    // As Qt does it when the window's surface changes: the context goes, and another comes.
+    QEvent goes(QEvent::WindowAboutToChangeInternal);
+    QOpenGLWidget::event(&goes);
+    QEvent comes(QEvent::WindowChangeInternal);
+    QOpenGLWidget::event(&comes);
+    update();
+}
+
+void ViewportWidget::setDriver(std::shared_ptr<render::GlDriver> driver) {
+    releaseGl(); // what the old driver made, it frees
+    driver_ = std::move(driver);
+    renderer_ = std::make_unique<render::SceneRenderer>(driver_);
+    renderer_->setFrame(frame_, volume_);
+    rebuildContext();
 }
 
 void ViewportWidget::initializeGL() {
@@ -53,7 +88,10 @@ void ViewportWidget::initializeGL() {
 
 void ViewportWidget::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
                               const std::optional<GridGeometry>& volume) {
-    renderer_->setFrame(std::move(frame), volume);
+    isRefusalTold_ = isRefusalTold_ && frame == frame_;
+    frame_ = std::move(frame);
+    volume_ = volume;
+    renderer_->setFrame(frame_, volume_);
     update();
 }
 
@@ -68,10 +106,22 @@ void ViewportWidget::changeCamera(const std::function<void(model::Camera&)>& cha
     Q_EMIT cameraChanged();
 }
 
+void ViewportWidget::paintEvent(QPaintEvent* event) {
+    // Of a context that cannot be made current any more, paintGL would not hear.
+    makeCurrent();
+    if (!isLost())
+        QOpenGLWidget::paintEvent(event);
+}
+
 void ViewportWidget::paintGL() {
+    if (isLost())
+        return;
+    rebuilds_ = 0;
     const auto ratio = devicePixelRatioF();
     const glm::ivec2 pixels(std::lround(width() * ratio), std::lround(height() * ratio));
     renderer_->draw(camera_, options_, pixels);
+    if (renderer_->refusedBytes() > 0 && !std::exchange(isRefusalTold_, true))
+        Q_EMIT surfaceRefused(renderer_->refusedBytes());
     ++paintedFrames_;
     Q_EMIT painted();
 }

@@ -1,5 +1,6 @@
 #include "ui/model/camera.h"
 
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -111,6 +112,23 @@ TEST_P(CameraTest, NeverMirrors) {
     for (int i = 0; i < 100; ++i)
         camera_.orbit(0.37 * i, -0.21 * i);
     expectNear(glm::cross(camera_.right(), camera_.up()), camera_.backward());
+}
+
+TEST_P(CameraTest, B112_AViewWithoutWidthOrHeightHasAFiniteProjection) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const auto expectFinite = [this](double aspect) {
+        const glm::dmat4 all = camera_.projectionMatrix(aspect) * camera_.viewMatrix();
+        for (int column = 0; column < 4; ++column)
+            for (int row = 0; row < 4; ++row)
+                EXPECT_TRUE(std::isfinite(static_cast<float>(all[column][row]))) << aspect << ' ' << column << ' ' << row;
+    };
+    for (const double aspect : {0.0, -0.0, -1.0, kInfinity, -kInfinity, std::nan(""), 5e-324, 1e300, 1.0 / 4320, 7680.0}) {
+        expectFinite(aspect);
+        camera_.pan({0.1, 0.1}, 1.0);
+        camera_.orbit(0.1, 0.1);
+        camera_.zoom(1.1, {0.5, 0.5}, 1.0);
+        expectFinite(aspect);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Projections, CameraTest, ::testing::Bool(),

@@ -83,6 +83,28 @@ TEST_F(SessionTest, ShowsASurfaceBeforeThereIsAnIndex) {
     EXPECT_FALSE(session_->isSettled());
 }
 
+TEST_F(SessionTest, B106_ALimitedPictureIsCoarserAndTheMeshIsWhole) {
+    openBall();
+    const auto whole = session_->frame();
+    session_->limitPicture(extract::pictureBytes(*whole) / 2);
+    EXPECT_FALSE(session_->isSettled());
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->frame() != whole; }));
+    const auto coarse = session_->frame();
+    EXPECT_EQ(coarse->mergedCells, 2);
+    EXPECT_EQ(coarse->isovalue, whole->isovalue);
+    EXPECT_EQ(coarse->stats.triangles, whole->stats.triangles);
+    session_->exportMesh(folder_ / "ball.ply");
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->certificate().has_value(); }));
+    EXPECT_EQ(session_->certificate()->report.triangles, whole->stats.triangles);
+    session_->isovalue().request(-2.0); // a small sphere
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->frame()->isovalue == -2.0; }));
+    EXPECT_EQ(session_->frame()->mergedCells, 1);
+    // The limit was for that volume.
+    openBall();
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->frame() && session_->frame()->isovalue == -5.0; }));
+    EXPECT_EQ(session_->frame()->mergedCells, 1);
+}
+
 TEST_F(SessionTest, TheHandleDrivesWholeExtractionMeanwhile) {
     builder_->waits = true;
     openBall();

@@ -1,0 +1,227 @@
+// B105 and B106: a graphics context that goes, and a graphics card without memory.
+#include <QDockWidget>
+#include <QElapsedTimer>
+#include <QLabel>
+#include <QLayout>
+#include <QMainWindow>
+#include <QOpenGLContext>
+#include <QTest>
+
+#include "core/mesh/mesh_checks.h"
+#include "tests/gui/faulty_driver.h"
+#include "tests/gui/image_likeness.h"
+#include "tests/gui/window_fixture.h"
+#include "ui/widgets/message_bar.h"
+#include "ui/widgets/viewport_host.h"
+#include "ui/widgets/viewport_widget.h"
+
+namespace isoslider::test {
+namespace {
+
+constexpr std::size_t kBuffers = 5; // positions, normals, indices, changed indices, box
+
+/// The surface, and nothing of the grey background, is warm: clearly more red than blue.
+std::size_t surfacePixels(const QImage& image) {
+    std::size_t count = 0;
+    for (int y = 0; y < image.height(); ++y)
+        for (int x = 0; x < image.width(); ++x)
+            count += qRed(image.pixel(x, y)) > qBlue(image.pixel(x, y)) + 12 ? 1 : 0;
+    return count;
+}
+
+class GraphicsInputs : public WindowTest {
+protected:
+    void SetUp() override {
+        viewport_ = window_->viewportHost().viewport();
+        if (viewport_ == nullptr)
+            GTEST_SKIP() << "no OpenGL 3.3 here";
+        trigger("view.changed"); // no glow: it is of the last move
+        viewport_->setFixedSize(500, 400);
+        viewport_->setDriver(driver_);
+        openBall(40);
+        request(-12.0);
+    }
+
+    void request(double isovalue) {
+        session_->isovalue().request(isovalue);
+        ASSERT_TRUE(waitUntilSettled());
+        ASSERT_TRUE(waitUntilPainted());
+    }
+    bool waitUntilPainted() {
+        const auto before = viewport_->paintedFrames();
+        viewport_->update();
+        return waitUntil([&] { return viewport_->paintedFrames() > before; });
+    }
+    QImage grab() { return viewport_->grabFramebuffer().convertToFormat(QImage::Format_RGB32); }
+    void expectSamePicture(const QImage& before) {
+        const QImage after = grab();
+        EXPECT_GE(structuralSimilarity(before, after), 0.99);
+        EXPECT_GT(surfacePixels(after), 10'000u);
+        EXPECT_EQ(driver_->buffers(), kBuffers) << "what another context held was freed, and nothing else";
+    }
+
+    std::shared_ptr<FaultyDriver> driver_ = std::make_shared<FaultyDriver>();
+    widgets::ViewportWidget* viewport_ = nullptr;
+};
+
+TEST_F(GraphicsInputs, TheLikenessOfPicturesTellsThemApart) {
+    const QImage large = grab();
+    EXPECT_EQ(structuralSimilarity(large, large), 1.0);
+    request(-11.0);
+    EXPECT_LT(structuralSimilarity(large, grab()), 0.99);
+}
+
+TEST_F(GraphicsInputs, B105_TheViewIsMovedBetweenWindowsAndDocks) {
+    const QImage before = grab();
+    QMainWindow other;
+    other.resize(900, 700);
+    auto* dock = new QDockWidget(&other);
+    other.addDockWidget(Qt::LeftDockWidgetArea, dock);
+    auto* home = window_->viewportHost().parentWidget();
+    const auto contextOf = [this] { return QPointer<QOpenGLContext>(viewport_->context()); };
+    int contexts = 0;
+    for (int move = 0; move < 20; ++move) {
+        const auto context = contextOf();
+        if (move % 4 == 0) {
+            dock->setWidget(&window_->viewportHost());
+            other.show();
+        } else if (move % 4 == 3) {
+            home->layout()->addWidget(&window_->viewportHost());
+            other.hide();
+        } else {
+            dock->setFloating(move % 4 == 1);
+        }
+        window_->viewportHost().show();
+        ASSERT_TRUE(QTest::qWaitForWindowExposed(viewport_->window()));
+        ASSERT_TRUE(waitUntilPainted());
+        contexts += context == contextOf() ? 0 : 1;
+        expectSamePicture(before);
+    }
+    EXPECT_GE(contexts, 10);
+}
+
+TEST_F(GraphicsInputs, B105_TheCardIsResetAgainAndAgain) {
+    const QImage before = grab();
+    for (int reset = 0; reset < 20; ++reset) {
+        const QPointer<QOpenGLContext> context(viewport_->context());
+        driver_->lostContexts = 1;
+        QElapsedTimer clock;
+        clock.start();
+        ASSERT_TRUE(waitUntilPainted());
+        EXPECT_LE(clock.elapsed(), 2000);
+        EXPECT_TRUE(context.isNull()) << "a new context";
+        expectSamePicture(before);
+    }
+    // It keeps what it is shown from then on.
+    request(-8.0);
+    EXPECT_LT(surfacePixels(grab()), surfacePixels(before));
+    EXPECT_FALSE(window_->messageBar().isVisible());
+}
+
+TEST_F(GraphicsInputs, B105_ACardThatStaysAwayIsWaitedFor) {
+    const QImage before = grab();
+    driver_->lostContexts = 7;
+    viewport_->update();
+    ASSERT_TRUE(waitUntil([&] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("was reset")));
+    session_->isovalue().request(-5.0);
+    EXPECT_TRUE(waitUntil([&] { return session_->isovalue().displayed() == -5.0; })) << "the panels work";
+    session_->isovalue().request(-12.0);
+    ASSERT_TRUE(waitUntilSettled());
+    ASSERT_TRUE(waitUntilPainted());
+    expectSamePicture(before);
+}
+
+TEST_F(GraphicsInputs, B105_AContextThatGoesUnnoticedLeavesNoNamesBehind) {
+    const QImage before = grab();
+    for (int loss = 0; loss < 3; ++loss) {
+        QObject::disconnect(viewport_->context(), nullptr, viewport_, nullptr);
+        driver_->lostContexts = 1;
+        ASSERT_TRUE(waitUntilPainted());
+        EXPECT_GE(structuralSimilarity(before, grab()), 0.99);
+    }
+}
+
+TEST_F(GraphicsInputs, B105_TheScreenChanges) {
+    const QImage before = grab();
+    for (int change = 0; change < 5; ++change) {
+        QEvent event(QEvent::ScreenChangeInternal);
+        QApplication::sendEvent(viewport_, &event);
+        window_->hide();
+        window_->show();
+        ASSERT_TRUE(QTest::qWaitForWindowExposed(window_.get()));
+        ASSERT_TRUE(waitUntilPainted());
+        expectSamePicture(before);
+    }
+}
+
+TEST_F(GraphicsInputs, B106_EachAllocationFailsOnce) {
+    const auto pixels = surfacePixels(grab());
+    for (int call = 1; call <= 8; ++call) {
+        openBall(40); // what is found out of the card's memory is for one volume
+        request(-12.0);
+        const int refusals = driver_->refusals();
+        driver_->refusedCall = driver_->allocations() + call;
+        request(-11.0 - 0.1 * call);
+        request(-12.0);
+        EXPECT_EQ(driver_->refusals(), refusals + 2) << call;
+        // Whole, or a coarser one that is made after the refusal was noticed.
+        ASSERT_TRUE(waitUntil([&] { return surfacePixels(grab()) > 0; })) << call;
+        EXPECT_NEAR(static_cast<double>(surfacePixels(grab())) / static_cast<double>(pixels), 1.0, 0.06) << call;
+    }
+}
+
+TEST_F(GraphicsInputs, B106_ASurfaceOfThreeTimesTheMemoryIsShownCoarser) {
+    const auto whole = session_->frame();
+    const auto pixels = surfacePixels(grab());
+    request(-2.0);
+    driver_->memoryBytes = extract::pictureBytes(*whole) / 3;
+    session_->isovalue().request(-12.0);
+    auto* label = child<QLabel>("previewLabel");
+    ASSERT_TRUE(waitUntil([&] { return label->isVisible() && session_->isSettled(); }));
+    ASSERT_TRUE(waitUntilPainted());
+
+    EXPECT_GT(driver_->refusals(), 0);
+    const auto coarse = session_->frame();
+    EXPECT_GT(coarse->mergedCells, 1);
+    EXPECT_EQ(coarse->stats.triangles, whole->stats.triangles);
+    EXPECT_NEAR(static_cast<double>(surfacePixels(grab())) / static_cast<double>(pixels), 1.0, 0.05);
+    const auto banner = window_->messageBar().text();
+    EXPECT_TRUE(window_->messageBar().isVisible());
+    EXPECT_TRUE(banner.contains(QStringLiteral("no memory for this surface")));
+    EXPECT_TRUE(banner.contains(QStringLiteral("blocks of %1 cells").arg(coarse->mergedCells))) << banner.toStdString();
+    EXPECT_TRUE(label->text().contains(QStringLiteral("blocks of %1 cells").arg(coarse->mergedCells)));
+    keepPicture(*window_, "no-graphics-memory");
+
+    // What is exported is the whole surface.
+    dialogs_.answers.push_back(QString::fromStdString((folder_ / "whole.ply").string()));
+    trigger("mesh.export");
+    ASSERT_TRUE(waitUntilSettled());
+    const auto report = mesh::checkMeshFile(folder_ / "whole.ply");
+    ASSERT_TRUE(report.isOk());
+    EXPECT_EQ(report.value().triangles, whole->stats.triangles);
+
+    // One that fits is drawn whole.
+    const int refusals = driver_->refusals();
+    request(-2.0);
+    EXPECT_EQ(session_->frame()->mergedCells, 1);
+    EXPECT_FALSE(label->isVisible());
+    EXPECT_GT(surfacePixels(grab()), 0u);
+    EXPECT_EQ(driver_->refusals(), refusals);
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("whole again")));
+}
+
+TEST_F(GraphicsInputs, B106_NoMemoryForAnySurface) {
+    driver_->memoryBytes = 0;
+    session_->isovalue().request(-11.0);
+    ASSERT_TRUE(waitUntil([&] { return window_->messageBar().text().contains(QStringLiteral("any surface")); }));
+    EXPECT_EQ(surfacePixels(grab()), 0u);
+    session_->isovalue().request(-10.0);
+    ASSERT_TRUE(waitUntil([&] { return session_->isovalue().displayed() == -10.0; })) << "the panels work";
+    driver_->memoryBytes = std::size_t{1} << 30;
+    request(-2.0);
+    EXPECT_GT(surfacePixels(grab()), 0u);
+}
+
+} // namespace
+} // namespace isoslider::test
