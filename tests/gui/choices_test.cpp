@@ -191,7 +191,7 @@ TEST_F(ChoicesTest, TheOpenFileCanBeOpenedAgainAsItWas) {
 
 TEST_F(ChoicesTest, ChoicesThatAreGoneAreAskedAnew) {
     contents_.format = "NetCDF";
-    settings_->set("files/recent", QStringList{qpath(folder_.write("R&D.nc", "x")) + QStringLiteral("\x1f" "field=gone")});
+    settings_->set("files/recent", QStringList{qpath(folder_.write("R&D.nc", "x")) + QStringLiteral("\x1f" R"({"field":"gone"})" "\x1f")});
     restart();
     auto* entry = recent(QStringLiteral("R&&D.nc – gone"));
     ASSERT_NE(entry, nullptr);
@@ -204,7 +204,7 @@ TEST_F(ChoicesTest, ChoicesThatAreGoneAreAskedAnew) {
 
 TEST_F(ChoicesTest, DamagedChoicesAreNoChoices) {
     contents_.fields.pop_back();
-    settings_->set("files/recent", QStringList{qpath(folder_.write("flow.nc", "x")) + QStringLiteral("\x1f" "field=gone\x1f" "frame=many")});
+    settings_->set("files/recent", QStringList{qpath(folder_.write("flow.nc", "x")) + QStringLiteral("\x1f" R"({"field":"gone","frame":"many"})" "\x1f")});
     restart();
     auto* start = window_->findChild<QWidget*>(QStringLiteral("startPage"));
     QPushButton* button = nullptr;

@@ -64,7 +64,7 @@ TEST_F(MainWindowTest, B109_ABadFileShowsTheMessageBarAndKeepsTheOldSurface) {
     EXPECT_EQ(session_->frame(), frame);
     session_->isovalue().request(-5.0);
     EXPECT_TRUE(waitUntil([&] { return session_->isovalue().displayed() == -5.0; }));
-    QTest::mouseClick(child<QToolButton>("messageBarClose"), Qt::LeftButton);
+    QTest::mouseClick(window_->messageBar().findChild<QToolButton*>(QStringLiteral("messageBarClose")), Qt::LeftButton);
     EXPECT_FALSE(window_->messageBar().isVisible());
 }
 
