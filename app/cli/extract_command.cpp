@@ -50,7 +50,10 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
 
 Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptions& options, double isovalue,
                                     const JobControl& job) {
-    const auto grid = io::readVolume(path, options, job);
+    const auto source = io::openVolume(path, options);
+    if (!source.isOk())
+        return source.error();
+    const auto grid = io::readVolume(*source.value(), path, job);
     if (!grid.isOk())
         return grid.error();
     const std::uint64_t missing = missingSamples(*grid.value());
@@ -59,7 +62,7 @@ Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptio
     auto surface = extract::extractFull(*grid.value(), isovalue, job);
     if (!surface.isOk())
         return std::move(surface).error();
-    return Extracted{std::move(surface).value(), {sourceName(path), missing}};
+    return Extracted{std::move(surface).value(), {sourceName(path), missing, source.value()->info().lengthUnit}};
 }
 
 Json jsonOf(const mesh::Certificate& certificate, InputKind source) {
@@ -79,6 +82,8 @@ Json jsonOf(const mesh::Certificate& certificate, InputKind source) {
     json["genus"] = report.genus;
     json["area"] = report.area;
     json["volume"] = report.isClosed ? Json(report.enclosedVolume) : Json(nullptr);
+    if (!certificate.lengthUnit.empty())
+        json["length_unit"] = certificate.lengthUnit;
     json["degenerate_triangles"] = report.degenerateTriangles;
     json["duplicate_triangles"] = report.duplicateTriangles;
     for (std::size_t i = 0; i < certificate.openings.size(); ++i) {

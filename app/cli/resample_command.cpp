@@ -84,7 +84,7 @@ private:
             return grid.error();
         if (!source.value()->info().resampling)
             return makeError(ErrorCode::InvalidArgument, "is a uniform grid: there is nothing to resample", path_);
-        ISO_TRY(io::writeVolume(*grid.value(), output_, writing));
+        ISO_TRY(io::writeVolume(*grid.value(), output_, source.value()->info().lengthUnit, writing));
         return source.value()->info();
     }
 

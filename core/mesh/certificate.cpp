@@ -74,6 +74,14 @@ std::string printable(std::string_view name) {
     return name.size() > kMaxNameBytes ? clean + "..." : clean;
 }
 
+/// Mesh files take ASCII in their comments.
+std::string unitText(const std::string& unit) {
+    if (unit.empty())
+        return "world units of the source: those of its spacing and origin";
+    return (unit == "µm" ? "um" : unit == "Å" ? "angstrom" : printable(unit)) +
+           ", that of the spacing and origin of the source";
+}
+
 std::string gridText(const GridGeometry& geometry) {
     const GridDims& dims = geometry.dims;
     return text(dims[0]) + " x " + text(dims[1]) + " x " + text(dims[2]) + " points, spacing " + text(geometry.spacing) +
@@ -95,6 +103,7 @@ Certificate certify(const extract::SurfaceMesh& mesh, const SurfaceSource& sourc
     certificate.report = checkSoup(worldSoup(mesh), topology);
     certificate.isovalue = mesh.isovalue;
     certificate.source = source.name;
+    certificate.lengthUnit = source.lengthUnit;
     certificate.geometry = mesh.geometry;
     certificate.openings = openingsOf(mesh, topology, source.missingSamples.value_or(1) > 0);
     certificate.activeEdges = mesh.edgeIds.size();
@@ -131,7 +140,7 @@ std::vector<CertificateLine> linesOf(const Certificate& certificate) {
     return {{"source", printable(certificate.source)},
             {"isovalue", text(certificate.isovalue)},
             {"grid", gridText(certificate.geometry)},
-            {"units", "world units of the source: those of its spacing and origin"},
+            {"units", unitText(certificate.lengthUnit)},
             {"orientation", "counter-clockwise seen from the side below the isovalue"},
             {"vertices", text(report.vertices)},
             {"triangles", text(report.triangles)},

@@ -27,6 +27,7 @@ struct Opening {
 struct SurfaceSource {
     std::string name;                             ///< file name without its folder, or a sample's title
     std::optional<std::uint64_t> missingSamples;  ///< where known: without any, no edge is open at one
+    std::string lengthUnit;                       ///< of spacing and origin; empty: unknown
 };
 
 /// What is known of a surface as it is exported: the facts of its mesh in world space, where it is
@@ -35,6 +36,7 @@ struct Certificate {
     MeshReport report;
     double isovalue = 0.0;
     std::string source;
+    std::string lengthUnit; ///< of areas and volumes too, squared and cubed; empty: unknown
     GridGeometry geometry; ///< lengths are in the world units that its spacing is in
     std::array<Opening, 8> openings{}; ///< by OpenAt
     std::uint64_t activeEdges = 0;

@@ -37,7 +37,7 @@ void addVector(std::string& text, std::string_view key, const glm::dvec3& vector
     text += '\n';
 }
 
-std::string headerOf(const ScalarGrid& grid) {
+std::string headerOf(const ScalarGrid& grid, std::string_view lengthUnit) {
     const GridGeometry& geometry = grid.geometry();
     std::string text = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
                        "CompressedData = False\nTransformMatrix =";
@@ -47,6 +47,8 @@ std::string headerOf(const ScalarGrid& grid) {
     text += '\n';
     addVector(text, "Offset", geometry.origin);
     addVector(text, "ElementSpacing", geometry.spacing);
+    if (lengthUnit == "mm" || lengthUnit == "cm" || lengthUnit == "µm")
+        text += "DistanceUnits = " + std::string(lengthUnit == "µm" ? "um" : lengthUnit) + "\n";
     text += "DimSize =";
     for (const std::int64_t size : geometry.dims)
         text += ' ' + std::to_string(size);
@@ -55,14 +57,14 @@ std::string headerOf(const ScalarGrid& grid) {
 
 } // namespace
 
-Status writeVolume(const ScalarGrid& grid, const std::filesystem::path& path, const JobControl& job,
-                   FileSystem& fileSystem) {
+Status writeVolume(const ScalarGrid& grid, const std::filesystem::path& path, std::string_view lengthUnit,
+                   const JobControl& job, FileSystem& fileSystem) {
     if (lowerCase(path.extension().string()) != ".mha")
         return makeError(ErrorCode::InvalidArgument, "volumes are written as .mha", path);
     auto file = AtomicFile::create(path, fileSystem);
     if (!file.isOk())
         return std::move(file).error();
-    const std::string header = headerOf(grid);
+    const std::string header = headerOf(grid, lengthUnit);
     ISO_TRY(file.value()->writeAll(std::as_bytes(std::span(header))));
     constexpr std::size_t kChunk = std::size_t{64} << 20;
     const auto bytes = grid.bytes();

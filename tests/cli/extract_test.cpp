@@ -127,6 +127,17 @@ TEST_F(CliExtract, WritesTheCertificateIntoTheMesh) {
     EXPECT_EQ(header(readText(path("b.ply"))), header(bytes)) << "the index says of the volume what the volume does";
 }
 
+TEST_F(CliExtract, NamesTheUnitOfLength) {
+    const auto text = readText(sphereVolume());
+    std::ofstream(path("um.mha"), std::ios::binary) << "ObjectType = Image\nDistanceUnits = um\n" + text.substr(text.find("NDims"));
+    ASSERT_EQ(run({"build", path("um.mha"), "-o", path("um.isx")}).exitCode, 0);
+    for (const char* input : {"um.mha", "um.isx"}) {
+        EXPECT_EQ(runJson({"extract", path(input), "--isovalue", "5"})["length_unit"], "µm") << input;
+        ASSERT_EQ(run({"extract", path(input), "--isovalue", "5", "-o", path("a.ply")}).exitCode, 0);
+        EXPECT_THAT(readText(path("a.ply")), HasSubstr("units: um, that of the spacing")) << input;
+    }
+}
+
 TEST_F(CliExtract, WritesAnUnsoundSurfaceAndSaysSo) {
     auto bytes = metaImage(16, "MET_FLOAT", floatSamples(16, [](int x, int, int) { return static_cast<float>(x); }));
     const std::string spacing = "ElementSpacing = 1 1 1";

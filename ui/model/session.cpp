@@ -22,7 +22,7 @@ namespace {
 // A window on an index file shows that file's name; its surfaces are of the volume.
 mesh::SurfaceSource sourceOf(const Dataset& dataset) {
     const bool hasSourceName = dataset.index && !dataset.index->sourceName.empty();
-    return {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples};
+    return {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples, dataset.lengthUnit};
 }
 
 } // namespace

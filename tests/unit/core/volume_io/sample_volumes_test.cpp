@@ -140,7 +140,8 @@ TEST(VolumeWriter, ComesBackTheSame) {
     geometry.direction = glm::dmat3(0, 1, 0, 1, 0, 0, 0, 0, 1); // left-handed
     const std::vector<double> values{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0.1};
     const auto grid = ScalarGrid::fromValues<double>(geometry, ScalarType::F64, values);
-    ASSERT_THAT(writeVolume(grid, folder / "a.mha"), test::IsOk());
+    ASSERT_THAT(writeVolume(grid, folder / "a.mha", "µm"), test::IsOk());
+    EXPECT_EQ(openVolume(folder / "a.mha").value()->info().lengthUnit, "µm");
     const auto read = readVolume(folder / "a.mha");
     ASSERT_THAT(read, test::IsOk());
     EXPECT_EQ(read.value()->geometry(), geometry);
@@ -154,7 +155,7 @@ TEST(VolumeWriter, LeavesNothingWhenTheDiskIsFull) {
     for (int failing = 0; failing < 4; ++failing) {
         const test::TemporaryFolder folder;
         test::FaultyFileSystem faulty(failing, ENOSPC);
-        EXPECT_THAT(writeVolume(grid.value(), folder / "a.mha", {}, faulty), test::HasError(ErrorCode::OutOfSpace));
+        EXPECT_THAT(writeVolume(grid.value(), folder / "a.mha", {}, {}, faulty), test::HasError(ErrorCode::OutOfSpace));
         EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
     }
 }
