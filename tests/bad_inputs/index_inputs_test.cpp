@@ -102,7 +102,8 @@ TEST_F(BadIndex, B078_LaterMinorVersionWithMore) {
     for (const auto kind : kKinds) {
         const std::string bytes = bytesOf(kind);
         index::Preamble preamble = index::decodePreamble(std::as_bytes(std::span(bytes)), bytes.size(), "x").value();
-        const std::string meta = bytes.substr(preamble.metaOffset) + "a section of the future";
+        const std::string noUnit(4, '\0'); // of length: what minor 1 adds
+        const std::string meta = bytes.substr(preamble.metaOffset) + noUnit + "a section of the future";
         preamble.metaBytes = meta.size();
         preamble.metaChecksum = index::metaChecksum(std::as_bytes(std::span(meta)));
         preamble.fileBytes = preamble.metaOffset + meta.size();
