@@ -7,7 +7,7 @@
 namespace isoslider::widgets {
 namespace {
 
-constexpr QSize kRoomForPanels(560, 430);
+constexpr QSize kRoomForPanels(760, 430);
 constexpr int kHistogramHeight = 110;
 constexpr int kLowHistogramHeight = 40;
 
