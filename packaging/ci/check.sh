@@ -156,6 +156,10 @@ check_links() {
     found=$(reaches "$scratch/edges" "$target" "$pattern")
     [[ -z $found ]] || fail "$target links what it must not" "$found"
   done
+  # Each program alone is built with the reader's process, without which it cannot read every format.
+  for target in isoslider isoslider-cli; do
+    ninja -C "$build" -t inputs "$target" | grep 'bin/isoslider-reader$' >/dev/null || fail "$target is built without isoslider-reader"
+  done
 }
 
 case ${1:-} in

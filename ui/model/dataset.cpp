@@ -41,17 +41,11 @@ Result<LoadedDataset> loadIndexFile(const OpenRequest& request) {
     return fromEngine(std::move(dataset), std::move(engine).value(), request);
 }
 
-/// The cached index, if there is a whole one that is of this volume's shape and, of a file, of its bytes.
-std::unique_ptr<extract::SlideEngine> openCached(Dataset& dataset, const IndexCache& cache, const JobControl& job) {
+/// The cached index, if there is a whole one that is of this volume's shape.
+std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
     std::error_code ignored;
-    if (dataset.stamp) {
-        const auto finding = cache.find(*dataset.stamp, layoutText(dataset.readOptions), job);
-        dataset.wasStale = finding == IndexCache::Finding::Stale;
-        if (finding != IndexCache::Finding::Fresh)
-            return nullptr;
-    } else if (!fs::exists(dataset.indexPath, ignored)) {
+    if (!fs::exists(dataset.indexPath, ignored))
         return nullptr;
-    }
     auto engine = extract::SlideEngine::open(dataset.indexPath);
     if (engine.isOk() && engine.value()->info().geometry == dataset.geometry &&
         engine.value()->info().type == dataset.type)
@@ -206,19 +200,21 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
         auto stamp = VolumeStamp::of(request.path, source.value()->info().dataFiles);
         if (stamp.isOk()) // without one, the index serves this run only
             dataset.stamp = std::move(stamp).value();
-        if (auto engine = dataset.stamp ? openCached(dataset, cache, job.part(0.0, 0.1)) : nullptr)
+        const auto finding = dataset.stamp ? cache.find(*dataset.stamp, layoutText(dataset.readOptions), job.part(0.0, 0.1))
+                                           : IndexCache::Finding::None;
+        if (auto engine = finding == IndexCache::Finding::Fresh ? openCached(dataset) : nullptr)
             return fromEngine(std::move(dataset), std::move(engine), request);
         if (dataset.sampleBytes() > wholeVolumeBytes)
             ISO_TRY(readPreview(*source.value(), wholeVolumeBytes, job, loaded));
         else
             ISO_TRY(takeGrid(volumes.read(*source.value(), request.path, job.part(0.0, 0.7)), loaded));
         dataset.notes = source.value()->info().notes;
-        if (dataset.wasStale)
+        if (finding == IndexCache::Finding::Stale)
             dataset.notes.emplace_back("changed since its index was built, which is built anew");
         dataset.resampling = source.value()->info().resampling;
     } else {
         ISO_TRY(takeGrid(samples(request.sampleName, job.part(0.0, 0.7)), loaded));
-        if (auto engine = openCached(dataset, cache, job))
+        if (auto engine = openCached(dataset))
             return fromEngine(std::move(dataset), std::move(engine), request);
     }
     ISO_TRY(addStatistics(loaded, job));

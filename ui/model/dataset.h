@@ -42,7 +42,6 @@ struct Dataset {
     index::Histogram histogram;
     std::filesystem::path indexPath;  ///< where the index is or will be
     std::optional<VolumeStamp> stamp; ///< of the volume's files before they were read; none of samples and indexes
-    bool wasStale = false;            ///< there was an index of other bytes, which is no longer used
     std::optional<index::IndexInfo> index;
 
     std::uint64_t sampleBytes() const;

@@ -1,10 +1,10 @@
 #include "ui/model/index_cache.h"
 
-#include <cstdint>
 #include <cstdio>
 #include <span>
 #include <system_error>
 
+#include "core/base/content_hash.h"
 #include "core/base/file_system.h"
 
 namespace isoslider::model {
@@ -16,14 +16,6 @@ constexpr std::string_view kKeyVersion = "isx3";
 constexpr std::string_view kRecordSuffix = ".source";
 constexpr std::size_t kMostRecordBytes = 32u << 20;
 constexpr std::size_t kMostRecords = 4096; // looked through for a volume that has moved
-
-/// FNV-1a, 64 bits: names a cache entry, protects nothing.
-std::uint64_t hashOf(std::string_view text) {
-    std::uint64_t hash = 14695981039346656037ULL;
-    for (const char character : text)
-        hash = (hash ^ static_cast<unsigned char>(character)) * 1099511628211ULL;
-    return hash;
-}
 
 fs::path recordOf(fs::path index) { return index += kRecordSuffix; }
 
@@ -64,8 +56,10 @@ fs::path IndexCache::pathForSample(std::string_view name) const {
 
 fs::path IndexCache::pathForKey(std::string_view stem, std::string key) const {
     key += kKeyVersion;
+    ContentHash keyHash;
+    keyHash.add(std::as_bytes(std::span(key)));
     char hash[17];
-    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(hashOf(key)));
+    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(keyHash.value()));
     return folder_ / (std::string(stem.substr(0, 64)) + "-" + hash + ".isx");
 }
 

@@ -82,9 +82,9 @@ Result<VolumeStamp> VolumeStamp::of(const fs::path& volume, const std::vector<fs
     }
     for (const fs::path& file : dataFiles)
         files.push_back(fs::absolute(file, error).lexically_normal());
-    const fs::path root = isFolder ? stamp.volume_ : stamp.volume_.parent_path();
+    stamp.root_ = isFolder ? stamp.volume_ : stamp.volume_.parent_path();
     for (const fs::path& file : files) {
-        auto one = stampOf(file, file.lexically_relative(root));
+        auto one = stampOf(file, file.lexically_relative(stamp.root_));
         if (!one.isOk())
             return std::move(one).error();
         stamp.files_.push_back(std::move(one).value());
@@ -105,20 +105,18 @@ bool VolumeStamp::couldBe(const VolumeStamp& other) const {
 }
 
 Status VolumeStamp::hash(const JobControl& job) {
-    const bool isFolder = fs::is_directory(volume_);
-    const fs::path root = isFolder ? volume_ : volume_.parent_path();
     for (std::size_t i = 0; i < files_.size(); ++i) {
         FileStamp& file = files_[i];
         const double share = 1.0 / static_cast<double>(files_.size());
-        const auto found = hashFile(root / file.path,
+        const auto found = hashFile(root_ / file.path,
                                     job.part(static_cast<double>(i) * share, static_cast<double>(i + 1) * share));
         if (!found.isOk())
             return found.error();
-        const auto after = stampOf(root / file.path, file.path);
+        const auto after = stampOf(root_ / file.path, file.path);
         if (!after.isOk())
             return after.error();
         if (!isUntouched(after.value(), file))
-            return makeError(ErrorCode::InvalidArgument, "changed while it was read", root / file.path);
+            return makeError(ErrorCode::InvalidArgument, "changed while it was read", root_ / file.path);
         file.hash = found.value();
     }
     return {};

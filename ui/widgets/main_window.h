@@ -24,8 +24,8 @@ class FileDialogs;
 class IsovaluePanel;
 class MessageBar;
 class OpenFlow;
-class SessionKeeper;
 class RecentFiles;
+class SessionKeeper;
 class SettingsStore;
 class ViewportHost;
 

@@ -1,6 +1,5 @@
 #include "ui/widgets/session_keeper.h"
 
-#include <array>
 #include <utility>
 
 #include <QAction>
@@ -26,15 +25,6 @@ using Severity = model::Notice::Severity;
 
 constexpr std::size_t kMostProblemsShown = 4;
 
-struct ViewAction {
-    const char* action;
-    bool model::ViewOptions::*member;
-};
-constexpr std::array<ViewAction, 4> kViewActions{{{"view.changed", &model::ViewOptions::showsChanged},
-                                                  {"view.box", &model::ViewOptions::showsBox},
-                                                  {"view.axes", &model::ViewOptions::showsAxes},
-                                                  {"view.readout", &model::ViewOptions::showsReadout}}};
-
 QString textOf(const fs::path& path) { return QString::fromStdU16String(path.u16string()); }
 fs::path pathOf(const QString& text) { return fs::path(text.toStdU16String()); }
 
@@ -55,8 +45,7 @@ SessionKeeper::SessionKeeper(model::Session& session, ViewportHost& host, const 
     subscriptions_.push_back(session_.frameChanged().observe([this] { showView(); }));
     if (host_.viewport() != nullptr)
         connect(host_.viewport(), &ViewportWidget::cameraChanged, this, &SessionKeeper::noteChange);
-    for (const auto& entry : kViewActions)
-        connect(actions_.action(entry.action), &QAction::toggled, this, &SessionKeeper::noteChange);
+    subscriptions_.push_back(host_.viewState().observe([this] { noteChange(); }));
 }
 
 SessionKeeper::~SessionKeeper() {
@@ -78,10 +67,7 @@ model::SavedSession SessionKeeper::capture() const {
     saved.isovalue = session_.isovalue().requested();
     if (host_.viewport() != nullptr)
         saved.camera = host_.viewport()->camera().pose();
-    model::ViewOptions view;
-    for (const auto& entry : kViewActions)
-        view.*entry.member = actions_.action(entry.action)->isChecked();
-    saved.view = view;
+    saved.view = host_.viewState().options();
     return saved;
 }
 
@@ -161,8 +147,7 @@ void SessionKeeper::showView() {
         if (dataset->path != saved.volume || dataset->sampleName != saved.sampleName)
             return noteChange(); // another volume was opened meanwhile
         if (saved.view)
-            for (const auto& entry : kViewActions)
-                actions_.action(entry.action)->setChecked((*saved.view).*entry.member);
+            host_.viewState().setOptions(*saved.view);
         if (saved.camera) {
             actions_.action("view.perspective")->setChecked(saved.camera->isPerspective);
             if (host_.viewport() != nullptr)
@@ -220,17 +205,18 @@ void SessionKeeper::autosave() {
 }
 
 void SessionKeeper::offerLost() {
-    while (!lost_.empty()) {
-        const auto read = lost_.front()->read();
-        if (read.isOk() && read.value().session.hasVolume())
-            break;
-        lost_.front()->discard();
-        lost_.erase(lost_.begin());
+    model::SavedSession saved;
+    while (!lost_.empty() && !saved.hasVolume()) {
+        if (const auto read = lost_.front()->read(); read.isOk())
+            saved = read.value().session;
+        if (!saved.hasVolume()) {
+            lost_.front()->discard();
+            lost_.erase(lost_.begin());
+        }
     }
     recoveryBar_.hide();
     if (lost_.empty())
         return;
-    const auto saved = lost_.front()->read().value().session;
     const QDateTime time = QFileInfo(textOf(lost_.front()->path())).lastModified();
     const QString isovalue =
         saved.isovalue ? tr(", isovalue %1").arg(QString::fromStdString(model::valueText(*saved.isovalue, 6))) : QString();

@@ -115,6 +115,10 @@ void ViewportHost::connectActions(SettingsStore& settings, const ActionRegistry&
         });
     }
     viewState_.setOptions(options);
+    actionsSubscription_ = viewState_.observe([this, &actions] {
+        for (const auto& entry : kOptionActions)
+            actions.action(entry.action)->setChecked(viewState_.options().*entry.member);
+    });
 }
 
 void ViewportHost::connectViews(const ActionRegistry& actions) {

@@ -30,6 +30,8 @@ public:
     /// Null without usable OpenGL.
     ViewportWidget* viewport() { return viewport_; }
     StartPage& startPage() { return *startPage_; }
+    /// What is drawn beside the surface; the actions and the settings follow.
+    model::ViewState& viewState() { return viewState_; }
     QSize sizeHint() const override { return {1100, 640}; }
 
 protected:
@@ -66,6 +68,7 @@ private:
     model::Subscription datasetSubscription_;
     model::Subscription frameSubscription_;
     model::Subscription optionsSubscription_;
+    model::Subscription actionsSubscription_;
 };
 
 } // namespace isoslider::widgets
