@@ -135,7 +135,8 @@ tree_hash() {
 }
 
 # run_ctest PRESET: ctest with its summary kept for the end. What has passed on these very files is not
-# run again, unless --again asks for it.
+# run again, unless --again asks for it. What fails beside other tests is tried once more alone, as times are
+# measured in some; the summary names it.
 run_ctest() {
   local preset=$1 log=$ROOT/build/ctest-$1.log stamp=$ROOT/build/tested-$1 status=0 hash
   hash=$(tree_hash) || hash=
@@ -146,6 +147,11 @@ run_ctest() {
   fi
   rm -f "$stamp"
   (cd "$ROOT" && ctest --preset "$preset" --parallel "$(nproc)") 2>&1 </dev/null | tee "$log" || status=$?
+  if [[ $status -ne 0 ]]; then
+    say "$preset: what failed is tried once more, alone"
+    status=0
+    (cd "$ROOT" && ctest --preset "$preset" --rerun-failed) 2>&1 </dev/null | tee -a "$log" || status=$?
+  fi
   if [[ $status -eq 0 ]]; then
     [[ -z $hash ]] || echo "$hash" >"$stamp"
   else

@@ -6,30 +6,22 @@
 
 namespace isoslider::preprocess {
 
-SpanBins makeSpanBins(const std::vector<std::uint64_t>& countsByPrefix, int keyShift) {
-    SpanBins bins;
-    bins.keyShift = keyShift;
-    bins.binOfPrefix.resize(countsByPrefix.size());
+KeyIntervals makeSpanBins(const std::vector<KeyCount>& counts) {
     std::uint64_t total = 0;
-    std::uint64_t occupied = 0;
-    for (const std::uint64_t count : countsByPrefix) {
-        total += count;
-        occupied += count > 0;
-    }
-    const bool onePerPrefix = occupied <= kMaxSpanBins;
-    const std::uint64_t target = total / kMaxSpanBins + 1;
+    for (const KeyCount& count : counts)
+        total += count.points;
+    const std::uint64_t target = counts.size() <= kMaxSpanBins ? 1 : total / kMaxSpanBins + 1;
+    std::vector<std::uint64_t> begins{0};
     std::uint64_t inBin = 0;
-    for (std::size_t prefix = 0; prefix < countsByPrefix.size(); ++prefix) {
-        const bool isFull = onePerPrefix ? inBin > 0 : inBin >= target;
-        if (bins.begins.empty() || (isFull && countsByPrefix[prefix] > 0)) {
-            bins.begins.push_back(static_cast<std::uint64_t>(prefix) << keyShift);
+    for (const KeyCount& count : counts) {
+        if (inBin >= target) {
+            begins.push_back(count.key);
             inBin = 0;
         }
-        inBin += countsByPrefix[prefix];
-        bins.binOfPrefix[prefix] = static_cast<std::uint16_t>(bins.begins.size() - 1);
+        inBin += count.points;
     }
-    ISO_CHECK(bins.begins.size() <= kMaxSpanBins);
-    return bins;
+    ISO_CHECK(begins.size() <= kMaxSpanBins);
+    return KeyIntervals(std::move(begins));
 }
 
 void SpanHistogram::merge(const SpanHistogram& other) {
@@ -98,7 +90,7 @@ std::vector<std::size_t> consolidate(const std::vector<std::size_t>& below, bool
 
 } // namespace
 
-std::vector<std::vector<std::uint64_t>> chooseBlockBegins(const SpanHistogram& histogram, const SpanBins& bins,
+std::vector<std::vector<std::uint64_t>> chooseBlockBegins(const SpanHistogram& histogram, const KeyIntervals& bins,
                                                           int skipLevels, double redundancyThreshold) {
     const SpanSums sums(histogram);
     std::vector<std::size_t> below;
@@ -111,19 +103,19 @@ std::vector<std::vector<std::uint64_t>> chooseBlockBegins(const SpanHistogram& h
             break; // one block over everything holds no edge
         std::vector<std::uint64_t> beginKeys;
         for (std::size_t i = 0; i + 1 < below.size(); ++i)
-            beginKeys.push_back(bins.begins[below[i]]);
+            beginKeys.push_back(bins.begin(below[i]));
         levels.push_back(std::move(beginKeys));
     }
     return levels;
 }
 
-std::uint64_t countEntriesAbove(const SpanHistogram& histogram, const SpanBins& bins,
+std::uint64_t countEntriesAbove(const SpanHistogram& histogram, const KeyIntervals& bins,
                                 const std::vector<std::vector<std::uint64_t>>& blockBegins) {
     std::uint64_t entries = 0;
     std::vector<std::size_t> blockOfBin(bins.count());
     for (const std::vector<std::uint64_t>& begins : blockBegins) {
         for (std::size_t bin = 0; bin < bins.count(); ++bin)
-            blockOfBin[bin] = static_cast<std::size_t>(std::upper_bound(begins.begin(), begins.end(), bins.begins[bin]) - begins.begin());
+            blockOfBin[bin] = static_cast<std::size_t>(std::upper_bound(begins.begin(), begins.end(), bins.begin(bin)) - begins.begin());
         for (std::size_t lower = 0; lower < bins.count(); ++lower)
             for (std::size_t upper = lower; upper < bins.count(); ++upper)
                 entries += blockOfBin[lower] != blockOfBin[upper] ? 2 * std::uint64_t{histogram.at(lower, upper)} : 0;

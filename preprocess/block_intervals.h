@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "preprocess/key_intervals.h"
+
 namespace isoslider::preprocess {
 
 /// Where the blocks of the skip levels begin, decided before any record is sorted.
@@ -15,26 +17,17 @@ namespace isoslider::preprocess {
 /// (one value each when there are few values, at most kMaxSpanBins quantiles otherwise).
 inline constexpr int kMaxSpanBins = 1024;
 
-/// Key intervals of the bins: bin i covers keys in [begins[i], begins[i + 1]), the last one to the end.
-struct SpanBins {
-    std::vector<std::uint64_t> begins;
-    int keyShift = 0;                       ///< bins are unions of intervals of 2^keyShift keys
-    std::vector<std::uint16_t> binOfPrefix; ///< bin of each key >> keyShift
-
-    std::size_t count() const { return begins.size(); }
-    std::uint16_t binOf(std::uint64_t key) const { return binOfPrefix[static_cast<std::size_t>(key >> keyShift)]; }
-};
-
-/// Bins with about equally many points, from counts of points by key >> keyShift.
-SpanBins makeSpanBins(const std::vector<std::uint64_t>& countsByPrefix, int keyShift);
+/// Bins with about equally many points; one for each key of `counts` where these are few.
+KeyIntervals makeSpanBins(const std::vector<KeyCount>& counts);
 
 /// Counts of edges by the bins of their ends, lower scalar first. Row-major, bins * bins.
 class SpanHistogram {
 public:
     explicit SpanHistogram(std::size_t bins) : bins_(bins), counts_(bins * bins, 0) {}
-    void add(std::uint16_t lower, std::uint16_t upper) { ++counts_[lower * bins_ + upper]; }
+    void add(std::size_t lower, std::size_t upper) { ++counts_[lower * bins_ + upper]; }
     void merge(const SpanHistogram& other);
     std::size_t bins() const { return bins_; }
+    std::uint64_t memoryBytes() const { return counts_.size() * sizeof counts_[0]; }
     std::uint32_t at(std::size_t lower, std::size_t upper) const { return counts_[lower * bins_ + upper]; }
 
 private:
@@ -45,11 +38,11 @@ private:
 /// Block boundaries per level above 0: for level L, beginKeys[L - 1] are the first keys of its blocks.
 /// Each block of a level is a union of at least two blocks of the level below (level 0: of values).
 /// Stops early when a level has a single block. O(bins^2).
-std::vector<std::vector<std::uint64_t>> chooseBlockBegins(const SpanHistogram& histogram, const SpanBins& bins,
+std::vector<std::vector<std::uint64_t>> chooseBlockBegins(const SpanHistogram& histogram, const KeyIntervals& bins,
                                                           int skipLevels, double redundancyThreshold);
 
 /// Edge entries (E+ and E-) of all levels above 0 with these block boundaries. O(levels * bins^2).
-std::uint64_t countEntriesAbove(const SpanHistogram& histogram, const SpanBins& bins,
+std::uint64_t countEntriesAbove(const SpanHistogram& histogram, const KeyIntervals& bins,
                                 const std::vector<std::vector<std::uint64_t>>& blockBegins);
 
 } // namespace isoslider::preprocess

@@ -16,8 +16,6 @@
 namespace isoslider::preprocess {
 namespace {
 
-constexpr int kPrefixBits = 16;
-
 // The upward edge number that stays in the box; -1 for a brick of one point, which has no edges.
 int edgeOfBrick(const BrickGrid& grid, BrickIndex brick) {
     const auto coords = grid.brickCoords(brick);
@@ -33,26 +31,27 @@ template <class Key>
 Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const BrickListOptions& options,
                       const std::filesystem::path& spillPath, FileSystem& fileSystem, index::IndexWriter& writer,
                       std::vector<index::SkipLevelInfo>& levels, const JobControl& job) {
-    constexpr int kKeyShift = 8 * sizeof(Key) - kPrefixBits;
     const BrickGrid grid(dims);
-    std::vector<std::uint64_t> countsByPrefix(std::size_t{1} << kPrefixBits, 0);
     const auto isEverActive = [&](std::size_t brick) {
         return spans.least[brick] < spans.greatest[brick] && edgeOfBrick(grid, static_cast<BrickIndex>(brick)) >= 0;
     };
+    KeyCounter<Key> counter(2 * spans.least.size());
     for (std::size_t brick = 0; brick < spans.least.size(); ++brick)
         if (isEverActive(brick)) {
-            ++countsByPrefix[static_cast<std::size_t>(spans.least[brick] >> kKeyShift)];
-            ++countsByPrefix[static_cast<std::size_t>(spans.greatest[brick] >> kKeyShift)];
+            counter.add(spans.least[brick]);
+            counter.add(spans.greatest[brick]);
         }
-    const SpanBins bins = makeSpanBins(countsByPrefix, kKeyShift);
+    std::vector<KeyCount> counts = counter.takeCounts();
+    const KeyIntervals bins = makeSpanBins(counts);
     SpanHistogram histogram(bins.count());
-    ExternalSort<Key> sort(countsByPrefix, kKeyShift, options.memoryBytes, spillPath, fileSystem);
+    ExternalSort<Key> sort(counts, options.memoryBytes, spillPath, fileSystem);
+    std::vector<KeyCount>().swap(counts);
     for (std::size_t brick = 0; brick < spans.least.size(); ++brick) {
         if (brick % 4096 == 0 && job.isStopRequested())
             return cancelledError();
         if (!isEverActive(brick))
             continue;
-        histogram.add(bins.binOf(spans.least[brick]), bins.binOf(spans.greatest[brick]));
+        histogram.add(bins.find(spans.least[brick]), bins.find(spans.greatest[brick]));
         const int edge = edgeOfBrick(grid, static_cast<BrickIndex>(brick));
         std::array<index::PointRecord<Key>, 2> records;
         for (std::size_t k = 0; k < 2; ++k) {

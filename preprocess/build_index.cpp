@@ -1,7 +1,5 @@
 #include "preprocess/build_index.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -12,19 +10,11 @@
 #include <tbb/task_arena.h>
 
 #include "core/base/file_system.h"
+#include "core/base/machine.h"
 #include "core/index/index_format.h"
 #include "preprocess/index_builds.h"
 
 namespace isoslider::preprocess {
-namespace {
-
-std::uint64_t peakRss() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
-} // namespace
 
 // Measured (tests/bench, trade_bench): at 256^3 metacells are built 20 to 60 times faster and are 16 to 60 times
 // smaller; small steps take 1.1 to 1.5 times as long, large ones 0.6 to 1. At 128^3 and below edges cost less than
@@ -76,7 +66,7 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
     BuildReport report;
     report.info = std::move(*info).value();
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    report.peakRssBytes = peakRss();
+    report.peakRssBytes = peakRssBytes();
     return report;
 }
 

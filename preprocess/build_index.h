@@ -44,7 +44,8 @@ index::IndexKind chooseKind(const io::VolumeInfo& info);
 /// Builds the index for a volume and publishes it at `indexPath`: written to a
 /// temporary file beside it, synced, renamed. The same bytes for any thread count and memory budget.
 /// On failure or cancel nothing is left behind and an earlier index at `indexPath` is untouched.
-/// Errors: InvalidArgument, IoError, OutOfSpace, Cancelled, whatever the source reports.
+/// Errors: InvalidArgument (also when the volume's files changed meanwhile), IoError, OutOfSpace, Cancelled, whatever the
+/// source reports.
 Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::path& indexPath,
                                const BuildOptions& options = {}, const JobControl& job = {});
 

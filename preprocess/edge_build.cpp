@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include <tbb/task_arena.h>
 #include <xxhash.h>
 
 #include "core/grid/classification.h"
@@ -17,11 +18,12 @@
 namespace isoslider::preprocess {
 namespace {
 
-// Three passes. 1: counts by key prefix (partitions, span bins, range). 2: records, generated brick
+// Three passes. 1: counts by key (partitions, span bins, range). 2: records, generated brick
 // by brick, distributed by value; hidden corners, written as they come. 3: partitions sorted one after the
 // other, cut into blocks, encoded.
-
-constexpr int kPrefixBits = 16;
+//
+// Memory: the window of planes and what a layer makes of them, the records of kBricksAtOnce bricks, histograms over
+// span space, and the sort, which gets what is left. A budget that has no room for the least of these is refused.
 
 // Number of distinct finite values, counted along the sorted stream.
 class DistinctCounter {
@@ -57,7 +59,6 @@ class EdgeBuild {
 public:
     using Key = KeyOf<Sample>;
     using Record = index::PointRecord<Key>;
-    static constexpr int kKeyShift = 8 * sizeof(Key) - kPrefixBits;
 
     EdgeBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options,
               const JobControl& job)
@@ -65,30 +66,37 @@ public:
           options_(options), job_(job), redundancyThreshold_(options.redundancyThreshold) {}
 
     Result<index::IndexInfo> run() {
-        ISO_TRY(countSamples());
+        if (leastMemory() > options_.memoryBytes)
+            return makeError(ErrorCode::InvalidArgument, "memory budget is too small for planes of this size: give at least " +
+                                                             std::to_string((leastMemory() >> 20) + 1) + "M",
+                             options_.sourceName);
+        KeyCounter<Key> counter(static_cast<std::uint64_t>(pointCount(geometry_.dims)));
+        ISO_TRY(countSamples(counter));
         auto writer = index::IndexWriter::create(path_, seed(), fileSystemOf(options_));
         if (!writer.isOk())
             return std::move(writer).error();
-        const SpanBins bins = makeSpanBins(countsByPrefix_, kKeyShift);
-        SpanHistogram histogram(bins.count());
-        ExternalSort<Key> sort(countsByPrefix_, kKeyShift, sortMemory(), spillPathOf(path_, options_),
-                               fileSystemOf(options_));
-        ISO_TRY(generateRecords(bins, histogram, sort, *writer.value()));
-        LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlocks(histogram, bins));
+        std::vector<KeyCount> counts = counter.takeCounts();
+        const KeyIntervals bins = makeSpanBins(counts);
+        ExternalSort<Key> sort(counts, sortMemory(), spillPathOf(path_, options_), fileSystemOf(options_));
+        std::vector<KeyCount>().swap(counts);
+        std::vector<SpanHistogram> histograms(histogramCount(bins), SpanHistogram(bins.count()));
+        ISO_TRY(generateRecords(bins, histograms, sort, *writer.value()));
+        LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlocks(std::move(histograms), bins));
         ISO_TRY(sort.drain([&](std::span<const Record> records) { return consume(records, levels); },
                            job_.part(0.4, 1.0)));
         ISO_TRY(levels.finish());
         if (job_.isStopRequested())
             return cancelledError();
+        ISO_TRY(source_.checkUnchanged());
         return writer.value()->finish(makeMeta(levels.levelInfos()));
     }
 
 private:
     std::int64_t layerCount() const { return grid_.bricks()[2]; }
 
-    Status countSamples() {
+    Status countSamples(KeyCounter<Key>& counter) {
         const JobControl share = job_.part(0.0, 0.1);
-        countsByPrefix_.assign(std::size_t{1} << kPrefixBits, 0);
+        countsByPrefix_.assign(std::size_t{1} << 16, 0);
         SlabWindow<Sample> window(source_);
         double low = std::numeric_limits<double>::infinity();
         double high = -low;
@@ -106,7 +114,9 @@ private:
                 if (isMissing(samples[i]))
                     continue;
                 ++finite;
-                ++countsByPrefix_[static_cast<std::size_t>(keyOf(samples[i]) >> kKeyShift)];
+                const Key key = keyOf(samples[i]);
+                counter.add(key);
+                ++countsByPrefix_[static_cast<std::size_t>(key >> (8 * sizeof(Key) - 16))];
                 low = std::min(low, static_cast<double>(samples[i]));
                 high = std::max(high, static_cast<double>(samples[i]));
             }
@@ -119,14 +129,23 @@ private:
         return {};
     }
 
-    Status generateRecords(const SpanBins& bins, SpanHistogram& histogram, ExternalSort<Key>& sort,
+    Status generateRecords(const KeyIntervals& bins, std::span<SpanHistogram> histograms, ExternalSort<Key>& sort,
                            index::IndexWriter& writer) {
         const JobControl share = job_.part(0.1, 0.4);
         beginHistogram();
         SlabWindow<Sample> window(source_);
-        LayerRecords<Key> layerRecords;
         HiddenPageBuilder hiddenPages(writer, source_.info().type);
         std::vector<std::uint64_t> lonely;
+        const auto consume = [&](const LayerRecords<Key>& records) -> Status {
+            sampleRecords(records);
+            for (const auto& brick : records.bricks)
+                ISO_TRY(sort.add(brick));
+            for (const auto& brick : records.hiddenCorners)
+                ISO_TRY(hiddenPages.addBrick(brick));
+            missingCells_.insert(missingCells_.end(), records.missingCells.begin(), records.missingCells.end());
+            lonely.insert(lonely.end(), records.lonelyKeys.begin(), records.lonelyKeys.end());
+            return {};
+        };
         for (std::int64_t layer = 0; layer < layerCount(); ++layer) {
             if (job_.isStopRequested())
                 return cancelledError();
@@ -135,15 +154,7 @@ private:
             const std::int64_t z1 = std::min(geometry_.dims[2], (layer + 1) * kBrickSide + kLayerApron);
             ISO_TRY(window.advance(z0, z1));
             countIntoHistogram(window, layer);
-            generateLayer<Sample>(window, geometry_, layer, bins, histogram, layerRecords);
-            sampleRecords(layerRecords, grid_.brickAt(0, 0, layer));
-            for (const auto& brick : layerRecords.bricks)
-                ISO_TRY(sort.add(brick));
-            for (const auto& brick : layerRecords.hiddenCorners)
-                ISO_TRY(hiddenPages.addBrick(brick));
-            missingCells_.insert(missingCells_.end(), layerRecords.missingCells.begin(),
-                                 layerRecords.missingCells.end());
-            lonely.insert(lonely.end(), layerRecords.lonelyKeys.begin(), layerRecords.lonelyKeys.end());
+            ISO_TRY(generateLayer<Sample>(window, geometry_, layer, bins, histograms, consume));
         }
         if (info_.min == info_.max)
             lonely.push_back(keyOf(static_cast<Sample>(info_.min)));
@@ -158,29 +169,65 @@ private:
     static constexpr std::size_t kSampleRecords = 8 * kValuePagePoints;
     static constexpr double kHigherLevelCost = 1.4;
 
-    void sampleRecords(const LayerRecords<Key>& layer, std::int64_t firstBrick) {
-        for (std::size_t i = 0; i < layer.bricks.size(); ++i)
-            if ((static_cast<std::size_t>(firstBrick) + i) % kSampleStride == 0 && sample_.size() < kSampleRecords)
-                sample_.insert(sample_.end(), layer.bricks[i].begin(), layer.bricks[i].end());
+    void sampleRecords(const LayerRecords<Key>& records) {
+        for (std::size_t i = 0; i < records.bricks.size(); ++i)
+            if ((records.firstBrick + i) % kSampleStride == 0 && sample_.size() < kSampleRecords)
+                sample_.insert(sample_.end(), records.bricks[i].begin(), records.bricks[i].end());
     }
 
+    // Of the field, not of the type it is stored in: keys stand for their ranks, so that one field gets the same levels in
+    // every scalar type. Where nearly all sampled values differ, ranks lie as far apart as in the whole volume.
     double sampledBytesPerEntry() {
         std::sort(sample_.begin(), sample_.end(), [](const Record& a, const Record& b) {
             return a.key != b.key ? a.key < b.key : a.id() < b.id();
         });
+        std::vector<Key> keys;
+        for (const Record& record : sample_) {
+            keys.push_back(record.key);
+            forEachEdge(record, [&](int e) { keys.push_back(record.farKeys[e]); });
+        }
+        const double values = static_cast<double>(keys.size());
+        std::sort(keys.begin(), keys.end());
+        keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+        const bool isSaturated = 2.0 * static_cast<double>(keys.size()) <= values;
+        const double apart = isSaturated ? 1.0 : std::max(1.0, static_cast<double>(pointCount(geometry_.dims)) / values);
+        const auto rankOf = [&](Key key) {
+            const auto rank = static_cast<double>(std::lower_bound(keys.begin(), keys.end(), key) - keys.begin());
+            return static_cast<std::uint32_t>(std::min(rank * apart, 4294967295.0));
+        };
         double bytes = 0.0, entries = 0.0;
+        std::vector<index::PointRecord<std::uint32_t>> ranked;
         for (std::size_t first = 0; first < sample_.size(); first += kValuePagePoints) {
-            const auto page = std::span<const Record>(sample_).subspan(
-                first, std::min(kValuePagePoints, sample_.size() - first));
-            bytes += static_cast<double>(index::encodePage<Key>(page, index::PageOrder::Value, grid_).size());
-            for (const Record& record : page)
+            ranked.clear();
+            for (const Record& record : std::span<const Record>(sample_).subspan(first, std::min(kValuePagePoints, sample_.size() - first))) {
+                index::PointRecord<std::uint32_t>& out = ranked.emplace_back();
+                out.key = rankOf(record.key);
+                out.setId(record.id());
+                out.normal = record.normal;
+                out.edgeMask = record.edgeMask;
+                forEachEdge(record, [&](int e) {
+                    out.farKeys[e] = rankOf(record.farKeys[e]);
+                    out.farNormals[e] = record.farNormals[e];
+                });
                 entries += std::popcount(record.edgeMask);
+            }
+            bytes += static_cast<double>(index::encodePage<std::uint32_t>(ranked, index::PageOrder::Value, grid_).size());
         }
         std::vector<Record>().swap(sample_);
         return entries > 0.0 ? bytes / entries : 0.0;
     }
 
-    std::vector<std::vector<std::uint64_t>> chooseBlocks(const SpanHistogram& histogram, const SpanBins& bins) {
+    template <class Visit>
+    static void forEachEdge(const Record& record, const Visit& visit) {
+        for (unsigned mask = record.edgeMask; mask != 0; mask &= mask - 1)
+            visit(std::countr_zero(mask));
+    }
+
+    std::vector<std::vector<std::uint64_t>> chooseBlocks(std::vector<SpanHistogram> histograms, const KeyIntervals& bins) {
+        SpanHistogram& histogram = histograms.front();
+        for (std::size_t i = 1; i < histograms.size(); ++i)
+            histogram.merge(histograms[i]);
+        histograms.resize(1, histogram);
         if (redundancyThreshold_ > 0.0)
             return chooseBlockBegins(histogram, bins, options_.skipLevels, redundancyThreshold_);
         const double bytesPerEntry = sampledBytesPerEntry();
@@ -237,6 +284,8 @@ private:
         info_.redundancyThreshold = redundancyThreshold_;
         info_.sourceName = options_.sourceName;
         info_.lengthUnit = source_.info().lengthUnit;
+        if (const auto& resampled = source_.info().resampling)
+            info_.resampling = io::lossText(*resampled, source_.info().geometry.dims);
         info_.levels = std::move(levels);
         index::IndexMeta meta;
         meta.info = info_;
@@ -244,16 +293,32 @@ private:
         return meta;
     }
 
+    // What comes off the budget before the sort gets its share, histograms besides.
+    std::uint64_t workingMemory() const {
+        const auto plane = static_cast<std::uint64_t>(geometry_.dims[0] * geometry_.dims[1]);
+        const auto bricks = std::min<std::uint64_t>(kBricksAtOnce, plane / (kBrickSide * kBrickSide) + 1);
+        constexpr std::uint64_t kElsewhere = std::uint64_t{8} << 20; // pages of the levels
+        return plane * (12 * sizeof(Sample) + 10 * (sizeof(Key) + sizeof(NormalCode) + 1)) +
+               bricks * kBrickPoints * sizeof(Record) * 3 / 2 + kElsewhere;
+    }
+    std::uint64_t leastMemory() const {
+        constexpr std::uint64_t kLeastForSort = std::uint64_t{8} << 20;
+        return (workingMemory() + kLeastForSort) * kHistogramShare / (kHistogramShare - 1);
+    }
     std::uint64_t sortMemory() const {
-        // What the window of planes and the layer's records take comes off the budget first.
-        const std::uint64_t plane = static_cast<std::uint64_t>(geometry_.dims[0] * geometry_.dims[1]);
-        const std::uint64_t working = plane * (12 * sizeof(Sample) + 10 * (sizeof(Key) + 3) +
-                                               8 * sizeof(Record) * 3 / 2 + sizeof(index::HiddenCorner));
-        const std::uint64_t usable = options_.memoryBytes - options_.memoryBytes / 8;
-        return std::max<std::uint64_t>(usable > working ? usable - working : 0, std::uint64_t{16} << 20);
+        return (options_.memoryBytes - options_.memoryBytes / kHistogramShare - workingMemory()) * 3 / 4;
     }
 
-    // Depends on the volume's frame and the parameters: the same input gives the same bytes.
+    // As many threads collect edges as there are histograms.
+    static constexpr std::uint64_t kHistogramShare = 8;
+    std::size_t histogramCount(const KeyIntervals& bins) const {
+        const std::uint64_t room = options_.memoryBytes / kHistogramShare / SpanHistogram(bins.count()).memoryBytes();
+        const auto most = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
+        return static_cast<std::size_t>(std::clamp<std::uint64_t>(room, 1, most));
+    }
+
+    // Depends on the volume's frame, how often its keys begin with which 16 bits, and the parameters: the same input
+    // gives the same bytes.
     std::uint64_t seed() const {
         XXH3_state_t* state = XXH3_createState();
         XXH3_64bits_reset(state);

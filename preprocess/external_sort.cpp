@@ -1,6 +1,7 @@
 #include "preprocess/external_sort.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -9,39 +10,45 @@
 namespace isoslider::preprocess {
 namespace {
 
-constexpr std::size_t kMaxPartitions = 1024;
+constexpr std::uint64_t kMaxPartitions = 1024;
 constexpr std::size_t kPartitionsPerBatch = 4; // sorted side by side
-constexpr std::size_t kStreamRecords = 1u << 16;
+constexpr std::uint64_t kMaxPartitionRecords = 1u << 18;
+constexpr std::uint64_t kLeastRecordsAtOnce = 4096; // however small the budget
+constexpr std::size_t kStreamRecords = 1u << 14;
 
 } // namespace
 
 template <class Key>
-ExternalSort<Key>::ExternalSort(const std::vector<std::uint64_t>& countsByPrefix, int keyShift, std::uint64_t memoryBytes,
-                                std::filesystem::path spillPath, FileSystem& fileSystem)
-    : keyShift_(keyShift), memoryBytes_(memoryBytes), spillPath_(std::move(spillPath)), fileSystem_(fileSystem) {
+ExternalSort<Key>::ExternalSort(const std::vector<KeyCount>& counts, std::uint64_t memoryBytes, std::filesystem::path spillPath,
+                                FileSystem& fileSystem)
+    : memoryBytes_(memoryBytes),
+      // Records are held twice while they are sorted, keys and places besides.
+      mostRecordsAtOnce_(std::max(kLeastRecordsAtOnce, memoryBytes / (4 * sizeof(Record)))),
+      spillPath_(std::move(spillPath)), fileSystem_(fileSystem), intervals_(makePartitions(counts, memoryBytes)),
+      partitions_(intervals_.count()) {}
+
+// A key with many records gets a separate partition.
+template <class Key>
+KeyIntervals ExternalSort<Key>::makePartitions(const std::vector<KeyCount>& counts, std::uint64_t memoryBytes) {
     std::uint64_t total = 0;
-    for (const std::uint64_t count : countsByPrefix)
-        total += count;
-    // A batch of partitions is held twice while it is sorted.
-    const std::uint64_t byMemory = memoryBytes / (2 * kPartitionsPerBatch * 2 * sizeof(Record));
-    const std::uint64_t target = std::max<std::uint64_t>({1, total / kMaxPartitions + 1, std::min<std::uint64_t>(byMemory, 1u << 18)});
-    partitionOfPrefix_.resize(countsByPrefix.size());
+    for (const KeyCount& count : counts)
+        total += count.points;
+    const std::uint64_t byMemory = memoryBytes / (4 * (kPartitionsPerBatch + 1) * sizeof(Record));
+    const std::uint64_t target = std::max(total / kMaxPartitions + 1, std::min(byMemory, kMaxPartitionRecords));
+    std::vector<std::uint64_t> begins{0};
     std::uint64_t inPartition = 0;
-    std::uint64_t prefixesIn = 0;
-    for (std::size_t prefix = 0; prefix < countsByPrefix.size(); ++prefix) {
-        const std::uint64_t count = countsByPrefix[prefix];
-        if (partitions_.empty() || (count > 0 && inPartition > 0 && inPartition + count > target)) {
-            if (!partitions_.empty())
-                partitions_.back().hasOneKey = keyShift == 0 && prefixesIn == 1;
-            partitions_.emplace_back();
+    for (const KeyCount& count : counts) {
+        if (count.key > begins.back() && (count.points > target || inPartition + count.points > target)) {
+            begins.push_back(count.key);
             inPartition = 0;
-            prefixesIn = 0;
         }
-        inPartition += count;
-        prefixesIn += count > 0;
-        partitionOfPrefix_[prefix] = static_cast<std::uint32_t>(partitions_.size() - 1);
+        inPartition += count.points;
+        if (count.points > target && count.key < std::numeric_limits<Key>::max()) {
+            begins.push_back(count.key + 1);
+            inPartition = 0;
+        }
     }
-    partitions_.back().hasOneKey = keyShift == 0 && prefixesIn == 1;
+    return KeyIntervals(std::move(begins));
 }
 
 template <class Key>
@@ -56,7 +63,7 @@ ExternalSort<Key>::~ExternalSort() {
 template <class Key>
 Status ExternalSort<Key>::add(std::span<const Record> records) {
     for (const Record& record : records) {
-        Partition& partition = partitions_[partitionOfPrefix_[static_cast<std::size_t>(std::uint64_t{record.key} >> keyShift_)]];
+        Partition& partition = partitions_[intervals_.find(record.key)];
         if (partition.buffer.size() == partition.buffer.capacity()) {
             const std::size_t grown = std::max<std::size_t>(64, partition.buffer.capacity() * 3 / 2);
             bufferedBytes_ += (grown - partition.buffer.capacity()) * sizeof(Record);
@@ -108,7 +115,7 @@ Status ExternalSort<Key>::load(Partition& partition, std::vector<Record>& out) {
 }
 
 template <class Key>
-Status ExternalSort<Key>::streamOneKey(Partition& partition, const std::function<Status(std::span<const Record>)>& consume) {
+Status ExternalSort<Key>::stream(Partition& partition, const Consume& consume) {
     std::vector<Record> chunk;
     for (const SpilledRun& run : partition.runs)
         for (std::uint64_t first = 0; first < run.records; first += kStreamRecords) {
@@ -121,11 +128,26 @@ Status ExternalSort<Key>::streamOneKey(Partition& partition, const std::function
     return {};
 }
 
+template <class Key>
+Status ExternalSort<Key>::sortAgain(Partition& partition, const Consume& consume, const JobControl& job) {
+    KeyCounter<Key> counter(partition.records);
+    ISO_TRY(stream(partition, [&](std::span<const Record> records) -> Status {
+        for (const Record& record : records)
+            counter.add(record.key);
+        return {};
+    }));
+    std::filesystem::path spillPath = spillPath_;
+    spillPath += ".again";
+    ExternalSort again(counter.takeCounts(), memoryBytes_, std::move(spillPath), fileSystem_);
+    ISO_TRY(stream(partition, [&](std::span<const Record> records) { return again.add(records); }));
+    return again.drain(consume, job);
+}
+
 namespace {
 
 // Stable by key: positions break ties, and records came in id order.
 template <class Record>
-void sortByKey(std::vector<Record>& records, std::vector<Record>& scratch) {
+void sortByKey(std::vector<Record>& records) {
     struct Entry {
         decltype(Record::key) key;
         std::uint32_t position;
@@ -136,18 +158,42 @@ void sortByKey(std::vector<Record>& records, std::vector<Record>& scratch) {
     std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
         return a.key != b.key ? a.key < b.key : a.position < b.position;
     });
-    scratch.resize(records.size());
+    std::vector<Record> sorted(records.size());
     for (std::size_t i = 0; i < records.size(); ++i)
-        scratch[i] = records[entries[i].position];
-    records.swap(scratch);
+        sorted[i] = records[entries[i].position];
+    records.swap(sorted);
 }
 
 } // namespace
 
 template <class Key>
-Status ExternalSort<Key>::drain(const std::function<Status(std::span<const Record>)>& consume, const JobControl& job) {
-    if (spillOut_) {
-        // The rest goes to disk too: drained partitions must fit beside nothing else.
+std::size_t ExternalSort<Key>::endOfBatch(std::size_t first) const {
+    std::uint64_t records = 0;
+    std::size_t end = first;
+    while (end < partitions_.size() && end - first < kPartitionsPerBatch && !intervals_.hasOneKey(end) &&
+           records + partitions_[end].records <= mostRecordsAtOnce_)
+        records += partitions_[end++].records;
+    return end;
+}
+
+template <class Key>
+Status ExternalSort<Key>::sortBatch(std::size_t begin, std::size_t end, const Consume& consume) {
+    std::vector<std::vector<Record>> batch(end - begin);
+    for (std::size_t i = 0; i < batch.size(); ++i)
+        ISO_TRY(load(partitions_[begin + i], batch[i]));
+    tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) { sortByKey(batch[i]); });
+    for (std::vector<Record>& records : batch) {
+        ISO_TRY(consume(records));
+        std::vector<Record>().swap(records);
+    }
+    return {};
+}
+
+template <class Key>
+Status ExternalSort<Key>::drain(const Consume& consume, const JobControl& job) {
+    // What is large must be read more than once, and the rest goes to disk with it: drained partitions must fit
+    // beside nothing else.
+    if (spillOut_ || std::any_of(partitions_.begin(), partitions_.end(), [this](const auto& p) { return isTooLarge(p); })) {
         ISO_TRY(spill());
         auto file = fileSystem_.openForReading(spillPath_);
         if (!file.isOk())
@@ -155,27 +201,27 @@ Status ExternalSort<Key>::drain(const std::function<Status(std::span<const Recor
         spillIn_ = std::move(file).value();
     }
     std::uint64_t done = 0;
-    std::vector<std::vector<Record>> batch(kPartitionsPerBatch), scratch(kPartitionsPerBatch);
+    const auto consumeAndCount = [&](std::span<const Record> records) -> Status {
+        if (job.isStopRequested())
+            return cancelledError();
+        done += records.size();
+        job.report(static_cast<double>(done) / static_cast<double>(recordCount_), "sorting and writing blocks");
+        return consume(records);
+    };
     for (std::size_t next = 0; next < partitions_.size();) {
         if (job.isStopRequested())
             return cancelledError();
-        job.report(recordCount_ ? static_cast<double>(done) / static_cast<double>(recordCount_) : 1.0, "sorting and writing blocks");
-        if (partitions_[next].hasOneKey) {
-            done += partitions_[next].records;
-            ISO_TRY(streamOneKey(partitions_[next++], consume));
+        const std::size_t end = endOfBatch(next);
+        if (end == next) {
+            Partition& partition = partitions_[next];
+            JobControl silent;
+            silent.stop = job.stop;
+            ISO_TRY(intervals_.hasOneKey(next) ? stream(partition, consumeAndCount) : sortAgain(partition, consumeAndCount, silent));
+            ++next;
             continue;
         }
-        std::size_t count = 0;
-        while (count < kPartitionsPerBatch && next + count < partitions_.size() && !partitions_[next + count].hasOneKey) {
-            ISO_TRY(load(partitions_[next + count], batch[count]));
-            ++count;
-        }
-        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { sortByKey(batch[i], scratch[i]); });
-        for (std::size_t i = 0; i < count; ++i) {
-            ISO_TRY(consume(batch[i]));
-            done += batch[i].size();
-        }
-        next += count;
+        ISO_TRY(sortBatch(next, end, consumeAndCount));
+        next = end;
     }
     return {};
 }

@@ -169,7 +169,7 @@ LevelBuilder<Key>::~LevelBuilder() = default;
 
 template <class Key>
 Status LevelBuilder<Key>::add(std::span<const Record> records) {
-    constexpr std::size_t kStep = 1u << 17; // bounds what waits for encoding
+    constexpr std::size_t kStep = (std::size_t{4} << 20) / sizeof(Record); // bounds what waits for encoding, at each level
     for (std::size_t first = 0; first < records.size(); first += kStep) {
         const auto part = records.subspan(first, std::min(kStep, records.size() - first));
         tbb::parallel_for(std::size_t{0}, levels_.size(), [&](std::size_t l) { levels_[l]->add(part, position_); });

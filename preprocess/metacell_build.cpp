@@ -66,6 +66,7 @@ public:
                                job_.part(0.95, 1.0)));
         if (job_.isStopRequested())
             return cancelledError();
+        ISO_TRY(source_.checkUnchanged());
         return writer_->finish(makeMeta());
     }
 
@@ -301,6 +302,8 @@ private:
         info_.type = source_.info().type;
         info_.sourceName = options_.sourceName;
         info_.lengthUnit = source_.info().lengthUnit;
+        if (const auto& resampled = source_.info().resampling)
+            info_.resampling = io::lossText(*resampled, source_.info().geometry.dims);
         index::IndexMeta meta;
         meta.info = std::move(info_);
         meta.missingCells = std::move(missingCells_);

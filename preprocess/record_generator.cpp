@@ -1,9 +1,9 @@
 #include "preprocess/record_generator.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include "core/cell/trilinear_cell.h"
@@ -81,7 +81,7 @@ private:
                 if (missing_[i])
                     continue;
                 keys_[i] = keyOf(*sample);
-                normals_[i] = encodeNormal(normalizedOrZero(-gradientAt(view, x, y, viewZ, inverseSpacing)));
+                normals_[i] = normalOfGradient(gradientAt(view, x, y, viewZ, inverseSpacing));
             }
     }
 
@@ -100,7 +100,7 @@ class BrickGenerator {
 public:
     using Key = KeyOf<Sample>;
 
-    BrickGenerator(const PreparedLayer<Sample>& layer, const BrickGrid& grid, const SpanBins& bins)
+    BrickGenerator(const PreparedLayer<Sample>& layer, const BrickGrid& grid, const KeyIntervals& bins)
         : layer_(layer), grid_(grid), bins_(bins) {}
 
     void generate(BrickIndex brick, SpanHistogram& histogram, std::vector<PointRecord<Key>>& records,
@@ -219,43 +219,36 @@ private:
     }
 
     void count(const PointRecord<Key>& record, SpanHistogram& histogram) const {
-        const std::uint16_t bin = bins_.binOf(record.key);
+        const std::size_t bin = bins_.find(record.key);
         for (int e = 0; e < kPointEdges; ++e)
             if ((record.edgeMask >> e & 1) && record.farKeys[e] > record.key)
-                histogram.add(bin, bins_.binOf(record.farKeys[e]));
+                histogram.add(bin, bins_.find(record.farKeys[e]));
     }
 
     const PreparedLayer<Sample>& layer_;
     const BrickGrid& grid_;
-    const SpanBins& bins_;
+    const KeyIntervals& bins_;
 };
 
-} // namespace
-
 template <class Sample>
-void generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geometry, std::int64_t layer,
-                   const SpanBins& bins, SpanHistogram& histogram, LayerRecords<KeyOf<Sample>>& out) {
-    const BrickGrid grid(geometry.dims);
-    const PreparedLayer<Sample> prepared(window, geometry, layer);
-    const BrickGenerator<Sample> generator(prepared, grid, bins);
-    const BrickIndex first = grid.brickAt(0, 0, layer);
-    const std::size_t count = static_cast<std::size_t>(grid.bricks()[0] * grid.bricks()[1]);
+void generateBricks(const BrickGenerator<Sample>& generator, std::size_t count,
+                    std::span<SpanHistogram> histograms, LayerRecords<KeyOf<Sample>>& out) {
     std::vector<MissingCells> missing(count);
     std::vector<std::uint8_t> hasMissing(count, 0);
     std::vector<std::vector<std::uint64_t>> lonely(count);
     out.bricks.resize(count);
     out.hiddenCorners.resize(count);
-    tbb::enumerable_thread_specific<SpanHistogram> histograms([&] { return SpanHistogram(bins.count()); });
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-        out.bricks[i].clear();
-        out.hiddenCorners[i].clear();
-        const BrickIndex brick = first + static_cast<BrickIndex>(i);
-        generator.generate(brick, histograms.local(), out.bricks[i], lonely[i]);
-        generator.hiddenCorners(brick, out.hiddenCorners[i]);
-        hasMissing[i] = generator.missingCells(brick, missing[i]);
+    std::atomic<std::size_t> next = 0;
+    tbb::parallel_for(std::size_t{0}, histograms.size(), [&](std::size_t lane) {
+        for (std::size_t i; (i = next++) < count;) {
+            out.bricks[i].clear();
+            out.hiddenCorners[i].clear();
+            const BrickIndex brick = out.firstBrick + static_cast<BrickIndex>(i);
+            generator.generate(brick, histograms[lane], out.bricks[i], lonely[i]);
+            generator.hiddenCorners(brick, out.hiddenCorners[i]);
+            hasMissing[i] = generator.missingCells(brick, missing[i]);
+        }
     });
-    for (const SpanHistogram& part : histograms)
-        histogram.merge(part);
     out.missingCells.clear();
     out.lonelyKeys.clear();
     for (std::size_t i = 0; i < count; ++i) {
@@ -267,9 +260,29 @@ void generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geometr
     out.lonelyKeys.erase(std::unique(out.lonelyKeys.begin(), out.lonelyKeys.end()), out.lonelyKeys.end());
 }
 
-#define ISO_INSTANTIATE(Sample)                                                                                     \
-    template void generateLayer<Sample>(const SlabWindow<Sample>&, const GridGeometry&, std::int64_t, const SpanBins&, \
-                                        SpanHistogram&, LayerRecords<KeyOf<Sample>>&);
+} // namespace
+
+template <class Sample>
+Status generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geometry, std::int64_t layer,
+                     const KeyIntervals& bins, std::span<SpanHistogram> histograms,
+                     const ConsumeRecords<KeyOf<Sample>>& consume) {
+    const BrickGrid grid(geometry.dims);
+    const PreparedLayer<Sample> prepared(window, geometry, layer);
+    const BrickGenerator<Sample> generator(prepared, grid, bins);
+    const auto inLayer = static_cast<std::size_t>(grid.bricks()[0] * grid.bricks()[1]);
+    LayerRecords<KeyOf<Sample>> records;
+    for (std::size_t begin = 0; begin < inLayer; begin += kBricksAtOnce) {
+        records.firstBrick = grid.brickAt(0, 0, layer) + static_cast<BrickIndex>(begin);
+        generateBricks(generator, std::min(kBricksAtOnce, inLayer - begin), histograms, records);
+        ISO_TRY(consume(records));
+    }
+    return {};
+}
+
+#define ISO_INSTANTIATE(Sample)                                                                                        \
+    template Status generateLayer<Sample>(const SlabWindow<Sample>&, const GridGeometry&, std::int64_t,                \
+                                          const KeyIntervals&, std::span<SpanHistogram>,                        \
+                                          const ConsumeRecords<KeyOf<Sample>>&);
 ISO_INSTANTIATE(std::uint8_t)
 ISO_INSTANTIATE(std::int8_t)
 ISO_INSTANTIATE(std::uint16_t)

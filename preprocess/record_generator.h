@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/grid/scalar_key.h"
@@ -12,10 +13,11 @@
 
 namespace isoslider::preprocess {
 
-/// What one layer of bricks (8 z planes) turns into.
+/// What some bricks of a layer (8 z planes) turn into.
 template <class Key>
 struct LayerRecords {
-    /// One list per brick of the layer, in brick order; each in point id order.
+    BrickIndex firstBrick = 0;
+    /// One list per brick, in brick order; each in point id order.
     std::vector<std::vector<index::PointRecord<Key>>> bricks;
     /// Likewise; ascending by place.
     std::vector<std::vector<index::HiddenCorner>> hiddenCorners;
@@ -28,14 +30,22 @@ struct LayerRecords {
 /// Planes below and above a layer that its records depend on: neighbours, and their gradients.
 inline constexpr std::int64_t kLayerApron = 2;
 
+/// Bricks whose records are in memory at once.
+inline constexpr std::size_t kBricksAtOnce = 256;
+
+template <class Key>
+using ConsumeRecords = std::function<Status(const LayerRecords<Key>&)>;
+
 /// Generates the records of brick layer `layer` (paper 3.1, "we consider all edges connected to the
-/// corresponding point"). A point has a record when it has at least one usable edge to an unequal
-/// scalar; an edge is usable when both ends are finite and one of its four cells is whole.
+/// corresponding point"), and hands them to `consume`, kBricksAtOnce bricks at a time. A point has a record when it has
+/// at least one usable edge to an unequal scalar; an edge is usable when both ends are finite and one of its four cells
+/// is whole.
 /// REQUIRES: `window` holds the layer's planes and the apron, cut off at the box.
-/// Brick-parallel; the result does not depend on the number of threads. Adds every edge once to
-/// `histogram`.
+/// Adds every edge once to one of `histograms`. As many threads as there are of these work side by side; the sum and
+/// all else does not depend on their number. Errors: those of `consume`, which end it.
 template <class Sample>
-void generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geometry, std::int64_t layer,
-                   const SpanBins& bins, SpanHistogram& histogram, LayerRecords<KeyOf<Sample>>& out);
+Status generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geometry, std::int64_t layer,
+                     const KeyIntervals& bins, std::span<SpanHistogram> histograms,
+                     const ConsumeRecords<KeyOf<Sample>>& consume);
 
 } // namespace isoslider::preprocess

@@ -14,6 +14,7 @@
 #include "app/cli/options.h"
 #include "app/cli/output_check.h"
 #include "app/cli/progress_bar.h"
+#include "app/cli/resampling_report.h"
 #include "core/index/index_format.h"
 #include "preprocess/build_index.h"
 
@@ -50,7 +51,14 @@ std::string isAboveZero(const std::string& text) {
     return value && *value <= 0.0 ? fmt::format("'{}' is not above zero", text) : std::string();
 }
 
-Json jsonOf(const preprocess::BuildReport& report) {
+/// An index, and the volume that it is of.
+struct Built {
+    preprocess::BuildReport report;
+    io::VolumeInfo volume;
+};
+
+Json jsonOf(const Built& built) {
+    const preprocess::BuildReport& report = built.report;
     Json json;
     json["seconds"] = report.seconds;
     json["peak_rss_bytes"] = report.peakRssBytes;
@@ -58,6 +66,7 @@ Json jsonOf(const preprocess::BuildReport& report) {
     json["distinct_values"] = report.info.distinctValues;
     json["levels"] = levelsJson(report.info);
     json["kind"] = index::indexKindName(report.info.kind);
+    addResampling(built.volume, json);
     return json;
 }
 
@@ -81,7 +90,14 @@ public:
             return makeError(ErrorCode::InvalidArgument, "is an index; build needs a volume", volumePath_);
         ISO_CLI_TRY(checkOutput(indexPath_, volumePath_));
         ProgressBar bar(session.showsProgress, session.stop);
-        const auto report = build(bar.job());
+        const auto source = io::openVolume(volumePath_, volume_.readOptions(), bar.job());
+        if (!source.isOk()) {
+            bar.wipe();
+            return source.error();
+        }
+        ISO_CLI_TRY(checkNotRead(indexPath_, source.value()->info().dataFiles));
+        ISO_CLI_TRY(tryOutput(indexPath_));
+        const auto report = build(*source.value(), bar.job());
         bar.wipe();
         if (!report.isOk())
             return report.error();
@@ -124,10 +140,7 @@ private:
             ->group("");
     }
 
-    Result<preprocess::BuildReport> build(const JobControl& job) {
-        auto source = io::openVolume(volumePath_, volume_.readOptions());
-        if (!source.isOk())
-            return std::move(source).error();
+    Result<Built> build(io::VolumeSource& source, const JobControl& job) {
         preprocess::BuildOptions options;
         options.kind = kind_;
         options.skipLevels = static_cast<int>(skipLevels_);
@@ -135,15 +148,21 @@ private:
         options.memoryBytes = memoryBytes_;
         options.threads = static_cast<int>(threads_);
         options.sourceName = std::filesystem::path(volumePath_).filename().string();
-        return preprocess::buildIndex(*source.value(), indexPath_, options, job);
+        auto report = preprocess::buildIndex(source, indexPath_, options, job);
+        if (!report.isOk())
+            return std::move(report).error();
+        return Built{std::move(report).value(), source.info()};
     }
 
-    std::string textOf(const preprocess::BuildReport& report) const {
+    std::string textOf(const Built& built) const {
+        const preprocess::BuildReport& report = built.report;
         std::string text =
             fmt::format("{}: {} in {:.2f} s, peak memory {}\n", indexPath_, sizeText(report.info.indexBytes),
                         report.seconds, sizeText(report.peakRssBytes));
         text += fmt::format("{}, {} distinct values, {} skip levels\n", index::indexKindName(report.info.kind),
                             report.info.distinctValues, report.info.levels.size());
+        if (const std::string lost = resamplingText(built.volume); !lost.empty())
+            text += fmt::format("resampled {}\n", lost);
         return text;
     }
 

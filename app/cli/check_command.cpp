@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/command.h"
+#include "app/cli/progress_bar.h"
 #include "core/mesh/mesh_checks.h"
 
 namespace isoslider::cli {
@@ -56,7 +57,10 @@ public:
     }
 
     Outcome run(Session& session) override {
-        const auto report = mesh::checkMeshFile(path_);
+        ProgressBar bar(session.showsProgress, session.stop);
+        const JobControl job = bar.job();
+        const auto report = mesh::checkMeshFile(path_, job);
+        bar.wipe();
         if (!report.isOk())
             return report.error();
         if (session.isJson)

@@ -14,6 +14,7 @@
 #include "app/cli/options.h"
 #include "app/cli/output_check.h"
 #include "app/cli/progress_bar.h"
+#include "app/cli/resampling_report.h"
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
 #include "core/mesh/certificate.h"
@@ -27,14 +28,22 @@ namespace {
 struct Extracted {
     extract::SurfaceMesh surface;
     mesh::SurfaceSource source;
+    io::VolumeInfo volume; ///< unless it is of an index
 };
 
-std::uint64_t missingSamples(const ScalarGrid& grid) {
-    return grid.visit([](auto values) -> std::uint64_t {
-        if constexpr (std::is_floating_point_v<typename decltype(values)::value_type>)
-            return static_cast<std::uint64_t>(
-                std::count_if(values.begin(), values.end(), [](auto value) { return !std::isfinite(value); }));
-        return 0;
+/// Unfinished once `job` is to stop.
+std::uint64_t missingSamples(const ScalarGrid& grid, const JobControl& job) {
+    return grid.visit([&](auto values) -> std::uint64_t {
+        std::uint64_t missing = 0;
+        if constexpr (std::is_floating_point_v<typename decltype(values)::value_type>) {
+            constexpr std::size_t kChunk = std::size_t{1} << 22;
+            for (std::size_t at = 0; at < values.size() && !job.isStopRequested(); at += kChunk) {
+                const auto chunk = values.subspan(at, std::min(kChunk, values.size() - at));
+                missing += static_cast<std::uint64_t>(
+                    std::count_if(chunk.begin(), chunk.end(), [](auto value) { return !std::isfinite(value); }));
+            }
+        }
+        return missing;
     });
 }
 
@@ -45,34 +54,33 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
     const auto move = engine.value()->slideTo(isovalue, job.stop);
     if (!move.isOk())
         return move.error();
-    return Extracted{engine.value()->mesh(), sourceOf(engine.value()->info(), path)};
+    auto surface = engine.value()->mesh(job);
+    if (!surface.isOk())
+        return std::move(surface).error();
+    return Extracted{std::move(surface).value(), sourceOf(engine.value()->info(), path), {}};
 }
 
 Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptions& options, double isovalue,
                                     const JobControl& job) {
-    const auto source = io::openVolume(path, options);
+    const auto source = io::openVolume(path, options, job);
     if (!source.isOk())
         return source.error();
-    const auto grid = io::readVolume(*source.value(), path, job);
+    const JobControl reading = job.part(0.0, 0.5), extracting = job.part(0.5, 1.0);
+    const auto grid = io::readVolume(*source.value(), path, reading);
     if (!grid.isOk())
         return grid.error();
-    const std::uint64_t missing = missingSamples(*grid.value());
+    const std::uint64_t missing = missingSamples(*grid.value(), job);
     if (missing == static_cast<std::uint64_t>(pointCount(grid.value()->dims())))
         return makeError(ErrorCode::InvalidArgument, "has no finite sample", path);
-    auto surface = extract::extractFull(*grid.value(), isovalue, job);
+    auto surface = extract::extractFull(*grid.value(), isovalue, extracting);
     if (!surface.isOk())
         return std::move(surface).error();
-    return Extracted{std::move(surface).value(), {sourceName(path), missing, source.value()->info().lengthUnit}};
+    const io::VolumeInfo& info = source.value()->info();
+    return Extracted{std::move(surface).value(), {sourceName(path), missing, info.lengthUnit, resamplingText(info)}, info};
 }
 
-Json jsonOf(const mesh::Certificate& certificate, InputKind source) {
+void addChecked(const mesh::Certificate& certificate, Json& json) {
     const mesh::MeshReport& report = certificate.report;
-    Json json;
-    json["isovalue"] = certificate.isovalue;
-    json["source"] = source == InputKind::Index ? "index" : "volume";
-    json["vertices"] = report.vertices;
-    json["triangles"] = report.triangles;
-    json["active_edges"] = certificate.activeEdges;
     json["components"] = report.components;
     json["euler"] = report.euler;
     json["boundary_loops"] = report.boundaryLoops;
@@ -91,11 +99,28 @@ Json jsonOf(const mesh::Certificate& certificate, InputKind source) {
         opening["loops"] = certificate.openings[i].loops;
         opening["edges"] = certificate.openings[i].edges;
     }
+    json["loops_at_several_places"] = certificate.sharedLoops;
     json["nudged_vertices"] = certificate.nudge.vertices;
     json["largest_nudge"] = certificate.nudge.largestCells;
     json["largest_nudge_world"] = certificate.nudge.largestWorld;
     json["inner_vertices"] = certificate.innerVertices;
     json["valid"] = mesh::isValid(certificate);
+}
+
+Json jsonOf(const mesh::Certificate& certificate, InputKind source, const io::VolumeInfo& volume) {
+    Json json;
+    json["isovalue"] = certificate.isovalue;
+    json["source"] = source == InputKind::Index ? "index" : "volume";
+    json["vertices"] = certificate.report.vertices;
+    json["triangles"] = certificate.report.triangles;
+    json["active_edges"] = certificate.activeEdges;
+    if (certificate.isChecked)
+        addChecked(certificate, json);
+    else
+        json["checked"] = false;
+    if (source == InputKind::Index)
+        addResampling(certificate.resampling, json);
+    addResampling(volume, json);
     return json;
 }
 
@@ -117,6 +142,7 @@ public:
         addNumber(*command, "--isovalue", isovalue_, "isovalue of the surface")->required();
         command->add_option("-o,--output", meshPath_, "mesh to write (ply, obj, stl, off, om)")
             ->type_name("MESH");
+        command->add_flag("--no-check", skipsCheck_, "write and count the surface without checking it: no certificate");
         addLodError(*command);
         addVolumeOptions(*command, volume_);
         return command;
@@ -129,34 +155,42 @@ public:
         if (!meshPath_.empty())
             ISO_CLI_TRY(checkMeshOutput(meshPath_, path_));
         ProgressBar bar(session.showsProgress, session.stop);
+        const JobControl job = bar.job();
+        const JobControl extracting = job.part(0.0, 0.4), finishing = job.part(0.4, 1.0);
         const auto extracted = kind.value() == InputKind::Index
-                                 ? surfaceFromIndex(path_, *isovalue_, bar.job())
-                                 : surfaceFromVolume(path_, volume_.readOptions(), *isovalue_, bar.job());
-        if (!extracted.isOk()) {
-            bar.wipe();
+                                 ? surfaceFromIndex(path_, *isovalue_, extracting)
+                                 : surfaceFromVolume(path_, volume_.readOptions(), *isovalue_, extracting);
+        if (!extracted.isOk())
             return extracted.error();
-        }
-        const extract::SurfaceMesh& surface = extracted.value().surface;
-        bar.job().report(1.0, "checking");
-        const auto certificate = mesh::certify(surface, extracted.value().source);
+        const auto certificate = certifyAndExport(extracted.value(), finishing);
+        if (!certificate.isOk())
+            return certificate.error();
         bar.wipe();
-        if (session.stop.stop_requested())
-            return cancelledError();
-        if (!meshPath_.empty()) {
-            if (const auto status = mesh::exportMesh(surface, certificate, meshPath_); !status.isOk())
-                return status.error();
-        }
         if (session.isJson)
-            session.output.writeJson(jsonOf(certificate, kind.value()));
+            session.output.writeJson(jsonOf(certificate.value(), kind.value(), extracted.value().volume));
         else
-            session.output.write(textOf(certificate, meshPath_));
-        return faultOutcome(certificate, meshPath_.empty() ? path_ : meshPath_);
+            session.output.write(textOf(certificate.value(), meshPath_));
+        return faultOutcome(certificate.value(), meshPath_.empty() ? path_ : meshPath_);
     }
 
 private:
+    Result<mesh::Certificate> certifyAndExport(const Extracted& extracted, const JobControl& job) const {
+        const JobControl checking = job.part(0.0, 0.7), writing = job.part(0.7, 1.0);
+        auto certificate = skipsCheck_ ? mesh::uncheckedCertificate(extracted.surface, extracted.source)
+                                       : mesh::certify(extracted.surface, extracted.source, checking);
+        if (!certificate.isOk())
+            return certificate;
+        if (job.isStopRequested())
+            return cancelledError();
+        if (!meshPath_.empty())
+            ISO_TRY(mesh::exportMesh(extracted.surface, certificate.value(), meshPath_, writing));
+        return certificate;
+    }
+
     std::string path_;
     std::optional<double> isovalue_;
     std::string meshPath_;
+    bool skipsCheck_ = false;
     VolumeOptions volume_;
 };
 

@@ -13,8 +13,9 @@
 #include "app/cli/input_kind.h"
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
-#include "core/base/one_line.h"
-#include "core/extract/slide_engine.h"
+#include "app/cli/resampling_report.h"
+#include "core/base/plain_text.h"
+#include "core/index/index_reader.h"
 #include "core/volume_io/volume_contents.h"
 #include "preprocess/volume_facts.h"
 
@@ -22,7 +23,7 @@ namespace isoslider::cli {
 namespace {
 
 constexpr std::uint64_t kDistinctBytes = std::uint64_t{512} << 20;
-constexpr std::size_t kMaxParts = 64; // components and frames that are read one by one
+constexpr std::int64_t kMaxParts = 4096; // components and frames that are read one by one
 
 /// The same facts for a volume and for an index of one.
 struct Facts {
@@ -34,6 +35,8 @@ struct Facts {
     std::string fieldTitle;
     std::string lengthUnit;
     std::vector<std::string> notes;
+    io::VolumeInfo volume;  ///< of a volume: what is known of its resampling
+    std::string resampling; ///< of an index: what resampling its volume lost
 };
 
 /// One component or frame of a field that nobody has chosen from.
@@ -46,15 +49,16 @@ struct Part {
 struct Report {
     std::optional<io::VolumeContents> contents; ///< of volumes
     std::vector<Part> parts; ///< one, or as many as there are to choose from
+    std::int64_t partsInAll = 1; ///< parts are the first of these
     bool isChosen = true;    ///< the one part is what other commands take
 };
 
 Result<Facts> factsOfIndex(const std::string& path) {
-    auto engine = extract::SlideEngine::open(path);
-    if (!engine.isOk())
-        return std::move(engine).error();
-    const index::IndexInfo& info = engine.value()->info();
-    return Facts{info.geometry, info.type, {info.min, info.max, info.distinctValues, info.nanCount}, "ISOSLIDER index", "", "", info.lengthUnit, {}};
+    const auto reader = index::IndexReader::open(path);
+    if (!reader.isOk())
+        return reader.error();
+    const index::IndexInfo& info = reader.value()->info();
+    return Facts{info.geometry, info.type, {info.min, info.max, info.distinctValues, info.nanCount}, "ISOSLIDER index", "", "", info.lengthUnit, {}, {}, info.resampling};
 }
 
 Result<Report> reportOfIndex(const std::string& path) {
@@ -67,7 +71,7 @@ Result<Report> reportOfIndex(const std::string& path) {
 }
 
 Result<Facts> factsOfVolume(const std::string& path, const io::ReadOptions& options, const JobControl& job) {
-    const auto source = io::openVolume(path, options);
+    const auto source = io::openVolume(path, options, job);
     if (!source.isOk())
         return source.error();
     auto found = preprocess::findFacts(*source.value(), kDistinctBytes, job);
@@ -81,7 +85,7 @@ Result<Facts> factsOfVolume(const std::string& path, const io::ReadOptions& opti
     if (std::min({dims[0], dims[1], dims[2]}) < 2)
         notes.push_back("has no cells, so no surface: that takes two grid points along each axis");
     return Facts{info.geometry, info.type, found.value(), info.format, info.fieldName, info.fieldTitle, info.lengthUnit,
-                 std::move(notes)};
+                 std::move(notes), info};
 }
 
 const io::VolumeField* fieldAsked(const io::VolumeContents& contents, const std::string& name) {
@@ -98,7 +102,7 @@ Result<Report> reportOfVolume(const std::string& path, const io::ReadOptions& op
     Report report;
     const io::VolumeField* field = nullptr;
     if (!options.raw) {
-        auto contents = io::listVolumes(path, options);
+        auto contents = io::listVolumes(path, options, job);
         if (!contents.isOk())
             return std::move(contents).error();
         report.contents = std::move(contents).value();
@@ -111,20 +115,26 @@ Result<Report> reportOfVolume(const std::string& path, const io::ReadOptions& op
     const int components = field != nullptr && !options.component ? field->components : 1;
     const std::int64_t frames = field != nullptr && !options.frame ? field->frames : 1;
     report.isChosen = components == 1 && frames == 1;
-    for (std::int64_t frame = 0; frame < frames; ++frame)
-        for (int component = 0; component < components && report.parts.size() < kMaxParts; ++component) {
-            Part part;
-            io::ReadOptions asked = options;
-            if (components > 1)
-                part.component = asked.component = component;
-            if (frames > 1)
-                part.frame = asked.frame = frame;
-            auto facts = factsOfVolume(path, asked, job);
-            if (!facts.isOk())
-                return std::move(facts).error();
-            part.facts = std::move(facts).value();
-            report.parts.push_back(std::move(part));
-        }
+    report.partsInAll = components * frames;
+    const std::int64_t read = std::min(report.partsInAll, kMaxParts);
+    for (std::int64_t i = 0; i < read; ++i) {
+        Part part;
+        io::ReadOptions asked = options;
+        if (components > 1)
+            part.component = asked.component = static_cast<int>(i % components);
+        if (frames > 1)
+            part.frame = asked.frame = i / components;
+        const JobControl reading =
+            job.part(static_cast<double>(i) / static_cast<double>(read), static_cast<double>(i + 1) / static_cast<double>(read));
+        auto facts = factsOfVolume(path, asked, reading);
+        if (!facts.isOk())
+            return std::move(facts).error();
+        part.facts = std::move(facts).value();
+        report.parts.push_back(std::move(part));
+    }
+    if (read < report.partsInAll)
+        report.parts.front().facts.notes.push_back(
+            fmt::format("the first {} of {} components and frames have been read; the range is theirs", read, report.partsInAll));
     return report;
 }
 
@@ -147,6 +157,8 @@ Json jsonOf(const Facts& facts) {
         json["length_unit"] = facts.lengthUnit;
     json["direction"] = {vectorJson(facts.geometry.direction[0]), vectorJson(facts.geometry.direction[1]),
                          vectorJson(facts.geometry.direction[2])};
+    addResampling(facts.volume, json);
+    addResampling(facts.resampling, json);
     return json;
 }
 
@@ -198,6 +210,7 @@ Json jsonOf(const Report& report) {
         json["distinct_values"] = nullptr; // of what? Each part has its own
         json["nan_count"] = nullptr;
         json["parts"] = std::move(parts);
+        json["parts_in_all"] = report.partsInAll;
     }
     if (report.contents && (report.contents->fields.size() > 1 || report.contents->needsChoice()))
         json["fields"] = jsonOf(*report.contents);
@@ -219,6 +232,8 @@ std::string textOf(const Facts& facts) {
     text += fmt::format("direction        {} | {} | {}\n", vectorText(facts.geometry.direction[0]),
                         vectorText(facts.geometry.direction[1]), vectorText(facts.geometry.direction[2]));
     text += fmt::format("scalar type      {}\n", scalarTypeName(facts.type));
+    if (const std::string lost = facts.resampling + resamplingText(facts.volume); !lost.empty())
+        text += fmt::format("resampled        {}\n", lost);
     return text;
 }
 

@@ -18,11 +18,20 @@ sigset_t watchedSignals() {
     return signals;
 }
 
+bool isIgnored(int signal) {
+    struct sigaction action {};
+    return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 } // namespace
 
 // A thread that waits, not a handler: requesting a stop runs callbacks, which no handler may.
 InterruptWatch::InterruptWatch() {
     const sigset_t signals = watchedSignals();
+    sigemptyset(&ignored_);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+        if (isIgnored(signal))
+            sigaddset(&ignored_, signal);
     ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     thread_ = std::thread([this] { wait(); });
 }
@@ -41,6 +50,8 @@ void InterruptWatch::wait() {
             continue;
         if (isEnding_)
             return;
+        if (sigismember(&ignored_, signal) == 1) // a blocked signal arrives here although it is ignored
+            continue;
         if (!source_.request_stop())
             std::_Exit(static_cast<int>(ExitCode::Interrupted));
     }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <signal.h>
+
 #include <atomic>
 #include <stop_token>
 #include <thread>
@@ -21,6 +23,7 @@ public:
 private:
     void wait();
 
+    sigset_t ignored_; ///< on entry
     std::stop_source source_;
     std::atomic<bool> isEnding_{false};
     std::thread thread_;

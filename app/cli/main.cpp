@@ -58,10 +58,17 @@ public:
             parser_.exit(request); // --help or --version, to standard output
             return {};
         } catch (const CLI::RequiredError& error) {
+            // What is missing may well be what was mistyped.
+            if (const std::string unknown = unknownOption(); !unknown.empty())
+                return Outcome::wrongUsage(fmt::format("'{}' is not an option; see --help", unknown));
             const bool isCommandMissing = parser_.get_subcommands().empty();
             if (isCommandMissing && argc > 1 && argv[1][0] != '-')
                 return Outcome::wrongUsage(fmt::format("'{}' is not a command; see --help", argv[1]));
             return Outcome::wrongUsage(isCommandMissing ? "a command is required; see --help" : error.what());
+        } catch (const CLI::ExtrasError& error) {
+            const std::string unknown = unknownOption();
+            return Outcome::wrongUsage(unknown.empty() ? error.what()
+                                                       : fmt::format("'{}' is not an option; see --help", unknown));
         } catch (const CLI::ParseError& error) {
             return Outcome::wrongUsage(error.what());
         }
@@ -82,6 +89,14 @@ private:
         entries_.push_back({std::move(command), parser});
     }
 
+    /// The first word that looks like an option and is none; empty if there is none such.
+    std::string unknownOption() const {
+        for (const std::string& word : parser_.remaining(true))
+            if (word.size() > 1 && word[0] == '-' && word != "--")
+                return word.substr(0, word.find('='));
+        return {};
+    }
+
     Outcome finish(const Outcome& outcome) {
         const auto written = session_.output.flush();
         return outcome.isSuccess() && !written.isOk() ? Outcome(written.error()) : outcome;
@@ -94,6 +109,7 @@ private:
 
 int runProgram(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN); // a file beyond the shell's limit is a failed write like any other
     try {
         const Outcome outcome = Program().run(argc, argv);
         if (!outcome.isSuccess())

@@ -4,11 +4,20 @@
 
 #include <unistd.h>
 
+#include "core/base/file_system.h"
 #include "core/mesh/mesh_export.h"
 
 namespace isoslider::cli {
 
 namespace fs = std::filesystem;
+namespace {
+
+Outcome isTheInput(const fs::path& output) {
+    return Outcome::wrongUsage(
+        makeError(ErrorCode::InvalidArgument, "is the input; choose another output", output.string()).line());
+}
+
+} // namespace
 
 Outcome checkOutput(const fs::path& output, const fs::path& input) {
     std::error_code ignored;
@@ -16,12 +25,14 @@ Outcome checkOutput(const fs::path& output, const fs::path& input) {
     if (output.empty())
         return Outcome::wrongUsage("the output has no name");
     if (fs::equivalent(output, input, ignored))
-        return Outcome::wrongUsage(
-            makeError(ErrorCode::InvalidArgument, "is the input; choose another output", output.string())
-                .line());
+        return isTheInput(output);
     if (fs::is_directory(output, ignored))
         return makeError(ErrorCode::IoError, "is a directory; give a file name", output.string());
-    const fs::path folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
+    const auto target = linkTarget(output);
+    if (!target.isOk())
+        return target.error();
+    const fs::path& written = target.value();
+    const fs::path folder = written.has_parent_path() ? written.parent_path() : fs::path(".");
     if (!fs::exists(folder, ignored))
         return makeError(ErrorCode::NotFound, "its folder does not exist", output.string());
     if (!fs::is_directory(folder, ignored))
@@ -31,12 +42,26 @@ Outcome checkOutput(const fs::path& output, const fs::path& input) {
     return {};
 }
 
+Outcome tryOutput(const fs::path& output) {
+    const auto file = AtomicFile::create(output); // and removed: nothing is written
+    return file.isOk() ? Outcome() : Outcome(file.error());
+}
+
+Outcome checkNotRead(const fs::path& output, const std::vector<fs::path>& dataFiles) {
+    std::error_code ignored;
+    for (const fs::path& file : dataFiles)
+        if (fs::equivalent(output, file, ignored))
+            return isTheInput(output);
+    return {};
+}
+
 Outcome checkMeshOutput(const fs::path& output, const fs::path& input) {
     if (!mesh::isExportSuffix(output)) {
         const auto message = "its suffix names no mesh format; known: .ply .obj .stl .off .om";
         return Outcome::wrongUsage(makeError(ErrorCode::InvalidArgument, message, output.string()).line());
     }
-    return checkOutput(output, input);
+    ISO_CLI_TRY(checkOutput(output, input));
+    return tryOutput(output);
 }
 
 } // namespace isoslider::cli

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "app/cli/outcome.h"
 
@@ -12,7 +13,16 @@ namespace isoslider::cli {
 /// replaced in one step when the new one is whole.
 Outcome checkOutput(const std::filesystem::path& output, const std::filesystem::path& input);
 
-/// checkOutput for a mesh, whose suffix says its format.
+/// Refuses what only shows when a file is made: file systems that take none whatever their permissions say,
+/// names too long for what is written beside them first (I/O failure), another program that is writing there
+/// (refused).
+Outcome tryOutput(const std::filesystem::path& output);
+
+/// Refuses an output that is one of the files that an input's samples lie in (wrong usage).
+Outcome checkNotRead(const std::filesystem::path& output,
+                     const std::vector<std::filesystem::path>& dataFiles);
+
+/// checkOutput and tryOutput for a mesh, whose suffix says its format.
 Outcome checkMeshOutput(const std::filesystem::path& output, const std::filesystem::path& input);
 
 } // namespace isoslider::cli

@@ -61,6 +61,7 @@ public:
         ISO_CLI_TRY(checkOutput(output_, path_));
         if (!output_.ends_with(".mha"))
             return Outcome::wrongUsage(fmt::format("--output: '{}': volumes are written as .mha", output_));
+        ISO_CLI_TRY(tryOutput(output_));
         ProgressBar bar(session.showsProgress, session.stop);
         const auto info = resample(bar.job());
         bar.wipe();
@@ -75,7 +76,7 @@ public:
 
 private:
     Result<io::VolumeInfo> resample(const JobControl& job) {
-        const auto source = io::openVolume(path_, volume_.readOptions());
+        const auto source = io::openVolume(path_, volume_.readOptions(), job);
         if (!source.isOk())
             return source.error();
         const JobControl making = job.part(0.0, 0.9), writing = job.part(0.9, 1.0);

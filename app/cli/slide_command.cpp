@@ -13,8 +13,8 @@
 #include "app/cli/number_parsing.h"
 #include "app/cli/options.h"
 #include "app/cli/output_check.h"
-#include "app/cli/peak_rss.h"
 #include "app/cli/progress_bar.h"
+#include "core/base/machine.h"
 #include "core/extract/slide_engine.h"
 #include "core/mesh/mesh_export.h"
 
@@ -95,8 +95,7 @@ public:
     Outcome run(Session& session) override {
         if (path_.empty() && !from_)
             return Outcome::wrongUsage("slide needs --from, --to and --steps, or --path");
-        if (pattern_)
-            ISO_CLI_TRY(checkMeshOutput(pattern_->nameOf(0), indexPath_));
+        ISO_CLI_TRY(checkExports());
         const auto begin = std::chrono::steady_clock::now();
         extract::SlideOptions options;
         options.readsAhead = false; // the next move follows at once
@@ -113,6 +112,16 @@ public:
 private:
     std::size_t stepCount() const {
         return path_.empty() ? static_cast<std::size_t>(steps_) + 1 : path_.size();
+    }
+
+    // The first one is tried; of the others none may be the index.
+    Outcome checkExports() const {
+        if (!pattern_)
+            return {};
+        ISO_CLI_TRY(checkMeshOutput(pattern_->nameOf(0), indexPath_));
+        for (std::size_t step = 1; step < stepCount(); ++step)
+            ISO_CLI_TRY(checkNotRead(pattern_->nameOf(step), {indexPath_}));
+        return {};
     }
 
     double isovalueOf(std::size_t step) const {
@@ -133,7 +142,9 @@ private:
             if (!stats.isOk())
                 return stats.error();
             if (pattern_) {
-                ISO_CLI_TRY(exportStep(engine, pattern_->nameOf(step)));
+                const JobControl exporting = job.part(static_cast<double>(step) / static_cast<double>(stepCount()),
+                                                      static_cast<double>(step + 1) / static_cast<double>(stepCount()));
+                ISO_CLI_TRY(exportStep(engine, pattern_->nameOf(step), exporting));
                 job.report(static_cast<double>(step + 1) / static_cast<double>(stepCount()), "exporting");
             }
             record(step, stats.value(), session);
@@ -144,13 +155,18 @@ private:
     }
 
     // The slide goes on after a surface with a fault; the first one is told at the end.
-    Outcome exportStep(const extract::SlideEngine& engine, const std::string& path) {
-        const extract::SurfaceMesh surface = engine.mesh();
-        const auto certificate = mesh::certify(surface, sourceOf(engine.info(), indexPath_));
-        if (const auto status = mesh::exportMesh(surface, certificate, path); !status.isOk())
+    Outcome exportStep(const extract::SlideEngine& engine, const std::string& path, const JobControl& job) {
+        const JobControl joining = job.part(0.0, 0.2), checking = job.part(0.2, 0.7), writing = job.part(0.7, 1.0);
+        const auto surface = engine.mesh(joining);
+        if (!surface.isOk())
+            return surface.error();
+        const auto certificate = mesh::certify(surface.value(), sourceOf(engine.info(), indexPath_), checking);
+        if (!certificate.isOk())
+            return certificate.error();
+        if (const auto status = mesh::exportMesh(surface.value(), certificate.value(), path, writing); !status.isOk())
             return status.error();
         if (fault_.isSuccess())
-            fault_ = faultOutcome(certificate, path);
+            fault_ = faultOutcome(certificate.value(), path);
         return {};
     }
 

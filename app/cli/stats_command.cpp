@@ -8,7 +8,7 @@
 #include "app/cli/command.h"
 #include "app/cli/geometry_text.h"
 #include "app/cli/level_json.h"
-#include "core/extract/slide_engine.h"
+#include "core/index/index_reader.h"
 
 namespace isoslider::cli {
 namespace {
@@ -94,13 +94,13 @@ public:
     }
 
     Outcome run(Session& session) override {
-        const auto engine = extract::SlideEngine::open(path_);
-        if (!engine.isOk())
-            return engine.error();
+        const auto reader = index::IndexReader::open(path_);
+        if (!reader.isOk())
+            return reader.error();
         if (session.isJson)
-            session.output.writeJson(jsonOf(engine.value()->info()));
+            session.output.writeJson(jsonOf(reader.value()->info()));
         else
-            session.output.write(textOf(engine.value()->info()));
+            session.output.write(textOf(reader.value()->info()));
         return {};
     }
 

@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -135,6 +136,7 @@ int run(int argc, char** argv, const CommandLine& line) {
 
 int main(int argc, char** argv) {
     using namespace isoslider::desktop;
+    std::signal(SIGXFSZ, SIG_IGN); // a file beyond the shell's limit is a failed write like any other
     const auto parsed = parseCommandLine(argumentsOf(argc, argv));
     if (parsed.exitCode)
         return print(parsed);

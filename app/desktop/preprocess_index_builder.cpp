@@ -26,10 +26,11 @@ Status buildFrom(io::VolumeSource& source, const std::string& sourceName,
 } // namespace
 
 Status PreprocessIndexBuilder::build(const std::shared_ptr<const ScalarGrid>& grid,
-                                     const std::string& sourceName, const std::string& lengthUnit,
+                                     const std::string& sourceName, const io::VolumeInfo& about,
                                      const std::filesystem::path& indexPath, const JobControl& job) {
     io::VolumeInfo info;
-    info.lengthUnit = lengthUnit;
+    info.lengthUnit = about.lengthUnit;
+    info.resampling = about.resampling;
     return buildFrom(*io::makeMemorySource(grid, std::move(info)), sourceName, indexPath, job);
 }
 

@@ -8,7 +8,7 @@ namespace isoslider::desktop {
 class PreprocessIndexBuilder final : public model::IndexBuilder {
 public:
     Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
-                 const std::string& lengthUnit, const std::filesystem::path& indexPath,
+                 const io::VolumeInfo& about, const std::filesystem::path& indexPath,
                  const JobControl& job) override;
     Status buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
                          const std::string& sourceName, const std::filesystem::path& indexPath,

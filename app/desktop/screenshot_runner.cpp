@@ -8,6 +8,7 @@
 #include "ui/model/session.h"
 #include "ui/render/gl_support.h"
 #include "ui/widgets/main_window.h"
+#include "ui/widgets/picture_file.h"
 #include "ui/widgets/viewport_host.h"
 #include "ui/widgets/viewport_widget.h"
 
@@ -28,7 +29,7 @@ ExitCode exitCodeOf(const model::Notice& notice) {
 }
 
 ScreenshotRunner::ScreenshotRunner(widgets::MainWindow& window, model::Session& session, QString path)
-    : QObject(&window), window_(window), session_(session), path_(std::move(path)) {
+    : QObject(&window), window_(window), session_(session), path_(std::move(path)), jobs_(session.services().postToMain) {
     noticeSubscription_ = session_.noticePosted().observe([this](const model::Notice& notice) {
         if (notice.severity != model::Notice::Severity::Error)
             return;
@@ -47,6 +48,10 @@ void ScreenshotRunner::poll() {
         isWaitingForPaint_ = false;
         return;
     }
+    if (session_.dataset() != nullptr && !session_.frame()) { // the first move failed, and a notice said so
+        timer_.stop();
+        return QApplication::exit(exitCode_);
+    }
     // Settled values still have to reach the panels and the screen.
     auto* viewport = window_.viewportHost().viewport();
     if (!isWaitingForPaint_) {
@@ -63,8 +68,20 @@ void ScreenshotRunner::poll() {
 
 void ScreenshotRunner::grab() {
     timer_.stop();
-    if (!path_.isEmpty() && !window_.grab().save(path_)) {
-        std::fprintf(stderr, "isoslider: %s: the picture could not be written; check the folder and the suffix\n", qPrintable(path_));
+    if (path_.isEmpty())
+        return end({});
+    jobs_.runner().run<bool>(
+        "Write the picture",
+        [picture = window_.grab().toImage(), path = std::filesystem::path(path_.toStdU16String())](const JobControl&) -> Result<bool> {
+            ISO_TRY(widgets::writePicture(picture, path));
+            return true;
+        },
+        [this](const Result<bool>& written) { end(written.isOk() ? Status() : Status(written.error())); });
+}
+
+void ScreenshotRunner::end(const Status& picture) {
+    if (!picture.isOk()) {
+        std::fprintf(stderr, "isoslider: %s\n", picture.error().line().c_str());
         return QApplication::exit(kIoFailure);
     }
     if (!path_.isEmpty() && session_.frame() != nullptr && !render::isOpenGlUsable())

@@ -5,6 +5,7 @@
 #include <QTimer>
 
 #include "app/desktop/command_line.h"
+#include "ui/model/latest_job.h"
 #include "ui/model/observers.h"
 
 namespace isoslider::model {
@@ -29,6 +30,7 @@ public:
 private:
     void poll();
     void grab();
+    void end(const Status& picture);
     void endWith(const model::Notice& notice);
 
     widgets::MainWindow& window_;
@@ -39,6 +41,7 @@ private:
     bool isWaitingForPaint_ = false;
     ExitCode exitCode_ = kSuccess;
     model::Subscription noticeSubscription_;
+    model::BackgroundJobs jobs_; // last: stops before the rest goes
 };
 
 /// The exit code for a failure of this kind.

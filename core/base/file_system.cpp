@@ -36,12 +36,18 @@ private:
     int number_;
 };
 
-int openRetrying(const fs::path& path, int flags, mode_t mode = 0) {
-    int number = -1;
+/// A call that a signal interrupted is made again.
+template <class Call>
+int retrying(const Call& call) {
+    int outcome = -1;
     do {
-        number = ::open(path.c_str(), flags | O_CLOEXEC, mode);
-    } while (number < 0 && errno == EINTR);
-    return number;
+        outcome = call();
+    } while (outcome < 0 && errno == EINTR);
+    return outcome;
+}
+
+int openRetrying(const fs::path& path, int flags, mode_t mode = 0) {
+    return retrying([&] { return ::open(path.c_str(), flags | O_CLOEXEC, mode); });
 }
 
 std::string_view kindName(mode_t mode) {
@@ -130,11 +136,7 @@ public:
     }
 
     Status sync() override {
-        int outcome = 0;
-        do {
-            outcome = ::fsync(descriptor_.get());
-        } while (outcome != 0 && errno == EINTR);
-        if (outcome != 0)
+        if (retrying([&] { return ::fsync(descriptor_.get()); }) != 0)
             return systemError(errno, "cannot sync", path_);
         return {};
     }
@@ -151,16 +153,6 @@ private:
     FileDescriptor descriptor_;
     std::uint64_t size_ = 0;
 };
-
-Status syncFolder(const fs::path& folder) {
-    const FileDescriptor descriptor(openRetrying(folder, O_RDONLY | O_DIRECTORY));
-    if (!descriptor.isOpen())
-        return systemError(errno, "cannot open folder", folder);
-    // Some network file systems cannot sync a folder and say EINVAL; there is nothing better to do.
-    if (::fsync(descriptor.get()) != 0 && errno != EINVAL)
-        return systemError(errno, "cannot sync folder", folder);
-    return {};
-}
 
 fs::path folderOf(const fs::path& path) {
     const fs::path parent = path.parent_path();
@@ -204,7 +196,7 @@ public:
             if (::stat(path.c_str(), &named) != 0 || named.st_ino != facts.st_ino ||
                 named.st_dev != facts.st_dev)
                 continue;
-            if (::ftruncate(descriptor.get(), 0) != 0)
+            if (facts.st_size > 0 && retrying([&] { return ::ftruncate(descriptor.get(), 0); }) != 0)
                 return systemError(errno, "cannot empty", path);
             file->adopt(std::move(descriptor));
             return std::unique_ptr<WritableFile>(std::move(file));
@@ -213,9 +205,15 @@ public:
     }
 
     Status renameDurably(const fs::path& from, const fs::path& to) override {
+        // Opened before: once renamed, nothing may fail any more.
+        const FileDescriptor folder(openRetrying(folderOf(to), O_RDONLY | O_DIRECTORY));
+        if (!folder.isOpen())
+            return systemError(errno, "cannot open folder", folderOf(to));
         if (::rename(from.c_str(), to.c_str()) != 0)
             return systemError(errno, "cannot rename to its final name", to);
-        return syncFolder(folderOf(to));
+        // Some file systems cannot sync a folder. The file is whole and in its place: that is no failure.
+        (void)::fsync(folder.get());
+        return {};
     }
 
     Status removeFile(const fs::path& path) override {
@@ -244,19 +242,35 @@ FileSystem& defaultFileSystem() {
     return fileSystem;
 }
 
+Result<fs::path> linkTarget(const fs::path& path) {
+    constexpr int kMaxLinks = 40; // as many as Linux follows
+    fs::path target = path;
+    std::error_code problem;
+    for (int links = 0; fs::is_symlink(fs::symlink_status(target, problem)); ++links) {
+        const fs::path next = fs::read_symlink(target, problem);
+        if (problem || links == kMaxLinks)
+            return systemError(problem ? problem.value() : ELOOP, "cannot follow the link", path);
+        target = target.parent_path() / next; // an absolute path replaces the folder
+    }
+    return target;
+}
+
 fs::path partialPath(const fs::path& path) {
     fs::path partial = path;
     partial += ".partial";
     return partial;
 }
 
-AtomicFile::AtomicFile(const fs::path& path, FileSystem& fileSystem)
-    : path_(path), partial_(partialPath(path)), fileSystem_(fileSystem) {}
+AtomicFile::AtomicFile(const fs::path& path, fs::path target, FileSystem& fileSystem)
+    : path_(path), target_(std::move(target)), partial_(partialPath(target_)), fileSystem_(fileSystem) {}
 
 Result<std::unique_ptr<AtomicFile>> AtomicFile::create(const fs::path& path, FileSystem& fileSystem) {
     ISO_TRY(checkOutputPath(path));
     // Made before the file, which it then removes whatever fails.
-    std::unique_ptr<AtomicFile> atomic(new AtomicFile(path, fileSystem));
+    auto target = linkTarget(path);
+    if (!target.isOk())
+        return std::move(target).error();
+    std::unique_ptr<AtomicFile> atomic(new AtomicFile(path, std::move(target).value(), fileSystem));
     auto file = fileSystem.create(atomic->partial_);
     if (!file.isOk())
         return std::move(file).error();
@@ -274,7 +288,7 @@ Status AtomicFile::publish() {
     ISO_CHECK(!isPublished_);
     ISO_TRY(file_->sync());
     // Renamed before it is closed: the lock holds until the name is taken.
-    ISO_TRY(fileSystem_.renameDurably(partial_, path_));
+    ISO_TRY(fileSystem_.renameDurably(partial_, target_));
     isPublished_ = true;
     (void)file_->close(); // synced and in its place: nothing that closing could say would undo that
     return {};
@@ -283,7 +297,10 @@ Status AtomicFile::publish() {
 Status checkOutputPath(const fs::path& path) {
     if (path.empty() || !path.has_filename())
         return makeError(ErrorCode::InvalidArgument, "is not the name of a file to write", path);
-    const fs::path folder = folderOf(path);
+    const auto target = linkTarget(path);
+    if (!target.isOk())
+        return target.error();
+    const fs::path folder = folderOf(target.value());
     struct stat facts {};
     if (::stat(folder.c_str(), &facts) != 0)
         return systemError(errno, "cannot use folder", folder);
@@ -291,6 +308,8 @@ Status checkOutputPath(const fs::path& path) {
         return makeError(ErrorCode::InvalidArgument, "is not a folder", folder);
     if (::access(folder.c_str(), W_OK | X_OK) != 0)
         return systemError(errno, "cannot write in folder", folder);
+    if (::access(folder.c_str(), R_OK) != 0) // renameDurably has to open it
+        return systemError(errno, "cannot open folder", folder);
     if (::stat(path.c_str(), &facts) == 0 && !S_ISREG(facts.st_mode))
         return notRegularError(facts.st_mode, path);
     return {};
@@ -310,6 +329,14 @@ Result<std::vector<std::byte>> readWholeFile(const fs::path& path, std::uint64_t
     std::vector<std::byte> bytes(size);
     ISO_TRY(file.value()->readExactlyAt(0, bytes));
     return bytes;
+}
+
+Status writeWholeFile(const fs::path& path, std::string_view text, FileSystem& fileSystem) {
+    auto file = AtomicFile::create(path, fileSystem);
+    if (!file.isOk())
+        return std::move(file).error();
+    ISO_TRY(file.value()->writeAll(std::as_bytes(std::span(text))));
+    return file.value()->publish();
 }
 
 Error systemError(int errorNumber, std::string_view action, const fs::path& path) {

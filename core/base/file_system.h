@@ -59,7 +59,8 @@ public:
     /// Creates or empties a file and locks it until it is closed.
     /// Errors: InvalidArgument when another writer holds it, OutOfSpace, IoError.
     virtual Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) = 0;
-    /// Replaces `to` if it exists, in one step, and makes the change survive a power loss.
+    /// Replaces `to` if it exists, in one step, and makes the change survive a power loss where the file system can.
+    /// On failure `to` is what it was.
     virtual Status renameDurably(const std::filesystem::path& from, const std::filesystem::path& to) = 0;
     /// No error when there is no such file.
     virtual Status removeFile(const std::filesystem::path& path) = 0;
@@ -69,6 +70,7 @@ FileSystem& defaultFileSystem();
 
 /// A file that appears under its name whole or not at all. Written as `name.partial` in the same
 /// folder; destroyed before publish() it removes the partial and leaves an earlier file untouched.
+/// Where the name is a symbolic link, all that happens to its target; the link stays.
 class AtomicFile {
 public:
     static Result<std::unique_ptr<AtomicFile>> create(const std::filesystem::path& path,
@@ -86,13 +88,13 @@ public:
     Status sync() { return file_->sync(); }
 
     /// Syncs, renames to path(), syncs the folder. Call once; nothing may be written afterwards.
-    /// On failure the partial is removed.
+    /// On failure the partial is removed and an earlier file is still there.
     Status publish();
 
 private:
-    AtomicFile(const std::filesystem::path& path, FileSystem& fileSystem);
+    AtomicFile(const std::filesystem::path& path, std::filesystem::path target, FileSystem& fileSystem);
 
-    std::filesystem::path path_, partial_;
+    std::filesystem::path path_, target_, partial_; ///< as given; with links followed; written until published
     std::unique_ptr<WritableFile> file_; ///< null until it has been created
     FileSystem& fileSystem_;
     bool isPublished_ = false;
@@ -100,6 +102,10 @@ private:
 
 /// `path` with ".partial" appended: the name an AtomicFile has before it is published.
 std::filesystem::path partialPath(const std::filesystem::path& path);
+
+/// What a chain of symbolic links leads to, whether it exists or not; `path` itself if it is none.
+/// Errors: IoError (links in a circle).
+Result<std::filesystem::path> linkTarget(const std::filesystem::path& path);
 
 /// Says before any work whether a file could be written at `path`: its folder exists and is
 /// writable, and the path is free or a regular file. Errors: NotFound (no such folder),
@@ -109,6 +115,10 @@ Status checkOutputPath(const std::filesystem::path& path);
 /// A whole small file. Errors: those of openForReading; InvalidArgument beyond `maxBytes`.
 Result<std::vector<std::byte>> readWholeFile(const std::filesystem::path& path, std::uint64_t maxBytes,
                                              FileSystem& fileSystem = defaultFileSystem());
+
+/// The other way: `text` appears at `path` whole or not at all. Errors: those of AtomicFile.
+Status writeWholeFile(const std::filesystem::path& path, std::string_view text,
+                      FileSystem& fileSystem = defaultFileSystem());
 
 /// Error for a failed system call: OutOfSpace for a full disk or quota, NotFound for a missing
 /// file, IoError otherwise, with the system's own words. `action`: "cannot read".

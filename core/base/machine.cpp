@@ -1,5 +1,8 @@
 #include "core/base/machine.h"
 
+#include <fstream>
+#include <string>
+
 #include <unistd.h>
 
 namespace isoslider {
@@ -7,6 +10,20 @@ namespace isoslider {
 std::uint64_t physicalMemoryBytes() {
     return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
            static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+// Not getrusage: its ru_maxrss starts with the largest size of the program that started this one.
+std::uint64_t peakRssBytes() {
+    std::ifstream status("/proc/self/status");
+    std::string word;
+    while (status >> word) {
+        if (word == "VmHWM:") {
+            std::uint64_t kibibytes = 0;
+            status >> kibibytes;
+            return kibibytes * 1024;
+        }
+    }
+    return 0;
 }
 
 } // namespace isoslider

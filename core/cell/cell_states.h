@@ -44,6 +44,7 @@ struct CellState {
 /// All states, built once.
 std::span<const CellState> cellStates();
 inline constexpr int kMaxStateTriangles = 24;
+inline constexpr std::size_t kMaxInnerVertices = 12;
 
 /// The state of given decisions. REQUIRES: `joinedFaces` within ambiguousFaces(signs); a tunnel only
 /// where mayHaveTunnel() says so.

@@ -230,10 +230,33 @@ void narrowTo(StateInterval& interval, double isovalue, double critical, double 
         interval = {kInfinity, -kInfinity}; // too near to tell, or NaN
 }
 
+// The product of the three leading signs in plain arithmetic; kUnknown where that is not certain. A difference of two
+// scalars is off by at most a unit in its last place, a product of two by three: far less than what is asked for here.
+int productOfLeadingSigns(const CornerScalars& v) {
+    using Slices = CellPolynomials<double>;
+    int product = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto slope = [&](int k) {
+            const auto lower = static_cast<std::size_t>(Slices::kSlice[axis][k]);
+            return v[lower + static_cast<std::size_t>(Slices::step(axis))] - v[lower];
+        };
+        const double joining = slope(0) * slope(3), parting = slope(1) * slope(2), difference = joining - parting;
+        const double size = std::abs(joining) + std::abs(parting);
+        // Underflow would leave nothing of the products; overflow and NaN make the comparisons false.
+        if (!(size > 1e-280 && size < 1e300 && std::abs(difference) > 1e-14 * size))
+            return kUnknown;
+        product = difference > 0.0 ? product : -product;
+    }
+    return product;
+}
+
 // A tunnel in a cell whose faces leave room for one, and the body saddles that may change it.
 TunnelDecision resolveInside(const CornerScalars& scalars, unsigned allowed, double isovalue, StateInterval& interval) {
+    const int product = productOfLeadingSigns(scalars);
+    if (product == 1) // at every isovalue: most cells are settled here for good
+        return {};
     const CellPolynomials<Bounded> cell = boundedCell(scalars, isovalue);
-    if (excludesTunnel(leadingSigns(cell))) // at every isovalue: most cells are settled here for good
+    if (product == kUnknown && excludesTunnel(leadingSigns(cell)))
         return {};
     const BodySaddles saddles = bodySaddles(cell.discriminant());
     if (saddles.count < 0)

@@ -58,7 +58,7 @@ TunnelDecision decideTunnel(const CornerScalars& scalars, double isovalue);
 struct StateInterval {
     double below;
     double above;
-    bool contains(double isovalue) const { return isovalue >= below && isovalue <= above; }
+    bool contains(double isovalue) const { return isovalue > below && isovalue <= above; }
 };
 
 /// State (see cell_states.h) of a cell with eight known corners, and how long it lasts.

@@ -1,8 +1,13 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <type_traits>
 
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "core/grid/normal_codec.h"
 #include "core/grid/scalar_type.h"
 
 namespace isoslider::extract {
@@ -17,6 +22,22 @@ inline Live edgeFraction(Live s1, Live s2, Live isovalue) {
     t = t > Live(0) ? t : Live(0);
     t = t < Live(1) ? t : Live(1);
     return t;
+}
+
+/// Below this square length the sum of two normals has no direction.
+inline constexpr float kLeastNormalSquare = 1e-12f;
+
+/// Unit normal at fraction `t` of an edge from the quantised normals at its ends. Where both ends are flat, or
+/// their normals cancel, it points along the edge towards lower scalars; `rises`: the upper end's is greater.
+inline glm::vec3 edgeNormal(NormalCode lower, NormalCode upper, float t, int axis, bool rises) {
+    const glm::vec3 n1 = decodeDirection(lower), n2 = decodeDirection(upper);
+    const glm::vec3 sum(n1.x + t * (n2.x - n1.x), n1.y + t * (n2.y - n1.y), n1.z + t * (n2.z - n1.z));
+    const float square = sum.x * sum.x + sum.y * sum.y + sum.z * sum.z;
+    if (!(square < kLeastNormalSquare))
+        return sum * (1.0f / std::sqrt(square)); // both correctly rounded, on every instruction set
+    glm::vec3 along(0.0f);
+    along[axis] = rises ? -1.0f : 1.0f;
+    return along;
 }
 
 /// What samples live as: float where it holds every one exactly, double otherwise.

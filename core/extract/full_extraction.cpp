@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <mutex>
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -10,9 +11,11 @@
 #include "core/cell/cell_states.h"
 #include "core/extract/edge_interpolation.h"
 #include "core/extract/inner_vertices.h"
+#include "core/extract/vertex_fans.h"
 #include "core/grid/classification.h"
 #include "core/grid/edge_cells.h"
 #include "core/grid/gradient.h"
+#include "core/grid/normal_codec.h"
 
 namespace isoslider::extract {
 namespace {
@@ -47,7 +50,7 @@ public:
         vertexBegin_.assign(static_cast<std::size_t>(nz_) + 1, 0);
         triangleBegin_.assign(static_cast<std::size_t>(nz_) + 1, 0);
         innerBegin_.assign(static_cast<std::size_t>(nz_) + 1, 0);
-        forPlanes([this](std::int64_t z0, std::int64_t z1) { countPlanes(z0, z1); });
+        forPlanes(0.0, [this](std::int64_t z0, std::int64_t z1) { countPlanes(z0, z1); });
         if (job_.isStopRequested())
             return cancelledError();
         const std::uint64_t vertices = prefixSum(vertexBegin_);
@@ -61,10 +64,14 @@ public:
         mesh.normals.resize(vertices + inner);
         mesh.edgeIds.resize(vertices);
         mesh.triangles.resize(3 * triangles);
-        forPlanes([this, &mesh](std::int64_t z0, std::int64_t z1) { fillPlanes(z0, z1, mesh); });
+        forPlanes(0.5, [this, &mesh](std::int64_t z0, std::int64_t z1) { fillPlanes(z0, z1, mesh); });
         if (job_.isStopRequested())
             return cancelledError();
         placeInnerVertices(mesh);
+        if (std::find(planeHasMissing_.begin(), planeHasMissing_.end(), 1) != planeHasMissing_.end())
+            ISO_TRY(splitVerticesOfSeveralFans(mesh, job_));
+        if (job_.isStopRequested())
+            return cancelledError();
         return {};
     }
 
@@ -84,12 +91,17 @@ private:
     };
 
     template <class Function>
-    void forPlanes(const Function& function) {
+    void forPlanes(double from, const Function& function) { // from where on its half of the progress goes
         constexpr std::int64_t kPlanesPerTask = 8;
         const std::int64_t tasks = (nz_ + kPlanesPerTask - 1) / kPlanesPerTask;
+        std::int64_t finished = 0;
+        std::mutex progressMutex;
         tbb::parallel_for(std::int64_t{0}, tasks, [&](std::int64_t task) {
-            if (!job_.isStopRequested())
-                function(task * kPlanesPerTask, std::min(nz_, (task + 1) * kPlanesPerTask));
+            if (job_.isStopRequested())
+                return;
+            function(task * kPlanesPerTask, std::min(nz_, (task + 1) * kPlanesPerTask));
+            const std::scoped_lock lock(progressMutex);
+            job_.report(from + 0.5 * static_cast<double>(++finished) / static_cast<double>(tasks), "extracting");
         });
     }
 
@@ -278,6 +290,8 @@ private:
     void placeInnerVertices(SurfaceMesh& mesh) {
         for (const std::vector<InnerCell>& cells : innerCells_)
             tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+                if (job_.isStopRequested())
+                    return;
                 const InnerCell& inner = cells[i];
                 InnerVertexCell placed;
                 placed.state = &states_[inner.state];
@@ -288,7 +302,12 @@ private:
                     placed.edgeNormals[e] = mesh.normals[inner.edgeVertices[e]];
                 }
                 placed.scalars = scalarsOf(inner.origin[0], inner.origin[1], inner.origin[2]);
-                extract::placeInnerVertices(placed, isovalue_, inverseSpacing_, &mesh.positions[inner.firstInner], &mesh.normals[inner.firstInner]);
+                std::array<InnerVertex, cell::kMaxInnerVertices> vertices;
+                extract::placeInnerVertices(placed, isovalue_, inverseSpacing_, vertices.data());
+                for (std::size_t k = 0; k < placed.state->innerVertices; ++k) {
+                    mesh.positions[inner.firstInner + k] = positionOf(vertices[k], inner.origin);
+                    mesh.normals[inner.firstInner + k] = decodeNormal(vertices[k].normal);
+                }
             });
     }
 
@@ -302,20 +321,22 @@ private:
         position[axis] += t;
         std::int64_t far[3] = {x, y, z};
         ++far[axis];
-        const glm::vec3 n1 = normalizedOrZero(-gradientAt(view_, x, y, z, inverseSpacing_));
-        const glm::vec3 n2 = normalizedOrZero(-gradientAt(view_, far[0], far[1], far[2], inverseSpacing_));
-        glm::vec3 normal = normalizedOrZero(n1 + t * (n2 - n1));
-        if (normal == glm::vec3(0.0f))
-            normal[axis] = s1 < s2 ? -1.0f : 1.0f; // flat at both ends: along the edge, towards below
         mesh.positions[index] = position;
-        mesh.normals[index] = normal;
+        mesh.normals[index] = edgeNormal(normalAt(x, y, z), normalAt(far[0], far[1], far[2]), t, axis, s1 < s2);
         mesh.edgeIds[index] = 4 * static_cast<EdgeId>(here) + static_cast<EdgeId>(axis);
+    }
+
+    // Quantised as an index stores it: both give the same surface to the last bit.
+    NormalCode normalAt(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        return normalOfGradient(gradientAt(view_, x, y, z, inverseSpacing_));
     }
 
     void findMissingPlanes() {
         planeHasMissing_.assign(static_cast<std::size_t>(nz_), 0);
         if constexpr (std::is_floating_point_v<Sample>) {
             tbb::parallel_for(std::int64_t{0}, nz_, [this](std::int64_t z) {
+                if (job_.isStopRequested())
+                    return;
                 const Sample* samples = view_.samples + view_.offset(0, 0, z);
                 const std::int64_t count = nx_ * ny_;
                 bool missing = false;

@@ -22,26 +22,29 @@ glm::vec3 unitOr(const glm::vec3& direction, const glm::vec3& otherwise) {
     return unit == glm::vec3(0.0f) ? otherwise : unit;
 }
 
-void placeWaist(const InnerVertexCell& c, double isovalue, const glm::vec3& inverseSpacing, double least, glm::vec3* positions,
-                glm::vec3* normals) {
+// In cells from the first point of the cell's brick.
+float placeInBrick(const InnerVertexCell& c, std::size_t axis, double inCell) {
+    return static_cast<float>(static_cast<double>(c.origin[axis] & (kBrickSide - 1)) + inCell);
+}
+
+void placeWaist(const InnerVertexCell& c, double isovalue, const glm::vec3& inverseSpacing, double least, InnerVertex* vertices) {
     const cell::TunnelWaist waist = cell::tunnelWaist(c.scalars, isovalue, least);
     const glm::vec3 fallback = c.edgeNormals[static_cast<std::size_t>(std::countr_zero(cell::activeEdges(c.state->signs)))];
     for (std::size_t k = 0; k < 6; ++k) {
         const unsigned corner = c.state->ring[k];
         const double x = waist.x[corner & 1], y = waist.y[corner >> 1 & 1], z = waist.z[corner >> 2];
-        positions[k] = {static_cast<float>(static_cast<double>(c.origin[0]) + x), static_cast<float>(static_cast<double>(c.origin[1]) + y),
-                        static_cast<float>(static_cast<double>(c.origin[2]) + z)};
+        vertices[k].place = {placeInBrick(c, 0, x), placeInBrick(c, 1, y), placeInBrick(c, 2, z)};
         const auto gradient = cell::gradientInCell(c.scalars, x, y, z);
         const double length = std::max({std::abs(gradient[0]), std::abs(gradient[1]), std::abs(gradient[2])});
         glm::vec3 direction(0.0f); // scaled, so that its square neither overflows nor vanishes
         if (length > 0.0 && std::isfinite(length))
             for (int a = 0; a < 3; ++a)
                 direction[a] = static_cast<float>(-gradient[static_cast<std::size_t>(a)] / length) * inverseSpacing[a];
-        normals[k] = unitOr(direction, fallback);
+        vertices[k].normal = encodeNormal(unitOr(direction, fallback));
     }
 }
 
-void placeCentre(const InnerVertexCell& c, const cell::CellCentre& centre, double least, glm::vec3& position, glm::vec3& normal) {
+void placeCentre(const InnerVertexCell& c, const cell::CellCentre& centre, double least, InnerVertex& vertex) {
     glm::vec3 positions(0.0f), normals(0.0f);
     float count = 0.0f;
     glm::vec3 first(0.0f);
@@ -55,25 +58,22 @@ void placeCentre(const InnerVertexCell& c, const cell::CellCentre& centre, doubl
     }
     for (int a = 0; a < 3; ++a) {
         const double inCell = std::clamp(static_cast<double>(positions[a] / count), least, 1.0 - least);
-        position[a] = static_cast<float>(static_cast<double>(c.origin[static_cast<std::size_t>(a)]) + inCell);
+        vertex.place[a] = placeInBrick(c, static_cast<std::size_t>(a), inCell);
     }
-    normal = unitOr(normals, first);
+    vertex.normal = encodeNormal(unitOr(normals, first));
 }
 
 } // namespace
 
-void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm::vec3& inverseSpacing, glm::vec3* positions,
-                        glm::vec3* normals) {
+void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm::vec3& inverseSpacing, InnerVertex* vertices) {
     const double least = leastDistance(cell.origin);
     std::size_t next = 0;
     if (cell.state->tunnel != cell::Tunnel::None) {
-        placeWaist(cell, isovalue, inverseSpacing, least, positions, normals);
+        placeWaist(cell, isovalue, inverseSpacing, least, vertices);
         next = 6;
     }
-    for (const cell::CellCentre& centre : cell.state->centres) {
-        placeCentre(cell, centre, least, positions[next], normals[next]);
-        ++next;
-    }
+    for (const cell::CellCentre& centre : cell.state->centres)
+        placeCentre(cell, centre, least, vertices[next++]);
 }
 
 } // namespace isoslider::extract

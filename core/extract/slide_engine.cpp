@@ -3,16 +3,14 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/extract/active_surface.h"
-#include "core/extract/brick_source.h"
-#include "core/extract/edge_block_source.h"
-#include "core/extract/memory_samples.h"
-#include "core/extract/stored_samples.h"
+#include "core/extract/live/live_surface.h"
+#include "core/extract/sources/brick_source.h"
+#include "core/extract/sources/edge_block_source.h"
+#include "core/extract/sources/memory_samples.h"
+#include "core/extract/sources/stored_samples.h"
 
 namespace isoslider::extract {
 namespace {
-
-constexpr std::uint64_t kKeptChanges = 1u << 16;
 
 double millisecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -69,8 +67,7 @@ public:
     template <class... Arguments>
     explicit Engine(const SlideOptions& options, Arguments&&... arguments)
         : readsAhead_(options.readsAhead), backing_(std::forward<Arguments>(arguments)...),
-          surface_(meta().info.geometry, meta().missingCells, backing_.source),
-          changes_(backing_.reader->grid().brickCount()), position_(backing_.source.lowest()) {}
+          surface_(meta().info.geometry, meta().missingCells), position_(backing_.source.lowest()) {}
 
     const index::IndexInfo& info() const override { return meta().info; }
 
@@ -78,51 +75,62 @@ public:
         if (std::isnan(isovalue))
             return makeError(ErrorCode::InvalidArgument, "isovalue is not a number");
         try {
-            return moveAndInterpolate(isovalue, std::move(stop));
+            return moveSurface(isovalue, std::move(stop));
         } catch (...) { // out of memory: whoever catches it may go on with an empty surface
             dropSurface();
             throw;
         }
     }
 
-    void settle() override { backing_.source.settle(); }
+    void waitForPrefetch() override { backing_.source.waitForPrefetch(); }
     void dropCaches() override {
-        settle();
+        waitForPrefetch();
         backing_.source.dropCaches();
     }
 
-    void copyFrame(SurfaceFrame& frame) const override {
-        surface_.copyFrame(frame);
+    void copyFrame(SurfaceFrame& frame, bool marksChanges) const override {
+        frame.geometry = meta().info.geometry;
         frame.isovalue = lastStats_.isovalue;
         frame.stats = lastStats_;
         frame.isFromIndex = Backing::kIsIndex;
-        if (lastStats_.hasRebuilt) // everything is new: nothing to point out
+        auto picture = surface_.picture(marksChanges && !lastStats_.hasRebuilt);
+        if constexpr (std::is_same_v<Live, float>) {
+            frame.bricks = std::move(picture);
+            frame.positions.clear();
+            frame.normals.clear();
+            frame.indices.clear();
             frame.changedIndices.clear();
+        } else {
+            expandPicture(*picture, frame);
+        }
     }
 
-    SurfaceMesh mesh() const override { return surface_.mesh(lastStats_.isovalue); }
+    Result<SurfaceMesh> mesh(const JobControl& job) const override {
+        return surface_.mesh(lastStats_.isovalue, job);
+    }
 
 private:
-    Result<SlideStats> moveAndInterpolate(double isovalue, std::stop_token stop) {
+    Result<SlideStats> moveSurface(double isovalue, std::stop_token stop) {
         SlideStats stats;
         stats.isovalue = isovalue;
         const auto start = std::chrono::steady_clock::now();
         const Status moved = move(isovalue, stats, stop);
         if (!moved.isOk()) {
             dropSurface();
-            return moved.error();
+            Error error = moved.error();
+            if (error.path.empty()) // the surface does not know what file its changes are from
+                error.path = backing_.reader->pathString();
+            return error;
         }
         stats.updateMs = millisecondsSince(start);
-        const auto interpolationStart = std::chrono::steady_clock::now();
-        surface_.interpolate(isovalue);
-        stats.interpolateMs = millisecondsSince(interpolationStart);
         stats.activeEdges = surface_.activeEdges();
         stats.triangles = surface_.triangles();
+        stats.ambiguousCells = surface_.ambiguousCells();
         const double previous = lastStats_.isovalue;
         lastStats_ = stats;
         // A handle that moves goes on moving.
         if (const double next = isovalue + (isovalue - previous); readsAhead_ && hasMoved_ && std::isfinite(next))
-            backing_.source.foresee(position_, backing_.source.threshold(next));
+            backing_.source.prefetch(position_, backing_.source.threshold(next));
         hasMoved_ = true;
         return stats;
     }
@@ -143,26 +151,19 @@ private:
             }
         }
         if (restarts) {
-            stats.hasRebuilt = !surface_.isEmpty();
+            stats.hasRebuilt = surface_.hasBricks();
             stats.edgesRemoved += surface_.activeEdges();
             surface_.clear();
         }
-        // What a jump has left in the lists is given back when steps become small.
-        if (lastTouched_ > 4 * best + kKeptChanges)
-            changes_.trim();
-        changes_.clear();
-        ISO_TRY(backing_.source.collect(start, target, changes_, stats, stop));
-        const std::uint64_t hiddenBytes = backing_.source.hiddenBytesRead();
-        ISO_TRY(surface_.apply(changes_, isovalue, stats));
-        stats.bytesRead += backing_.source.hiddenBytesRead() - hiddenBytes;
-        lastTouched_ = stats.edgesTouched;
+        surface_.beginMove();
+        ISO_TRY(backing_.source.move({start, target, isovalue}, surface_, stats, stop));
+        surface_.compact();
         position_ = target;
         return {};
     }
 
     void dropSurface() {
         surface_.clear();
-        changes_.clear();
         position_ = backing_.source.lowest();
     }
 
@@ -170,10 +171,8 @@ private:
 
     bool readsAhead_;
     Backing backing_;
-    ActiveSurface<Live> surface_;
-    ChangeSet<Live> changes_;
+    LiveSurface<Live> surface_;
     KeyThreshold position_;
-    std::uint64_t lastTouched_ = 0;
     SlideStats lastStats_;
     bool hasMoved_ = false;
 };

@@ -43,14 +43,16 @@ public:
     virtual Result<SlideStats> slideTo(double isovalue, std::stop_token stop = {}) = 0;
 
     /// Waits until nothing is read ahead any more.
-    virtual void settle() = 0;
-    /// Forgets what is kept of the index. The surface stays; the next move reads anew what it needs.
+    virtual void waitForPrefetch() = 0;
+    /// Forgets what is kept of the index. The surface stays; the next move reads again what it needs.
     virtual void dropCaches() = 0;
 
-    /// The surface as the window needs it: a copy of the live arrays.
-    virtual void copyFrame(SurfaceFrame& frame) const = 0;
+    /// The surface as the window needs it: its bricks, or arrays where scalars are kept as double; `marksChanges`: with the
+    /// triangles that the last move has changed, unless all are new.
+    virtual void copyFrame(SurfaceFrame& frame, bool marksChanges = false) const = 0;
     /// The surface welded and compacted, in grid order: comparable with extractFull.
-    virtual SurfaceMesh mesh() const = 0;
+    /// Errors: Cancelled, OutOfSpace (more than 2^32 vertices). O(n log n).
+    virtual Result<SurfaceMesh> mesh(const JobControl& job = {}) const = 0;
 };
 
 } // namespace isoslider::extract

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -34,20 +35,24 @@ struct SlideStats {
     std::uint64_t bytesAhead = 0; ///< read in the background since the last move, in the hope of this one
     double updateMs = 0.0;
     double interpolateMs = 0.0;
-    double resolveMs = 0.0; ///< of the update: deciding ambiguous cells, summed over the threads
     bool hasRebuilt = false; ///< the surface was built anew instead of patched
     std::vector<WalkStep> walk;
 };
 
-/// An immutable picture of the surface, handed from the worker to the window.
-/// `indices` may contain degenerate triples (0,0,0): unused room between bricks, drawn as nothing.
+template <class Live>
+class BrickPicture;
+
+/// An immutable picture of the surface, handed from the worker to the window: either bricks of the live surface, or
+/// whole arrays where there are no bricks, or none that a graphics card could draw (expandPicture() makes them).
 struct SurfaceFrame {
+    std::shared_ptr<const BrickPicture<float>> bricks;
     GridGeometry geometry;
     double isovalue = 0.0;
     std::vector<glm::vec3> positions; ///< grid index units
     std::vector<glm::vec3> normals;   ///< unit, along the grid's axes, towards lower scalars
     std::vector<std::uint32_t> indices;
     std::vector<std::uint32_t> changedIndices; ///< triangles retriangulated by the last move
+    bool marksChanges = true; ///< wanted by whoever looks: `changedIndices`, or those of the bricks
     SlideStats stats;
     bool isFromIndex = false;       ///< false: from the volume in memory, before the index was there
     bool isWholeExtraction = false; ///< not slid to: every triangle is new
@@ -56,10 +61,7 @@ struct SurfaceFrame {
     std::int64_t mergedCells = 1;
 };
 
-/// What the arrays of a frame take, here and on a graphics card.
-inline std::uint64_t pictureBytes(const SurfaceFrame& frame) {
-    return (frame.positions.size() + frame.normals.size()) * sizeof(glm::vec3) +
-           (frame.indices.size() + frame.changedIndices.size()) * sizeof(std::uint32_t);
-}
+/// What a frame takes on a graphics card.
+std::uint64_t pictureBytes(const SurfaceFrame& frame);
 
 } // namespace isoslider::extract

@@ -12,8 +12,8 @@ namespace isoslider::extract {
 /// Names a grid edge: 4 * (index of its lower grid point, x fastest) + axis (0 x, 1 y, 2 z).
 using EdgeId = std::uint64_t;
 
-/// A whole indexed isosurface, for export, checks and comparison. First one vertex per active edge, in
-/// edge id order, then the inner vertices of cells that need some (core/cell/cell_states.h), in cell order.
+/// A whole indexed isosurface, for export, checks and comparison. First one vertex per active edge (two where
+/// cells only touch beside missing values, see vertex_fans.h), in edge id order, then the inner vertices of cells that need some (core/cell/cell_states.h), in cell order.
 /// Triangles are counter-clockwise seen from the side below the isovalue, in grid index space
 /// (right-handed); writers that map to world space with a left-handed geometry flip them.
 struct SurfaceMesh {
@@ -25,6 +25,8 @@ struct SurfaceMesh {
     std::vector<EdgeId> edgeIds;         ///< of the first edgeIds.size() vertices; the others are inner ones
 
     std::size_t triangleCount() const { return triangles.size() / 3; }
+    /// Distinct edge ids. O(n).
+    std::size_t activeEdgeCount() const;
 };
 
 } // namespace isoslider::extract

@@ -8,6 +8,7 @@
 
 #include "core/grid/classification.h"
 #include "core/grid/grid_geometry.h"
+#include "core/grid/normal_codec.h"
 
 namespace isoslider {
 
@@ -39,7 +40,8 @@ struct SampleView {
 template <class Sample>
 inline float derivativeAt(const Sample* point, std::ptrdiff_t stride, bool hasLower, bool hasUpper,
                           float inverseSpacing) {
-    using Wide = std::conditional_t<sizeof(Sample) >= 4, double, float>;
+    // Floats hold the samples of all other types, and differences of 16-bit integers, exactly.
+    using Wide = std::conditional_t<std::is_same_v<Sample, double> || std::is_same_v<Sample, std::int32_t>, double, float>;
     hasLower = hasLower && !isMissing(point[-stride * (hasLower ? 1 : 0)]);
     hasUpper = hasUpper && !isMissing(point[stride * (hasUpper ? 1 : 0)]);
     const Wide lower = static_cast<Wide>(hasLower ? point[-stride] : *point);
@@ -69,6 +71,25 @@ inline glm::vec3 normalizedOrZero(glm::vec3 v) {
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
         return glm::vec3(0.0f); // a denormal gradient: no usable direction
     return v / std::sqrt(glm::dot(v, v));
+}
+
+/// Sums of absolute components whose reciprocal, and their products with it, are normal floats.
+inline constexpr float kLeastPlainGradient = 1e-30f, kGreatestPlainGradient = 1e30f;
+
+/// The quantised normal at a grid point: against the gradient, towards lower scalars. The octahedral map needs the
+/// direction only, so in the common range of lengths nothing is normalised.
+inline NormalCode normalOfGradient(const glm::vec3& gradient) {
+    const float sum = std::abs(gradient.x) + std::abs(gradient.y) + std::abs(gradient.z);
+    if (!(sum >= kLeastPlainGradient && sum <= kGreatestPlainGradient))
+        return encodeNormal(normalizedOrZero(-gradient));
+    const float scale = 1.0f / sum;
+    float u = -gradient.x * scale, v = -gradient.y * scale;
+    if (gradient.z > 0.0f) {
+        const float folded = (1.0f - std::abs(v)) * (u >= 0.0f ? 1.0f : -1.0f);
+        v = (1.0f - std::abs(u)) * (v >= 0.0f ? 1.0f : -1.0f);
+        u = folded;
+    }
+    return static_cast<NormalCode>(quantiseNormal(u) | quantiseNormal(v) << 8);
 }
 
 } // namespace isoslider

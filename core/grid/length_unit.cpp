@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/plain_text.h"
+
 namespace isoslider {
 namespace {
 
@@ -65,13 +67,6 @@ bool isPrinted(std::uint32_t character) {
            !(character >= 0x205f && character <= 0x206f) && character != 0x3000 &&
            !(character >= 0xe000 && character <= 0xf8ff) && !(character >= 0xfe00 && character <= 0xfe0f) &&
            character < 0xfeff;
-}
-
-std::string lowerCase(std::string_view text) {
-    std::string lower(text);
-    std::transform(lower.begin(), lower.end(), lower.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return lower;
 }
 
 } // namespace

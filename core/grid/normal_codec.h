@@ -17,6 +17,15 @@ using NormalCode = std::uint16_t;
 /// A point without gradient has no normal: both bytes -128, outside the code's range.
 inline constexpr NormalCode kNoNormal = 0x8080;
 
+/// A coordinate of the octahedral map as a signed byte, halves away from zero.
+inline std::uint8_t quantiseNormal(float c) {
+    // As std::lround, which is a call: the difference to the whole number is exact.
+    const float scaled = std::clamp(c, -1.0f, 1.0f) * 127.0f;
+    const int whole = static_cast<int>(scaled);
+    const float rest = scaled - static_cast<float>(whole);
+    return static_cast<std::uint8_t>(whole + (rest >= 0.5f ? 1 : 0) - (rest <= -0.5f ? 1 : 0));
+}
+
 inline NormalCode encodeNormal(const glm::vec3& normal) {
     const float sum = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
     if (!(sum > 0.0f))
@@ -28,14 +37,7 @@ inline NormalCode encodeNormal(const glm::vec3& normal) {
         v = (1.0f - std::abs(u)) * (v >= 0.0f ? 1.0f : -1.0f);
         u = folded;
     }
-    const auto quantise = [](float c) {
-        // As std::lround, which is a call: the difference to the whole number is exact.
-        const float scaled = std::clamp(c, -1.0f, 1.0f) * 127.0f;
-        const int whole = static_cast<int>(scaled);
-        const float rest = scaled - static_cast<float>(whole);
-        return static_cast<std::uint8_t>(whole + (rest >= 0.5f ? 1 : 0) - (rest <= -0.5f ? 1 : 0));
-    };
-    return static_cast<NormalCode>(quantise(u) | (quantise(v) << 8));
+    return static_cast<NormalCode>(quantiseNormal(u) | (quantiseNormal(v) << 8));
 }
 
 /// The vector behind a code, NOT of unit length: between 1/sqrt(3) and 1, nearly equal for nearby

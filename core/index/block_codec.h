@@ -27,9 +27,11 @@ struct DecodedPage {
 
     std::size_t pointCount() const { return keys.size(); }
     std::size_t edgeCount() const { return farKeys.size(); }
+    /// What the arrays take, which may have held a larger page before.
     std::size_t memoryBytes() const {
-        return keys.size() * (sizeof(Key) + sizeof(PointId) + 1 + sizeof(NormalCode)) +
-               farKeys.size() * (sizeof(Key) + sizeof(NormalCode));
+        return keys.capacity() * sizeof(Key) + ids.capacity() * sizeof(PointId) + masks.capacity() +
+               normals.capacity() * sizeof(NormalCode) + farKeys.capacity() * sizeof(Key) +
+               farNormals.capacity() * sizeof(NormalCode);
     }
 };
 

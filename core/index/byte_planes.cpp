@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include <zstd.h>
+#include "core/index/zstd_memory.h"
 
 namespace isoslider::index {
 namespace {
@@ -19,8 +19,8 @@ constexpr std::uint32_t kPlaneModeShift = 30;
 constexpr std::uint32_t kPlaneLengthMask = (1u << kPlaneModeShift) - 1;
 
 struct CompressionContext {
-    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{ZSTD_createCCtx(), &ZSTD_freeCCtx};
-    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{orOutOfMemory(ZSTD_createCCtx()), &ZSTD_freeCCtx};
+    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{orOutOfMemory(ZSTD_createDCtx()), &ZSTD_freeDCtx};
     std::vector<std::uint8_t> plane;
     std::vector<std::byte> packed;
 };
@@ -51,8 +51,9 @@ void PlaneWriter::addPlane(const std::vector<std::uint8_t>& plane) {
     }
     CompressionContext& context = compressionContext();
     context.packed.resize(ZSTD_compressBound(plane.size()));
-    const std::size_t packed = ZSTD_compressCCtx(context.compress.get(), context.packed.data(), context.packed.size(),
-                                                 plane.data(), plane.size(), kCompressionLevel);
+    const std::size_t packed =
+        orOutOfMemory(ZSTD_compressCCtx(context.compress.get(), context.packed.data(), context.packed.size(),
+                                        plane.data(), plane.size(), kCompressionLevel));
     if (!ZSTD_isError(packed) && packed + kMinGain < plane.size())
         put(kZstd, std::span(context.packed).first(packed));
     else

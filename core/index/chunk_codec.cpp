@@ -14,6 +14,7 @@
 
 #include "core/base/check.h"
 #include "core/base/byte_codec.h"
+#include "core/index/zstd_memory.h"
 
 namespace isoslider::index {
 namespace {
@@ -64,14 +65,13 @@ using BitsOf = std::conditional_t<
 struct Scratch {
     Scratch() {
         // In effect Huffman coding: matches of seven bytes or more are rare, but long runs are found.
-        ISO_CHECK(compress && decompress);
         ISO_CHECK(!ZSTD_isError(ZSTD_CCtx_setParameter(compress.get(), ZSTD_c_strategy, ZSTD_fast)));
         ISO_CHECK(!ZSTD_isError(ZSTD_CCtx_setParameter(compress.get(), ZSTD_c_windowLog, 12)));
         ISO_CHECK(!ZSTD_isError(ZSTD_CCtx_setParameter(compress.get(), ZSTD_c_hashLog, 6)));
         ISO_CHECK(!ZSTD_isError(ZSTD_CCtx_setParameter(compress.get(), ZSTD_c_minMatch, 7)));
     }
-    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{ZSTD_createCCtx(), &ZSTD_freeCCtx};
-    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{orOutOfMemory(ZSTD_createCCtx()), &ZSTD_freeCCtx};
+    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{orOutOfMemory(ZSTD_createDCtx()), &ZSTD_freeDCtx};
     std::array<std::array<std::uint8_t, kMaxSamples>, 8> planes;
     std::array<std::byte, ZSTD_COMPRESSBOUND(kMaxSamples)> packed;
     alignas(64) std::array<std::byte, 8 * kMaxSamples> bits, residuals;
@@ -223,7 +223,7 @@ void appendPlane(std::vector<std::byte>& chunk, std::size_t tableAt, std::span<c
     if (!looksRandom) {
         Scratch& s = scratch();
         const std::size_t packed =
-            ZSTD_compress2(s.compress.get(), s.packed.data(), s.packed.size(), raw.data(), raw.size());
+            orOutOfMemory(ZSTD_compress2(s.compress.get(), s.packed.data(), s.packed.size(), raw.data(), raw.size()));
         if (!ZSTD_isError(packed) && packed + minGain(raw.size()) <= raw.size())
             return put(kZstdPlane, std::span(s.packed).first(packed));
     }

@@ -36,16 +36,18 @@ Result<const HiddenPage*> HiddenCorners::load(std::size_t index) const {
     std::atomic<const HiddenPage*>& slot = pages_[index];
     if (const HiddenPage* known = slot.load(std::memory_order_acquire))
         return known;
+    // Whoever wants the same page waits for it: read twice it would be counted twice.
+    const std::lock_guard lock(loading_[index % loading_.size()]);
+    if (const HiddenPage* known = slot.load(std::memory_order_acquire))
+        return known;
     const HiddenPageEntry& entry = reader_.meta().hiddenPages[index];
     thread_local std::vector<std::byte> bytes;
     ISO_TRY(reader_.readPage(entry, bytes));
     bytesRead_.fetch_add(entry.bytes, std::memory_order_relaxed);
     auto fresh = std::make_unique<HiddenPage>();
     ISO_TRY(decodeHiddenPage(bytes, entry, reader_.info(), *fresh, reader_.pathString()));
-    const HiddenPage* other = nullptr;
-    if (slot.compare_exchange_strong(other, fresh.get(), std::memory_order_acq_rel, std::memory_order_acquire))
-        return fresh.release();
-    return other;
+    slot.store(fresh.get(), std::memory_order_release);
+    return fresh.release();
 }
 
 std::uint64_t HiddenCorners::memoryBytes() const {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -11,8 +13,8 @@
 namespace isoslider::index {
 
 /// The scalars of hidden corners, looked up by cell. Pages are read when they are first asked for, and kept:
-/// memory in proportion to the bricks looked at. Any number of threads at once, without a lock; two that
-/// miss the same page at once both read it.
+/// memory in proportion to the bricks looked at. Any number of threads at once; what is kept is
+/// found without a lock, and of those that miss the same page one reads it.
 class HiddenCorners {
 public:
     /// Reads nothing. `reader` must outlive this.
@@ -39,6 +41,7 @@ private:
 
     const IndexReader& reader_;
     mutable std::vector<std::atomic<const HiddenPage*>> pages_; // null: not read yet
+    mutable std::array<std::mutex, 16> loading_; ///< by page
     mutable std::atomic<std::uint64_t> bytesRead_ = 0;
 };
 

@@ -9,8 +9,11 @@
 #include <zstd.h>
 
 #include "core/base/byte_codec.h"
+#include "core/base/plain_text.h"
+#include "core/base/check.h"
 #include "core/grid/length_unit.h"
 #include "core/index/sample_store.h"
+#include "core/index/zstd_memory.h"
 
 namespace isoslider::index {
 namespace {
@@ -18,6 +21,7 @@ namespace {
 constexpr std::size_t kMaxStringBytes = 4096;
 constexpr std::size_t kMaxHistogramBins = 1u << 16;
 constexpr std::size_t kMissingCellsBytes = 4 + 64;
+constexpr std::size_t kMaxResamplingBytes = 500;
 constexpr std::size_t kMaxPackingRatio = 1u << 15; // a zstd block of 128 KiB takes 3 bytes and more
 
 std::uint64_t hashBytes(std::span<const std::byte> bytes, std::uint64_t seed) {
@@ -192,7 +196,9 @@ void putMissingCells(ByteWriter& out, const std::vector<MissingCells>& bricks) {
             writer.put<std::uint64_t>(cells);
     }
     std::vector<std::byte> packed(ZSTD_compressBound(plain.size()));
-    packed.resize(ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), 3));
+    const std::size_t size = orOutOfMemory(ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), 3));
+    ISO_CHECK(!ZSTD_isError(size)); // there is room for whatever comes of it
+    packed.resize(size);
     out.put<std::uint64_t>(bricks.size());
     out.put<std::uint64_t>(packed.size());
     out.putBytes(packed);
@@ -209,7 +215,7 @@ bool getMissingCells(ByteReader& in, std::vector<MissingCells>& bricks, const Br
                       count * kMissingCellsBytes > (packedBytes + 1) * kMaxPackingRatio))
         return false;
     std::vector<std::byte> plain(count * kMissingCellsBytes);
-    const std::size_t size = ZSTD_decompress(plain.data(), plain.size(), packed.data(), packed.size());
+    const std::size_t size = orOutOfMemory(ZSTD_decompress(plain.data(), plain.size(), packed.data(), packed.size()));
     if (ZSTD_isError(size) || size != plain.size())
         return false;
     ByteReader reader(plain);
@@ -286,7 +292,7 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
     return preamble;
 }
 
-std::uint16_t minorOf(const IndexMeta& meta) { return meta.info.lengthUnit.empty() ? 0 : 1; }
+std::uint16_t minorOf(const IndexMeta& meta) { return !meta.info.resampling.empty() ? 2 : meta.info.lengthUnit.empty() ? 0 : 1; }
 
 std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     std::vector<std::byte> bytes;
@@ -316,6 +322,8 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     putMissingCells(out, meta.missingCells);
     if (minorOf(meta) >= 1)
         out.putString(info.lengthUnit);
+    if (minorOf(meta) >= 2)
+        out.putString(oneLine(info.resampling).substr(0, kMaxResamplingBytes));
     return bytes;
 }
 
@@ -369,6 +377,10 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
         info.lengthUnit = in.getString(kMaxLengthUnitBytes);
     if (!isLengthUnit(info.lengthUnit))
         return corrupt("unit of length");
+    if (preamble.minor >= 2)
+        info.resampling = in.getString(kMaxResamplingBytes);
+    if (oneLine(info.resampling) != info.resampling)
+        return corrupt("line on resampling");
     // A later minor version may have more to say, which a reader of this one need not know.
     if (in.hasFailed() || (in.remaining() != 0 && preamble.minor <= kFormatMinor))
         return corrupt("length");

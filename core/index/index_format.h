@@ -15,7 +15,7 @@ namespace isoslider::index {
 /// FORMAT.md describes the bytes; this header is the one place where code knows them.
 inline constexpr char kIndexMagic[12] = {'I', 'S', 'O', 'S', 'L', 'I', 'D', 'E', '\r', '\n', '\x1a', '\n'};
 inline constexpr std::uint16_t kFormatMajor = 3;
-inline constexpr std::uint16_t kFormatMinor = 1;
+inline constexpr std::uint16_t kFormatMinor = 2;
 inline constexpr std::size_t kPreambleBytes = 64;
 inline constexpr std::uint64_t kMaxMetaBytes = std::uint64_t{4} << 30;
 inline constexpr int kMaxSkipLevels = 8;
@@ -105,7 +105,8 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
 /// Sets the sums in `meta.info` that follow from the directory of hidden corners.
 void countHiddenCorners(IndexMeta& meta);
 
-/// The least minor version whose readers know all of `meta`: files of volumes without a unit stay those of 3.0.
+/// The least minor version whose readers know all of `meta`: files of volumes without a
+/// unit that were not resampled stay those of 3.0.
 std::uint16_t minorOf(const IndexMeta& meta);
 
 std::vector<std::byte> encodeMeta(const IndexMeta& meta);

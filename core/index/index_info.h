@@ -53,6 +53,7 @@ struct IndexInfo {
     double redundancyThreshold = 0.0; ///< k of the paper, section 2.1
     std::string sourceName;        ///< file name of the volume, without its folder
     std::string lengthUnit;        ///< of spacing and origin (core/grid/length_unit.h); empty: unknown
+    std::string resampling;        ///< what resampling the volume onto a uniform grid lost, in one line; empty: it was not
     std::vector<SkipLevelInfo> levels;
     Histogram histogram;
     /// Active edges at the lower end of each histogram bin: the cost of an isovalue before a visit.

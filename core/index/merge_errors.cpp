@@ -12,6 +12,7 @@
 #include "core/base/check.h"
 #include "core/grid/classification.h"
 #include "core/base/byte_codec.h"
+#include "core/index/zstd_memory.h"
 
 namespace isoslider::index {
 
@@ -193,9 +194,8 @@ int exponentAbove(Real error) {
 constexpr int kExponentBeyond = 2047;
 
 struct Scratch {
-    Scratch() { ISO_CHECK(compress && decompress); }
-    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{ZSTD_createCCtx(), &ZSTD_freeCCtx};
-    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{orOutOfMemory(ZSTD_createCCtx()), &ZSTD_freeCCtx};
+    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{orOutOfMemory(ZSTD_createDCtx()), &ZSTD_freeDCtx};
 };
 
 Scratch& scratch() {
@@ -359,7 +359,7 @@ std::vector<std::byte> MergeErrorCodec::encode(const MergeErrors& errors) {
     const std::size_t rawBytes = (count + 1) / 2;
     bytes.resize(kHeaderBytes + rawBytes);
     const std::size_t packed =
-        ZSTD_compressCCtx(scratch().compress.get(), &bytes[kHeaderBytes], rawBytes, codes.data(), count, 1);
+        orOutOfMemory(ZSTD_compressCCtx(scratch().compress.get(), &bytes[kHeaderBytes], rawBytes, codes.data(), count, 1));
     if (!ZSTD_isError(packed) && packed < rawBytes - rawBytes / 8) {
         bytes[0] = std::byte{kZstd};
         bytes.resize(kHeaderBytes + packed);

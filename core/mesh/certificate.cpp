@@ -26,9 +26,9 @@ OpenAt placeOf(const GridEdge& a, const GridEdge& b, const GridDims& dims) {
     return place;
 }
 
-std::array<Opening, 8> openingsOf(const extract::SurfaceMesh& mesh, const SoupTopology& topology, bool mayMiss) {
-    std::array<Opening, 8> openings{};
-    std::vector<std::pair<OpenAt, std::uint32_t>> loopsAt;
+void addOpenings(const extract::SurfaceMesh& mesh, const SoupTopology& topology, bool mayMiss, Certificate& certificate) {
+    auto& openings = certificate.openings;
+    std::vector<std::pair<std::uint32_t, OpenAt>> loopsAt;
     for (const BoundaryEdge& edge : topology.boundary) {
         OpenAt place = OpenAt::Elsewhere; // an inner vertex lies on no plane of grid points
         if (edge.begin < mesh.edgeIds.size() && edge.end < mesh.edgeIds.size())
@@ -37,13 +37,16 @@ std::array<Opening, 8> openingsOf(const extract::SurfaceMesh& mesh, const SoupTo
         if (place == OpenAt::Missing && !mayMiss)
             place = OpenAt::Elsewhere;
         ++openings[static_cast<std::size_t>(place)].edges;
-        loopsAt.emplace_back(place, edge.loop);
+        loopsAt.emplace_back(edge.loop, place);
     }
     std::sort(loopsAt.begin(), loopsAt.end());
     loopsAt.erase(std::unique(loopsAt.begin(), loopsAt.end()), loopsAt.end());
-    for (const auto& [place, loop] : loopsAt)
-        ++openings[static_cast<std::size_t>(place)].loops;
-    return openings;
+    for (std::size_t i = 0; i < loopsAt.size(); ++i) {
+        ++openings[static_cast<std::size_t>(loopsAt[i].second)].loops;
+        const bool isSecondOfItsLoop = i > 0 && loopsAt[i].first == loopsAt[i - 1].first &&
+                                       (i < 2 || loopsAt[i].first != loopsAt[i - 2].first);
+        certificate.sharedLoops += isSecondOfItsLoop ? 1 : 0;
+    }
 }
 
 std::string text(double value) {
@@ -66,15 +69,34 @@ std::string joined(const std::vector<std::string>& parts) {
     return line;
 }
 
-// A backslash would continue an OBJ comment on the next line; PLY headers are ASCII.
-std::string printable(std::string_view name) {
-    std::string clean;
-    for (const char c : name.substr(0, kMaxNameBytes))
-        clean += c >= 0x20 && c < 0x7f && c != '\\' ? c : '?';
-    return name.size() > kMaxNameBytes ? clean + "..." : clean;
+/// Bytes of the UTF-8 character at the front of `text`; 0 if there is none, or if it controls terminals or lines.
+std::size_t printableBytes(std::string_view text) {
+    const auto byteAt = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+    const unsigned first = byteAt(0);
+    if (first < 0x80) // a backslash would continue an OBJ comment on the next line
+        return first >= 0x20 && first != 0x7f && first != '\\' ? 1 : 0;
+    const std::size_t size = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+    char32_t code = first & (0x7fu >> size);
+    for (std::size_t i = 1; i < size; ++i) {
+        if ((byteAt(i) & 0xc0) != 0x80)
+            return 0;
+        code = code << 6 | (byteAt(i) & 0x3f);
+    }
+    constexpr char32_t kLeast[] = {0xa0, 0x800, 0x10000}; // below 0xa0 there are controls only
+    const bool isSurrogate = code >= 0xd800 && code < 0xe000, endsLine = code == 0x2028 || code == 0x2029;
+    return first < 0xc0 || first >= 0xf8 || code < kLeast[size - 2] || code > 0x10ffff || isSurrogate || endsLine ? 0 : size;
 }
 
-/// Mesh files take ASCII in their comments.
+std::string printable(std::string_view name) {
+    std::string clean;
+    while (!name.empty() && clean.size() < kMaxNameBytes) {
+        const std::size_t size = printableBytes(name);
+        clean += size > 0 ? name.substr(0, size) : "?";
+        name.remove_prefix(std::max<std::size_t>(size, 1));
+    }
+    return name.empty() ? clean : clean + "...";
+}
+
 std::string unitText(const std::string& unit) {
     if (unit.empty())
         return "world units of the source: those of its spacing and origin";
@@ -97,22 +119,43 @@ std::string nudgeText(const Nudge& nudge) {
 
 } // namespace
 
-Certificate certify(const extract::SurfaceMesh& mesh, const SurfaceSource& source) {
+Certificate uncheckedCertificate(const extract::SurfaceMesh& mesh, const SurfaceSource& source) {
     Certificate certificate;
-    SoupTopology topology;
-    certificate.report = checkSoup(worldSoup(mesh), topology);
+    certificate.isChecked = false;
+    certificate.report.vertices = mesh.positions.size();
+    certificate.report.triangles = mesh.triangleCount();
     certificate.isovalue = mesh.isovalue;
     certificate.source = source.name;
     certificate.lengthUnit = source.lengthUnit;
+    certificate.resampling = source.resampling;
     certificate.geometry = mesh.geometry;
-    certificate.openings = openingsOf(mesh, topology, source.missingSamples.value_or(1) > 0);
-    certificate.activeEdges = mesh.edgeIds.size();
+    certificate.activeEdges = mesh.activeEdgeCount();
     certificate.innerVertices = mesh.positions.size() - mesh.edgeIds.size();
+    return certificate;
+}
+
+Certificate certify(const extract::SurfaceMesh& mesh, const SurfaceSource& source) {
+    return certify(mesh, source, {}).value(); // which only a stop request keeps from one
+}
+
+Result<Certificate> certify(const extract::SurfaceMesh& mesh, const SurfaceSource& source, const JobControl& job) {
+    Certificate certificate = uncheckedCertificate(mesh, source);
+    SoupTopology topology;
+    auto report = checkSoup(worldSoup(mesh), topology, job);
+    if (!report.isOk())
+        return std::move(report).error();
+    certificate.isChecked = true;
+    certificate.report = report.value();
+    addOpenings(mesh, topology, source.missingSamples.value_or(1) > 0, certificate);
     certificate.nudge = nudgeOf(mesh);
+    if (job.isStopRequested())
+        return cancelledError();
     return certificate;
 }
 
 std::vector<std::string> faultsOf(const Certificate& certificate) {
+    if (!certificate.isChecked)
+        return {};
     auto faults = faultsOf(certificate.report);
     if (const Opening& crack = certificate.openAt(OpenAt::Elsewhere); crack.edges > 0)
         faults.push_back(counted(crack.edges, "boundary edge") + " neither on the box nor at a missing value");
@@ -130,23 +173,21 @@ std::string openingText(const Certificate& certificate) {
             parts.push_back((isMissing ? std::string("missing values") : std::string(kOpenAtNames[i])) + " (" +
                             counted(opening.loops, "loop") + ", " + counted(opening.edges, "edge") + ")");
     }
-    return parts.empty() ? "closed" : "open at " + joined(parts);
+    if (parts.empty())
+        return "closed";
+    const auto shared = certificate.sharedLoops;
+    return "open at " + joined(parts) +
+           (shared == 0 ? "" : "; " + counted(shared, "loop") + (shared == 1 ? " meets " : " meet ") +
+                                   (parts.size() == 2 ? "both" : "several of these"));
 }
 
-std::vector<CertificateLine> linesOf(const Certificate& certificate) {
+namespace {
+
+std::vector<CertificateLine> checkedLines(const Certificate& certificate) {
     const MeshReport& report = certificate.report;
     const auto faults = faultsOf(certificate);
     const bool hasGenus = report.isManifold && report.isOriented;
-    return {{"source", printable(certificate.source)},
-            {"isovalue", text(certificate.isovalue)},
-            {"grid", gridText(certificate.geometry)},
-            {"units", unitText(certificate.lengthUnit)},
-            {"orientation", "counter-clockwise seen from the side below the isovalue"},
-            {"vertices", text(report.vertices)},
-            {"triangles", text(report.triangles)},
-            {"active edges", text(certificate.activeEdges)},
-            {"inner vertices", text(certificate.innerVertices)},
-            {"components", text(report.components)},
+    return {{"components", text(report.components)},
             {"Euler number", text(report.euler)},
             {"boundary loops", text(report.boundaryLoops)},
             {"boundary", openingText(certificate)},
@@ -162,8 +203,32 @@ std::vector<CertificateLine> linesOf(const Certificate& certificate) {
             {"valid", faults.empty() ? "yes" : "no: " + joined(faults)}};
 }
 
+} // namespace
+
+std::vector<CertificateLine> linesOf(const Certificate& certificate) {
+    std::vector<CertificateLine> lines{{"source", printable(certificate.source)},
+                                       {"isovalue", text(certificate.isovalue)},
+                                       {"grid", gridText(certificate.geometry)},
+                                       {"units", unitText(certificate.lengthUnit)},
+                                       {"orientation", "counter-clockwise seen from the side below the isovalue"},
+                                       {"vertices", text(certificate.report.vertices)},
+                                       {"triangles", text(certificate.report.triangles)},
+                                       {"active edges", text(certificate.activeEdges)},
+                                       {"inner vertices", text(certificate.innerVertices)}};
+    if (!certificate.resampling.empty())
+        lines.insert(lines.begin() + 3, {"resampled", printable(certificate.resampling)});
+    if (!certificate.isChecked) {
+        lines.push_back({"checked", "no"});
+        return lines;
+    }
+    const auto checked = checkedLines(certificate);
+    lines.insert(lines.end(), checked.begin(), checked.end());
+    return lines;
+}
+
 std::vector<std::string> commentsOf(const Certificate& certificate) {
-    std::vector<std::string> comments{"Isosurface by ISOSLIDER, checked with OpenMesh"};
+    std::vector<std::string> comments{
+        certificate.isChecked ? "Isosurface by ISOSLIDER, checked with OpenMesh" : "Isosurface by ISOSLIDER, not checked"};
     for (const CertificateLine& line : linesOf(certificate))
         comments.push_back(line.name + ": " + line.value);
     return comments;
@@ -172,10 +237,14 @@ std::vector<std::string> commentsOf(const Certificate& certificate) {
 std::string shortForm(const Certificate& certificate, std::size_t maxBytes) {
     const MeshReport& report = certificate.report;
     std::string form = "ISOSLIDER";
-    for (const std::string& fact :
-         {"isovalue=" + text(certificate.isovalue), std::string(isValid(certificate) ? "valid" : "INVALID"),
-          std::string(report.isClosed ? "closed" : "open"), "components=" + text(report.components),
-          "euler=" + text(report.euler), "loops=" + text(report.boundaryLoops), "vertices=" + text(report.vertices)})
+    std::vector<std::string> facts{"isovalue=" + text(certificate.isovalue)};
+    if (!certificate.isChecked)
+        facts.insert(facts.end(), {"not checked", "vertices=" + text(report.vertices)});
+    else
+        facts.insert(facts.end(), {isValid(certificate) ? "valid" : "INVALID", report.isClosed ? "closed" : "open",
+                                   "components=" + text(report.components), "euler=" + text(report.euler),
+                                   "loops=" + text(report.boundaryLoops), "vertices=" + text(report.vertices)});
+    for (const std::string& fact : facts)
         if (form.size() + 1 + fact.size() <= maxBytes)
             form += " " + fact;
     return form;

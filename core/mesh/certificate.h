@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/job_control.h"
 #include "core/extract/surface_mesh.h"
 #include "core/mesh/mesh_checks.h"
 #include "core/mesh/triangle_soup.h"
@@ -28,17 +29,21 @@ struct SurfaceSource {
     std::string name;                             ///< file name without its folder, or a sample's title
     std::optional<std::uint64_t> missingSamples;  ///< where known: without any, no edge is open at one
     std::string lengthUnit;                       ///< of spacing and origin; empty: unknown
+    std::string resampling = {};                  ///< what resampling lost, in one line; empty: it was not resampled
 };
 
 /// What is known of a surface as it is exported: the facts of its mesh in world space, where it is
 /// open, and what the export moved.
 struct Certificate {
+    bool isChecked = true; ///< false: of `report` only the numbers of vertices and triangles are set, no opening, no nudge
     MeshReport report;
     double isovalue = 0.0;
     std::string source;
     std::string lengthUnit; ///< of areas and volumes too, squared and cubed; empty: unknown
+    std::string resampling; ///< as SurfaceSource::resampling
     GridGeometry geometry; ///< lengths are in the world units that its spacing is in
     std::array<Opening, 8> openings{}; ///< by OpenAt
+    std::uint64_t sharedLoops = 0; ///< boundary loops that count at more than one place: why those of the places may add up to more
     std::uint64_t activeEdges = 0;
     std::uint64_t innerVertices = 0; ///< those of cells, on no grid edge
     Nudge nudge;
@@ -50,12 +55,17 @@ struct Certificate {
 /// A boundary edge lies on a face of the box when the grid edges of both its vertices meet that face;
 /// on another plane of grid points it is at a missing value. Decided by edge ids, not by positions.
 Certificate certify(const extract::SurfaceMesh& mesh, const SurfaceSource& source);
+/// The same. Errors: Cancelled, within a second.
+Result<Certificate> certify(const extract::SurfaceMesh& mesh, const SurfaceSource& source, const JobControl& job);
+/// What is known without a check.
+Certificate uncheckedCertificate(const extract::SurfaceMesh& mesh, const SurfaceSource& source);
 
-/// The faults of the report, cracks, and an area that is not finite, as one with a NaN among its positions.
+/// None of an unchecked surface. Else the faults of the report, cracks, and an area that is not finite, as one with a NaN among its positions.
 std::vector<std::string> faultsOf(const Certificate& certificate);
-inline bool isValid(const Certificate& certificate) { return faultsOf(certificate).empty(); }
+inline bool isValid(const Certificate& certificate) { return certificate.isChecked && faultsOf(certificate).empty(); }
 
-/// "closed", or "open at x0 (2 loops, 34 edges), missing values (1 loop, 8 edges)".
+/// "closed", or "open at x0 (2 loops, 34 edges), missing values (1 loop, 8 edges)"; behind it, if so, how many loops meet
+/// more than one of these places: "; 1 loop meets both".
 std::string openingText(const Certificate& certificate);
 
 struct CertificateLine {
@@ -63,8 +73,8 @@ struct CertificateLine {
     std::string value; ///< numbers as the shortest digits that read back as the same, their unit behind them
 };
 
-/// The certificate for people and for scripts. Printable ASCII only: other bytes of the source's name
-/// become '?', since the formats that take comments have no other characters in common.
+/// The certificate for people and for scripts, in UTF-8. Control characters and bytes of the source's name that are
+/// not UTF-8 become '?', and so does a backslash, which would continue a comment in OBJ.
 std::vector<CertificateLine> linesOf(const Certificate& certificate);
 /// "name: value" lines after a heading, for comments in a file.
 std::vector<std::string> commentsOf(const Certificate& certificate);

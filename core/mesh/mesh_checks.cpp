@@ -4,6 +4,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "core/mesh/loop_control.h"
 #include "core/mesh/mesh_import.h"
 #include "core/mesh/open_mesh_adapter.h"
 #include "core/mesh/soup_topology.h"
@@ -11,12 +12,16 @@
 namespace isoslider::mesh {
 namespace {
 
-void measure(const TriangleSoup& soup, MeshReport& report) {
+Status measure(const TriangleSoup& soup, const JobControl& job, MeshReport& report) {
     if (soup.triangles.empty())
-        return;
+        return {};
+    LoopControl loop(job, soup.triangles.size(), "measuring");
     // Volumes are taken from a point of the surface: far from the world's origin they would cancel.
     const glm::dvec3 base = soup.positions[soup.triangles[0][0]];
-    for (const Triangle& t : soup.triangles) {
+    for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+        if (!loop.goesOn(i))
+            return cancelledError();
+        const Triangle& t = soup.triangles[i];
         const glm::dvec3 a = soup.positions[t[0]] - base;
         const glm::dvec3 b = soup.positions[t[1]] - base;
         const glm::dvec3 c = soup.positions[t[2]] - base;
@@ -26,20 +31,28 @@ void measure(const TriangleSoup& soup, MeshReport& report) {
         report.area += area;
         report.enclosedVolume += glm::dot(a, glm::cross(b, c)) / 6.0;
     }
+    return {};
 }
 
 } // namespace
 
 MeshReport checkSoup(const TriangleSoup& soup) {
     SoupTopology topology;
-    return checkSoup(soup, topology);
+    return checkSoup(soup, topology, {}).value(); // which only a stop request keeps from one
 }
 
-MeshReport checkSoup(const TriangleSoup& soup, SoupTopology& topology) {
-    topology = analyseTopology(soup.triangles, soup.positions.size());
+Result<MeshReport> checkSoup(const TriangleSoup& soup, SoupTopology& topology, const JobControl& job) {
+    const JobControl analysing = job.part(0.0, 0.5), filling = job.part(0.5, 0.9), measuring = job.part(0.9, 1.0);
+    auto analysed = analyseTopology(soup.triangles, soup.positions.size(), analysing);
+    if (!analysed.isOk())
+        return std::move(analysed).error();
+    topology = std::move(analysed).value();
     MeshReport report;
     FloatMesh mesh;
-    report.refusedByOpenMesh = fillOpenMesh(soup, RefusedFaces::LeaveOut, mesh);
+    const auto refused = fillOpenMesh(soup, RefusedFaces::LeaveOut, mesh, filling);
+    if (!refused.isOk())
+        return refused.error();
+    report.refusedByOpenMesh = refused.value();
     report.isClosed = topology.boundaryEdges == 0;
     report.isOriented = topology.disagreeingEdges == 0;
     report.isManifold = topology.isManifold() && !(report.isOriented && report.refusedByOpenMesh > 0);
@@ -56,7 +69,7 @@ MeshReport checkSoup(const TriangleSoup& soup, SoupTopology& topology) {
     report.duplicateTriangles = topology.duplicateTriangles;
     report.nonManifoldEdges = topology.crowdedEdges;
     report.nonManifoldVertices = topology.verticesOfSeveralFans;
-    measure(soup, report);
+    ISO_TRY(measure(soup, measuring, report));
     return report;
 }
 
@@ -75,11 +88,13 @@ std::vector<std::string> faultsOf(const MeshReport& report) {
 
 MeshReport checkMesh(const extract::SurfaceMesh& mesh) { return checkSoup(worldSoup(mesh)); }
 
-Result<MeshReport> checkMeshFile(const std::filesystem::path& path) {
-    auto soup = readMeshFile(path);
+Result<MeshReport> checkMeshFile(const std::filesystem::path& path, const JobControl& job) {
+    const JobControl reading = job.part(0.0, 0.4), checking = job.part(0.4, 1.0);
+    auto soup = readMeshFile(path, reading);
     if (!soup.isOk())
         return std::move(soup).error();
-    return checkSoup(soup.value());
+    SoupTopology topology;
+    return checkSoup(soup.value(), topology, checking);
 }
 
 } // namespace isoslider::mesh

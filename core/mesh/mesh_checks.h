@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/job_control.h"
 #include "core/base/result.h"
 #include "core/extract/surface_mesh.h"
 #include "core/mesh/soup_topology.h"
@@ -42,8 +43,8 @@ struct MeshReport {
 /// Checks a surface in world space. O(n log n); some seconds for ten million triangles.
 MeshReport checkMesh(const extract::SurfaceMesh& mesh);
 MeshReport checkSoup(const TriangleSoup& soup);
-/// The same, and leaves the topology that it found in `topology`.
-MeshReport checkSoup(const TriangleSoup& soup, SoupTopology& topology);
+/// The same, and leaves the topology that it found in `topology`. Errors: Cancelled, within a second.
+Result<MeshReport> checkSoup(const TriangleSoup& soup, SoupTopology& topology, const JobControl& job);
 
 /// What makes a mesh unsound, each in a few words; empty for a sound one. Being open is no fault: a
 /// surface ends where it meets the box.
@@ -52,7 +53,7 @@ std::vector<std::string> faultsOf(const MeshReport& report);
 /// Reads a mesh file (ply, obj, stl, off, om) and checks it. Polygons are cut into triangles.
 /// In STL, which stores every corner on its own, corners at exactly equal positions are one vertex.
 /// Errors: NotFound, IoError, Corruption (the file ends early), InvalidArgument (not a mesh, an
-/// index without a vertex, a position that is not finite, or an unknown suffix).
-Result<MeshReport> checkMeshFile(const std::filesystem::path& path);
+/// index without a vertex, a position that is not finite, or an unknown suffix), Cancelled.
+Result<MeshReport> checkMeshFile(const std::filesystem::path& path, const JobControl& job = {});
 
 } // namespace isoslider::mesh

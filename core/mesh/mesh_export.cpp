@@ -22,7 +22,7 @@ namespace {
 /// OpenMesh writes to streams, which only know "failed": the buffer keeps the reason.
 class FileBuffer final : public std::streambuf {
 public:
-    explicit FileBuffer(AtomicFile& file) : file_(file), buffer_(std::size_t{1} << 20) {
+    FileBuffer(AtomicFile& file, const JobControl& job) : file_(file), job_(job), buffer_(std::size_t{1} << 20) {
         setp(buffer_.data(), buffer_.data() + buffer_.size());
     }
     const Status& status() const { return status_; }
@@ -39,6 +39,8 @@ protected:
     }
 
     int sync() override {
+        if (status_.isOk() && job_.isStopRequested())
+            status_ = cancelledError();
         if (status_.isOk())
             status_ = file_.writeAll(std::as_bytes(std::span(pbase(), static_cast<std::size_t>(pptr() - pbase()))));
         setp(buffer_.data(), buffer_.data() + buffer_.size());
@@ -54,6 +56,8 @@ protected:
 
 private:
     AtomicFile& file_;
+    const JobControl& job_;
+    std::uint64_t unsynced_ = 0;
     std::vector<char> buffer_;
     Status status_;
 };
@@ -71,10 +75,13 @@ Precision neededPrecision(const TriangleSoup& soup, const GridGeometry& geometry
 }
 
 template <class Mesh>
-Status writeOm(const TriangleSoup& soup, AtomicFile& file) {
+Status writeOm(const TriangleSoup& soup, AtomicFile& file, const JobControl& job) {
     Mesh mesh;
-    fillOpenMesh(soup, RefusedFaces::Separate, mesh);
-    FileBuffer buffer(file);
+    const JobControl filling = job.part(0.0, 0.5);
+    if (const auto filled = fillOpenMesh(soup, RefusedFaces::Separate, mesh, filling); !filled.isOk())
+        return filled.error();
+    job.report(0.5, "writing");
+    FileBuffer buffer(file, job);
     std::ostream stream(&buffer);
     OpenMesh::IO::Options options = OpenMesh::IO::Options::Binary;
     if (!soup.normals.empty())
@@ -93,37 +100,47 @@ Status writeOm(const TriangleSoup& soup, AtomicFile& file) {
     return {};
 }
 
-Status writeSoup(const TriangleSoup& soup, const Certificate& certificate, const std::string& suffix, AtomicFile& file) {
+Status writeSoup(const TriangleSoup& soup, const Certificate& certificate, const std::string& suffix, AtomicFile& file,
+                 const JobControl& job) {
     const Precision precision = neededPrecision(soup, certificate.geometry);
     if (suffix == ".ply")
-        return writePly(soup, precision, commentsOf(certificate), file);
+        return writePly(soup, precision, commentsOf(certificate), file, job);
     if (suffix == ".obj")
-        return writeObj(soup, precision, commentsOf(certificate), file);
+        return writeObj(soup, precision, commentsOf(certificate), file, job);
     if (suffix == ".off")
-        return writeOff(soup, precision, commentsOf(certificate), file);
+        return writeOff(soup, precision, commentsOf(certificate), file, job);
     if (suffix == ".stl")
-        return writeStl(soup, shortForm(certificate, kStlHeaderBytes), file);
-    return precision == Precision::Double ? writeOm<DoubleMesh>(soup, file) : writeOm<FloatMesh>(soup, file);
+        return writeStl(soup, shortForm(certificate, kStlHeaderBytes), file, job);
+    return precision == Precision::Double ? writeOm<DoubleMesh>(soup, file, job) : writeOm<FloatMesh>(soup, file, job);
 }
 
 } // namespace
 
 bool isExportSuffix(const std::filesystem::path& path) { return !meshSuffix(path).empty(); }
 
-Status exportMesh(const extract::SurfaceMesh& mesh, const Certificate& certificate, const std::filesystem::path& path) {
+Status checkExportSize(std::uint64_t vertices, std::uint64_t triangles, const std::filesystem::path& path) {
+    if (vertices > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()) ||
+        triangles > std::numeric_limits<std::uint32_t>::max())
+        return makeError(ErrorCode::InvalidArgument, "the mesh has 2^31 vertices or 2^32 triangles or more",
+                         path);
+    return {};
+}
+
+Status exportMesh(const extract::SurfaceMesh& mesh, const Certificate& certificate, const std::filesystem::path& path,
+                  const JobControl& job) {
     if (!isExportSuffix(path))
         return makeError(ErrorCode::InvalidArgument, "cannot be exported to: expected .ply .obj .stl .off or .om",
                          path);
-    if (mesh.positions.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()) ||
-        mesh.triangleCount() > std::numeric_limits<std::uint32_t>::max())
-        return makeError(ErrorCode::InvalidArgument, "the mesh has more than 2^31 vertices or 2^32 triangles", path);
+    ISO_TRY(checkExportSize(mesh.positions.size(), mesh.triangleCount(), path));
     auto file = AtomicFile::create(path);
     if (!file.isOk())
         return std::move(file).error();
     try {
         TriangleSoup soup = worldSoup(mesh);
         dropUnusedVertices(soup);
-        ISO_TRY(writeSoup(soup, certificate, meshSuffix(path), *file.value()));
+        ISO_TRY(writeSoup(soup, certificate, meshSuffix(path), *file.value(), job));
+        if (job.isStopRequested())
+            return cancelledError();
     } catch (const std::bad_alloc&) {
         return makeError(ErrorCode::OutOfSpace, "not enough memory to export the mesh", path);
     } catch (const std::exception& problem) {

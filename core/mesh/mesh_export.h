@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "core/base/result.h"
@@ -11,6 +12,10 @@ namespace isoslider::mesh {
 /// Suffixes that can be written, with the dot: .ply .obj .stl .off .om
 bool isExportSuffix(const std::filesystem::path& path);
 
+/// Refuses what formats cannot number: beyond 2^31 - 1 vertices (PLY) or 2^32 - 1 triangles (STL).
+/// Errors: InvalidArgument. `path` is only for the message.
+Status checkExportSize(std::uint64_t vertices, std::uint64_t triangles, const std::filesystem::path& path);
+
 /// Writes a surface in world space (spacing, origin, direction applied; triangles counter-clockwise
 /// seen from below the isovalue, also for left-handed grids), with normals where the format has
 /// them. Vertices that no triangle uses are left out. Positions are float where that keeps vertices
@@ -19,7 +24,8 @@ bool isExportSuffix(const std::filesystem::path& path);
 /// of OFF, in short as the header of STL; OM has no room for one. A mesh that is not valid is written
 /// all the same, and its certificate says so. Published by rename: on failure there is no partial file
 /// and an earlier one is untouched.
-/// Errors: InvalidArgument (unknown suffix), IoError, OutOfSpace.
-Status exportMesh(const extract::SurfaceMesh& mesh, const Certificate& certificate, const std::filesystem::path& path);
+/// Errors: InvalidArgument (unknown suffix, too large), IoError, OutOfSpace, Cancelled (within a second).
+Status exportMesh(const extract::SurfaceMesh& mesh, const Certificate& certificate, const std::filesystem::path& path,
+                  const JobControl& job = {});
 
 } // namespace isoslider::mesh

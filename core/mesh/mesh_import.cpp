@@ -12,6 +12,7 @@
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 
 #include "core/base/quiet_stream.h"
+#include "core/mesh/loop_control.h"
 #include "core/mesh/mesh_readers.h"
 #include "core/mesh/open_mesh_adapter.h"
 
@@ -26,12 +27,16 @@ constexpr std::uint64_t kMaxFileBytes = std::uint64_t{16} << 30;
 struct BadMesh : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
+/// The only way out of OpenMesh's reader.
+struct Stopped : std::exception {};
 
 /// OpenMesh's importer stores whatever handles a native file holds; here they have to exist.
 class CheckedImporter final : public OpenMesh::IO::ImporterT<PolyMesh> {
 public:
-    explicit CheckedImporter(PolyMesh& target) : ImporterT(target), target_(target) {}
+    CheckedImporter(PolyMesh& target, const JobControl& job)
+        : ImporterT(target), target_(target), loop_(job, 0, "reading") {}
     using ImporterT::add_face;
+    using ImporterT::add_vertex;
     using ImporterT::set_face;
 
     OpenMesh::HalfedgeHandle add_edge(OpenMesh::VertexHandle a, OpenMesh::VertexHandle b) override {
@@ -66,11 +71,14 @@ public:
     }
 
 private:
-    static void check(int index, std::size_t count) {
+    void check(int index, std::size_t count) {
+        if (!loop_.goesOn(0))
+            throw Stopped();
         if (index < 0 || static_cast<std::size_t>(index) >= count)
             throw BadMesh("a halfedge structure names an element that is not there");
     }
     PolyMesh& target_;
+    LoopControl loop_;
 };
 
 // What the importer could not see: halfedges read later than what points at them.
@@ -143,13 +151,13 @@ Status checkOmChunks(std::string_view bytes, const std::filesystem::path& path) 
 }
 
 // A native OpenMesh file holds halfedges, which only a real mesh can take.
-Result<TriangleSoup> readOm(std::string_view bytes, const std::filesystem::path& path) {
+Result<TriangleSoup> readOm(std::string_view bytes, const std::filesystem::path& path, const JobControl& job) {
     ISO_TRY(checkOmChunks(bytes, path));
     PolyMesh mesh;
     bool isRead = false;
     {
         const QuietStream quietErrors(std::cerr), quietLog(std::clog);
-        CheckedImporter importer(mesh);
+        CheckedImporter importer(mesh, job);
         OpenMesh::IO::Options options = OpenMesh::IO::Options::Binary;
         isRead = OpenMesh::IO::IOManager().read(path.string(), importer, options);
     }
@@ -161,7 +169,10 @@ Result<TriangleSoup> readOm(std::string_view bytes, const std::filesystem::path&
         const auto& p = mesh.point(vertex);
         soup.positions.emplace_back(p[0], p[1], p[2]);
     }
+    LoopControl loop(job, mesh.n_faces(), "reading");
     for (const auto face : mesh.faces()) {
+        if (!loop.goesOn(static_cast<std::uint64_t>(face.idx())))
+            return cancelledError();
         const auto corners = cornersOf(mesh, face);
         if (corners.empty())
             return makeError(ErrorCode::Corruption, "the halfedges of a face do not close", path);
@@ -171,16 +182,17 @@ Result<TriangleSoup> readOm(std::string_view bytes, const std::filesystem::path&
     return soup;
 }
 
-Result<TriangleSoup> readAs(const std::string& suffix, std::string_view bytes, const std::filesystem::path& path) {
+Result<TriangleSoup> readAs(const std::string& suffix, std::string_view bytes, const std::filesystem::path& path,
+                            const JobControl& job) {
     if (suffix == ".ply")
-        return readPly(bytes, path);
+        return readPly(bytes, path, job);
     if (suffix == ".obj")
-        return readObj(bytes, path);
+        return readObj(bytes, path, job);
     if (suffix == ".off")
-        return readOff(bytes, path);
+        return readOff(bytes, path, job);
     if (suffix == ".stl")
-        return readStl(bytes, path);
-    return readOm(bytes, path);
+        return readStl(bytes, path, job);
+    return readOm(bytes, path, job);
 }
 
 Status checkFinite(const TriangleSoup& soup, const std::filesystem::path& path) {
@@ -193,14 +205,34 @@ Status checkFinite(const TriangleSoup& soup, const std::filesystem::path& path) 
     return {};
 }
 
-Result<TriangleSoup> readChecked(const std::filesystem::path& path) {
-    const auto file = readWholeFile(path, kMaxFileBytes); // refuses folders, pipes and devices
+/// A whole file; refuses folders, pipes and devices.
+Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path, const JobControl& job) {
+    constexpr std::uint64_t kChunkBytes = std::uint64_t{16} << 20;
+    const auto file = defaultFileSystem().openForReading(path);
+    if (!file.isOk())
+        return file.error();
+    const std::uint64_t size = file.value()->sizeBytes();
+    if (size > kMaxFileBytes)
+        return makeError(ErrorCode::InvalidArgument, "has more bytes than a mesh that is read may have", path);
+    std::vector<std::byte> bytes(size);
+    for (std::uint64_t at = 0; at < size; at += kChunkBytes) {
+        if (job.isStopRequested())
+            return cancelledError();
+        job.report(0.5 * static_cast<double>(at) / static_cast<double>(size), "reading");
+        ISO_TRY(file.value()->readExactlyAt(at, std::span(bytes).subspan(at, std::min(kChunkBytes, size - at))));
+    }
+    return bytes;
+}
+
+Result<TriangleSoup> readChecked(const std::filesystem::path& path, const JobControl& job) {
+    const auto file = readBytes(path, job);
     if (!file.isOk())
         return file.error();
     const std::string suffix = meshSuffix(path);
     if (suffix.empty())
         return makeError(ErrorCode::InvalidArgument, "is not a mesh file: expected .ply .obj .stl .off or .om", path);
-    auto soup = readAs(suffix, {reinterpret_cast<const char*>(file.value().data()), file.value().size()}, path);
+    const JobControl parsing = job.part(0.5, 1.0);
+    auto soup = readAs(suffix, {reinterpret_cast<const char*>(file.value().data()), file.value().size()}, path, parsing);
     if (soup.isOk())
         ISO_TRY(checkFinite(soup.value(), path));
     return soup;
@@ -219,10 +251,12 @@ std::string meshSuffix(const std::filesystem::path& path) {
     return {};
 }
 
-Result<TriangleSoup> readMeshFile(const std::filesystem::path& path) {
+Result<TriangleSoup> readMeshFile(const std::filesystem::path& path, const JobControl& job) {
     silenceOpenMesh();
     try {
-        return readChecked(path);
+        return readChecked(path, job);
+    } catch (const Stopped&) {
+        return cancelledError();
     } catch (const BadMesh& problem) {
         return makeError(ErrorCode::Corruption, problem.what(), path);
     } catch (const std::bad_alloc&) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "core/base/job_control.h"
 #include "core/base/result.h"
 #include "core/mesh/triangle_soup.h"
 
@@ -12,6 +13,6 @@ std::string meshSuffix(const std::filesystem::path& path);
 
 /// Reads a mesh file as triangles, nothing repaired; polygons are cut into fans, normals are left
 /// out. STL corners at exactly equal positions become one vertex. Errors: see checkMeshFile.
-Result<TriangleSoup> readMeshFile(const std::filesystem::path& path);
+Result<TriangleSoup> readMeshFile(const std::filesystem::path& path, const JobControl& job = {});
 
 } // namespace isoslider::mesh

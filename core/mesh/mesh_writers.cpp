@@ -1,5 +1,6 @@
 #include "core/mesh/mesh_writers.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -20,7 +21,9 @@ static_assert(std::endian::native == std::endian::little, "binary formats are wr
 /// Collects small pieces into large writes.
 class Output {
 public:
-    explicit Output(AtomicFile& file) : file_(file) { buffer_.reserve(kFlushBytes + 1024); }
+    Output(AtomicFile& file, std::uint64_t records, const JobControl& job) : file_(file), records_(records), job_(job) {
+        buffer_.reserve(kFlushBytes + 1024);
+    }
 
     void text(std::string_view piece) { buffer_ += piece; }
 
@@ -39,16 +42,30 @@ public:
     }
 
     /// To be called after every record, so that the buffer stays small.
-    Status endRecord() { return buffer_.size() < kFlushBytes ? Status() : flush(); }
+    Status endRecord() {
+        ++done_;
+        return buffer_.size() < kFlushBytes ? Status() : flush();
+    }
     Status flush() {
+        if (job_.isStopRequested())
+            return cancelledError();
         ISO_TRY(file_.writeAll(std::as_bytes(std::span(buffer_))));
+        unsynced_ += buffer_.size();
         buffer_.clear();
+        if (unsynced_ >= kSyncBytes) {
+            ISO_TRY(file_.sync());
+            unsynced_ = 0;
+        }
+        job_.report(static_cast<double>(done_) / static_cast<double>(std::max<std::uint64_t>(1, records_)), "writing");
         return {};
     }
 
 private:
     static constexpr std::size_t kFlushBytes = std::size_t{1} << 20;
     AtomicFile& file_;
+    std::uint64_t records_; ///< in all
+    const JobControl& job_;
+    std::uint64_t done_ = 0, unsynced_ = 0;
     std::string buffer_;
 };
 
@@ -98,8 +115,9 @@ void putComments(Output& out, Comments comments) {
 
 } // namespace
 
-Status writePly(const TriangleSoup& soup, Precision precision, Comments comments, AtomicFile& file) {
-    Output out(file);
+Status writePly(const TriangleSoup& soup, Precision precision, Comments comments, AtomicFile& file,
+                const JobControl& job) {
+    Output out(file, soup.positions.size() + soup.triangles.size(), job);
     out.text(plyHeader(soup, precision, comments));
     for (std::size_t i = 0; i < soup.positions.size(); ++i) {
         putBinary(out, soup.positions[i], precision);
@@ -116,8 +134,9 @@ Status writePly(const TriangleSoup& soup, Precision precision, Comments comments
     return out.flush();
 }
 
-Status writeObj(const TriangleSoup& soup, Precision precision, Comments comments, AtomicFile& file) {
-    Output out(file);
+Status writeObj(const TriangleSoup& soup, Precision precision, Comments comments, AtomicFile& file,
+                const JobControl& job) {
+    Output out(file, soup.positions.size() + soup.normals.size() + soup.triangles.size(), job);
     putComments(out, comments);
     for (const glm::dvec3& position : soup.positions) {
         out.text("v ");
@@ -147,8 +166,9 @@ Status writeObj(const TriangleSoup& soup, Precision precision, Comments comments
     return out.flush();
 }
 
-Status writeOff(const TriangleSoup& soup, Precision precision, Comments comments, AtomicFile& file) {
-    Output out(file);
+Status writeOff(const TriangleSoup& soup, Precision precision, Comments comments, AtomicFile& file,
+                const JobControl& job) {
+    Output out(file, soup.positions.size() + soup.triangles.size(), job);
     out.text(soup.normals.empty() ? "OFF\n" : "NOFF\n");
     out.number(soup.positions.size());
     out.text(" ");
@@ -176,8 +196,8 @@ Status writeOff(const TriangleSoup& soup, Precision precision, Comments comments
     return out.flush();
 }
 
-Status writeStl(const TriangleSoup& soup, std::string header, AtomicFile& file) {
-    Output out(file);
+Status writeStl(const TriangleSoup& soup, std::string header, AtomicFile& file, const JobControl& job) {
+    Output out(file, soup.triangles.size(), job);
     header.resize(kStlHeaderBytes, ' ');
     out.text(header);
     out.binary(static_cast<std::uint32_t>(soup.triangles.size()));

@@ -1,6 +1,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/mesh/loop_control.h"
 #include "core/mesh/mesh_readers.h"
 #include "core/mesh/text_scan.h"
 
@@ -23,6 +24,7 @@ class Lines {
 public:
     explicit Lines(std::string_view text) : rest_(text) {}
     std::size_t number() const { return number_; }
+    std::size_t remaining() const { return rest_.size(); }
     bool next(std::string_view& line) {
         while (nextLine(rest_, line)) {
             ++number_;
@@ -69,13 +71,16 @@ Status checkIndices(const TriangleSoup& soup, const std::filesystem::path& path)
     return {};
 }
 
-Result<TriangleSoup> readObj(std::string_view bytes, const std::filesystem::path& path) {
+Result<TriangleSoup> readObj(std::string_view bytes, const std::filesystem::path& path, const JobControl& job) {
     TriangleSoup soup;
     Lines lines(bytes);
     std::string_view line;
     std::vector<std::int64_t> corners;
     bool hasWords = false, isObj = false;
+    LoopControl loop(job, bytes.size(), "reading");
     while (lines.next(line)) {
+        if (!loop.goesOn(bytes.size() - lines.remaining()))
+            return cancelledError();
         hasWords = true;
         const std::string_view key = nextWord(line);
         glm::dvec3 position;
@@ -102,7 +107,7 @@ Result<TriangleSoup> readObj(std::string_view bytes, const std::filesystem::path
     return soup;
 }
 
-Result<TriangleSoup> readOff(std::string_view bytes, const std::filesystem::path& path) {
+Result<TriangleSoup> readOff(std::string_view bytes, const std::filesystem::path& path, const JobControl& job) {
     TriangleSoup soup;
     Lines lines(bytes);
     std::string_view line;
@@ -117,7 +122,10 @@ Result<TriangleSoup> readOff(std::string_view bytes, const std::filesystem::path
     if (vertices > bytes.size() || faces > bytes.size())
         return makeError(ErrorCode::InvalidArgument, "the header asks for more vertices or faces than the file can hold",
                          path);
+    LoopControl loop(job, vertices + faces, "reading");
     for (std::uint64_t i = 0; i < vertices; ++i) {
+        if (!loop.goesOn(i))
+            return cancelledError();
         glm::dvec3 position;
         if (!lines.next(line))
             return makeError(ErrorCode::Corruption, "file ends early: vertex " + std::to_string(i) + " is missing", path);
@@ -127,6 +135,8 @@ Result<TriangleSoup> readOff(std::string_view bytes, const std::filesystem::path
     }
     std::vector<std::int64_t> corners;
     for (std::uint64_t i = 0; i < faces; ++i) {
+        if (!loop.goesOn(vertices + i))
+            return cancelledError();
         std::uint64_t count = 0;
         if (!lines.next(line))
             return makeError(ErrorCode::Corruption, "file ends early: face " + std::to_string(i) + " is missing", path);

@@ -2,23 +2,33 @@
 
 #include <mutex>
 
+#include "core/mesh/loop_control.h"
+
 namespace isoslider::mesh {
 namespace {
 
 template <class Mesh>
 class Filler {
 public:
-    Filler(const TriangleSoup& soup, Mesh& mesh) : soup_(soup), mesh_(mesh) {
+    Filler(const TriangleSoup& soup, Mesh& mesh, const JobControl& job)
+        : soup_(soup), mesh_(mesh), loop_(job, soup.positions.size() + soup.triangles.size(), "checking with OpenMesh") {
         mesh_.reserve(soup.positions.size(), 3 * soup.triangles.size() / 2 + 1, soup.triangles.size());
         if (!soup.normals.empty())
             mesh_.request_vertex_normals();
-        for (std::uint32_t i = 0; i < soup.positions.size(); ++i)
-            addVertex(i);
     }
 
-    std::uint64_t run(RefusedFaces refused) {
+    Result<std::uint64_t> run(RefusedFaces refused) {
+        const std::size_t vertices = soup_.positions.size();
+        for (std::uint32_t i = 0; i < vertices; ++i) {
+            addVertex(i);
+            if (!loop_.goesOn(i))
+                return cancelledError();
+        }
         std::uint64_t refusals = 0;
-        for (const Triangle& t : soup_.triangles) {
+        for (std::size_t i = 0; i < soup_.triangles.size(); ++i) {
+            const Triangle& t = soup_.triangles[i];
+            if (!loop_.goesOn(vertices + i))
+                return cancelledError();
             if (hasThreeVertices(t) && mesh_.add_face(handle(t[0]), handle(t[1]), handle(t[2])).is_valid())
                 continue;
             ++refusals;
@@ -48,18 +58,19 @@ private:
 
     const TriangleSoup& soup_;
     Mesh& mesh_;
+    LoopControl loop_;
 };
 
 } // namespace
 
 template <class Mesh>
-std::uint64_t fillOpenMesh(const TriangleSoup& soup, RefusedFaces refused, Mesh& mesh) {
+Result<std::uint64_t> fillOpenMesh(const TriangleSoup& soup, RefusedFaces refused, Mesh& mesh, const JobControl& job) {
     silenceOpenMesh();
-    return Filler<Mesh>(soup, mesh).run(refused);
+    return Filler<Mesh>(soup, mesh, job).run(refused);
 }
 
-template std::uint64_t fillOpenMesh(const TriangleSoup&, RefusedFaces, FloatMesh&);
-template std::uint64_t fillOpenMesh(const TriangleSoup&, RefusedFaces, DoubleMesh&);
+template Result<std::uint64_t> fillOpenMesh(const TriangleSoup&, RefusedFaces, FloatMesh&, const JobControl&);
+template Result<std::uint64_t> fillOpenMesh(const TriangleSoup&, RefusedFaces, DoubleMesh&, const JobControl&);
 
 void silenceOpenMesh() {
     static std::once_flag once;

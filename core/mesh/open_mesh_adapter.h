@@ -5,6 +5,7 @@
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
+#include "core/base/job_control.h"
 #include "core/mesh/triangle_soup.h"
 
 namespace isoslider::mesh {
@@ -20,9 +21,10 @@ using DoubleMesh = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
 /// not lost. A triangle that repeats an index is left out either way.
 enum class RefusedFaces { LeaveOut, Separate };
 
-/// Adds the soup to an empty mesh and returns how many triangles OpenMesh refused.
+/// Adds the soup to an empty mesh and returns how many triangles OpenMesh refused. Errors: Cancelled.
 template <class Mesh>
-std::uint64_t fillOpenMesh(const TriangleSoup& soup, RefusedFaces refused, Mesh& mesh);
+Result<std::uint64_t> fillOpenMesh(const TriangleSoup& soup, RefusedFaces refused, Mesh& mesh,
+                                   const JobControl& job = {});
 
 /// Stops OpenMesh from printing; it reports by return values as well.
 void silenceOpenMesh();

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/mesh/loop_control.h"
 #include "core/mesh/mesh_readers.h"
 #include "core/mesh/text_scan.h"
 
@@ -140,7 +141,8 @@ private:
 
 class Body {
 public:
-    Body(Numbers numbers, const std::filesystem::path& path) : numbers_(numbers), path_(path) {}
+    Body(Numbers numbers, const std::filesystem::path& path, const JobControl& job)
+        : numbers_(numbers), path_(path), bytes_(numbers.remaining()), loop_(job, bytes_, "reading") {}
 
     Result<TriangleSoup> read(const Header& header) {
         for (const Element& element : header.elements) {
@@ -150,8 +152,11 @@ public:
                 return makeError(ErrorCode::Corruption,
                                  "element " + element.name + ": the header asks for " +
                                      std::to_string(element.count) + ", the file cannot hold them", path_);
-            for (std::uint64_t i = 0; i < element.count; ++i)
+            for (std::uint64_t i = 0; i < element.count; ++i) {
+                if (!loop_.goesOn(bytes_ - numbers_.remaining()))
+                    return cancelledError();
                 ISO_TRY(readItem(element, i));
+            }
         }
         ISO_TRY(checkIndices(soup_, path_));
         return std::move(soup_);
@@ -194,20 +199,22 @@ private:
 
     Numbers numbers_;
     const std::filesystem::path& path_;
+    std::size_t bytes_;
+    LoopControl loop_;
     TriangleSoup soup_;
     std::vector<std::int64_t> corners_;
 };
 
 } // namespace
 
-Result<TriangleSoup> readPly(std::string_view bytes, const std::filesystem::path& path) {
+Result<TriangleSoup> readPly(std::string_view bytes, const std::filesystem::path& path, const JobControl& job) {
     std::string_view rest = bytes, line;
     if (!nextLine(rest, line) || line != "ply")
         return refuse("is not a readable ply mesh: its first line is not 'ply'", path);
     Header header;
     while (nextLine(rest, line)) {
         if (line == "end_header")
-            return Body(Numbers(rest, header.encoding), path).read(header);
+            return Body(Numbers(rest, header.encoding), path, job).read(header);
         if (line.size() > 1000)
             break;
         ISO_TRY(addHeaderLine(header, line, path));

@@ -7,6 +7,8 @@
 
 #include <tbb/parallel_sort.h>
 
+#include "core/mesh/loop_control.h"
+
 namespace isoslider::mesh {
 namespace {
 
@@ -44,20 +46,42 @@ struct EdgeUse {
 
 class Analysis {
 public:
-    Analysis(std::span<const Triangle> triangles, std::size_t vertexCount)
-        : triangles_(triangles), vertexCount_(vertexCount), fans_(3 * triangles.size()) {}
+    Analysis(std::span<const Triangle> triangles, std::size_t vertexCount, const JobControl& job)
+        : triangles_(triangles), vertexCount_(vertexCount), job_(job), fans_(3 * triangles.size()) {}
 
-    SoupTopology run() {
-        countDuplicates();
-        collectEdgeUses();
-        visitEdges();
-        countFans();
-        countComponents();
-        countBoundaryLoops();
-        return topology_;
+    Result<SoupTopology> run() {
+        // Calls one after the other: GCC 12 with -fsanitize=bounds fails on an array of pointers to members.
+        int done = 0;
+        const auto begin = [&] {
+            job_.report(done++ / 7.0, "checking");
+            return !job_.isStopRequested();
+        };
+        if (begin())
+            countDuplicates();
+        if (begin())
+            collectEdgeUses();
+        if (begin())
+            sortEdgeUses();
+        if (begin())
+            visitEdges();
+        if (begin())
+            countFans();
+        if (begin())
+            countComponents();
+        if (begin())
+            countBoundaryLoops();
+        if (job_.isStopRequested())
+            return cancelledError();
+        return std::move(topology_);
     }
 
 private:
+    // A loop that stops leaves its step unfinished; run() notices.
+    bool goesOn(std::size_t i) const {
+        constexpr std::size_t kSteps = std::size_t{1} << 16;
+        return i % kSteps != 0 || !job_.isStopRequested();
+    }
+
     std::uint32_t vertexOf(Corner corner) const { return triangles_[corner / 3][corner % 3]; }
     static Corner next(Corner corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
     bool runsForward(Corner corner) const { return vertexOf(corner) < vertexOf(next(corner)); }
@@ -68,7 +92,8 @@ private:
     void countDuplicates() {
         std::vector<Triangle> sorted;
         sorted.reserve(triangles_.size());
-        for (Triangle triangle : triangles_) {
+        for (std::size_t t = 0; t < triangles_.size() && goesOn(t); ++t) {
+            Triangle triangle = triangles_[t];
             if (!hasThreeVertices(triangle)) {
                 ++topology_.trianglesWithRepeats;
                 continue;
@@ -76,14 +101,14 @@ private:
             std::sort(triangle.begin(), triangle.end());
             sorted.push_back(triangle);
         }
-        tbb::parallel_sort(sorted.begin(), sorted.end());
+        runStoppable(job_, [&] { tbb::parallel_sort(sorted.begin(), sorted.end()); });
         for (std::size_t i = 1; i < sorted.size(); ++i)
             topology_.duplicateTriangles += sorted[i] == sorted[i - 1];
     }
 
     void collectEdgeUses() {
         uses_.reserve(3 * triangles_.size());
-        for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        for (std::size_t t = 0; t < triangles_.size() && goesOn(t); ++t) {
             if (!hasThreeVertices(triangles_[t]))
                 continue;
             for (Corner corner = 3 * t; corner < 3 * t + 3; ++corner) {
@@ -91,11 +116,15 @@ private:
                 uses_.push_back({std::min(a, b) << 32 | std::max(a, b), corner});
             }
         }
-        tbb::parallel_sort(uses_.begin(), uses_.end());
+    }
+
+    void sortEdgeUses() {
+        runStoppable(job_, [this] { tbb::parallel_sort(uses_.begin(), uses_.end()); });
     }
 
     void visitEdges() {
-        for (std::size_t begin = 0, end = 0; begin < uses_.size(); begin = end) {
+        std::size_t edges = 0;
+        for (std::size_t begin = 0, end = 0; begin < uses_.size() && goesOn(edges); begin = end, ++edges) {
             while (end < uses_.size() && uses_[end].key == uses_[begin].key)
                 ++end;
             visitEdge(std::span(uses_).subspan(begin, end - begin));
@@ -120,9 +149,9 @@ private:
 
     void countFans() {
         std::vector<std::uint8_t> fansOfVertex(vertexCount_, 0);
-        for (const EdgeUse& use : uses_) // every corner of a sound triangle starts one edge use
-            if (fans_.find(use.corner) == use.corner) {
-                std::uint8_t& fans = fansOfVertex[vertexOf(use.corner)];
+        for (std::size_t i = 0; i < uses_.size() && goesOn(i); ++i) // every corner of a sound triangle starts one
+            if (const Corner corner = uses_[i].corner; fans_.find(corner) == corner) {
+                std::uint8_t& fans = fansOfVertex[vertexOf(corner)];
                 fans = static_cast<std::uint8_t>(std::min(fans + 1, 2));
             }
         for (const std::uint8_t fans : fansOfVertex) {
@@ -134,7 +163,8 @@ private:
     void countComponents() {
         DisjointSets vertices(vertexCount_);
         topology_.components = topology_.usedVertices;
-        for (const EdgeUse& use : uses_) {
+        for (std::size_t i = 0; i < uses_.size() && goesOn(i); ++i) {
+            const EdgeUse& use = uses_[i];
             const std::uint64_t a = vertices.find(use.key >> 32), b = vertices.find(use.key & 0xffffffffu);
             topology_.components -= a != b;
             vertices.join(a, b);
@@ -143,6 +173,7 @@ private:
 
     // Followed from fan to fan, not from vertex to vertex: two disks that touch in a point have two loops.
     void countBoundaryLoops() {
+        uses_ = {}; // its memory is needed no more
         std::vector<std::uint64_t> fans;
         fans.reserve(2 * boundary_.size());
         for (const Corner corner : boundary_) {
@@ -150,14 +181,16 @@ private:
             fans.push_back(fans_.find(next(corner)));
         }
         std::vector<std::uint64_t> known = fans;
-        std::sort(known.begin(), known.end());
+        runStoppable(job_, [&] { tbb::parallel_sort(known.begin(), known.end()); });
+        if (job_.isStopRequested())
+            return;
         known.erase(std::unique(known.begin(), known.end()), known.end());
         const auto rank = [&](std::uint64_t fan) {
             return static_cast<std::uint64_t>(std::lower_bound(known.begin(), known.end(), fan) - known.begin());
         };
         DisjointSets loops(known.size());
         topology_.boundaryLoops = known.size();
-        for (std::size_t i = 0; i < fans.size(); i += 2) {
+        for (std::size_t i = 0; i < fans.size() && goesOn(i); i += 2) {
             const std::uint64_t a = loops.find(rank(fans[i])), b = loops.find(rank(fans[i + 1]));
             topology_.boundaryLoops -= a != b;
             loops.join(a, b);
@@ -169,7 +202,7 @@ private:
     void nameLoops(DisjointSets& loops, const FanRank& fanRankOf) {
         std::unordered_map<std::uint64_t, std::uint32_t> nameOfRoot;
         topology_.boundary.reserve(boundary_.size());
-        for (std::size_t i = 0; i < boundary_.size(); ++i) {
+        for (std::size_t i = 0; i < boundary_.size() && goesOn(i); ++i) {
             const auto next = static_cast<std::uint32_t>(nameOfRoot.size());
             const std::uint32_t loop = nameOfRoot.try_emplace(loops.find(fanRankOf(i)), next).first->second;
             topology_.boundary.push_back({vertexOf(boundary_[i]), vertexOf(Analysis::next(boundary_[i])), loop});
@@ -178,6 +211,7 @@ private:
 
     std::span<const Triangle> triangles_;
     std::size_t vertexCount_;
+    const JobControl& job_;
     DisjointSets fans_;
     std::vector<EdgeUse> uses_;
     std::vector<Corner> boundary_;
@@ -186,8 +220,9 @@ private:
 
 } // namespace
 
-SoupTopology analyseTopology(std::span<const Triangle> triangles, std::size_t vertexCount) {
-    return Analysis(triangles, vertexCount).run();
+Result<SoupTopology> analyseTopology(std::span<const Triangle> triangles, std::size_t vertexCount,
+                                     const JobControl& job) {
+    return Analysis(triangles, vertexCount, job).run();
 }
 
 } // namespace isoslider::mesh

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/job_control.h"
 #include "core/mesh/triangle_soup.h"
 
 namespace isoslider::mesh {
@@ -33,7 +34,8 @@ struct SoupTopology {
 };
 
 /// O(n log n) in the number of triangles, by sorting the triangles' edges; several threads.
-/// REQUIRES: every index < vertexCount.
-SoupTopology analyseTopology(std::span<const Triangle> triangles, std::size_t vertexCount);
+/// REQUIRES: every index < vertexCount. Errors: Cancelled.
+Result<SoupTopology> analyseTopology(std::span<const Triangle> triangles, std::size_t vertexCount,
+                                     const JobControl& job = {});
 
 } // namespace isoslider::mesh

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/mesh/loop_control.h"
 #include "core/mesh/mesh_readers.h"
 #include "core/mesh/text_scan.h"
 
@@ -29,11 +30,15 @@ Status addTriangle(TriangleSoup& soup, const std::array<glm::dvec3, 3>& corners,
     return {};
 }
 
-Result<TriangleSoup> readBinary(std::string_view bytes, std::uint32_t count, const std::filesystem::path& path) {
+Result<TriangleSoup> readBinary(std::string_view bytes, std::uint32_t count, const std::filesystem::path& path,
+                                const JobControl& job) {
     TriangleSoup soup;
     soup.positions.reserve(std::size_t{3} * count);
     soup.triangles.reserve(count);
+    LoopControl loop(job, count, "reading");
     for (std::size_t t = 0; t < count; ++t) {
+        if (!loop.goesOn(t))
+            return cancelledError();
         const std::string_view triangle = bytes.substr(kHeaderBytes + t * kTriangleBytes, kTriangleBytes);
         std::array<glm::dvec3, 3> corners;
         for (std::size_t i = 0; i < 9; ++i)
@@ -44,12 +49,16 @@ Result<TriangleSoup> readBinary(std::string_view bytes, std::uint32_t count, con
     return soup;
 }
 
-Result<TriangleSoup> readText(std::string_view text, const std::filesystem::path& path) {
+Result<TriangleSoup> readText(std::string_view text, const std::filesystem::path& path, const JobControl& job) {
     TriangleSoup soup;
     std::array<glm::dvec3, 3> corners;
     std::size_t corner = 0;
     bool hasEnd = false;
+    const std::size_t bytes = text.size();
+    LoopControl loop(job, bytes, "reading");
     for (std::string_view word = nextWord(text); !word.empty(); word = nextWord(text)) {
+        if (!loop.goesOn(bytes - text.size()))
+            return cancelledError();
         hasEnd = hasEnd || word == "endsolid";
         if (word != "vertex")
             continue;
@@ -68,14 +77,14 @@ Result<TriangleSoup> readText(std::string_view text, const std::filesystem::path
     return soup;
 }
 
-Result<TriangleSoup> readEither(std::string_view bytes, const std::filesystem::path& path) {
+Result<TriangleSoup> readEither(std::string_view bytes, const std::filesystem::path& path, const JobControl& job) {
     // Some binary files begin with "solid" as well: the length decides first.
     const std::uint32_t count = bytes.size() >= kHeaderBytes ? littleEndian32(bytes.substr(80)) : 0;
     const std::uint64_t wanted = kHeaderBytes + std::uint64_t{count} * kTriangleBytes;
     if (bytes.size() == wanted)
-        return readBinary(bytes, count, path);
+        return readBinary(bytes, count, path, job);
     if (bytes.starts_with("solid"))
-        return readText(bytes, path);
+        return readText(bytes, path, job);
     if (bytes.size() < kHeaderBytes)
         return makeError(ErrorCode::InvalidArgument, "is not an STL file: shorter than its header", path);
     return makeError(ErrorCode::Corruption,
@@ -86,10 +95,13 @@ Result<TriangleSoup> readEither(std::string_view bytes, const std::filesystem::p
 
 } // namespace
 
-Result<TriangleSoup> readStl(std::string_view bytes, const std::filesystem::path& path) {
-    auto soup = readEither(bytes, path);
-    if (soup.isOk())
-        weldEqualPositions(soup.value());
+Result<TriangleSoup> readStl(std::string_view bytes, const std::filesystem::path& path, const JobControl& job) {
+    const JobControl reading = job.part(0.0, 0.4);
+    auto soup = readEither(bytes, path, reading);
+    if (soup.isOk()) {
+        job.report(0.4, "welding");
+        ISO_TRY(weldEqualPositions(soup.value(), job));
+    }
     return soup;
 }
 

@@ -11,6 +11,8 @@
 #include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
+#include "core/mesh/loop_control.h"
+
 namespace isoslider::mesh {
 namespace {
 
@@ -102,19 +104,26 @@ void dropUnusedVertices(TriangleSoup& soup) {
             vertex = newIndex[vertex];
 }
 
-void weldEqualPositions(TriangleSoup& soup) {
+Status weldEqualPositions(TriangleSoup& soup, const JobControl& job) {
     const auto key = [&](std::uint32_t i) {
         const glm::dvec3& p = soup.positions[i];
         return std::tuple(p.x, p.y, p.z); // operator== and < of doubles already take -0 as +0
     };
     std::vector<std::uint32_t> order(soup.positions.size());
     std::iota(order.begin(), order.end(), 0u);
-    tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        const auto keyA = key(a), keyB = key(b);
-        return keyA < keyB || (keyA == keyB && a < b);
+    runStoppable(job, [&] {
+        tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+            const auto keyA = key(a), keyB = key(b);
+            return keyA < keyB || (keyA == keyB && a < b);
+        });
     });
+    if (job.isStopRequested())
+        return cancelledError();
     std::vector<std::uint32_t> representative(order.size());
+    LoopControl loop(job, order.size(), "welding");
     for (std::size_t i = 0; i < order.size(); ++i) {
+        if (!loop.goesOn(i))
+            return cancelledError();
         const bool isSame = i > 0 && key(order[i]) == key(order[i - 1]);
         representative[order[i]] = isSame ? representative[order[i - 1]] : order[i];
     }
@@ -122,6 +131,7 @@ void weldEqualPositions(TriangleSoup& soup) {
         for (std::uint32_t& vertex : triangle)
             vertex = representative[vertex];
     dropUnusedVertices(soup);
+    return {};
 }
 
 } // namespace isoslider::mesh

@@ -6,6 +6,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "core/base/job_control.h"
 #include "core/extract/surface_mesh.h"
 
 namespace isoslider::mesh {
@@ -50,8 +51,8 @@ Nudge nudgeOf(const extract::SurfaceMesh& mesh);
 void dropUnusedVertices(TriangleSoup& soup);
 
 /// Gives vertices at exactly equal positions one index, that of the first. For formats that store
-/// every corner on its own. -0 and +0 are equal.
-void weldEqualPositions(TriangleSoup& soup);
+/// every corner on its own. -0 and +0 are equal. Errors: Cancelled.
+Status weldEqualPositions(TriangleSoup& soup, const JobControl& job = {});
 
 /// True when no index repeats.
 inline bool hasThreeVertices(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }

@@ -66,14 +66,6 @@ std::vector<std::string_view> words(std::string_view text) {
     return out;
 }
 
-std::string lowerCase(std::string_view text) {
-    std::string out(text);
-    for (char& c : out)
-        if (c >= 'A' && c <= 'Z')
-            c = static_cast<char>(c - 'A' + 'a');
-    return out;
-}
-
 std::string inQuotes(std::string_view text) {
     std::string out = "'";
     for (const char c : text.substr(0, 60))

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/plain_text.h"
 #include "core/base/result.h"
 #include "core/grid/scalar_grid.h"
 
@@ -27,7 +28,6 @@ bool parseReals(std::string_view text, std::vector<double>& out);
 
 std::string_view trimmed(std::string_view text);
 std::vector<std::string_view> words(std::string_view text);
-std::string lowerCase(std::string_view text);
 /// Short and printable, for messages that quote a file.
 std::string inQuotes(std::string_view text);
 

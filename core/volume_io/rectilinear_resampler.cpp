@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "core/volume_io/header_checks.h"
+#include "core/volume_io/point_lattice.h"
 
 namespace isoslider::io {
 namespace {
@@ -128,8 +129,9 @@ Result<GridAxis> makeAxis(std::vector<double> coordinates, std::string_view fiel
     const double spacing = axis.spacing(axis.at.size());
     if (!std::isfinite(spacing))
         return refuseField(field, "the coordinates span more than a number can hold", path);
+    const double tolerance = latticeTolerance(spacing, std::max(std::abs(axis.at.front()), std::abs(axis.at.back())));
     for (std::size_t i = 0; i < axis.at.size(); ++i)
-        if (std::abs(axis.at[i] - (axis.at[0] + static_cast<double>(i) * spacing)) > kEvenTolerance * spacing)
+        if (std::abs(axis.at[i] - (axis.at[0] + static_cast<double>(i) * spacing)) > tolerance)
             axis.isEven = false;
     return axis;
 }

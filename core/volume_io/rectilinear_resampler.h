@@ -18,7 +18,7 @@ inline constexpr double kEvenTolerance = 1e-4;
 struct GridAxis {
     std::vector<double> at;    ///< ascending
     bool isDescending = false; ///< in the file: `at` has been turned round
-    bool isEven = true;        ///< within kEvenTolerance
+    bool isEven = true;        ///< within latticeTolerance
 
     double origin() const { return at.front(); }
     /// Of even axes, and of those made even by resampling to `count` points. 1 if there is one point.

@@ -38,7 +38,8 @@ struct VolumeContents {
     }
 };
 
-/// Errors: as openVolume, but for choices that are not made.
-Result<VolumeContents> listVolumes(const std::filesystem::path& path, const ReadOptions& options = {});
+/// Errors: as openVolume, but for choices that are not made; Cancelled.
+Result<VolumeContents> listVolumes(const std::filesystem::path& path, const ReadOptions& options = {},
+                                   const JobControl& job = {});
 
 } // namespace isoslider::io

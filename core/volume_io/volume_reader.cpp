@@ -65,11 +65,12 @@ Result<std::shared_ptr<const ScalarGrid>> readSlabs(VolumeSource& source, const 
 }
 
 Result<std::unique_ptr<VolumeSource>> openAs(const Format& format, const fs::path& path, const ReadOptions& options,
-                                             bool isIsolated) {
-    return isIsolated ? openInReaderProcess(path, options) : format.open(path, options);
+                                             bool isIsolated, const JobControl& job) {
+    return isIsolated ? openInReaderProcess(path, options, job) : format.open(path, options);
 }
 
-Result<std::unique_ptr<VolumeSource>> open(const fs::path& path, const ReadOptions& options, bool mayIsolate) {
+Result<std::unique_ptr<VolumeSource>> open(const fs::path& path, const ReadOptions& options, bool mayIsolate,
+                                           const JobControl& job) {
     using Opened = Result<std::unique_ptr<VolumeSource>>;
     return guarded<Opened>(path, [&]() -> Opened {
         ISO_TRY(checkInput(path, options.raw.has_value()));
@@ -78,11 +79,12 @@ Result<std::unique_ptr<VolumeSource>> open(const fs::path& path, const ReadOptio
         const auto format = findFormat(path);
         if (!format.isOk())
             return format.error();
-        return openAs(*format.value(), path, options, mayIsolate && format.value()->isIsolated);
+        return openAs(*format.value(), path, options, mayIsolate && format.value()->isIsolated, job);
     });
 }
 
-Result<VolumeContents> list(const fs::path& path, const ReadOptions& options, bool mayIsolate) {
+Result<VolumeContents> list(const fs::path& path, const ReadOptions& options, bool mayIsolate,
+                                           const JobControl& job) {
     return guarded<Result<VolumeContents>>(path, [&]() -> Result<VolumeContents> {
         ISO_TRY(checkInput(path, options.raw.has_value()));
         if (options.raw)
@@ -92,32 +94,45 @@ Result<VolumeContents> list(const fs::path& path, const ReadOptions& options, bo
             return found.error();
         const Format& format = *found.value();
         if (mayIsolate && format.isIsolated)
-            return listInReaderProcess(path, options);
+            return listInReaderProcess(path, options, job);
         return format.list != nullptr ? format.list(path, options) : listByOpening(*format.open, path, options);
     });
 }
 
 } // namespace
 
-Result<std::unique_ptr<VolumeSource>> openVolume(const fs::path& path, const ReadOptions& options) {
-    return open(path, options, true);
+Result<std::unique_ptr<VolumeSource>> openVolume(const fs::path& path, const ReadOptions& options,
+                                                 const JobControl& job) {
+    FileWatch files;
+    files.add(path);
+    auto source = open(path, options, true, job);
+    if (!source.isOk())
+        return source;
+    std::error_code ignored;
+    std::vector<fs::path> read = source.value()->info().dataFiles;
+    if (!fs::is_directory(path, ignored))
+        read.push_back(path);
+    if (!read.empty()) // else all of the folder's
+        files.keepOnly(read);
+    source.value()->watch(std::move(files));
+    return source;
 }
 
 Result<std::unique_ptr<VolumeSource>> openInProcess(const fs::path& path, const ReadOptions& options) {
-    return open(path, options, false);
+    return open(path, options, false, {});
 }
 
-Result<VolumeContents> listVolumes(const fs::path& path, const ReadOptions& options) {
-    return list(path, options, true);
+Result<VolumeContents> listVolumes(const fs::path& path, const ReadOptions& options, const JobControl& job) {
+    return list(path, options, true, job);
 }
 
 Result<VolumeContents> listInProcess(const fs::path& path, const ReadOptions& options) {
-    return list(path, options, false);
+    return list(path, options, false, {});
 }
 
 Result<std::shared_ptr<const ScalarGrid>> readVolume(const fs::path& path, const ReadOptions& options,
                                                      const JobControl& job) {
-    auto source = openVolume(path, options);
+    auto source = openVolume(path, options, job);
     if (!source.isOk())
         return std::move(source).error();
     return readVolume(*source.value(), path, job);

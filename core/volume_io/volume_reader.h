@@ -52,8 +52,9 @@ struct ReadOptions {
 /// the type's range.
 /// A file with several fields, components or frames is refused, naming them, unless one is chosen.
 /// Errors: NotFound, IoError (system), InvalidArgument or Corruption (refused, naming the field).
-Result<std::unique_ptr<VolumeSource>> openVolume(const std::filesystem::path& path,
-                                                 const ReadOptions& options = {});
+/// A stop request ends opening, and later the reading of slabs where another process reads: Cancelled.
+Result<std::unique_ptr<VolumeSource>> openVolume(const std::filesystem::path& path, const ReadOptions& options = {},
+                                                 const JobControl& job = {});
 
 /// Reads the whole volume into memory.
 Result<std::shared_ptr<const ScalarGrid>> readVolume(const std::filesystem::path& path,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/file_stamp.h"
 #include "core/base/job_control.h"
 #include "core/grid/scalar_grid.h"
 
@@ -25,13 +26,16 @@ struct ResampleReport {
     std::int64_t outsidePoints = 0;  ///< of the resampled grid: in no cell, or in one that lacks a value; missing
 };
 
+/// The same in one line for people: "onto 10 x 10 x 10 points, off by up to 26 % of the range ...".
+std::string lossText(const ResampleReport& report, const GridDims& dims);
+
 /// What a volume is, known before its samples are read.
 struct VolumeInfo {
     GridGeometry geometry;
     ScalarType type = ScalarType::U8;
     std::string format;    ///< "MetaImage", "NRRD", "NIfTI", "DICOM", "TIFF", "VTK image", "NetCDF", "raw", ...
     std::string fieldName; ///< the scalar field, where the format names it
-    std::vector<std::filesystem::path> dataFiles; ///< that are read beside the file or folder that was opened
+    std::vector<std::filesystem::path> dataFiles; ///< that are read beside the file that was opened; of a folder, in it
     std::string fieldTitle; ///< the same for people; empty: the name will do
     /// Of spacing and origin: "mm", "Å"; empty where the format does not say. isLengthUnit() holds.
     std::string lengthUnit;
@@ -54,6 +58,15 @@ public:
     /// Fills `out` with planes [zBegin, zEnd), x fastest, in the type of info().
     /// REQUIRES: out.size() is exactly that many samples. On failure `out` is unspecified.
     virtual Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) = 0;
+
+    /// Whoever has read samples asks this before they count: what came from a file that changed meanwhile is of neither
+    /// version. Errors: InvalidArgument, naming the file.
+    Status checkUnchanged() const { return files_.check(); }
+    /// The volume's files since before the first was opened; none of samples made elsewhere.
+    void watch(FileWatch files) { files_ = std::move(files); }
+
+private:
+    FileWatch files_;
 };
 
 /// Slabs of a grid in memory; shares ownership.

@@ -7,9 +7,12 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <new>
 #include <random>
 #include <thread>
+
+#include <fmt/format.h>
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
@@ -59,7 +62,7 @@ protected:
         for (std::size_t i = 0; i < stops.size(); ++i) {
             if (!engine.value()->slideTo(stops[i]).isOk())
                 return Verdict::Refused;
-            if (!isSameSurface(engine.value()->mesh(), fresh[i]))
+            if (!isSameSurface(engine.value()->mesh().value(), fresh[i]))
                 return Verdict::Wrong;
         }
         return Verdict::Right;
@@ -81,9 +84,20 @@ TEST_F(BadIndex, B076_NoIndexAtAll) {
         folder_.write(name, bytes);
         expectRefusedSoon({"stats", path(name)}, "not an ISOSLIDER index");
         expectRefusedSoon({"extract", path(name), "--isovalue", "1"}, "not an ISOSLIDER index");
+        expectRefusedSoon({"slide", path(name), "--path", "1"}, "not an ISOSLIDER index");
     }
-    folder_.write("head.isx", good.substr(0, 64));
-    expectRefusedSoon({"stats", path("head.isx")}, "head.isx");
+    // What begins like one is one, cut off: another refusal, that says how long it should be.
+    for (const std::size_t bytes : {std::size_t{12}, std::size_t{63}, std::size_t{64}}) {
+        folder_.write("head.isx", good.substr(0, bytes));
+        for (const auto& words : {std::vector<std::string>{"stats"},
+                                  {"info"},
+                                  {"extract", "--isovalue", "1"},
+                                  {"slide", "--path", "1"}}) {
+            auto command = joined({words[0], path("head.isx")}, {words.begin() + 1, words.end()});
+            expectRefusedSoon(command, bytes < 64 ? "index ends inside its header"
+                                                  : fmt::format("should have {} bytes", good.size()));
+        }
+    }
 }
 
 TEST_F(BadIndex, B077_LaterMajorVersion) {
@@ -93,7 +107,12 @@ TEST_F(BadIndex, B077_LaterMajorVersion) {
         folder_.write("later.isx", bytes);
         const auto result = run({"stats", path("later.isx")});
         expectRefusedSoon({"stats", path("later.isx")}, "format version 9");
+        EXPECT_THAT(result.standardError, HasSubstr("this program reads version 3"));
         EXPECT_THAT(result.standardError, HasSubstr("build it anew"));
+        for (const auto& words :
+             {std::vector<std::string>{"info"}, {"extract", "--isovalue", "1"}, {"slide", "--path", "1"}})
+            expectRefusedSoon(joined({words[0], path("later.isx")}, {words.begin() + 1, words.end()}),
+                              "format version 9");
         EXPECT_THAT(result.standardError, ::testing::Not(HasSubstr("corrupt")));
     }
 }
@@ -102,8 +121,8 @@ TEST_F(BadIndex, B078_LaterMinorVersionWithMore) {
     for (const auto kind : kKinds) {
         const std::string bytes = bytesOf(kind);
         index::Preamble preamble = index::decodePreamble(std::as_bytes(std::span(bytes)), bytes.size(), "x").value();
-        const std::string noUnit(4, '\0'); // of length: what minor 1 adds
-        const std::string meta = bytes.substr(preamble.metaOffset) + noUnit + "a section of the future";
+        const std::string noUnitNorLoss(8, '\0'); // what minor 1 and 2 add: a unit of length, and what resampling lost
+        const std::string meta = bytes.substr(preamble.metaOffset) + noUnitNorLoss + "a section of the future";
         preamble.metaBytes = meta.size();
         preamble.metaChecksum = index::metaChecksum(std::as_bytes(std::span(meta)));
         preamble.fileBytes = preamble.metaOffset + meta.size();
@@ -120,37 +139,46 @@ TEST_F(BadIndex, B078_LaterMinorVersionWithMore) {
 
 TEST_F(BadIndex, B079_EarlierMajorVersions) {
     for (const auto* name : {"golden_v1.isx", "golden_v2.isx"})
-        expectRefusedSoon({"stats", std::string(ISOSLIDER_SOURCE_DIR) + "/tests/data/" + name}, "build it anew");
+        for (const auto& words : {std::vector<std::string>{"stats"},
+                                  {"info"},
+                                  {"extract", "--isovalue", "1"},
+                                  {"slide", "--path", "1"}})
+            expectRefusedSoon(joined({words[0], std::string(ISOSLIDER_SOURCE_DIR) + "/tests/data/" + name},
+                                     {words.begin() + 1, words.end()}),
+                              "build it anew");
+    for (const auto* name : {"golden_v3.isx", "golden_v3_metacells.isx"}) // of this one
+        expectAcceptedSoon({"stats", std::string(ISOSLIDER_SOURCE_DIR) + "/tests/data/" + name});
 }
 
-TEST_F(BadIndex, B080_EveryFlippedBit) {
+TEST_F(BadIndex, B080_NoFlippedBitGivesAWrongSurface) {
     for (const auto kind : kKinds) {
         const std::string good = bytesOf(kind);
         ASSERT_EQ(verdictOn(good), Verdict::Right);
         const index::Preamble preamble =
             index::decodePreamble(std::as_bytes(std::span(good)), good.size(), "x").value();
         std::mt19937_64 random(3);
-        int found = 0, harmless = 0;
-        for (std::uint64_t flip = 0; flip < 512 + 4000; ++flip) {
-            // All of the preamble, then places at random in pages and meta.
-            const std::uint64_t bit = flip < 512 ? flip : 512 + random() % (8 * good.size() - 512);
+        // What each bit does to header, directory and pages is asked in index_damage_test; here, whether a
+        // surface that is handed out all the same is the right one.
+        int found = 0;
+        for (int flip = 0; flip < 600; ++flip) {
+            const std::uint64_t bit = random() % (8 * good.size());
             std::string bytes = good;
             bytes[bit / 8] = static_cast<char>(bytes[bit / 8] ^ 1 << bit % 8);
             const Verdict verdict = verdictOn(bytes);
             ASSERT_NE(verdict, Verdict::Wrong) << "bit " << bit;
-            (verdict == Verdict::Refused ? found : harmless)++;
+            found += verdict == Verdict::Refused ? 1 : 0;
             if (bit / 8 < 64 || bit / 8 >= preamble.metaOffset) {
                 ASSERT_EQ(verdict, Verdict::Refused) << "bit " << bit;
             }
         }
-        EXPECT_GT(found, 1000);
+        EXPECT_GT(found, 100);
     }
 }
 
-TEST_F(BadIndex, B081_EveryTruncation) {
+TEST_F(BadIndex, B081_NoTruncationGivesASurface) {
     for (const auto kind : kKinds) {
         const std::string good = bytesOf(kind);
-        for (std::size_t size = 0; size < good.size(); size += size < 200 || good.size() - size < 300 ? 1 : 61)
+        for (std::size_t size = 0; size < good.size(); size += size < 80 || good.size() - size < 80 ? 1 : 509)
             ASSERT_EQ(verdictOn(good.substr(0, size)), Verdict::Refused) << size;
     }
 }
@@ -168,7 +196,7 @@ TEST_F(BadIndex, B082_LostWrites) {
     }
 }
 
-// B083 to B085: index_file_test. B091: build_failures_test. B092: memory_failures_test.
+// B083 to B085: index_file_test, index_damage_test. B091: build_failures_test. B092: memory_failures_test.
 
 TEST_F(BadIndex, B086_EdgesThatAreActiveAlready) {
     // Level 0's pages listed twice: every change is applied again. All checksums are right.
@@ -200,7 +228,8 @@ TEST_F(BadIndex, B089_KilledAtAnyMoment) {
     const std::string bytes = readText(path("whole.isx"));
     std::mt19937 random(7);
     int absent = 0;
-    for (int round = 0; round < 30; ++round) {
+    const int rounds = std::getenv("ISOSLIDER_LONG_TESTS") != nullptr ? 2000 : 30;
+    for (int round = 0; round < rounds; ++round) {
         const auto moment = std::chrono::steady_clock::now() + whole * (random() % 1000) / 900;
         ProcessOptions options;
         options.signalToSend = SIGKILL;
@@ -216,21 +245,38 @@ TEST_F(BadIndex, B089_KilledAtAnyMoment) {
     EXPECT_GT(absent, 0);
     ASSERT_EQ(run({"build", volume, "-o", path("a.isx")}).exitCode, 0) << "what a killed build left is in nobody's way";
     EXPECT_TRUE(readText(path("a.isx")) == bytes);
+    EXPECT_THAT(folder_.names(), ::testing::ElementsAre("a.isx", "noise.mha", "whole.isx")) << "and is gone";
 }
 
 TEST_F(BadIndex, B093_SmallBudget) {
 #if defined(__SANITIZE_ADDRESS__)
     GTEST_SKIP() << "address space says nothing under a sanitizer";
 #endif
-    folder_.write("a.raw", "");
-    fs::resize_file(path("a.raw"), 512 * 512 * 512);
+    // Budgets are of what a build takes beside the program itself.
+    const std::uint64_t itself = run({"info", sphereVolume()}).peakRssBytes;
     ProcessOptions options;
     options.timeout = std::chrono::minutes(2);
-    options.addressSpaceBytes = std::uint64_t{3} << 30;
-    const auto result = run({"build", path("a.raw"), "--raw-dims", "512,512,512", "--raw-type", "u8", "-o", path("a.isx"),
-                             "--index", "metacells", "--memory", "64M"}, options);
-    EXPECT_EQ(result.exitCode, 0) << result.standardError;
-    EXPECT_LT(result.peakRssBytes, std::uint64_t{64 + 64} << 20);
+    options.addressSpaceBytes = std::uint64_t{64 + 256} << 20;
+    const auto expectWithin = [&](const std::vector<std::string>& words) {
+        const auto result = run(joined(words, {"-o", path("a.isx"), "--memory", "64M"}), options);
+        EXPECT_EQ(result.exitCode, 0) << result.standardError;
+        EXPECT_LE(result.peakRssBytes - itself, (std::uint64_t{64} << 20) * 11 / 10);
+        EXPECT_EQ(folder_.names().size(), 3u);
+        fs::remove(path("a.isx"));
+    };
+    {
+        std::ofstream file(path("a.raw"), std::ios::binary);
+        std::string plane(512 * 512, '\0');
+        for (int z = 0; z < 512; ++z) {
+            for (std::size_t i = 0; i < plane.size(); ++i)
+                plane[i] = static_cast<char>((i % 512 * 3 + i / 512 * z / 64 + (i * 2654435761u >> 27)) / 8);
+            file << plane;
+        }
+    }
+    expectWithin(
+        {"build", path("a.raw"), "--raw-dims", "512,512,512", "--raw-type", "u8", "--index", "metacells"});
+    fs::remove(path("a.raw"));
+    expectWithin({"build", BadInputTest::noiseVolume(96), "--index", "edges"});
 }
 
 TEST_F(BadIndex, B094_BudgetsThatAreNone) {
@@ -238,28 +284,44 @@ TEST_F(BadIndex, B094_BudgetsThatAreNone) {
     expectRefusedSoon({"build", volume, "-o", path("a.isx"), "--memory", "1M"}, "64 MiB", 2);
     for (const auto* text : {"-5", "12parsecs", "", "0", "1e999", "99999999999999999999G"})
         expectRefusedSoon({"build", volume, "-o", path("a.isx"), "--memory", text}, "--memory", 2);
+    for (const auto* text : {"67108863", "65535K", "63M", "1"}) // less than the least
+        expectRefusedSoon({"build", volume, "-o", path("a.isx"), "--memory", text}, "64 MiB", 2);
     EXPECT_FALSE(fs::exists(path("a.isx")));
 }
 
 TEST_F(BadIndex, B095_TwoBuildsOfOneIndex) {
     const auto volume = BadInputTest::noiseVolume(112);
-    ProcessOptions stopped;
-    std::optional<ProcessResult> second, viewer;
-    stopped.signalToSend = SIGCONT;
-    stopped.signalWhen = [&] {
-        if (!fs::exists(path("a.isx.partial")))
-            return false;
-        viewer = run({"stats", path("a.isx")});
-        second = run({"build", volume, "-o", path("a.isx")});
-        return true;
-    };
-    const auto first = run({"build", volume, "-o", path("a.isx")}, stopped);
-    ASSERT_TRUE(second);
-    EXPECT_EQ(first.exitCode, 0) << first.standardError;
-    EXPECT_EQ(second->exitCode, 3) << second->standardError;
-    EXPECT_THAT(second->standardError, HasSubstr("a.isx"));
-    EXPECT_EQ(viewer->exitCode, 4) << "there is none yet";
-    expectAcceptedSoon({"stats", path("a.isx")});
+    for (const bool hasEarlier : {false, true}) {
+        if (hasEarlier) {
+            ASSERT_EQ(run({"build", sphereVolume(), "-o", path("a.isx")}).exitCode, 0);
+        }
+        const std::string earlier = hasEarlier ? readText(path("a.isx")) : "";
+        ProcessOptions stopped;
+        std::optional<ProcessResult> second, viewer;
+        stopped.signalToSend = SIGCONT;
+        stopped.signalWhen = [&] {
+            // The first to come makes the file for a moment before it begins; it may go between two questions.
+            std::error_code none;
+            if (const auto size = fs::file_size(path("a.isx.partial"), none); none || size == 0)
+                return false;
+            viewer = run({"extract", path("a.isx"), "--isovalue", "5", "--json"});
+            second = run({"build", volume, "-o", path("a.isx")});
+            EXPECT_EQ(hasEarlier, fs::exists(path("a.isx")));
+            EXPECT_TRUE(!hasEarlier || readText(path("a.isx")) == earlier);
+            return true;
+        };
+        const auto first =
+            run({"build", volume, "-o", path("a.isx"), "--index", "edges", "--memory", "64M"}, stopped);
+        ASSERT_TRUE(second);
+        EXPECT_EQ(first.exitCode, 0) << first.standardError;
+        EXPECT_EQ(second->exitCode, 3) << second->standardError;
+        EXPECT_THAT(second->standardError, HasSubstr("is being written by another program"));
+        EXPECT_EQ(viewer->exitCode, hasEarlier ? 0 : 4) << "the earlier one, or none";
+        EXPECT_EQ(viewer->standardOutput.find("\"euler\":2") != std::string::npos, hasEarlier)
+            << viewer->standardOutput;
+        EXPECT_EQ(expectAcceptedSoon({"stats", path("a.isx")})["dims"], OrderedJson({112, 112, 112}));
+        fs::remove(path("a.isx"));
+    }
 }
 
 TEST_F(BadIndex, B096_FileThatShrinksWhileItIsRead) {
@@ -271,10 +333,11 @@ TEST_F(BadIndex, B096_FileThatShrinksWhileItIsRead) {
             ASSERT_THAT(engine, IsOk());
             fs::resize_file(path("a.isx"), left);
             const auto moved = engine.value()->slideTo(9.0);
-            if (left <= 64)
+            if (left <= 64) {
                 EXPECT_FALSE(moved.isOk()) << left;
-            else if (moved.isOk()) // what it needs lay before the end
-                EXPECT_TRUE(isSameSurface(engine.value()->mesh(), extract::extractFull(*volume(), 9.0).value()));
+            } else if (moved.isOk()) { // what it needs lay before the end
+                EXPECT_TRUE(isSameSurface(engine.value()->mesh().value(), extract::extractFull(*volume(), 9.0).value()));
+            }
         }
     }
 }

@@ -4,18 +4,76 @@
 #include <sys/stat.h>
 #include <sys/un.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
+#include <sstream>
+
+#include <fmt/format.h>
 
 #include "tests/bad_inputs/bad_input_fixture.h"
+#include "tests/support/slab_oracle.h"
 
 namespace isoslider::test {
 namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+
+using Vertex = std::array<double, 3>;
+
+/// What is read of an OBJ file: places as they are written, and triangles.
+struct ObjMesh {
+    explicit ObjMesh(const std::string& bytes) {
+        std::istringstream text(bytes);
+        std::string line;
+        while (std::getline(text, line)) {
+            std::istringstream words(line);
+            std::string key, word;
+            words >> key;
+            if (key == "v") {
+                Vertex place{};
+                for (double& number : place) {
+                    words >> word;
+                    number = std::strtod(word.c_str(), nullptr); // "nan" and "inf" as well
+                }
+                vertices.push_back(place);
+            } else if (key == "f") {
+                std::array<std::size_t, 3> triangle{};
+                for (std::size_t& corner : triangle) {
+                    words >> word;
+                    corner = std::strtoul(word.c_str(), nullptr, 10) - 1;
+                }
+                triangles.push_back(triangle);
+            }
+        }
+    }
+    bool isFinite() const {
+        return std::all_of(vertices.begin(), vertices.end(), [](const Vertex& v) {
+            return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+        });
+    }
+    /// Each vertex within an edge of the grid, off its ends.
+    bool liesOnEdges() const {
+        return std::all_of(vertices.begin(), vertices.end(), [](const Vertex& v) {
+            return std::count_if(v.begin(), v.end(), [](double x) { return x == std::floor(x); }) == 2;
+        });
+    }
+    Vertex middleOf(const std::array<std::size_t, 3>& triangle) const {
+        Vertex middle{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (const std::size_t corner : triangle)
+                middle[axis] += vertices[corner][axis] / 3.0;
+        return middle;
+    }
+
+    std::vector<Vertex> vertices;
+    std::vector<std::array<std::size_t, 3>> triangles;
+};
 
 class BadRaw : public BadInputTest {
 protected:
@@ -30,6 +88,32 @@ protected:
         EXPECT_EQ(made.exitCode, 0) << made.standardError;
         const auto checked = run({"check", out, "--json"});
         return OrderedJson::parse(checked.standardOutput, nullptr, false);
+    }
+    // The volume itself, and indexes of both kinds of it: what `extract` is given.
+    std::vector<std::vector<std::string>> allForms(const std::vector<std::string>& volume) const {
+        std::vector<std::vector<std::string>> forms{volume};
+        for (const auto* kind : {"edges", "metacells"}) {
+            const auto index = path(std::string(kind) + ".isx");
+            const auto built = run(joined(joined({"build"}, volume), {"-o", index, "--index", kind}));
+            EXPECT_EQ(built.exitCode, 0) << built.standardError;
+            forms.push_back({index});
+        }
+        return forms;
+    }
+    // Components, Euler number, boundary loops and active edges, as sweeping each cell in slices finds them.
+    template <class Sample>
+    static void expectOracleCounts(const OrderedJson& json, const std::vector<Sample>& samples, std::int64_t side, double isovalue) {
+        const auto expected = sweepGrid(std::vector<double>(samples.begin(), samples.end()), {side, side, side}, isovalue);
+        EXPECT_EQ(json["components"], expected.components) << isovalue;
+        EXPECT_EQ(json["euler"], expected.euler) << isovalue;
+        EXPECT_EQ(json["boundary_loops"], expected.loops) << isovalue;
+        EXPECT_EQ(json["active_edges"], expected.activeEdges) << isovalue;
+        EXPECT_EQ(json["valid"], true) << isovalue;
+    }
+    ObjMesh objMesh(const std::vector<std::string>& source, const std::string& isovalue) const {
+        const auto made = run(joined(joined({"extract"}, source), {"--isovalue", isovalue, "-o", path("a.obj")}));
+        EXPECT_EQ(made.exitCode, 0) << made.standardError;
+        return ObjMesh(readText(path("a.obj")));
     }
     std::string sparse(const std::string& name, std::uint64_t bytes) const {
         folder_.write(name, "");
@@ -50,7 +134,10 @@ TEST_F(BadRaw, B002_LongerThanAskedFor) {
     expectRefusedSoon(joined({"info"}, volume), "64");
     const auto json = expectAcceptedSoon(joined(joined({"info"}, volume), {"--allow-trailing"}));
     EXPECT_EQ(json["dims"], OrderedJson({4, 4, 4}));
-    EXPECT_THAT(json["notes"].dump(), HasSubstr("1 byte"));
+    EXPECT_THAT(json["notes"].dump(), ::testing::AllOf(HasSubstr("65 bytes"), HasSubstr("1 byte")));
+    expectRefusedSoon(joined(joined({"extract"}, volume), {"--isovalue", "1"}), "has 65 bytes");
+    expectRefusedSoon(joined(joined({"build"}, volume), {"-o", path("a.isx")}), "has 65 bytes");
+    extract(joined(volume, {"--allow-trailing"}), "1");
     fs::resize_file(path("a.raw"), (std::uint64_t{1} << 30) + 64);
     expectRefusedSoon(joined({"info"}, volume), "has 1073741888 bytes");
     EXPECT_THAT(expectAcceptedSoon(joined(joined({"info"}, volume), {"--allow-trailing"}))["notes"].dump(),
@@ -77,13 +164,19 @@ TEST_F(BadRaw, B005_WithoutCells) {
         for (const auto* kind : {"edges", "metacells"}) {
             expectAcceptedSoon(joined(joined({"build"}, volume), {"-o", path("a.isx"), "--index", kind}));
             EXPECT_EQ(extract({path("a.isx")}, "110")["triangles"], 0) << kind;
+            EXPECT_EQ(exported({path("a.isx")}, "110")["triangles"], 0) << kind;
+            EXPECT_EQ(expectAcceptedSoon({"stats", path("a.isx")})["kind"], kind);
+            EXPECT_EQ(expectAcceptedSoon({"slide", path("a.isx"), "--path", "110,97,130"})["steps"].size(), 3u) << kind;
         }
     }
 }
 
 TEST_F(BadRaw, B006_OneCell) {
     const auto volume = raw("a.raw", std::string("\0\0\0\0\0\0\0\x08", 8), "2,2,2", "u8");
-    EXPECT_EQ(extract(volume, "4")["triangles"], 1);
+    for (const auto& form : allForms(volume)) {
+        EXPECT_EQ(extract(form, "4")["triangles"], 1) << form[0];
+        EXPECT_EQ(objMesh(form, "4").vertices, (std::vector<Vertex>{{1, 1, 0.5}, {1, 0.5, 1}, {0.5, 1, 1}})) << form[0];
+    }
 }
 
 TEST_F(BadRaw, B007_NegativeExtent) {
@@ -136,6 +229,16 @@ TEST_F(BadRaw, B012_BeyondTheMachine) {
     EXPECT_EQ(result.exitCode, 3) << result.standardError;
     EXPECT_THAT(result.standardError, HasSubstr("memory budget is too small"));
     EXPECT_FALSE(fs::exists(path("a.isx")));
+#if !defined(__SANITIZE_ADDRESS__)
+    EXPECT_LT(result.peakRssBytes, std::uint64_t{192} << 20) << "before any allocation";
+    EXPECT_LT(result.processorTime, std::chrono::seconds(1));
+    // Nor is it read whole where there is no memory for it.
+    const auto whole = run({"extract", file, "--raw-dims", "2049,2049,2049", "--raw-type", "u8", "--isovalue", "1"}, bounded);
+    EXPECT_THAT(whole.exitCode, ::testing::AnyOf(3, 4)) << whole.standardError;
+    EXPECT_EQ(std::count(whole.standardError.begin(), whole.standardError.end(), '\n'), 1) << whole.standardError;
+    EXPECT_THAT(whole.standardError, HasSubstr("memory"));
+    EXPECT_LT(whole.processorTime, std::chrono::seconds(1));
+#endif
 }
 
 TEST_F(BadRaw, B013_UnknownType) {
@@ -150,18 +253,29 @@ TEST_F(BadRaw, B014_SwappedBytes) {
         ramp.push_back(static_cast<std::uint16_t>(value << 8 | value >> 8));
     }
     const auto volume = raw("a.raw", samplesOf(ramp), "32,32,32", "u16");
-    EXPECT_THAT(expectAcceptedSoon(joined({"info"}, volume))["notes"].dump(), HasSubstr("byte order"));
+    const auto wrong = expectAcceptedSoon(joined({"info"}, volume));
+    EXPECT_THAT(wrong["notes"].dump(), HasSubstr("byte order"));
+    EXPECT_EQ(wrong["max"], 0xff01) << "as it was asked for, not as it seems to be meant";
     const auto right = expectAcceptedSoon(joined(joined({"info"}, volume), {"--big-endian"}));
     EXPECT_FALSE(right.contains("notes")) << right.dump();
     EXPECT_EQ(right["max"], 31 * 21);
 }
 
 TEST_F(BadRaw, B015_NothingFinite) {
-    const auto volume = raw("a.raw", samplesOf(std::vector<float>(64, std::nanf(""))), "4,4,4", "f32");
-    expectRefusedSoon(joined({"info"}, volume), "no finite sample");
-    expectRefusedSoon(joined(joined({"extract"}, volume), {"--isovalue", "0"}), "no finite sample");
-    for (const auto* kind : {"edges", "metacells"})
-        expectRefusedSoon(joined(joined({"build"}, volume), {"-o", path("a.isx"), "--index", kind}), "no finite sample");
+    const float inf = std::numeric_limits<float>::infinity();
+    std::vector<float> mixed(64, inf);
+    mixed[7] = -inf;
+    mixed[9] = std::nanf("");
+    const std::pair<const char*, std::string> volumes[] = {{"f32", samplesOf(std::vector<float>(64, std::nanf("")))},
+                                                           {"f32", samplesOf(mixed)},
+                                                           {"f64", samplesOf(std::vector<double>(64, std::nan("")))}};
+    for (const auto& [type, bytes] : volumes) {
+        const auto volume = raw("a.raw", bytes, "4,4,4", type);
+        expectRefusedSoon(joined({"info"}, volume), "no finite sample");
+        expectRefusedSoon(joined(joined({"extract"}, volume), {"--isovalue", "0"}), "no finite sample");
+        for (const auto* kind : {"edges", "metacells"})
+            expectRefusedSoon(joined(joined({"build"}, volume), {"-o", path("a.isx"), "--index", kind}), "no finite sample");
+    }
 }
 
 std::vector<float> ball() {
@@ -180,9 +294,24 @@ TEST_F(BadRaw, B016_OneMissingSample) {
     EXPECT_EQ(expectAcceptedSoon(joined({"info"}, volume))["nan_count"], 1);
     EXPECT_EQ(exported(volume, "1")["closed"], true) << "the corner is far from the surface";
     samples[5 + 11 * 5 + 121 * 9] = std::nanf(""); // upon it
-    const auto open = exported(raw("b.raw", samplesOf(samples), "11,11,11", "f32"), "0.25");
-    EXPECT_EQ(open["manifold"], true);
-    EXPECT_EQ(open["closed"], false);
+    const auto holed = raw("b.raw", samplesOf(samples), "11,11,11", "f32");
+    EXPECT_EQ(expectAcceptedSoon(joined({"info"}, holed))["nan_count"], 2);
+    for (const auto& form : allForms(holed)) {
+        SCOPED_TRACE(form[0]);
+        const auto open = extract(form, "0.25");
+        EXPECT_EQ(open["valid"], true);
+        EXPECT_EQ(open["closed"], false);
+        EXPECT_EQ(open["boundary_loops"], 1);
+        for (const auto& opening : open["open_at"].items())
+            EXPECT_EQ(opening.value()["loops"], opening.key() == "missing" ? 1 : 0) << opening.key();
+        // Of the eight cells around the missing sample there is nothing.
+        const ObjMesh mesh = objMesh(form, "0.25");
+        EXPECT_GT(mesh.triangles.size(), 100u);
+        for (const auto& triangle : mesh.triangles) {
+            const Vertex middle = mesh.middleOf(triangle);
+            EXPECT_FALSE(std::abs(middle[0] - 5) < 1 && std::abs(middle[1] - 5) < 1 && std::abs(middle[2] - 9) < 1);
+        }
+    }
 }
 
 TEST_F(BadRaw, B017_Infinities) {
@@ -191,22 +320,39 @@ TEST_F(BadRaw, B017_Infinities) {
     samples[5 + 11 * 5 + 121 * 9] = -std::numeric_limits<float>::infinity();
     const auto volume = raw("a.raw", samplesOf(samples), "11,11,11", "f32");
     EXPECT_EQ(expectAcceptedSoon(joined({"info"}, volume))["nan_count"], 2);
-    EXPECT_EQ(exported(volume, "0.25")["manifold"], true);
-    const auto mesh = run(joined(joined({"extract"}, volume), {"--isovalue", "0.25", "-o", path("a.obj")}));
-    ASSERT_EQ(mesh.exitCode, 0) << mesh.standardError;
-    EXPECT_THAT(readText(path("a.obj")), ::testing::Not(::testing::AnyOf(HasSubstr("nan"), HasSubstr("inf"))));
+    const auto info = expectAcceptedSoon(joined({"info"}, volume));
+    EXPECT_EQ(info["max"], 4.0);
+    EXPECT_NEAR(info["min"].get<double>(), 4.0 - std::sqrt(75.0), 1e-5);
+    for (const auto& form : allForms(volume))
+        for (const auto* isovalue : {"0.25", "-1", "1", "3.4e38", "-3.4e38"}) {
+            SCOPED_TRACE(form[0] + " at " + isovalue);
+            EXPECT_EQ(extract(form, isovalue)["valid"], true);
+            const ObjMesh mesh = objMesh(form, isovalue);
+            EXPECT_TRUE(mesh.isFinite());
+            EXPECT_EQ(mesh.vertices.empty(), std::string_view(isovalue).size() > 5);
+        }
 }
 
 TEST_F(BadRaw, B018_TwoZeros) {
     auto samples = ball();
     for (float& sample : samples)
         sample = sample > 0.0f ? sample : 0.0f;
-    const auto plain = extract(raw("a.raw", samplesOf(samples), "11,11,11", "f32"), "0");
+    const auto volume = raw("a.raw", samplesOf(samples), "11,11,11", "f32");
+    const auto plain = extract(volume, "0"), small = extract(volume, "1e-45");
+    EXPECT_EQ(plain["triangles"], 0) << "nothing is below";
+    EXPECT_GT(small["triangles"], 0);
     for (std::size_t i = 0; i < samples.size(); i += 3)
         samples[i] = samples[i] == 0.0f ? -0.0f : samples[i];
-    const auto mixed = extract(raw("b.raw", samplesOf(samples), "11,11,11", "f32"), "0");
-    for (const auto* key : {"vertices", "triangles", "components", "euler", "boundary_loops"})
-        EXPECT_EQ(plain[key], mixed[key]) << key;
+    const auto mixedVolume = raw("b.raw", samplesOf(samples), "11,11,11", "f32");
+    EXPECT_EQ(expectAcceptedSoon(joined({"info"}, mixedVolume))["distinct_values"],
+              expectAcceptedSoon(joined({"info"}, volume))["distinct_values"]);
+    for (const auto& form : allForms(mixedVolume))
+        for (const auto* isovalue : {"0", "-0", "-0.0", "1e-45"}) {
+            const auto mixed = extract(form, isovalue);
+            const auto& expected = std::string_view(isovalue) == "1e-45" ? small : plain;
+            for (const auto* key : {"vertices", "triangles", "components", "euler", "boundary_loops"})
+                EXPECT_EQ(expected[key], mixed[key]) << key << " of " << form[0] << " at " << isovalue;
+        }
 }
 
 TEST_F(BadRaw, B019_Denormals) {
@@ -220,6 +366,14 @@ TEST_F(BadRaw, B019_Denormals) {
     EXPECT_EQ(mesh["manifold"], true);
     EXPECT_EQ(mesh["euler"], 2);
     EXPECT_EQ(mesh["degenerate_triangles"], 0);
+    for (const auto& form : allForms(volume))
+        EXPECT_TRUE(objMesh(form, "6.3e-45").liesOnEdges()) << form[0];
+    // And of f64, whose least is 5e-324.
+    std::vector<double> wide;
+    for (const float sample : samples)
+        wide.push_back((sample == 7 * least ? 7 : 2) * std::numeric_limits<double>::denorm_min());
+    for (const auto& form : allForms(raw("b.raw", samplesOf(wide), "11,11,11", "f64")))
+        EXPECT_TRUE(objMesh(form, "2e-323").liesOnEdges()) << form[0];
 }
 
 TEST_F(BadRaw, B020_DifferenceThatOverflows) {
@@ -232,7 +386,15 @@ TEST_F(BadRaw, B020_DifferenceThatOverflows) {
     EXPECT_EQ(mesh["closed"], true);
     EXPECT_EQ(mesh["euler"], 2);
     EXPECT_EQ(mesh["degenerate_triangles"], 0);
-    EXPECT_THAT(readText(path("surface.ply")), ::testing::Not(HasSubstr("nan")));
+    for (const auto& form : allForms(volume))
+        for (const auto* isovalue : {"0", "1e38", "-3.4e38", "3.4e38"})
+            EXPECT_TRUE(objMesh(form, isovalue).liesOnEdges()) << form[0] << " at " << isovalue;
+    std::vector<double> wide;
+    for (const float sample : samples)
+        wide.push_back(sample > 0.0f ? std::numeric_limits<double>::max() : std::numeric_limits<double>::lowest());
+    for (const auto& form : allForms(raw("b.raw", samplesOf(wide), "11,11,11", "f64")))
+        for (const auto* isovalue : {"0", "1e308", "-1.7e308"})
+            EXPECT_TRUE(objMesh(form, isovalue).liesOnEdges()) << form[0] << " at " << isovalue;
 }
 
 TEST_F(BadRaw, B021_Constant) {
@@ -243,6 +405,13 @@ TEST_F(BadRaw, B021_Constant) {
     for (const auto* kind : {"edges", "metacells"}) {
         expectAcceptedSoon(joined(joined({"build"}, volume), {"-o", path("a.isx"), "--index", kind}));
         EXPECT_EQ(extract({path("a.isx")}, "5")["triangles"], 0) << kind;
+        const auto level = expectAcceptedSoon({"stats", path("a.isx")})["levels"][0];
+        EXPECT_EQ(level["blocks"], 0) << "no isovalue changes anything";
+        EXPECT_EQ(level["edges"], 0);
+        const auto steps = expectAcceptedSoon({"slide", path("a.isx"), "--path", "4,5,6,5,4"})["steps"];
+        EXPECT_EQ(steps.size(), 5u);
+        for (const auto& step : steps)
+            EXPECT_EQ(step["edges_touched"], 0);
     }
 }
 
@@ -250,7 +419,11 @@ TEST_F(BadRaw, B022_Checkerboard) {
     std::vector<std::int8_t> samples;
     for (int i = 0; i < 512; ++i)
         samples.push_back(static_cast<std::int8_t>((i + i / 8 + i / 64) % 2 == 0 ? 1 : -1));
-    const auto mesh = exported(raw("a.raw", samplesOf(samples), "8,8,8", "i8"), "0");
+    const auto volume = raw("a.raw", samplesOf(samples), "8,8,8", "i8");
+    for (const auto& form : allForms(volume))
+        for (const auto* isovalue : {"0", "1", "0.5", "-0.999"})
+            expectOracleCounts(extract(form, isovalue), samples, 8, std::stod(isovalue));
+    const auto mesh = exported(volume, "0");
     EXPECT_EQ(mesh["manifold"], true);
     EXPECT_EQ(mesh["oriented"], true);
     EXPECT_EQ(mesh["degenerate_triangles"], 0);
@@ -273,30 +446,67 @@ TEST_F(BadRaw, B023_IsovalueOnSamplesEverywhere) {
         EXPECT_EQ(mesh["euler"], 2) << isovalue;
         EXPECT_EQ(mesh["degenerate_triangles"], 0) << isovalue;
     }
+    // The surface at a sample's value is the limit of those below it.
+    for (const auto& form : allForms(volume))
+        for (const int isovalue : {1, 2, 3, 4, 5, 6}) {
+            const auto at = extract(form, std::to_string(isovalue)), below = extract(form, std::to_string(isovalue - 1) + ".999999999");
+            for (const auto* key : {"vertices", "triangles", "active_edges", "components", "euler", "boundary_loops"})
+                EXPECT_EQ(at[key], below[key]) << key << " of " << form[0] << " at " << isovalue;
+            expectOracleCounts(at, samples, 11, isovalue);
+        }
 }
 
-TEST_F(BadRaw, B024_SourceThatShrinksMeanwhile) {
-    for (const bool removes : {false, true}) {
-        const auto volume = noiseVolume(112);
-        ProcessOptions options;
-        options.timeout = std::chrono::seconds(50);
-        options.signalToSend = SIGCONT; // harmless: the moment is what is wanted
-        options.signalWhen = [&] {
-            if (folder_.names().size() < 2)
-                return false;
-            fs::resize_file(volume, 4096);
-            if (removes)
-                fs::remove(volume);
-            return true;
-        };
-        const auto result = run({"build", volume, "-o", path("a.isx"), "--memory", "64M"}, options);
-        EXPECT_NE(result.exitCode, 0);
-        EXPECT_THAT(result.exitCode, ::testing::AnyOf(3, 4)) << result.standardError;
-        EXPECT_THAT(result.standardError, HasSubstr("noise.mha"));
-        EXPECT_FALSE(fs::exists(path("a.isx")));
-        fs::remove(volume);
-        EXPECT_TRUE(folder_.names().empty());
-    }
+TEST_F(BadRaw, B024_SourceThatChangesMeanwhile) {
+    const auto volume = noiseVolume(96), larger = noiseVolume(200, "larger.mha"); // for as long as metacells take
+    const std::string samples = readText(volume), largerSamples = readText(larger);
+    fs::remove(larger);
+    struct Change {
+        const char* name;
+        std::function<void()> make;
+    };
+    const auto overwrite = [&](std::streamoff place) {
+        std::fstream file(volume, std::ios::in | std::ios::out | std::ios::binary);
+        file.seekp(place);
+        file << std::string(100'000, 'x');
+    };
+    const std::vector<Change> changes{
+        {"overwritten in its first part", [&] { overwrite(1 << 20); }},
+        {"overwritten in its last part", [&] { overwrite(3 << 20); }},
+        {"overwritten, its time set back",
+         [&, time = fs::last_write_time(volume)] {
+             overwrite(1 << 20);
+             fs::last_write_time(volume, time);
+         }},
+        {"replaced", [&] { fs::rename(folder_.write("noise.new", std::string(fs::file_size(volume), 'x')), volume); }},
+        {"shorter", [&] { fs::resize_file(volume, 4096); }},
+        {"longer", [&] { fs::resize_file(volume, fs::file_size(volume) + 4096); }},
+        {"deleted", [&] { fs::remove(volume); }},
+        {"unreadable", [&] { fs::permissions(volume, fs::perms::none); }},
+    };
+    for (const Change& change : changes)
+        for (const auto* kind : {"edges", "metacells"}) {
+            SCOPED_TRACE(fmt::format("{}, {}", change.name, kind));
+            const bool isMetacells = std::string_view(kind) == "metacells";
+            folder_.write("noise.mha", isMetacells ? largerSamples : samples);
+            ProcessOptions options;
+            options.timeout = std::chrono::seconds(50);
+            options.signalToSend = SIGCONT; // harmless: the moment is what is wanted
+            options.signalWhen = [&] {
+                if (!fs::exists(path("a.isx.partial")))
+                    return false;
+                change.make();
+                return true;
+            };
+            const auto result = run({"build", volume, "-o", path("a.isx"), "--index", kind, "--memory", "64M"}, options);
+            EXPECT_EQ(result.exitCode, 3) << result.standardError;
+            EXPECT_THAT(result.standardError, HasSubstr("noise.mha"));
+            if (std::string_view(change.name) != "shorter") { // which may be found first by reading
+                EXPECT_THAT(result.standardError, HasSubstr("changed while it was read"));
+            }
+            EXPECT_EQ(std::count(result.standardError.begin(), result.standardError.end(), '\n'), 1) << result.standardError;
+            fs::remove(volume);
+            EXPECT_TRUE(folder_.names().empty()) << folder_.names().front();
+        }
 }
 
 TEST_F(BadRaw, B025_NoRegularFile) {
@@ -312,7 +522,19 @@ TEST_F(BadRaw, B025_NoRegularFile) {
     expectRefusedSoon({"info", path("s.mha")}, "regular file");
     expectRefusedSoon({"info", "/dev/zero"}, "regular file");
     for (const auto& name : {path("folder.mha"), path("pipe.mha"), path("s.mha"), std::string("/dev/zero")})
-        expectRefusedSoon({"info", name, "--raw-dims", "4,4,4", "--raw-type", "u8"}, "regular file");
+        for (const auto& command : {std::vector<std::string>{"info"}, {"build", "-o", path("a.isx")}, {"extract", "--isovalue", "1"},
+                                    {"resample", "-o", path("a.mha"), "--size", "4,4,4"}}) {
+            std::vector<std::string> words{command[0], name, "--raw-dims", "4,4,4", "--raw-type", "u8"};
+            words.insert(words.end(), command.begin() + 1, command.end());
+            expectRefusedSoon(words, "regular file");
+        }
+    for (const auto& name : {path("pipe.mha"), path("s.mha"), std::string("/dev/zero")})
+        for (const auto* command : {"stats", "check"})
+            expectRefusedSoon({command, name}, "regular file");
+    fs::create_symlink("/dev/zero", path("link.mha"));
+    fs::create_symlink(path("nothing"), path("dangling.mha"));
+    expectRefusedSoon({"info", path("link.mha")}, "regular file");
+    expectRefusedSoon({"info", path("dangling.mha")}, "dangling.mha", 4);
     ::close(listener);
 }
 
@@ -322,12 +544,27 @@ TEST_F(BadRaw, B026_StrangeNames) {
                                    "\xd7\xa9\xd7\x9c\xd7\x95\xd7\x9d.mha", "quote'\"`$(x).mha"}) {
         folder_.write(name, bytes);
         EXPECT_EQ(expectAcceptedSoon({"info", path(name)})["dims"], OrderedJson({16, 16, 16})) << name;
+        // Written under such names as well.
+        const std::string index = path(name + ".isx"), mesh = path(name + ".ply");
+        ASSERT_EQ(run({"build", path(name), "-o", index}).exitCode, 0) << name;
+        EXPECT_GT(expectAcceptedSoon({"extract", index, "--isovalue", "5", "-o", mesh})["triangles"], 0) << name;
+        EXPECT_EQ(expectAcceptedSoon({"check", mesh})["closed"], true) << name;
         folder_.write(name, bytes.substr(0, 900));
         expectRefusedSoon({"info", path(name)}, "isoslider-cli: ");
     }
-    expectRefusedSoon({"info", path(std::string(4096, 'a') + ".mha")}, "isoslider-cli: ", 4);
-    const ProcessResult dashed = run({"info", "--", "-dash.mha", "--json"});
-    EXPECT_NE(dashed.exitCode, 0); // of the cut file: it was found
+    for (const auto* command : {"info", "stats", "check"})
+        expectRefusedSoon({command, path(std::string(4096, 'a') + ".mha")}, "isoslider-cli: ", 4);
+    expectRefusedSoon({"build", sphereVolume(), "-o", path(std::string(4096, 'a') + ".isx")}, "isoslider-cli: ", 4);
+    expectRefusedSoon({"info", path(std::string(200, 'a') + "/" + std::string(200, 'b') + "/none.mha")}, "none.mha", 4);
+    // The longest name that a file can have leaves no room for what is written beside it first.
+    const auto longest = path(std::string(251, 'x') + ".isx");
+    const auto built = run({"build", sphereVolume(), "-o", longest});
+    EXPECT_TRUE(built.exitCode == 0 ? fs::exists(longest) : built.exitCode == 4 && !fs::exists(longest)) << built.standardError;
+    // A dash in front: relative to the folder that the program runs in, and behind "--".
+    folder_.write("-dash.mha", bytes);
+    const ProcessResult dashed = run({"info", "--json", "--", "-dash.mha"});
+    EXPECT_EQ(dashed.exitCode, 0) << dashed.standardError;
+    expectRefusedSoon({"info", "-dash.mha"}, "isoslider-cli: ", 2);
 }
 
 } // namespace

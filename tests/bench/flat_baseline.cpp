@@ -51,18 +51,12 @@ FlatBaseline<Live>::FlatBaseline(const GridGeometry& geometry,
 }
 
 template <class Live>
-void FlatBaseline<Live>::apply(const extract::ChangeSet<Live>& changes) {
+void FlatBaseline<Live>::apply(const EdgeChanges<Live>& changes) {
     // PAPER 3.3: Delete before Add, so that additions fill the holes.
-    changes.forEachList([&](const auto& lists) {
-        for (const auto& partition : lists.deactivated)
-            for (const extract::DeactivatedEdge& change : partition)
-                remove(edgeIdOf(change.brick, change.edge));
-    });
-    changes.forEachList([&](const auto& lists) {
-        for (const auto& partition : lists.activated)
-            for (const extract::ActivatedEdge<Live>& change : partition)
-                add(change);
-    });
+    for (const DeactivatedEdge& change : changes.deactivated)
+        remove(edgeIdOf(change.brick, change.edge));
+    for (const ActivatedEdge<Live>& change : changes.activated)
+        add(change);
     compactEdges();
     for (const CellId cell : staleCells_)
         retriangulate(cell);
@@ -81,7 +75,7 @@ void FlatBaseline<Live>::remove(EdgeId edge) {
 }
 
 template <class Live>
-void FlatBaseline<Live>::add(const extract::ActivatedEdge<Live>& change) {
+void FlatBaseline<Live>::add(const ActivatedEdge<Live>& change) {
     const EdgeId edge = edgeIdOf(change.brick, change.edge);
     std::uint32_t at = static_cast<std::uint32_t>(edges_.size());
     if (edgeHoles_.empty()) {
@@ -99,7 +93,7 @@ void FlatBaseline<Live>::add(const extract::ActivatedEdge<Live>& change) {
 
 template <class Live>
 typename FlatBaseline<Live>::Edge FlatBaseline<Live>::makeEdge(
-    const extract::ActivatedEdge<Live>& change) const {
+    const ActivatedEdge<Live>& change) const {
     const std::size_t axis = change.edge >> 9;
     const auto point = grid_.pointCoords(PointId{change.brick} * kBrickPoints + (change.edge & 511));
     Edge edge{};

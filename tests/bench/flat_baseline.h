@@ -7,10 +7,10 @@
 
 #include <glm/vec3.hpp>
 
-#include "core/extract/change_source.h"
 #include "core/extract/surface_mesh.h"
 #include "core/index/index_format.h"
 #include "tests/bench/chained_table.h"
+#include "tests/bench/flat_changes.h"
 
 namespace isoslider::bench {
 
@@ -29,7 +29,7 @@ public:
 
     /// Brings E, I, H_E and H_C to the isovalue that `changes` lead to.
     /// REQUIRES: the changes fit the live state.
-    void apply(const extract::ChangeSet<Live>& changes);
+    void apply(const EdgeChanges<Live>& changes);
     /// Regenerates V and N from E.
     void interpolate(double isovalue);
 
@@ -64,14 +64,14 @@ private:
     };
 
     EdgeId edgeIdOf(BrickIndex brick, LocalEdge edge) const;
-    Edge makeEdge(const extract::ActivatedEdge<Live>& change) const;
+    Edge makeEdge(const ActivatedEdge<Live>& change) const;
     bool isLowerEndBelow(const Edge& edge) const;
     bool isMissingCell(CellId cell) const;
     template <class Visit>
     void forEachCellAt(EdgeId edge, const Visit& visit) const;
 
     void remove(EdgeId edge);
-    void add(const extract::ActivatedEdge<Live>& change);
+    void add(const ActivatedEdge<Live>& change);
     void toggleCells(EdgeId edge);
     void makeStale(Cell& cell, CellId id);
     void compactEdges();

@@ -2,8 +2,8 @@
 
 #include <tbb/task_arena.h>
 
-#include "core/extract/edge_block_source.h"
 #include "tests/bench/flat_baseline.h"
+#include "tests/bench/flat_changes.h"
 #include "tests/bench/timing.h"
 
 namespace isoslider::bench {
@@ -20,24 +20,21 @@ std::uint64_t averageActiveEdges(const index::IndexInfo& info) {
 
 template <class Sample>
 class Runner final : public FlatRunner {
-    using Source = extract::EdgeBlockSource<Sample>;
-    using Live = typename Source::Live;
+    using Live = extract::LiveOf<Sample>;
 
 public:
     explicit Runner(std::unique_ptr<index::IndexReader> reader)
         : reader_(std::move(reader)),
-          source_(*reader_, kCacheBytes),
-          changes_(reader_->grid().brickCount()),
+          walk_(*reader_, kCacheBytes),
           surface_(reader_->info().geometry, reader_->meta().missingCells,
-                   averageActiveEdges(reader_->info())),
-          position_(source_.lowest()) {}
+                   averageActiveEdges(reader_->info())) {}
 
     Result<FlatStep> slideTo(double isovalue) override {
         FlatStep step;
         Status moved;
         oneThread_.execute([&] {
             const double start = nowMs();
-            moved = move(source_.threshold(isovalue));
+            moved = move(thresholdOf<Sample>(isovalue));
             const double between = nowMs();
             surface_.interpolate(isovalue);
             step.updateMs = between - start;
@@ -53,19 +50,17 @@ public:
 
 private:
     Status move(KeyThreshold target) {
-        changes_.clear();
-        extract::SlideStats stats;
-        ISO_TRY(source_.collect(position_, target, changes_, stats, {}));
+        ISO_TRY(collectEdgeChanges<Sample>(walk_, reader_->grid(), position_, target, changes_));
         surface_.apply(changes_);
         position_ = target;
         return {};
     }
 
     std::unique_ptr<index::IndexReader> reader_;
-    Source source_;
-    extract::ChangeSet<Live> changes_;
+    extract::BlockWalk<KeyOf<Sample>> walk_;
+    EdgeChanges<Live> changes_;
     FlatBaseline<Live> surface_;
-    KeyThreshold position_;
+    KeyThreshold position_ = 0; // below every sample
     tbb::task_arena oneThread_{1};
 };
 

@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "core/extract/edge_interpolation.h"
+#include "core/extract/live/brick_picture.h"
 #include "core/grid/brick_grid.h"
 #include "tests/bench/flat_runner.h"
 #include "tests/bench/peer_flying_edges.h"
@@ -82,13 +83,26 @@ public:
             engine_->dropCaches();
         if (caches != CacheState::AsLeft && !contestant_.file.empty())
             dropFromMemory(contestant_.file);
+        // As in the window: the picture before stays until there is another.
+        extract::SurfaceFrame frame;
         const double start = nowMs();
         auto moved = engine_->slideTo(isovalue);
+        if (!moved.isOk())
+            return moved;
+        engine_->copyFrame(frame);
         const double elapsed = nowMs() - start;
-        if (moved.isOk() && isFirst)
+        if (isFirst)
             row_.firstMs = elapsed;
-        else if (moved.isOk())
+        else
             add(moved.value(), elapsed);
+        if (frame.bricks && !isFirst) {
+            row_.sentBytes += sentBytes(*frame.bricks);
+            const double before = nowMs();
+            arrays_.isovalue = isovalue;
+            expandPicture(*frame.bricks, arrays_);
+            arrayTimes_.push_back(nowMs() - before);
+        }
+        frame_ = std::move(frame);
         return moved;
     }
 
@@ -97,21 +111,32 @@ public:
     EngineRow finish(int steps) {
         row_.times = spreadOf(times_);
         row_.updateMs = spreadOf(updates_).median;
-        row_.interpolateMs = spreadOf(interpolations_).median;
+        row_.arraysMs = spreadOf(arrayTimes_).median;
         row_.copyMs = spreadOf(copies_).median;
         row_.nsPerChange = spreadOf(nsPerChange_).median;
         for (double* sum : {&row_.activeEdges, &row_.triangles, &row_.edgesChanged, &row_.edgesTouched,
                             &row_.bytesRead, &row_.bytesAhead, &row_.bricksRead, &row_.chunksRead,
-                            &row_.ambiguousCells, &row_.cellsResolved, &row_.resolveMs})
+                            &row_.ambiguousCells, &row_.cellsResolved, &row_.sentBytes})
             *sum /= steps;
         return row_;
     }
 
 private:
+    double sentBytes(const extract::BrickPicture<float>& picture) const {
+        const auto now = picture.bricks();
+        const auto before = frame_.bricks && frame_.bricks->series() == picture.series() ? frame_.bricks->bricks()
+                                                                                         : std::span<const extract::PictureBrick>();
+        double bytes = 0.0;
+        for (std::size_t slot = 0; slot < now.size(); ++slot)
+            if (now[slot].indexCount > 0 && (slot >= before.size() || now[slot] != before[slot]))
+                bytes += static_cast<double>(now[slot].recordCount * sizeof(extract::EdgeRecord<float>) +
+                                             now[slot].indexCount * sizeof(std::uint16_t));
+        return bytes;
+    }
+
     void add(const extract::SlideStats& stats, double elapsedMs) {
         times_.push_back(elapsedMs);
         updates_.push_back(stats.updateMs);
-        interpolations_.push_back(stats.interpolateMs);
         row_.rebuilds += stats.hasRebuilt ? 1 : 0;
         const std::uint64_t changed = stats.edgesAdded + stats.edgesRemoved;
         if (changed > 0)
@@ -126,13 +151,14 @@ private:
         row_.chunksRead += static_cast<double>(stats.chunksRead);
         row_.ambiguousCells += static_cast<double>(stats.ambiguousCells);
         row_.cellsResolved += static_cast<double>(stats.cellsResolved);
-        row_.resolveMs += stats.resolveMs;
     }
 
     const Contestant& contestant_;
     EngineRow row_;
     std::unique_ptr<extract::SlideEngine> engine_;
-    std::vector<double> times_, updates_, interpolations_, copies_, nsPerChange_;
+    extract::SurfaceFrame frame_;  ///< the last one
+    extract::SurfaceFrame arrays_; ///< the same as floats
+    std::vector<double> times_, updates_, arrayTimes_, copies_, nsPerChange_;
 };
 
 // One slide while it runs.

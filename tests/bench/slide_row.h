@@ -48,8 +48,9 @@ struct EngineRow {
     std::string name;
     Spread times;
     double firstMs = 0.0; ///< to the first isovalue of the slide, which is no step
-    double updateMs = 0.0; ///< median
-    double interpolateMs = 0.0; ///< median
+    double updateMs = 0.0; ///< median of the engine's part of a step; the rest is the table of the picture
+    double arraysMs = 0.0; ///< median of what it takes further to have positions and normals as floats, with indices
+    double sentBytes = 0.0; ///< mean: records and indices of bricks that differ from the picture before
     double copyMs = 0.0; ///< median; memcpy of as many bytes as interpolation reads and writes
     double nsPerChange = 0.0; ///< median over steps that change anything; 0 when none does
     int rebuilds = 0; ///< steps at which the surface was built anew
@@ -65,9 +66,8 @@ struct EngineRow {
     double chunksRead = 0.0;
     double ambiguousCells = 0.0; ///< active cells whose signs do not tell their surface
     double cellsResolved = 0.0;  ///< of them decided in the step, by their corner scalars
-    double resolveMs = 0.0;      ///< that, summed over the threads
 
-    double copyRatio() const { return copyMs > 0.0 ? interpolateMs / copyMs : 0.0; }
+    double copyRatio() const { return copyMs > 0.0 ? arraysMs / copyMs : 0.0; }
 };
 
 /// One slide of one volume, all contestants in turn at each isovalue.
@@ -93,6 +93,8 @@ struct SlideRow {
     /// How many times faster than the peer; 0 without it.
     double ratio(const EngineRow& engine) const { return peer ? peer->times.median / engine.times.median : 0.0; }
     double ratio() const { return ratio(ours()); }
+    /// The same with positions and normals as floats.
+    double arraysRatio() const { return peer ? peer->times.median / (ours().times.median + ours().arraysMs) : 0.0; }
 };
 
 /// Measures one row. Peers see samples that are missing as below every isovalue and make vertices there:

@@ -25,16 +25,21 @@ namespace {
 
 constexpr int kCentreCandidates = 401;
 
-// Fills a cube plane by plane; plane(z, values) writes size^2 samples.
+// Fills a box of square planes; plane(z, values) writes size^2 samples.
+template <class Sample, class Plane>
+ScalarGrid makePlanes(int size, int planes, ScalarType type, const Plane& plane) {
+    GridGeometry geometry;
+    geometry.dims = {size, size, planes};
+    const std::size_t planePoints = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+    std::vector<std::byte> bytes(planePoints * static_cast<std::size_t>(planes) * sizeof(Sample));
+    auto* samples = reinterpret_cast<Sample*>(bytes.data());
+    tbb::parallel_for(0, planes, [&](int z) { plane(z, samples + planePoints * static_cast<std::size_t>(z)); });
+    return ScalarGrid(geometry, type, std::move(bytes));
+}
+
 template <class Sample, class Plane>
 ScalarGrid makeCube(int size, ScalarType type, const Plane& plane) {
-    GridGeometry geometry;
-    geometry.dims = {size, size, size};
-    const std::size_t planePoints = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-    std::vector<std::byte> bytes(planePoints * static_cast<std::size_t>(size) * sizeof(Sample));
-    auto* samples = reinterpret_cast<Sample*>(bytes.data());
-    tbb::parallel_for(0, size, [&](int z) { plane(z, samples + planePoints * static_cast<std::size_t>(z)); });
-    return ScalarGrid(geometry, type, std::move(bytes));
+    return makePlanes<Sample>(size, size, type, plane);
 }
 
 // A number in [-1, 1) for a lattice point of an octave: a 32-bit mix of its coordinates.
@@ -241,6 +246,8 @@ std::shared_ptr<const ScalarGrid> makeNamed(const std::string& spec) {
         return std::make_shared<const ScalarGrid>(makeMarschnerLobb(n));
     if (kind == "noise")
         return std::make_shared<const ScalarGrid>(makeNoise(n));
+    if (kind == "ct")
+        return std::make_shared<const ScalarGrid>(makeNoisyScan(n));
     if (kind == "white")
         return std::make_shared<const ScalarGrid>(makeWhiteNoise(n));
     return nullptr;
@@ -320,6 +327,35 @@ ScalarGrid makeWhiteNoise(int size) {
         std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
         for (int i = 0; i < size * size; ++i)
             *out++ = uniform(random);
+    });
+}
+
+ScalarGrid makeNoisyScan(int size) {
+    constexpr float kTissue = 170.0f, kNoise = 34.0f; // amplitudes
+    const int planes = std::max(2, size * 275 / 512);
+    return makePlanes<std::int16_t>(size, planes, ScalarType::I16, [=](int z, std::int16_t* out) {
+        const auto inEllipse = [size](int x, int y, float cx, float cy, float rx, float ry) {
+            const float u = (static_cast<float>(x) / static_cast<float>(size) - cx) / rx;
+            const float v = (static_cast<float>(y) / static_cast<float>(size) - cy) / ry;
+            return 1.0f - std::sqrt(u * u + v * v); // 0 on it
+        };
+        const auto step = [](float from, float to, float t) { return from + (to - from) * std::clamp(30.0f * t + 0.5f, 0.0f, 1.0f); };
+        std::vector<float> row(static_cast<std::size_t>(size));
+        for (int y = 0; y < size; ++y) {
+            std::fill(row.begin(), row.end(), 0.0f);
+            for (const std::uint32_t octave : {2u, 3u})
+                addOctave(octave, octave == 2 ? kTissue : kTissue / 2, size, y, z, row.data());
+            for (int x = 0; x < size; ++x) {
+                float value = step(-1000.0f, 100.0f + row[static_cast<std::size_t>(x)], inEllipse(x, y, 0.5f, 0.5f, 0.42f, 0.33f));
+                value = step(value, -750.0f, inEllipse(x, y, 0.33f, 0.45f, 0.11f, 0.16f)); // lungs
+                value = step(value, -750.0f, inEllipse(x, y, 0.67f, 0.45f, 0.11f, 0.16f));
+                value = step(value, 900.0f, inEllipse(x, y, 0.5f, 0.72f, 0.06f, 0.05f)); // spine
+                float noise = 0.0f; // a sum of four is nearly normal
+                for (std::uint32_t k = 0; k < 4; ++k)
+                    noise += latticeValue(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z), 16 + k);
+                *out++ = static_cast<std::int16_t>(std::lround(std::clamp(value + kNoise * noise, -1024.0f, 3000.0f)));
+            }
+        }
     });
 }
 

@@ -26,6 +26,7 @@ struct BenchVolume {
 /// - shellN: distance from a sphere, u16, N^3 (the Spherical Shell of the paper's Table 1 for N = 256);
 /// - whiteN: see makeWhiteNoise(), f32;
 /// - mlN: the test signal of Marschner and Lobb, f32;
+/// - ctN: see makeNoisyScan(), i16;
 /// - noiseN: four octaves of value noise, f32;
 /// - bluntfin: the sample volume of that name, resampled to 256^3, f32 with missing values;
 /// - cranium, jmjd2da: 256 x 256 x 108 i16 and 137 x 152 x 147 f32, of ISOSLIDER_SHARED_DIR (NotFound without it);
@@ -41,6 +42,9 @@ bool isFurtherVolume(const std::string& spec);
 ScalarGrid makeShell(int size);
 ScalarGrid makeMarschnerLobb(int size);
 ScalarGrid makeNoise(int size);
+/// size x size x 275/512 size: smooth shapes with noise on every sample, as a CT of a body. One active cell in four or so is
+/// ambiguous.
+ScalarGrid makeNoisyScan(int size);
 /// Every sample on its own: half of the active cells are ambiguous, as in no real volume.
 ScalarGrid makeWhiteNoise(int size);
 

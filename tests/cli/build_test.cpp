@@ -1,4 +1,5 @@
 #include <csignal>
+#include <fstream>
 
 #include <unistd.h>
 
@@ -21,6 +22,16 @@ TEST_F(CliBuild, ReportsWhatItBuilt) {
     EXPECT_EQ(json["levels"][0]["blocks"], json["distinct_values"]);
     EXPECT_EQ(json["kind"], "edges") << "a small volume";
     EXPECT_THAT(folder_.names(), ElementsAre("a.isx", "sphere.mha"));
+}
+
+// The size of the program that starts another one is no part of that one's memory.
+TEST_F(CliBuild, ReportsItsOwnPeakMemory) {
+    const std::string ballast(std::size_t{768} << 20, 'x');
+    const auto volume = sphereVolume();
+    const auto built = runJson({"build", volume, "-o", path("a.isx")});
+    EXPECT_GT(built["peak_rss_bytes"], 1 << 20);
+    EXPECT_LT(built["peak_rss_bytes"], ballast.size() / 2);
+    EXPECT_LT(runJson({"slide", path("a.isx"), "--path", "5,6"})["peak_rss_bytes"], ballast.size() / 2);
 }
 
 TEST_F(CliBuild, BuildsTheKindAskedFor) {
@@ -104,7 +115,47 @@ TEST_P(CliInterruptedBuild, LeavesNothingBehind) {
     EXPECT_THAT(folder_.names(), ElementsAre("noise.mha"));
 }
 
+class CliChangedVolume : public CliBuild, public ::testing::WithParamInterface<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Kinds, CliChangedVolume, ::testing::Values("edges", "metacells"));
+
+TEST_P(CliChangedVolume, IsRefused) {
+    const auto volume = noiseVolume(GetParam() == "edges" ? 112 : 240);
+    ProcessOptions options;
+    options.timeout = std::chrono::seconds(50);
+    options.signalToSend = SIGCONT; // does nothing
+    options.signalWhen = [&] {
+        if (folder_.names().size() == 1)
+            return false;
+        std::fstream file(volume, std::ios::in | std::ios::out | std::ios::binary); // in place
+        file.seekp(std::int64_t{1} << 20);
+        file << std::string(100'000, 'x');
+        return true;
+    };
+    const auto result = run({"build", volume, "-o", path("a.isx"), "--index", GetParam()}, options);
+    EXPECT_EQ(result.exitCode, 3);
+    EXPECT_EQ(result.standardError, "isoslider-cli: " + volume + ": changed while it was read\n");
+    EXPECT_THAT(folder_.names(), ElementsAre("noise.mha"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Signals, CliInterruptedBuild, ::testing::Values(SIGINT, SIGTERM));
+
+class CliUninterruptedBuild : public CliBuild, public ::testing::WithParamInterface<int> {};
+
+TEST_P(CliUninterruptedBuild, GoesOnAtASignalThatWasIgnoredAtItsStart) {
+    const auto volume = noiseVolume(64);
+    ProcessOptions options;
+    options.timeout = std::chrono::seconds(50);
+    options.ignoredSignals = {GetParam()};
+    options.signalToSend = GetParam();
+    options.signalWhen = [this] { return folder_.names().size() > 1; };
+    const auto result = run({"build", volume, "-o", path("a.isx"), "--memory", "64M"}, options);
+    EXPECT_EQ(result.exitCode, 0) << result.standardError;
+    EXPECT_EQ(result.signal, 0);
+    EXPECT_THAT(folder_.names(), ElementsAre("a.isx", "noise.mha"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, CliUninterruptedBuild, ::testing::Values(SIGINT, SIGTERM, SIGHUP));
 
 class CliStats : public CliTest {};
 

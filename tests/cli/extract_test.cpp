@@ -33,7 +33,7 @@ TEST_F(CliExtract, CountsTheSurfaceOfAVolume) {
     EXPECT_THAT(keysOf(json),
                 ElementsAre("isovalue", "source", "vertices", "triangles", "active_edges", "components",
                             "euler", "boundary_loops", "closed", "manifold", "oriented", "genus", "area", "volume",
-                            "degenerate_triangles", "duplicate_triangles", "open_at", "nudged_vertices",
+                            "degenerate_triangles", "duplicate_triangles", "open_at", "loops_at_several_places", "nudged_vertices",
                             "largest_nudge", "largest_nudge_world", "inner_vertices", "valid"));
     EXPECT_THAT(keysOf(json["open_at"]),
                 ElementsAre("x0", "x1", "y0", "y1", "z0", "z1", "missing", "elsewhere"));
@@ -159,6 +159,32 @@ TEST_F(CliExtract, GivesAnEmptySurfaceOutsideTheRange) {
             EXPECT_TRUE(std::filesystem::exists(path("empty.ply")));
         }
     }
+}
+
+TEST_F(CliExtract, SkipsTheCheckWhenAsked) {
+    const auto json = runJson({"extract", sphereVolume(), "--isovalue", "5", "--no-check", "-o", path("a.ply")});
+    EXPECT_THAT(keysOf(json), ElementsAre("isovalue", "source", "vertices", "triangles", "active_edges", "checked"));
+    EXPECT_EQ(json["checked"], false);
+    const auto checked = runJson({"extract", sphereVolume(), "--isovalue", "5", "-o", path("b.ply")});
+    EXPECT_EQ(json["vertices"], checked["vertices"]);
+    EXPECT_EQ(json["triangles"], checked["triangles"]);
+    const auto head = readText(path("a.ply")).substr(0, 2000);
+    EXPECT_THAT(head, HasSubstr("comment Isosurface by ISOSLIDER, not checked\n"));
+    EXPECT_THAT(head, HasSubstr("comment checked: no\n"));
+    EXPECT_THAT(head, ::testing::Not(HasSubstr("valid")));
+    EXPECT_THAT(run({"extract", sphereVolume(), "--isovalue", "5", "--no-check"}).standardOutput, HasSubstr("checked               no\n"));
+    EXPECT_EQ(run({"check", path("a.ply")}).exitCode, 0);
+}
+
+TEST_F(CliExtract, WritesThroughASymbolicLink) {
+    std::filesystem::create_directory(path("there"));
+    folder_.write("there/old.ply", "what was here");
+    std::filesystem::create_symlink("there/old.ply", path("link.ply"));
+    EXPECT_EQ(run({"extract", sphereVolume(), "--isovalue", "5", "-o", path("link.ply")}).exitCode, 0);
+    EXPECT_TRUE(std::filesystem::is_symlink(path("link.ply")));
+    EXPECT_EQ(runJson({"check", path("there/old.ply")})["closed"], true);
+    EXPECT_EQ(run({"build", sphereVolume(), "-o", path("link.ply")}).exitCode, 0);
+    EXPECT_TRUE(std::filesystem::is_symlink(path("link.ply")));
 }
 
 TEST_F(CliExtract, RefusesOutputsBeforeWork) {

@@ -78,6 +78,36 @@ TEST_F(CliInfo, TellsTheUnitOfLengthAndTheTitle) {
     EXPECT_FALSE(runJson({"info", sphereVolume()}).contains("length_unit"));
 }
 
+TEST_F(CliInfo, ReadsEveryFrameOfASeries) {
+    std::string samples(8 * 70, '\5');
+    samples[8 * 69] = '\x63'; // in the last frame
+    folder_.write("a.nrrd", "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 2 70\n"
+                            "kinds: domain domain domain time\nencoding: raw\n\n" + samples);
+    const auto json = runJson({"info", path("a.nrrd")});
+    EXPECT_EQ(json["parts"].size(), 70u);
+    EXPECT_EQ(json["parts_in_all"], 70);
+    EXPECT_EQ(json["min"], 5.0);
+    EXPECT_EQ(json["max"], 99.0);
+    EXPECT_FALSE(json.contains("notes"));
+}
+
+TEST_F(CliInfo, SaysWhichFramesOfVeryManyItRead) {
+    folder_.write("a.nrrd", "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 2 5000\n"
+                            "kinds: domain domain domain time\nencoding: raw\n\n" + std::string(8 * 5000, '\5'));
+    const auto json = runJson({"info", path("a.nrrd")});
+    EXPECT_EQ(json["parts"].size(), 4096u);
+    EXPECT_EQ(json["parts_in_all"], 5000);
+    EXPECT_THAT(json["notes"].dump(), HasSubstr("the first 4096 of 5000"));
+}
+
+TEST_F(CliInfo, RefusesUnknownFilesInAShortLine) {
+    folder_.write("a.xyzzy", "The quick brown fox\n");
+    const auto result = run({"info", path("a.xyzzy")});
+    EXPECT_EQ(result.exitCode, 3);
+    EXPECT_THAT(result.standardError, HasSubstr("a.xyzzy: is of no volume format that is known"));
+    EXPECT_LT(result.standardError.size(), path("a.xyzzy").size() + 120);
+}
+
 TEST_F(CliInfo, RefusesGridsThatCannotBe) {
     folder_.write("a.raw", std::string(64, 'x'));
     for (const auto* dims :

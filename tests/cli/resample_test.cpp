@@ -46,6 +46,39 @@ TEST_F(CliResample, WritesAUniformVolumeAndTellsWhatWasLost) {
     EXPECT_EQ(runJson({"info", path("c.mha")})["dims"], OrderedJson({5, 4, 3}));
 }
 
+TEST_F(CliResample, IsReportedByEveryCommandThatResamples) {
+    // A spike at a point that the uniform grid has none near.
+    std::string text = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 4 2 2\n"
+                       "X_COORDINATES 4 double\n0 0.1 2 3\nY_COORDINATES 2 double\n0 1\n"
+                       "Z_COORDINATES 2 double\n0 1\nPOINT_DATA 16\nSCALARS spike double 1\nLOOKUP_TABLE default\n";
+    for (int i = 0; i < 4; ++i)
+        text += "0 100 0 0\n";
+    const auto grid = folder_.write("spike.vtk", text).string();
+    const auto expectLoss = [](const OrderedJson& json) {
+        ASSERT_TRUE(json.contains("resampled")) << json;
+        EXPECT_THAT(keysOf(json["resampled"]),
+                    ::testing::ElementsAre("source_points", "compared_points", "max_difference", "rms_difference",
+                                           "range_fraction", "outside_points", "text"));
+        EXPECT_GT(json["resampled"]["range_fraction"].get<double>(), 0.4);
+    };
+    expectLoss(runJson({"info", grid}));
+    expectLoss(runJson({"build", grid, "-o", path("a.isx")}));
+    expectLoss(runJson({"extract", grid, "--isovalue", "20", "-o", path("a.ply")}));
+    constexpr const char* kLine = "onto 4 x 2 x 2 points, off by up to ";
+    EXPECT_THAT(run({"info", grid}).standardOutput, HasSubstr(std::string("resampled        ") + kLine));
+    EXPECT_THAT(run({"build", grid, "-o", path("b.isx")}).standardOutput, HasSubstr(std::string("resampled ") + kLine));
+    EXPECT_THAT(run({"extract", grid, "--isovalue", "20"}).standardOutput, HasSubstr(kLine));
+    EXPECT_THAT(readText(path("a.ply")).substr(0, 1000), HasSubstr(std::string("comment resampled: ") + kLine));
+    // The index keeps it for all that is made of it.
+    for (const auto& json : {runJson({"info", path("a.isx")}), runJson({"extract", path("a.isx"), "--isovalue", "20", "-o", path("i.ply")})})
+        EXPECT_THAT(json["resampled"]["text"].get<std::string>(), HasSubstr(kLine));
+    EXPECT_THAT(readText(path("i.ply")).substr(0, 1000), HasSubstr(std::string("comment resampled: ") + kLine));
+    // A grid that is uniform is not, and nobody says so.
+    for (const auto& json : {runJson({"info", sphereVolume()}), runJson({"extract", sphereVolume(), "--isovalue", "5"}),
+                             runJson({"build", sphereVolume(), "-o", path("c.isx")})})
+        EXPECT_FALSE(json.contains("resampled"));
+}
+
 TEST_F(CliResample, RefusesWhatNeedsNone) {
     expectRefusal({"resample", sphereVolume(), "-o", path("a.mha")}, 3, "uniform grid");
     expectRefusal({"resample", rectilinear(), "-o", path("a.nrrd")}, 2, ".mha");

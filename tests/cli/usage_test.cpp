@@ -26,6 +26,13 @@ TEST_F(CliUsage, RefusesWordsItDoesNotKnow) {
     expectRefusal({"info", sphereVolume(), "--colour"}, 2, "--colour");
     expectRefusal({"info", sphereVolume(), "second"}, 2, "second");
     expectRefusal({"--json"}, 2);
+    // Named although something else is missing as well.
+    expectRefusal({"--colour"}, 2, "'--colour'");
+    expectRefusal({"info", "--colour"}, 2, "'--colour'");
+    expectRefusal({"extract", sphereVolume(), "--isovalu", "5"}, 2, "'--isovalu'");
+    expectRefusal({"extract", sphereVolume(), "--iso=5"}, 2, "'--iso'");
+    expectRefusal({"build", sphereVolume(), "-x"}, 2, "'-x'");
+    expectRefusal({"--colour", "info", sphereVolume()}, 2, "'--colour'");
 }
 
 TEST_F(CliUsage, RefusesLaterCommandsByNameAndDoesNotListThem) {

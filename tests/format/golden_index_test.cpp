@@ -96,7 +96,7 @@ TEST_P(GoldenIndexKind, SlidesLikeItsVolume) {
         walk.push_back(0.5 + 0.05 * step);
     for (const double isovalue : walk) {
         ASSERT_THAT(engine.value()->slideTo(isovalue), IsOk());
-        const auto slid = engine.value()->mesh();
+        const auto slid = engine.value()->mesh().value();
         EXPECT_TRUE(test::isSameSurface(slid, extract::extractFull(*grid, isovalue).value())) << isovalue;
         EXPECT_TRUE(test::hasExpectedNormals(slid, *grid)) << isovalue;
     }

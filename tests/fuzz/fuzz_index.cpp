@@ -127,7 +127,7 @@ void slide(const std::filesystem::path& path) {
         const auto moved = engine.slideTo(min + part * range);
         if (!moved.isOk())
             return requireGoodError(moved.error());
-        const extract::SurfaceMesh mesh = engine.mesh();
+        const extract::SurfaceMesh mesh = engine.mesh().value();
         for (const auto vertex : mesh.triangles)
             ISO_REQUIRE(vertex < mesh.positions.size(), std::to_string(vertex));
     }

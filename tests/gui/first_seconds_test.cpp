@@ -215,7 +215,7 @@ protected:
     }
     std::string factText(const char* name) {
         for (const auto* fact : window_->findChildren<QLabel*>())
-            if (fact->accessibleName() == QLatin1String(name) && fact->isVisible())
+            if (fact->accessibleName().startsWith(QLatin1String(name) + QStringLiteral(": ")) && fact->isVisible())
                 return fact->text().toStdString();
         return "not shown";
     }

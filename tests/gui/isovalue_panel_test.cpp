@@ -142,6 +142,57 @@ TEST_F(IsovaluePanelTest, TheWheelStepsAndControlZooms) {
     EXPECT_NEAR(plot().visibleRange().size(), wholeRange, 1e-9);
 }
 
+TEST_F(IsovaluePanelTest, ANewVolumeOfTheSameRangeIsShownWhole) {
+    const auto whole = plot().visibleRange();
+    wheel(plot(), onPlot(isovalue().requested()), 6, Qt::ControlModifier);
+    ASSERT_LT(plot().visibleRange().size(), 0.5 * whole.size());
+    const auto zoomed = plot().visibleRange();
+    session_->buildIndex(); // news of the same volume
+    session_->datasetChanged().notify();
+    EXPECT_EQ(plot().visibleRange().lower, zoomed.lower);
+    const auto generation = session_->datasetGeneration();
+    window_->openFile(QString::fromStdString(writeBall(folder_, "same.mha", 24).string()));
+    ASSERT_TRUE(waitUntil([&] { return session_->datasetGeneration() != generation && session_->isSettled(); }));
+    EXPECT_EQ(plot().visibleRange().lower, whole.lower);
+    EXPECT_EQ(plot().visibleRange().upper, whole.upper);
+}
+
+TEST_F(IsovaluePanelTest, ADoubleClickShowsTheWholeRangeAndNothingElse) {
+    const double whole = plot().visibleRange().size();
+    const double before = isovalue().requested();
+    wheel(plot(), onPlot(before), 4, Qt::ControlModifier);
+    const QPoint beside = onPlot(before) + QPoint(120, 0);
+    QTest::mousePress(&plot(), Qt::LeftButton, {}, beside);
+    EXPECT_NE(isovalue().requested(), before) << "a press is answered at once";
+    QTest::mouseRelease(&plot(), Qt::LeftButton, {}, beside);
+    QTest::mouseDClick(&plot(), Qt::LeftButton, {}, beside);
+    QMouseEvent move(QEvent::MouseMove, beside + QPoint(3, 0), plot().mapToGlobal(QPointF(beside + QPoint(3, 0))),
+                     Qt::NoButton, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(&plot(), &move);
+    QTest::mouseRelease(&plot(), Qt::LeftButton, {}, beside);
+    EXPECT_EQ(isovalue().requested(), before);
+    EXPECT_NEAR(plot().visibleRange().size(), whole, 1e-9);
+    ASSERT_TRUE(waitUntilDisplayed());
+    EXPECT_EQ(session_->frame()->isovalue, before);
+}
+
+TEST_F(IsovaluePanelTest, TheHandleTakenBesideItsMiddleDoesNotJump) {
+    const double before = isovalue().requested();
+    const QPoint handle = onPlot(before);
+    const double perPixel = plot().visibleRange().size() / plot().axisRect()->width();
+    for (const int offset : {-5, -2, 3, 5}) {
+        isovalue().request(before);
+        QTest::mousePress(&plot(), Qt::LeftButton, {}, handle + QPoint(offset, 0));
+        EXPECT_EQ(isovalue().requested(), before) << offset;
+        QMouseEvent move(QEvent::MouseMove, handle + QPoint(offset + 17, 0),
+                         plot().mapToGlobal(QPointF(handle + QPoint(offset + 17, 0))), Qt::NoButton, Qt::LeftButton,
+                         Qt::NoModifier);
+        QApplication::sendEvent(&plot(), &move);
+        QTest::mouseRelease(&plot(), Qt::LeftButton, {}, handle + QPoint(offset + 17, 0));
+        EXPECT_NEAR(isovalue().requested() - before, 17.0 * perPixel, 1e-9 * range()) << offset;
+    }
+}
+
 TEST_F(IsovaluePanelTest, KeysStepPageAndJump) {
     plot().setFocus();
     isovalue().request(-8.0);

@@ -15,6 +15,7 @@
 #include "core/volume_io/volume_reader.h"
 #include "preprocess/build_index.h"
 #include "tests/gui/window_fixture.h"
+#include "ui/model/saved_session.h"
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/message_bar.h"
 #include "ui/widgets/start_page.h"
@@ -143,7 +144,7 @@ TEST_F(MainWindowTest, ChecksTheMesh) {
 /// The value beside a name in the Mesh panel; null when it is not shown.
 QLabel* factOf(const QWidget& form, const char* name) {
     for (auto* label : form.findChildren<QLabel*>())
-        if (label->accessibleName() == QLatin1String(name) && label->isVisibleTo(&form))
+        if (label->accessibleName().startsWith(QLatin1String(name) + QStringLiteral(": ")) && label->isVisibleTo(&form))
             return label;
     return nullptr;
 }
@@ -247,6 +248,34 @@ TEST_F(MainWindowTest, ExportsTheMeshInEveryFormat) {
         EXPECT_EQ(report.value().triangles, session_->frame()->stats.triangles) << name;
     }
     EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("a.om")));
+}
+
+TEST_F(MainWindowTest, AnExportIsOfTheVolumeItWasAskedForOn) {
+    openBall();
+    const auto openAnother = [this] {
+        window_->openFile(qpath(writeBall(folder_, "other.mha", 16)));
+        ASSERT_TRUE(waitUntil([this] { return session_->dataset()->name == "other.mha"; }));
+        ASSERT_TRUE(waitUntilSettled());
+    };
+    dialogs_.meanwhile = openAnother;
+    dialogs_.answers.push_back(qpath(folder_ / "ball.ply"));
+    trigger("mesh.export");
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "ball.ply"));
+    EXPECT_TRUE(window_->messageBar().isVisible());
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("not exported")));
+}
+
+TEST_F(MainWindowTest, ASessionIsOfTheVolumeItWasAskedForOn) {
+    openBall();
+    dialogs_.meanwhile = [this] {
+        window_->openFile(qpath(writeBall(folder_, "other.mha", 16)));
+        ASSERT_TRUE(waitUntil([this] { return session_->dataset()->name == "other.mha"; }));
+    };
+    dialogs_.answers.push_back(qpath(folder_ / "ball.isosession"));
+    trigger("file.saveSession");
+    ASSERT_TRUE(waitUntil([this] { return std::filesystem::exists(folder_ / "ball.isosession"); }));
+    EXPECT_EQ(model::readSession(folder_ / "ball.isosession").value().session.volume.filename(), "ball.mha");
 }
 
 TEST_F(MainWindowTest, AnExportThatFailsIsTold) {

@@ -1,4 +1,6 @@
 // B104 and B112: displays, drivers and sizes that the program is started with.
+#include <sys/resource.h>
+
 #include <array>
 
 #include "tests/gui/program_fixture.h"
@@ -78,6 +80,19 @@ TEST_F(ProgramInputs, B104_ADisplayThatIsNoneEndsTheProgramWithALine) {
         EXPECT_EQ(result.standardError.rfind("isoslider: no display", 0), 0u) << result.standardError;
         expectOneLine(result.standardError);
     }
+}
+
+TEST_F(ProgramInputs, B088_AFileBeyondTheShellsLimitIsAFailedWriteAndNoSignal) {
+    const auto volume = writeBall(folder_, "large.mha", 64).string();
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    const rlimit small{600'000, before.rlim_max}; // room for the picture, none for an index
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    const auto result = run({volume, "--isovalue", "-20", "--size", "600x400", "--screenshot", picture_.string()});
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+    EXPECT_EQ(result.exitCode, 4) << result.signal << '\n' << result.standardError;
+    EXPECT_NE(result.standardError.find("File too large"), std::string::npos) << result.standardError;
+    EXPECT_FALSE(pictureAt(picture_).isNull()) << "which needs no index";
 }
 
 TEST_F(ProgramInputs, B112_ScaledScreensAndSmallWindows) {

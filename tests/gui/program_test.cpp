@@ -1,5 +1,8 @@
 // The real program, run as a shell runs it.
+#include "core/volume_io/volume_source.h"
+#include "preprocess/build_index.h"
 #include "tests/gui/program_fixture.h"
+#include "tests/support/damaged_index.h"
 
 namespace isoslider::test {
 namespace {
@@ -43,6 +46,19 @@ TEST_F(ProgramTest, RefusesBadInputWithThree) {
     EXPECT_EQ(result.exitCode, 3);
     expectOneLine(result.standardError);
     EXPECT_NE(result.standardError.find("bad.mha"), std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out.png"));
+}
+
+TEST_F(ProgramTest, RefusesAnIndexDamagedWhereOnlyAMoveReadsWithThree) {
+    const auto index = folder_ / "damaged.isx";
+    const auto source = io::openVolume(writeBall(folder_, "ball.mha", 20));
+    ASSERT_TRUE(source.isOk());
+    ASSERT_TRUE(preprocess::buildIndex(*source.value(), index, {}).isOk());
+    damageFirstMove(index, -6.0);
+    const auto result = run({index.string(), "--isovalue", "-6", "--screenshot", (folder_ / "out.png").string()});
+    EXPECT_EQ(result.exitCode, 3) << result.signal;
+    expectOneLine(result.standardError);
+    EXPECT_NE(result.standardError.find("damaged.isx"), std::string::npos) << result.standardError;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out.png"));
 }
 

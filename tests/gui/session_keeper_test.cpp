@@ -27,7 +27,9 @@ protected:
         const auto path = folder_ / "ball.isosession";
         dialogs_.answers.push_back(pathText(path));
         trigger("file.saveSession");
+        EXPECT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
         EXPECT_TRUE(fs::exists(path));
+        window_->messageBar().hide();
         return path;
     }
     bool isChecked(const char* action) { return window_->actions().action(action)->isChecked(); }
@@ -122,6 +124,7 @@ TEST_F(SessionKeeperTest, SaysWhenItCannotSave) {
     openBall();
     dialogs_.answers.push_back(pathText(folder_ / "none/ball.isosession"));
     trigger("file.saveSession");
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
     EXPECT_NE(message().find("was not saved"), std::string::npos) << message();
 }
 

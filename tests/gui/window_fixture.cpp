@@ -19,10 +19,11 @@
 namespace isoslider::test {
 
 Status HoldableBuilder::build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
-                              const std::string& lengthUnit, const std::filesystem::path& indexPath,
+                              const io::VolumeInfo& about, const std::filesystem::path& indexPath,
                               const JobControl& job) {
     io::VolumeInfo info;
-    info.lengthUnit = lengthUnit;
+    info.lengthUnit = about.lengthUnit;
+    info.resampling = about.resampling;
     return buildFrom(*io::makeMemorySource(grid, std::move(info)), sourceName, indexPath, job);
 }
 

@@ -24,14 +24,32 @@ namespace isoslider::test {
 class AnsweringDialogs final : public widgets::FileDialogs {
 public:
     std::deque<QString> answers;
+    /// Happens while the next dialog is open, before it is answered.
+    std::function<void()> meanwhile;
 
-    void askOpen(QWidget*, const QString&, const QString&, const QString&, Chosen chosen) override { answer(chosen); }
-    void askFolder(QWidget*, const QString&, const QString&, Chosen chosen) override { answer(chosen); }
-    void askSave(QWidget*, const QString&, const QString&, const QString&, Chosen chosen) override { answer(chosen); }
+    /// What the last dialog was given; `place` is a folder, or the file suggested.
+    struct Asked {
+        QString title;
+        QString place;
+        QString filters;
+    } asked;
+
+    void askOpen(QWidget*, const QString& title, const QString& folder, const QString& filters, Chosen chosen) override {
+        answer({title, folder, filters}, chosen);
+    }
+    void askFolder(QWidget*, const QString& title, const QString& folder, Chosen chosen) override {
+        answer({title, folder, {}}, chosen);
+    }
+    void askSave(QWidget*, const QString& title, const QString& suggestion, const QString& filters, Chosen chosen) override {
+        answer({title, suggestion, filters}, chosen);
+    }
 
 private:
-    void answer(const Chosen& chosen) {
+    void answer(const Asked& given, const Chosen& chosen) {
+        asked = given;
         ASSERT_FALSE(answers.empty()) << "a dialog nobody expected";
+        if (meanwhile)
+            std::exchange(meanwhile, nullptr)();
         const QString path = answers.front();
         answers.pop_front();
         chosen(path);
@@ -42,7 +60,7 @@ private:
 class HoldableBuilder final : public model::IndexBuilder {
 public:
     Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
-                 const std::string& lengthUnit, const std::filesystem::path& indexPath,
+                 const io::VolumeInfo& about, const std::filesystem::path& indexPath,
                  const JobControl& job) override;
     Status buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
                          const std::string& sourceName, const std::filesystem::path& indexPath,
@@ -67,7 +85,7 @@ protected:
 
     /// Handles events until `isDone`; false when that takes too long.
     static bool waitUntil(const std::function<bool()>& isDone,
-                          std::chrono::milliseconds longest = std::chrono::seconds(10));
+                          std::chrono::milliseconds longest = std::chrono::seconds(60));
     void makeWindow();
     void openBall(int n = 24);
     bool waitUntilSettled();

@@ -19,6 +19,7 @@
 #include <glm/geometric.hpp>
 
 #include "core/extract/full_extraction.h"
+#include "core/extract/live/brick_picture.h"
 #include "core/volume_io/volume_reader.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/widgets/histogram_plot.h"
@@ -154,9 +155,11 @@ protected:
         const auto fresh = extract::extractFull(*grid.value(), isovalue().requested()).value();
         EXPECT_GT(fresh.triangleCount(), 0u);
         EXPECT_EQ(frame->stats.triangles, fresh.triangleCount());
-        EXPECT_EQ(frame->stats.activeEdges, fresh.edgeIds.size());
+        EXPECT_EQ(frame->stats.activeEdges, fresh.activeEdgeCount());
         const double area = areaOf(fresh.positions, fresh.triangles);
-        EXPECT_NEAR(areaOf(frame->positions, frame->indices), area, 1e-6 * area);
+        extract::SurfaceFrame arrays = *frame;
+        expandPicture(arrays);
+        EXPECT_NEAR(areaOf(arrays.positions, arrays.indices), area, 1e-6 * area);
     }
     void pasteAndEnter(const QString& text) {
         QGuiApplication::clipboard()->setText(text);
@@ -177,11 +180,11 @@ TEST_F(WindowInputs, B107_TheHandleIsDragged1000TimesASecondWhileAVolumeIsOpened
     Dragger dragger(window_->isovaluePanel().plot());
     bool wasBuilding = false;
     std::int64_t lastMove = 1000 * seconds; // some of them when nothing but the handle moves the surface any more
-    const auto key = session_->datasetKey();
-    const auto isReady = [&] { return session_->datasetKey() != key && session_->indexState() == model::IndexState::Ready; };
+    const auto key = session_->datasetGeneration();
+    const auto isReady = [&] { return session_->datasetGeneration() != key && session_->indexState() == model::IndexState::Ready; };
     EXPECT_TRUE(waitUntil(
         [&] {
-            wasBuilding = wasBuilding || (session_->datasetKey() != key && session_->indexState() == model::IndexState::Building);
+            wasBuilding = wasBuilding || (session_->datasetGeneration() != key && session_->indexState() == model::IndexState::Building);
             if (!isReady())
                 lastMove = std::max(lastMove, dragger.moves() + 500);
             return dragger.moves() >= lastMove;

@@ -47,7 +47,7 @@ TEST(SaddleCrossing, ChangesBothCellsOfTheFaceInOneMoveAndNothingElse) {
             EXPECT_EQ(moved.value().ambiguousCells, 2u);
             const auto fresh = extractFull(*grid, isovalue);
             ASSERT_THAT(fresh, IsOk());
-            EXPECT_TRUE(test::isSameSurface(engine.value()->mesh(), fresh.value()));
+            EXPECT_TRUE(test::isSameSurface(engine.value()->mesh().value(), fresh.value()));
         }
         // Short of the saddle no cell is looked at.
         const auto within = engine.value()->slideTo(4.4);

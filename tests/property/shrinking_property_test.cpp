@@ -110,7 +110,7 @@ RC_GTEST_PROP(SlideProperty, EqualsTheFreshExtraction, ()) {
         RC_ASSERT(engine.value()->slideTo(isovalue).isOk());
         const auto fresh = extract::extractFull(*grid, isovalue);
         RC_ASSERT(fresh.isOk());
-        RC_ASSERT(static_cast<bool>(test::isSameSurface(engine.value()->mesh(), fresh.value())));
+        RC_ASSERT(static_cast<bool>(test::isSameSurface(engine.value()->mesh().value(), fresh.value())));
     }
 }
 

@@ -49,10 +49,10 @@ TEST_P(SlideWays, GiveTheFreshSurfaceAtEveryStop) {
                 SCOPED_TRACE(way.name);
                 const auto moved = way.engine->slideTo(isovalue);
                 ASSERT_THAT(moved, IsOk());
-                const SurfaceMesh slid = way.engine->mesh();
+                const SurfaceMesh slid = way.engine->mesh().value();
                 ASSERT_TRUE(test::isSameSurface(slid, fresh.value()));
                 ASSERT_TRUE(test::hasExpectedNormals(slid, *volume.grid));
-                EXPECT_EQ(moved.value().activeEdges, slid.edgeIds.size());
+                EXPECT_EQ(moved.value().activeEdges, slid.activeEdgeCount());
                 EXPECT_EQ(moved.value().triangles, slid.triangleCount());
             }
         }
@@ -71,7 +71,7 @@ TEST(SlideWays, HaveTheSameNormalsBitForBit) {
         for (const Way& way : ways) {
             SCOPED_TRACE(way.name);
             ASSERT_THAT(way.engine->slideTo(isovalue), IsOk());
-            const SurfaceMesh mesh = way.engine->mesh();
+            const SurfaceMesh mesh = way.engine->mesh().value();
             ASSERT_TRUE(normals.empty() || mesh.normals == normals);
             normals = mesh.normals;
         }
@@ -122,7 +122,7 @@ TEST(SlideWays, ReadBricksInProportionToTheChangeNotToTheBox) {
         const Cost large = costOfAStep(hillInABox(side), 58800.0, 58790.0);
         EXPECT_EQ(large.bricks, small.bricks) << side;
         EXPECT_EQ(large.edges, small.edges) << side;
-        EXPECT_LT(large.chunks, 1.2 * small.chunks)
+        EXPECT_LE(large.chunks, 1.2 * small.chunks)
             << side << ": the batches of a cache of eight chunks fall otherwise";
     }
 }
@@ -135,8 +135,9 @@ constexpr std::int64_t kFinest = 128; // the law, at a size that instrumented co
 
 TEST(SlideWays, ReadBricksInProportionToTheSurfaceNotToTheVolume) {
     const Cost coarse = costOfAStep(hillSampledFiner(64), 45000.0, 44700.0);
-    const Cost fine = costOfAStep(hillSampledFiner(kFinest), 45000.0, 44700.0);
+    // The same way in cells: bricks that arrive are read, and those that stay only where edges come.
     const double sides = static_cast<double>(kFinest) / 64.0;
+    const Cost fine = costOfAStep(hillSampledFiner(kFinest), 45000.0, 45000.0 - 300.0 / sides);
     EXPECT_GT(fine.bricks, coarse.bricks);
     EXPECT_LT(fine.bricks, 1.3 * sides * sides * coarse.bricks) << "not its third power";
     EXPECT_LT(fine.chunks, 1.5 * sides * sides * coarse.chunks);
@@ -157,7 +158,7 @@ TEST(SlideWays, ReadAheadInTheDirectionOfMotion) {
         for (int step = 0; step <= 24; ++step) {
             const auto moved = engine.value()->slideTo(55000.0 - 800.0 * step);
             ASSERT_THAT(moved, IsOk());
-            engine.value()->settle();
+            engine.value()->waitForPrefetch();
             if (step < 2)
                 continue; // there is no direction yet
             inMoves[readsAhead] += moved.value().bytesRead;
@@ -195,7 +196,7 @@ TEST(SlideWays, SurviveBeingStoppedAnywhere) {
             ASSERT_THAT(engine->slideTo(isovalue), IsOk());
         }
         if (moved.isOk() || round % 5 == 4) {
-            ASSERT_TRUE(test::isSameSurface(engine->mesh(), extractFull(*grid, isovalue).value()));
+            ASSERT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*grid, isovalue).value()));
         }
     }
     EXPECT_GT(stopped, 0);
@@ -212,9 +213,10 @@ TEST(SlideWays, AreBoundedByTheCache) {
         ASSERT_NE(engine, nullptr);
         std::uint64_t read = 0;
         for (int step = 0; step < 12; ++step) {
-            const auto moved = engine->slideTo(45000.0 + (step % 2 ? 100.0 : 0.0));
+            // Far enough for bricks to come and go: those that stay keep their samples.
+            const auto moved = engine->slideTo(45000.0 + (step % 2 ? 2500.0 : 0.0));
             ASSERT_THAT(moved, IsOk());
-            engine->settle();
+            engine->waitForPrefetch();
             if (step > 1)
                 read += moved.value().chunksRead;
         }
@@ -238,9 +240,9 @@ TEST(SlideWays, ReadAnewWhatTheyForgot) {
             const double isovalue = 45000.0 + (step % 2 ? 100.0 : 0.0);
             const auto moved = way.engine->slideTo(isovalue);
             ASSERT_THAT(moved, IsOk());
-            way.engine->settle();
+            way.engine->waitForPrefetch();
             if (step == 5 || step == 11) {
-                ASSERT_TRUE(test::isSameSurface(way.engine->mesh(), extractFull(*grid, isovalue).value()));
+                ASSERT_TRUE(test::isSameSurface(way.engine->mesh().value(), extractFull(*grid, isovalue).value()));
             }
             if (step >= 2)
                 (step < 6 ? kept : forgotten) += moved.value().bytesRead;
@@ -286,7 +288,7 @@ TEST(SlideWays, KnowVolumesOfFewSamples) {
             for (const Way& way : ways) {
                 SCOPED_TRACE(way.name);
                 ASSERT_THAT(way.engine->slideTo(isovalue), IsOk());
-                EXPECT_TRUE(test::isSameSurface(way.engine->mesh(), fresh.value()));
+                EXPECT_TRUE(test::isSameSurface(way.engine->mesh().value(), fresh.value()));
             }
         }
     }

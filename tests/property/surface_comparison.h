@@ -16,7 +16,7 @@
 
 namespace isoslider::test {
 
-/// Same vertices at the same places and the same triangles, in the same order.
+/// Same vertices at the same places with the same normals, and the same triangles, in the same order, bit for bit.
 inline testing::AssertionResult isSameSurface(const extract::SurfaceMesh& slid, const extract::SurfaceMesh& fresh) {
     if (slid.edgeIds != fresh.edgeIds)
         return testing::AssertionFailure() << "active edges differ: " << slid.edgeIds.size() << " slid, " << fresh.edgeIds.size() << " fresh";
@@ -29,7 +29,18 @@ inline testing::AssertionResult isSameSurface(const extract::SurfaceMesh& slid, 
             return testing::AssertionFailure() << "position " << i << " differs by "
                                                << glm::length(slid.positions[i] - fresh.positions[i])
                                                << (i < slid.edgeIds.size() ? ", on an edge" : ", inside a cell");
+    for (std::size_t i = 0; i < slid.normals.size(); ++i)
+        if (slid.normals[i] != fresh.normals[i])
+            return testing::AssertionFailure() << "normal " << i << " differs by " << glm::length(slid.normals[i] - fresh.normals[i])
+                                               << (i < slid.edgeIds.size() ? ", on an edge" : ", inside a cell");
     return testing::AssertionSuccess();
+}
+
+/// Each active edge once, in order.
+inline std::vector<extract::EdgeId> distinctEdges(const extract::SurfaceMesh& mesh) {
+    std::vector<extract::EdgeId> edges = mesh.edgeIds;
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
 }
 
 /// The normal that 16-bit normals at both ends of an edge give; zero where it is badly conditioned.
@@ -45,7 +56,7 @@ inline glm::vec3 expectedNormal(const ScalarGrid& grid, extract::EdgeId edge, co
     return grid.visit([&](auto values) {
         const SampleView<std::remove_cv_t<typename decltype(values)::element_type>> view{values.data(), dims};
         const auto direction = [&] {
-            return decodeDirection(encodeNormal(normalizedOrZero(-gradientAt(view, p[0], p[1], p[2], inverseSpacing))));
+            return decodeDirection(normalOfGradient(gradientAt(view, p[0], p[1], p[2], inverseSpacing)));
         };
         const glm::vec3 first = direction();
         ++p[axis];

@@ -141,7 +141,7 @@ std::string TopologyWalker::slideFault(double isovalue, bool isJudged) {
     const auto fresh = extract::extractFull(*grid_.grid, isovalue);
     if (!fresh.isOk())
         return fresh.error().line();
-    if (const auto same = isSameSurface(engine_->mesh(), fresh.value()); !same)
+    if (const auto same = isSameSurface(engine_->mesh().value(), fresh.value()); !same)
         return same.message();
     return isJudged ? surfaceFault(fresh.value(), grid_) : std::string();
 }

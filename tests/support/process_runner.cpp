@@ -5,9 +5,12 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
+#include <ctime>
 #include <stdexcept>
 
 #include <fcntl.h>
+#include <grp.h>
+#include <malloc.h>
 #include <poll.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -52,11 +55,16 @@ void applyLimits(const ProcessOptions& options) {
         const rlimit limit{options.addressSpaceBytes, options.addressSpaceBytes};
         ::setrlimit(RLIMIT_AS, &limit);
     }
+    if (options.userId != 0 && ::geteuid() == 0 &&
+        (::setgroups(0, nullptr) != 0 || ::setgid(options.userId) != 0 || ::setuid(options.userId) != 0))
+        ::_exit(126);
     const rlimit noCore{0, 0};
     ::setrlimit(RLIMIT_CORE, &noCore);
     // GoogleTest runs under ctest, which may have blocked or ignored these.
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE})
         ::signal(signal, SIG_DFL);
+    for (const int signal : options.ignoredSignals)
+        ::signal(signal, SIG_IGN);
     sigset_t none;
     sigemptyset(&none);
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -96,7 +104,8 @@ public:
 
     /// Sends the asked-for signal when its moment has come, and kills when the time is up.
     void tick(ProcessResult& result) {
-        if (options_.signalToSend != 0 && !hasSent_ && (!options_.signalWhen || options_.signalWhen())) {
+        if (options_.signalToSend != 0 && !hasSent_ && isTimeToSend()) {
+            result.processorTimeAtSignal = processorTime();
             ::kill(child_, options_.signalToSend);
             hasSent_ = true;
         }
@@ -110,6 +119,18 @@ public:
     }
 
 private:
+    bool isTimeToSend() const {
+        return (!options_.signalWhen || options_.signalWhen()) &&
+               (options_.signalAtProcessorTime.count() == 0 || processorTime() >= options_.signalAtProcessorTime);
+    }
+    std::chrono::milliseconds processorTime() const {
+        clockid_t clock;
+        timespec used{};
+        if (::clock_getcpuclockid(child_, &clock) == 0 && ::clock_gettime(clock, &used) == 0)
+            return std::chrono::milliseconds(used.tv_sec * 1000 + used.tv_nsec / 1'000'000);
+        return {};
+    }
+
     pid_t child_;
     const ProcessOptions& options_;
     Clock::time_point start_ = Clock::now();
@@ -160,6 +181,7 @@ ProcessResult runProcess(const std::filesystem::path& program, const std::vector
     Pipe err;
     if (options.closesStandardOutput)
         out.closeReadEnd();
+    ::malloc_trim(0); // a child's peak begins with what its parent holds
     const pid_t child = ::fork();
     if (child < 0)
         throw std::runtime_error("fork failed");

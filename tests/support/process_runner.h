@@ -20,6 +20,7 @@ struct ProcessResult {
     std::string standardError;
     std::chrono::milliseconds elapsed{0};
     std::chrono::milliseconds processorTime{0}; ///< of the program and the processes it waited for
+    std::chrono::milliseconds processorTimeAtSignal{0}; ///< of the program alone, when the signal was sent
     std::uint64_t peakRssBytes = 0; ///< of the largest of these
 };
 
@@ -29,9 +30,12 @@ struct ProcessOptions {
     std::chrono::milliseconds timeout{20000};
     bool closesStandardOutput = false; ///< close the reading end before the program writes (EPIPE)
     std::filesystem::path standardOutputFile; ///< write there instead of capturing, e.g. /dev/full
+    std::vector<int> ignoredSignals; ///< ignored when the program starts, as nohup does
     int signalToSend = 0; ///< sent once, after `signalWhen` has become true
     std::function<bool()> signalWhen; ///< polled each millisecond; empty: at once
+    std::chrono::milliseconds signalAtProcessorTime{0}; ///< what the program must have used before it is sent
     std::uint64_t addressSpaceBytes = 0; ///< RLIMIT_AS, 0 for none
+    unsigned userId = 0; ///< whom it runs as where the test runs as root; 0: as the test
 };
 
 /// Runs `program` with `arguments`, no shell between, standard input empty, and waits for its end.

@@ -7,6 +7,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "core/extract/live/brick_picture.h"
+
 namespace isoslider::model {
 namespace {
 
@@ -136,6 +138,8 @@ void mergeVertices(extract::SurfaceFrame& frame, std::int64_t blockCells) {
 }
 
 void fitPicture(extract::SurfaceFrame& frame, std::uint64_t limitBytes) {
+    if (extract::pictureBytes(frame) > limitBytes)
+        extract::expandPicture(frame);
     const auto& dims = frame.geometry.dims;
     const std::int64_t longest = std::max({dims[0], dims[1], dims[2]});
     // Blocks of twice the size are made of whole smaller ones, so each step starts from the last.

@@ -18,6 +18,9 @@
 
 namespace isoslider::model {
 
+/// Names a volume that was opened: differs between any two of a session. Zero is none.
+enum class DatasetGeneration : std::uint64_t {};
+
 /// What the window knows of the volume that is open.
 struct Dataset {
     std::string name;                 ///< file name or sample title

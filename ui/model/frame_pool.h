@@ -25,6 +25,7 @@ public:
             frame = std::make_unique<extract::SurfaceFrame>();
         return {frame.release(), [shelf = shelf_](extract::SurfaceFrame* returned) {
                     std::unique_ptr<extract::SurfaceFrame> owned(returned);
+                    owned->bricks.reset(); // the surface waits to use their memory again
                     const std::lock_guard lock(shelf->mutex);
                     if (shelf->frames.size() < kKept)
                         shelf->frames.push_back(std::move(owned));

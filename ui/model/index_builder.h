@@ -18,9 +18,9 @@ public:
 
     /// Builds the index of `grid` and publishes it at `indexPath`, whose folder exists. On failure
     /// or cancel nothing is left behind. Runs on a worker thread; several may run at once.
-    /// `lengthUnit`: as io::VolumeInfo's.
+    /// Of `about` the unit of length and what resampling lost are kept.
     virtual Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
-                         const std::string& lengthUnit, const std::filesystem::path& indexPath,
+                         const io::VolumeInfo& about, const std::filesystem::path& indexPath,
                          const JobControl& job) = 0;
 
     /// As above, of a volume on disk that does not fit in memory: read in slabs, more than once.

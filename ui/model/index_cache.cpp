@@ -30,12 +30,7 @@ std::optional<VolumeStamp> readRecord(const fs::path& index, std::string_view la
 }
 
 Status writeRecord(const fs::path& index, const VolumeStamp& stamp, std::string_view layout) {
-    auto file = AtomicFile::create(recordOf(index));
-    if (!file.isOk())
-        return file.error();
-    const std::string text = std::string(layout) + "\n" + stamp.toText();
-    ISO_TRY(file.value()->writeAll(std::as_bytes(std::span(text))));
-    return file.value()->publish();
+    return writeWholeFile(recordOf(index), std::string(layout) + "\n" + stamp.toText());
 }
 
 } // namespace

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 
 #include <nlohmann/json.hpp>
 
@@ -350,13 +349,8 @@ Result<ReadSession> readSession(const fs::path& path) {
 }
 
 Status writeSession(const SavedSession& session, const fs::path& path) {
-    auto file = AtomicFile::create(path);
-    if (!file.isOk())
-        return file.error();
     std::error_code ignored;
-    const std::string text = sessionText(session, fs::absolute(path, ignored).parent_path());
-    ISO_TRY(file.value()->writeAll(std::as_bytes(std::span(text))));
-    return file.value()->publish();
+    return writeWholeFile(path, sessionText(session, fs::absolute(path, ignored).parent_path()));
 }
 
 std::string optionsText(const io::ReadOptions& options) { return toJson(options).dump(); }

@@ -22,7 +22,10 @@ namespace {
 // A window on an index file shows that file's name; its surfaces are of the volume.
 mesh::SurfaceSource sourceOf(const Dataset& dataset) {
     const bool hasSourceName = dataset.index && !dataset.index->sourceName.empty();
-    return {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples, dataset.lengthUnit};
+    std::string lost = dataset.index ? dataset.index->resampling : std::string();
+    if (dataset.resampling)
+        lost = io::lossText(*dataset.resampling, dataset.geometry.dims);
+    return {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples, dataset.lengthUnit, std::move(lost)};
 }
 
 } // namespace
@@ -33,7 +36,7 @@ Session::Session(SessionServices services)
       runner_(std::make_unique<JobRunner>(jobs_, services_.postToMain)) {
     requestSubscription_ = isovalue_.observeRequest([this](double isovalue) {
         firstIsovalue_.reset();
-        worker_->request(isovalue);
+        requestMove(isovalue);
     });
 }
 
@@ -58,10 +61,10 @@ SlideWorker::Callbacks Session::workerCallbacks() {
                 takeFrame();
         });
     };
-    callbacks.onError = [this, weakSlot, post = services_.postToMain](Error error, SourceGeneration generation) {
-        post([this, weakSlot, error = std::move(error), generation] {
+    callbacks.onError = [this, weakSlot, post = services_.postToMain](Error error, double isovalue, SourceGeneration generation) {
+        post([this, weakSlot, error = std::move(error), isovalue, generation] {
             if (weakSlot.lock())
-                onSlideError(error, generation);
+                onSlideError(error, isovalue, generation);
         });
     };
     return callbacks;
@@ -119,7 +122,7 @@ void Session::onOpened(Result<Opened> opened, const OpenRequest& request) {
 }
 
 void Session::forgetDataset() {
-    ++datasetTicket_;
+    datasetGeneration_ = DatasetGeneration{static_cast<std::uint64_t>(datasetGeneration_) + 1};
     if (indexJob_)
         runner_->cancel(*indexJob_);
     indexJob_.reset();
@@ -127,6 +130,7 @@ void Session::forgetDataset() {
     dataset_.reset();
     grid_.reset();
     frame_.reset();
+    failedIsovalue_.reset();
     certificate_.reset();
     isCheckingMesh_ = false;
     isPictureComing_ = false;
@@ -156,7 +160,7 @@ void Session::close() {
     loadJob_.reset();
     ++loadTicket_;
     forgetDataset();
-    generation_ = worker_->setSource(nullptr);
+    generation_ = worker_->setSource(nullptr, datasetGeneration_, std::nullopt);
     isovalue_.clearDomain();
     datasetChanged_.notify();
     frameChanged_.notify();
@@ -164,8 +168,13 @@ void Session::close() {
 }
 
 void Session::useSource(std::shared_ptr<SurfaceSource> source) {
-    generation_ = worker_->setSource(std::move(source));
-    worker_->request(isovalue_.requested());
+    failedIsovalue_.reset();
+    generation_ = worker_->setSource(std::move(source), datasetGeneration_, isovalue_.requested());
+}
+
+void Session::requestMove(double isovalue) {
+    failedIsovalue_.reset();
+    worker_->request(isovalue);
 }
 
 void Session::limitPicture(std::uint64_t bytes) {
@@ -173,7 +182,7 @@ void Session::limitPicture(std::uint64_t bytes) {
     if (!frame_)
         return;
     isPictureComing_ = true;
-    worker_->request(isovalue_.requested());
+    requestMove(isovalue_.requested());
 }
 
 void Session::takeFrame() {
@@ -189,6 +198,7 @@ void Session::takeFrame() {
         return;
     frame_ = std::move(frame);
     isPictureComing_ = false;
+    failedIsovalue_.reset();
     isovalue_.setDisplayed(frame_->isovalue, frame_->stats.updateMs + frame_->stats.interpolateMs);
     frameChanged_.notify();
     // The first picture has both cores for itself; the index comes after it.
@@ -196,13 +206,15 @@ void Session::takeFrame() {
         startIndexBuild();
 }
 
-void Session::onSlideError(const Error& error, SourceGeneration generation) {
+void Session::onSlideError(const Error& error, double isovalue, SourceGeneration generation) {
     if (generation != generation_)
         return;
     isPictureComing_ = false;
+    failedIsovalue_ = isovalue;
     fail("The surface could not be moved", error);
     if (indexState_ == IndexState::None)
         startIndexBuild();
+    datasetChanged_.notify(); // no surface is waited for any more
 }
 
 void Session::buildIndex() {
@@ -223,16 +235,19 @@ void Session::startIndexBuild() {
             return makeError(ErrorCode::IoError, "the folder for indexes cannot be made: " + error.message(),
                              path.parent_path().string());
         IndexCache::forget(path);
+        io::VolumeInfo about;
+        about.lengthUnit = volume.lengthUnit;
+        about.resampling = volume.resampling;
         ISO_TRY(volume.coarseStep > 1
                     ? builder->buildFromFile(volume.path, volume.readOptions, volume.name, path, job.part(0.0, 0.95))
-                    : builder->build(grid, volume.name, volume.lengthUnit, path, job.part(0.0, 0.95)));
+                    : builder->build(grid, volume.name, about, path, job.part(0.0, 0.95)));
         if (volume.stamp) // what cannot be recorded is built again the next time
             (void)IndexCache::record(path, *volume.stamp, layoutText(volume.readOptions), job.part(0.95, 1.0));
         return {};
     };
     indexJob_ = runner_->run<void>("Build index of " + dataset_->name, std::move(work),
-                                   [this, ticket = datasetTicket_](const Status& status) {
-                                       if (ticket == datasetTicket_)
+                                   [this, ticket = datasetGeneration_](const Status& status) {
+                                       if (ticket == datasetGeneration_)
                                            onIndexBuilt(status);
                                    });
     datasetChanged_.notify();
@@ -265,8 +280,8 @@ void Session::openBuiltIndex() {
             opened.source = makeIndexSource(std::move(engine).value());
             return opened;
         },
-        [this, ticket = datasetTicket_](Result<OpenedIndex> opened) {
-            if (ticket != datasetTicket_)
+        [this, ticket = datasetGeneration_](Result<OpenedIndex> opened) {
+            if (ticket != datasetGeneration_)
                 return;
             indexJob_.reset();
             if (opened.isOk())
@@ -314,16 +329,16 @@ void Session::checkMesh() {
     isCheckingMesh_ = true;
     runner_->run<mesh::Certificate>(
         "Check mesh",
-        [worker = worker_.get(), source = sourceOf(*dataset_)](const JobControl& job) -> Result<mesh::Certificate> {
+        [worker = worker_.get(), of = datasetGeneration_, source = sourceOf(*dataset_)](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
-            auto surface = worker->takeMesh(job);
+            auto surface = worker->takeMesh(of, job);
             if (!surface.isOk())
                 return surface.error();
             job.report(0.3, "Checking with OpenMesh");
-            return mesh::certify(surface.value(), source);
+            return mesh::certify(surface.value(), source, job);
         },
-        [this, ticket = datasetTicket_](Result<mesh::Certificate> certificate) {
-            if (ticket != datasetTicket_)
+        [this, ticket = datasetGeneration_](Result<mesh::Certificate> certificate) {
+            if (ticket != datasetGeneration_)
                 return;
             isCheckingMesh_ = false;
             if (certificate.isOk())
@@ -335,7 +350,11 @@ void Session::checkMesh() {
     certificateChanged_.notify();
 }
 
-void Session::exportMesh(const fs::path& path) {
+void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
+    if (of != datasetGeneration_)
+        return fail("The mesh was not exported",
+                    makeError(ErrorCode::InvalidArgument, "the volume that it is of was closed or replaced meanwhile",
+                              path.string()));
     if (!frame_ || refusesExport())
         return;
     if (!mesh::isExportSuffix(path))
@@ -344,28 +363,29 @@ void Session::exportMesh(const fs::path& path) {
                               "the file name must end in .ply, .obj, .stl, .off or .om", path.string()));
     runner_->run<mesh::Certificate>(
         "Export " + path.filename().string(),
-        [worker = worker_.get(), source = sourceOf(*dataset_), path](const JobControl& job) -> Result<mesh::Certificate> {
+        [worker = worker_.get(), of, source = sourceOf(*dataset_), path](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
-            auto surface = worker->takeMesh(job);
+            auto surface = worker->takeMesh(of, job);
             if (!surface.isOk())
                 return surface.error();
             job.report(0.2, "Checking with OpenMesh");
-            auto certificate = mesh::certify(surface.value(), source);
-            if (job.isStopRequested())
-                return cancelledError();
+            const JobControl checking = job.part(0.2, 0.7), writing = job.part(0.7, 1.0);
+            auto certificate = mesh::certify(surface.value(), source, checking);
+            if (!certificate.isOk())
+                return certificate;
             job.report(0.7, "Writing");
-            ISO_TRY(mesh::exportMesh(surface.value(), certificate, path));
+            ISO_TRY(mesh::exportMesh(surface.value(), certificate.value(), path, writing));
             return certificate;
         },
-        [this, ticket = datasetTicket_, path](Result<mesh::Certificate> certificate) {
+        [this, of, path](Result<mesh::Certificate> certificate) {
             if (certificate.isOk())
-                onExported(path, ticket, std::move(certificate).value());
+                onExported(path, of, std::move(certificate).value());
             else if (!certificate.isCancelled())
                 fail("The mesh was not exported", certificate.error());
         });
 }
 
-void Session::onExported(const fs::path& path, std::uint64_t ticket, mesh::Certificate certificate) {
+void Session::onExported(const fs::path& path, DatasetGeneration of, mesh::Certificate certificate) {
     const auto faults = mesh::faultsOf(certificate);
     if (faults.empty()) {
         noticePosted_.notify(Notice{Notice::Severity::Information, "Mesh exported", path.string()});
@@ -375,7 +395,7 @@ void Session::onExported(const fs::path& path, std::uint64_t ticket, mesh::Certi
             detail += (i == 0 ? "" : ", ") + faults[i];
         noticePosted_.notify(Notice{Notice::Severity::Error, "Mesh exported, but it is not sound", detail});
     }
-    if (ticket != datasetTicket_)
+    if (of != datasetGeneration_)
         return;
     certificate_ = std::move(certificate);
     certificateChanged_.notify();
@@ -388,13 +408,19 @@ bool Session::isSettled() const {
         return false;
     if (!dataset_)
         return true;
-    if (!frame_ || isPictureComing_ || isovalue_.isLagging())
+    if (isMoving())
         return false;
     switch (indexState_) {
         case IndexState::None: return !grid_ || !services_.indexBuilder;
-        case IndexState::Ready: return frame_->isFromIndex;
+        case IndexState::Ready: return hasMoveFailed() || frame_->isFromIndex;
         default: return true;
     }
+}
+
+bool Session::hasMoveFailed() const { return failedIsovalue_ == isovalue_.requested(); }
+
+bool Session::isMoving() const {
+    return dataset_ && !hasMoveFailed() && (!frame_ || isPictureComing_ || isovalue_.isLagging());
 }
 
 void Session::fail(const std::string& title, const Error& error) {

@@ -53,7 +53,9 @@ public:
     /// Starts the index build again after it failed or was cancelled.
     void buildIndex();
     void checkMesh();
-    void exportMesh(const std::filesystem::path& path);
+    /// Writes the surface of the volume `of`, see datasetGeneration(). Once another one has taken its place nothing is
+    /// written, and a notice says so.
+    void exportMesh(const std::filesystem::path& path, DatasetGeneration of);
     /// True, and a notice says why, while there is but a preview: its meshes are not exported.
     bool refusesExport();
     void cancelJob(JobId id);
@@ -64,9 +66,11 @@ public:
     const SessionServices& services() const { return services_; }
     /// Nothing is being read, built, checked, written or moved.
     bool isSettled() const;
+    /// The surface asked for is still to come. False once it is shown, or moving there has failed.
+    bool isMoving() const;
     const Dataset* dataset() const { return dataset_ ? &*dataset_ : nullptr; }
     /// Differs between any two volumes opened in this session.
-    std::uint64_t datasetKey() const { return datasetTicket_; }
+    DatasetGeneration datasetGeneration() const { return datasetGeneration_; }
     IndexState indexState() const { return indexState_; }
     /// The volume is too large for memory and has no index yet: coarse samples stand in for it.
     bool isPreview() const;
@@ -75,6 +79,8 @@ public:
     /// Shows the surface, and all that follow of this volume, by pictures of at most so many bytes: larger ones are
     /// coarser, see SurfaceFrame::mergedCells. Meshes are checked and exported whole all the same.
     void limitPicture(std::uint64_t bytes);
+    /// Whether frames say what the last move has changed, from the next move on: it takes time to list.
+    void markChanges(bool isWanted) { worker_->markChanges(isWanted); }
     /// Null until the first surface.
     std::shared_ptr<const extract::SurfaceFrame> frame() const { return frame_; }
     IsovalueModel& isovalue() { return isovalue_; }
@@ -116,8 +122,10 @@ private:
     bool refusesMesh(const std::string& title, const std::string& verb);
     void useSource(std::shared_ptr<SurfaceSource> source);
     void takeFrame();
-    void onSlideError(const Error& error, SourceGeneration generation);
-    void onExported(const std::filesystem::path& path, std::uint64_t ticket, mesh::Certificate certificate);
+    void requestMove(double isovalue);
+    bool hasMoveFailed() const;
+    void onSlideError(const Error& error, double isovalue, SourceGeneration generation);
+    void onExported(const std::filesystem::path& path, DatasetGeneration of, mesh::Certificate certificate);
     void fail(const std::string& title, const Error& error);
     SlideWorker::Callbacks workerCallbacks();
 
@@ -129,6 +137,7 @@ private:
     std::optional<double> firstIsovalue_; ///< asked for in opening; none once the handle has moved
     std::shared_ptr<const ScalarGrid> grid_; ///< until the index is there
     std::shared_ptr<const extract::SurfaceFrame> frame_;
+    std::optional<double> failedIsovalue_; ///< of the last move, if it failed
     IndexState indexState_ = IndexState::None;
     std::optional<JobId> loadJob_;
     std::optional<JobId> indexJob_;
@@ -136,7 +145,7 @@ private:
     bool isCheckingMesh_ = false;
     bool isPictureComing_ = false; ///< another one of the same surface was asked for
     std::uint64_t loadTicket_ = 0;    ///< tells a superseded load from the present one
-    std::uint64_t datasetTicket_ = 0; ///< tells results about an earlier volume from present ones
+    DatasetGeneration datasetGeneration_{}; ///< tells results about an earlier volume from present ones
     ObserverList<> datasetChanged_;
     ObserverList<> frameChanged_;
     ObserverList<> certificateChanged_;

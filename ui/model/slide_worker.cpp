@@ -33,7 +33,8 @@ SlideWorker::~SlideWorker() {
     moveStop_.request_stop();
 }
 
-SourceGeneration SlideWorker::setSource(std::shared_ptr<SurfaceSource> source) {
+SourceGeneration SlideWorker::setSource(std::shared_ptr<SurfaceSource> source, DatasetGeneration dataset,
+                                        std::optional<double> isovalue) {
     SourceGeneration generation{};
     {
         const std::lock_guard lock(mutex_);
@@ -44,7 +45,8 @@ SourceGeneration SlideWorker::setSource(std::shared_ptr<SurfaceSource> source) {
             retired_.push_back(std::move(source_));
         source_ = std::move(source);
         generation = generation_ = SourceGeneration{static_cast<std::uint64_t>(generation_) + 1};
-        mailbox_.reset();
+        dataset_ = dataset;
+        mailbox_ = isovalue;
     }
     wake_.notify_all();
     return generation;
@@ -58,8 +60,9 @@ void SlideWorker::request(double isovalue) {
     wake_.notify_all();
 }
 
-Result<extract::SurfaceMesh> SlideWorker::takeMesh(const JobControl& job) {
+Result<extract::SurfaceMesh> SlideWorker::takeMesh(DatasetGeneration dataset, const JobControl& job) {
     auto order = std::make_unique<MeshOrder>();
+    order->dataset = dataset;
     order->job = job;
     auto answer = order->mesh.get_future();
     {
@@ -84,10 +87,8 @@ void SlideWorker::loop(std::stop_token stop) {
     while (waitForWork(stop, work)) {
         if (work.isovalue)
             move(work);
-        else if (work.order && !work.source)
-            work.order->mesh.set_value(makeError(ErrorCode::InvalidArgument, "no volume is open"));
         else if (work.order)
-            work.order->mesh.set_value(guarded([&] { return work.source->mesh(work.order->job); }));
+            work.order->mesh.set_value(meshOf(work));
         work = {};
     }
     const std::lock_guard lock(mutex_);
@@ -101,6 +102,7 @@ bool SlideWorker::waitForWork(std::stop_token stop, Work& work) {
     work.retired = std::exchange(retired_, {});
     work.source = source_;
     work.generation = generation_;
+    work.dataset = dataset_;
     work.stop = moveStop_.get_token();
     if (mailbox_ && source_)
         work.isovalue = std::exchange(mailbox_, std::nullopt);
@@ -109,20 +111,30 @@ bool SlideWorker::waitForWork(std::stop_token stop, Work& work) {
     return !stop.stop_requested();
 }
 
+Result<extract::SurfaceMesh> SlideWorker::meshOf(const Work& work) const {
+    if (!work.source || work.dataset != work.order->dataset)
+        return makeError(ErrorCode::InvalidArgument, "the volume that it is of was closed or replaced meanwhile");
+    if (moved_ != work.generation)
+        return makeError(ErrorCode::InvalidArgument, "there is no surface at this isovalue; choose another one");
+    return guarded([&] { return work.source->mesh(work.order->job); });
+}
+
 void SlideWorker::move(const Work& work) {
     auto frame = pool_.take();
+    frame->marksChanges = marksChanges_;
     const Status status = guarded([&]() -> Status {
         ISO_TRY(work.source->moveTo(*work.isovalue, work.stop, *frame));
         frame->mergedCells = 1;
         fitPicture(*frame, pictureLimit_);
         return {};
     });
+    moved_ = status.isOk() ? work.generation : SourceGeneration{};
     if (!isCurrent(work.generation))
         return;
     if (status.isOk())
         callbacks_.onFrame(std::move(frame), work.generation);
     else if (!status.isCancelled())
-        callbacks_.onError(status.error(), work.generation);
+        callbacks_.onError(status.error(), *work.isovalue, work.generation);
 }
 
 bool SlideWorker::isCurrent(SourceGeneration generation) {

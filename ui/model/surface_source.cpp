@@ -22,10 +22,11 @@ public:
         auto& mesh = surface.value();
         frame.stats = {};
         frame.stats.isovalue = isovalue;
-        frame.stats.activeEdges = mesh.edgeIds.size();
+        frame.stats.activeEdges = mesh.activeEdgeCount();
         frame.stats.triangles = mesh.triangleCount();
         frame.stats.cellsRetriangulated = 0;
         frame.stats.hasRebuilt = true;
+        frame.bricks.reset();
         frame.geometry = grid_->geometry();
         frame.isovalue = isovalue;
         frame.isFromIndex = false;
@@ -56,7 +57,7 @@ public:
         auto stats = engine_->slideTo(isovalue, stop);
         if (!stats.isOk())
             return stats.error();
-        engine_->copyFrame(frame);
+        engine_->copyFrame(frame, frame.marksChanges);
         frame.stats = std::move(stats).value();
         frame.geometry = engine_->info().geometry;
         frame.isovalue = isovalue;
@@ -65,9 +66,7 @@ public:
     }
 
     Result<extract::SurfaceMesh> mesh(const JobControl& job) override {
-        if (job.isStopRequested())
-            return cancelledError();
-        return engine_->mesh();
+        return engine_->mesh(job);
     }
 
 private:

@@ -18,8 +18,12 @@ struct VolumeAccess {
     using Read = Result<std::shared_ptr<const ScalarGrid>>(io::VolumeSource&, const std::filesystem::path&,
                                                            const JobControl&);
 
-    std::function<List> list = io::listVolumes;
-    std::function<Open> open = io::openVolume;
+    std::function<List> list = [](const auto& path, const auto& options) {
+        return io::listVolumes(path, options);
+    };
+    std::function<Open> open = [](const auto& path, const auto& options) {
+        return io::openVolume(path, options);
+    };
     std::function<Read> read = static_cast<Read*>(io::readVolume);
 };
 

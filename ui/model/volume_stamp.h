@@ -6,18 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "core/base/file_stamp.h"
 #include "core/base/job_control.h"
 
 namespace isoslider::model {
 
-/// One file as it was at some moment. Times in nanoseconds since 1970.
-struct FileStamp {
+/// One file as it was at some moment.
+struct StampedFile {
     std::filesystem::path path; ///< absolute, or relative to the folder that is the volume
-    std::uint64_t size = 0;
-    std::int64_t modified = 0;
-    std::int64_t changed = 0;   ///< of the inode: no program sets it back
-    bool isSettled = false;     ///< the last change was long enough ago that a later one has other times
-    std::uint64_t hash = 0;     ///< of the bytes; only of a stamp with hashes
+    FileStamp stamp;
+    std::uint64_t hash = 0; ///< of the bytes; only of a stamp with hashes
 };
 
 /// Says whether a volume's files are those that they were. Taking it reads no bytes of them; equal stamps mean
@@ -46,7 +44,7 @@ public:
 private:
     std::filesystem::path volume_; ///< absolute
     std::filesystem::path root_;   ///< what the files' paths are relative to; of one that was just taken
-    std::vector<FileStamp> files_; ///< in the order of their paths, but the volume's own first
+    std::vector<StampedFile> files_; ///< in the order of their paths, but the volume's own first
 };
 
 } // namespace isoslider::model

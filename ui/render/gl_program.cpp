@@ -10,15 +10,15 @@ namespace isoslider::render {
 
 void initializeResources() { initializeIsosliderResources(); }
 
-std::unique_ptr<QOpenGLShaderProgram> loadProgram(const char* name) {
+std::unique_ptr<QOpenGLShaderProgram> loadProgram(const char* vertex, const char* fragment) {
     auto program = std::make_unique<QOpenGLShaderProgram>();
-    const QString base = QStringLiteral(":/isoslider/shaders/") + QLatin1String(name);
+    const QString folder = QStringLiteral(":/isoslider/shaders/");
     const bool isBuilt =
-        program->addShaderFromSourceFile(QOpenGLShader::Vertex, base + QStringLiteral(".vert")) &&
-        program->addShaderFromSourceFile(QOpenGLShader::Fragment, base + QStringLiteral(".frag")) &&
+        program->addShaderFromSourceFile(QOpenGLShader::Vertex, folder + QLatin1String(vertex) + QStringLiteral(".vert")) &&
+        program->addShaderFromSourceFile(QOpenGLShader::Fragment, folder + QLatin1String(fragment) + QStringLiteral(".frag")) &&
         program->link();
     if (!isBuilt) {
-        qWarning("shader %s: %s", name, qPrintable(program->log()));
+        qWarning("shader %s: %s", vertex, qPrintable(program->log()));
         return nullptr;
     }
     return program;

@@ -10,7 +10,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "ui/render/surface_buffers.h"
+#include "ui/render/array_buffers.h"
+#include "ui/render/brick_buffers.h"
 
 namespace isoslider::render {
 namespace {
@@ -60,6 +61,7 @@ std::array<glm::vec3, kBoxVertices> boxLines(glm::vec3 last) {
 } // namespace
 
 struct SceneRenderer::Matrices {
+    glm::dmat4 modelToClip;
     QMatrix4x4 modelToView;
     QMatrix4x4 boxToView;
     QMatrix4x4 viewToClip;
@@ -67,7 +69,7 @@ struct SceneRenderer::Matrices {
 };
 
 struct SceneRenderer::Resources {
-    Resources(Gl& functions, GlDriver& usedDriver) : gl(functions), driver(usedDriver), surface(functions, usedDriver) {
+    Resources(Gl& functions, GlDriver& usedDriver) : gl(functions), driver(usedDriver), arrays(functions, usedDriver), bricks(functions, usedDriver) {
         gl.glGenVertexArrays(1, &emptyArray);
         gl.glGenVertexArrays(1, &boxArray);
         boxBuffer = driver.makeBuffer(gl);
@@ -82,7 +84,8 @@ struct SceneRenderer::Resources {
 
     Gl& gl;
     GlDriver& driver;
-    SurfaceBuffers surface;
+    ArrayBuffers arrays; ///< of a frame with arrays
+    BrickBuffers bricks; ///< of one with bricks
     bool isAbandoned = false;
     bool hasBox = false;
     GLuint emptyArray = 0;
@@ -90,7 +93,8 @@ struct SceneRenderer::Resources {
     GLuint boxBuffer = 0;
     std::unique_ptr<QOpenGLShaderProgram> backgroundProgram;
     std::unique_ptr<QOpenGLShaderProgram> lineProgram;
-    std::unique_ptr<QOpenGLShaderProgram> surfaceProgram;
+    std::unique_ptr<QOpenGLShaderProgram> arraysProgram;
+    std::unique_ptr<QOpenGLShaderProgram> bricksProgram;
 };
 
 double sceneRadius(const GridGeometry& geometry) {
@@ -118,9 +122,10 @@ bool SceneRenderer::initialize() {
     resources_ = std::make_unique<Resources>(*gl, *driver_);
     resources_->backgroundProgram = loadProgram("background");
     resources_->lineProgram = loadProgram("line");
-    resources_->surfaceProgram = loadProgram("surface");
+    resources_->arraysProgram = loadProgram("surface");
+    resources_->bricksProgram = loadProgram("surface_records", "surface");
     isFrameNew_ = true;
-    if (resources_->backgroundProgram && resources_->lineProgram && resources_->surfaceProgram)
+    if (resources_->backgroundProgram && resources_->lineProgram && resources_->arraysProgram && resources_->bricksProgram)
         return true;
     resources_.reset();
     return false;
@@ -132,7 +137,8 @@ void SceneRenderer::abandon() {
     if (!resources_)
         return;
     resources_->isAbandoned = true;
-    resources_->surface.abandon();
+    resources_->arrays.abandon();
+    resources_->bricks.abandon();
     resources_.reset();
 }
 
@@ -150,11 +156,30 @@ void SceneRenderer::uploadIfNew() {
     if (!std::exchange(isFrameNew_, false))
         return;
     refusedBytes_ = 0;
+    resources_->arrays.clear();
     if (!frame_)
-        return resources_->surface.clear();
-    if (!resources_->surface.upload(*frame_))
+        return resources_->bricks.clear();
+    if (!uploadSurface())
         refusedBytes_ = extract::pictureBytes(*frame_);
     uploadBox();
+}
+
+bool SceneRenderer::uploadSurface() {
+    // One kind at a time: the other's memory may be wanted.
+    if (frame_->bricks && resources_->bricks.canHold(*frame_->bricks)) {
+        resources_->arrays.freeMemory();
+        return resources_->bricks.upload(*frame_->bricks);
+    }
+    resources_->bricks.freeMemory();
+    if (!frame_->bricks)
+        return resources_->arrays.upload(*frame_);
+    extract::SurfaceFrame frame = *frame_; // an old card with small tables
+    expandPicture(frame);
+    return resources_->arrays.upload(frame);
+}
+
+std::uint64_t SceneRenderer::uploadedBytes() const {
+    return resources_ ? resources_->arrays.uploadedBytes() + resources_->bricks.uploadedBytes() : 0;
 }
 
 void SceneRenderer::uploadBox() {
@@ -184,9 +209,12 @@ void SceneRenderer::draw(const model::Camera& camera, const model::ViewOptions& 
         return;
     const glm::dmat4 view = camera.viewMatrix();
     Matrices matrices;
-    matrices.modelToView = toQt(view * indexToCentredWorld(frame_->geometry, volume_));
+    const glm::dmat4 projection = camera.projectionMatrix(static_cast<double>(pixels.x) / pixels.y);
+    const glm::dmat4 modelToView = view * indexToCentredWorld(frame_->geometry, volume_);
+    matrices.modelToClip = projection * modelToView;
+    matrices.modelToView = toQt(modelToView);
     matrices.boxToView = toQt(view * indexToCentredWorld(volume_, volume_));
-    matrices.viewToClip = toQt(camera.projectionMatrix(static_cast<double>(pixels.x) / pixels.y));
+    matrices.viewToClip = toQt(projection);
     matrices.normalToView = toQt(glm::dmat3(view) * frame_->geometry.normalToWorld());
     gl.glEnable(GL_DEPTH_TEST);
     gl.glDepthFunc(GL_LEQUAL);
@@ -228,14 +256,20 @@ void SceneRenderer::drawBox(const Matrices& matrices) {
 }
 
 void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, bool showsChanged) {
-    auto& surface = resources_->surface;
-    if (surface.isEmpty())
+    auto& bricks = resources_->bricks;
+    auto& arrays = resources_->arrays;
+    if (bricks.isEmpty() && arrays.isEmpty())
         return;
     auto& gl = resources_->gl;
-    auto& program = *resources_->surfaceProgram;
+    const bool isOfBricks = !bricks.isEmpty();
+    auto& program = isOfBricks ? *resources_->bricksProgram : *resources_->arraysProgram;
     // Triangles are counter-clockwise from outside in index space; a mirroring map turns them.
     gl.glFrontFace(frame_->geometry.isLeftHanded() ? GL_CW : GL_CCW);
     program.bind();
+    if (isOfBricks) {
+        program.setUniformValue("places", 0);
+        program.setUniformValue("isovalue", static_cast<float>(frame_->isovalue));
+    }
     program.setUniformValue("modelToView", matrices.modelToView);
     program.setUniformValue("viewToClip", matrices.viewToClip);
     program.setUniformValue("normalToView", matrices.normalToView);
@@ -243,16 +277,25 @@ void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, bo
     program.setUniformValue("backColour", toQt(colours_.back));
     program.setUniformValue("glowColour", QVector4D());
     program.setUniformValue("perspective", isPerspective ? 1.0f : 0.0f);
-    surface.drawSurface();
-    if (showsChanged && surface.hasChanged()) {
+    isOfBricks ? bricks.drawSurface(matrices.modelToClip) : arrays.drawSurface();
+    if (showsChanged && hasFewChanges()) {
         program.setUniformValue("glowColour", toQt(colours_.glow));
         gl.glEnable(GL_POLYGON_OFFSET_FILL);
         gl.glPolygonOffset(-1.0f, -1.0f);
-        surface.drawChanged();
+        isOfBricks ? bricks.drawChanged() : arrays.drawChanged();
         gl.glDisable(GL_POLYGON_OFFSET_FILL);
     }
     program.release();
     gl.glFrontFace(GL_CCW);
+}
+
+// Where all of the surface is new, red on all of it would say nothing.
+bool SceneRenderer::hasFewChanges() const {
+    constexpr double kLargestGlow = 0.95;
+    const auto& [changed, all] = resources_->bricks.isEmpty()
+                                     ? std::pair(resources_->arrays.changedIndices(), resources_->arrays.surfaceIndices())
+                                     : std::pair(frame_->bricks->changedIndices().size(), 3 * frame_->stats.triangles);
+    return changed > 0 && static_cast<double>(changed) < kLargestGlow * static_cast<double>(all);
 }
 
 } // namespace isoslider::render

@@ -54,6 +54,8 @@ public:
 
     /// Bytes of the present surface, if the card has no memory for it and it is not drawn; 0 otherwise.
     std::uint64_t refusedBytes() const { return refusedBytes_; }
+    /// Bytes of surfaces sent to the card since initialize().
+    std::uint64_t uploadedBytes() const;
 
 private:
     struct Resources;
@@ -64,7 +66,9 @@ private:
     void drawBox(const Matrices& matrices);
     void drawSurface(const Matrices& matrices, bool isPerspective, bool showsChanged);
 
+    bool uploadSurface();
     void uploadBox();
+    bool hasFewChanges() const;
 
     std::shared_ptr<GlDriver> driver_; // before the resources, which use it to the last
     std::unique_ptr<Resources> resources_;

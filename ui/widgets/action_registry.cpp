@@ -36,7 +36,7 @@ const std::vector<SectionSpec>& specs() {
           {"file.previewsFirst", TR("&Preview Before Opening"), "", TR("Show a file chosen with Open Volume before it is opened"), "", true},
           {"file.sampleBluntFin", TR("&Blunt Fin"), "", TR("Open the Blunt Fin air-flow sample"), "sample"},
           {"file.sampleShell", TR("&Spherical Shell"), "", TR("Open the spherical shell sample"), "sample"},
-          {"file.openSession", TR("Open S&ession…"), "", TR("Show a volume again as a session file keeps it"), ""},
+          {"file.openSession", TR("Open Sessio&n…"), "", TR("Show a volume again as a session file keeps it"), ""},
           {"file.saveSession", TR("&Save Session…"), "Ctrl+S", TR("Save volume, isovalue and view to a file"), ""},
           {"file.saveImage", TR("Save &View as Image…"), "Ctrl+Shift+S", TR("Save the 3-D view as a PNG image"), "image"},
           {"file.close", TR("&Close Volume"), "Ctrl+W", TR("Close the volume and show the start page"), "close"},

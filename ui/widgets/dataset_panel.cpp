@@ -14,6 +14,7 @@
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/fact_texts.h"
 #include "ui/widgets/small_widgets.h"
+#include "ui/widgets/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -141,7 +142,7 @@ QWidget* DatasetPanel::makeEmptyPage(const ActionRegistry& actions) {
     auto* layout = new QVBoxLayout(page);
     auto* text = new QLabel(tr("No volume is open."), page);
     text->setAlignment(Qt::AlignCenter);
-    text->setForegroundRole(QPalette::PlaceholderText);
+    makeQuiet(text);
     auto* open = new QPushButton(actions.action("file.open")->icon(), tr("Open Volume…"), page);
     connect(open, &QPushButton::clicked, actions.action("file.open"), &QAction::trigger);
     layout->addStretch(1);
@@ -157,6 +158,8 @@ QWidget* DatasetPanel::makeFactsPage(const ActionRegistry& actions) {
     layout->setSpacing(6);
     volumeFacts_ = new FactForm(page);
     indexFacts_ = new FactForm(page);
+    for (FactForm* form : {volumeFacts_, indexFacts_})
+        form->reserveNameWidth(tr("Missing samples"));
     indexState_ = new QLabel(page);
     indexState_->setWordWrap(true);
     build_ = new QPushButton(tr("Build Index"), page);

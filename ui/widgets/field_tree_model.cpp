@@ -6,6 +6,7 @@
 #include <QPalette>
 
 #include "ui/widgets/fact_texts.h"
+#include "ui/widgets/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -116,7 +117,7 @@ QVariant FieldTreeModel::data(const QModelIndex& index, int role) const {
         case Qt::AccessibleDescriptionRole: return shown.problem.empty() ? QVariant() : QVariant(tipOf(shown));
         case Qt::ForegroundRole:
             return shown.problem.empty() ? QVariant()
-                                         : QVariant(QGuiApplication::palette().color(QPalette::PlaceholderText));
+                                         : QVariant(quietTextColour(QGuiApplication::palette(), QPalette::Text, QPalette::Base));
         default: return {};
     }
 }

@@ -15,6 +15,7 @@
 
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/small_widgets.h"
+#include "ui/widgets/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -66,7 +67,7 @@ void addTable(QVBoxLayout* column, const QString& title, const std::vector<Gestu
         keys->setMinimumWidth(186);
         grid->addWidget(keys, row, 0, Qt::AlignTop);
         auto* effect = new QLabel(gesture.effect, parent);
-        effect->setForegroundRole(QPalette::PlaceholderText);
+        makeQuiet(effect);
         grid->addWidget(effect, row++, 1);
     }
     column->addLayout(grid);

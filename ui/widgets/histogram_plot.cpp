@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include <QApplication>
 
 #include "ui/model/histogram_model.h"
 #include "ui/model/isovalue_model.h"
 #include "ui/model/number_text.h"
 #include "ui/widgets/isovalue_accessible.h"
 #include "ui/widgets/plot_style.h"
+#include "ui/widgets/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -22,11 +26,11 @@ constexpr int kLowHeight = 90; // below it, there is room for the curve but not 
 } // namespace
 
 HistogramPlot::HistogramPlot(QWidget* parent) : QCustomPlot(parent) {
+    installIsovalueAccessibility(); // before assistive technology hears of this: what it is then, it stays
     setObjectName(QStringLiteral("histogramPlot"));
     setFocusPolicy(Qt::StrongFocus);
     setMinimumSize(120, 40);
     setAccessibleName(tr("Isovalue"));
-    installIsovalueAccessibility();
     setWhatsThis(tr("Drag to move the isosurface; Shift makes the drag finer; Ctrl with the wheel zooms."));
     setUpAxes();
     setUpHandle();
@@ -218,12 +222,15 @@ void HistogramPlot::mousePressEvent(QMouseEvent* event) {
         return;
     const bool isOnAxis = event->position().y() > axisRect()->bottom();
     drag_ = Drag::None;
+    valueBeforePress_.reset();
     dragPoint_ = event->position();
     if (event->button() == Qt::MiddleButton || (event->button() == Qt::LeftButton && isOnAxis)) {
         drag_ = Drag::Pan;
         setCursor(Qt::ClosedHandCursor);
     } else if (event->button() == Qt::LeftButton) {
         drag_ = Drag::Handle;
+        valueBeforePress_ = requested_;
+        sincePress_.start();
         const bool isOnHandle = std::abs(event->position().x() - pixelOf(requested_)) <= kGrabPixels;
         const bool isFine = event->modifiers().testFlag(Qt::ShiftModifier);
         dragValue_ = isOnHandle || isFine ? requested_ : xAxis->pixelToCoord(event->position().x());
@@ -256,9 +263,14 @@ void HistogramPlot::mouseReleaseEvent(QMouseEvent*) {
     unsetCursor();
 }
 
+// The first click of the two has moved the handle by now: waiting for a second one would make every press late.
 void HistogramPlot::mouseDoubleClickEvent(QMouseEvent*) {
-    if (hasHistogram_)
-        showWholeRange();
+    if (!hasHistogram_)
+        return;
+    const auto before = std::exchange(valueBeforePress_, std::nullopt);
+    if (before && !sincePress_.hasExpired(QApplication::doubleClickInterval()))
+        Q_EMIT isovalueRequested(*before);
+    showWholeRange();
 }
 
 void HistogramPlot::wheelEvent(QWheelEvent* event) {
@@ -335,7 +347,7 @@ void HistogramPlot::applyPalette() {
     displayedLine_->setPen(QPen(colours.handle, 1.0, Qt::DashLine));
     tag_->setBrush(colours.handle);
     tag_->setColor(colours.handleText);
-    emptyHint_->setColor(palette().color(QPalette::PlaceholderText));
+    emptyHint_->setColor(quietTextColour(palette(), QPalette::Text, QPalette::Base));
     for (QCPAxis* axis : {xAxis, yAxis, yAxis2})
         styleAxis(axis, palette());
     yAxis2->setLabelColor(colours.curve);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include <QElapsedTimer>
 #include <qcustomplot.h>
 
 #include "core/index/index_info.h"
@@ -10,7 +12,8 @@ namespace isoslider::widgets {
 
 /// The histogram with the isovalue handle on it. The whole plot is the slider: press anywhere and
 /// drag; Shift makes a drag 10 times finer; the wheel and the keys step. Ctrl+wheel zooms about the
-/// pointer, dragging the axis or the middle button pans, a double click shows the whole range.
+/// pointer, dragging the axis or the middle button pans, a double click shows the whole range and leaves the isovalue where
+/// it was before its first click.
 /// Shows values only; whoever listens decides what becomes of a request.
 class HistogramPlot : public QCustomPlot {
     Q_OBJECT
@@ -74,6 +77,8 @@ private:
     double displayed_ = 0.0;
     double dragValue_ = 0.0;
     QPointF dragPoint_;
+    std::optional<double> valueBeforePress_; ///< of a press that may become a double click
+    QElapsedTimer sincePress_;
     Drag drag_ = Drag::None;
     bool hasHistogram_ = false;
     bool isLog_ = true;

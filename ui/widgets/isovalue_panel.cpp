@@ -1,5 +1,7 @@
 #include "ui/widgets/isovalue_panel.h"
 
+#include <utility>
+
 #include <QAction>
 #include <QComboBox>
 #include <QDoubleSpinBox>
@@ -17,11 +19,13 @@
 #include "ui/widgets/isovalue_edit.h"
 #include "ui/widgets/settings_store.h"
 #include "ui/widgets/small_widgets.h"
+#include "ui/widgets/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
 
 constexpr int kPlayIntervalMs = 16;
+constexpr int kMargin = 8;
 
 struct ModeName {
     const char* key;
@@ -37,9 +41,10 @@ IsovaluePanel::IsovaluePanel(model::Session& session, SettingsStore& settings, c
                              QWidget* parent)
     : QWidget(parent), session_(session), plot_(new HistogramPlot(this)), edit_(new IsovalueEdit(this)) {
     auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(8, 6, 8, 8);
+    layout->setContentsMargins(kMargin, 6, kMargin, 8);
     layout->setSpacing(6);
-    layout->addWidget(new RowScroll(makeControls(actions), this));
+    controls_ = makeControls(actions);
+    layout->addWidget(new RowScroll(controls_, this));
     layout->addWidget(plot_, 1);
     connectControls(settings, actions);
     datasetSubscription_ = session_.datasetChanged().observe([this] { showDataset(); });
@@ -59,7 +64,7 @@ QWidget* IsovaluePanel::makeControls(const ActionRegistry& actions) {
     edit_->setToolTip(tr("Isovalue in the volume's units. Enter or leaving the field takes it; "
                          "up and down step by 0.1 % of the range, with Shift by 0.01 %."));
     range_ = new QLabel(row);
-    range_->setForegroundRole(QPalette::PlaceholderText);
+    makeQuiet(range_);
     mode_ = new QComboBox(row);
     mode_->setAccessibleName(tr("Animation mode"));
     mode_->addItems({tr("Once"), tr("Loop"), tr("Ping-pong")});
@@ -80,9 +85,14 @@ QWidget* IsovaluePanel::makeControls(const ActionRegistry& actions) {
     layout->addWidget(makeToolButton(actions.action("isovalue.logCounts"), Qt::ToolButtonTextOnly, row));
     layout->addWidget(makeToolButton(actions.action("isovalue.resetZoom"), Qt::ToolButtonIconOnly, row));
     layout->addStretch(1);
-    requested_ = addReadout(layout, tr("Requested"), "requestedReadout", row);
-    displayed_ = addReadout(layout, tr("Displayed"), "displayedReadout", row);
-    elapsed_ = addReadout(layout, tr("Update"), "elapsedReadout", row);
+    readouts_ = new QWidget(row);
+    auto* readouts = new QHBoxLayout(readouts_);
+    readouts->setContentsMargins(0, 0, 0, 0);
+    readouts->setSpacing(6);
+    requested_ = addReadout(readouts, tr("Requested"), "requestedReadout", readouts_);
+    displayed_ = addReadout(readouts, tr("Displayed"), "displayedReadout", readouts_);
+    elapsed_ = addReadout(readouts, tr("Update"), "elapsedReadout", readouts_);
+    layout->addWidget(readouts_);
     return row;
 }
 
@@ -129,6 +139,14 @@ void IsovaluePanel::connectControls(SettingsStore& settings, const ActionRegistr
     connect(&playTimer_, &QTimer::timeout, this, [this, play] { advance(play); });
 }
 
+// The view shows the same: in a narrow window they give way before the controls have to be scrolled.
+void IsovaluePanel::resizeEvent(QResizeEvent* event) {
+    QWidget::resizeEvent(event);
+    const int readouts = readouts_->sizeHint().width() + controls_->layout()->spacing();
+    const int others = controls_->sizeHint().width() - (readouts_->isHidden() ? 0 : readouts);
+    readouts_->setVisible(others + readouts <= contentsRect().width() - 2 * kMargin);
+}
+
 void IsovaluePanel::setPlaying(bool isPlaying, QAction* action) {
     action->setText(isPlaying ? tr("&Pause") : tr("&Play"));
     action->setIconText(isPlaying ? tr("Pause") : tr("Play"));
@@ -173,6 +191,15 @@ void IsovaluePanel::showDataset() {
                              QString::fromStdString(model::valueText(dataset->max))));
     static const std::vector<std::uint64_t> kNone;
     plot_->setHistogram(dataset->histogram, dataset->type, dataset->index ? dataset->index->activeEdgesPerBin : kNone);
+    if (std::exchange(shownDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
+        beginVolume();
+}
+
+void IsovaluePanel::beginVolume() {
+    plot_->showWholeRange(); // a zoom is of one volume, also where the next has the same range
+    // The keys move the surface at once. What is being typed is not taken away.
+    if (plot_->isVisible() && !edit_->hasFocus())
+        plot_->setFocus(Qt::OtherFocusReason);
 }
 
 void IsovaluePanel::showIsovalue() {
@@ -181,15 +208,15 @@ void IsovaluePanel::showIsovalue() {
     if (!isovalue.hasDomain()) {
         edit_->showNothing();
         for (QLabel* label : {requested_, displayed_, elapsed_})
-            label->setText(QStringLiteral("–"));
+            setReadout(label, QStringLiteral("–"));
         return;
     }
     edit_->showValue(isovalue.requested());
-    requested_->setText(text(isovalue.requested()));
+    setReadout(requested_, text(isovalue.requested()));
     const bool hasDisplayed = isovalue.hasDisplayed();
-    displayed_->setText(hasDisplayed ? text(isovalue.displayed()) : QStringLiteral("–"));
-    elapsed_->setText(hasDisplayed ? QString::fromStdString(model::millisecondsText(isovalue.lastUpdateMs()))
-                                   : QStringLiteral("–"));
+    setReadout(displayed_, hasDisplayed ? text(isovalue.displayed()) : QStringLiteral("–"));
+    setReadout(elapsed_, hasDisplayed ? QString::fromStdString(model::millisecondsText(isovalue.lastUpdateMs()))
+                                      : QStringLiteral("–"));
     plot_->setIsovalues(isovalue.requested(), hasDisplayed ? isovalue.displayed() : isovalue.requested());
 }
 

@@ -4,6 +4,7 @@
 #include <QTimer>
 #include <QWidget>
 
+#include "ui/model/dataset.h"
 #include "ui/model/observers.h"
 #include "ui/model/playback_model.h"
 
@@ -33,10 +34,14 @@ public:
     HistogramPlot& plot() { return *plot_; }
     IsovalueEdit& edit() { return *edit_; }
 
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+
 private:
     QWidget* makeControls(const ActionRegistry& actions);
     void connectControls(SettingsStore& settings, const ActionRegistry& actions);
     void showDataset();
+    void beginVolume();
     void showIsovalue();
     void setPlaying(bool isPlaying, QAction* action);
     void advance(QAction* action);
@@ -45,11 +50,14 @@ private:
     HistogramPlot* plot_ = nullptr;
     IsovalueEdit* edit_ = nullptr;
     QLabel* range_ = nullptr;
+    QWidget* controls_ = nullptr;
+    QWidget* readouts_ = nullptr; ///< at the end of the controls, where there is room
     QLabel* requested_ = nullptr;
     QLabel* displayed_ = nullptr;
     QLabel* elapsed_ = nullptr;
     QComboBox* mode_ = nullptr;
     QDoubleSpinBox* speed_ = nullptr;
+    model::DatasetGeneration shownDataset_{};
     model::PlaybackModel playback_;
     QTimer playTimer_;
     QElapsedTimer playClock_;

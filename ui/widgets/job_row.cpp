@@ -7,6 +7,7 @@
 
 #include "ui/model/number_text.h"
 #include "ui/widgets/icon_loader.h"
+#include "ui/widgets/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -47,7 +48,7 @@ JobRow::JobRow(QWidget* parent)
     title_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     detail_->setTextFormat(Qt::PlainText);
     detail_->setWordWrap(true);
-    detail_->setForegroundRole(QPalette::PlaceholderText);
+    makeQuiet(detail_);
     detail_->setTextInteractionFlags(Qt::TextSelectableByMouse);
     bar_->setRange(0, 1000);
     bar_->setTextVisible(false);

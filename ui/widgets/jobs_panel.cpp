@@ -7,6 +7,7 @@
 #include "ui/model/session.h"
 #include "ui/widgets/job_row.h"
 #include "ui/widgets/small_widgets.h"
+#include "ui/widgets/text_colour.h"
 
 namespace isoslider::widgets {
 
@@ -16,7 +17,7 @@ JobsPanel::JobsPanel(model::Session& session, QWidget* parent)
     QVBoxLayout* layout = fillWithScrollPage(this).rows;
     rowsLayout_ = new QVBoxLayout;
     rowsLayout_->setSpacing(4);
-    empty_->setForegroundRole(QPalette::PlaceholderText);
+    makeQuiet(empty_);
     layout->addWidget(empty_);
     layout->addLayout(rowsLayout_);
     layout->addWidget(clear_, 0, Qt::AlignLeft);

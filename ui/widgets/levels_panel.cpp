@@ -5,9 +5,11 @@
 #include <QTableView>
 #include <QVBoxLayout>
 
+#include "core/extract/live/brick_picture.h"
 #include "ui/model/number_text.h"
 #include "ui/model/session.h"
 #include "ui/widgets/small_widgets.h"
+#include "ui/widgets/text_colour.h"
 #include "ui/widgets/text_table_model.h"
 
 namespace isoslider::widgets {
@@ -77,9 +79,8 @@ std::vector<Fact> factsOfMove(const extract::SurfaceFrame& frame, const model::I
          LevelsPanel::tr("%1 requested, %2 displayed").arg(value(isovalue.requested()), value(isovalue.displayed())), {}},
         {LevelsPanel::tr("Update"),
          frame.isWholeExtraction ? LevelsPanel::tr("whole extraction, %1").arg(time(stats.updateMs))
-                            : LevelsPanel::tr("%1, %2 update + %3 interpolate")
-                                  .arg(stats.hasRebuilt ? LevelsPanel::tr("rebuilt") : LevelsPanel::tr("patched"),
-                                       time(stats.updateMs), time(stats.interpolateMs)),
+                            : LevelsPanel::tr("%1, %2").arg(
+                                  stats.hasRebuilt ? LevelsPanel::tr("rebuilt") : LevelsPanel::tr("patched"), time(stats.updateMs)),
          LevelsPanel::tr("A surface that mostly changes is rebuilt; otherwise only what changes is patched")}};
     if (!frame.isWholeExtraction) {
         facts.push_back({LevelsPanel::tr("Edges"),
@@ -95,8 +96,25 @@ std::vector<Fact> factsOfMove(const extract::SurfaceFrame& frame, const model::I
                              stats.bytesAhead > 0 ? LevelsPanel::tr("%1, %2 ahead of the move").arg(bytes(stats.bytesRead), bytes(stats.bytesAhead))
                                                   : bytes(stats.bytesRead), {}});
     }
+    if (frame.bricks)
+        facts.push_back({LevelsPanel::tr("To the card"), bytes(frame.bricks->newBytes()),
+                         LevelsPanel::tr("Edges and triangles of the bricks that this move has changed: what is sent to the graphics card")});
     facts.push_back({LevelsPanel::tr("Active edges"), grouped(stats.activeEdges), {}});
     return facts;
+}
+
+/// The name of a part that has no counts takes their place too: its own column is a narrow one.
+void spanNames(QTableView& table) {
+    table.clearSpans();
+    const auto& model = *table.model();
+    const auto isEmpty = [&model](int row, int column) { return model.index(row, column).data().toString().isEmpty(); };
+    for (int row = 0; row < model.rowCount(); ++row) {
+        int columns = 1;
+        while (columns < model.columnCount() && isEmpty(row, columns))
+            ++columns;
+        if (columns > 1)
+            table.setSpan(row, 0, 1, columns);
+    }
 }
 
 } // namespace
@@ -111,7 +129,7 @@ LevelsPanel::LevelsPanel(model::Session& session, QWidget* parent)
     layout->setSpacing(6);
     for (QLabel* hint : {levelsHint_, walkHint_}) {
         hint->setWordWrap(true);
-        hint->setForegroundRole(QPalette::PlaceholderText);
+        makeQuiet(hint);
     }
     layout->addWidget(makeHeading(tr("Skip levels"), page));
     layout->addWidget(levelsHint_);
@@ -145,13 +163,14 @@ QTableView* LevelsPanel::makeTable(TextTableModel* model, const QString& name) {
     table->horizontalHeader()->setMinimumSectionSize(40);
     table->horizontalHeader()->setHighlightSections(false);
     table->setVerticalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    const auto fitHeight = [table, model] {
+    const auto fit = [table, model] {
         const int rows = model->rowCount();
+        spanNames(*table);
         table->setFixedHeight(table->horizontalHeader()->sizeHint().height() + rows * table->verticalHeader()->defaultSectionSize() + 4);
         table->setVisible(rows > 0);
     };
-    connect(model, &QAbstractItemModel::modelReset, table, fitHeight);
-    fitHeight();
+    connect(model, &QAbstractItemModel::modelReset, table, fit);
+    fit();
     return table;
 }
 

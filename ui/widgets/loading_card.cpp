@@ -51,7 +51,7 @@ QSize LoadingCard::sizeHint() const { return {kWidth, QFrame::sizeHint().height(
 
 void LoadingCard::showState() {
     const bool isLoading = session_.isLoading();
-    const bool isExtracting = !isLoading && session_.dataset() != nullptr && !session_.frame();
+    const bool isExtracting = !isLoading && session_.isMoving() && !session_.frame();
     bar_->setVisible(isLoading);
     cancel_->setVisible(isLoading);
     if (isExtracting)

@@ -10,6 +10,7 @@
 #include <QMimeData>
 #include <QVBoxLayout>
 
+#include "ui/model/latest_job.h"
 #include "ui/model/session.h"
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/compact_layout.h"
@@ -23,6 +24,7 @@
 #include "ui/widgets/mesh_panel.h"
 #include "ui/widgets/message_bar.h"
 #include "ui/widgets/open_flow.h"
+#include "ui/widgets/picture_file.h"
 #include "ui/widgets/recent_files.h"
 #include "ui/widgets/session_keeper.h"
 #include "ui/widgets/settings_store.h"
@@ -35,13 +37,15 @@ namespace {
 
 constexpr int kMostFilesNamed = 3;
 constexpr int kLayoutVersion = 1;
+constexpr int kPanelWidth = 450;
 constexpr QSize kSmallestWindow(320, 240); // smaller than all panels together, see CompactLayout
 
 } // namespace
 
 MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs, QWidget* parent)
     : QMainWindow(parent), session_(session), settings_(settings), dialogs_(dialogs),
-      recentFiles_(std::make_unique<RecentFiles>(settings)), actions_(new ActionRegistry(this)), openFlow_(new OpenFlow(session, settings, dialogs, this)) {
+      recentFiles_(std::make_unique<RecentFiles>(settings)), actions_(new ActionRegistry(this)), openFlow_(new OpenFlow(session, settings, dialogs, this)),
+      jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
     setObjectName(QStringLiteral("mainWindow"));
     setWindowTitle(QStringLiteral("ISOSLIDER"));
     setWindowIcon(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")));
@@ -118,7 +122,7 @@ void MainWindow::resetLayout() {
     for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})
         dock->show();
     levelsDock_->raise();
-    resizeDocks({datasetDock_, levelsDock_}, {450, 450}, Qt::Horizontal);
+    compactLayout_->setWidths({{datasetDock_, kPanelWidth}, {levelsDock_, kPanelWidth}});
     resizeDocks({datasetDock_, levelsDock_}, {292, 430}, Qt::Vertical);
     resizeDocks({isovalueDock_}, {210}, Qt::Vertical);
 }
@@ -150,9 +154,9 @@ void MainWindow::askExport() {
     const QString name = QStringLiteral("%1_%2.ply").arg(stem).arg(session_.isovalue().requested(), 0, 'g', 6);
     const QString folder = settings_.text("files/exportFolder");
     dialogs_.askSave(this, tr("Export Mesh"), folder.isEmpty() ? QDir::home().filePath(name) : QDir(folder).filePath(name),
-                     meshFilters(), [this](const QString& path) {
+                     meshFilters(), [this, of = session_.datasetGeneration()](const QString& path) {
                          settings_.set("files/exportFolder", QFileInfo(path).path());
-                         session_.exportMesh(std::filesystem::path(path.toStdU16String()));
+                         session_.exportMesh(std::filesystem::path(path.toStdU16String()), of);
                      });
 }
 
@@ -161,14 +165,25 @@ void MainWindow::askSaveImage() {
         return;
     const QImage image = host_->viewport()->grabFramebuffer();
     dialogs_.askSave(this, tr("Save View as Image"), QDir::home().filePath(QStringLiteral("isosurface.png")),
-                     tr("PNG image (*.png)"), [this, image](const QString& path) {
-                         const bool isSaved = image.save(path);
-                         using Severity = model::Notice::Severity;
-                         messageBar_->showNotice(
-                             {isSaved ? Severity::Information : Severity::Error,
-                              (isSaved ? tr("Image saved") : tr("The image could not be saved; choose another folder")).toStdString(),
-                              QDir::toNativeSeparators(path).toStdString()});
-                     });
+                     tr("PNG image (*.png)"), [this, image](const QString& path) { saveImage(image, path); });
+}
+
+void MainWindow::saveImage(const QImage& image, const QString& path) {
+    jobs_->runner().run<bool>(
+        "Save image",
+        [image, path](const JobControl&) -> Result<bool> {
+            ISO_TRY(writePicture(image, std::filesystem::path(path.toStdU16String())));
+            return true;
+        },
+        [this, path](const Result<bool>& saved) {
+            using Severity = model::Notice::Severity;
+            if (saved.isOk())
+                messageBar_->showNotice({Severity::Information, tr("Image saved").toStdString(),
+                                         QDir::toNativeSeparators(path).toStdString()});
+            else
+                messageBar_->showNotice({Severity::Error, tr("The image could not be saved").toStdString(),
+                                         saved.error().line(), saved.error().code});
+        });
 }
 
 void MainWindow::showDataset() {
@@ -224,6 +239,8 @@ void MainWindow::changeEvent(QEvent* event) {
     QMainWindow::changeEvent(event);
     if (event->type() == QEvent::PaletteChange && actions_ != nullptr)
         actions_->refreshIcons();
+    if (event->type() == QEvent::WindowStateChange && actions_ != nullptr)
+        actions_->action("view.fullScreen")->setChecked(isFullScreen());
 }
 
 } // namespace isoslider::widgets

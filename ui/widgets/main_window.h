@@ -13,6 +13,7 @@ class QDockWidget;
 class QMenu;
 
 namespace isoslider::model {
+class BackgroundJobs;
 class Session;
 } // namespace isoslider::model
 
@@ -68,6 +69,7 @@ private:
     QDockWidget* addDock(const QString& title, const char* name, QWidget* panel);
     void askExport();
     void askSaveImage();
+    void saveImage(const QImage& image, const QString& path);
     void showDataset();
     void showRecentFiles();
     void updateActions();
@@ -92,6 +94,7 @@ private:
     QDockWidget* meshDock_ = nullptr;
     QDockWidget* jobsDock_ = nullptr;
     std::vector<model::Subscription> subscriptions_;
+    std::shared_ptr<model::BackgroundJobs> jobs_; ///< not shown among the session's; last: waits for what is being written
 };
 
 } // namespace isoslider::widgets

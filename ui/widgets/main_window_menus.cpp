@@ -25,7 +25,7 @@ void MainWindow::makeMenus() {
     QMenu* file = menuBar()->addMenu(tr("&File"));
     add(file, {"file.open", "file.openFolder", "file.importRaw"});
     recentMenu_ = file->addMenu(tr("Open &Recent"));
-    QMenu* samples = file->addMenu(tr("Open &Sample"));
+    QMenu* samples = file->addMenu(tr("Open Sa&mple"));
     add(samples, {"file.sampleBluntFin", "file.sampleShell"});
     add(file, {"file.previewsFirst"});
     file->addSeparator();
@@ -110,7 +110,8 @@ void MainWindow::connectActions() {
     on("mesh.export", [this] { askExport(); });
     on("index.build", [this] { session_.buildIndex(); });
     on("view.resetLayout", [this] { resetLayout(); });
-    on("view.fullScreen", [this](bool isFull) { isFull ? showFullScreen() : showNormal(); });
+    // Adds to the window's state: a maximised window is one again afterwards.
+    on("view.fullScreen", [this](bool isFull) { setWindowState(windowState().setFlag(Qt::WindowFullScreen, isFull)); });
     on("help.shortcuts", [this] { showShortcutSheet(*actions_, this); });
     on("help.about", [this] { showAbout(this); });
 
@@ -131,8 +132,9 @@ void MainWindow::showRecentFiles() {
     recentMenu_->clear();
     int number = 1;
     for (const auto& file : recent) {
-        QAction* action =
-            recentMenu_->addAction(QStringLiteral("&%1 ").arg(number++) + recentTitle(file));
+        const QString key = number == 10 ? QStringLiteral("1&0") : QStringLiteral("&%1").arg(number);
+        ++number;
+        QAction* action = recentMenu_->addAction(key + QLatin1Char(' ') + recentTitle(file));
         action->setToolTip(recentTip(file));
         action->setStatusTip(action->toolTip());
         connect(action, &QAction::triggered, this, [this, file] { openFlow_->openRecent(file); });

@@ -11,6 +11,7 @@
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/fact_texts.h"
 #include "ui/widgets/small_widgets.h"
+#include "ui/widgets/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -48,7 +49,15 @@ QString surfaceText(const mesh::Certificate& certificate) {
         else if (opening.loops > 1)
             places << unbroken(MeshPanel::tr("%1 (%2 loops)").arg(place, grouped(opening.loops)));
     }
-    return places.isEmpty() ? MeshPanel::tr("closed") : MeshPanel::tr("open at %1").arg(places.join(QStringLiteral(", ")));
+    if (places.isEmpty())
+        return MeshPanel::tr("closed");
+    const QString text = MeshPanel::tr("open at %1").arg(places.join(QStringLiteral(", ")));
+    if (certificate.sharedLoops == 0)
+        return text;
+    const QString which = places.size() == 2 ? MeshPanel::tr("both") : MeshPanel::tr("several of these");
+    return text + (certificate.sharedLoops == 1
+                       ? MeshPanel::tr("; 1 loop meets %1").arg(which)
+                       : MeshPanel::tr("; %1 loops meet %2").arg(grouped(certificate.sharedLoops), which));
 }
 
 QString nudgeText(const mesh::Nudge& nudge, const std::string& unit) {
@@ -118,7 +127,7 @@ MeshPanel::MeshPanel(model::Session& session, const ActionRegistry& actions, QWi
     counts_->setObjectName(QStringLiteral("countsForm"));
     report_->setObjectName(QStringLiteral("certificateForm"));
     state_->setWordWrap(true);
-    state_->setForegroundRole(QPalette::PlaceholderText);
+    makeQuiet(state_);
     layout->addWidget(makeHeading(tr("Surface on screen"), page));
     layout->addWidget(counts_);
     layout->addLayout(buttons);

@@ -2,7 +2,10 @@
 
 #include <cmath>
 
+#include <QRegularExpression>
+
 #include "ui/model/number_text.h"
+#include "ui/widgets/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -11,8 +14,9 @@ QString compactLabel(double tick) {
     if (tick < 0.0)
         return {};
     const auto text = QString::fromStdString(model::compactText(static_cast<std::uint64_t>(std::llround(tick))));
-    // Round ticks need no decimals: "10.0 k" is "10 k".
-    return QString(text).remove(QStringLiteral(".00")).remove(QStringLiteral(".0"));
+    // Ticks are round: "10.0 k" is "10 k", "2.50 M" is "2.5 M".
+    static const QRegularExpression zeros(QStringLiteral("\\.0+(?!\\d)|(\\.\\d*[1-9])0+(?!\\d)"));
+    return QString(text).replace(zeros, QStringLiteral("\\1"));
 }
 
 bool isDark(const QPalette& palette) { return palette.color(QPalette::Base).lightness() < 128; }
@@ -32,7 +36,7 @@ void styleAxis(QCPAxis* axis, const QPalette& palette) {
     line.setAlpha(90);
     QColor grid = line;
     grid.setAlpha(28);
-    const QColor label = palette.color(QPalette::Active, QPalette::PlaceholderText);
+    const QColor label = quietTextColour(palette, QPalette::Text, QPalette::Base);
     axis->setBasePen(QPen(line, 1.0));
     axis->setTickPen(QPen(line, 1.0));
     axis->setSubTicks(false);

@@ -20,7 +20,7 @@ std::vector<model::RecentFile> RecentFiles::all() const {
     std::vector<model::RecentFile> files;
     for (const auto& text : settings_.list(kSetting)) {
         auto file = model::recentFromText(text.toStdString());
-        if (!file.path.empty())
+        if (!file.path.empty() && files.size() < kMostFiles)
             files.push_back(std::move(file));
     }
     return files;

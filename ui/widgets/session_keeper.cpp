@@ -78,15 +78,24 @@ void SessionKeeper::askSave() {
     const QString stem = QFileInfo(QString::fromStdString(dataset->name)).completeBaseName();
     const QDir folder = dataset->path.empty() ? QDir::home() : QFileInfo(textOf(dataset->path)).absoluteDir();
     dialogs_.askSave(window_, tr("Save Session"), folder.filePath(stem + QStringLiteral(".isosession")),
-                     sessionFilters(), [this](const QString& path) {
-                         const Status status = model::writeSession(capture(), pathOf(path));
-                         if (status.isOk())
-                             messageBar_.showNotice({Severity::Information, tr("Session saved").toStdString(),
-                                                     QDir::toNativeSeparators(path).toStdString()});
-                         else
-                             messageBar_.showNotice({Severity::Error, tr("The session was not saved").toStdString(),
-                                                     status.error().line(), status.error().code});
-                     });
+                     sessionFilters(), [this, saved = capture()](const QString& path) { save(saved, path); });
+}
+
+void SessionKeeper::save(const model::SavedSession& saved, const QString& path) {
+    jobs_->runner().run<bool>(
+        "Save session",
+        [saved, path](const JobControl&) -> Result<bool> {
+            ISO_TRY(model::writeSession(saved, pathOf(path)));
+            return true;
+        },
+        [this, path](const Result<bool>& written) {
+            if (written.isOk())
+                messageBar_.showNotice({Severity::Information, tr("Session saved").toStdString(),
+                                        QDir::toNativeSeparators(path).toStdString()});
+            else
+                messageBar_.showNotice({Severity::Error, tr("The session was not saved").toStdString(),
+                                        written.error().line(), written.error().code});
+        });
 }
 
 void SessionKeeper::askOpen() {
@@ -140,7 +149,7 @@ void SessionKeeper::askWhereVolumeIs(const model::SavedSession& saved, const std
 // The view has been set for a volume that is new by now: it hears of frames before this. Then the one that was kept takes its place.
 void SessionKeeper::showView() {
     const bool isNew = session_.dataset() != nullptr &&
-                       std::exchange(shownDataset_, session_.datasetKey()) != session_.datasetKey();
+                       std::exchange(shownDataset_, session_.datasetGeneration()) != session_.datasetGeneration();
     if (isNew && pending_) {
         const auto saved = *std::exchange(pending_, std::nullopt);
         const auto* dataset = session_.dataset();

@@ -10,6 +10,7 @@
 #include <QString>
 #include <QTimer>
 
+#include "ui/model/dataset.h"
 #include "ui/model/latest_job.h"
 #include "ui/model/observers.h"
 #include "ui/model/saved_session.h"
@@ -52,6 +53,7 @@ Q_SIGNALS:
 
 private:
     model::SavedSession capture() const;
+    void save(const model::SavedSession& saved, const QString& path);
     void restore(const model::SavedSession& saved, std::vector<std::string> problems, const QString& name);
     void askWhereVolumeIs(const model::SavedSession& saved, const std::vector<std::string>& problems,
                           const QString& name);
@@ -72,7 +74,7 @@ private:
     std::shared_ptr<model::SessionSlot> slot_;
     std::vector<std::unique_ptr<model::SessionSlot>> lost_; ///< the newest first; the first is on offer
     QTimer timer_;
-    std::uint64_t shownDataset_ = 0;
+    model::DatasetGeneration shownDataset_{};
     std::vector<model::Subscription> subscriptions_;
     std::shared_ptr<model::BackgroundJobs> jobs_;
     model::LatestJob<bool> saving_; // last: nothing is reported once it is gone

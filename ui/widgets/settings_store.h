@@ -3,16 +3,18 @@
 #include <memory>
 
 #include <QByteArray>
+#include <QHash>
 #include <QString>
 #include <QStringList>
-
-class QSettings;
+#include <QVariant>
 
 namespace isoslider::widgets {
 
 /// What the program remembers between runs: the one door to the settings file. Keys, types,
 /// defaults and domains are declared in resources/settings.json; asking for an undeclared key is a
 /// programmer error. A stored value outside its domain reads as the default.
+/// Values are read once, at the start; what is set is written and synced by a thread of the store's own, which
+/// destruction waits for.
 class SettingsStore {
 public:
     /// The user's own settings file, where the platform keeps such files.
@@ -32,12 +34,16 @@ public:
     void set(const char* key, const QString& value);
     void set(const char* key, const QStringList& value);
     void set(const char* key, const QByteArray& value);
-    void remove(const char* key);
 
 private:
     struct Declarations;
-    std::unique_ptr<QSettings> settings_;
+    class Writer;
+    QVariant valueOf(const char* key) const { return values_.value(QLatin1String(key)); }
+    void store(const char* key, const char* type, const QVariant& value);
+
     std::unique_ptr<Declarations> declarations_;
+    QHash<QString, QVariant> values_;
+    std::unique_ptr<Writer> writer_;
 };
 
 } // namespace isoslider::widgets

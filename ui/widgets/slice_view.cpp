@@ -1,5 +1,7 @@
 #include "ui/widgets/slice_view.h"
 
+#include "ui/widgets/text_colour.h"
+
 #include <array>
 #include <cmath>
 
@@ -83,7 +85,7 @@ QRectF SliceView::imageRect() const {
 void SliceView::paintEvent(QPaintEvent*) {
     QPainter painter(this);
     painter.setRenderHint(QPainter::Antialiasing);
-    painter.setPen(palette().color(QPalette::PlaceholderText));
+    painter.setPen(quietTextColour(palette()));
     painter.drawText(QRect(0, 0, width(), fontMetrics().height()), Qt::AlignHCenter | Qt::AlignVCenter,
                      caption_);
     const QRectF ground = QRectF(rect()).adjusted(0, fontMetrics().height() + kCaptionSpace, 0, 0);

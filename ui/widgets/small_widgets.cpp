@@ -15,7 +15,14 @@
 #include <QToolButton>
 #include <QVBoxLayout>
 
+#include "ui/widgets/text_colour.h"
+
 namespace isoslider::widgets {
+namespace {
+
+constexpr const char* kCaptionProperty = "caption";
+
+} // namespace
 
 QWidget* makeSeparator(QWidget* parent) {
     auto* line = new QFrame(parent);
@@ -42,16 +49,23 @@ QToolButton* makeToolButton(QAction* action, Qt::ToolButtonStyle style, QWidget*
 
 QLabel* addReadout(QHBoxLayout* row, const QString& caption, const char* objectName, QWidget* parent) {
     auto* name = new QLabel(caption, parent);
-    name->setForegroundRole(QPalette::PlaceholderText);
-    auto* value = new QLabel(QStringLiteral("–"), parent);
+    makeQuiet(name);
+    auto* value = new QLabel(parent);
     value->setObjectName(QLatin1String(objectName));
-    value->setAccessibleName(caption);
+    value->setProperty(kCaptionProperty, caption);
+    setReadout(value, QStringLiteral("–"));
     value->setMinimumWidth(value->fontMetrics().horizontalAdvance(QStringLiteral("-0000.000")));
     value->setTextInteractionFlags(Qt::TextSelectableByMouse);
     row->addSpacing(6);
     row->addWidget(name);
     row->addWidget(value);
     return value;
+}
+
+// A name stands in for a label's text, so it has to hold both.
+void setReadout(QLabel* readout, const QString& text) {
+    readout->setText(text);
+    readout->setAccessibleName(FactForm::tr("%1: %2").arg(readout->property(kCaptionProperty).toString(), text));
 }
 
 QLabel* makeHeading(const QString& text, QWidget* parent) {
@@ -170,7 +184,7 @@ void FactForm::reserveNameWidth(const QString& name) {
 void FactForm::setFacts(const std::vector<Fact>& facts) {
     while (names_.size() < facts.size()) {
         auto* name = new QLabel(this);
-        name->setForegroundRole(QPalette::PlaceholderText);
+        makeQuiet(name);
         name->setAlignment(Qt::AlignLeft | Qt::AlignTop); // beside the first line of a value of several
         name->setMinimumWidth(nameWidth_);
         auto* value = new QLabel(this);
@@ -186,15 +200,20 @@ void FactForm::setFacts(const std::vector<Fact>& facts) {
     }
     for (std::size_t row = 0; row < names_.size(); ++row) {
         const bool isUsed = row < facts.size();
-        names_[row]->setVisible(isUsed);
-        values_[row]->setVisible(isUsed);
-        if (!isUsed)
+        if (!isUsed) {
+            names_[row]->hide();
+            values_[row]->hide();
             continue;
+        }
         names_[row]->setText(facts[row].name);
         values_[row]->setText(facts[row].value);
         values_[row]->setToolTip(plainTip(facts[row].tip));
-        values_[row]->setAccessibleName(facts[row].name);
+        values_[row]->setAccessibleName(tr("%1: %2").arg(facts[row].name, facts[row].value));
+        names_[row]->show(); // lays out all around it: by its text
+        values_[row]->show();
     }
+    // Now rather than when the event for it comes: the page's may come first, and ask how high this form was.
+    grid_->activate();
 }
 
 } // namespace isoslider::widgets

@@ -25,6 +25,8 @@ QWidget* makeSeparator(QWidget* parent);
 QToolButton* makeToolButton(QAction* action, Qt::ToolButtonStyle style, QWidget* parent);
 /// Adds "caption value" to a row and returns the value's label, wide enough not to jump.
 QLabel* addReadout(QHBoxLayout* row, const QString& caption, const char* objectName, QWidget* parent);
+/// A new value for it, for the eye and for assistive technology.
+void setReadout(QLabel* readout, const QString& text);
 /// A heading within a panel.
 QLabel* makeHeading(const QString& text, QWidget* parent);
 

@@ -14,6 +14,7 @@
 
 #include "ui/widgets/action_registry.h"
 #include "ui/widgets/recent_files.h"
+#include "ui/widgets/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -55,7 +56,7 @@ StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
     font.setLetterSpacing(QFont::AbsoluteSpacing, 2.0);
     name->setFont(font);
     auto* claim = new QLabel(tr("Slide isosurfaces through large volumes"), scroll_.page);
-    claim->setForegroundRole(QPalette::PlaceholderText);
+    makeQuiet(claim);
     layout->addWidget(logo, 0, Qt::AlignHCenter);
     layout->addWidget(name, 0, Qt::AlignHCenter);
     layout->addWidget(claim, 0, Qt::AlignHCenter);
@@ -66,7 +67,7 @@ StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
     layout->addWidget(actionButton(actions.action("file.sampleBluntFin"), tr("Open sample: Blunt Fin"), scroll_.page));
     layout->addWidget(actionButton(actions.action("file.sampleShell"), tr("Open sample: Spherical Shell"), scroll_.page));
     auto* drop = new QLabel(tr("or drop a file or folder here"), scroll_.page);
-    drop->setForegroundRole(QPalette::PlaceholderText);
+    makeQuiet(drop);
     layout->addWidget(drop, 0, Qt::AlignHCenter);
     layout->addSpacing(8);
     QFont bold = recentHeading_->font();

@@ -207,7 +207,7 @@ void ViewportHost::showFrame() {
     const auto frame = session_.frame();
     if (viewport_ != nullptr) {
         const auto* dataset = session_.dataset();
-        if (dataset != nullptr && std::exchange(framedDataset_, session_.datasetKey()) != session_.datasetKey())
+        if (dataset != nullptr && std::exchange(framedDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
             viewport_->changeCamera([dataset](model::Camera& camera) { camera.reset(render::sceneRadius(dataset->geometry)); });
         viewport_->setFrame(frame, dataset != nullptr ? std::optional(dataset->geometry) : std::nullopt);
     }
@@ -235,6 +235,7 @@ void ViewportHost::showState() {
 }
 
 void ViewportHost::applyOptions() {
+    session_.markChanges(viewState_.options().showsChanged);
     if (viewport_ != nullptr)
         viewport_->setOptions(viewState_.options());
     showState();

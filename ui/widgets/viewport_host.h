@@ -2,6 +2,7 @@
 
 #include <QWidget>
 
+#include "ui/model/dataset.h"
 #include "ui/model/observers.h"
 #include "ui/model/view_state.h"
 
@@ -63,7 +64,7 @@ private:
     AxesGlyph* axes_ = nullptr;
     bool areAxesWanted_ = false;
     bool isReadoutWanted_ = false;
-    std::uint64_t framedDataset_ = 0;
+    model::DatasetGeneration framedDataset_{};
     std::int64_t toldMergedCells_ = 1; ///< the most that was told since the surface was drawn whole
     model::Subscription datasetSubscription_;
     model::Subscription frameSubscription_;

@@ -95,6 +95,8 @@ void ViewportWidget::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame
     update();
 }
 
+std::uint64_t ViewportWidget::uploadedBytes() const { return renderer_->uploadedBytes(); }
+
 void ViewportWidget::setOptions(const model::ViewOptions& options) {
     options_ = options;
     update();

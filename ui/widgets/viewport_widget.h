@@ -38,6 +38,8 @@ public:
     void setDriver(std::shared_ptr<render::GlDriver> driver);
     /// Frames painted so far: lets a caller wait for what it set to be on screen.
     std::uint64_t paintedFrames() const { return paintedFrames_; }
+    /// Bytes of surfaces sent to the graphics card so far, in this context.
+    std::uint64_t uploadedBytes() const;
 
 Q_SIGNALS:
     void cameraChanged();

@@ -4,7 +4,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "core/base/one_line.h"
+#include "core/base/plain_text.h"
 #include "core/volume_io/byte_decoder.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/header_checks.h"

@@ -1,5 +1,6 @@
 #include "core/volume_io/formats/data_files.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "core/volume_io/header_checks.h"
@@ -76,6 +77,18 @@ std::vector<fs::path> filesBeside(const fs::path& opened, const std::vector<File
         if (part.path != opened)
             files.push_back(part.path);
     return files;
+}
+
+std::vector<fs::path> filesInFolder(std::vector<fs::path> slices) {
+    constexpr std::size_t kMostBytes = std::size_t{8} << 20;
+    std::sort(slices.begin(), slices.end());
+    slices.erase(std::unique(slices.begin(), slices.end()), slices.end());
+    std::size_t bytes = 0;
+    for (const fs::path& slice : slices)
+        bytes += slice.native().size() + 8;
+    if (bytes > kMostBytes)
+        slices.clear();
+    return slices;
 }
 
 } // namespace isoslider::io

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <type_traits>
 
+#include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/dicom_pixels.h"
 #include "core/volume_io/formats/dicom_stack.h"
 #include "core/volume_io/formats/format_readers.h"
@@ -317,6 +318,13 @@ private:
     std::array<std::size_t, 2> heldSlices_;
 };
 
+std::vector<fs::path> slicesOf(const std::vector<DicomImage>& images, const DicomStack& stack, const Choice& choice) {
+    std::vector<fs::path> files;
+    for (const DicomSlice& slice : stack.frames[static_cast<std::size_t>(choice.frame)])
+        files.push_back(images[slice.image].path);
+    return filesInFolder(std::move(files));
+}
+
 } // namespace
 
 bool isDicom(const fs::path& path, std::span<const std::byte> start) {
@@ -352,6 +360,8 @@ Result<std::unique_ptr<VolumeSource>> openDicom(const fs::path& path, const Read
         return choice.error();
     VolumeInfo info;
     info.format = "DICOM";
+    if (std::error_code ignored; fs::is_directory(path, ignored))
+        info.dataFiles = slicesOf(found.value().images, stack, choice.value());
     info.fieldName = stack.field.name;
     info.fieldTitle = stack.field.title;
     if (stack.hasMillimetres)

@@ -9,7 +9,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "core/base/one_line.h"
+#include "core/base/plain_text.h"
+#include "core/volume_io/formats/slice_line.h"
 #include "core/volume_io/header_checks.h"
 
 namespace isoslider::io {
@@ -453,46 +454,47 @@ private:
         const Slices& slices = made.frames.front();
         const glm::dvec3& normal = made.geometry.direction[2];
         const double spacing = made.geometry.spacing.z;
-        const double across = kStraight * sampleDistance(slices.front());
         double worst = 0.0;
         std::vector<double> gaps;
         for (std::size_t i = 0; i < slices.size(); ++i) {
             const glm::dvec3 place = *frame(slices[i]).position;
-            const glm::dvec3 off = place - made.geometry.origin - static_cast<double>(i) * step;
-            const double along = glm::dot(off, normal);
-            worst = std::max(worst, std::abs(along));
+            worst = std::max(worst, std::abs(glm::dot(place - made.geometry.origin - static_cast<double>(i) * step, normal)));
             if (i > 0)
                 gaps.push_back(glm::dot(place - *frame(slices[i - 1]).position, normal));
-            if (glm::length(off - along * normal) > std::max(across, 1e-3 * std::abs(along)) &&
-                std::abs(along) <= kNearlyEven * spacing)
-                return "slice " + nameOf(slices[i]) +
-                       " is moved sideways: the slices do not lie along a line";
         }
+        if (const std::size_t moved = findMovedSideways(made); moved < slices.size())
+            return "slice " + nameOf(slices[moved]) + " is moved sideways: the slices do not lie along a line";
         if (worst <= kNearlyEven * spacing) {
             if (worst > kEven * spacing)
                 made.notes.push_back("slices are not quite evenly spaced: positions are up to " +
                                      shortNumber(worst) + " mm away from those of the grid");
             return "";
         }
-        std::vector<double> sorted = gaps;
-        const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((sorted.size() - 1) / 2);
-        std::nth_element(sorted.begin(), middle, sorted.end());
-        const auto between = [&](std::size_t i) {
-            return " between " + nameOf(slices[i]) + " and " + nameOf(slices[i + 1]);
+        const double middle = lowerMedian(gaps);
+        const auto isMultiple = [&](double gap) {
+            return std::lround(gap / middle) >= 1 && std::abs(gap / middle - std::round(gap / middle)) < 0.1;
         };
-        for (std::size_t i = 0; i < gaps.size(); ++i) {
-            const double ratio = gaps[i] / *middle;
-            if (ratio > 1.5 && std::abs(ratio - std::round(ratio)) < 0.1 && runOf(gaps, i) < kIntended)
-                return "slices are missing: " + std::to_string(std::lround(ratio) - 1) + between(i) + ", " +
-                       shortNumber(gaps[i]) + " mm apart where others are " + shortNumber(*middle);
+        // Where other gaps are of any width, a wide one is no sign of a missing slice.
+        for (std::size_t i = 0; i < gaps.size() && std::ranges::all_of(gaps, isMultiple); ++i) {
+            const double ratio = gaps[i] / middle;
+            if (ratio > 1.5 && runOf(gaps, i) < kIntended)
+                return "slices are missing: " + std::to_string(std::lround(ratio) - 1) + " between " + nameOf(slices[i]) +
+                       " and " + nameOf(slices[i + 1]) + ", " + shortNumber(gaps[i]) + " mm apart where others are " +
+                       shortNumber(middle);
         }
-        for (std::size_t i = 0; i < slices.size(); ++i) {
-            const glm::dvec3 off = *frame(slices[i]).position - made.geometry.origin;
-            if (glm::length(off - glm::dot(off, normal) * normal) > across)
-                return "slices are unevenly spaced and moved sideways, first at " + nameOf(slices[i]);
-        }
+        const glm::dvec3 whole = *frame(slices.back()).position - made.geometry.origin;
+        if (glm::length(whole - glm::dot(whole, normal) * normal) > kStraight * sampleDistance(slices.front()))
+            return "slices are unevenly spaced and moved sideways, as by a tilted gantry: that is not read";
         spaceEvenly(made, *std::ranges::min_element(gaps), *std::ranges::max_element(gaps));
         return "";
+    }
+
+    // The slice that lies farthest off the line of the others, or their number if all lie on one.
+    std::size_t findMovedSideways(const DicomStack& made) const {
+        std::vector<glm::dvec3> places; // across, across, along
+        for (const DicomSlice& slice : made.frames.front())
+            places.push_back(glm::transpose(made.geometry.direction) * (*frame(slice).position - made.geometry.origin));
+        return findOffLine(places, kStraight * sampleDistance(made.frames.front().front()));
     }
 
     /// How many gaps beside each other are as wide as this one.

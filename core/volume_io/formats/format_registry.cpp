@@ -26,7 +26,7 @@ constexpr std::string_view kPlot3d[] = {"xyz.bin", "q.bin", ".xyz", ".q", ".p3d"
 constexpr std::string_view kDicom[] = {".dcm", ".ima", ".dicom"};
 constexpr std::string_view kTiff[] = {".tif", ".tiff"};
 constexpr std::string_view kNetcdf[] = {".nc", ".nc4", ".cdf", ".netcdf"};
-constexpr std::string_view kHdf5[] = {".h5", ".hdf5", ".he5", ".hdf"};
+constexpr std::string_view kHdf5[] = {".h5", ".hdf5", ".he5", ".hdf", ".vtkhdf"};
 
 template <std::size_t size>
 bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
@@ -62,14 +62,6 @@ const Format kFormats[] = {
     {"HDF5", kHdf5, openHdf5, listHdf5, isHdf5, false, true},
 };
 
-std::string knownSuffixes() {
-    std::string text;
-    for (const Format& format : kFormats)
-        for (const std::string_view suffix : format.suffixes)
-            text += std::string(text.empty() ? "" : " ") + std::string(suffix);
-    return text;
-}
-
 } // namespace
 
 std::span<const Format> knownFormats() { return kFormats; }
@@ -98,8 +90,7 @@ Result<const Format*> findFormat(const fs::path& path) {
             return &format;
     return makeError(ErrorCode::InvalidArgument,
                      isFolder ? "is a folder without slices of a volume"
-                              : "is not a known volume format: expected " + knownSuffixes() +
-                                    ", or raw samples with their dims and type",
+                              : "is of no volume format that is known by name or content; raw samples need dims and type",
                      path);
 }
 

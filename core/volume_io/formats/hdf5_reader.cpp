@@ -1,133 +1,23 @@
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "core/base/file_system.h"
-#include "core/grid/length_unit.h"
 #include "core/volume_io/array_source.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/hdf5_file.h"
+#include "core/volume_io/formats/hdf5_placement.h"
 #include "core/volume_io/header_checks.h"
 #include "core/volume_io/volume_choice.h"
 
 // HDF5 says nothing of space: the last axis of a data set is taken for x, as NumPy users write z, y, x. Where the file
-// follows openPMD, or gives element_size_um as ilastik and Fiji do, spacing, origin and order are taken from there.
+// follows openPMD, VTKHDF or MINC 2, or gives element_size_um as ilastik and Fiji do, spacing, origin and order are
+// taken from there. NetCDF-4 files are HDF5; whatever they are named, they are read as NetCDF.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kFormat = "HDF5";
-
-/// Which axis of a data set is x, y, z and where its samples lie.
-struct Placement {
-    std::array<int, 3> axisOf{-1, -1, -1};
-    GridGeometry geometry;
-    std::vector<std::string> notes;
-    std::string lengthUnit; ///< as VolumeInfo::lengthUnit
-};
-
-/// The last three axes, z slowest; the two of a plane.
-Placement usualPlacement(const std::vector<std::uint64_t>& extents) {
-    Placement placement;
-    const auto rank = static_cast<int>(extents.size());
-    for (int axis = 0; axis < std::min(rank, 3); ++axis)
-        placement.axisOf[static_cast<std::size_t>(axis)] = rank - 1 - axis;
-    return placement;
-}
-
-/// The axis of the data set that each label names; false unless they are x, y and z, or two of them.
-bool orderByLabels(const std::vector<std::string>& labels, std::array<int, 3>& axisOf) {
-    std::array<int, 3> found{-1, -1, -1};
-    for (std::size_t i = 0; i < labels.size(); ++i) {
-        const std::string label = lowerCase(labels[i]);
-        if (label != "x" && label != "y" && label != "z")
-            return false;
-        int& axis = found[static_cast<std::size_t>(label[0] - 'x')];
-        if (axis >= 0)
-            return false;
-        axis = static_cast<int>(i);
-    }
-    axisOf = found;
-    return true;
-}
-
-class PlacementReader {
-public:
-    PlacementReader(hid_t file, const Hdf5Dataset& dataset) : placement_(usualPlacement(dataset.extents)) {
-        const std::size_t slash = dataset.path.rfind('/');
-        dataset_ = Hdf5Handle(H5Oopen(file, dataset.path.c_str(), H5P_DEFAULT), H5Oclose);
-        parent_ = Hdf5Handle(H5Oopen(file, slash == 0 ? "/" : dataset.path.substr(0, slash).c_str(), H5P_DEFAULT),
-                             H5Oclose);
-        rank_ = dataset.extents.size();
-    }
-
-    Placement run() {
-        // A mesh of one scalar is a data set with the attributes, one of several a group.
-        for (const hid_t mesh : {dataset_.id(), parent_.id()})
-            if (mesh >= 0 && placeAsOpenPmd(mesh))
-                return std::move(placement_);
-        placeByElementSize();
-        return std::move(placement_);
-    }
-
-private:
-    bool placeAsOpenPmd(hid_t mesh) {
-        auto spacing = attributeNumbers(mesh, "gridSpacing");
-        if (spacing.size() != rank_ || rank_ > 3)
-            return false;
-        auto labels = attributeTexts(mesh, "axisLabels");
-        auto origin = attributeNumbers(mesh, "gridGlobalOffset");
-        auto position = attributeNumbers(dataset_.id(), "position");
-        origin.resize(rank_, 0.0);
-        position.resize(rank_, 0.0);
-        const auto order = attributeTexts(mesh, "dataOrder");
-        if (!order.empty() && order[0] == "F") // labels and the like begin with the fastest axis
-            for (auto* list : {&spacing, &origin, &position})
-                std::reverse(list->begin(), list->end());
-        if (!order.empty() && order[0] == "F")
-            std::reverse(labels.begin(), labels.end());
-        if (labels.size() != rank_ || !orderByLabels(labels, placement_.axisOf))
-            placement_.notes.push_back("the axes are not labelled x, y, z: the last one is taken for x");
-        for (int axis = 0; axis < 3; ++axis) {
-            const int own = placement_.axisOf[static_cast<std::size_t>(axis)];
-            if (own < 0)
-                continue;
-            const auto index = static_cast<std::size_t>(own);
-            placement_.geometry.spacing[axis] = spacing[index];
-            placement_.geometry.origin[axis] = origin[index] + position[index] * spacing[index];
-        }
-        noteUnits(mesh);
-        return true;
-    }
-
-    void noteUnits(hid_t mesh) {
-        const auto lengths = attributeNumbers(mesh, "gridUnitSI");
-        if (lengths.size() == 1)
-            placement_.lengthUnit = lengthUnitOfMetres(lengths[0]);
-        if (lengths.size() == 1 && placement_.lengthUnit.empty())
-            placement_.notes.push_back("lengths are in units of " + std::to_string(lengths[0]) + " m (gridUnitSI)");
-        const auto values = attributeNumbers(dataset_.id(), "unitSI");
-        if (values.size() == 1 && values[0] != 1.0)
-            placement_.notes.push_back("values are stored in units of " + std::to_string(values[0]) + " SI (unitSI)");
-    }
-
-    void placeByElementSize() {
-        const auto size = attributeNumbers(dataset_.id(), "element_size_um"); // z, y, x
-        if (size.size() != 3)
-            return;
-        if (std::any_of(size.begin(), size.end(), [](double s) { return !(s > 0.0) || !std::isfinite(s); })) {
-            placement_.notes.push_back("element_size_um is not positive: spacing 1 is taken");
-            return;
-        }
-        placement_.geometry.spacing = {size[2], size[1], size[0]};
-        placement_.lengthUnit = "µm";
-    }
-
-    Placement placement_;
-    Hdf5Handle dataset_, parent_;
-    std::size_t rank_ = 0;
-};
 
 VolumeField fieldOf(const Hdf5Dataset& dataset, const Placement& placement) {
     VolumeField field;
@@ -212,7 +102,7 @@ Result<Opened> openTree(const Hdf5Session& session, const fs::path& path) {
     opened.tree = walkHdf5(opened.file.id());
     opened.contents.format = kFormat;
     for (const Hdf5Dataset& dataset : opened.tree.datasets) {
-        opened.placements.push_back(PlacementReader(opened.file.id(), dataset).run());
+        opened.placements.push_back(placementOf(opened.file.id(), dataset));
         opened.contents.fields.push_back(fieldOf(dataset, opened.placements.back()));
     }
     // The one that can be opened is preferred.
@@ -276,9 +166,24 @@ Result<Prepared> prepare(const fs::path& path, ReadOptions options, std::uint64_
     return prepared;
 }
 
+// The mark that the NetCDF library leaves in every file it writes.
+bool isNetcdf4(const fs::path& path) {
+    const Hdf5Session session;
+    const auto file = openHdf5File(session, path);
+    return file.isOk() && H5Aexists(file.value().id(), "_NCProperties") > 0;
+}
+
+ReadOptions netcdfOptions(ReadOptions options) { // where names have no slash in front
+    if (options.field.starts_with('/'))
+        options.field.erase(0, 1);
+    return options;
+}
+
 } // namespace
 
-Result<VolumeContents> listHdf5(const fs::path& path, const ReadOptions&) {
+Result<VolumeContents> listHdf5(const fs::path& path, const ReadOptions& options) {
+    if (isNetcdf4(path))
+        return listNetcdf(path, netcdfOptions(options));
     const Hdf5Session session;
     auto opened = openTree(session, path);
     if (!opened.isOk())
@@ -291,6 +196,8 @@ Result<std::unique_ptr<VolumeSource>> openHdf5(const fs::path& path, const ReadO
     const auto file = defaultFileSystem().openForReading(path);
     if (!file.isOk())
         return file.error();
+    if (isNetcdf4(path))
+        return openNetcdf(path, netcdfOptions(options));
     auto prepared = prepare(path, options, file.value()->sizeBytes());
     if (!prepared.isOk())
         return std::move(prepared).error();

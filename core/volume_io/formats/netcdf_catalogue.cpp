@@ -6,7 +6,7 @@
 
 #include <netcdf.h>
 
-#include "core/base/one_line.h"
+#include "core/base/plain_text.h"
 #include "core/volume_io/header_checks.h"
 
 namespace isoslider::io {

@@ -1,6 +1,8 @@
 #include "core/volume_io/formats/nrrd_header.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 
 #include "core/grid/length_unit.h"
@@ -106,6 +108,7 @@ std::string fieldName(std::string_view text) {
                                                                             {"lineskip", "line skip"},
                                                                             {"byteskip", "byte skip"},
                                                                             {"axismins", "axis mins"},
+                                                                            {"axismaxs", "axis maxs"},
                                                                             {"centerings", "centers"}};
     for (const auto& [other, ours] : kSpellings)
         if (name == other)
@@ -212,6 +215,45 @@ void readUnits(NrrdHeader& header) {
         header.axes[i].unit = units[i];
 }
 
+// Between the first and the last sample, or, of cells, between their outer borders. Only where no spacing is given.
+void spaceByExtent(NrrdAxis& axis) {
+    const auto low = parseReal(axis.minimum), high = parseReal(axis.maximum);
+    const bool isCell = axis.center == "cell";
+    const std::int64_t steps = isCell ? axis.size : axis.size - 1;
+    if (!axis.spacing.empty() || !axis.direction.empty() || !low || !high || steps < 1)
+        return;
+    const double spacing = (*high - *low) / static_cast<double>(steps);
+    if (!std::isfinite(spacing) || !(spacing > 0.0))
+        return;
+    if (axis.center.empty() || axis.center == "none" || axis.center == "???")
+        axis.center = "node"; // as teem takes it, and spacing is computed here
+    std::array<char, 32> digits{};
+    axis.spacing = {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), spacing).ptr};
+}
+
+// ITK refuses these too, in words that name no field.
+Status checkDirections(const NrrdHeader& header, const fs::path& path) {
+    std::size_t length = 0; // of the first one
+    for (const NrrdAxis& axis : header.axes) {
+        if (!axis.direction.starts_with('('))
+            continue; // none, or not given
+        std::string inner = axis.direction.substr(1, axis.direction.find(')') - 1);
+        std::replace(inner.begin(), inner.end(), ',', ' ');
+        std::vector<double> numbers;
+        const auto isNan = [](double number) { return std::isnan(number); };
+        const bool areNumbers = parseReals(inner, numbers) && !numbers.empty();
+        if (areNumbers && std::all_of(numbers.begin(), numbers.end(), isNan))
+            continue; // another way to write "none"
+        length = length == 0 ? numbers.size() : length;
+        if (!areNumbers || std::any_of(numbers.begin(), numbers.end(), isNan) || numbers.size() != length)
+            return refuseField("space directions",
+                               "vectors of finite numbers, all of one length, expected; found " +
+                                   inQuotes(axis.direction),
+                               path);
+    }
+    return {};
+}
+
 Status readAxes(NrrdHeader& header, const fs::path& path) {
     const auto dimension = parseInteger(header["dimension"]);
     if (!dimension || *dimension < 1 || *dimension > 16)
@@ -238,9 +280,14 @@ Status readAxes(NrrdHeader& header, const fs::path& path) {
     ISO_TRY(fill("kinds", wordsOf(lowerCase(header["kinds"])), &NrrdAxis::kind));
     ISO_TRY(fill("space directions", directionsOf(header["space directions"]), &NrrdAxis::direction));
     ISO_TRY(fill("spacings", wordsOf(lowerCase(header["spacings"])), &NrrdAxis::spacing));
-    ISO_TRY(fill("axis mins", wordsOf(header["axis mins"]), &NrrdAxis::minimum));
+    ISO_TRY(fill("centers", wordsOf(lowerCase(header["centers"])), &NrrdAxis::center));
+    ISO_TRY(fill("axis mins", wordsOf(lowerCase(header["axis mins"])), &NrrdAxis::minimum));
+    ISO_TRY(fill("axis maxs", wordsOf(lowerCase(header["axis maxs"])), &NrrdAxis::maximum));
+    for (NrrdAxis& axis : header.axes)
+        spaceByExtent(axis);
+    ISO_TRY(checkDirections(header, path));
     readUnits(header);
-    return fill("centers", wordsOf(header["centers"]), &NrrdAxis::center);
+    return {};
 }
 
 // A space with time has a fourth number in its vectors: the axis along it is no axis of space.
@@ -400,19 +447,26 @@ std::string spatialNrrdHeader(const NrrdHeader& header) {
     std::string text = "NRRD0005\nencoding: raw\nendian: little\ntype: " + std::string(header["type"]) + "\n";
     std::string sizes, directions, spacings, minima, centers, kinds;
     int count = 0;
+    const auto isGiven = [&](std::string NrrdAxis::*member) {
+        return std::any_of(header.axes.begin(), header.axes.end(), [&](const NrrdAxis& axis) {
+            return axis.role == NrrdRole::Space && !(axis.*member).empty();
+        });
+    };
+    const bool hasSpacings = isGiven(&NrrdAxis::spacing), hasCenters = isGiven(&NrrdAxis::center);
     for (const NrrdAxis& axis : header.axes) {
         if (axis.role != NrrdRole::Space)
             continue;
         ++count;
         sizes += " " + std::to_string(axis.size);
         kinds += " domain";
-        const auto add = [](std::string& list, const std::string& value) {
-            list += value.empty() ? "" : " " + value;
+        // One for each axis, or none at all.
+        const auto add = [](std::string& list, const std::string& value, const char* unknown) {
+            list += value.empty() ? unknown : " " + value;
         };
-        add(directions, axis.direction);
-        add(spacings, axis.spacing);
-        add(minima, axis.minimum);
-        add(centers, axis.center);
+        add(directions, axis.direction, "");
+        add(spacings, axis.spacing, hasSpacings ? " nan" : "");
+        add(minima, axis.minimum, "");
+        add(centers, axis.center, hasCenters ? " ???" : "");
     }
     const auto addField = [&](std::string_view name, std::string_view value) {
         if (!value.empty())

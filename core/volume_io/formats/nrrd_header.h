@@ -20,7 +20,8 @@ struct NrrdAxis {
     NrrdRole role = NrrdRole::Space;
     std::string kind; ///< lower case; empty: not given
     std::string direction; ///< "(1,0,0)", "none"; empty: not given
-    std::string spacing, minimum, center; ///< as given
+    std::string spacing;  ///< as given, else by the extent of the axis; empty, or "nan": unknown
+    std::string minimum, maximum, center; ///< as given
     std::string unit; ///< without quotes
 };
 

@@ -6,7 +6,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "core/base/one_line.h"
+#include "core/base/plain_text.h"
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/itk_header.h"
@@ -263,6 +263,9 @@ Result<GridGeometry> readGeometry(NrrdHeader header, VolumeInfo& info, const fs:
         if (axis.role != NrrdRole::Space)
             continue;
         spacings.push_back(parseReal(axis.spacing).value_or(0.0));
+        if (!axis.maximum.empty() && axis.direction.empty() && (axis.spacing.empty() || axis.spacing == "nan"))
+            info.notes.push_back("axis mins " + inQuotes(axis.minimum) + " and axis maxs " + inQuotes(axis.maximum) +
+                                 " give no spacing: 1 is taken");
         hasDirections |= !axis.direction.empty();
     }
     const bool hasSpace = !header["space"].empty() || !header["space dimension"].empty();

@@ -7,6 +7,7 @@
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
+#include <vtkSmartPointer.h>
 #include <vtkStructuredGrid.h>
 
 #include "core/base/file_system.h"
@@ -16,6 +17,7 @@
 #include "core/volume_io/formats/plot3d_layout.h"
 #include "core/volume_io/formats/vtk_bridge.h"
 #include "core/volume_io/header_checks.h"
+#include "core/volume_io/point_lattice.h"
 #include "core/volume_io/resampled_source.h"
 
 // VTK reads the pair once its layout is known and its sizes are proved. VTK's own detection looks at the grid file
@@ -87,53 +89,81 @@ Result<Plot3dLayout> checkPair(const Files& files) {
     return layout;
 }
 
-Result<CurvilinearGrid> convert(vtkStructuredGrid& block, vtkDataArray& values, int component, const fs::path& path) {
-    CurvilinearGrid out;
+Result<std::vector<glm::dvec3>> pointsOf(vtkStructuredGrid& block, const fs::path& path) {
+    std::vector<glm::dvec3> out;
     const vtkIdType points = block.GetNumberOfPoints();
-    out.points.reserve(static_cast<std::size_t>(points));
-    out.values.reserve(static_cast<std::size_t>(points));
+    out.reserve(static_cast<std::size_t>(points));
     for (vtkIdType i = 0; i < points; ++i) {
         std::array<double, 3> p{};
         block.GetPoints()->GetPoint(i, p.data());
         if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
             return makeError(ErrorCode::InvalidArgument, "point " + std::to_string(i) + " is not finite", path);
-        out.points.emplace_back(p[0], p[1], p[2]);
-        out.values.push_back(static_cast<float>(values.GetComponent(i, component)));
+        out.emplace_back(p[0], p[1], p[2]);
     }
     return out;
 }
 
-Result<CurvilinearGrid> readPair(const Files& files, const Field& field) {
-    const auto layout = checkPair(files);
-    if (!layout.isOk())
-        return layout.error();
-    const VtkSession session;
+/// The one block of a pair, without the solution unless it is asked for. Within a session.
+Result<vtkSmartPointer<vtkStructuredGrid>> readBlock(const VtkSession& session, const Files& files,
+                                                     const Plot3dLayout& layout, bool hasSolution) {
     const vtkNew<vtkMultiBlockPLOT3DReader> reader;
     reader->SetXYZFileName(files.grid.c_str());
-    reader->SetQFileName(files.solution.c_str());
-    reader->SetByteOrder(layout.value().isBigEndian ? vtkMultiBlockPLOT3DReader::FILE_BIG_ENDIAN
-                                                    : vtkMultiBlockPLOT3DReader::FILE_LITTLE_ENDIAN);
-    reader->SetHasByteCount(layout.value().hasMarks);
-    reader->SetMultiGrid(layout.value().hasCount);
-    reader->SetDoublePrecision(layout.value().isDouble);
-    reader->SetIBlanking(layout.value().hasBlanking);
+    if (hasSolution)
+        reader->SetQFileName(files.solution.c_str());
+    reader->SetByteOrder(layout.isBigEndian ? vtkMultiBlockPLOT3DReader::FILE_BIG_ENDIAN
+                                            : vtkMultiBlockPLOT3DReader::FILE_LITTLE_ENDIAN);
+    reader->SetHasByteCount(layout.hasMarks);
+    reader->SetMultiGrid(layout.hasCount);
+    reader->SetDoublePrecision(layout.isDouble);
+    reader->SetIBlanking(layout.hasBlanking);
     reader->ForceReadOn(); // the sizes are checked; VTK's own check refuses padding
     reader->Update();
     vtkMultiBlockDataSet* blocks = reader->GetOutput();
-    auto* block = blocks != nullptr && blocks->GetNumberOfBlocks() == 1
-                      ? vtkStructuredGrid::SafeDownCast(blocks->GetBlock(0))
-                      : nullptr;
-    if (!session.complaint().empty() || block == nullptr)
-        return session.error("no single block", files.solution);
-    vtkDataArray* values = block->GetPointData()->GetArray(field.vtkArray);
-    const GridDims& dims = layout.value().dims;
+    vtkSmartPointer<vtkStructuredGrid> block = blocks != nullptr && blocks->GetNumberOfBlocks() == 1
+                                                   ? vtkStructuredGrid::SafeDownCast(blocks->GetBlock(0))
+                                                   : nullptr;
+    if (!session.complaint().empty() || block == nullptr || block->GetNumberOfPoints() != pointCount(layout.dims))
+        return session.error("no single block", hasSolution ? files.solution : files.grid);
+    return block;
+}
+
+/// Where the points of a pair lie in a uniform grid; none if they do not.
+Result<std::optional<GridGeometry>> latticeIn(const Files& files, const Plot3dLayout& layout) {
+    const VtkSession session;
+    const auto block = readBlock(session, files, layout, false);
+    if (!block.isOk())
+        return block.error();
+    const auto points = pointsOf(*block.value(), files.grid);
+    return points.isOk() ? Result<std::optional<GridGeometry>>(latticeOf(points.value(), layout.dims)) : points.error();
+}
+
+/// A uniform grid as it is, all others resampled.
+Result<std::unique_ptr<VolumeSource>> sourceOf(vtkStructuredGrid& block, const Field& field, const GridDims& own,
+                                               VolumeInfo info, const ReadOptions& options, const Files& files,
+                                               const VtkSession& session) {
+    vtkDataArray* values = block.GetPointData()->GetArray(field.vtkArray);
     if (values == nullptr || values->GetNumberOfComponents() <= field.vtkComponent ||
-        values->GetNumberOfTuples() != pointCount(dims) || block->GetNumberOfPoints() != pointCount(dims))
+        values->GetNumberOfTuples() != pointCount(own))
         return session.error("not one value per point", files.solution);
-    auto out = convert(*block, *values, field.vtkComponent, files.grid);
-    if (out.isOk())
-        out.value().dims = dims;
-    return out;
+    auto points = pointsOf(block, files.grid);
+    if (!points.isOk())
+        return std::move(points).error();
+    if (const auto lattice = latticeOf(points.value(), own)) {
+        ISO_TRY(checkGeometry(*lattice, "grid points", files.grid));
+        auto grid = componentGrid(*lattice, *values, field.vtkComponent, files.solution);
+        if (!grid.isOk())
+            return std::move(grid).error();
+        return makeMemorySource(std::make_shared<const ScalarGrid>(std::move(grid).value()), std::move(info));
+    }
+    const auto dims = resampledDims(options, kDefaultDims, files.solution);
+    if (!dims.isOk())
+        return dims.error();
+    CurvilinearGrid curvilinear{own, std::move(points).value(), {}};
+    for (vtkIdType i = 0; i < values->GetNumberOfTuples(); ++i)
+        curvilinear.values.push_back(static_cast<float>(values->GetComponent(i, field.vtkComponent)));
+    info.geometry = boundingGeometry(curvilinear.points, dims.value());
+    ISO_TRY(checkGeometry(info.geometry, "grid points", files.grid));
+    return makeResampledSource(std::move(info), makeCurvilinearMesh(std::move(curvilinear)));
 }
 
 } // namespace
@@ -145,15 +175,20 @@ Result<VolumeContents> listPlot3d(const fs::path& path, const ReadOptions& optio
     const auto layout = checkPair(files.value());
     if (!layout.isOk())
         return layout.error();
+    const auto lattice = latticeIn(files.value(), layout.value());
+    if (!lattice.isOk())
+        return lattice.error();
     VolumeContents contents;
     contents.format = "PLOT3D";
     contents.isPreferredChosen = true; // density, which every solution has and which needs no frame of reference
     for (const Field& field : kFields) {
         VolumeField listed;
         listed.name = std::string(field.name);
-        listed.dims = options.resampleDims == GridDims{0, 0, 0} ? kDefaultDims : options.resampleDims;
+        listed.dims = lattice.value()                               ? layout.value().dims
+                      : options.resampleDims == GridDims{0, 0, 0} ? kDefaultDims
+                                                                  : options.resampleDims;
         listed.typeName = layout.value().isDouble ? "float64" : "float32";
-        listed.isResampled = true;
+        listed.isResampled = !lattice.value();
         contents.fields.push_back(std::move(listed));
     }
     return contents;
@@ -167,19 +202,18 @@ Result<std::unique_ptr<VolumeSource>> openPlot3d(const fs::path& path, const Rea
     const auto files = findPair(path);
     if (!files.isOk())
         return files.error();
-    auto curvilinear = readPair(files.value(), *field);
-    if (!curvilinear.isOk())
-        return std::move(curvilinear).error();
-    const auto dims = resampledDims(options, kDefaultDims, path);
-    if (!dims.isOk())
-        return dims.error();
+    const auto layout = checkPair(files.value());
+    if (!layout.isOk())
+        return layout.error();
     VolumeInfo info;
     info.format = "PLOT3D";
     info.dataFiles = filesBeside(path, {{files.value().grid, 0}, {files.value().solution, 0}});
     info.fieldName = std::string(field->name);
-    info.geometry = boundingGeometry(curvilinear.value().points, dims.value());
-    ISO_TRY(checkGeometry(info.geometry, "grid points", path));
-    return makeResampledSource(std::move(info), makeCurvilinearMesh(std::move(curvilinear).value()));
+    const VtkSession session;
+    const auto block = readBlock(session, files.value(), layout.value(), true);
+    if (!block.isOk())
+        return block.error();
+    return sourceOf(*block.value(), *field, layout.value().dims, std::move(info), options, files.value(), session);
 }
 
 } // namespace isoslider::io

@@ -220,7 +220,15 @@ Result<TiffPage> TiffFile::readDirectory() {
         return refuseField(where + ", photometric interpretation",
                            std::to_string(photometric) + " is coded colour, which is not read", path);
     page.offset = TIFFGetStrileOffset(tiff, 0);
+    std::uint32_t depth = 1;
+    TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth);
+    page.depth = std::clamp<std::int64_t>(depth, 1, kMaxDim);
     ISO_TRY(checkStrips(page));
+    // libtiff itself reads the first slice of these.
+    if (page.depth > 1 && !arePlainStrips(page))
+        return refuseField(where + ", image depth",
+                           std::to_string(depth) + " slices in one page are read only in uncompressed strips, all listed",
+                           path);
     return page;
 }
 
@@ -272,7 +280,7 @@ bool TiffFile::arePlainStrips(const TiffPage& page) const {
             return false;
         next += TIFFGetStrileByteCount(tiff, i);
     }
-    return next == page.offset + page.sizeBytes();
+    return next == page.offset + page.sizeBytes() * static_cast<std::uint64_t>(page.depth);
 }
 
 Status TiffFile::readPage(std::size_t page, std::span<std::byte> samples) {

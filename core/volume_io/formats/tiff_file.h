@@ -21,6 +21,7 @@ struct TiffPage {
     int components = 1; ///< values per sample
     bool isPlanar = false;
     int photometric = 0;
+    std::int64_t depth = 1; ///< slices, one after the other at `offset`: tag 32997 of SGI
     bool isBits = false; ///< eight samples of u8 in a byte of the file
     std::uint64_t offset = 0; ///< of the first strip or tile
 
@@ -28,7 +29,7 @@ struct TiffPage {
         return static_cast<std::uint64_t>(columns * rows * components) * fileTypeSizeBytes(type);
     }
     bool isLike(const TiffPage& other) const {
-        return columns == other.columns && rows == other.rows && type == other.type &&
+        return columns == other.columns && rows == other.rows && depth == other.depth && type == other.type &&
                components == other.components && photometric == other.photometric;
     }
     std::string description() const; ///< "640 x 480 of 3 x uint8"
@@ -66,7 +67,7 @@ private:
     Status readDirectories();
     Result<TiffPage> readDirectory();
     Status checkStrips(const TiffPage& page) const;
-    bool arePlainStrips(const TiffPage& page) const;
+    bool arePlainStrips(const TiffPage& page) const; ///< whose samples follow each other uncompressed, of all slices
     Status readStrips(const TiffPage& page, std::span<std::byte> samples);
     Status readBits(const TiffPage& page, std::span<std::byte> samples);
     Status readTiles(const TiffPage& page, std::span<std::byte> samples);

@@ -8,6 +8,7 @@
 #include <tiff.h>
 
 #include "core/grid/length_unit.h"
+#include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/tiff_file.h"
 #include "core/volume_io/header_checks.h"
@@ -263,6 +264,12 @@ Result<Stack> collectFile(const fs::path& path) {
         stack.isOnePageForAll = true;
         pages = stated;
     }
+    if (stack.page.depth > 1) {
+        if (pages > 1)
+            return refuseField("pages", "several, with " + std::to_string(stack.page.depth) + " slices in each", path);
+        stack.isOnePageForAll = true;
+        pages = stack.page.depth;
+    }
     stack.order.slices = pages;
     if (isImageJ)
         readImageJ(tiff, stack, pages);
@@ -293,6 +300,8 @@ Result<Stack> collectFolder(const fs::path& folder) {
                                "has " + std::to_string(pages.size()) +
                                    "; the slices of a folder are files of one page each",
                                stack.files[i]);
+        if (pages.front().depth > 1)
+            return refuseField("image depth", "the slices of a folder are files of one slice each", stack.files[i]);
         if (i == 0)
             stack.page = pages.front();
         else if (!pages.front().isLike(stack.page))
@@ -436,6 +445,8 @@ Result<std::unique_ptr<VolumeSource>> openTiff(const fs::path& path, const ReadO
     VolumeInfo info = stack.info;
     info.format = "TIFF";
     info.geometry.dims = dims.value();
+    if (std::error_code ignored; fs::is_directory(path, ignored))
+        info.dataFiles = filesInFolder(stack.files);
     ISO_TRY(checkGeometry(info.geometry, "spacing", path));
     SampleLayout layout;
     layout.type = stack.page.type;

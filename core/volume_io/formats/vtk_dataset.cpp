@@ -11,6 +11,7 @@
 #include <vtkUnstructuredGrid.h>
 
 #include "core/volume_io/header_checks.h"
+#include "core/volume_io/point_lattice.h"
 #include "core/volume_io/rectilinear_resampler.h"
 
 namespace isoslider::io {
@@ -123,6 +124,13 @@ Opened ofStructured(vtkStructuredGrid& structured, vtkDataArray& array, int comp
     auto points = pointsOf(structured.GetPoints(), array.GetNumberOfTuples(), path);
     if (!points.isOk())
         return std::move(points).error();
+    if (const auto lattice = latticeOf(points.value(), grid.dims)) { // it is uniform already
+        ISO_TRY(checkGeometry(*lattice, "Points", path));
+        auto samples = componentGrid(*lattice, array, component, path);
+        if (!samples.isOk())
+            return std::move(samples).error();
+        return makeMemorySource(std::make_shared<const ScalarGrid>(std::move(samples).value()), std::move(info));
+    }
     const auto geometry = boxOf(points.value(), options, path);
     if (!geometry.isOk())
         return geometry.error();
@@ -184,6 +192,11 @@ Result<VtkOutlook> outlookOf(vtkDataSet& data, const ReadOptions& options, const
             return points.error();
         if (points.value().empty())
             return refuseField("Points", "there are none", path);
+        if (auto* structured = vtkStructuredGrid::SafeDownCast(&data)) {
+            structured->GetDimensions(sizes);
+            if (latticeOf(points.value(), {sizes[0], sizes[1], sizes[2]}))
+                return VtkOutlook{{sizes[0], sizes[1], sizes[2]}, false};
+        }
         const auto geometry = boxOf(points.value(), options, path);
         return geometry.isOk() ? Result<VtkOutlook>(VtkOutlook{geometry.value().dims, true}) : geometry.error();
     }

@@ -161,6 +161,10 @@ private:
             const auto axis = static_cast<std::size_t>(key[0] - 'x');
             if (axis > 2)
                 return refuse(inQuotes(parts[0]), "is not known here");
+            if (sizes_.size() == 3 &&
+                sizes_[axis] != *count) // before its numbers are taken for something else
+                return refuse(inQuotes(parts[0]),
+                              "DIMENSIONS give " + std::to_string(sizes_[axis]) + " coordinates");
             axisPoints_[axis] = *count;
         }
         keep(trimmed(line));

@@ -42,19 +42,21 @@ Status MessageChannel::sendBytes(std::span<const std::byte> bytes) {
     return {};
 }
 
-Result<std::vector<std::byte>> MessageChannel::receive() {
+Result<std::vector<std::byte>> MessageChannel::receive(const Wait& wait) {
     std::array<std::byte, 4> length;
-    ISO_TRY(receiveBytes(length));
+    ISO_TRY(receiveBytes(length, wait));
     const std::size_t size = loadLittle<std::uint32_t>(length.data());
     if (size > kMaxMessageBytes)
         return brokenChannel();
     std::vector<std::byte> message(size);
-    ISO_TRY(receiveBytes(message));
+    ISO_TRY(receiveBytes(message, wait));
     return message;
 }
 
-Status MessageChannel::receiveBytes(std::span<std::byte> out) {
+Status MessageChannel::receiveBytes(std::span<std::byte> out, const Wait& wait) {
     while (!out.empty()) {
+        if (wait)
+            ISO_TRY(wait());
         const ssize_t got = ::recv(descriptor_, out.data(), out.size(), 0);
         if (got < 0 && errno == EINTR)
             continue;

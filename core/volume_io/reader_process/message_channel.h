@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -19,10 +20,12 @@ public:
 
     Status send(std::span<const std::byte> message);
     Status sendBytes(std::span<const std::byte> bytes);
-    /// Errors: IoError (the other end is gone, or announces more than kMaxMessageBytes).
-    Result<std::vector<std::byte>> receive();
+    /// Called before more is taken; returns when there is some. Its error ends the receiving. Empty: waits for ever.
+    using Wait = std::function<Status()>;
+    /// Errors: IoError (the other end is gone, or announces more than kMaxMessageBytes), those of `wait`.
+    Result<std::vector<std::byte>> receive(const Wait& wait = {});
     /// Waits until `out` is full.
-    Status receiveBytes(std::span<std::byte> out);
+    Status receiveBytes(std::span<std::byte> out, const Wait& wait = {});
     /// True when something can be received, or the other end has gone, within `milliseconds`.
     bool waitForInput(int milliseconds) const;
 

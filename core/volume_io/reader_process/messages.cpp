@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/base/one_line.h"
+#include "core/base/plain_text.h"
 #include "core/grid/length_unit.h"
 #include "core/volume_io/header_checks.h"
 

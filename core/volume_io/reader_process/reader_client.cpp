@@ -15,6 +15,7 @@
 #include <system_error>
 #include <thread>
 
+#include "core/volume_io/reader_process/activity_watch.h"
 #include "core/volume_io/reader_process/message_channel.h"
 #include "core/volume_io/reader_process/messages.h"
 
@@ -86,15 +87,9 @@ public:
         if (!channel_->send(encodeRequest(request)).isOk())
             return deathOf();
         for (;;) {
-            constexpr int kStopEveryMs = 50;
-            while (!channel_->waitForInput(kStopEveryMs))
-                if (job.isStopRequested()) {
-                    (void)end();
-                    return cancelledError();
-                }
-            auto reply = channel_->receive();
+            auto reply = channel_->receive([&] { return waitForInput(job); });
             if (!reply.isOk())
-                return deathOf();
+                return process_ < 0 ? reply.error() : deathOf();
             const auto kind = replyKind(reply.value());
             if (kind == expected)
                 return reply;
@@ -109,10 +104,9 @@ public:
         }
     }
 
-    Status takeBytes(std::span<std::byte> out) {
-        if (!channel_->receiveBytes(out).isOk())
-            return deathOf();
-        return {};
+    Status takeBytes(std::span<std::byte> out, const JobControl& job) {
+        const Status taken = channel_->receiveBytes(out, [&] { return waitForInput(job); });
+        return taken.isOk() || process_ < 0 ? taken : deathOf();
     }
 
     Error nonsense() {
@@ -122,7 +116,27 @@ public:
 
 private:
     ReaderProcess(fs::path volume, pid_t process, std::unique_ptr<MessageChannel> channel)
-        : volume_(std::move(volume)), process_(process), channel_(std::move(channel)) {}
+        : volume_(std::move(volume)), process_(process), channel_(std::move(channel)), watch_(process) {}
+
+    // Until something can be received. If that is not to be, ends the process.
+    Status waitForInput(const JobControl& job) {
+        constexpr int kStopEveryMs = 50;
+        watch_.restart();
+        while (!channel_->waitForInput(kStopEveryMs)) {
+            if (job.isStopRequested()) {
+                (void)end();
+                return cancelledError();
+            }
+            if (const auto limit = readerSilence(); watch_.hasHung(limit)) {
+                (void)end();
+                return makeError(ErrorCode::IoError,
+                                 "its reader has hung: it did nothing for " +
+                                     std::to_string((limit.count() + 999) / 1000) + " s and was ended",
+                                 volume_);
+            }
+        }
+        return {};
+    }
 
     // How it ended, as wait() says. What has not ended by itself within that time is killed.
     int end(std::chrono::milliseconds patience = {}) {
@@ -164,13 +178,16 @@ private:
     fs::path volume_;
     pid_t process_;
     std::unique_ptr<MessageChannel> channel_;
+    ActivityWatch watch_;
     bool hasBeenKilled_ = false;
 };
 
 class ProcessSource final : public VolumeSource {
 public:
-    ProcessSource(std::unique_ptr<ReaderProcess> process, VolumeInfo info)
-        : process_(std::move(process)), info_(std::move(info)) {}
+    ProcessSource(std::unique_ptr<ReaderProcess> process, VolumeInfo info, std::stop_token stop)
+        : process_(std::move(process)), info_(std::move(info)) {
+        reading_.stop = std::move(stop);
+    }
 
     const VolumeInfo& info() const override { return info_; }
 
@@ -190,20 +207,21 @@ public:
 
     Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) override {
         if (!isPrepared_) // so that info() says what only the first slab brings to light
-            ISO_TRY(prepare({}));
+            ISO_TRY(prepare(reading_));
         ReaderRequest request;
         request.kind = RequestKind::ReadSlab;
         request.zBegin = zBegin;
         request.zEnd = zEnd;
-        const auto reply = process_->ask(request, ReplyKind::Slab);
+        const auto reply = process_->ask(request, ReplyKind::Slab, reading_);
         if (!reply.isOk())
             return reply.error();
-        return process_->takeBytes(out);
+        return process_->takeBytes(out, reading_);
     }
 
 private:
     std::unique_ptr<ReaderProcess> process_;
     VolumeInfo info_;
+    JobControl reading_;
     bool isPrepared_ = false;
 };
 
@@ -217,25 +235,26 @@ ReaderRequest requestFor(RequestKind kind, const fs::path& path, const ReadOptio
 
 } // namespace
 
-Result<std::unique_ptr<VolumeSource>> openInReaderProcess(const fs::path& path, const ReadOptions& options) {
+Result<std::unique_ptr<VolumeSource>> openInReaderProcess(const fs::path& path, const ReadOptions& options,
+                                                          const JobControl& job) {
     auto process = ReaderProcess::start(path);
     if (!process.isOk())
         return std::move(process).error();
-    const auto reply = process.value()->ask(requestFor(RequestKind::Open, path, options), ReplyKind::Info);
+    const auto reply = process.value()->ask(requestFor(RequestKind::Open, path, options), ReplyKind::Info, job);
     if (!reply.isOk())
         return reply.error();
     auto info = decodeInfo(reply.value());
     if (!info)
         return process.value()->nonsense();
     return std::unique_ptr<VolumeSource>(
-        std::make_unique<ProcessSource>(std::move(process).value(), *std::move(info)));
+        std::make_unique<ProcessSource>(std::move(process).value(), *std::move(info), job.stop));
 }
 
-Result<VolumeContents> listInReaderProcess(const fs::path& path, const ReadOptions& options) {
+Result<VolumeContents> listInReaderProcess(const fs::path& path, const ReadOptions& options, const JobControl& job) {
     auto process = ReaderProcess::start(path);
     if (!process.isOk())
         return std::move(process).error();
-    const auto reply = process.value()->ask(requestFor(RequestKind::List, path, options), ReplyKind::Contents);
+    const auto reply = process.value()->ask(requestFor(RequestKind::List, path, options), ReplyKind::Contents, job);
     if (!reply.isOk())
         return reply.error();
     auto contents = decodeContents(reply.value());

@@ -1,6 +1,8 @@
 #include "preprocess/block_intervals.h"
 
 #include <algorithm>
+#include <map>
+#include <numeric>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -8,45 +10,39 @@
 namespace isoslider::preprocess {
 namespace {
 
-std::vector<std::uint64_t> randomCounts(std::mt19937& random, std::size_t occupied) {
-    std::vector<std::uint64_t> counts(1u << 16, 0);
-    for (std::size_t i = 0; i < occupied; ++i)
-        counts[random() % counts.size()] += 1 + random() % 50;
+std::vector<KeyCount> randomCounts(std::mt19937& random, std::size_t keys) {
+    std::map<std::uint64_t, std::uint64_t> points;
+    while (points.size() < keys)
+        points[std::uint64_t{random()} << (random() % 32)] += 1 + random() % 50;
+    std::vector<KeyCount> counts;
+    for (const auto& [key, count] : points)
+        counts.push_back({key, count});
     return counts;
 }
 
 TEST(SpanBins, AreOnePerValueWhereTheseAreFew) {
     std::mt19937 random(1);
     const auto counts = randomCounts(random, 300);
-    const SpanBins bins = makeSpanBins(counts, 0);
-    std::vector<int> valuesInBin(bins.count(), 0);
-    for (std::size_t prefix = 0; prefix < counts.size(); ++prefix)
-        if (counts[prefix] > 0)
-            ++valuesInBin[bins.binOf(prefix)];
-    EXPECT_TRUE(std::all_of(valuesInBin.begin(), valuesInBin.end(), [](int n) { return n == 1; }));
+    const KeyIntervals bins = makeSpanBins(counts);
+    ASSERT_EQ(bins.count(), counts.size());
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        EXPECT_EQ(bins.find(counts[i].key), i);
 }
 
 TEST(SpanBins, ShareThePointsWhereValuesAreMany) {
     std::mt19937 random(2);
     const auto counts = randomCounts(random, 30000);
     std::uint64_t total = 0, most = 0;
-    for (const std::uint64_t c : counts) {
-        total += c;
-        most = std::max(most, c);
+    for (const KeyCount& count : counts) {
+        total += count.points;
+        most = std::max(most, count.points);
     }
-    const SpanBins bins = makeSpanBins(counts, 16);
+    const KeyIntervals bins = makeSpanBins(counts);
     EXPECT_LE(bins.count(), static_cast<std::size_t>(kMaxSpanBins));
     EXPECT_GT(bins.count(), static_cast<std::size_t>(kMaxSpanBins) / 2);
     std::vector<std::uint64_t> points(bins.count(), 0);
-    for (std::size_t prefix = 0; prefix < counts.size(); ++prefix) {
-        const std::uint64_t key = static_cast<std::uint64_t>(prefix) << 16 | 0xffff;
-        const std::size_t bin = bins.binOf(key);
-        ASSERT_GE(key, bins.begins[bin]);
-        if (bin + 1 < bins.count()) {
-            ASSERT_LT(key, bins.begins[bin + 1]);
-        }
-        points[bin] += counts[prefix];
-    }
+    for (const KeyCount& count : counts)
+        points[bins.find(count.key)] += count.points;
     for (const std::uint64_t p : points)
         EXPECT_LE(p, total / kMaxSpanBins + 1 + most);
 }
@@ -55,13 +51,11 @@ TEST(SpanBins, ShareThePointsWhereValuesAreMany) {
 struct Edges {
     explicit Edges(std::mt19937& random, std::size_t bins) : histogram(bins) {
         for (std::size_t i = 0; i < 40 * bins; ++i) {
-            const auto a = static_cast<std::uint16_t>(random() % bins);
-            const auto b = static_cast<std::uint16_t>(std::min<std::size_t>(bins - 1, a + random() % (1 + bins / 8)));
+            const auto a = static_cast<std::size_t>(random() % bins);
+            const auto b = static_cast<std::size_t>(std::min<std::size_t>(bins - 1, a + random() % (1 + bins / 8)));
             histogram.add(a, b);
             list.emplace_back(a, b);
         }
-        for (std::size_t i = 0; i < bins; ++i)
-            spanBins.begins.push_back(i);
     }
     std::uint64_t inside(std::uint64_t begin, std::uint64_t end) const {
         return static_cast<std::uint64_t>(std::count_if(list.begin(), list.end(), [&](auto& e) { return e.first >= begin && e.second < end; }));
@@ -71,13 +65,20 @@ struct Edges {
     }
     std::vector<std::pair<std::uint64_t, std::uint64_t>> list;
     SpanHistogram histogram;
-    SpanBins spanBins;
+    KeyIntervals spanBins = upTo(histogram.bins());
+
+    static KeyIntervals upTo(std::size_t bins) {
+        std::vector<std::uint64_t> begins(bins);
+        std::iota(begins.begin(), begins.end(), 0u);
+        return KeyIntervals(std::move(begins));
+    }
 };
 
 // Block begins of each level, closed by the end; level 0 is every bin on its own.
 std::vector<std::vector<std::uint64_t>> closedLevels(const Edges& edges, int skipLevels, double k) {
     std::vector<std::vector<std::uint64_t>> levels = chooseBlockBegins(edges.histogram, edges.spanBins, skipLevels, k);
-    levels.insert(levels.begin(), edges.spanBins.begins);
+    levels.emplace(levels.begin(), edges.spanBins.count());
+    std::iota(levels.front().begin(), levels.front().end(), 0u);
     for (auto& level : levels)
         level.push_back(edges.spanBins.count());
     return levels;

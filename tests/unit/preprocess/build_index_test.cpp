@@ -1,5 +1,7 @@
 #include "preprocess/build_index.h"
 
+#include <array>
+#include <cmath>
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -94,6 +96,75 @@ TEST(BuildIndex, GivesTheSameBytesForAnyMemoryBudget) {
     EXPECT_EQ(folder.names(), (std::vector<std::string>{"tight.isx", "wide.isx"}));
 }
 
+// Smooth, with steps of 1 and `values` of them or so, and a few far away.
+double steppedField(std::int64_t x, std::int64_t y, std::int64_t z, double values) {
+    if (x == 17 && y == 3)
+        return values + 30.0;
+    const double wave = std::sin(0.11 * static_cast<double>(x)) + std::sin(0.07 * static_cast<double>(y + z)) +
+                        std::sin(0.013 * static_cast<double>(z * x));
+    return std::floor((wave + 3.0) / 6.0 * values);
+}
+
+template <class Sample>
+std::vector<std::array<std::uint64_t, 5>> levelsOf(ScalarType type, const BuildOptions& options, double values) {
+    const test::TemporaryFolder folder;
+    GridGeometry geometry;
+    geometry.dims = {110, 100, values > 1000.0 ? 97 : 40}; // 97: more points than are sampled
+    const auto grid = test::makeVolume<Sample>(type, geometry, [&](auto x, auto y, auto z) { return steppedField(x, y, z, values); });
+    const auto built = test::buildIndexOf(grid, folder / "a.isx", options);
+    EXPECT_THAT(built, IsOk());
+    std::vector<std::array<std::uint64_t, 5>> levels;
+    for (const index::SkipLevelInfo& level : built.value().info.levels)
+        levels.push_back({level.blocks, level.points, level.edges, level.activatedEdges, level.redundantRemoved});
+    return levels;
+}
+
+// Values lie as they lie, whatever their bits.
+TEST_P(BuildIndexKind, GivesTheSameLevelsForAFieldInEveryScalarType) {
+    BuildOptions fixed = options();
+    fixed.redundancyThreshold = 0.5;
+    const std::size_t least = GetParam() == index::IndexKind::Edges ? 3 : 2;
+    const auto few = levelsOf<std::uint8_t>(ScalarType::U8, fixed, 90);
+    EXPECT_GE(few.size(), least);
+    EXPECT_EQ(levelsOf<std::int8_t>(ScalarType::I8, fixed, 90), few);
+    EXPECT_EQ(levelsOf<std::int32_t>(ScalarType::I32, fixed, 90), few);
+    EXPECT_EQ(levelsOf<double>(ScalarType::F64, fixed, 90), few);
+}
+
+TEST_P(BuildIndexKind, GivesTheSameLevelsForManyValuesInEveryScalarType) {
+    BuildOptions fixed = options();
+    fixed.redundancyThreshold = 0.5;
+    const std::size_t least = GetParam() == index::IndexKind::Edges ? 3 : 2;
+    const auto many = levelsOf<std::int16_t>(ScalarType::I16, fixed, 5000);
+    EXPECT_GE(many.size(), least);
+    EXPECT_EQ(levelsOf<std::uint16_t>(ScalarType::U16, fixed, 5000), many);
+    EXPECT_EQ(levelsOf<std::int32_t>(ScalarType::I32, fixed, 5000), many);
+    EXPECT_EQ(levelsOf<float>(ScalarType::F32, fixed, 5000), many);
+    EXPECT_EQ(levelsOf<double>(ScalarType::F64, fixed, 5000), many);
+}
+
+// The threshold, too, depends on the field and not on how it is stored.
+TEST_P(BuildIndexKind, ChoosesTheSameThresholdInEveryScalarType) {
+    const auto chosen = levelsOf<std::int16_t>(ScalarType::I16, options(), 5000);
+    EXPECT_EQ(levelsOf<double>(ScalarType::F64, options(), 5000), chosen);
+}
+
+TEST(BuildEdges, RefuseABudgetWithoutRoomForTheirPlanes) {
+    const test::TemporaryFolder folder;
+    GridGeometry geometry;
+    geometry.dims = {700, 400, 2};
+    const auto grid = test::makeVolume<double>(ScalarType::F64, geometry, [](auto x, auto, auto) { return static_cast<double>(x); });
+    BuildOptions options;
+    options.kind = index::IndexKind::Edges;
+    options.memoryBytes = kMinBuildMemoryBytes;
+    const auto refused = test::buildIndexOf(grid, folder / "a.isx", options);
+    ASSERT_THAT(refused, HasError(ErrorCode::InvalidArgument));
+    EXPECT_NE(refused.error().line().find("at least 99M"), std::string::npos) << refused.error().line();
+    EXPECT_TRUE(folder.names().empty());
+    options.memoryBytes = std::uint64_t{99} << 20;
+    EXPECT_THAT(test::buildIndexOf(grid, folder / "a.isx", options), IsOk());
+}
+
 TEST_P(BuildIndexKind, StatesTheFactsOfItsVolume) {
     for (std::uint64_t seed = test::testSeed(900), last = seed + 120; seed < last && !HasFailure(); ++seed) {
         test::Random random(seed);
@@ -129,7 +200,7 @@ TEST_P(BuildIndexKind, StatesTheFactsOfItsVolume) {
         for (const std::size_t bin : {0, 1, 100, 256, 511}) {
             const double at = static_cast<double>(bin) / static_cast<double>(info.activeEdgesPerBin.size());
             const auto fresh = extract::extractFull(*volume.grid, info.min * (1.0 - at) + info.max * at);
-            EXPECT_EQ(info.activeEdgesPerBin.at(bin), fresh.value().edgeIds.size()) << "bin " << bin;
+            EXPECT_EQ(info.activeEdgesPerBin.at(bin), fresh.value().activeEdgeCount()) << "bin " << bin;
         }
     }
 }
@@ -158,7 +229,7 @@ TEST_P(BuildIndexKind, TakesConstantAndSmallestVolumes) {
         ASSERT_THAT(engine, IsOk());
         for (const double isovalue : {4.0, 4.5, 5.0}) {
             ASSERT_THAT(engine.value()->slideTo(isovalue), IsOk());
-            EXPECT_TRUE(engine.value()->mesh().positions.empty());
+            EXPECT_TRUE(engine.value()->mesh().value().positions.empty());
         }
     }
 }

@@ -17,9 +17,8 @@ using test::IsOk;
 
 template <class Key>
 struct Input {
-    static constexpr int kShift = 8 * sizeof(Key) - 16;
     std::vector<index::PointRecord<Key>> records; // in id order
-    std::vector<std::uint64_t> countsByPrefix = std::vector<std::uint64_t>(1u << 16, 0);
+    std::vector<KeyCount> counts;
 };
 
 // `values` distinct keys, one of which takes half of all records.
@@ -27,6 +26,7 @@ template <class Key>
 Input<Key> randomInput(std::size_t count, std::uint64_t values, unsigned seed) {
     std::mt19937_64 random(seed);
     Input<Key> input;
+    KeyCounter<Key> counter(count);
     for (std::size_t i = 0; i < count; ++i) {
         index::PointRecord<Key> record;
         const std::uint64_t value = random() % 2 ? 7 : random() % values;
@@ -36,8 +36,9 @@ Input<Key> randomInput(std::size_t count, std::uint64_t values, unsigned seed) {
         record.farKeys[5] = static_cast<Key>(random());
         record.farNormals[0] = static_cast<NormalCode>(random());
         input.records.push_back(record);
-        ++input.countsByPrefix[static_cast<std::size_t>(std::uint64_t{record.key} >> Input<Key>::kShift)];
+        counter.add(record.key);
     }
+    input.counts = counter.takeCounts();
     return input;
 }
 
@@ -63,7 +64,7 @@ TYPED_TEST(ExternalSortTest, SortsLikeTheLibraryWithAndWithoutSpilling) {
             auto expected = input.records;
             std::stable_sort(expected.begin(), expected.end(), [](const Record& a, const Record& b) { return a.key < b.key; });
             {
-                ExternalSort<TypeParam> sort(input.countsByPrefix, Input<TypeParam>::kShift, memory, folder / "runs");
+                ExternalSort<TypeParam> sort(input.counts, memory, folder / "runs");
                 ASSERT_THAT(addInParts(sort, input.records), IsOk());
                 EXPECT_EQ(sort.recordCount(), input.records.size());
                 EXPECT_EQ(sort.spilledBytes() > 0, memory < 1u << 20);
@@ -88,9 +89,42 @@ TYPED_TEST(ExternalSortTest, SortsLikeTheLibraryWithAndWithoutSpilling) {
         }
 }
 
+// Counts that foretell nothing, so that all records meet in a partition or two; and a spill file for each of these.
+TYPED_TEST(ExternalSortTest, DividesPartitionsThatAreTooLarge) {
+    using Record = index::PointRecord<TypeParam>;
+    const auto input = randomInput<TypeParam>(200'000, 1'000'000, 6);
+    auto expected = input.records;
+    std::stable_sort(expected.begin(), expected.end(), [](const Record& a, const Record& b) { return a.key < b.key; });
+    for (const std::vector<KeyCount>& counts : {std::vector<KeyCount>{}, {{7, 1'000'000}}, {{1, 1}, {100, 1}}})
+        for (const std::uint64_t memory : {std::uint64_t{2} << 20, std::uint64_t{64} << 20}) {
+            const test::TemporaryFolder folder;
+            {
+                ExternalSort<TypeParam> sort(counts, memory, folder / "runs");
+                ASSERT_THAT(addInParts(sort, input.records), IsOk());
+                std::size_t at = 0, largest = 0;
+                const auto drained = sort.drain(
+                    [&](std::span<const Record> records) -> Status {
+                        largest = std::max(largest, records.size_bytes());
+                        for (const Record& record : records) {
+                            const Record& wanted = expected.at(at++);
+                            EXPECT_TRUE(record.key == wanted.key && record.id() == wanted.id()) << "record " << at - 1;
+                            if (testing::Test::HasFailure())
+                                return makeError(ErrorCode::Corruption, "stop");
+                        }
+                        return {};
+                    },
+                    {});
+                ASSERT_THAT(drained, IsOk());
+                EXPECT_EQ(at, expected.size());
+                EXPECT_LE(largest, std::max<std::uint64_t>(memory / 4, 16384 * sizeof(Record)));
+            }
+            EXPECT_TRUE(folder.names().empty()) << "a temporary file stays";
+        }
+}
+
 TYPED_TEST(ExternalSortTest, IsEmptyWithoutRecords) {
     const test::TemporaryFolder folder;
-    ExternalSort<TypeParam> sort(std::vector<std::uint64_t>(1u << 16, 0), Input<TypeParam>::kShift, 1, folder / "runs");
+    ExternalSort<TypeParam> sort({}, 1, folder / "runs");
     std::size_t calls = 0;
     EXPECT_THAT(sort.drain(
                     [&](auto records) -> Status {
@@ -111,7 +145,7 @@ TEST(ExternalSortFaults, EveryFailingCallIsReportedAndNothingIsLeft) {
         const test::TemporaryFolder folder;
         test::FaultyFileSystem faulty(failing, ENOSPC);
         {
-            ExternalSort<std::uint32_t> sort(input.countsByPrefix, 16, 30000, folder / "runs", faulty);
+            ExternalSort<std::uint32_t> sort(input.counts, 30000, folder / "runs", faulty);
             const Status status = [&]() -> Status {
                 ISO_TRY(addInParts(sort, input.records));
                 return sort.drain([](std::span<const Record>) -> Status { return {}; }, {});
@@ -129,7 +163,7 @@ TEST(ExternalSortFaults, StopsOnRequestAndPassesErrorsOn) {
     using Record = index::PointRecord<std::uint32_t>;
     const auto input = randomInput<std::uint32_t>(500, 50, 2);
     const test::TemporaryFolder folder;
-    ExternalSort<std::uint32_t> sort(input.countsByPrefix, 16, 1000, folder / "runs");
+    ExternalSort<std::uint32_t> sort(input.counts, 1000, folder / "runs");
     ASSERT_THAT(addInParts(sort, input.records), IsOk());
     std::stop_source stop;
     stop.request_stop();
@@ -137,7 +171,7 @@ TEST(ExternalSortFaults, StopsOnRequestAndPassesErrorsOn) {
     job.stop = stop.get_token();
     EXPECT_THAT(sort.drain([](std::span<const Record>) -> Status { return {}; }, job), test::HasError(ErrorCode::Cancelled));
 
-    ExternalSort<std::uint32_t> other(input.countsByPrefix, 16, 1u << 30, folder / "other");
+    ExternalSort<std::uint32_t> other(input.counts, 1u << 30, folder / "other");
     ASSERT_THAT(addInParts(other, input.records), IsOk());
     EXPECT_THAT(other.drain([](std::span<const Record>) -> Status { return makeError(ErrorCode::IoError, "no"); }, {}),
                 test::HasError(ErrorCode::IoError));

@@ -29,6 +29,20 @@ TEST_F(IsovalueModelTest, ClampsRequestsToTheRange) {
     EXPECT_EQ(model_.requested(), -1000.0);
 }
 
+TEST_F(IsovalueModelTest, B021_ARangeOfOneValueIsAPoint) {
+    EXPECT_TRUE(model_.setDomain(5.0, 5.0, 5.0));
+    EXPECT_EQ(model_.fraction(), 0.0);
+    for (const double fraction : {0.0, 0.5, 1.0})
+        EXPECT_EQ(model_.atFraction(fraction), 5.0);
+    const int before = notified_;
+    EXPECT_FALSE(model_.request(4.0));
+    EXPECT_FALSE(model_.request(kInfinity));
+    EXPECT_FALSE(model_.step(0.5));
+    EXPECT_FALSE(model_.step(-1.0));
+    EXPECT_EQ(model_.requested(), 5.0);
+    EXPECT_EQ(notified_, before);
+}
+
 TEST_F(IsovalueModelTest, RefusesNan) {
     EXPECT_FALSE(model_.request(kNan));
     EXPECT_EQ(model_.requested(), 300.0);

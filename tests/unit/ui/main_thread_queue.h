@@ -31,7 +31,7 @@ public:
 
     /// Runs what arrives until `isDone`; false after ten seconds.
     bool runUntil(const std::function<bool()>& isDone) {
-        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
         while (!isDone()) {
             if (std::chrono::steady_clock::now() > end)
                 return false;

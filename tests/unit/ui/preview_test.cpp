@@ -156,7 +156,7 @@ TEST_F(PreviewTest, IsRefusedWhereItShowsNothing) {
 /// Builds from files; can be told to wait, to refuse, or to come upon another volume.
 class FileBuilder final : public IndexBuilder {
 public:
-    Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const std::string&,
+    Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const io::VolumeInfo&,
                  const fs::path&, const JobControl&) override {
         ++gridBuilds;
         return makeError(ErrorCode::InvalidArgument, "was given samples, not a file");
@@ -276,7 +276,7 @@ TEST_F(PreviewSessionTest, AHandleThatWasMovedStaysWhereItIs) {
 
 TEST_F(PreviewSessionTest, IsNeitherCheckedNorExported) {
     openBall();
-    session_->exportMesh(folder_ / "ball.ply");
+    session_->exportMesh(folder_ / "ball.ply", session_->datasetGeneration());
     session_->checkMesh();
     ASSERT_EQ(notices_.size(), 2u);
     EXPECT_EQ(notices_[0].title, "The mesh was not exported");
@@ -284,7 +284,7 @@ TEST_F(PreviewSessionTest, IsNeitherCheckedNorExported) {
     EXPECT_EQ(notices_[1].detail, "the index is still being built; the preview is not checked");
     EXPECT_FALSE(session_->isCheckingMesh());
     ASSERT_TRUE(runUntilWhole());
-    session_->exportMesh(folder_ / "ball.ply");
+    session_->exportMesh(folder_ / "ball.ply", session_->datasetGeneration());
     ASSERT_TRUE(queue_.runUntil([&] { return session_->certificate().has_value(); }));
     EXPECT_EQ(session_->certificate()->geometry, session_->dataset()->geometry);
     EXPECT_TRUE(fs::exists(folder_ / "ball.ply"));

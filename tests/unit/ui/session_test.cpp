@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/volume_io/volume_source.h"
+#include "preprocess/build_index.h"
+#include "tests/support/damaged_index.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/ui/main_thread_queue.h"
 
@@ -24,7 +27,7 @@ std::shared_ptr<const ScalarGrid> ballGrid(double spacing = 1.0) {
 /// Refuses, or waits to be cancelled.
 class FakeBuilder final : public IndexBuilder {
 public:
-    Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const std::string&,
+    Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const io::VolumeInfo&,
                  const std::filesystem::path&, const JobControl& job) override {
         ++builds;
         while (waits && !job.isStopRequested())
@@ -93,7 +96,7 @@ TEST_F(SessionTest, B106_ALimitedPictureIsCoarserAndTheMeshIsWhole) {
     EXPECT_EQ(coarse->mergedCells, 2);
     EXPECT_EQ(coarse->isovalue, whole->isovalue);
     EXPECT_EQ(coarse->stats.triangles, whole->stats.triangles);
-    session_->exportMesh(folder_ / "ball.ply");
+    session_->exportMesh(folder_ / "ball.ply", session_->datasetGeneration());
     ASSERT_TRUE(queue_.runUntil([&] { return session_->certificate().has_value(); }));
     EXPECT_EQ(session_->certificate()->report.triangles, whole->stats.triangles);
     session_->isovalue().request(-2.0); // a small sphere
@@ -126,6 +129,31 @@ TEST_F(SessionTest, AFailedBuildIsToldAndCanBeStartedAgain) {
     EXPECT_EQ(builder_->builds, 2);
 }
 
+/// A ball's index, with a byte changed where opening it does not look and the first move does.
+std::filesystem::path damagedIndex(const test::TemporaryFolder& folder) {
+    const auto path = folder / "damaged.isx";
+    io::VolumeInfo info;
+    const auto source = io::makeMemorySource(ballGrid(), std::move(info));
+    EXPECT_TRUE(preprocess::buildIndex(*source, path, {}).isOk());
+    test::damageFirstMove(path, -5.0);
+    return path;
+}
+
+TEST_F(SessionTest, AFirstMoveThatFailsEndsTheWaiting) {
+    OpenRequest request;
+    request.path = damagedIndex(folder_);
+    request.isovalue = -5.0;
+    session_->open(request);
+    ASSERT_TRUE(queue_.runUntil([&] { return !notices_.empty(); }));
+    EXPECT_EQ(notices_[0].code, ErrorCode::Corruption);
+    ASSERT_NE(session_->dataset(), nullptr);
+    EXPECT_EQ(session_->frame(), nullptr);
+    EXPECT_FALSE(session_->isMoving());
+    EXPECT_TRUE(session_->isSettled());
+    session_->isovalue().request(-5.5);
+    EXPECT_TRUE(session_->isMoving()) << "the next one is waited for again";
+}
+
 TEST_F(SessionTest, ACancelledBuildIsNoError) {
     builder_->waits = true;
     openBall();
@@ -156,7 +184,7 @@ TEST_F(SessionTest, ChecksAndExportsTheSurfaceOnScreen) {
     ASSERT_TRUE(queue_.runUntil([&] { return session_->certificate().has_value(); }));
     EXPECT_TRUE(session_->certificate()->report.isClosed);
     EXPECT_EQ(session_->certificate()->report.euler, 2);
-    session_->exportMesh(folder_ / "ball.ply");
+    session_->exportMesh(folder_ / "ball.ply", session_->datasetGeneration());
     ASSERT_TRUE(queue_.runUntil([&] { return !notices_.empty(); }));
     EXPECT_EQ(notices_[0].severity, Notice::Severity::Information);
     EXPECT_TRUE(std::filesystem::exists(folder_ / "ball.ply"));
@@ -165,7 +193,7 @@ TEST_F(SessionTest, ChecksAndExportsTheSurfaceOnScreen) {
 TEST_F(SessionTest, AnExportShowsItsCertificate) {
     builder_->waits = true;
     openBall();
-    session_->exportMesh(folder_ / "ball.ply");
+    session_->exportMesh(folder_ / "ball.ply", session_->datasetGeneration());
     ASSERT_TRUE(queue_.runUntil([&] { return session_->certificate().has_value(); }));
     EXPECT_EQ(session_->certificate()->source, "ball");
     EXPECT_EQ(session_->certificate()->isovalue, -5.0);
@@ -176,7 +204,7 @@ TEST_F(SessionTest, AnExportShowsItsCertificate) {
 TEST_F(SessionTest, AnUnsoundMeshIsWrittenAndToldAsAnError) {
     builder_->waits = true;
     openBall("tiny");
-    session_->exportMesh(folder_ / "tiny.ply");
+    session_->exportMesh(folder_ / "tiny.ply", session_->datasetGeneration());
     ASSERT_TRUE(queue_.runUntil([&] { return !notices_.empty(); }));
     EXPECT_EQ(notices_[0].severity, Notice::Severity::Error);
     EXPECT_NE(notices_[0].detail.find("tiny.ply: "), std::string::npos);
@@ -187,7 +215,7 @@ TEST_F(SessionTest, AnUnsoundMeshIsWrittenAndToldAsAnError) {
 TEST_F(SessionTest, ExportRefusesAnUnknownSuffix) {
     builder_->waits = true;
     openBall();
-    session_->exportMesh(folder_ / "ball.txt");
+    session_->exportMesh(folder_ / "ball.txt", session_->datasetGeneration());
     ASSERT_EQ(notices_.size(), 1u);
     EXPECT_EQ(notices_[0].severity, Notice::Severity::Error);
 }

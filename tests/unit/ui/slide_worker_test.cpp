@@ -60,17 +60,23 @@ protected:
                 lastGeneration_ = generation;
             });
         };
-        callbacks.onError = [this, post = queue_.poster()](const Error& error, SourceGeneration) {
-            post([this, error] { errors_.push_back(error.code); });
+        callbacks.onError = [this, post = queue_.poster()](const Error& error, double isovalue, SourceGeneration) {
+            post([this, error, isovalue] {
+                errors_.push_back(error.code);
+                failed_.push_back(isovalue);
+            });
         };
         worker_ = std::make_unique<SlideWorker>(std::move(callbacks));
-        generation_ = worker_->setSource(source_);
+        generation_ = worker_->setSource(source_, kDataset, std::nullopt);
     }
+
+    static constexpr DatasetGeneration kDataset{1};
 
     test::MainThreadQueue queue_;
     std::shared_ptr<GatedSource> source_ = std::make_shared<GatedSource>();
     std::vector<double> shown_;
     std::vector<ErrorCode> errors_;
+    std::vector<double> failed_;
     SourceGeneration generation_{};
     SourceGeneration lastGeneration_{};
     std::unique_ptr<SlideWorker> worker_;
@@ -95,6 +101,7 @@ TEST_F(SlideWorkerTest, ReportsErrorsAndGoesOn) {
     EXPECT_EQ(errors_[0], ErrorCode::Corruption);
     worker_->request(2000.0);
     ASSERT_TRUE(queue_.runUntil([&] { return errors_.size() == 2; }));
+    EXPECT_EQ(failed_, (std::vector<double>{-1.0, 2000.0}));
     worker_->request(7.0);
     ASSERT_TRUE(queue_.runUntil([&] { return shown_.size() == 1; }));
     EXPECT_EQ(shown_[0], 7.0);
@@ -105,7 +112,7 @@ TEST_F(SlideWorkerTest, ANewSourceCancelsTheRunningMove) {
     source_->started.acquire();
     auto next = std::make_shared<GatedSource>();
     next->gate.release(1);
-    const auto generation = worker_->setSource(next);
+    const auto generation = worker_->setSource(next, DatasetGeneration{2}, std::nullopt);
     EXPECT_NE(generation, generation_);
     worker_->request(9.0);
     ASSERT_TRUE(queue_.runUntil([&] { return !shown_.empty(); }));
@@ -117,21 +124,57 @@ TEST_F(SlideWorkerTest, ANewSourceCancelsTheRunningMove) {
 TEST_F(SlideWorkerTest, LetsGoOfTheOldSource) {
     const std::weak_ptr<GatedSource> old = source_;
     source_.reset();
-    worker_->setSource(nullptr);
+    worker_->setSource(nullptr, DatasetGeneration{2}, std::nullopt);
     EXPECT_TRUE(queue_.runUntil([&] { return old.expired(); }));
 }
 
 TEST_F(SlideWorkerTest, GivesTheMeshAfterPendingMoves) {
     source_->gate.release(1);
     worker_->request(3.0);
-    auto mesh = worker_->takeMesh({});
+    auto mesh = worker_->takeMesh(kDataset, {});
     ASSERT_TRUE(mesh.isOk());
     EXPECT_EQ(mesh.value().isovalue, 3.0);
 }
 
 TEST_F(SlideWorkerTest, AMeshWithoutASourceIsRefused) {
-    worker_->setSource(nullptr);
-    auto mesh = worker_->takeMesh({});
+    worker_->setSource(nullptr, DatasetGeneration{2}, std::nullopt);
+    auto mesh = worker_->takeMesh(kDataset, {});
+    ASSERT_FALSE(mesh.isOk());
+    EXPECT_EQ(mesh.error().code, ErrorCode::InvalidArgument);
+}
+
+TEST_F(SlideWorkerTest, AMeshIsNeverThatOfAnotherDataset) {
+    worker_->request(1.0);
+    source_->started.acquire(); // the worker is busy: what is asked for waits
+    auto mesh = std::async(std::launch::async, [this] { return worker_->takeMesh(kDataset, {}); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    auto next = std::make_shared<GatedSource>();
+    next->gate.release(1);
+    worker_->setSource(next, DatasetGeneration{2}, 9.0);
+    const auto taken = mesh.get();
+    ASSERT_FALSE(taken.isOk()) << "mesh at " << taken.value().isovalue;
+    EXPECT_EQ(taken.error().code, ErrorCode::InvalidArgument);
+    EXPECT_TRUE(worker_->takeMesh(DatasetGeneration{2}, {}).isOk());
+}
+
+TEST_F(SlideWorkerTest, AMeshIsThatOfTheNextSourceOfItsDataset) {
+    worker_->request(1.0);
+    source_->started.acquire();
+    auto mesh = std::async(std::launch::async, [this] { return worker_->takeMesh(kDataset, {}); });
+    auto next = std::make_shared<GatedSource>();
+    next->gate.release(1);
+    worker_->setSource(next, kDataset, 4.0);
+    const auto taken = mesh.get();
+    ASSERT_TRUE(taken.isOk()) << taken.error().line();
+    EXPECT_EQ(taken.value().isovalue, 4.0) << "not before it has been moved";
+}
+
+TEST_F(SlideWorkerTest, ThereIsNoMeshOfAMoveThatFailed) {
+    source_->gate.release(2);
+    worker_->request(3.0);
+    ASSERT_TRUE(worker_->takeMesh(kDataset, {}).isOk());
+    worker_->request(-1.0);
+    const auto mesh = worker_->takeMesh(kDataset, {});
     ASSERT_FALSE(mesh.isOk());
     EXPECT_EQ(mesh.error().code, ErrorCode::InvalidArgument);
 }
@@ -146,7 +189,7 @@ TEST_F(SlideWorkerTest, WaitingForAMeshCanBeCancelled) {
         std::this_thread::sleep_for(std::chrono::milliseconds(30));
         stop.request_stop();
     });
-    EXPECT_TRUE(worker_->takeMesh(job).isCancelled());
+    EXPECT_TRUE(worker_->takeMesh(kDataset, job).isCancelled());
 }
 
 TEST_F(SlideWorkerTest, EndsWhileAMoveRuns) {

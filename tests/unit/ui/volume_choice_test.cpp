@@ -356,7 +356,7 @@ TEST_F(ChoosingSessionTest, CancellingKeepsWhatIsOpen) {
     };
     make(readers);
     ASSERT_TRUE(open(true, "pressure"));
-    const auto key = session_->datasetKey();
+    const auto key = session_->datasetGeneration();
     *isHeld = true;
     OpenRequest request;
     request.path = folder_ / "b.made-up";
@@ -365,7 +365,7 @@ TEST_F(ChoosingSessionTest, CancellingKeepsWhatIsOpen) {
     ASSERT_NE(session_->loading(), nullptr);
     session_->cancelOpening();
     ASSERT_TRUE(queue_.runUntil([this] { return !session_->isLoading(); }));
-    EXPECT_EQ(session_->datasetKey(), key);
+    EXPECT_EQ(session_->datasetGeneration(), key);
     EXPECT_TRUE(notices_.empty());
     EXPECT_EQ(session_->loading(), nullptr);
 }

@@ -1,6 +1,9 @@
 #include "core/base/file_system.h"
 
+#include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 
@@ -116,6 +119,71 @@ TEST(AtomicFile, IsOldOrNewWhicheverCallFails) {
         EXPECT_FALSE(std::filesystem::exists(partialPath(path)));
         ASSERT_LT(failing, 20);
     }
+}
+
+/// No further file can be opened while this lives.
+class NoMoreFiles {
+public:
+    NoMoreFiles() {
+        ::getrlimit(RLIMIT_NOFILE, &before_);
+        const int next = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+        ::close(next);
+        rlimit limit = before_;
+        limit.rlim_cur = static_cast<rlim_t>(next);
+        ::setrlimit(RLIMIT_NOFILE, &limit);
+    }
+    ~NoMoreFiles() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+    NoMoreFiles(const NoMoreFiles&) = delete;
+    NoMoreFiles& operator=(const NoMoreFiles&) = delete;
+
+private:
+    rlimit before_{};
+};
+
+TEST(AtomicFile, KeepsTheEarlierFileWhenTheFolderCannotBeOpened) {
+    const TemporaryFolder folder;
+    const auto path = folder.write("out", "old");
+    {
+        auto file = AtomicFile::create(path);
+        ASSERT_TRUE(file.isOk());
+        ASSERT_TRUE(file.value()->writeAll(bytesOf("new")).isOk());
+        const NoMoreFiles limit;
+        const Status status = file.value()->publish();
+        ASSERT_FALSE(status.isOk());
+        EXPECT_EQ(status.error().code, ErrorCode::IoError) << status.error().line();
+    }
+    EXPECT_EQ(test::readText(path), "old");
+    EXPECT_FALSE(std::filesystem::exists(partialPath(path)));
+}
+
+TEST(AtomicFile, WritesThroughSymbolicLinks) {
+    namespace fs = std::filesystem;
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "there");
+    folder.write("there/out", "old");
+    fs::create_symlink("there/out", folder / "direct");
+    fs::create_symlink(folder / "direct", folder / "link");
+    fs::create_symlink("there/none", folder / "dangling");
+    for (const auto* name : {"link", "dangling"}) {
+        auto file = AtomicFile::create(folder / name);
+        ASSERT_TRUE(file.isOk()) << name;
+        EXPECT_EQ(file.value()->path(), folder / name);
+        ASSERT_TRUE(file.value()->writeAll(bytesOf("new")).isOk());
+        ASSERT_TRUE(file.value()->publish().isOk());
+        EXPECT_TRUE(fs::is_symlink(folder / name));
+    }
+    EXPECT_EQ(test::readText(folder / "there/out"), "new");
+    EXPECT_EQ(test::readText(folder / "there/none"), "new");
+    EXPECT_TRUE(fs::is_symlink(folder / "direct"));
+}
+
+TEST(AtomicFile, RefusesLinksInACircle) {
+    const TemporaryFolder folder;
+    std::filesystem::create_symlink("b", folder / "a");
+    std::filesystem::create_symlink("a", folder / "b");
+    const auto file = AtomicFile::create(folder / "a");
+    ASSERT_FALSE(file.isOk());
+    EXPECT_EQ(file.error().code, ErrorCode::IoError);
 }
 
 TEST(CheckOutputPath, NamesWhatStandsInTheWay) {

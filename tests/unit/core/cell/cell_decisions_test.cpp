@@ -160,6 +160,16 @@ TEST(TiedCells, AgreeWithTheOracleOneAndAll) {
     }
 }
 
+// A state ends at the isovalue below: there the limit from below has left it.
+TEST(StateIntervals, AreHalfOpen) {
+    const StateInterval interval{1.0, 2.0};
+    EXPECT_FALSE(interval.contains(1.0));
+    EXPECT_TRUE(interval.contains(std::nextafter(1.0, 2.0)));
+    EXPECT_TRUE(interval.contains(2.0));
+    EXPECT_FALSE(interval.contains(std::nextafter(2.0, 3.0)));
+    EXPECT_FALSE((StateInterval{1.0, 1.0}.contains(1.0)));
+}
+
 // How much of the interval in which the state stays the product's interval covers, where signs stay.
 TEST(StateIntervals, CoverMostOfTheStatesTrueInterval) {
     Random random(17);

@@ -9,6 +9,7 @@
 #include "core/cell/cell_states.h"
 #include "core/grid/classification.h"
 #include "core/mesh/mesh_checks.h"
+#include "core/mesh/soup_topology.h"
 #include "tests/property/random_volumes.h"
 #include "tests/support/result_matchers.h"
 
@@ -172,6 +173,13 @@ std::vector<std::array<EdgeId, 3>> slowTriangles(const ScalarGrid& grid, double 
     return triangles;
 }
 
+bool isManifold(const SurfaceMesh& surface) {
+    std::vector<mesh::Triangle> triangles;
+    for (std::size_t i = 0; i < surface.triangles.size(); i += 3)
+        triangles.push_back({surface.triangles[i], surface.triangles[i + 1], surface.triangles[i + 2]});
+    return mesh::analyseTopology(triangles, surface.positions.size()).value().isManifold();
+}
+
 TEST(FullExtraction, GivesTheTrianglesOfEveryWholeCellAndNoOtherVertex) {
     for (std::uint64_t seed = test::testSeed(40), last = seed + 80; seed < last && !HasFailure(); ++seed) {
         test::Random random(seed);
@@ -194,9 +202,30 @@ TEST(FullExtraction, GivesTheTrianglesOfEveryWholeCellAndNoOtherVertex) {
             ASSERT_EQ(triangles, slowTriangles(*volume.grid, isovalue)) << "in grid order too";
             ASSERT_TRUE(std::all_of(isUsed.begin(), isUsed.end(), [](bool used) { return used; })) << "a vertex without a triangle";
             ASSERT_TRUE(std::is_sorted(surface.edgeIds.begin(), surface.edgeIds.end()));
-            ASSERT_EQ(std::adjacent_find(surface.edgeIds.begin(), surface.edgeIds.end()), surface.edgeIds.end());
+            ASSERT_TRUE(isManifold(surface)) << "beside missing values too";
         }
     }
+}
+
+// Four cells around one edge, of which only two opposite ones have all their corners: they touch in one point.
+TEST(FullExtraction, SplitsAVertexWhereTwoCellsOnlyTouch) {
+    constexpr float kMissingValue = std::numeric_limits<float>::quiet_NaN();
+    const auto grid = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(3), [](auto x, auto y, auto z) {
+        const bool isMissing = (x == 2 && y == 0) || (x == 0 && y == 2) || z == 2;
+        return isMissing ? kMissingValue : static_cast<float>(z);
+    });
+    const SurfaceMesh surface = extracted(*grid, 0.25);
+    // Two squares from the edges along z; the one at (1, 1) belongs to both.
+    EXPECT_EQ(surface.triangleCount(), 4u);
+    EXPECT_EQ(surface.activeEdgeCount(), 7u);
+    ASSERT_EQ(surface.edgeIds.size(), 8u);
+    EXPECT_TRUE(isManifold(surface));
+    const auto twice = std::adjacent_find(surface.edgeIds.begin(), surface.edgeIds.end());
+    ASSERT_NE(twice, surface.edgeIds.end());
+    const auto at = static_cast<std::size_t>(twice - surface.edgeIds.begin());
+    EXPECT_EQ(surface.positions[at], glm::vec3(1.0f, 1.0f, 0.25f));
+    EXPECT_EQ(surface.positions[at], surface.positions[at + 1]);
+    EXPECT_EQ(surface.normals[at], surface.normals[at + 1]);
 }
 
 TEST(FullExtraction, VerticesLieWhereTheLineCrossesTheIsovalue) {

@@ -1,4 +1,4 @@
-#include "core/extract/memory_samples.h"
+#include "core/extract/sources/memory_samples.h"
 
 #include <memory>
 #include <random>

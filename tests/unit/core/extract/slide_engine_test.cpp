@@ -1,8 +1,12 @@
 #include "core/extract/slide_engine.h"
 
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "core/extract/full_extraction.h"
+#include "core/extract/live/brick_picture.h"
+#include "preprocess/brick_list.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"
@@ -35,9 +39,10 @@ TEST_F(SlideEngineTest, IsEmptyUntilTheFirstMove) {
     const auto engine = openOn(hills_);
     EXPECT_EQ(engine->info().sourceName, "hills");
     EXPECT_EQ(engine->info().geometry, hills_->geometry());
-    EXPECT_TRUE(engine->mesh().positions.empty());
+    EXPECT_TRUE(engine->mesh().value().positions.empty());
     SurfaceFrame frame;
     engine->copyFrame(frame);
+    expandPicture(frame);
     EXPECT_TRUE(frame.indices.empty());
     EXPECT_TRUE(frame.positions.empty());
 }
@@ -47,7 +52,7 @@ TEST_F(SlideEngineTest, RefusesAnIsovalueThatIsNotANumberAndKeepsItsSurface) {
     ASSERT_THAT(engine->slideTo(300.0), IsOk());
     EXPECT_THAT(engine->slideTo(std::numeric_limits<double>::quiet_NaN()), HasError(ErrorCode::InvalidArgument));
     ASSERT_THAT(engine->slideTo(301.0), IsOk());
-    EXPECT_TRUE(test::isSameSurface(engine->mesh(), extractFull(*hills_, 301.0).value()));
+    EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*hills_, 301.0).value()));
 }
 
 TEST_F(SlideEngineTest, ACancelledMoveLeavesNoSurfaceAndTheNextIsRight) {
@@ -57,11 +62,28 @@ TEST_F(SlideEngineTest, ACancelledMoveLeavesNoSurfaceAndTheNextIsRight) {
     stop.request_stop();
     const auto cancelled = engine->slideTo(350.0, stop.get_token());
     ASSERT_THAT(cancelled, HasError(ErrorCode::Cancelled));
-    EXPECT_TRUE(engine->mesh().positions.empty());
+    EXPECT_TRUE(engine->mesh().value().positions.empty());
     const auto moved = engine->slideTo(350.0);
     ASSERT_THAT(moved, IsOk());
     EXPECT_EQ(moved.value().edgesAdded, moved.value().activeEdges) << "built anew from nothing";
-    EXPECT_TRUE(test::isSameSurface(engine->mesh(), extractFull(*hills_, 350.0).value()));
+    EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*hills_, 350.0).value()));
+}
+
+// Every other grid point lies above all isovalues, the others at random below. The bricks grow in step until all edges
+// are active: each run is outgrown everywhere at once, and the surface's arrays are in pieces long before that. They
+// hold no more than the largest bricks there can be, which these are not.
+TEST_F(SlideEngineTest, SlidesOnWhenItsArraysAreInPieces) {
+    std::mt19937 random(4);
+    const auto grid = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(33), [&](auto x, auto y, auto z) {
+        return (x + y + z) % 2 == 0 ? static_cast<double>(random() % 1000) : 2000.0;
+    });
+    const auto engine = openOn(grid);
+    double isovalue = 4.0;
+    for (const double step : {4.0, -13.0, 3.0, -7.0, 5.0})
+        for (isovalue += step; isovalue > 0.0 && isovalue < 1000.0; isovalue += step)
+            ASSERT_THAT(engine->slideTo(isovalue), IsOk()) << isovalue;
+    ASSERT_THAT(engine->slideTo(990.0), IsOk());
+    EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*grid, 990.0).value()));
 }
 
 TEST_F(SlideEngineTest, StandingStillCostsNothing) {
@@ -72,7 +94,7 @@ TEST_F(SlideEngineTest, StandingStillCostsNothing) {
     EXPECT_EQ(moved.value().edgesTouched, 0u);
     EXPECT_EQ(moved.value().bytesRead, 0u);
     EXPECT_EQ(moved.value().cellsRetriangulated, 0u);
-    EXPECT_TRUE(test::isSameSurface(engine->mesh(), extractFull(*hills_, 300.75).value())) << "vertices move all the same";
+    EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*hills_, 300.75).value())) << "vertices move all the same";
 }
 
 // L6: work follows the change, counted where it happens.
@@ -104,7 +126,7 @@ TEST_F(SlideEngineTest, SkipLevelsShortenAJump) {
     EXPECT_LT(far.value().edgesTouched, slow.value().edgesTouched);
     EXPECT_TRUE(std::any_of(far.value().walk.begin(), far.value().walk.end(), [](const WalkStep& s) { return s.skipLevel > 0; }));
     EXPECT_TRUE(std::all_of(slow.value().walk.begin(), slow.value().walk.end(), [](const WalkStep& s) { return s.skipLevel == 0; }));
-    EXPECT_TRUE(test::isSameSurface(leveled->mesh(), plain->mesh()));
+    EXPECT_TRUE(test::isSameSurface(leveled->mesh().value(), plain->mesh().value()));
 }
 
 TEST_F(SlideEngineTest, ReadsFromTheFileOnlyWhatIsNotCached) {
@@ -144,32 +166,95 @@ TEST_F(SlideEngineTest, IsEmptyOutsideTheRangeAndComesBack) {
     const auto engine = openOn(hills_);
     for (const double outside : {-1e9, 1e9, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()}) {
         ASSERT_THAT(engine->slideTo(400.0), IsOk());
-        EXPECT_GT(engine->mesh().triangleCount(), 0u);
+        EXPECT_GT(engine->mesh().value().triangleCount(), 0u);
         const auto moved = engine->slideTo(outside);
         ASSERT_THAT(moved, IsOk());
         EXPECT_EQ(moved.value().activeEdges, 0u);
         EXPECT_EQ(moved.value().triangles, 0u);
-        EXPECT_TRUE(engine->mesh().positions.empty());
+        EXPECT_TRUE(engine->mesh().value().positions.empty());
         SurfaceFrame frame;
         engine->copyFrame(frame);
+        expandPicture(frame);
         EXPECT_TRUE(test::placedTriangles(frame.positions, frame.indices).empty());
     }
 }
 
-// A sweep there and back leaves the memory of one surface, not of all that were shown.
+// A sweep there and back leaves the memory of one surface, not of all that were shown: also where each is looked at
+// until the next is there.
 TEST_F(SlideEngineTest, FramesDoNotGrowWithTheNumberOfMoves) {
-    const auto engine = openOn(hills_);
-    std::size_t first = 0, last = 0;
-    for (int round = 0; round < 6; ++round) {
-        for (int step = 0; step <= 40; ++step)
-            ASSERT_THAT(engine->slideTo(150.0 + 15.0 * (round % 2 ? 40 - step : step)), IsOk());
-        SurfaceFrame frame;
-        engine->copyFrame(frame);
-        last = frame.indices.size() + frame.positions.size();
-        if (round < 2)
-            first = std::max(first, last);
+    for (const bool isWatched : {false, true}) {
+        const auto engine = openOn(hills_);
+        std::uint64_t first = 0, last = 0;
+        SurfaceFrame shown;
+        for (int round = 0; round < 6; ++round) {
+            for (int step = 0; step <= 40; ++step) {
+                ASSERT_THAT(engine->slideTo(150.0 + 15.0 * (round % 2 ? 40 - step : step)), IsOk());
+                if (!isWatched)
+                    continue;
+                SurfaceFrame frame;
+                engine->copyFrame(frame);
+                shown = std::move(frame);
+            }
+            SurfaceFrame frame;
+            engine->copyFrame(frame);
+            last = pictureBytes(frame);
+            if (round < 2)
+                first = std::max(first, last);
+        }
+        EXPECT_LE(last, 2 * first) << isWatched;
     }
-    EXPECT_LE(last, 2 * first);
+}
+
+// What a large surface took is given back, here and on the card, though nothing is rebuilt.
+TEST_F(SlideEngineTest, MemoryFollowsASurfaceThatShrinks) {
+    auto made = preprocess::makeMemoryEngine(hills_);
+    ASSERT_THAT(made, IsOk());
+    SlideEngine& engine = *made.value();
+    std::uint64_t largest = 0, last = 0;
+    SurfaceFrame shown;
+    double isovalue = 400.0;
+    for (; isovalue < 1000.0; isovalue += 7.0) {
+        const auto moved = engine.slideTo(isovalue);
+        ASSERT_THAT(moved, IsOk());
+        EXPECT_FALSE(isovalue > 400.0 && moved.value().hasRebuilt);
+        SurfaceFrame frame;
+        engine.copyFrame(frame);
+        last = pictureBytes(frame);
+        largest = std::max(largest, last);
+        shown = std::move(frame);
+        ASSERT_TRUE(test::isSameSurface(engine.mesh().value(), extractFull(*hills_, isovalue).value())) << isovalue;
+        if (moved.value().activeEdges < 500)
+            break;
+    }
+    EXPECT_LT(last, largest / 3) << isovalue;
+}
+
+// The window uploads the bricks that have another version: they must be few where little changes.
+TEST_F(SlideEngineTest, PicturesDifferInTheBricksThatChange) {
+    const auto engine = openOn(hills_);
+    ASSERT_THAT(engine->slideTo(300.25), IsOk());
+    SurfaceFrame before, after;
+    engine->copyFrame(before);
+    const auto differing = [&] {
+        engine->copyFrame(after);
+        EXPECT_EQ(before.bricks->series(), after.bricks->series());
+        const auto old = before.bricks->bricks(), now = after.bricks->bricks();
+        std::size_t count = 0;
+        for (std::size_t slot = 0; slot < now.size(); ++slot)
+            count += slot >= old.size() || now[slot] != old[slot];
+        return count;
+    };
+    const std::size_t bricks = before.bricks->bricks().size();
+    ASSERT_GT(bricks, 60u);
+    const auto none = engine->slideTo(300.75);
+    ASSERT_THAT(none, IsOk());
+    ASSERT_EQ(none.value().edgesAdded + none.value().edgesRemoved, 0u);
+    EXPECT_LT(differing(), bricks / 10) << "only those with vertices inside cells";
+    const auto few = engine->slideTo(301.25);
+    ASSERT_THAT(few, IsOk());
+    ASSERT_GT(few.value().edgesAdded + few.value().edgesRemoved, 0u);
+    EXPECT_GT(differing(), 0u);
+    EXPECT_LT(differing(), bricks);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 // Damage in a small index of noise, hidden corners among it: found, or without effect on any surface.
 
+#include <bit>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -7,6 +8,7 @@
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
 #include "core/grid/scalar_key.h"
+#include "core/index/block_codec.h"
 #include "core/index/hidden_corners.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
@@ -52,7 +54,7 @@ protected:
                 if (!moved.isOk())
                     status = moved.error();
                 else
-                    EXPECT_TRUE(test::isSameSurface(engine.value()->mesh(), fresh)) << fresh.isovalue;
+                    EXPECT_TRUE(test::isSameSurface(engine.value()->mesh().value(), fresh)) << fresh.isovalue;
             }
         }
         if (!status.isOk()) {
@@ -167,7 +169,55 @@ TEST_F(DamagedNoise, DamagedHiddenCornersAreFoundByTheCellThatNeedsThem) {
     ASSERT_THAT(moved, HasError(ErrorCode::Corruption));
     EXPECT_EQ(moved.error().path, path.string());
     EXPECT_EQ(moved.error().offset, hidden.offset);
-    EXPECT_TRUE(engine.value()->mesh().triangles.empty()) << "a failed move leaves no surface";
+    EXPECT_TRUE(engine.value()->mesh().value().triangles.empty()) << "a failed move leaves no surface";
+}
+
+// The surface notices it, and knows no file.
+TEST_F(DamagedNoise, AnIndexThatContradictsItselfIsNamed) {
+    using Key = KeyOf<std::uint8_t>;
+    PageEntry& entry = meta_.levels[0].pages[0];
+    const auto reader = IndexReader::open(folder_ / "good.isx");
+    ASSERT_THAT(reader, IsOk());
+    DecodedPage<Key> page;
+    ASSERT_THAT(decodePage<Key>(std::as_bytes(std::span(bytes_)).subspan(entry.offset, entry.bytes), reader.value()->grid(), page, "p"), IsOk());
+    std::vector<PointRecord<Key>> records;
+    for (std::size_t i = 0, far = 0; i < page.pointCount(); ++i) {
+        PointRecord<Key> record;
+        record.key = page.keys[i];
+        record.setId(page.ids[i]);
+        record.normal = page.normals[i];
+        record.edgeMask = page.masks[i];
+        for (int e = 0; e < kPointEdges; ++e)
+            if ((record.edgeMask >> e & 1) != 0) {
+                record.farKeys[e] = page.farKeys[far];
+                record.farNormals[e] = page.farNormals[far++];
+            }
+        records.push_back(record);
+    }
+    // An edge that its one end makes active, and its other end as well.
+    for (PointRecord<Key>& record : records) {
+        const int edge = std::countr_zero(record.edgeMask);
+        if (edge < kPointEdges && record.farKeys[edge] < record.key) {
+            record.farKeys[edge] = static_cast<Key>(record.key + 1);
+            break;
+        }
+    }
+    const auto bytes = encodePage<Key>(std::span<const PointRecord<Key>>(records), PageOrder::Value, reader.value()->grid());
+    entry.offset = preamble_.metaOffset;
+    entry.bytes = static_cast<std::uint32_t>(bytes.size());
+    entry.checksum = pageChecksum(bytes, preamble_.seed, entry.offset);
+    bytes_.resize(preamble_.metaOffset);
+    bytes_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    preamble_.metaOffset = bytes_.size();
+    const auto path = write(forged(meta_, {}));
+    const auto engine = extract::SlideEngine::open(path);
+    ASSERT_THAT(engine, IsOk());
+    Result<extract::SlideStats> moved = engine.value()->slideTo(-1.0);
+    for (int step = 0; step < 60 && moved.isOk(); ++step)
+        moved = engine.value()->slideTo(0.5 + step);
+    ASSERT_THAT(moved, HasError(ErrorCode::Corruption));
+    EXPECT_NE(moved.error().message.find("contradicts itself"), std::string::npos) << moved.error().message;
+    EXPECT_EQ(moved.error().path, path.string());
 }
 
 // Samples on the other side of the surface than the edges say, corners too few and too many: wrong surfaces,

@@ -131,11 +131,11 @@ TEST_F(IndexFile, NoDamagedPageEverGivesAWrongSurface) {
             const double isovalue = meta_.info.min + (meta_.info.max - meta_.info.min) * (random() % 1000) / 1000.0;
             const auto moved = engine.value()->slideTo(isovalue);
             if (moved.isOk()) {
-                ASSERT_TRUE(test::isSameSurface(engine.value()->mesh(), extract::extractFull(*grid_, isovalue).value()));
+                ASSERT_TRUE(test::isSameSurface(engine.value()->mesh().value(), extract::extractFull(*grid_, isovalue).value()));
             } else {
                 ++refused;
                 ASSERT_EQ(moved.error().code, ErrorCode::Corruption);
-                EXPECT_TRUE(engine.value()->mesh().triangles.empty()) << "a failed move leaves no surface";
+                EXPECT_TRUE(engine.value()->mesh().value().triangles.empty()) << "a failed move leaves no surface";
             }
         }
     }

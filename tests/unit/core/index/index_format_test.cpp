@@ -149,6 +149,7 @@ TEST(IndexMeta, RefusesEveryTruncationAndTrailingBytes) {
     for (const char* unit : {"", "mm"}) {
         IndexMeta meta = someMeta();
         meta.info.lengthUnit = unit;
+        meta.info.resampling = *unit == '\0' ? "" : "off by up to 3 % of the range";
         Preamble preamble = somePreamble();
         preamble.minor = minorOf(meta);
         auto bytes = encodeMeta(meta);
@@ -182,6 +183,28 @@ TEST(IndexMeta, HasAUnitOfLengthFromMinorVersion1On) {
         meta.info.lengthUnit = bad;
         EXPECT_THAT(decodeMeta(encodeMeta(meta), preamble, "p"), HasError(ErrorCode::Corruption)) << bad;
     }
+}
+
+TEST(IndexMeta, HasWhatResamplingLostFromMinorVersion2On) {
+    IndexMeta meta = someMeta();
+    meta.info.lengthUnit = "mm";
+    const auto without = encodeMeta(meta);
+    meta.info.resampling = "onto 4 x 4 x 4 points, off by up to 26 % of the range";
+    EXPECT_EQ(minorOf(meta), 2);
+    const auto with = encodeMeta(meta);
+    EXPECT_TRUE(std::equal(without.begin(), without.end(), with.begin())) << "what an earlier reader knows";
+    Preamble preamble = somePreamble();
+    preamble.minor = 1;
+    EXPECT_EQ(decodeMeta(without, preamble, "p").value().info.resampling, "");
+    preamble.minor = 2;
+    const auto decoded = decodeMeta(with, preamble, "p");
+    ASSERT_THAT(decoded, IsOk());
+    EXPECT_EQ(decoded.value().info.resampling, meta.info.resampling);
+    for (std::size_t length = without.size(); length < with.size(); ++length)
+        EXPECT_THAT(decodeMeta(std::span(with).first(length), preamble, "p"), HasError(ErrorCode::Corruption)) << length;
+    auto bad = with;
+    bad.back() = std::byte{'\n'};
+    EXPECT_THAT(decodeMeta(bad, preamble, "p"), HasError(ErrorCode::Corruption)) << "control characters";
 }
 
 TEST(IndexMeta, RefusesFieldsThatCannotBe) {

@@ -123,7 +123,7 @@ TEST(LazyLevels, ServeAWalkThatComesAgain) {
         const double isovalue = round % 2 ? 420.0 : 250.0;
         const auto moved = engine.value()->slideTo(isovalue);
         ASSERT_THAT(moved, IsOk());
-        ASSERT_TRUE(test::isSameSurface(engine.value()->mesh(), extract::extractFull(*grid, isovalue).value())) << round;
+        ASSERT_TRUE(test::isSameSurface(engine.value()->mesh().value(), extract::extractFull(*grid, isovalue).value())) << round;
         (round == 1 ? firstTouched : lastTouched) = moved.value().edgesTouched;
         for (const auto& step : moved.value().walk)
             hasUsedLazyLevel = hasUsedLazyLevel || step.skipLevel >= 2;

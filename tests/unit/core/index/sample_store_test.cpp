@@ -230,12 +230,12 @@ TEST_F(SampleStoreFile, NoDamagedChunkEverGivesAWrongSurface) {
             const auto outcome = engine.value()->slideTo(isovalue);
             if (outcome.isOk()) {
                 ++moved;
-                ASSERT_TRUE(test::isSameSurface(engine.value()->mesh(),
+                ASSERT_TRUE(test::isSameSurface(engine.value()->mesh().value(),
                                                 extract::extractFull(*grid_, isovalue).value()));
             } else {
                 ++refused;
                 ASSERT_EQ(outcome.error().code, ErrorCode::Corruption);
-                EXPECT_TRUE(engine.value()->mesh().triangles.empty()) << "a failed move leaves no surface";
+                EXPECT_TRUE(engine.value()->mesh().value().triangles.empty()) << "a failed move leaves no surface";
             }
         }
     }

@@ -130,6 +130,23 @@ TEST(Certificate, CountsALoopAtEachFaceThatItRunsOver) {
         EXPECT_EQ(certificate.openAt(place).loops, 1u);
     for (const OpenAt place : {OpenAt::X1, OpenAt::Y1, OpenAt::Z1, OpenAt::Missing, OpenAt::Elsewhere})
         EXPECT_EQ(certificate.openAt(place).edges, 0u);
+    EXPECT_EQ(certificate.sharedLoops, 1u);
+    EXPECT_TRUE(openingText(certificate).ends_with("; 1 loop meets several of these")) << openingText(certificate);
+}
+
+TEST(Certificate, SaysWhichLoopsCountTwice) {
+    // A ball over an edge of the box, and one at each of the two faces beside it.
+    const auto mesh = extracted(boxGeometry(), -2.0, [](int x, int y, int z) {
+        const glm::vec3 p(x, y, z);
+        return -std::min({glm::distance(p, {5.2f, 0.1f, 0.2f}), glm::distance(p, {5.3f, 6.4f, 0.1f}),
+                          glm::distance(p, {5.1f, 0.2f, 6.3f})});
+    });
+    const auto certificate = certify(mesh, {"balls", 0});
+    EXPECT_EQ(certificate.report.boundaryLoops, 3u);
+    EXPECT_EQ(certificate.openAt(OpenAt::Y0).loops, 2u);
+    EXPECT_EQ(certificate.openAt(OpenAt::Z0).loops, 2u);
+    EXPECT_EQ(certificate.sharedLoops, 1u);
+    EXPECT_TRUE(openingText(certificate).ends_with("; 1 loop meets both")) << openingText(certificate);
 }
 
 TEST(Certificate, TellsTwoLoopsAtOneFaceApart) {
@@ -155,7 +172,7 @@ TEST(Certificate, KnowsAHoleAtAMissingValue) {
     EXPECT_EQ(certificate.report.boundaryLoops, 2u);
     EXPECT_EQ(valueOf(certificate, "boundary"), "open at x0 (1 loop, 12 edges), x1 (1 loop, 12 edges), "
                                                 "y0 (1 loop, 11 edges), y1 (1 loop, 11 edges), "
-                                                "missing values (1 loop, 8 edges)");
+                                                "missing values (1 loop, 8 edges); 1 loop meets several of these");
 }
 
 TEST(Certificate, KnowsAHoleAtAMissingValueThatMeetsTheBox) {
@@ -270,7 +287,11 @@ TEST(Certificate, OfNoSurfaceIsValid) {
 
 TEST(Certificate, CleansTheNameOfTheSource) {
     const auto mesh = lonePoint(0.5);
-    EXPECT_EQ(valueOf(certify(mesh, {"a b\nend_header\r\x1b\\c\xc3\xa9\x7f.mha", 0}), "source"), "a b?end_header???c???.mha");
+    EXPECT_EQ(valueOf(certify(mesh, {"a b\nend_header\r\x1b\\c\xc3\xa9\x7f.mha", 0}), "source"), "a b?end_header???c\xc3\xa9?.mha");
+    // Beyond ASCII only what is no character, and what controls a terminal or ends a line, goes.
+    EXPECT_EQ(valueOf(certify(mesh, {"Sch\xc3\xa4" "del \xe9\xa0\xad\xf0\x9f\xa7\xa0.mha", 0}), "source"), "Sch\xc3\xa4" "del \xe9\xa0\xad\xf0\x9f\xa7\xa0.mha");
+    EXPECT_EQ(valueOf(certify(mesh, {"\xc2\x9b|\xe2\x80\xa8|\xc0\xaf|\xed\xa0\x80|\xf9|\xe9\xa0", 0}), "source"),
+              "??|???|??|???|?|??");
     EXPECT_EQ(valueOf(certify(mesh, {std::string(5000, 'n'), 0}), "source").size(), 203u);
     for (const auto& line : commentsOf(certify(mesh, {std::string("\0\n\t\xff", 4), 0})))
         for (const char c : line)

@@ -83,6 +83,17 @@ public:
         H5Sclose(space);
         H5Oclose(id);
     }
+    void longText(const char* object, const char* name, const std::string& value) const {
+        const hid_t id = H5Oopen(file_, object, H5P_DEFAULT);
+        const hid_t space = H5Screate(H5S_SCALAR), type = H5Tcopy(H5T_C_S1);
+        H5Tset_size(type, value.size());
+        const hid_t attribute = H5Acreate2(id, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+        H5Awrite(attribute, type, value.data());
+        H5Aclose(attribute);
+        H5Tclose(type);
+        H5Sclose(space);
+        H5Oclose(id);
+    }
 
 private:
     std::filesystem::path path_;
@@ -348,6 +359,68 @@ TEST_F(Hdf5Reader, RefusesEveryShorterFile) {
     const std::string whole = test::readText(writer.close());
     for (std::size_t size = 1; size < whole.size(); size += 37)
         ASSERT_FALSE(read(folder.write("b.h5", whole.substr(0, size))).isOk()) << size;
+}
+
+TEST_F(Hdf5Reader, PlacesVtkImageDataByItsAttributes) {
+    Writer file(at("a.vtkhdf"));
+    file.group("/VTKHDF");
+    file.group("/VTKHDF/PointData");
+    file.group("/VTKHDF/CellData");
+    file.ramp("/VTKHDF/PointData/height", {2, 3, 4});
+    file.ramp("/VTKHDF/CellData/load", {1, 2, 3});
+    file.numbers("/VTKHDF", "WholeExtent", {1, 4, 0, 2, 0, 1});
+    file.numbers("/VTKHDF", "Spacing", {0.5, 1, 2});
+    file.numbers("/VTKHDF", "Origin", {10, 20, 30});
+    file.numbers("/VTKHDF", "Direction", {0, -1, 0, 1, 0, 0, 0, 0, 1}); // rows: x runs along y
+    const auto points = openVolume(file.close(), {.field = "/VTKHDF/PointData/height"});
+    ASSERT_THAT(points, test::IsOk());
+    const GridGeometry& geometry = points.value()->info().geometry;
+    EXPECT_EQ(geometry.dims, (GridDims{4, 3, 2}));
+    EXPECT_EQ(geometry.spacing, glm::dvec3(0.5, 1, 2));
+    EXPECT_EQ(geometry.direction[0], glm::dvec3(0, 1, 0));
+    EXPECT_EQ(geometry.direction[1], glm::dvec3(-1, 0, 0));
+    EXPECT_EQ(geometry.origin, glm::dvec3(10, 20.5, 30)); // the extent begins at 1
+    const auto cells = openVolume(at("a.vtkhdf"), {.field = "/VTKHDF/CellData/load"});
+    ASSERT_THAT(cells, test::IsOk());
+    EXPECT_EQ(cells.value()->info().geometry.origin, glm::dvec3(10 - 0.5, 20.5 + 0.25, 31));
+}
+
+TEST_F(Hdf5Reader, PlacesMincByTheStepsOfItsAxes) {
+    Writer file(at("a.mnc"));
+    for (const char* name : {"/minc-2.0", "/minc-2.0/image", "/minc-2.0/image/0", "/minc-2.0/dimensions"})
+        file.group(name);
+    file.ramp("/minc-2.0/image/0/image", {2, 3, 4});
+    file.longText("/minc-2.0/image/0/image", "dimorder", "yspace,zspace,xspace");
+    const char* axes[] = {"xspace", "yspace", "zspace"};
+    const double steps[] = {-0.5, 1, 2}, starts[] = {10, 20, 30};
+    for (int axis = 0; axis < 3; ++axis) {
+        const std::string name = std::string("/minc-2.0/dimensions/") + axes[axis];
+        file.ramp(name.c_str(), {1, 1});
+        file.numbers(name.c_str(), "step", {steps[axis]});
+        file.numbers(name.c_str(), "start", {starts[axis]});
+        file.longText(name.c_str(), "units", "mm");
+    }
+    const auto source = openVolume(file.close(), {.field = "/minc-2.0/image/0/image"});
+    ASSERT_THAT(source, test::IsOk());
+    const VolumeInfo& info = source.value()->info();
+    EXPECT_EQ(info.geometry.dims, (GridDims{4, 2, 3}));
+    EXPECT_EQ(info.geometry.spacing, glm::dvec3(0.5, 1, 2));
+    EXPECT_EQ(info.geometry.direction[0], glm::dvec3(1, 0, 0)); // x of the file runs to the left, and ours is left
+    EXPECT_EQ(info.geometry.direction[1], glm::dvec3(0, -1, 0));
+    EXPECT_EQ(info.geometry.direction[2], glm::dvec3(0, 0, 1));
+    EXPECT_EQ(info.geometry.origin, glm::dvec3(-10, -20, 30));
+    EXPECT_EQ(info.lengthUnit, "mm");
+    EXPECT_THAT(info.notes, testing::Contains(HasSubstr("real values")));
+}
+
+TEST_F(Hdf5Reader, NotesSpacingsThatItDoesNotUnderstand) {
+    Writer file(at("a.h5"));
+    file.ramp("/a", {2, 3, 4});
+    file.numbers("/a", "VoxelSizeInFurlongs", {1, 2, 3});
+    const auto source = openVolume(file.close());
+    ASSERT_THAT(source, test::IsOk());
+    EXPECT_EQ(source.value()->info().geometry.spacing, glm::dvec3(1.0));
+    EXPECT_THAT(source.value()->info().notes, testing::Contains(HasSubstr("'VoxelSizeInFurlongs'): spacing 1 is taken")));
 }
 
 TEST_F(Hdf5Reader, IsKnownByItsFirstBytes) {

@@ -124,6 +124,30 @@ TEST_P(NetcdfReader, TakesPlaceAndSpacingFromCoordinates) {
     EXPECT_EQ(openVolume(path).value()->info().lengthUnit, "") << "not all are lengths";
 }
 
+TEST_P(NetcdfReader, IsKnownWhateverTheFileIsNamed) {
+    auto w = writer(GetParam() ? "a.h5" : "a.dat");
+    const int v = w.define("v", NC_SHORT, evenAxes(w));
+    w.putRamp(v, 24);
+    const auto path = w.finish();
+    const auto source = openVolume(path, {.field = GetParam() ? "/v" : "v"}); // also by its name as HDF5
+    ASSERT_THAT(source, test::IsOk());
+    EXPECT_EQ(source.value()->info().format, "NetCDF");
+    EXPECT_EQ(source.value()->info().geometry.spacing, glm::dvec3(0.5, 1, 10));
+    EXPECT_EQ(listVolumes(path).value().fields[0].name, "v");
+}
+
+TEST_P(NetcdfReader, TakesCoordinatesOfSinglePrecisionForEven) {
+    auto w = writer();
+    std::vector<double> places;
+    for (int i = 0; i < 300; ++i)
+        places.push_back(static_cast<double>(static_cast<float>(1000.0 + 0.1 * i))); // off by up to 3e-4 of a step
+    const int v = w.define("v", NC_SHORT, {w.axis("z", {0, 1}), w.axis("y", {0, 1}), w.axis("x", places)});
+    w.putRamp(v, 1200);
+    const auto path = w.finish();
+    EXPECT_FALSE(listVolumes(path).value().fields[0].isResampled);
+    EXPECT_EQ(read(path).value()->type(), ScalarType::I16);
+}
+
 TEST_P(NetcdfReader, AxesOfOneUnitOfLengthSayIt) {
     auto w = writer();
     const int v = w.define("v", NC_SHORT, {w.axis("z", {0, 10}, "km"), w.axis("y", {0, 1, 2}, "kilometers"),

@@ -271,8 +271,26 @@ TEST_F(NiftiReader, B062_LeavesOutSlopesThatAreNoNumbers) {
             openVolume(folder.write("a.nii", test::niftiWith<float>(static_cast<std::size_t>(at), value)));
         ASSERT_THAT(source, test::IsOk());
         EXPECT_EQ(source.value()->info().type, ScalarType::I16);
-        EXPECT_EQ(source.value()->info().notes.size(), notes);
+        ASSERT_EQ(source.value()->info().notes.size(), notes);
+        if (notes > 0) {
+            EXPECT_THAT(source.value()->info().notes[0], HasSubstr("scl_slope or scl_inter"));
+        }
     }
+    // An intercept that is none beside a slope that is one: samples stay what they are in the file.
+    for (const float intercept : {nan, inf}) {
+        std::string bytes = test::niftiWith<float>(112, 2.0f);
+        test::put<float>(bytes, 116, intercept);
+        EXPECT_EQ(values<std::int16_t>(folder.write("a.nii", bytes))[23], 23);
+    }
+}
+
+TEST_F(NiftiReader, AppliesAnInterceptWithASlopeOfOne) {
+    std::string bytes = test::niftiHeader();
+    setDims(bytes, {2, 1, 1});
+    test::put<float>(bytes, 112, 1.0f);
+    test::put<float>(bytes, 116, -10.5f);
+    const auto path = folder.write("a.nii", bytes + test::ramp<std::int16_t>(2));
+    EXPECT_THAT(values<float>(path), testing::ElementsAre(-10.5, -9.5));
 }
 
 TEST_F(NiftiReader, KeepsTheDigitsOfScaledIntegers) {

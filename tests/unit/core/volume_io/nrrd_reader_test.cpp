@@ -151,6 +151,23 @@ TEST_F(NrrdReader, KeepsThePlaceOfSpatialAxes) {
     EXPECT_NEAR(std::abs(slice.direction[2].x), 1.0, 1e-12);
 }
 
+TEST_F(NrrdReader, TakesTheSpacingFromTheExtentOfAnAxis) {
+    const auto open = [&](const std::string& fields) {
+        const auto source = openVolume(folder.write("a.nrrd", headerOf("3 2 5", fields + "\n") + test::ramp<std::int16_t>(30)));
+        EXPECT_THAT(source, test::IsOk());
+        return source.isOk() ? source.value()->info() : VolumeInfo{};
+    };
+    const GridGeometry nodes = open("axis mins: 1 -1 0\naxis maxs: 2 1 10\n").geometry;
+    EXPECT_EQ(nodes.spacing, glm::dvec3(0.5, 2, 2.5));
+    EXPECT_EQ(nodes.origin, glm::dvec3(1, -1, 0));
+    const GridGeometry cells = open("centers: cell cell cell\naxismins: 0 0 0\naxismaxs: 3 4 10\n").geometry;
+    EXPECT_EQ(cells.spacing, glm::dvec3(1, 2, 2));
+    EXPECT_EQ(cells.origin, glm::dvec3(0.5, 1, 1));
+    // A spacing of its own goes first; what gives none is noted.
+    EXPECT_EQ(open("spacings: 7 8 9\naxis mins: 0 0 0\naxis maxs: 1 1 1\n").geometry.spacing, glm::dvec3(7, 8, 9));
+    EXPECT_THAT(open("axis mins: 0 0 0\naxis maxs: 1 0 1\n").notes, testing::Contains(HasSubstr("spacing: 1 is taken")));
+}
+
 TEST_F(NrrdReader, DecodesTextHexAndBzip2) {
     std::string text;
     for (int i = 0; i < 24; ++i)
@@ -245,18 +262,19 @@ TEST_F(NrrdReader, B044_KeepsSpacingsOfAnySize) {
 }
 
 TEST_F(NrrdReader, B041_ReadsPackedVolumesBeyondFourGigabytes) {
-    const std::string block = test::gzipped(std::string(std::size_t{64} << 20, '\0'));
-    std::string bytes = "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 8192 8192 65\nencoding: gzip\n\n";
-    for (int i = 0; i < 64; ++i)
-        bytes += block;
-    bytes += test::gzipped(std::string(std::size_t{64} << 20, '\7'));
+    // One stream of 4 GiB, so that no counter of 31 or 32 bits is enough for it, and another of 64 MiB.
+    const std::string header = "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 8192 8192 65\nencoding: gzip\n\n";
+    const std::string bytes = header + test::gzippedRepeats(std::string(std::size_t{64} << 20, '\3'), 64) +
+                              test::gzipped(std::string(std::size_t{64} << 20, '\7'));
     auto source = openVolume(folder.write("a.nrrd", bytes));
     ASSERT_THAT(source, test::IsOk());
     std::vector<std::byte> plane(std::size_t{64} << 20);
-    ASSERT_THAT(source.value()->readSlab(64, 65, plane),
-                test::IsOk()); // the byte at 2^32 and those behind it
-    EXPECT_EQ(plane.front(), std::byte{7});
-    EXPECT_EQ(plane.back(), std::byte{7});
+    // The bytes at 2^31 and at 2^32, and those behind them.
+    for (const auto& [z, value] : {std::pair(32, 3), std::pair(64, 7)}) {
+        ASSERT_THAT(source.value()->readSlab(z, z + 1, plane), test::IsOk());
+        EXPECT_EQ(std::to_integer<int>(plane.front()), value);
+        EXPECT_EQ(std::to_integer<int>(plane.back()), value);
+    }
 }
 
 } // namespace

@@ -61,15 +61,15 @@ private:
     Way way_;
 };
 
-/// Point (i, j, k) lies at (2i, 3j, k); blanked or not, it counts.
-std::string gridFile(const Way& way, const GridDims& dims = kDims, double firstX = 0.0) {
+/// Point (i, j, k) lies at (2i, 3j, k), or, stretched, at (2i, 3j, k^2); blanked or not, it counts.
+std::string gridFile(const Way& way, const GridDims& dims = kDims, double firstX = 0.0, bool isStretched = false) {
     std::vector<double> xyz[3];
     for (int k = 0; k < dims[2]; ++k)
         for (int j = 0; j < dims[1]; ++j)
             for (int i = 0; i < dims[0]; ++i) {
                 xyz[0].push_back(xyz[0].empty() ? firstX : 2.0 * i);
                 xyz[1].push_back(3.0 * j);
-                xyz[2].push_back(k);
+                xyz[2].push_back(isStretched ? k * k : k);
             }
     const Writer write(way);
     std::string values = write.reals(xyz[0]) + write.reals(xyz[1]) + write.reals(xyz[2]);
@@ -117,9 +117,10 @@ TEST_F(Plot3dReader, FindsEveryLayout) {
         const auto grid = read(gridFile(way), solutionFile(way));
         ASSERT_THAT(grid, test::IsOk()) << bits;
         EXPECT_EQ(grid.value()->geometry().spacing, glm::dvec3(2, 3, 1)) << bits;
-        const auto values = grid.value()->values<float>();
-        for (std::size_t i = 0; i < values.size(); ++i)
-            ASSERT_NEAR(values[i], static_cast<double>(i), 1e-3) << bits;
+        EXPECT_EQ(grid.value()->type(), way.isDouble ? ScalarType::F64 : ScalarType::F32) << bits;
+        for (std::int64_t i = 0; i < pointCount(kDims); ++i)
+            ASSERT_EQ(grid.value()->valueAt(i % kDims[0], i / kDims[0] % kDims[1], i / kDims[0] / kDims[1]),
+                      static_cast<double>(i)) << bits;
     }
 }
 
@@ -179,7 +180,7 @@ TEST_F(Plot3dReader, RefusesSizesBeyondTheFile) {
 }
 
 TEST_F(Plot3dReader, ListsItsFields) {
-    folder.write("axyz.bin", gridFile({.isDouble = true}));
+    folder.write("axyz.bin", gridFile({.isDouble = true}, kDims, 0.0, true));
     const auto contents = listVolumes(folder.write("aq.bin", solutionFile({.isDouble = true})));
     ASSERT_THAT(contents, test::IsOk());
     ASSERT_EQ(contents.value().fields.size(), 5u);
@@ -190,7 +191,7 @@ TEST_F(Plot3dReader, ListsItsFields) {
 }
 
 TEST_F(Plot3dReader, TellsHowWellTheGridIsKept) {
-    folder.write("axyz.bin", gridFile({}));
+    folder.write("axyz.bin", gridFile({}, kDims, 0.0, true));
     ReadOptions options;
     options.resampleDims = kDims;
     const auto source = openVolume(folder.write("aq.bin", solutionFile({})), options);
@@ -200,7 +201,27 @@ TEST_F(Plot3dReader, TellsHowWellTheGridIsKept) {
     ASSERT_THAT(source.value()->readSlab(0, 1, std::as_writable_bytes(std::span(plane))), test::IsOk());
     ASSERT_TRUE(source.value()->info().resampling.has_value());
     EXPECT_EQ(source.value()->info().resampling->comparedPoints, pointCount(kDims));
-    EXPECT_LT(source.value()->info().resampling->maxDifference, 1e-3);
+    EXPECT_GT(source.value()->info().resampling->maxDifference, 0.0);
+}
+
+TEST_F(Plot3dReader, TakesAUniformGridAsItIs) {
+    folder.write("axyz.bin", gridFile({.isDouble = true}));
+    const auto path = folder.write("aq.bin", solutionFile({.isDouble = true}));
+    const auto listed = listVolumes(path);
+    ASSERT_THAT(listed, test::IsOk());
+    EXPECT_FALSE(listed.value().fields[0].isResampled);
+    EXPECT_EQ(listed.value().fields[0].dims, kDims);
+    const auto source = openVolume(path);
+    ASSERT_THAT(source, test::IsOk());
+    const VolumeInfo& info = source.value()->info();
+    EXPECT_EQ(info.geometry.dims, kDims);
+    EXPECT_EQ(info.geometry.spacing, glm::dvec3(2, 3, 1));
+    EXPECT_EQ(info.type, ScalarType::F64);
+    ASSERT_THAT(source.value()->prepare({}), test::IsOk());
+    EXPECT_FALSE(source.value()->info().resampling.has_value());
+    const auto grid = readVolume(path);
+    ASSERT_THAT(grid, test::IsOk());
+    EXPECT_EQ(grid.value()->valueAt(1, 2, 3), static_cast<double>(1 + kDims[0] * (2 + kDims[1] * 3)));
 }
 
 } // namespace

@@ -27,7 +27,10 @@ const std::string kVtk = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTUR
 
 class ReaderProcess : public testing::Test {
 protected:
-    ~ReaderProcess() override { ::unsetenv("ISOSLIDER_READER"); }
+    ~ReaderProcess() override {
+        ::unsetenv("ISOSLIDER_READER");
+        ::unsetenv("ISOSLIDER_READER_SILENCE");
+    }
     /// A reader that is a script instead.
     void useReader(const std::string& script) {
         const fs::path program = folder.write("reader", "#!/bin/sh\n" + script + "\n");
@@ -37,6 +40,32 @@ protected:
     test::TemporaryFolder folder;
     fs::path volume = folder.write("a.vtk", kVtk);
 };
+
+TEST_F(ReaderProcess, IsEndedWhenItHangs) {
+    useReader("exec sleep 1000");
+    ::setenv("ISOSLIDER_READER_SILENCE", "1", 1);
+    const auto start = std::chrono::steady_clock::now();
+    const auto opened = openInReaderProcess(volume, {});
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+    ASSERT_THAT(opened, HasError(ErrorCode::IoError));
+    EXPECT_THAT(opened.error().message, testing::HasSubstr("hung"));
+    EXPECT_EQ(opened.error().path, volume.string());
+}
+
+TEST_F(ReaderProcess, IsNotEndedWhileItWorks) {
+    useReader("while :; do :; done");
+    ::setenv("ISOSLIDER_READER_SILENCE", "1", 1);
+    std::stop_source stop;
+    const std::jthread later([&stop] {
+        std::this_thread::sleep_for(std::chrono::seconds(4));
+        stop.request_stop();
+    });
+    JobControl job;
+    job.stop = stop.get_token();
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_THAT(openInReaderProcess(volume, {}, job), HasError(ErrorCode::Cancelled));
+    EXPECT_GT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3)) << "ended before it was stopped";
+}
 
 TEST_F(ReaderProcess, ReadsWhatThisProcessReads) {
     const auto here = openInProcess(volume, {}), there = openInReaderProcess(volume, {});

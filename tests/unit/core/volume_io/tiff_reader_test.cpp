@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -326,6 +327,34 @@ TEST_F(TiffVolume, OfOmeHasItsDimensionOrderAndUnits) {
     EXPECT_EQ(mixed.lengthUnit, "") << "nm and, where none is named, µm";
     EXPECT_THAT(mixed.notes, Contains(HasSubstr("'nm', 'nm', micrometres")));
     EXPECT_EQ(unitWith("nm").lengthUnit, "nm");
+}
+
+TEST_F(TiffVolume, WithAnImageDepthHasAllSlices) {
+    constexpr int kSlices = 13;
+    const auto write = [&](std::uint16_t compression) {
+        const auto path = folder_ / "deep.tif";
+        TIFF* tiff = TIFFOpen(path.c_str(), "wl");
+        TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 4);
+        TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 3);
+        TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, kSlices);
+        TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8);
+        TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+        TIFFSetField(tiff, TIFFTAG_COMPRESSION, compression);
+        TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+        TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 3);
+        std::vector<std::uint8_t> samples(4 * 3 * kSlices);
+        std::iota(samples.begin(), samples.end(), std::uint8_t{0});
+        TIFFWriteRawStrip(tiff, 0, samples.data(), static_cast<tmsize_t>(samples.size()));
+        TIFFClose(tiff);
+        return path;
+    };
+    const auto grid = read(write(COMPRESSION_NONE));
+    ASSERT_EQ(grid->dims(), (GridDims{4, 3, kSlices}));
+    for (int z = 0; z < kSlices; ++z)
+        for (int y = 0; y < 3; ++y)
+            for (int x = 0; x < 4; ++x)
+                ASSERT_EQ(grid->valueAt(x, y, z), x + 4 * (y + 3 * z));
+    EXPECT_THAT(refusal(write(COMPRESSION_PACKBITS)), HasSubstr("13 slices in one page"));
 }
 
 TEST_F(TiffVolume, OfSingleBitsIsUnpacked) {

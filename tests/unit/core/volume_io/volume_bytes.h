@@ -54,6 +54,33 @@ inline std::string bzipped(const std::string& bytes) {
 }
 inline std::string gzipped(const std::string& bytes) { return packed(bytes, 31); }
 
+/// `block` so many times as one gzip stream, packed only once: each repetition begins with nothing to look back to.
+inline std::string gzippedRepeats(const std::string& block, int times) {
+    z_stream stream{};
+    ::deflateInit2(&stream, 9, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY);
+    std::string once(::deflateBound(&stream, block.size()) + 64, '\0');
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(block.data()));
+    stream.avail_in = static_cast<uInt>(block.size());
+    stream.next_out = reinterpret_cast<Bytef*>(once.data());
+    stream.avail_out = static_cast<uInt>(once.size());
+    ::deflate(&stream, Z_FULL_FLUSH);
+    once.resize(stream.total_out);
+    ::deflateEnd(&stream);
+    const auto blockChecksum = ::crc32(0, reinterpret_cast<const Bytef*>(block.data()), static_cast<uInt>(block.size()));
+    uLong checksum = 0;
+    std::string out("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10);
+    for (int i = 0; i < times; ++i) {
+        out += once;
+        checksum = ::crc32_combine(checksum, blockChecksum, static_cast<z_off_t>(block.size()));
+    }
+    out += std::string("\x03\0", 2); // an empty last block
+    const auto total = static_cast<std::uint32_t>(block.size() * static_cast<std::size_t>(times));
+    for (const auto word : {static_cast<std::uint32_t>(checksum), total})
+        for (int shift = 0; shift < 32; shift += 8)
+            out += static_cast<char>(word >> shift & 255);
+    return out;
+}
+
 /// 4 x 3 x 2 of i16, spacing 1 2 3.
 inline std::string mhaHeader(const std::string& dataFile = "LOCAL") {
     return "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"

@@ -248,6 +248,38 @@ TEST_P(VtkGrids, ResampleStructuredOnes) {
     EXPECT_EQ(contents.value().fields[0].dims, read(path).value()->dims()) << "what is listed is what is made";
 }
 
+TEST_P(VtkGrids, TakeStructuredOnesThatAreUniformAsTheyAre) {
+    // Single precision, far from the origin: the places are rounded. i runs along y, j backwards along x.
+    const vtkNew<vtkPoints> points;
+    points->SetDataTypeToFloat();
+    for (int k = 0; k < 4; ++k)
+        for (int j = 0; j < 5; ++j)
+            for (int i = 0; i < 6; ++i)
+                points->InsertNextPoint(100 - 0.2 * j, 0.3 * i, 0.1 * k);
+    auto data = vtkSmartPointer<vtkStructuredGrid>::New();
+    data->SetDimensions(6, 5, 4);
+    data->SetPoints(points);
+    addFields(*data);
+    const auto path = file(data.Get());
+    const auto grid = read(path);
+    ASSERT_THAT(grid, test::IsOk());
+    EXPECT_EQ(grid.value()->type(), ScalarType::F64) << "the samples are those of the file";
+    const GridGeometry& geometry = grid.value()->geometry();
+    EXPECT_EQ(geometry.dims, (GridDims{6, 5, 4}));
+    EXPECT_NEAR(glm::length(geometry.spacing - glm::dvec3(0.3, 0.2, 0.1)), 0.0, 1e-5);
+    EXPECT_NEAR(glm::length(geometry.direction[0] - glm::dvec3(0, 1, 0)), 0.0, 1e-4);
+    EXPECT_NEAR(glm::length(geometry.direction[1] - glm::dvec3(-1, 0, 0)), 0.0, 1e-4);
+    const double place[3] = {100 - 0.2 * 3, 0.3 * 2, 0.1 * 1};
+    EXPECT_NEAR(grid.value()->valueAt(2, 3, 1), scalarAt(place), 1e-3);
+    const auto contents = listVolumes(path);
+    ASSERT_THAT(contents, test::IsOk());
+    EXPECT_FALSE(contents.value().fields[0].isResampled);
+    EXPECT_EQ(contents.value().fields[0].dims, geometry.dims);
+    const auto source = openVolume(path);
+    ASSERT_THAT(source.value()->prepare({}), test::IsOk());
+    EXPECT_FALSE(source.value()->info().resampling.has_value());
+}
+
 TEST_P(VtkGrids, ResampleUnstructuredOnes) {
     const auto path = file(cells());
     ReadOptions options;
@@ -392,6 +424,46 @@ TEST(VtkImage, GivesComponentsAndPrefersTheActiveScalars) {
     ASSERT_THAT(grid, test::IsOk());
     EXPECT_EQ(grid.value()->valueAt(0, 0, 3), 1.5);
     EXPECT_EQ(grid.value()->geometry().origin, glm::dvec3(1, 0, 0));
+}
+
+/// Headers of blocks, 32 or 64 bits wide, are of the file's byte order, as samples are.
+template <class XmlWriter>
+std::filesystem::path bigEndian(vtkDataObject* data, const std::filesystem::path& path, bool isAppended, bool isPacked, bool isWide) {
+    const vtkNew<XmlWriter> writer;
+    writer->SetInputData(data);
+    writer->SetFileName(path.c_str());
+    writer->SetByteOrderToBigEndian();
+    if (isAppended)
+        writer->SetDataModeToAppended();
+    else
+        writer->SetDataModeToBinary();
+    writer->SetEncodeAppendedData(false);
+    if (isPacked)
+        writer->SetCompressorTypeToZLib();
+    else
+        writer->SetCompressorTypeToNone();
+    writer->SetHeaderType(isWide ? vtkXMLWriter::UInt64 : vtkXMLWriter::UInt32);
+    EXPECT_EQ(writer->Write(), 1);
+    return path;
+}
+
+TEST(VtkXmlByteOrder, OfBlockHeadersIsThatOfTheFile) {
+    const test::TemporaryFolder folder;
+    for (int way = 0; way < 8; ++way) {
+        const bool isAppended = (way & 1) != 0, isPacked = (way & 2) != 0, isWide = (way & 4) != 0;
+        SCOPED_TRACE(way);
+        const auto box = readVolume(bigEndian<vtkXMLImageDataWriter>(image(), folder / "a.vti", isAppended, isPacked, isWide), {.field = "s"});
+        ASSERT_THAT(box, test::IsOk());
+        const auto geometry = box.value()->geometry();
+        const glm::dvec3 place = geometry.origin + geometry.spacing * glm::dvec3(3, 2, 3);
+        const double at[3] = {place.x, place.y, place.z};
+        EXPECT_NEAR(box.value()->valueAt(3, 2, 3), scalarAt(at), 1e-6);
+        const auto mesh = readVolume(bigEndian<vtkXMLUnstructuredGridWriter>(cells(), folder / "a.vtu", isAppended, isPacked, isWide),
+                                     {.field = "s", .resampleDims = {13, 5, 5}});
+        ASSERT_THAT(mesh, test::IsOk());
+        const double middle[3] = {1, 0.5, 0.5};
+        EXPECT_NEAR(mesh.value()->valueAt(4, 2, 2), scalarAt(middle), 1e-4);
+    }
 }
 
 TEST(VtkLegacyCells, BeforeThePointsAreSteppedOver) {

@@ -1,0 +1,107 @@
+#include "core/base/file_stamp.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+
+#include "core/base/file_system.h"
+
+namespace isoslider {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kMostFiles = 100'000;
+/// Within so long of a change a file may change again without its times showing it: their steps are those of the
+/// kernel's clock, of old file systems even two seconds.
+constexpr std::int64_t kSettledAfterNs = 3'000'000'000;
+
+std::int64_t nanoseconds(const timespec& time) {
+    return static_cast<std::int64_t>(time.tv_sec) * 1'000'000'000 + time.tv_nsec;
+}
+
+std::int64_t now() {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
+}
+
+fs::path normalized(const fs::path& path) {
+    std::error_code error;
+    const fs::path absolute = fs::absolute(path, error);
+    return (error ? path : absolute).lexically_normal();
+}
+
+} // namespace
+
+Result<FileStamp> stampFile(const fs::path& file) {
+    struct stat found{};
+    if (::stat(file.c_str(), &found) != 0)
+        return systemError(errno, "cannot look at", file);
+    FileStamp stamp;
+    stamp.size = static_cast<std::uint64_t>(found.st_size);
+    stamp.modified = nanoseconds(found.st_mtim);
+    stamp.changed = nanoseconds(found.st_ctim);
+    stamp.isSettled = stamp.changed < now() - kSettledAfterNs;
+    return stamp;
+}
+
+bool isUntouched(const FileStamp& a, const FileStamp& b) {
+    return a.size == b.size && a.modified == b.modified && a.changed == b.changed;
+}
+
+Result<std::vector<fs::path>> filesBelow(const fs::path& folder) {
+    std::vector<fs::path> files;
+    std::error_code error, ignored;
+    fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
+    for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error)) {
+        if (!entry->is_regular_file(ignored))
+            continue;
+        if (files.size() == kMostFiles)
+            return makeError(ErrorCode::InvalidArgument, "holds too many files to know again", folder);
+        files.push_back(entry->path());
+    }
+    if (error)
+        return systemError(error.value(), "cannot list", folder);
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+void FileWatch::addFile(const fs::path& file) {
+    const fs::path name = normalized(file);
+    if (files_.contains(name))
+        return;
+    const auto stamp = stampFile(name);
+    files_[name] = stamp.isOk() ? std::optional(stamp.value()) : std::nullopt;
+}
+
+void FileWatch::add(const fs::path& path) {
+    std::error_code ignored;
+    if (!fs::is_directory(path, ignored))
+        return addFile(path);
+    const auto files = filesBelow(path);
+    if (files.isOk()) // no reader takes a folder of more
+        for (const fs::path& file : files.value())
+            addFile(file);
+}
+
+void FileWatch::keepOnly(const std::vector<fs::path>& files) {
+    FileWatch kept;
+    for (const fs::path& file : files) {
+        addFile(file);
+        const fs::path name = normalized(file);
+        kept.files_[name] = files_[name];
+    }
+    files_ = std::move(kept.files_);
+}
+
+Status FileWatch::check() const {
+    for (const auto& [file, before] : files_) {
+        const auto after = stampFile(file);
+        if (after.isOk() != before.has_value() || (before && !isUntouched(after.value(), *before)))
+            return makeError(ErrorCode::InvalidArgument, "changed while it was read", file);
+    }
+    return {};
+}
+
+} // namespace isoslider

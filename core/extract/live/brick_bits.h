@@ -1,0 +1,174 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+/// For small functions that are compiled into kernels for several instruction sets.
+#define ISO_ALWAYS_INLINE inline __attribute__((always_inline))
+
+namespace isoslider::extract {
+
+// A closed brick: 8^3 cells and the 9^3 grid points of their corners, x fastest. It holds everything that its cells'
+// triangles need, the edges on its faces included, which the bricks beside it hold too. Points, edges and cells are
+// bits of strings of 12 words: a shift by a stride brings each point's neighbour to its place.
+
+inline constexpr int kCellSide = 8;
+inline constexpr int kPointSide = 9;
+inline constexpr int kClosedPoints = kPointSide * kPointSide * kPointSide;
+inline constexpr int kBitWords = (kClosedPoints + 63) / 64;
+inline constexpr int kPaddedPoints = 64 * kBitWords;
+inline constexpr std::array<int, 3> kPointStride{1, kPointSide, kPointSide * kPointSide};
+
+/// A grid point of a closed brick, x + 9 y + 81 z, or the cell that starts there.
+using ClosedPoint = std::uint16_t;
+/// An edge of a closed brick: 1024 * axis + the point where it starts. The active edges' order in the brick.
+using ClosedEdge = std::uint16_t;
+inline constexpr int kEdgeAxisShift = 10;
+inline constexpr ClosedEdge kEdgePointMask = (1u << kEdgeAxisShift) - 1;
+inline constexpr int kClosedEdges = 3 << kEdgeAxisShift;
+
+constexpr ClosedPoint closedPoint(int x, int y, int z) {
+    return static_cast<ClosedPoint>(x + kPointSide * (y + kPointSide * z));
+}
+constexpr std::array<int, 3> coordsOf(ClosedPoint p) {
+    return {p % kPointSide, p / kPointSide % kPointSide, p / (kPointSide * kPointSide)};
+}
+
+static_assert(std::endian::native == std::endian::little, "bits are read by bytes");
+
+/// One bit per point. The words behind the last are zero, so that shifted reads need no check.
+struct alignas(64) BitString {
+    static constexpr int kGuard = 2;
+    std::array<std::uint64_t, kBitWords + kGuard> words{};
+
+    bool test(unsigned p) const { return words[p >> 6] >> (p & 63) & 1; }
+    void set(unsigned p) { words[p >> 6] |= std::uint64_t{1} << (p & 63); }
+    void flip(unsigned p) { words[p >> 6] ^= std::uint64_t{1} << (p & 63); }
+    bool isEmpty() const {
+        std::uint64_t any = 0;
+        for (int i = 0; i < kBitWords; ++i)
+            any |= words[static_cast<std::size_t>(i)];
+        return any == 0;
+    }
+    int count() const {
+        int n = 0;
+        for (int i = 0; i < kBitWords; ++i)
+            n += std::popcount(words[static_cast<std::size_t>(i)]);
+        return n;
+    }
+    friend bool operator==(const BitString&, const BitString&) = default;
+};
+
+/// A bit string that starts with anything but for the guard: for what is written whole at once.
+struct UnsetBits {
+    alignas(64) std::array<std::uint64_t, kBitWords + BitString::kGuard> words;
+    ISO_ALWAYS_INLINE UnsetBits() { words[kBitWords] = words[kBitWords + 1] = 0; }
+};
+
+/// Word i of the string in which bit p is bit p + K.
+template <int K, class Bits>
+ISO_ALWAYS_INLINE std::uint64_t shiftedDown(const Bits& bits, int i) {
+    constexpr int kWord = K / 64, kBit = K % 64;
+    const auto at = static_cast<std::size_t>(i + kWord);
+    if constexpr (kBit == 0)
+        return bits.words[at];
+    else
+        return bits.words[at] >> kBit | bits.words[at + 1] << (64 - kBit);
+}
+
+/// Word i of the string in which bit p is bit p - K.
+template <int K>
+ISO_ALWAYS_INLINE std::uint64_t shiftedUp(const BitString& bits, int i) {
+    constexpr int kWord = K / 64, kBit = K % 64;
+    const auto word = [&](int at) { return at >= 0 ? bits.words[static_cast<std::size_t>(at)] : 0; };
+    if constexpr (kBit == 0)
+        return word(i - kWord);
+    else
+        return word(i - kWord) << kBit | word(i - kWord - 1) >> (64 - kBit);
+}
+
+/// Calls visit(p) for each set bit, ascending.
+template <class Visit>
+inline void forEachSetBit(const BitString& bits, const Visit& visit) {
+    for (int i = 0; i < kBitWords; ++i)
+        for (std::uint64_t word = bits.words[static_cast<std::size_t>(i)]; word != 0; word &= word - 1)
+            visit(static_cast<ClosedPoint>(64 * i + std::countr_zero(word)));
+}
+
+/// Signs of the eight corners of a cell, bit c for corner c (core/cell/cell_numbering.h).
+ISO_ALWAYS_INLINE std::uint8_t signsOfCell(const BitString& above, ClosedPoint cell) {
+    // Eleven bits from any place lie in the eight bytes from its byte on; the guard words keep the last read inside.
+    const auto at = [&](unsigned p) {
+        std::uint64_t bits;
+        std::memcpy(&bits, reinterpret_cast<const std::byte*>(above.words.data()) + (p >> 3), sizeof bits);
+        return bits >> (p & 7);
+    };
+    const std::uint64_t lower = at(cell), upper = at(static_cast<unsigned>(cell) + 81);
+    return static_cast<std::uint8_t>((lower & 3) | (lower >> 9 & 3) << 2 | (upper & 3) << 4 | (upper >> 9 & 3) << 6);
+}
+
+/// What follows from the signs of a brick's points.
+struct ActiveBits {
+    std::array<BitString, 3> edges; ///< by axis, bit of the point where they start
+    BitString cells;
+};
+
+/// Which cells, edges and points of a closed brick exist, and which of its edges it counts as its own.
+struct BrickMasks {
+    BitString cells;                ///< in the box, all corners finite
+    std::array<BitString, 3> edges; ///< of such a cell of this brick
+    std::array<BitString, 3> owned; ///< of `edges`: each edge is owned by one of the bricks that hold it
+};
+
+// The functions below are inlined into kernels that are compiled for several instruction sets.
+
+/// Active edges: exclusive or of the signs at both ends. Active cells: neither all corners above nor none. O(1).
+ISO_ALWAYS_INLINE void findActive(const BitString& above, const BrickMasks& masks, ActiveBits& active) {
+    UnsetBits anyX, allX, anyXy, allXy;
+    for (int i = 0; i < kBitWords; ++i) {
+        const auto w = static_cast<std::size_t>(i);
+        const std::uint64_t here = above.words[w], right = shiftedDown<1>(above, i);
+        active.edges[0].words[w] = (here ^ right) & masks.edges[0].words[w];
+        active.edges[1].words[w] = (here ^ shiftedDown<9>(above, i)) & masks.edges[1].words[w];
+        active.edges[2].words[w] = (here ^ shiftedDown<81>(above, i)) & masks.edges[2].words[w];
+        anyX.words[w] = here | right;
+        allX.words[w] = here & right;
+    }
+    for (int i = 0; i < kBitWords; ++i) {
+        const auto w = static_cast<std::size_t>(i);
+        anyXy.words[w] = anyX.words[w] | shiftedDown<9>(anyX, i);
+        allXy.words[w] = allX.words[w] & shiftedDown<9>(allX, i);
+    }
+    for (int i = 0; i < kBitWords; ++i) {
+        const auto w = static_cast<std::size_t>(i);
+        const std::uint64_t any = anyXy.words[w] | shiftedDown<81>(anyXy, i);
+        const std::uint64_t all = allXy.words[w] & shiftedDown<81>(allXy, i);
+        active.cells.words[w] = any & ~all & masks.cells.words[w];
+    }
+}
+
+/// Cells with a corner among the given points.
+template <class Bits>
+ISO_ALWAYS_INLINE void cellsAtPoints(const Bits& points, BitString& cells) {
+    UnsetBits x, xy;
+    for (int i = 0; i < kBitWords; ++i)
+        x.words[static_cast<std::size_t>(i)] = points.words[static_cast<std::size_t>(i)] | shiftedDown<1>(points, i);
+    for (int i = 0; i < kBitWords; ++i)
+        xy.words[static_cast<std::size_t>(i)] = x.words[static_cast<std::size_t>(i)] | shiftedDown<9>(x, i);
+    for (int i = 0; i < kBitWords; ++i)
+        cells.words[static_cast<std::size_t>(i)] = xy.words[static_cast<std::size_t>(i)] | shiftedDown<81>(xy, i);
+}
+
+/// Points at which one of the given edges ends.
+ISO_ALWAYS_INLINE void endsOfEdges(const std::array<BitString, 3>& edges, BitString& ends) {
+    for (int i = 0; i < kBitWords; ++i) {
+        const auto w = static_cast<std::size_t>(i);
+        ends.words[w] = edges[0].words[w] | shiftedUp<1>(edges[0], i) | edges[1].words[w] | shiftedUp<9>(edges[1], i) |
+                        edges[2].words[w] | shiftedUp<81>(edges[2], i);
+    }
+}
+
+} // namespace isoslider::extract

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/cell/cell_states.h"
+#include "core/extract/live/brick_bits.h"
+#include "core/extract/live/cell_triangles.h"
+#include "core/extract/live/edge_record.h"
+#include "core/extract/live/run_arena.h"
+
+namespace isoslider::extract {
+
+/// Most active edges of a closed brick: 3 directions of 8 x 9 x 9.
+inline constexpr int kMaxBrickEdges = 3 * kCellSide * kPointSide * kPointSide;
+
+/// An active cell whose signs do not determine its surface, and the isovalues between which its state lasts: face
+/// saddles and body saddles change it where no edge changes.
+struct AmbiguousCell {
+    cell::StateInterval interval{};
+    ClosedPoint cell = 0;
+    cell::StateId state = 0;
+};
+
+/// The corner scalars of ambiguous cells, from wherever a brick's contents come.
+class CornerScalarsOfBrick {
+public:
+    virtual ~CornerScalarsOfBrick() = default;
+    /// Fills `scalars`; returns whether that of the hidden corner (cell::hiddenCorner) is among them.
+    virtual bool cornerScalars(ClosedPoint cell, std::uint8_t signs, cell::CornerScalars& scalars) = 0;
+};
+
+/// What a brick has had of the arenas.
+struct RetiredRuns {
+    ArenaRun vertices, indices;
+};
+
+/// What is made of a brick before it takes its place in the live surface: scratch memory of one thread.
+template <class Live>
+struct BrickDraft {
+    BitString above;   ///< points at or above the isovalue
+    ActiveBits active;
+    BitString changed; ///< cells to point out as changed; a superset of the active ones will do
+    std::uint32_t ownedEdges = 0;
+    std::uint32_t edgeVertices = 0;
+    std::array<EdgeRecord<Live>, kMaxBrickEdges + 16> records; ///< of the active edges, in their order
+    VertexTable vertices;                                     ///< their numbers
+
+    // Filled by the surface from what stands above.
+    CellList cells;
+    std::vector<cell::StateId> states; ///< of ambiguous cells
+    std::vector<std::uint16_t> indices;
+    std::uint32_t indexCount = 0;
+    std::vector<AmbiguousCell> ambiguous;
+    std::vector<EdgeRecord<Live>> inner;
+    std::vector<std::uint32_t> replaced;            ///< slots, since the move began
+    std::vector<RetiredRuns> retired;               ///< likewise: what pictures still refer to
+    struct Counts {                                 ///< since the move began
+        std::int64_t activeEdges = 0, triangles = 0, ambiguousCells = 0; ///< differences
+        std::uint64_t cellsDecided = 0, cellsChanged = 0;
+    } counts;
+
+    /// Fills the vertex table from the records of a brick's active edges.
+    void numberVertices(const EdgeRecord<Live>* first, std::uint32_t count) {
+        for (std::uint32_t k = 0; k < count; ++k)
+            vertices.of(first[k].edge) = static_cast<std::uint16_t>(k);
+    }
+    void beginMove() {
+        replaced.clear();
+        retired.clear();
+        counts = {};
+    }
+};
+
+} // namespace isoslider::extract

@@ -1,0 +1,76 @@
+#include "core/extract/live/brick_picture.h"
+
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+#include "core/extract/live/vertex_kernels.h"
+
+namespace isoslider::extract {
+namespace {
+
+// Records inside cells are few, and stand behind those on edges.
+template <class Live>
+void expandRecords(const EdgeRecord<Live>* records, std::uint32_t count, const std::array<std::int32_t, 3>& origin, Live isovalue,
+                   glm::vec3* positions, glm::vec3* normals) {
+    std::uint32_t onEdges = count;
+    while (onEdges > 0 && records[onEdges - 1].isInside())
+        --onEdges;
+    interpolateVertices(records, onEdges, origin, isovalue, positions, normals);
+    for (std::uint32_t k = onEdges; k < count; ++k) {
+        const MeshVertex vertex = vertexOf(records[k], origin, isovalue);
+        positions[k] = vertex.position;
+        normals[k] = vertex.normal;
+    }
+}
+
+} // namespace
+
+template <class Live>
+void expandPicture(const BrickPicture<Live>& picture, SurfaceFrame& frame) {
+    const auto bricks = picture.bricks();
+    std::vector<std::uint64_t> firstVertex(bricks.size() + 1, 0), firstIndex(bricks.size() + 1, 0);
+    for (std::size_t slot = 0; slot < bricks.size(); ++slot) {
+        const bool isDrawn = bricks[slot].indexCount > 0;
+        firstVertex[slot + 1] = firstVertex[slot] + (isDrawn ? bricks[slot].recordCount : 0);
+        firstIndex[slot + 1] = firstIndex[slot] + bricks[slot].indexCount;
+    }
+    frame.positions.resize(firstVertex.back());
+    frame.normals.resize(firstVertex.back());
+    frame.indices.resize(firstIndex.back());
+    tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t slot) {
+        const PictureBrick& brick = bricks[slot];
+        if (brick.indexCount == 0)
+            return;
+        const std::uint64_t vertex = firstVertex[slot];
+        expandRecords(picture.records(brick), brick.recordCount, brick.origin(), static_cast<Live>(frame.isovalue),
+                      &frame.positions[vertex], &frame.normals[vertex]);
+        const std::uint16_t* local = picture.indices(brick);
+        for (std::uint32_t k = 0; k < brick.indexCount; ++k)
+            frame.indices[firstIndex[slot] + k] = static_cast<std::uint32_t>(vertex + local[k]);
+    });
+    frame.changedIndices.clear();
+    frame.changedIndices.reserve(picture.changedIndices().size());
+    const std::uint16_t* local = picture.changedIndices().data();
+    for (const ChangedTriangles& changed : picture.changedTriangles())
+        for (std::uint32_t k = 0; k < changed.indexCount; ++k)
+            frame.changedIndices.push_back(static_cast<std::uint32_t>(firstVertex[changed.slot] + *local++));
+}
+
+void expandPicture(SurfaceFrame& frame) {
+    if (const auto picture = std::exchange(frame.bricks, nullptr))
+        expandPicture(*picture, frame);
+}
+
+std::uint64_t pictureBytes(const SurfaceFrame& frame) {
+    if (frame.bricks)
+        return frame.bricks->recordEnd() * sizeof(EdgeRecord<float>) +
+               (frame.bricks->indexEnd() + frame.bricks->changedIndices().size()) * sizeof(std::uint16_t);
+    return (frame.positions.size() + frame.normals.size()) * sizeof(glm::vec3) +
+           (frame.indices.size() + frame.changedIndices.size()) * sizeof(std::uint32_t);
+}
+
+template void expandPicture(const BrickPicture<float>&, SurfaceFrame&);
+template void expandPicture(const BrickPicture<double>&, SurfaceFrame&);
+
+} // namespace isoslider::extract

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "core/extract/live/edge_record.h"
+#include "core/extract/live/run_arena.h"
+#include "core/extract/surface_frame.h"
+
+namespace isoslider::extract {
+
+/// Where the records and indices of all live bricks lie.
+template <class Live>
+struct BrickArenas {
+    RunArena<EdgeRecord<Live>, 16, 18> vertices;
+    RunArena<std::uint16_t, 32, 20> indices;
+    const std::uint64_t series = nextSeries(); ///< no other arenas have the same number
+
+private:
+    static std::uint64_t nextSeries() {
+        static std::atomic<std::uint64_t> last{0};
+        return ++last;
+    }
+};
+
+/// One brick of a picture. Its records and indices never change; a brick that changes gets others, and a new version.
+struct PictureBrick {
+    std::array<std::uint16_t, 3> place{}; ///< of the brick among bricks; its first grid point is 8 times that
+    std::uint16_t recordCount = 0;
+    std::uint32_t firstRecord = 0; ///< a multiple of 16
+    std::uint32_t firstIndex = 0;
+    std::uint32_t indexCount = 0; ///< 0: nothing is drawn of it
+    std::uint32_t version = 0;
+
+    std::array<std::int32_t, 3> origin() const { return {kCellSide * place[0], kCellSide * place[1], kCellSide * place[2]}; }
+    friend bool operator==(const PictureBrick&, const PictureBrick&) = default;
+};
+
+/// Triangles of one brick that the last move has changed: the next `indexCount` of BrickPicture::changedIndices().
+struct ChangedTriangles {
+    std::uint32_t slot;
+    std::uint32_t indexCount;
+};
+
+/// The versions of the pictures that somebody still looks at. Safe from any thread.
+class PictureLeases {
+public:
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+    void take(std::uint32_t version) {
+        const std::lock_guard lock(mutex_);
+        versions_.insert(version);
+    }
+    void giveBack(std::uint32_t version) {
+        const std::lock_guard lock(mutex_);
+        versions_.erase(versions_.find(version));
+    }
+    std::uint32_t oldest() const {
+        const std::lock_guard lock(mutex_);
+        return versions_.empty() ? kNone : *versions_.begin();
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::multiset<std::uint32_t> versions_;
+};
+
+/// The live surface at one moment, to be drawn on any thread while the surface moves on: a table of bricks over arenas
+/// that it shares with the surface. What a picture refers to is not used again until the picture is gone, so nothing
+/// is copied but the table. Two pictures of one `series` differ in the bricks whose entries differ.
+template <class Live>
+class BrickPicture {
+public:
+    using Record = EdgeRecord<Live>;
+
+    BrickPicture(std::shared_ptr<const BrickArenas<Live>> arenas, std::shared_ptr<PictureLeases> leases, std::uint32_t version,
+                 std::vector<PictureBrick> bricks)
+        : arenas_(std::move(arenas)), leases_(std::move(leases)), version_(version), bricks_(std::move(bricks)) {
+        leases_->take(version_);
+    }
+    ~BrickPicture() { leases_->giveBack(version_); }
+    BrickPicture(const BrickPicture&) = delete;
+    BrickPicture& operator=(const BrickPicture&) = delete;
+
+    /// By slot of the live surface.
+    std::span<const PictureBrick> bricks() const { return bricks_; }
+    const Record* records(const PictureBrick& brick) const { return arenas_->vertices.at(brick.firstRecord); }
+    const std::uint16_t* indices(const PictureBrick& brick) const { return arenas_->indices.at(brick.firstIndex); }
+    /// One past the last record and index that any brick may have.
+    std::uint64_t recordEnd() const { return recordEnd_; }
+    std::uint64_t indexEnd() const { return indexEnd_; }
+    /// Pictures of different series have no storage in common.
+    std::uint64_t series() const { return arenas_->series; }
+
+    /// Of the bricks that the last move has changed: what a card that has the picture before needs. O(bricks).
+    std::uint64_t newBytes() const {
+        std::uint64_t bytes = 0;
+        for (const PictureBrick& brick : bricks_)
+            if (brick.version == version_)
+                bytes += brick.recordCount * sizeof(Record) + brick.indexCount * sizeof(std::uint16_t);
+        return bytes;
+    }
+    std::span<const ChangedTriangles> changedTriangles() const { return changedTriangles_; }
+    std::span<const std::uint16_t> changedIndices() const { return changedIndices_; }
+
+private:
+    template <class>
+    friend class LiveSurface;
+
+    std::shared_ptr<const BrickArenas<Live>> arenas_;
+    std::shared_ptr<PictureLeases> leases_;
+    std::uint32_t version_;
+    std::vector<PictureBrick> bricks_;
+    std::uint64_t recordEnd_ = 0, indexEnd_ = 0;
+    std::vector<ChangedTriangles> changedTriangles_;
+    std::vector<std::uint16_t> changedIndices_;
+};
+
+/// Fills the arrays of `frame` from the picture at the frame's isovalue. O(vertices + triangles), several threads.
+template <class Live>
+void expandPicture(const BrickPicture<Live>& picture, SurfaceFrame& frame);
+/// Turns a frame with a picture into one with arrays.
+void expandPicture(SurfaceFrame& frame);
+
+} // namespace isoslider::extract

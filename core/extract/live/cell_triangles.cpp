@@ -1,0 +1,249 @@
+#include "core/extract/live/cell_triangles.h"
+
+#include <algorithm>
+#include <vector>
+
+// Compiled once for each instruction set; the best one that the machine has is chosen when the program runs.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/extract/live/cell_triangles.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "core/extract/live/bit_lists-inl.h"
+
+#ifndef ISO_CELL_SHUFFLES
+#define ISO_CELL_SHUFFLES
+namespace isoslider::extract {
+
+/// How the vertex numbers of a cell's triangles come out of two vectors of eight numbers that are gathered from the
+/// vertex table, as byte shuffles: both halves of the 16 numbers written, from each of the two vectors.
+struct CellShuffle {
+    alignas(16) std::array<std::uint8_t, 16> lowFromFirst, lowFromSecond, highFromFirst, highFromSecond;
+};
+/// Lane of each cell edge: 0 to 7 in the first vector, 8 to 15 in the second. See gathered in writeTriangles().
+inline constexpr std::array<int, 12> kLaneOfCellEdge{0, 3, 8, 11, 1, 5, 9, 13, 2, 6, 4, 7};
+
+struct PlainCells {
+    std::array<CellShuffle, 256> shuffles;
+    std::array<std::uint8_t, 256> corners; ///< 3 per triangle, at most 15; 0 for ambiguous signs
+};
+const PlainCells& plainCells();
+
+/// The triangles of a state as lanes: those of the two vectors above, then inner vertices.
+struct StateCorners {
+    static constexpr std::size_t kMost = 3 * cell::kMaxStateTriangles;
+    static constexpr std::uint8_t kFirstInner = 16;
+    std::uint8_t count = 0;
+    std::uint8_t innerVertices = 0;
+    std::array<std::uint8_t, kMost + 3> lanes{}; ///< read four at a time
+};
+const std::vector<StateCorners>& stateCorners();
+
+} // namespace isoslider::extract
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace isoslider::extract::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET <= HWY_AVX3
+// Signs of the cells at all points, 64 at a time: a bit string per corner, each shifted by the corner's place.
+HWY_INLINE void findAllSigns(const BitString& above, std::uint8_t* HWY_RESTRICT signs) {
+    const hn::CappedTag<std::uint8_t, 64> d;
+    for (int i = 0; i < kBitWords; ++i) {
+        auto all = hn::Zero(d);
+        const auto add = [&](std::uint64_t word, int corner) HWY_ATTR {
+            const auto isAbove = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&word));
+            all = hn::Or(all, hn::IfThenElseZero(isAbove, hn::Set(d, static_cast<std::uint8_t>(1 << corner))));
+        };
+        add(shiftedDown<0>(above, i), 0);
+        add(shiftedDown<1>(above, i), 1);
+        add(shiftedDown<9>(above, i), 2);
+        add(shiftedDown<10>(above, i), 3);
+        add(shiftedDown<81>(above, i), 4);
+        add(shiftedDown<82>(above, i), 5);
+        add(shiftedDown<90>(above, i), 6);
+        add(shiftedDown<91>(above, i), 7);
+        hn::Store(all, d, signs + 64 * i);
+    }
+}
+#endif
+
+void listCellsHere(const BitString& active, const BitString& above, CellList& list) {
+    list.count = static_cast<std::uint32_t>(listBits<1>(active, 0, list.cells.data()) - list.cells.data());
+    const std::array<bool, 256>& isAmbiguous = ambiguousSignTable();
+    std::uint32_t ambiguous = 0;
+#if HWY_TARGET <= HWY_AVX3
+    alignas(64) std::array<std::uint8_t, kPaddedPoints> allSigns;
+    findAllSigns(above, allSigns.data());
+    const auto signsAt = [&](ClosedPoint cell) { return allSigns[cell]; };
+#else
+    const auto signsAt = [&](ClosedPoint cell) { return signsOfCell(above, cell); };
+#endif
+    for (std::uint32_t k = 0; k < list.count; ++k) {
+        const std::uint8_t signs = signsAt(list.cells[k]);
+        list.signs[k] = signs;
+        list.ambiguous[ambiguous] = static_cast<std::uint16_t>(k);
+        ambiguous += isAmbiguous[signs];
+    }
+    list.ambiguousCount = ambiguous;
+}
+
+std::uint32_t writeTrianglesHere(const CellList& list, const cell::StateId* states, std::uint32_t firstInner,
+                                 const VertexTable& vertices, std::uint16_t* out) {
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
+    return writeTrianglesPlainly(list, states, firstInner, vertices, out);
+#else
+    const hn::Full128<std::uint8_t> bytes;
+    const hn::Full128<std::uint16_t> shorts;
+    const PlainCells& plain = plainCells();
+    const StateCorners* const corners = stateCorners().data();
+    std::uint16_t* const begin = out;
+    const std::uint16_t* nextAmbiguous = list.ambiguous.data();
+    const std::uint16_t* const lastAmbiguous = nextAmbiguous + list.ambiguousCount;
+    // Lanes of the second piece, (x9 . z9 . | . . z10 .), that go to lanes 3, 4 and 7 of the first.
+    alignas(16) static constexpr std::uint8_t kSpread[16] = {0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0, 1, 4, 5, 0x80, 0x80, 0x80, 0x80, 12, 13};
+    alignas(16) static constexpr std::uint8_t kOwnLanes[16] = {255, 255, 255, 255, 255, 255, 0, 0, 0, 0, 255, 255, 255, 255, 0, 0};
+    alignas(16) static constexpr std::uint8_t kNotLane3[16] = {255, 255, 255, 255, 255, 255, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255};
+    // x90 goes to lane 3 of the second vector.
+    alignas(16) static constexpr std::uint8_t kToLane3[16] = {0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0, 1, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80};
+    const auto spread = hn::Load(bytes, kSpread), ownLanes = hn::Load(bytes, kOwnLanes), notLane3 = hn::Load(bytes, kNotLane3),
+               toLane3 = hn::Load(bytes, kToLane3);
+    for (std::uint32_t k = 0; k < list.count; ++k) {
+        const std::uint16_t* const at = vertices.numbers.data() + 4 * std::size_t{list.cells[k]};
+        const std::uint8_t signs = list.signs[k];
+        // Pieces of the table: points p and p + 1 (x y z . | . y z .), then those 9, 81 and 90 further on.
+        const auto here = hn::BitCast(bytes, hn::LoadU(shorts, at));
+        const auto behind = hn::BitCast(bytes, hn::LoadU(shorts, at + 4 * 9));
+        const auto over = hn::BitCast(bytes, hn::LoadU(shorts, at + 4 * 81));
+        const auto overBehind = hn::BitCast(bytes, hn::LoadU(shorts, at + 4 * 90));
+        const auto first = hn::Or(hn::And(here, ownLanes), hn::TableLookupBytesOr0(behind, spread));
+        const auto second = hn::Or(hn::And(over, notLane3), hn::TableLookupBytesOr0(overBehind, toLane3));
+        if (HWY_UNLIKELY(nextAmbiguous != lastAmbiguous && *nextAmbiguous == k)) {
+            const StateCorners& state = corners[*states++];
+            ++nextAmbiguous;
+            alignas(16) std::array<std::uint16_t, 32> numbers;
+            const auto inner = hn::Add(hn::Iota(shorts, 0), hn::Set(shorts, static_cast<std::uint16_t>(firstInner)));
+            hn::Store(hn::BitCast(shorts, first), shorts, numbers.data());
+            hn::Store(hn::BitCast(shorts, second), shorts, numbers.data() + 8);
+            hn::Store(inner, shorts, numbers.data() + 16);
+            hn::Store(hn::Add(inner, hn::Set(shorts, std::uint16_t{8})), shorts, numbers.data() + 24);
+            for (std::size_t i = 0; i < state.count; i += 4)
+                for (std::size_t j = i; j < i + 4; ++j)
+                    out[j] = numbers[state.lanes[j]];
+            out += state.count;
+            firstInner += state.innerVertices;
+            continue;
+        }
+        const CellShuffle& shuffle = plain.shuffles[signs];
+        const auto low = hn::Or(hn::TableLookupBytesOr0(first, hn::Load(bytes, shuffle.lowFromFirst.data())),
+                                hn::TableLookupBytesOr0(second, hn::Load(bytes, shuffle.lowFromSecond.data())));
+        const auto high = hn::Or(hn::TableLookupBytesOr0(first, hn::Load(bytes, shuffle.highFromFirst.data())),
+                                 hn::TableLookupBytesOr0(second, hn::Load(bytes, shuffle.highFromSecond.data())));
+        hn::StoreU(hn::BitCast(shorts, low), shorts, out);
+        hn::StoreU(hn::BitCast(shorts, high), shorts, out + 8);
+        out += plain.corners[signs];
+    }
+    return static_cast<std::uint32_t>(out - begin);
+#endif
+}
+
+} // namespace isoslider::extract::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace isoslider::extract {
+
+const std::array<std::uint16_t, 12> kPlaceOfCellEdge = [] {
+    std::array<std::uint16_t, 12> places{};
+    for (std::size_t e = 0; e < places.size(); ++e) {
+        // As kCellEdges, which another source file initialises: edge e lies along axis e / 4.
+        const int axis = static_cast<int>(e) / 4, first = static_cast<int>(e) & 1, second = static_cast<int>(e) >> 1 & 1;
+        const int x = axis == 0 ? 0 : first, y = axis == 1 ? 0 : axis == 0 ? first : second, z = axis == 2 ? 0 : second;
+        places[e] = static_cast<std::uint16_t>(4 * closedPoint(x, y, z) + axis);
+    }
+    return places;
+}();
+
+const std::array<bool, 256>& ambiguousSignTable() {
+    static const auto isAmbiguous = [] {
+        std::array<bool, 256> made{};
+        for (std::size_t signs = 0; signs < made.size(); ++signs)
+            made[signs] = cell::isAmbiguous(static_cast<std::uint8_t>(signs));
+        return made;
+    }();
+    return isAmbiguous;
+}
+
+const PlainCells& plainCells() {
+    static const auto cells = [] {
+        PlainCells made;
+        for (std::size_t signs = 0; signs < 256; ++signs) {
+            CellShuffle& shuffle = made.shuffles[signs];
+            for (auto* part : {&shuffle.lowFromFirst, &shuffle.lowFromSecond, &shuffle.highFromFirst, &shuffle.highFromSecond})
+                part->fill(0x80);
+            made.corners[signs] = 0;
+            if (cell::isAmbiguous(static_cast<std::uint8_t>(signs)))
+                continue;
+            std::size_t k = 0;
+            for (const std::uint8_t edge : cell::cellStates()[signs].triangles) {
+                const int lane = kLaneOfCellEdge[edge];
+                auto& part = k < 8 ? (lane < 8 ? shuffle.lowFromFirst : shuffle.lowFromSecond)
+                                   : (lane < 8 ? shuffle.highFromFirst : shuffle.highFromSecond);
+                part[2 * (k & 7)] = static_cast<std::uint8_t>(2 * (lane & 7));
+                part[2 * (k & 7) + 1] = static_cast<std::uint8_t>(2 * (lane & 7) + 1);
+                ++k;
+            }
+            made.corners[signs] = static_cast<std::uint8_t>(k);
+        }
+        return made;
+    }();
+    return cells;
+}
+
+const std::vector<StateCorners>& stateCorners() {
+    static const auto corners = [] {
+        std::vector<StateCorners> made;
+        for (const cell::CellState& state : cell::cellStates()) {
+            StateCorners& its = made.emplace_back();
+            its.count = static_cast<std::uint8_t>(state.triangles.size());
+            its.innerVertices = state.innerVertices;
+            std::transform(state.triangles.begin(), state.triangles.end(), its.lanes.begin(), [](std::uint8_t corner) {
+                return static_cast<std::uint8_t>(corner < cell::kInnerVertex ? kLaneOfCellEdge[corner]
+                                                                            : StateCorners::kFirstInner + corner - cell::kInnerVertex);
+            });
+        }
+        return made;
+    }();
+    return corners;
+}
+
+HWY_EXPORT(listCellsHere);
+HWY_EXPORT(writeTrianglesHere);
+
+void listCells(const BitString& active, const BitString& above, CellList& list) {
+    HWY_DYNAMIC_DISPATCH(listCellsHere)(active, above, list);
+}
+
+std::uint32_t writeTriangles(const CellList& list, const cell::StateId* states, std::uint32_t firstInner, const VertexTable& vertices,
+                             std::uint16_t* out) {
+    return HWY_DYNAMIC_DISPATCH(writeTrianglesHere)(list, states, firstInner, vertices, out);
+}
+
+std::uint32_t writeTrianglesPlainly(const CellList& list, const cell::StateId* states, std::uint32_t firstInner,
+                                    const VertexTable& vertices, std::uint16_t* out) {
+    std::uint16_t* const begin = out;
+    for (std::uint32_t k = 0; k < list.count; ++k) {
+        const std::uint8_t signs = list.signs[k];
+        const cell::CellState& state = cell::cellStates()[ambiguousSignTable()[signs] ? *states++ : cell::StateId{signs}];
+        for (const std::uint8_t corner : state.triangles)
+            *out++ = corner < cell::kInnerVertex ? vertices.numbers[4 * std::size_t{list.cells[k]} + kPlaceOfCellEdge[corner]]
+                                                 : static_cast<std::uint16_t>(firstInner + corner - cell::kInnerVertex);
+        firstInner += state.innerVertices;
+    }
+    return static_cast<std::uint32_t>(out - begin);
+}
+
+} // namespace isoslider::extract
+#endif

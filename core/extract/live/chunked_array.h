@@ -1,0 +1,63 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <vector>
+
+#include "core/extract/virtual_array.h"
+
+namespace isoslider::extract {
+
+/// An array that grows by chunks of 2^ChunkBits elements, which never move: memory follows what is used, nothing is
+/// reserved for what might be. Elements start as zero bytes; T must be trivial. grow() may run beside readers and
+/// writers of other elements.
+template <class T, int ChunkBits>
+class ChunkedArray {
+public:
+    static constexpr std::size_t kChunk = std::size_t{1} << ChunkBits;
+
+    /// At most `maxCount` elements; the table of chunks is made for as many.
+    explicit ChunkedArray(std::uint64_t maxCount) : chunks_((maxCount >> ChunkBits) + 1) {}
+
+    /// Makes the elements below `count` usable. Throws std::bad_alloc.
+    void grow(std::uint64_t count) {
+        if (count <= usable_.load(std::memory_order_acquire))
+            return;
+        const std::lock_guard lock(mutex_);
+        while (usable_.load(std::memory_order_relaxed) < count) {
+            const std::size_t chunk = owned_.size();
+            if (chunk >= chunks_.size())
+                throw std::bad_alloc();
+            owned_.push_back(std::make_unique<VirtualMemory>(kChunk * sizeof(T)));
+            chunks_[chunk].store(reinterpret_cast<T*>(owned_.back()->data()), std::memory_order_release);
+            usable_.store((chunk + 1) * kChunk, std::memory_order_release);
+        }
+    }
+    /// REQUIRES: below grow()'s count, and a run from there stays inside the chunk.
+    T* at(std::uint64_t index) { return chunks_[index >> ChunkBits].load(std::memory_order_acquire) + (index & (kChunk - 1)); }
+    const T* at(std::uint64_t index) const {
+        return chunks_[index >> ChunkBits].load(std::memory_order_acquire) + (index & (kChunk - 1));
+    }
+    T& operator[](std::uint64_t index) { return *at(index); }
+    const T& operator[](std::uint64_t index) const { return *at(index); }
+
+    /// Gives all memory back. No other thread may use the array.
+    void clear() {
+        usable_.store(0, std::memory_order_relaxed);
+        for (std::size_t chunk = 0; chunk < owned_.size(); ++chunk)
+            chunks_[chunk].store(nullptr, std::memory_order_relaxed);
+        owned_.clear();
+    }
+
+private:
+    std::vector<std::atomic<T*>> chunks_;
+    std::atomic<std::uint64_t> usable_{0};
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<VirtualMemory>> owned_;
+};
+
+} // namespace isoslider::extract

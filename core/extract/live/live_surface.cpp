@@ -1,0 +1,379 @@
+#include "core/extract/live/live_surface.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+#include "core/base/check.h"
+#include "core/extract/live/cell_triangles.h"
+#include "core/extract/live/stream_copy.h"
+
+namespace isoslider::extract {
+namespace {
+
+constexpr cell::StateInterval kAlways{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+
+} // namespace
+
+template <class Live>
+LiveSurface<Live>::LiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells)
+    : geometry_(geometry), inverseSpacing_(1.0 / glm::abs(geometry.spacing)), shapes_(geometry.dims, missingCells),
+      hasMissing_(!missingCells.empty()) {
+    for (const cell::CellState& state : cell::cellStates())
+        ISO_CHECK(state.innerVertices <= cell::kMaxInnerVertices && state.triangles.size() <= kMaxCellIndices);
+}
+
+template <class Live>
+void LiveSurface<Live>::clear() {
+    bricks_.clear();
+    nearMissing_.clear();
+    intervals_.clear();
+    hasInner_.clear();
+    free_.clear();
+    shown_.clear();
+    if (leases_->oldest() == PictureLeases::kNone) {
+        arenas_->vertices.clear();
+        arenas_->indices.clear();
+    } else { // they belong to the pictures now
+        arenas_ = std::make_shared<BrickArenas<Live>>();
+    }
+    ambiguous_.clear();
+    retired_.clear();
+    replaced_.clear();
+    liveBricks_ = activeEdges_ = triangles_ = ambiguousCells_ = 0;
+}
+
+template <class Live>
+BrickSlot LiveSurface<Live>::add(BrickIndex index) {
+    if (free_.empty()) {
+        // What may fail because memory is short comes first: afterwards all tables have one length.
+        const std::size_t slots = bricks_.size() + 1;
+        if (slots > bricks_.capacity()) {
+            bricks_.reserve(2 * slots);
+            nearMissing_.reserve(2 * slots);
+            intervals_.reserve(2 * slots);
+            hasInner_.reserve(2 * slots);
+            shown_.reserve(2 * slots);
+            free_.reserve(2 * slots);
+        }
+        bricks_.emplace_back();
+        nearMissing_.emplace_back();
+        intervals_.push_back(kAlways);
+        hasInner_.push_back(0);
+        shown_.emplace_back();
+        free_.push_back(static_cast<BrickSlot>(slots - 1));
+    }
+    const BrickSlot slot = free_.back();
+    const bool isNearMissing = shapes_.isNearMissing(index);
+    if (isNearMissing)
+        nearMissing_[slot] = std::make_unique<BrickMasks>(shapes_.masksNearMissing(index));
+    free_.pop_back();
+    Brick& brick = bricks_[slot];
+    brick = {};
+    brick.index = index;
+    brick.isLive = true;
+    brick.isNearMissing = isNearMissing;
+    ++liveBricks_;
+    return slot;
+}
+
+template <class Live>
+void LiveSurface<Live>::remove(BrickSlot slot) {
+    Brick& brick = bricks_[slot];
+    activeEdges_ -= brick.ownedEdges;
+    triangles_ -= brick.indexCount / 3;
+    ambiguousCells_ -= brick.ambiguousCells;
+    if (isWatched_) {
+        retired_.push_back({version_, {brick.vertices, brick.indices}});
+    } else {
+        arenas_->vertices.release(brick.vertices);
+        arenas_->indices.release(brick.indices);
+    }
+    ambiguous_.release(brick.ambiguous);
+    shown_[slot] = {};
+    nearMissing_[slot].reset();
+    intervals_[slot] = kAlways;
+    hasInner_[slot] = 0;
+    brick = {};
+    free_.push_back(slot);
+    --liveBricks_;
+}
+
+template <class Live>
+void LiveSurface<Live>::prefetch(BrickSlot slot) const {
+    const Brick& brick = bricks_[slot];
+    for (std::size_t line = 64; line < sizeof(Brick); line += 64)
+        __builtin_prefetch(reinterpret_cast<const char*>(&brick) + line);
+    if (brick.ambiguousCells == 0)
+        return;
+    const auto* const known = reinterpret_cast<const char*>(ambiguous_.at(brick.ambiguous.begin));
+    for (std::size_t line = 0; line < brick.ambiguousCells * sizeof(AmbiguousCell); line += 64)
+        __builtin_prefetch(known + line);
+}
+
+template <class Live>
+void LiveSurface<Live>::beginMove() {
+    replaced_.clear();
+    ++version_;
+    const std::uint32_t oldest = leases_->oldest();
+    isWatched_ = oldest != PictureLeases::kNone;
+    std::size_t freed = 0;
+    // What was replaced in move m is part of the pictures made before it.
+    for (; freed < retired_.size() && retired_[freed].version <= oldest; ++freed) {
+        arenas_->vertices.release(retired_[freed].runs.vertices);
+        arenas_->indices.release(retired_[freed].runs.indices);
+    }
+    retired_.erase(retired_.begin(), retired_.begin() + static_cast<std::ptrdiff_t>(freed));
+}
+
+template <class Live>
+void LiveSurface<Live>::finishMove(const BrickDraft<Live>& draft) {
+    activeEdges_ += static_cast<std::uint64_t>(draft.counts.activeEdges);
+    triangles_ += static_cast<std::uint64_t>(draft.counts.triangles);
+    ambiguousCells_ += static_cast<std::uint64_t>(draft.counts.ambiguousCells);
+    replaced_.insert(replaced_.end(), draft.replaced.begin(), draft.replaced.end());
+    for (const RetiredRuns& runs : draft.retired)
+        retired_.push_back({version_, runs});
+}
+
+// Memory, here and on the card, follows the highest run: where most of what is below it is free, all runs move into arenas
+// that hold nothing else. The surface has lost half of what it had since the last time, so moves pay little for it.
+template <class Live>
+void LiveSurface<Live>::compact() {
+    if (!arenas_->vertices.isSparse() && !arenas_->indices.isSparse())
+        return;
+    auto compacted = std::make_shared<BrickArenas<Live>>();
+    for (BrickSlot slot = 0; slot < bricks_.size(); ++slot) {
+        Brick& brick = bricks_[slot];
+        if (!brick.isLive || brick.vertices.capacity == 0)
+            continue;
+        const ArenaRun vertices = compacted->vertices.alike(brick.vertices), indices = compacted->indices.alike(brick.indices);
+        std::memcpy(compacted->vertices.at(vertices.begin), arenas_->vertices.at(brick.vertices.begin), vertices.capacity * sizeof(Record));
+        if (indices.capacity > 0)
+            std::memcpy(compacted->indices.at(indices.begin), arenas_->indices.at(brick.indices.begin),
+                        indices.capacity * sizeof(std::uint16_t));
+        brick.vertices = vertices;
+        brick.indices = indices;
+        show(slot);
+    }
+    arenas_ = std::move(compacted);
+    retired_.clear(); // pictures keep the arenas that they are of
+}
+
+template <class Live>
+void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) {
+    Brick& brick = bricks_[slot];
+    for (std::size_t w = 0; w < kBitWords; ++w)
+        draft.counts.cellsChanged += static_cast<std::uint64_t>(
+            std::popcount(draft.changed.words[w] & (draft.active.cells.words[w] | brick.cells.words[w])));
+    triangulate(slot, draft, corners, isovalue);
+    draft.inner.clear();
+    if (hasInner_[slot] != 0)
+        placeInner(shapes_.origin(brick.index), draft.records.data(), draft.ambiguous, draft, corners, isovalue);
+
+    draft.counts.activeEdges += static_cast<std::int64_t>(draft.ownedEdges) - brick.ownedEdges;
+    draft.counts.triangles += (static_cast<std::int64_t>(draft.indexCount) - brick.indexCount) / 3;
+    draft.counts.ambiguousCells += static_cast<std::int64_t>(draft.ambiguous.size()) - brick.ambiguousCells;
+    brick.ownedEdges = static_cast<std::uint16_t>(draft.ownedEdges);
+    commit(slot, draft);
+    draft.replaced.push_back(slot);
+}
+
+// Gives up runs that pictures refer to.
+template <class Live>
+void LiveSurface<Live>::retire(ArenaRun& vertices, ArenaRun& indices, BrickDraft<Live>& draft) {
+    if (vertices.capacity + indices.capacity > 0)
+        draft.retired.push_back({std::exchange(vertices, {}), std::exchange(indices, {})});
+}
+
+template <class Live>
+void LiveSurface<Live>::show(BrickSlot slot) {
+    const Brick& brick = bricks_[slot];
+    PictureBrick& shown = shown_[slot];
+    const auto origin = shapes_.origin(brick.index);
+    for (std::size_t a = 0; a < 3; ++a)
+        shown.place[a] = static_cast<std::uint16_t>(origin[a] / kCellSide);
+    shown.recordCount = static_cast<std::uint16_t>(brick.edgeVertices + brick.innerVertices);
+    shown.firstRecord = brick.vertices.begin;
+    shown.firstIndex = brick.indices.begin;
+    shown.indexCount = brick.indexCount;
+    shown.version = version_;
+}
+
+// Puts the draft's records, indices and ambiguous cells into the brick's runs.
+template <class Live>
+void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
+    Brick& brick = bricks_[slot];
+    const std::uint32_t inner = static_cast<std::uint32_t>(draft.inner.size());
+    if (isWatched_)
+        retire(brick.vertices, brick.indices, draft);
+    arenas_->vertices.resize(brick.vertices, draft.edgeVertices + inner);
+    arenas_->indices.resize(brick.indices, draft.indexCount);
+    ambiguous_.resize(brick.ambiguous, static_cast<std::uint32_t>(draft.ambiguous.size()));
+    if (draft.edgeVertices > 0)
+        streamCopy(arenas_->vertices.at(brick.vertices.begin), draft.records.data(), draft.edgeVertices * sizeof(Record));
+    if (inner > 0)
+        std::memcpy(arenas_->vertices.at(brick.vertices.begin + draft.edgeVertices), draft.inner.data(), inner * sizeof(Record));
+    if (draft.indexCount > 0)
+        streamCopy(arenas_->indices.at(brick.indices.begin), draft.indices.data(), draft.indexCount * sizeof(std::uint16_t));
+    if (!draft.ambiguous.empty())
+        std::memcpy(ambiguous_.at(brick.ambiguous.begin), draft.ambiguous.data(), draft.ambiguous.size() * sizeof(AmbiguousCell));
+    brick.edgeVertices = static_cast<std::uint16_t>(draft.edgeVertices);
+    brick.innerVertices = static_cast<std::uint16_t>(inner);
+    brick.indexCount = draft.indexCount;
+    brick.ambiguousCells = static_cast<std::uint16_t>(draft.ambiguous.size());
+    brick.above = draft.above;
+    brick.cells = draft.active.cells;
+    brick.changed = draft.changed;
+    show(slot);
+}
+
+// The state of an ambiguous cell: as it was while the isovalue stays in its interval and its signs are the same, else
+// decided by its corner scalars. `known` runs along the brick's list of before, which is in cell order too.
+template <class Live>
+cell::StateId LiveSurface<Live>::stateOfAmbiguous(BrickDraft<Live>& draft, ClosedPoint cell, std::uint8_t signs,
+                                                  const AmbiguousCell*& known, const AmbiguousCell* knownEnd,
+                                                  CornerScalarsOfBrick& corners, double isovalue) const {
+    while (known != knownEnd && known->cell < cell)
+        ++known;
+    if (known != knownEnd && known->cell == cell && known->interval.contains(isovalue) &&
+        states_[known->state].signs == signs) {
+        draft.ambiguous.push_back(*known);
+        return known->state;
+    }
+    cell::CornerScalars scalars;
+    const bool knowsHidden = corners.cornerScalars(cell, signs, scalars);
+    const cell::ResolvedCell resolved = cell::resolveCell(signs, scalars, knowsHidden, isovalue);
+    draft.ambiguous.push_back({resolved.interval, cell, resolved.state});
+    ++draft.counts.cellsDecided;
+    // It may have changed though its signs have not.
+    if ((known == knownEnd || known->cell != cell || known->state != resolved.state) && !draft.changed.test(cell)) {
+        draft.changed.set(cell);
+        ++draft.counts.cellsChanged;
+    }
+    return resolved.state;
+}
+
+// Indices of the active cells' triangles, in cell order; states of ambiguous cells first.
+template <class Live>
+void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) {
+    const Brick& brick = bricks_[slot];
+    CellList& list = draft.cells;
+    listCells(draft.active.cells, draft.above, list);
+    draft.ambiguous.clear();
+    draft.states.clear();
+    cell::StateInterval interval = kAlways;
+    std::uint32_t innerVertices = 0;
+    const AmbiguousCell* known = brick.ambiguousCells > 0 ? ambiguous_.at(brick.ambiguous.begin) : nullptr;
+    const AmbiguousCell* const knownEnd = known + brick.ambiguousCells;
+    for (std::uint32_t k = 0; k < list.ambiguousCount; ++k) {
+        const std::uint16_t at = list.ambiguous[k];
+        const cell::StateId state = stateOfAmbiguous(draft, list.cells[at], list.signs[at], known, knownEnd, corners, isovalue);
+        const cell::StateInterval& its = draft.ambiguous.back().interval;
+        interval = {std::max(interval.below, its.below), std::min(interval.above, its.above)};
+        innerVertices += states_[state].innerVertices;
+        draft.states.push_back(state);
+    }
+    // Plain cells have at most five triangles.
+    const std::size_t room = 15 * std::size_t{list.count} + kMaxCellIndices * list.ambiguousCount + kIndexOverrun;
+    if (draft.indices.size() < room)
+        draft.indices.resize(room);
+    draft.indexCount = writeTriangles(list, draft.states.data(), draft.edgeVertices, draft.vertices, draft.indices.data());
+    intervals_[slot] = interval;
+    hasInner_[slot] = innerVertices > 0;
+}
+
+// Appends the vertices inside the listed cells to draft.inner. REQUIRES: draft.vertices is that of `records`.
+template <class Live>
+void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, const Record* records,
+                                   std::span<const AmbiguousCell> ambiguous, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+                                   double isovalue) const {
+    InnerVertexCell placed;
+    std::array<InnerVertex, cell::kMaxInnerVertices> inside;
+    for (const AmbiguousCell& listed : ambiguous) {
+        const cell::CellState& state = states_[listed.state];
+        if (state.innerVertices == 0)
+            continue;
+        placed.state = &state;
+        const auto local = coordsOf(listed.cell);
+        for (std::size_t a = 0; a < 3; ++a)
+            placed.origin[a] = origin[a] + local[a];
+        for (unsigned mask = cell::activeEdges(state.signs); mask != 0; mask &= mask - 1) {
+            const auto e = static_cast<std::size_t>(std::countr_zero(mask));
+            const std::uint16_t vertex = draft.vertices.numbers[4 * std::size_t{listed.cell} + kPlaceOfCellEdge[e]];
+            const MeshVertex at = vertexOf(records[vertex], origin, static_cast<Live>(isovalue));
+            placed.edgePositions[e] = at.position;
+            placed.edgeNormals[e] = at.normal;
+        }
+        if (state.tunnel != cell::Tunnel::None)
+            (void)corners.cornerScalars(listed.cell, state.signs, placed.scalars);
+        placeInnerVertices(placed, isovalue, inverseSpacing_, inside.data());
+        for (std::size_t k = 0; k < state.innerVertices; ++k)
+            draft.inner.push_back(Record::inside(inside[k].place, inside[k].normal));
+    }
+}
+
+template <class Live>
+void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) {
+    Brick& brick = bricks_[slot];
+    if (brick.innerVertices == 0)
+        return;
+    Record* stored = arenas_->vertices.at(brick.vertices.begin);
+    draft.numberVertices(stored, brick.edgeVertices);
+    draft.inner.clear();
+    placeInner(shapes_.origin(brick.index), stored, {ambiguous_.at(brick.ambiguous.begin), brick.ambiguousCells}, draft, corners, isovalue);
+    if (isWatched_) {
+        ArenaRun noIndices;
+        retire(brick.vertices, noIndices, draft);
+        arenas_->vertices.resize(brick.vertices, std::uint32_t{brick.edgeVertices} + brick.innerVertices);
+        const Record* const before = std::exchange(stored, arenas_->vertices.at(brick.vertices.begin));
+        std::memcpy(stored, before, brick.edgeVertices * sizeof(Record));
+    }
+    std::copy(draft.inner.begin(), draft.inner.end(), stored + brick.edgeVertices);
+    show(slot);
+}
+
+template <class Live>
+void LiveSurface<Live>::listChanges(std::vector<ChangedTriangles>& triangles, std::vector<std::uint16_t>& indices) const {
+    constexpr std::size_t kTogether = 64;
+    std::vector<std::vector<std::uint16_t>> parts((replaced_.size() + kTogether - 1) / kTogether);
+    triangles.resize(replaced_.size());
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+        for (std::size_t i = part * kTogether; i < std::min(replaced_.size(), (part + 1) * kTogether); ++i) {
+            const Brick& brick = bricks_[replaced_[i]];
+            triangles[i] = {replaced_[i], 0};
+            if (brick.indexCount == 0)
+                continue;
+            const std::uint16_t* const own = arenas_->indices.at(brick.indices.begin);
+            const std::size_t before = parts[part].size();
+            forEachCell(replaced_[i], [&](ClosedPoint cell, cell::StateId state, std::uint32_t first) {
+                if (brick.changed.test(cell))
+                    parts[part].insert(parts[part].end(), own + first, own + first + states_[state].triangles.size());
+            });
+            triangles[i].indexCount = static_cast<std::uint32_t>(parts[part].size() - before);
+        }
+    });
+    std::erase_if(triangles, [](const ChangedTriangles& changed) { return changed.indexCount == 0; });
+    for (const std::vector<std::uint16_t>& part : parts)
+        indices.insert(indices.end(), part.begin(), part.end());
+}
+
+template <class Live>
+std::shared_ptr<const BrickPicture<Live>> LiveSurface<Live>::picture(bool pointsOutChanges) const {
+    auto picture = std::make_shared<BrickPicture<Live>>(arenas_, leases_, version_, shown_);
+    picture->recordEnd_ = arenas_->vertices.top();
+    picture->indexEnd_ = arenas_->indices.top();
+    if (pointsOutChanges)
+        listChanges(picture->changedTriangles_, picture->changedIndices_);
+    return picture;
+}
+
+template class LiveSurface<float>;
+template class LiveSurface<double>;
+
+} // namespace isoslider::extract

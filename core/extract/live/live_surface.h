@@ -1,0 +1,165 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/job_control.h"
+#include "core/extract/inner_vertices.h"
+#include "core/extract/live/brick_draft.h"
+#include "core/extract/live/brick_picture.h"
+#include "core/extract/live/brick_shapes.h"
+#include "core/extract/live/cell_triangles.h"
+#include "core/extract/live/run_arena.h"
+#include "core/extract/surface_mesh.h"
+
+namespace isoslider::extract {
+
+/// Number of a live brick: its place in the tables of the live surface and of what feeds it.
+using BrickSlot = std::uint32_t;
+
+/// The live surface: closed bricks of 8^3 cells, each with all vertices of its triangles. See LIVE.md.
+///
+/// A brick is replaced whole, from its draft; bricks do not depend on each other. Vertices are records
+/// (edge_record.h), static while the isovalue crosses no sample of the brick; triangles are 16-bit indices into the
+/// brick's own records. Welding by edge id happens at export.
+///
+/// Invariants, between moves: 1. the records of a brick are those of its active edges in ascending order, then the
+/// vertices inside its cells in cell order; 2. its indices are the triangles of its active cells in cell order;
+/// 3. its ambiguous cells are listed in cell order, and the isovalue lies in each one's interval;
+/// 4. `activeEdges()` and `triangles()` are sums over the bricks, each edge counted by its owner only; 5. what a
+/// picture refers to is neither changed nor used again while the picture lives.
+///
+/// Threads: replace() and refreshInnerVertices() may run for different bricks at once; everything else alone.
+template <class Live>
+class LiveSurface {
+public:
+    using Record = EdgeRecord<Live>;
+
+    struct Brick {
+        BrickIndex index = 0;
+        ArenaRun vertices, indices, ambiguous;
+        std::uint32_t indexCount = 0;
+        std::uint16_t edgeVertices = 0;
+        std::uint16_t innerVertices = 0;
+        std::uint16_t ambiguousCells = 0;
+        std::uint16_t ownedEdges = 0;
+        bool isLive = false;
+        bool isNearMissing = false;
+        BitString above; ///< signs of the corners of its active cells; other points may have any
+        BitString cells; ///< active ones
+        BitString changed; ///< cells that the last move which replaced the brick has changed
+    };
+
+    /// `missingCells` must outlive the surface; sorted by brick.
+    LiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells);
+
+    /// Drops all bricks and gives their memory back.
+    void clear();
+    /// Starts a live brick without triangles. REQUIRES: shapes().hasCells(brick).
+    BrickSlot add(BrickIndex brick);
+    void remove(BrickSlot slot);
+
+    /// Starts a move: what has changed is counted from here. What only pictures that are gone refer to becomes free.
+    void beginMove();
+    /// Triangulates the draft and puts it in the place of what the brick was. `corners` is asked about ambiguous
+    /// cells whose state is not known any more. O(active edges and cells of the brick).
+    void replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
+    /// Moves the vertices inside the brick's cells to `isovalue`, which crosses nothing in the brick.
+    void refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
+    /// Takes over what a thread's draft has counted since beginMove(). The threads that have replaced bricks must have called
+    /// finishStreams() since.
+    void finishMove(const BrickDraft<Live>& draft);
+    /// After all drafts: gives memory back where the surface has become much smaller. Throws std::bad_alloc.
+    void compact();
+
+    const BrickShapes& shapes() const { return shapes_; }
+    const BrickMasks& masks(BrickSlot slot) const {
+        return bricks_[slot].isNearMissing ? *nearMissing_[slot] : shapes_.masks(bricks_[slot].index);
+    }
+    std::uint32_t slotCount() const { return static_cast<std::uint32_t>(bricks_.size()); }
+    const Brick& brick(BrickSlot slot) const { return bricks_[slot]; }
+    /// Asks for the memory that replace() will read and write, so that it comes while another brick is made. The head, which
+    /// says where the rest is, must have come before.
+    void prefetchHead(BrickSlot slot) const { __builtin_prefetch(&bricks_[slot]); }
+    void prefetch(BrickSlot slot) const;
+    const Record* records(BrickSlot slot) const { return arenas_->vertices.at(bricks_[slot].vertices.begin); }
+    bool hasBricks() const { return liveBricks_ > 0; }
+    /// Isovalues between which no cell of the brick changes its state; everything for a slot without a brick.
+    const cell::StateInterval& stateInterval(BrickSlot slot) const { return intervals_[slot]; }
+    bool hasInnerVertices(BrickSlot slot) const { return hasInner_[slot] != 0; }
+
+    std::uint64_t activeEdges() const { return activeEdges_; }
+    std::uint64_t triangles() const { return triangles_; }
+    std::uint64_t ambiguousCells() const { return ambiguousCells_; }
+
+    /// The surface as it is now, for other threads to draw; `pointsOutChanges`: with the triangles that the last move has
+    /// changed. O(live bricks + what has changed).
+    std::shared_ptr<const BrickPicture<Live>> picture(bool pointsOutChanges) const;
+    /// Welded by edge id, in grid order: as extractFull() gives it. Errors: Cancelled, OutOfSpace (too many vertices).
+    Result<SurfaceMesh> mesh(double isovalue, const JobControl& job) const;
+
+private:
+    void triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
+    cell::StateId stateOfAmbiguous(BrickDraft<Live>& draft, ClosedPoint cell, std::uint8_t signs, const AmbiguousCell*& known,
+                                   const AmbiguousCell* knownEnd, CornerScalarsOfBrick& corners, double isovalue) const;
+    void placeInner(const std::array<std::int32_t, 3>& origin, const Record* records, std::span<const AmbiguousCell> ambiguous,
+                    BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) const;
+    void commit(BrickSlot slot, BrickDraft<Live>& draft);
+    void retire(ArenaRun& vertices, ArenaRun& indices, BrickDraft<Live>& draft);
+    void show(BrickSlot slot);
+    void listChanges(std::vector<ChangedTriangles>& triangles, std::vector<std::uint16_t>& indices) const;
+    /// Calls visit(cell, state, first index) for the active cells of a brick.
+    template <class Visit>
+    void forEachCell(BrickSlot slot, const Visit& visit) const;
+    class Welding;
+
+    GridGeometry geometry_;
+    std::span<const cell::CellState> states_ = cell::cellStates();
+    glm::vec3 inverseSpacing_;
+    BrickShapes shapes_;
+    bool hasMissing_;
+    std::vector<Brick> bricks_;
+    std::vector<std::unique_ptr<BrickMasks>> nearMissing_; ///< by slot
+    std::vector<cell::StateInterval> intervals_;           ///< by slot: read for every brick at every move
+    std::vector<std::uint8_t> hasInner_;                   ///< by slot, likewise
+    std::vector<BrickSlot> free_;
+    std::vector<PictureBrick> shown_;                      ///< by slot: the table of the next picture
+    std::shared_ptr<BrickArenas<Live>> arenas_ = std::make_shared<BrickArenas<Live>>();
+    RunArena<AmbiguousCell, 4, 16> ambiguous_;
+    /// Runs that pictures up to a version refer to, in the order of their versions.
+    struct Retired {
+        std::uint32_t version;
+        RetiredRuns runs;
+    };
+    std::vector<Retired> retired_;
+    std::shared_ptr<PictureLeases> leases_ = std::make_shared<PictureLeases>();
+    std::uint32_t version_ = 0; ///< counts moves
+    bool isWatched_ = false;    ///< in this move: there are pictures, and nothing of them may be written to
+    std::vector<BrickSlot> replaced_; ///< in the last move
+    std::uint64_t liveBricks_ = 0;
+    std::uint64_t activeEdges_ = 0;
+    std::uint64_t triangles_ = 0;
+    std::uint64_t ambiguousCells_ = 0;
+};
+
+template <class Live>
+template <class Visit>
+void LiveSurface<Live>::forEachCell(BrickSlot slot, const Visit& visit) const {
+    const Brick& brick = bricks_[slot];
+    const AmbiguousCell* ambiguous = brick.ambiguousCells > 0 ? ambiguous_.at(brick.ambiguous.begin) : nullptr;
+    std::uint32_t first = 0;
+    forEachSetBit(brick.cells, [&](ClosedPoint cell) {
+        const std::uint8_t signs = signsOfCell(brick.above, cell);
+        const cell::StateId state = ambiguousSignTable()[signs] ? (ambiguous++)->state : cell::StateId{signs};
+        visit(cell, state, first);
+        first += static_cast<std::uint32_t>(states_[state].triangles.size());
+    });
+}
+
+extern template class LiveSurface<float>;
+extern template class LiveSurface<double>;
+
+} // namespace isoslider::extract

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <mutex>
+#include <new>
+#include <vector>
+
+#include "core/base/spin_lock.h"
+#include "core/extract/live/chunked_array.h"
+
+namespace isoslider::extract {
+
+/// A part of an arena: `count` elements from `begin` on are in use, `capacity` belong to the run.
+struct ArenaRun {
+    std::uint32_t begin = 0;
+    std::uint32_t capacity = 0;
+};
+
+/// Elements of many bricks in one growing array; each brick owns one run. Runs are whole granules, never cross a
+/// chunk of the array, and are reused by size. Safe from any thread.
+template <class T, std::uint32_t Granule, int ChunkBits>
+class RunArena {
+public:
+    static constexpr std::uint32_t kGranule = Granule;
+
+    explicit RunArena(std::uint64_t maxCount = std::uint64_t{1} << 32) : elements_(maxCount), limit_(maxCount) {}
+
+    /// Gives `run` room for `count` elements, with some to spare for growth; keeps it as it is where that is so
+    /// already and not more than twice as much. What the run held is lost. Throws std::bad_alloc.
+    void resize(ArenaRun& run, std::uint32_t count) {
+        if (count <= run.capacity && count >= run.capacity / 2)
+            return;
+        release(run);
+        if (count == 0)
+            return;
+        const std::uint32_t wanted = (count + count / 8 + Granule - 1) / Granule * Granule;
+        run = {allocate(wanted), wanted};
+    }
+    void release(ArenaRun& run) {
+        if (run.capacity > 0) {
+            const std::lock_guard lock(mutex_);
+            used_ -= run.capacity;
+            free(run.begin, run.capacity);
+        }
+        run = {};
+    }
+    /// A run of the same size as `run`, of another arena. Throws std::bad_alloc.
+    ArenaRun alike(const ArenaRun& run) {
+        return run.capacity > 0 ? ArenaRun{allocate(run.capacity), run.capacity} : ArenaRun{};
+    }
+    /// Forgets all runs and gives the memory back.
+    void clear() {
+        freeBySize_.clear();
+        hasFree_.clear();
+        top_ = used_ = 0;
+        elements_.clear();
+    }
+
+    T* at(std::uint32_t index) { return elements_.at(index); }
+    const T* at(std::uint32_t index) const { return elements_.at(index); }
+    /// One past the last element that belongs to a run or did so.
+    std::uint64_t top() const { return top_; }
+    /// Whether most of the elements up to top() belong to no run.
+    bool isSparse() const { return top_ > 2 * used_ + kSparseSlack; }
+
+private:
+    static constexpr std::uint64_t kChunk = ChunkedArray<T, ChunkBits>::kChunk;
+    static_assert(kChunk % Granule == 0);
+
+    std::uint32_t allocate(std::uint32_t size) {
+        const std::lock_guard lock(mutex_);
+        used_ += size;
+        const std::size_t granules = size / Granule;
+        // A little larger is as good; the rest stays free.
+        if (const std::size_t found = smallestFree(granules); found - granules <= kFit) {
+            const std::uint32_t begin = freeBySize_[found].back();
+            freeBySize_[found].pop_back();
+            if (freeBySize_[found].empty())
+                hasFree_[found / 64] &= ~(std::uint64_t{1} << (found % 64));
+            if (found > granules)
+                free(begin + size, static_cast<std::uint32_t>(found - granules) * Granule);
+            return begin;
+        }
+        const std::uint64_t room = kChunk - top_ % kChunk;
+        if (room < size) {
+            free(static_cast<std::uint32_t>(top_), static_cast<std::uint32_t>(room));
+            top_ += room;
+        }
+        if (top_ + size > limit_) {
+            used_ -= size;
+            throw std::bad_alloc();
+        }
+        elements_.grow(top_ + size);
+        const auto begin = static_cast<std::uint32_t>(top_);
+        top_ += size;
+        return begin;
+    }
+    void free(std::uint32_t begin, std::uint32_t size) {
+        const std::size_t granules = size / Granule;
+        if (granules >= freeBySize_.size()) {
+            freeBySize_.resize(granules + 1);
+            hasFree_.resize(granules / 64 + 1, 0);
+        }
+        freeBySize_[granules].push_back(begin);
+        hasFree_[granules / 64] |= std::uint64_t{1} << (granules % 64);
+    }
+    /// The least size of a free run that is not below `granules`; a very large number without one near it.
+    std::size_t smallestFree(std::size_t granules) const {
+        const std::size_t first = granules / 64;
+        for (std::size_t word = first; word < hasFree_.size() && word <= first + 1; ++word) {
+            const std::uint64_t bits = hasFree_[word] & (word == first ? ~std::uint64_t{0} << (granules % 64) : ~std::uint64_t{0});
+            if (bits != 0)
+                return 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
+        }
+        return ~std::size_t{0};
+    }
+
+    static constexpr std::size_t kFit = 64;
+    static constexpr std::uint64_t kSparseSlack = 64 * std::uint64_t{Granule};
+
+    ChunkedArray<T, ChunkBits> elements_;
+    std::uint64_t limit_;
+    std::uint64_t top_ = 0;
+    std::uint64_t used_ = 0; ///< belong to a run
+    SpinLock mutex_;
+    std::vector<std::vector<std::uint32_t>> freeBySize_;
+    std::vector<std::uint64_t> hasFree_; ///< a bit per size
+};
+
+} // namespace isoslider::extract

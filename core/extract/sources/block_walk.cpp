@@ -1,0 +1,170 @@
+#include "core/extract/sources/block_walk.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <mutex>
+#include <optional>
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include "core/base/job_control.h"
+
+namespace isoslider::extract {
+
+using index::DecodedPage;
+using index::WalkSegment;
+
+// One page to take from: of the file, or a merged block that is in memory already.
+template <class Key>
+struct BlockWalk<Key>::Task {
+    const WalkSegment* segment;
+    std::size_t page = 0;
+    typename index::LazyLevels<Key>::Page merged = nullptr;
+    int level = 0;
+    bool beginsBlock = false; // at level 0 blocks are counted by their keys
+};
+
+template <class Key>
+BlockWalk<Key>::BlockWalk(const index::IndexReader& reader, std::uint64_t cacheBytes)
+    : reader_(reader), skipList_(reader.meta().levels), cache_(reader, cacheBytes), lazyLevels_(cacheBytes / 4) {}
+
+template <class Key>
+Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(const std::vector<WalkSegment>& segments,
+                                                                              SlideStats& stats) {
+    using Lazy = index::LazyLevels<Key>;
+    const int top = skipList_.levelCount() - 1;
+    typename Lazy::Below below;
+    below.pages = [&](std::uint64_t b) -> Result<std::vector<typename Lazy::Page>> {
+        const index::BlockEntry& block = skipList_.block(top, b);
+        std::vector<typename Lazy::Page> pages;
+        for (std::uint64_t p = 0; p < block.pageCount; ++p) {
+            auto lookup = cache_.get(top, block.firstPage + p);
+            if (!lookup.isOk())
+                return std::move(lookup).error();
+            stats.bytesRead += lookup.value().bytesRead;
+            pages.push_back(std::move(lookup).value().page);
+        }
+        return pages;
+    };
+    below.interval = [&](std::uint64_t begin, std::uint64_t end) {
+        return std::pair{skipList_.block(top, begin).firstKey, skipList_.block(top, end - 1).lastKey + 1};
+    };
+    std::vector<Task> tasks;
+    const auto addBlocks = [&](const WalkSegment& segment, std::uint64_t begin, std::uint64_t end) {
+        for (std::uint64_t b = begin; b < end; ++b) {
+            const index::BlockEntry& block = skipList_.block(segment.level, b);
+            for (std::uint64_t p = 0; p < block.pageCount; ++p)
+                tasks.push_back({&segment, block.firstPage + p, nullptr, segment.level, p == 0});
+        }
+    };
+    for (const WalkSegment& segment : segments) {
+        if (segment.level == 0) {
+            for (std::size_t page = segment.firstPage; page < segment.pageEnd; ++page)
+                tasks.push_back({&segment, page, nullptr, 0});
+        } else if (segment.level < top) {
+            addBlocks(segment, segment.firstBlock, segment.firstBlock + segment.blocks);
+        } else {
+            for (const typename Lazy::Group& group : Lazy::groupsOf(segment.firstBlock, segment.firstBlock + segment.blocks)) {
+                typename Lazy::Page merged;
+                if (group.level > 0) {
+                    auto made = lazyLevels_.get(group, below);
+                    if (!made.isOk())
+                        return std::move(made).error();
+                    merged = std::move(made).value();
+                }
+                if (merged)
+                    tasks.push_back({&segment, 0, std::move(merged), top + group.level});
+                else
+                    addBlocks(segment, group.firstBlock(), group.blockEnd());
+            }
+        }
+    }
+    return tasks;
+}
+
+// The records of a page that belong to the walk: all, or at level 0, which is in key order, those inside the
+// segment.
+template <class Key>
+typename BlockWalk<Key>::Part BlockWalk<Key>::partOf(const DecodedPage<Key>& page, const Task& task, WalkStep& step) {
+    if (task.level > 0)
+        return {page, 0, page.pointCount(), 0};
+    const WalkSegment& segment = *task.segment;
+    const auto low = std::partition_point(page.keys.begin(), page.keys.end(), [&](Key k) { return k < segment.beginKey; });
+    const auto high = std::partition_point(low, page.keys.end(), [&](Key k) { return k < segment.endKey; });
+    const auto begin = static_cast<std::size_t>(low - page.keys.begin()), end = static_cast<std::size_t>(high - page.keys.begin());
+    std::size_t entry = 0;
+    for (std::size_t i = 0; i < begin; ++i)
+        entry += static_cast<std::size_t>(std::popcount(page.masks[i]));
+    for (std::size_t i = begin; i < end; ++i)
+        step.blocks += i == begin || page.keys[i] != page.keys[i - 1];
+    return {page, begin, end, entry};
+}
+
+template <class Key>
+Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats& stats, std::stop_token stop, const Visit& visit) {
+    const std::vector<WalkSegment> segments = skipList_.plan(lower, upper);
+    auto madeTasks = makeTasks(segments, stats);
+    if (!madeTasks.isOk())
+        return std::move(madeTasks).error();
+    const std::vector<Task> tasks = std::move(madeTasks).value();
+    constexpr int kMaxLevels = index::kMaxSkipLevels + index::LazyLevels<Key>::kMaxLevel;
+
+    tbb::enumerable_thread_specific<std::vector<WalkStep>> allSteps([] { return std::vector<WalkStep>(kMaxLevels); });
+    std::atomic<std::uint64_t> bytesRead{0};
+    std::mutex errorMutex;
+    std::optional<Error> firstError;
+    tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
+        if (stop.stop_requested())
+            return;
+        const Task& task = tasks[i];
+        WalkStep& step = allSteps.local()[static_cast<std::size_t>(task.level)];
+        const auto take = [&](const DecodedPage<Key>& page) {
+            const Part part = partOf(page, task, step);
+            step.edges += visit(part) - part.firstEntry;
+        };
+        if (task.merged) {
+            ++step.blocks;
+            step.bytes += task.merged->memoryBytes();
+            take(*task.merged);
+            return;
+        }
+        auto lookup = cache_.get(task.segment->level, task.page);
+        if (!lookup.isOk()) {
+            const std::lock_guard lock(errorMutex);
+            firstError = std::move(lookup).error();
+            return;
+        }
+        bytesRead.fetch_add(lookup.value().bytesRead, std::memory_order_relaxed);
+        step.bytes += skipList_.page(task.level, task.page).bytes;
+        step.blocks += task.beginsBlock;
+        take(*lookup.value().page);
+    });
+    if (firstError)
+        return std::move(*firstError);
+    if (stop.stop_requested())
+        return cancelledError();
+
+    stats.bytesRead += bytesRead;
+    std::vector<WalkStep> levels(kMaxLevels);
+    for (const std::vector<WalkStep>& steps : allSteps)
+        for (std::size_t l = 0; l < levels.size(); ++l) {
+            levels[l].blocks += steps[l].blocks;
+            levels[l].edges += steps[l].edges;
+            levels[l].bytes += steps[l].bytes;
+        }
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+        levels[l].skipLevel = static_cast<int>(l);
+        stats.edgesTouched += levels[l].edges;
+        if (levels[l].bytes > 0)
+            stats.walk.push_back(levels[l]);
+    }
+    return {};
+}
+
+template class BlockWalk<std::uint16_t>;
+template class BlockWalk<std::uint32_t>;
+template class BlockWalk<std::uint64_t>;
+
+} // namespace isoslider::extract

@@ -1,0 +1,448 @@
+#include "core/extract/sources/brick_source.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <exception>
+#include <system_error>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
+
+#include "core/base/job_control.h"
+#include "core/extract/live/stream_copy.h"
+
+namespace isoslider::extract {
+namespace {
+
+// Rows with a point in the string. A plane's 81 bits at a time: each bit becomes the or of itself and the next eight.
+PointRows rowsOf(const BitString& points) {
+    PointRows rows{};
+    const auto bitsAt = [&](std::size_t p) {
+        std::uint64_t bits;
+        std::memcpy(&bits, reinterpret_cast<const std::byte*>(points.words.data()) + p / 8, sizeof bits);
+        return bits >> (p % 8); // 56 of them at least
+    };
+    constexpr int kRowsAtOnce = 5; // 45 bits, and eight more
+    for (std::size_t z = 0; z < rows.size(); ++z) {
+        unsigned found = 0;
+        for (int first = 0; first < kPointSide; first += kRowsAtOnce) {
+            const int count = std::min(kRowsAtOnce, kPointSide - first);
+            const std::uint64_t bits = bitsAt(z * kPointStride[2] + static_cast<std::size_t>(kPointSide * first));
+            std::uint64_t any = bits | bits >> 1;
+            any |= any >> 2;
+            any |= any >> 4;
+            any |= bits >> 8;
+            for (int k = 0; k < count; ++k)
+                found |= static_cast<unsigned>(any >> (kPointSide * k) & 1) << (first + k);
+        }
+        rows[z] = static_cast<std::uint16_t>(found);
+    }
+    return rows;
+}
+
+} // namespace
+
+template <class Sample>
+struct BrickSource<Sample>::Scratch {
+    SampleBlock<Sample> block;
+    ClassifiedBrick<Stored> found;
+    BrickDraft<Live> draft;
+    std::vector<Job> pending;     ///< jobs that want samples which are not ready yet
+    std::vector<BrickIndex> read; ///< bricks whose samples were
+    std::uint64_t bricks = 0, edgesAdded = 0, edgesRemoved = 0;
+};
+
+// The corner scalars of cells of one brick.
+template <class Sample>
+class BrickSource<Sample>::Corners final : public CornerScalarsOfBrick {
+public:
+    explicit Corners(const LiveSamples& kept) : kept_(kept) {}
+    bool cornerScalars(ClosedPoint cell, std::uint8_t /*signs*/, cell::CornerScalars& scalars) override {
+        for (unsigned c = 0; c < 8; ++c)
+            scalars[c] = static_cast<double>(sampleOf<Sample>(kept_.samples[cell + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
+        return true;
+    }
+
+private:
+    const LiveSamples& kept_;
+};
+
+template <class Sample>
+BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples, std::uint64_t cacheBytes)
+    : WalkedSource<Sample>(bricks, cacheBytes), samples_(samples), slotOf_(bricks.grid().brickCount()), kept_(bricks.grid().brickCount()),
+      scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
+    slotOf_.grow(bricks.grid().brickCount());
+    for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
+        inverseSpacing_[a] = static_cast<float>(1.0 / std::abs(bricks.info().geometry.spacing[a]));
+}
+
+template <class Sample>
+BrickSource<Sample>::~BrickSource() = default;
+
+template <class Sample>
+void BrickSource<Sample>::reset() {
+    slotOf_.clear();
+    slotOf_.grow(reader_.grid().brickCount());
+    kept_.clear();
+    watch_.clear();
+    brickOf_.clear();
+}
+
+// Bricks that come or go between two thresholds.
+template <class Sample>
+Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats,
+                                      std::stop_token stop, NetBricks& net) {
+    tbb::enumerable_thread_specific<NetBricks> nets;
+    const auto take = [&](const Part& part) {
+        NetBricks& local = nets.local();
+        std::size_t entry = part.firstEntry;
+        for (std::size_t i = part.begin; i < part.end; ++i, ++entry) { // one entry a record
+            const std::uint64_t far = part.page.farKeys[entry];
+            if (far >= lower && far < upper)
+                continue; // comes and goes within the move
+            const auto brick = static_cast<BrickIndex>(part.page.ids[i] / kBrickPoints);
+            ((far > part.page.keys[i]) == goesUp ? local.arrive : local.leave).push_back(brick);
+        }
+        return entry;
+    };
+    ISO_TRY(walk_.visit(lower, upper, stats, stop, take));
+    for (const NetBricks& local : nets) {
+        net.arrive.insert(net.arrive.end(), local.arrive.begin(), local.arrive.end());
+        net.leave.insert(net.leave.end(), local.leave.begin(), local.leave.end());
+    }
+    return {};
+}
+
+template <class Sample>
+Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
+                                            std::vector<Job>& jobs) {
+    NetBricks net;
+    ISO_TRY(netBricks(std::min(move.from, move.to), std::max(move.from, move.to), move.from < move.to, stats, stop, net));
+    for (const BrickIndex brick : net.leave) {
+        if (slotOf_[brick] == 0)
+            continue; // points without cells
+        const BrickSlot slot = std::exchange(slotOf_[brick], 0) - 1;
+        stats.edgesRemoved += surface.brick(slot).ownedEdges;
+        stats.cellsRetriangulated += static_cast<std::uint64_t>(surface.brick(slot).cells.count());
+        surface.remove(slot);
+        watch_[slot] = {};
+    }
+    sortForReading(net.arrive, false);
+    for (const BrickIndex brick : net.arrive) {
+        if (!surface.shapes().hasCells(brick))
+            continue;
+        if (slotOf_[brick] != 0)
+            return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice", reader_.pathString());
+        const BrickSlot slot = surface.add(brick);
+        slotOf_[brick] = slot + 1;
+        kept_.grow(slot + std::uint64_t{1});
+        if (slot >= watch_.size()) {
+            watch_.resize(slot + 1);
+            brickOf_.resize(slot + 1);
+        }
+        watch_[slot] = {};
+        brickOf_[slot] = brick;
+        jobs.push_back({slot, true});
+    }
+    return {};
+}
+
+// Bricks active before and after: those in which something changes, and others whose vertices inside cells move.
+template <class Sample>
+void BrickSource<Sample>::listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs,
+                                      std::vector<BrickSlot>& refreshed) const {
+    for (BrickSlot slot = 0; slot < watch_.size(); ++slot) {
+        if (watch_[slot].isCrossed(move.from, move.to) || !surface.stateInterval(slot).contains(move.isovalue))
+            jobs.push_back({slot, false});
+        else if (surface.hasInnerVertices(slot))
+            refreshed.push_back(slot);
+    }
+}
+
+template <class Sample>
+Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) {
+    ahead_ = {}; // stops it
+    stats.bytesAhead += std::exchange(bytesAhead_, 0);
+    if (move.from == lowest() || move.from == highest()) // nothing is active there; perhaps a move was broken off
+        reset();
+    std::vector<Job> jobs;
+    std::vector<BrickSlot> refreshed;
+    listCrossed(move, surface, jobs, refreshed);
+    std::vector<Job> arrived;
+    ISO_TRY(changeActiveSet(move, surface, stats, stop, arrived));
+    std::erase_if(jobs, [&](const Job& job) { return !surface.brick(job.slot).isLive; }); // crossed and left
+    std::erase_if(refreshed, [&](BrickSlot slot) { return !surface.brick(slot).isLive; });
+    // A slot that a leaving brick gave up may be an arriving one's.
+    std::vector<bool> isNew(watch_.size(), false);
+    for (const Job& job : arrived)
+        isNew[job.slot] = true;
+    std::erase_if(jobs, [&](const Job& job) { return isNew[job.slot]; });
+    std::erase_if(refreshed, [&](BrickSlot slot) { return isNew[slot]; });
+    jobs.insert(jobs.end(), arrived.begin(), arrived.end());
+
+    for (Scratch& scratch : *scratches_) {
+        scratch.draft.beginMove();
+        scratch.bricks = scratch.edgesAdded = scratch.edgesRemoved = 0;
+    }
+    ISO_TRY(runJobs(move, surface, std::move(jobs), stats, stop));
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, refreshed.size(), 16), [&](const tbb::blocked_range<std::size_t>& range) {
+        Scratch& scratch = scratches_->local();
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+            Corners corners(kept_[refreshed[i]]);
+            surface.refreshInnerVertices(refreshed[i], scratch.draft, corners, move.isovalue);
+        }
+    });
+    for (const Scratch& scratch : *scratches_) {
+        surface.finishMove(scratch.draft);
+        stats.bricksRead += scratch.bricks;
+        stats.edgesAdded += scratch.edgesAdded;
+        stats.edgesRemoved += scratch.edgesRemoved;
+        stats.edgesTouched += scratch.edgesAdded + scratch.edgesRemoved;
+        stats.cellsResolved += scratch.draft.counts.cellsDecided;
+        stats.cellsRetriangulated += scratch.draft.counts.cellsChanged;
+    }
+    return {};
+}
+
+template <class Sample>
+void BrickSource<Sample>::sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const {
+    struct Placed {
+        std::uint64_t order;
+        BrickIndex brick;
+    };
+    std::vector<Placed> placed;
+    placed.reserve(bricks.size());
+    for (const BrickIndex brick : bricks)
+        placed.push_back({samples_.orderOf(brick), brick});
+    tbb::parallel_sort(placed.begin(), placed.end(), [backwards](const Placed& a, const Placed& b) {
+        return backwards ? a.order > b.order : a.order < b.order;
+    });
+    std::transform(placed.begin(), placed.end(), bricks.begin(), [](const Placed& p) { return p.brick; });
+}
+
+// Most of a move is waiting for memory: a brick's lines are asked for while the one before is made.
+template <class Sample>
+void BrickSource<Sample>::prefetchBrick(const LiveSurface<Live>& surface, const Job& job) const {
+    surface.prefetch(job.slot);
+    const auto* const kept = reinterpret_cast<const char*>(&kept_[job.slot]);
+    if (job.isNew) {
+        samples_.prefetch(brickOf_[job.slot]);
+        for (std::size_t line = 0; line < sizeof(LiveSamples); line += 64)
+            __builtin_prefetch(kept + line, 1, 3);
+    } else {
+        for (std::size_t line = 0; line < sizeof(LiveSamples); line += 64)
+            __builtin_prefetch(kept + line, 0, 2);
+    }
+}
+
+// First what needs nothing but what is in memory; then, in batches and in the order in which samples lie, what must be read.
+template <class Sample>
+Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
+                                    std::stop_token stop) {
+    const auto run = [&](std::span<const Job> some) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, some.size(), 16), [&](const tbb::blocked_range<std::size_t>& range) {
+            Scratch& scratch = scratches_->local();
+            for (std::size_t i = range.begin(); i != range.end() && !stop.stop_requested(); ++i) {
+                if (i + 2 < range.end())
+                    surface.prefetchHead(some[i + 2].slot);
+                if (i + 1 < range.end())
+                    prefetchBrick(surface, some[i + 1]);
+                if (!rebuild(move, surface, some[i], scratch))
+                    scratch.pending.push_back(some[i]);
+            }
+            finishStreams();
+        });
+        return stop.stop_requested() ? Status(cancelledError()) : Status();
+    };
+    for (Scratch& scratch : *scratches_) {
+        scratch.pending.clear();
+        scratch.read.clear();
+    }
+    ISO_TRY(run(jobs));
+    std::vector<BrickIndex> bricks;
+    std::vector<bool> isNew(watch_.size(), false);
+    for (const Scratch& scratch : *scratches_) {
+        samples_.touch(scratch.read);
+        for (const Job& job : scratch.pending) {
+            bricks.push_back(brickOf_[job.slot]);
+            isNew[job.slot] = job.isNew;
+        }
+    }
+    if (bricks.empty())
+        return {};
+    // Alternately forwards and backwards: what a cache smaller than the surface still holds is used before it is evicted.
+    readsBackwards_ = !readsBackwards_;
+    sortForReading(bricks, readsBackwards_);
+    for (std::span<const BrickIndex> rest(bricks); !rest.empty();) {
+        const auto ready = samples_.prepare(rest, stats, stop);
+        if (!ready.isOk())
+            return ready.error();
+        std::vector<Job> batch;
+        for (const BrickIndex brick : rest.first(ready.value()))
+            batch.push_back({slotOf_[brick] - 1, isNew[slotOf_[brick] - 1]});
+        ISO_TRY(run(batch));
+        rest = rest.subspan(ready.value());
+    }
+    return {};
+}
+
+// Keeps the samples of the block that was read: ordered, and without what would disturb comparisons. Outside the box
+// and at missing values stands some sample of the brick; masks leave those points out.
+template <class Sample>
+void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, LiveSamples& kept, Scratch& scratch) const {
+    SampleBlock<Sample>& block = scratch.block;
+    samples_.read(brick, block);
+    kept.hasNormal = {};
+    const bool isInside = std::min({block.end[0], block.end[1], block.end[2]}) >= kPointSide;
+    if (isInside && (std::is_integral_v<Sample> || !isNearMissing)) {
+        Stored* out = kept.samples;
+        for (int z = 0; z < kPointSide; ++z)
+            for (int y = 0; y < kPointSide; ++y, out += kPointSide) {
+                const Sample* const row = block.samples.data() + block.offset(0, y, z);
+                if constexpr (std::is_same_v<Sample, Stored>)
+                    std::memcpy(out, row, kPointSide * sizeof(Stored));
+                else
+                    for (int x = 0; x < kPointSide; ++x)
+                        out[x] = storedOf(row[x]);
+            }
+        std::fill(out, kept.samples + kPaddedPoints, kept.samples[0]);
+        return;
+    }
+    Stored any{};
+    bool hasAny = false;
+    for (int z = 0; z < std::min(kPointSide, block.end[2]) && !hasAny; ++z)
+        for (int y = 0; y < std::min(kPointSide, block.end[1]) && !hasAny; ++y)
+            for (int x = 0; x < std::min(kPointSide, block.end[0]) && !hasAny; ++x)
+                if (const Sample s = block.samples[static_cast<std::size_t>(block.offset(x, y, z))]; !isMissing(s)) {
+                    any = storedOf(s);
+                    hasAny = true;
+                }
+    Stored* out = kept.samples;
+    for (int z = 0; z < kPointSide; ++z)
+        for (int y = 0; y < kPointSide; ++y) {
+            const Sample* row = block.samples.data() + block.offset(0, y, z);
+            for (int x = 0; x < kPointSide; ++x) {
+                const bool exists = isInside || block.isInside(x, y, z);
+                *out++ = exists && !isMissing(row[x]) ? storedOf(row[x]) : any;
+            }
+        }
+    std::fill(out, kept.samples + kPaddedPoints, any);
+}
+
+// Normals at the points where edges end that have none yet, a whole row at a time. The rows beside them too would be
+// ready for the next move, but most of them are never asked for.
+template <class Sample>
+bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job, const BitString& ends, LiveSamples& kept,
+                                          Scratch& scratch) const {
+    BitString wanted;
+    std::uint64_t any = 0;
+    for (std::size_t w = 0; w < kBitWords; ++w)
+        any |= wanted.words[w] = ends.words[w] & ~kept.hasNormal.words[w];
+    if (any == 0)
+        return true;
+    const PointRows rows = rowsOf(wanted);
+    if (!job.isNew) {
+        const BrickIndex brick = brickOf_[job.slot];
+        if (!samples_.isReady(brick))
+            return false;
+        scratch.read.push_back(brick);
+        samples_.readRows(brick, rows, scratch.block);
+    }
+    if (surface.brick(job.slot).isNearMissing)
+        findNormalsPlainly(scratch.block, rows, inverseSpacing_, kept.normals);
+    else
+        findNormals(scratch.block, rows, inverseSpacing_, kept.normals);
+    for (unsigned z = 0; z < kPointSide; ++z)
+        for (unsigned left = rows[z]; left != 0; left &= left - 1) {
+            const unsigned first = kPointSide * (static_cast<unsigned>(std::countr_zero(left)) + kPointSide * z);
+            constexpr std::uint64_t kRowBits = (1u << kPointSide) - 1;
+            kept.hasNormal.words[first >> 6] |= kRowBits << (first & 63);
+            if ((first & 63) + kPointSide > 64)
+                kept.hasNormal.words[(first >> 6) + 1] |= kRowBits >> (64 - (first & 63));
+        }
+    return true;
+}
+
+// False when samples are wanted that are not ready.
+template <class Sample>
+bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
+    const BrickIndex brick = brickOf_[job.slot];
+    if (job.isNew && !samples_.isReady(brick))
+        return false;
+    LiveSamples& kept = kept_[job.slot];
+    if (job.isNew) {
+        scratch.read.push_back(brick);
+        take(brick, surface.brick(job.slot).isNearMissing, kept, scratch);
+    }
+    ClassifiedBrick<Stored>& found = scratch.found;
+    classify(kept.samples, storedThreshold<Sample>(move.to), surface.masks(job.slot), job.isNew ? nullptr : &surface.brick(job.slot).above, found);
+
+    if (!completeNormals(surface, job, found.ends, kept, scratch))
+        return false;
+
+    BrickDraft<Live>& draft = scratch.draft;
+    draft.above = found.above;
+    draft.active = found.active;
+    draft.changed = found.changed;
+    draft.ownedEdges = found.ownedEdges;
+    draft.edgeVertices = gatherRecords<Sample>(kept.samples, kept.normals, found.active, draft.records.data(), draft.vertices);
+    Corners corners(kept);
+    surface.replace(job.slot, draft, corners, move.isovalue);
+    watch_[job.slot] = {keyOf(sampleOf<Sample>(found.up)), keyOf(sampleOf<Sample>(found.down))};
+    scratch.edgesAdded += found.edgesAdded;
+    scratch.edgesRemoved += found.edgesRemoved;
+    ++scratch.bricks;
+    return true;
+}
+
+template <class Sample>
+void BrickSource<Sample>::prefetch(KeyThreshold from, KeyThreshold to) {
+    // More than that is a jump, of which there is no knowing where the next one goes.
+    constexpr std::uint64_t kMaxEntries = 1u << 16;
+    if (from == to || !samples_.fetchesAhead() || walk_.estimate(std::min(from, to), std::max(from, to)) > kMaxEntries)
+        return;
+    // If anything goes wrong, the move itself will report it; without a thread, nothing is read ahead.
+    try {
+        ahead_ = std::jthread([this, from, to](std::stop_token stop) {
+            try {
+                (void)readAhead(from, to, stop);
+            } catch (const std::exception&) {
+            }
+        });
+    } catch (const std::system_error&) {
+    }
+}
+
+template <class Sample>
+Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop) {
+    tbb::task_arena one(1); // the picture is being drawn meanwhile
+    return one.execute([&]() -> Status {
+        SlideStats stats;
+        NetBricks net;
+        Status fetched = netBricks(std::min(from, to), std::max(from, to), from < to, stats, stop, net);
+        if (fetched.isOk()) {
+            for (BrickSlot slot = 0; slot < watch_.size(); ++slot)
+                if (watch_[slot].isCrossed(from, to))
+                    net.arrive.push_back(brickOf_[slot]);
+            sortForReading(net.arrive, !readsBackwards_);
+            fetched = samples_.fetch(net.arrive, stats, stop);
+        }
+        bytesAhead_ = stats.bytesRead;
+        return fetched;
+    });
+}
+
+template class BrickSource<std::uint8_t>;
+template class BrickSource<std::int8_t>;
+template class BrickSource<std::uint16_t>;
+template class BrickSource<std::int16_t>;
+template class BrickSource<std::int32_t>;
+template class BrickSource<float>;
+template class BrickSource<double>;
+
+} // namespace isoslider::extract

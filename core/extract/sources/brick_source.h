@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include "core/extract/live/chunked_array.h"
+#include "core/extract/sources/sample_kernels.h"
+#include "core/extract/sources/sample_reader.h"
+#include "core/extract/sources/walked_source.h"
+#include "core/index/index_reader.h"
+
+namespace isoslider::extract {
+
+/// Changes of the live surface from bricks of samples (the paper's metacells, section 3).
+///
+/// A brick is active at the thresholds between the least and the greatest of its 9^3 samples, and only then has it
+/// active edges. So bricks become active and inactive at values as edges do, and their skip list is the same list: a
+/// record is a brick at its least (far key: greatest) or greatest key, a brick with both ends in a block's interval
+/// is redundant there.
+///
+/// A move takes the net changes of the set of active bricks from the list. Bricks that leave are dropped without being
+/// read; those that arrive are read once and their samples kept, as small as their type allows, with the normals that
+/// edges have needed so far. Of bricks active at both ends those change which have a sample in between: each knows
+/// the nearest keys on either side of the position, so the others cost the reading of 16 bytes. A brick that changes
+/// is made from its signs, 64 points at a time: see LIVE.md.
+///
+/// Cost: O(log N + bricks that come, go or have a crossed sample) and 16 bytes per active brick.
+template <class Sample>
+class BrickSource final : public WalkedSource<Sample> {
+public:
+    using typename WalkedSource<Sample>::Key;
+    using typename WalkedSource<Sample>::Live;
+    using WalkedSource<Sample>::lowest;
+    using WalkedSource<Sample>::highest;
+    using typename ChangeSource<Live>::Move;
+
+    /// `bricks` is the list of brick changes; it and `samples` must outlive the source.
+    BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples, std::uint64_t cacheBytes);
+    ~BrickSource() override;
+
+    Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) override;
+    /// Nothing but from an empty surface: bricks that stay are never dearer than bricks that arrive.
+    std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
+        return from == lowest() || from == highest() ? walk_.estimate(std::min(from, to), std::max(from, to)) : 0;
+    }
+    /// Reads the samples of bricks that will arrive or be crossed, as far as there is room.
+    void prefetch(KeyThreshold from, KeyThreshold to) override;
+    void waitForPrefetch() override {
+        if (ahead_.joinable())
+            ahead_.join();
+    }
+    void dropCaches() override {
+        walk_.dropCaches();
+        samples_.dropCaches();
+    }
+
+private:
+    using typename WalkedSource<Sample>::Part;
+    using WalkedSource<Sample>::reader_;
+    using WalkedSource<Sample>::walk_;
+    using Stored = StoredSample<Sample>;
+
+    /// What is kept of a live brick's samples.
+    struct LiveSamples {
+        alignas(64) Stored samples[kPaddedPoints];
+        NormalCode normals[kPaddedPoints];
+        BitString hasNormal;
+    };
+    /// The nearest keys of a live brick: `up` is the least that is not below the position, `down` the greatest that
+    /// is. A slot without a brick is never crossed.
+    struct Watch {
+        std::uint64_t up = ~std::uint64_t{0};
+        std::uint64_t down = 0;
+        bool isCrossed(KeyThreshold from, KeyThreshold to) const { return from < to ? up < to : down >= to; }
+    };
+    struct Job {
+        BrickSlot slot;
+        bool isNew;
+    };
+    struct NetBricks {
+        std::vector<BrickIndex> arrive, leave;
+    };
+    struct Scratch;
+    class Corners;
+
+    void reset();
+    Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats, std::stop_token stop, NetBricks& net);
+    Status changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop, std::vector<Job>& jobs);
+    void listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs, std::vector<BrickSlot>& refreshed) const;
+    Status runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats, std::stop_token stop);
+    void prefetchBrick(const LiveSurface<Live>& surface, const Job& job) const;
+    bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    void take(BrickIndex brick, bool isNearMissing, LiveSamples& kept, Scratch& scratch) const;
+    bool completeNormals(const LiveSurface<Live>& surface, const Job& job, const BitString& ends, LiveSamples& kept,
+                         Scratch& scratch) const;
+    void sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const;
+    Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
+
+    SampleReader<Sample>& samples_;
+    glm::vec3 inverseSpacing_;
+    ChunkedArray<std::uint32_t, 16> slotOf_;     ///< by brick; one more than the slot, 0 for none
+    ChunkedArray<LiveSamples, 10> kept_;         ///< by slot
+    std::vector<Watch> watch_;                   ///< by slot
+    std::vector<BrickIndex> brickOf_;            ///< by slot, where there is a brick
+    bool readsBackwards_ = false;
+    std::uint64_t bytesAhead_ = 0;
+    std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;
+    std::jthread ahead_; ///< the last member: it uses the others
+};
+
+} // namespace isoslider::extract

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <stop_token>
+
+#include "core/base/result.h"
+#include "core/extract/live/live_surface.h"
+#include "core/grid/scalar_key.h"
+
+namespace isoslider::extract {
+
+/// The seam that everything hangs on: what changes between two isovalues. Edge blocks are one source; bricks of
+/// samples, on disk or in memory, are others. All feed the same live surface, which knows none of them: they find out
+/// which bricks change, and what is in those.
+template <class Live>
+class ChangeSource {
+public:
+    struct Move {
+        KeyThreshold from, to;
+        double isovalue; ///< that `to` is the threshold of
+    };
+
+    virtual ~ChangeSource() = default;
+
+    /// Brings `surface` from one threshold to the other: adds, replaces and removes bricks. Fills `stats` with what
+    /// was read and what changed. A move from lowest() or highest() starts with an empty surface, whatever was before.
+    /// O(log N + K). Errors: IoError, Corruption, Cancelled; the surface must be cleared then.
+    virtual Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) = 0;
+
+    /// Entries that move() would look at, about; decides between patching and building again.
+    virtual std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const = 0;
+
+    /// The next move may be from `from` to `to`: what it needs may be fetched in the background until then.
+    /// Returns at once.
+    virtual void prefetch(KeyThreshold /*from*/, KeyThreshold /*to*/) {}
+    /// Waits until what prefetch() asked for has been read.
+    virtual void waitForPrefetch() {}
+    /// Forgets what is kept of what has been read, after waitForPrefetch().
+    virtual void dropCaches() {}
+
+    /// The threshold of an isovalue in the volume's scalar type.
+    virtual KeyThreshold threshold(double isovalue) const = 0;
+    /// Thresholds below and above every sample, where the surface is empty.
+    virtual KeyThreshold lowest() const = 0;
+    virtual KeyThreshold highest() const = 0;
+};
+
+} // namespace isoslider::extract

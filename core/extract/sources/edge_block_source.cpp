@@ -1,0 +1,491 @@
+#include "core/extract/sources/edge_block_source.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <optional>
+
+#include <tbb/parallel_for.h>
+
+#include "core/base/job_control.h"
+#include "core/extract/live/cell_triangles.h"
+#include "core/extract/live/stream_copy.h"
+
+namespace isoslider::extract {
+namespace {
+
+constexpr std::uint32_t kEndOfChain = ~std::uint32_t{0};
+constexpr std::uint64_t kKeptEntries = 1u << 16;
+
+} // namespace
+
+template <class Sample>
+struct EdgeBlockSource<Sample>::Scratch {
+    BrickDraft<Live> draft;
+    // Changes of the partition at hand: entries, and for each the next one of its brick.
+    std::vector<BrickSlot> touched;
+    std::vector<const Activated*> activated;
+    std::vector<const Deactivated*> deactivated;
+    std::vector<std::uint32_t> nextActivated, nextDeactivated;
+    std::vector<Record> added; // of the brick at hand, in order
+    std::vector<BrickSlot> emptied;
+    std::optional<Error> error;
+    bool isConsistent = true;
+
+    void beginMove() {
+        draft.beginMove();
+        emptied.clear();
+        error.reset();
+        isConsistent = true;
+    }
+};
+
+// Corner scalars of cells from the records of their active edges; the corner that lies on none is looked up.
+template <class Sample>
+class EdgeBlockSource<Sample>::Corners final : public CornerScalarsOfBrick {
+public:
+    Corners(index::HiddenCorners& hidden, BrickIndex brick, const BrickDraft<Live>& draft, const Record* records, std::optional<Error>& error)
+        : hidden_(hidden), brick_(brick), draft_(draft), records_(records), error_(error) {}
+
+    bool cornerScalars(ClosedPoint cell, std::uint8_t signs, cell::CornerScalars& scalars) override {
+        for (unsigned mask = cell::activeEdges(signs); mask != 0; mask &= mask - 1) {
+            const auto e = static_cast<std::size_t>(std::countr_zero(mask));
+            const Record& record = records_[draft_.vertices.numbers[4 * std::size_t{cell} + kPlaceOfCellEdge[e]]];
+            scalars[cell::kCellEdges[e].lowerCorner] = static_cast<double>(record.scalar1);
+            scalars[cell::kCellEdges[e].upperCorner] = static_cast<double>(record.scalar2);
+        }
+        const int corner = cell::hiddenCorner(signs);
+        if (corner < 0)
+            return true;
+        scalars[static_cast<std::size_t>(corner)] = 0.0; // matters only for tunnels
+        const auto c = coordsOf(cell);
+        auto found = hidden_.find(brick_, static_cast<LocalPoint>(c[0] + 8 * (c[1] + 8 * c[2])), corner);
+        if (!found.isOk()) {
+            error_ = std::move(found).error();
+            return false;
+        }
+        if (!found.value())
+            return false;
+        scalars[static_cast<std::size_t>(corner)] = *found.value();
+        return true;
+    }
+
+private:
+    index::HiddenCorners& hidden_;
+    BrickIndex brick_;
+    const BrickDraft<Live>& draft_;
+    const Record* records_;
+    std::optional<Error>& error_;
+};
+
+template <class Sample>
+void EdgeBlockSource<Sample>::Lists::clear() {
+    for (std::size_t p = 0; p < kPartitions; ++p) {
+        activated[p].clear();
+        deactivated[p].clear();
+    }
+    edgesAdded = edgesRemoved = 0;
+}
+
+template <class Sample>
+EdgeBlockSource<Sample>::EdgeBlockSource(const index::IndexReader& reader, std::uint64_t cacheBytes)
+    : WalkedSource<Sample>(reader, cacheBytes), hiddenCorners_(reader), slotOf_(reader.grid().brickCount()), edges_(reader.grid().brickCount()),
+      lists_(std::make_unique<tbb::enumerable_thread_specific<Lists>>()),
+      scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
+    const std::uint64_t bricks = reader.grid().brickCount();
+    partitionScale_ = ((std::uint64_t{kPartitions} << 32) - 1) / std::max<std::uint64_t>(1, bricks);
+    slotOf_.grow(bricks);
+    for (int a = 0; a < 3; ++a)
+        cellBricks_[a] = (reader.grid().dims()[a] + kCellSide - 2) / kCellSide;
+}
+
+template <class Sample>
+EdgeBlockSource<Sample>::~EdgeBlockSource() = default;
+
+template <class Sample>
+void EdgeBlockSource<Sample>::reset() {
+    slotOf_.clear();
+    slotOf_.grow(reader_.grid().brickCount());
+    edges_.clear();
+    chains_.clear();
+}
+
+// Calls visit(brick, edge) for the closed bricks that hold the edge: where it lies on a brick's lower face, the brick
+// below does, too.
+template <class Sample>
+template <class Visit>
+void EdgeBlockSource<Sample>::forEachHolder(PointId start, int axis, const Visit& visit) const {
+    const BrickGrid& grid = reader_.grid();
+    const auto brick = static_cast<BrickIndex>(start / kBrickPoints);
+    const auto local = static_cast<int>(start % kBrickPoints);
+    const std::array<int, 3> c{local & 7, local >> 3 & 7, local >> 6};
+    const auto at = grid.brickCoords(brick);
+    const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
+    const int base = (axis << kEdgeAxisShift) + closedPoint(c[0], c[1], c[2]);
+    for (int k = 0; k < 4; ++k) {
+        const bool isBelowU = k & 1, isBelowV = k >> 1;
+        if ((isBelowU && (c[u] > 0 || at[u] == 0)) || (isBelowV && (c[v] > 0 || at[v] == 0)))
+            continue;
+        const bool hasCells = at[u] - isBelowU < cellBricks_[static_cast<int>(u)] && at[v] - isBelowV < cellBricks_[static_cast<int>(v)];
+        if (!hasCells)
+            continue;
+        const std::int64_t holder = std::int64_t{brick} - (isBelowU ? grid.brickStride(static_cast<int>(u)) : 0) -
+                                    (isBelowV ? grid.brickStride(static_cast<int>(v)) : 0);
+        const int edge = base + (isBelowU ? kCellSide * kPointStride[u] : 0) + (isBelowV ? kCellSide * kPointStride[v] : 0);
+        visit(static_cast<BrickIndex>(holder), static_cast<ClosedEdge>(edge));
+    }
+}
+
+template <class Sample>
+std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lower, KeyThreshold upper, bool goesUp) {
+    Lists& lists = lists_->local();
+    const BrickGrid& grid = reader_.grid();
+    const index::DecodedPage<Key>& page = part.page;
+    std::size_t entry = part.firstEntry;
+    static constexpr int kLocalStride[3] = {1, 8, 64};
+    for (std::size_t i = part.begin; i < part.end; ++i) {
+        const PointId id = page.ids[i];
+        const Key key = page.keys[i];
+        const Live near = static_cast<Live>(sampleOfKey<Sample>(key));
+        for (unsigned mask = page.masks[i]; mask != 0; mask &= mask - 1, ++entry) {
+            const std::uint64_t farKey = page.farKeys[entry];
+            if (farKey >= lower && farKey < upper)
+                continue; // redundant: crossed at both ends
+            const int e = std::countr_zero(mask);
+            const int axis = e >> 1;
+            const bool isUpward = e & 1;
+            PointId start = id;
+            if (!isUpward) { // the edge starts at the far end
+                const int local = static_cast<int>(id % kBrickPoints);
+                const bool leaves = (local / kLocalStride[axis] & 7) == 0;
+                start = leaves ? id - static_cast<PointId>(grid.brickStride(axis)) * kBrickPoints + static_cast<PointId>(7 * kLocalStride[axis])
+                               : id - static_cast<PointId>(kLocalStride[axis]);
+            }
+            if ((farKey > key) != goesUp) {
+                ++lists.edgesRemoved;
+                forEachHolder(start, axis, [&](BrickIndex brick, ClosedEdge edge) {
+                    lists.deactivated[partitionOf(brick)].push_back({brick, edge});
+                });
+                continue;
+            }
+            ++lists.edgesAdded;
+            const Live far = static_cast<Live>(sampleOfKey<Sample>(page.farKeys[entry]));
+            forEachHolder(start, axis, [&](BrickIndex brick, ClosedEdge edge) {
+                const Record record = isUpward ? Record{edge, 0, page.normals[i], page.farNormals[entry], near, far}
+                                               : Record{edge, 0, page.farNormals[entry], page.normals[i], far, near};
+                lists.activated[partitionOf(brick)].push_back({brick, record});
+            });
+        }
+    }
+    return entry;
+}
+
+template <class Sample>
+Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface) {
+    for (const Lists& lists : *lists_)
+        for (const std::vector<Activated>& some : lists.activated)
+            for (const Activated& change : some) {
+                std::uint32_t& slot = slotOf_[change.brick];
+                if (slot != 0)
+                    continue;
+                const BrickSlot added = surface.add(change.brick);
+                slot = added + 1;
+                edges_.grow(added + std::uint64_t{1});
+                edges_[added] = {};
+            }
+    chains_.resize(surface.slotCount(), {kEndOfChain, kEndOfChain});
+    for (const Lists& lists : *lists_) // only a damaged index takes from a brick that has nothing
+        for (const std::vector<Deactivated>& some : lists.deactivated)
+            for (const Deactivated& change : some)
+                if (slotOf_[change.brick] == 0 && !surface.shapes().isNearMissing(change.brick))
+                    return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice", reader_.pathString());
+    return {};
+}
+
+template <class Sample>
+void EdgeBlockSource<Sample>::chainChanges(std::size_t partition, Scratch& scratch) {
+    scratch.touched.clear();
+    scratch.activated.clear();
+    scratch.deactivated.clear();
+    scratch.nextActivated.clear();
+    scratch.nextDeactivated.clear();
+    const auto chainOf = [&](BrickIndex brick) -> Chain* {
+        const std::uint32_t slot = slotOf_[brick];
+        if (slot == 0)
+            return nullptr;
+        Chain& chain = chains_[slot - 1];
+        if (chain.firstActivated == kEndOfChain && chain.firstDeactivated == kEndOfChain)
+            scratch.touched.push_back(slot - 1);
+        return &chain;
+    };
+    for (const Lists& lists : *lists_) {
+        for (const Activated& change : lists.activated[partition])
+            if (Chain* chain = chainOf(change.brick)) {
+                scratch.nextActivated.push_back(chain->firstActivated);
+                chain->firstActivated = static_cast<std::uint32_t>(scratch.activated.size());
+                scratch.activated.push_back(&change);
+            }
+        for (const Deactivated& change : lists.deactivated[partition])
+            if (Chain* chain = chainOf(change.brick)) {
+                scratch.nextDeactivated.push_back(chain->firstDeactivated);
+                chain->firstDeactivated = static_cast<std::uint32_t>(scratch.deactivated.size());
+                scratch.deactivated.push_back(&change);
+            }
+    }
+}
+
+// Bricks in which a cell changes though none of its edges does, and those whose vertices inside cells move.
+template <class Sample>
+void EdgeBlockSource<Sample>::listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface, std::vector<BrickSlot>& crossed,
+                                                 std::vector<BrickSlot>& refreshed) const {
+    for (BrickSlot slot = 0; slot < chains_.size(); ++slot) {
+        const Chain& chain = chains_[slot];
+        if (chain.firstActivated != kEndOfChain || chain.firstDeactivated != kEndOfChain)
+            continue;
+        if (!surface.stateInterval(slot).contains(move.isovalue))
+            crossed.push_back(slot);
+        else if (surface.hasInnerVertices(slot))
+            refreshed.push_back(slot);
+    }
+}
+
+template <class Sample>
+Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) {
+    if (move.from == lowest() || move.from == highest())
+        reset();
+    const KeyThreshold lower = std::min(move.from, move.to), upper = std::max(move.from, move.to);
+    // What a jump has left in the lists is given back when steps become small.
+    if (lastCollected_ > 4 * this->estimate(move.from, move.to) + kKeptEntries)
+        lists_->clear();
+    for (Lists& lists : *lists_)
+        lists.clear();
+    for (Scratch& scratch : *scratches_)
+        scratch.beginMove();
+    ISO_TRY(walk_.visit(lower, upper, stats, stop, [&](const Part& part) { return collect(part, lower, upper, move.from < move.to); }));
+    lastCollected_ = 0;
+    for (const Lists& lists : *lists_) {
+        stats.edgesAdded += lists.edgesAdded;
+        stats.edgesRemoved += lists.edgesRemoved;
+        lastCollected_ += lists.edgesAdded + lists.edgesRemoved;
+    }
+    ISO_TRY(addArrivingBricks(surface));
+    const std::uint64_t hiddenBytes = hiddenCorners_.bytesRead();
+
+    // All chains first: which bricks change must be known before the others are looked through.
+    std::vector<BrickSlot> crossed, refreshed;
+    std::array<std::vector<BrickSlot>, kPartitions> changedBy;
+    tbb::parallel_for(std::size_t{0}, kPartitions, [&](std::size_t partition) {
+        Scratch& scratch = scratches_->local();
+        chainChanges(partition, scratch);
+        std::sort(scratch.touched.begin(), scratch.touched.end());
+        changedBy[partition] = scratch.touched;
+        for (const BrickSlot slot : changedBy[partition]) {
+            if (stop.stop_requested())
+                return;
+            changeBrick(slot, move, surface, scratch);
+        }
+        finishStreams();
+    });
+    if (stop.stop_requested())
+        return cancelledError();
+    for (const std::vector<BrickSlot>& slots : changedBy)
+        for (const BrickSlot slot : slots)
+            chains_[slot] = {0, 0}; // they are done
+    listCrossedSaddles(move, surface, crossed, refreshed);
+    for (const std::vector<BrickSlot>& slots : changedBy)
+        for (const BrickSlot slot : slots)
+            chains_[slot] = {kEndOfChain, kEndOfChain};
+    tbb::parallel_for(std::size_t{0}, crossed.size(), [&](std::size_t i) {
+        if (!stop.stop_requested())
+            changeBrick(crossed[i], move, surface, scratches_->local());
+        finishStreams();
+    });
+    tbb::parallel_for(std::size_t{0}, refreshed.size(), [&](std::size_t i) {
+        if (stop.stop_requested())
+            return;
+        Scratch& scratch = scratches_->local();
+        Corners corners(hiddenCorners_, surface.brick(refreshed[i]).index, scratch.draft, surface.records(refreshed[i]), scratch.error);
+        surface.refreshInnerVertices(refreshed[i], scratch.draft, corners, move.isovalue);
+    });
+    if (stop.stop_requested())
+        return cancelledError();
+
+    for (Scratch& scratch : *scratches_) {
+        if (scratch.error)
+            return std::move(*scratch.error);
+        if (!scratch.isConsistent)
+            return makeError(ErrorCode::Corruption, "index contradicts itself: its edges are those of no scalars", reader_.pathString());
+        surface.finishMove(scratch.draft);
+        stats.cellsResolved += scratch.draft.counts.cellsDecided;
+        stats.cellsRetriangulated += scratch.draft.counts.cellsChanged;
+    }
+    for (const Scratch& scratch : *scratches_)
+        for (const BrickSlot slot : scratch.emptied) {
+            slotOf_[surface.brick(slot).index] = 0;
+            surface.remove(slot);
+        }
+    stats.bytesRead += hiddenCorners_.bytesRead() - hiddenBytes;
+    return {};
+}
+
+// Applies the changes of a brick to its bits, and lists the new records in order. False when they contradict each other.
+template <class Sample>
+bool EdgeBlockSource<Sample>::toggle(BrickSlot slot, LiveSurface<Live>& surface, Scratch& scratch) {
+    std::array<BitString, 3>& edges = edges_[slot];
+    const BrickMasks& masks = surface.masks(slot);
+    const Chain chain = chains_[slot];
+    scratch.added.clear();
+    for (std::uint32_t i = chain.firstDeactivated; i != kEndOfChain; i = scratch.nextDeactivated[i]) {
+        const ClosedEdge edge = scratch.deactivated[i]->edge;
+        const unsigned axis = edge >> kEdgeAxisShift, p = edge & kEdgePointMask;
+        if (!masks.edges[axis].test(p))
+            continue; // of no valid cell of this brick
+        if (!edges[axis].test(p))
+            return false;
+        edges[axis].flip(p);
+    }
+    for (std::uint32_t i = chain.firstActivated; i != kEndOfChain; i = scratch.nextActivated[i]) {
+        const Record& record = scratch.activated[i]->record;
+        const unsigned axis = record.edge >> kEdgeAxisShift, p = record.edge & kEdgePointMask;
+        if (!masks.edges[axis].test(p))
+            continue;
+        if (edges[axis].test(p))
+            return false;
+        edges[axis].flip(p);
+        scratch.added.push_back(record);
+    }
+    std::sort(scratch.added.begin(), scratch.added.end(), [](const Record& a, const Record& b) { return a.edge < b.edge; });
+    return true;
+}
+
+// The records of edges that stay and of those that were added, in order.
+template <class Sample>
+void EdgeBlockSource<Sample>::mergeRecords(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
+    const std::array<BitString, 3>& edges = edges_[slot];
+    BrickDraft<Live>& draft = scratch.draft;
+    const std::uint32_t had = surface.brick(slot).edgeVertices;
+    const Record* old = had > 0 ? surface.records(slot) : nullptr;
+    std::uint32_t count = 0;
+    auto added = scratch.added.begin();
+    for (std::uint32_t k = 0; k < had; ++k) {
+        const ClosedEdge edge = old[k].edge;
+        while (added != scratch.added.end() && added->edge < edge)
+            draft.records[count++] = *added++;
+        if (edges[edge >> kEdgeAxisShift].test(edge & kEdgePointMask))
+            draft.records[count++] = old[k];
+    }
+    draft.edgeVertices = static_cast<std::uint32_t>(std::copy(added, scratch.added.end(), draft.records.begin() + count) - draft.records.begin());
+}
+
+// Signs of the corners of all active cells. Those at the ends of active edges follow from the edges' scalars; every
+// other corner of an active cell is at most two inactive edges of the cell away from one of these and has its sign.
+// False when the edges are those of no scalars: only a damaged index has such.
+template <class Sample>
+bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
+    const std::array<BitString, 3>& edges = edges_[slot];
+    const BrickMasks& masks = surface.masks(slot);
+    BrickDraft<Live>& draft = scratch.draft;
+    draft.active.edges = edges;
+    BitString above;
+    for (std::uint32_t k = 0; k < draft.edgeVertices; ++k) {
+        const Record& record = draft.records[k];
+        const unsigned p = record.edge & kEdgePointMask;
+        const bool isLowerAbove = record.scalar1 > record.scalar2;
+        above.set(isLowerAbove ? p : p + static_cast<unsigned>(kPointStride[record.edge >> kEdgeAxisShift]));
+    }
+    // Cells of active edges: the edge's point and those one step back across it.
+    BitString cells;
+    for (int i = 0; i < kBitWords; ++i) {
+        const auto w = static_cast<std::size_t>(i);
+        const std::uint64_t x = edges[0].words[w] | shiftedDown<9>(edges[0], i) | shiftedDown<81>(edges[0], i) | shiftedDown<90>(edges[0], i);
+        const std::uint64_t y = edges[1].words[w] | shiftedDown<1>(edges[1], i) | shiftedDown<81>(edges[1], i) | shiftedDown<82>(edges[1], i);
+        const std::uint64_t z = edges[2].words[w] | shiftedDown<1>(edges[2], i) | shiftedDown<9>(edges[2], i) | shiftedDown<10>(edges[2], i);
+        cells.words[w] = (x | y | z) & masks.cells.words[w];
+    }
+    draft.active.cells = cells;
+    for (int round = 0; round < 2; ++round) {
+        std::array<BitString, 3> still; // inactive edges
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t w = 0; w < kBitWords; ++w)
+                still[a].words[w] = masks.edges[a].words[w] & ~edges[a].words[w];
+        const auto spread = [&](const BitString& from) {
+            BitString to = from;
+            BitString up0, up1, up2;
+            for (std::size_t w = 0; w < kBitWords; ++w) {
+                up0.words[w] = from.words[w] & still[0].words[w];
+                up1.words[w] = from.words[w] & still[1].words[w];
+                up2.words[w] = from.words[w] & still[2].words[w];
+            }
+            for (int i = 0; i < kBitWords; ++i) {
+                const auto w = static_cast<std::size_t>(i);
+                to.words[w] |= shiftedUp<1>(up0, i) | shiftedUp<9>(up1, i) | shiftedUp<81>(up2, i);
+                to.words[w] |= (shiftedDown<1>(from, i) & still[0].words[w]) | (shiftedDown<9>(from, i) & still[1].words[w]) |
+                               (shiftedDown<81>(from, i) & still[2].words[w]);
+            }
+            return to;
+        };
+        above = spread(above);
+    }
+    draft.above = above;
+    // No active cell without a sign at each corner, and no edge of one but as the signs say.
+    for (int i = 0; i < kBitWords; ++i) {
+        const auto w = static_cast<std::size_t>(i);
+        const std::uint64_t x = cells.words[w] | shiftedUp<9>(cells, i) | shiftedUp<81>(cells, i) | shiftedUp<90>(cells, i);
+        const std::uint64_t y = cells.words[w] | shiftedUp<1>(cells, i) | shiftedUp<81>(cells, i) | shiftedUp<82>(cells, i);
+        const std::uint64_t z = cells.words[w] | shiftedUp<1>(cells, i) | shiftedUp<9>(cells, i) | shiftedUp<10>(cells, i);
+        const std::uint64_t wrong = (((above.words[w] ^ shiftedDown<1>(above, i)) ^ edges[0].words[w]) & x) |
+                                    (((above.words[w] ^ shiftedDown<9>(above, i)) ^ edges[1].words[w]) & y) |
+                                    (((above.words[w] ^ shiftedDown<81>(above, i)) ^ edges[2].words[w]) & z);
+        if (wrong != 0)
+            return false;
+    }
+    return true;
+}
+
+template <class Sample>
+void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, LiveSurface<Live>& surface, Scratch& scratch) {
+    BrickDraft<Live>& draft = scratch.draft;
+    const bool isNew = surface.brick(slot).edgeVertices == 0;
+    const std::array<BitString, 3> before = edges_[slot];
+    if (!toggle(slot, surface, scratch)) {
+        scratch.isConsistent = false;
+        return;
+    }
+    const std::array<BitString, 3>& after = edges_[slot];
+    mergeRecords(slot, surface, scratch);
+    if (draft.edgeVertices == 0)
+        scratch.emptied.push_back(slot);
+    if (!findSigns(slot, surface, scratch)) {
+        scratch.isConsistent = false;
+        return;
+    }
+    if (isNew) {
+        draft.changed.words.fill(~std::uint64_t{0});
+    } else {
+        std::array<BitString, 3> flipped;
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t w = 0; w < kBitWords; ++w)
+                flipped[a].words[w] = before[a].words[w] ^ after[a].words[w];
+        BitString ends;
+        endsOfEdges(flipped, ends);
+        cellsAtPoints(ends, draft.changed);
+    }
+    draft.numberVertices(draft.records.data(), draft.edgeVertices);
+    const BrickMasks& masks = surface.masks(slot);
+    draft.ownedEdges = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t w = 0; w < kBitWords; ++w)
+            draft.ownedEdges += static_cast<std::uint32_t>(std::popcount(after[a].words[w] & masks.owned[a].words[w]));
+    Corners corners(hiddenCorners_, surface.brick(slot).index, draft, draft.records.data(), scratch.error);
+    surface.replace(slot, draft, corners, move.isovalue);
+}
+
+template class EdgeBlockSource<std::uint8_t>;
+template class EdgeBlockSource<std::int8_t>;
+template class EdgeBlockSource<std::uint16_t>;
+template class EdgeBlockSource<std::int16_t>;
+template class EdgeBlockSource<std::int32_t>;
+template class EdgeBlockSource<float>;
+template class EdgeBlockSource<double>;
+
+} // namespace isoslider::extract

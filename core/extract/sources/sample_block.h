@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/grid/brick_grid.h"
+#include "core/grid/gradient.h"
+
+namespace isoslider::extract {
+
+/// Rows of points of a brick: bit y of word z, local coordinates 0 to 8.
+using PointRows = std::array<std::uint16_t, 9>;
+/// Rows of a block: bit y + 1 of word z + 1, local coordinates -1 to 9.
+using BlockRows = std::array<std::uint16_t, 11>;
+inline constexpr BlockRows kAllRows{0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff};
+
+/// The rows that gradients at points of `rows` depend on: themselves and those on either side.
+inline BlockRows rowsForGradients(const PointRows& rows) {
+    BlockRows wanted{};
+    for (std::size_t z = 0; z < rows.size(); ++z) {
+        const unsigned row = unsigned{rows[z]} << 1;
+        wanted[z] = static_cast<std::uint16_t>(wanted[z] | row);
+        wanted[z + 1] = static_cast<std::uint16_t>(wanted[z + 1] | row | row << 1 | row >> 1);
+        wanted[z + 2] = static_cast<std::uint16_t>(wanted[z + 2] | row);
+    }
+    return wanted;
+}
+
+/// The samples around one brick: local coordinates -1 to 9 along each axis. Those from 0 to 8 are the ends of
+/// the brick's edges; the others are what gradients there and the wholeness of cells depend on. Rows are
+/// padded to 16 so that they are compared in whole vectors; places outside the box hold anything.
+template <class Sample>
+struct SampleBlock {
+    static constexpr int kRow = 16;
+    static constexpr int kSide = 11;
+    static constexpr int kPlane = kRow * kSide;
+
+    static constexpr int kOverread = 64; ///< vectors may reach behind the last row
+    alignas(64) std::array<Sample, kPlane * kSide + kOverread> samples;
+    std::array<int, 3> begin{}; ///< first and one past the last local coordinate inside the box
+    std::array<int, 3> end{};
+
+    static constexpr int offset(int x, int y, int z) { return (x + 1) + kRow * (y + 1) + kPlane * (z + 1); }
+    static constexpr int stride(int axis) { return axis == 0 ? 1 : axis == 1 ? kRow : kPlane; }
+
+    void place(const GridDims& dims, const std::array<std::int64_t, 3>& origin) {
+        for (std::size_t a = 0; a < 3; ++a) {
+            begin[a] = origin[a] > 0 ? -1 : 0;
+            end[a] = static_cast<int>(std::min<std::int64_t>(10, dims[a] - origin[a]));
+        }
+    }
+    bool isInside(int x, int y, int z) const {
+        return x >= begin[0] && x < end[0] && y >= begin[1] && y < end[1] && z >= begin[2] && z < end[2];
+    }
+    /// As gradientAt() of the whole volume.
+    glm::vec3 gradient(int x, int y, int z, const glm::vec3& inverseSpacing) const {
+        const Sample* point = samples.data() + offset(x, y, z);
+        return {derivativeAt(point, stride(0), x > begin[0], x + 1 < end[0], inverseSpacing.x),
+                derivativeAt(point, stride(1), y > begin[1], y + 1 < end[1], inverseSpacing.y),
+                derivativeAt(point, stride(2), z > begin[2], z + 1 < end[2], inverseSpacing.z)};
+    }
+    /// Whether the cell at local coordinates from -1 to 8 lies in the box and has eight finite corners.
+    bool isCellWhole(int x, int y, int z) const {
+        if (!isInside(x, y, z) || !isInside(x + 1, y + 1, z + 1))
+            return false;
+        for (int c = 0; c < 8; ++c)
+            if (isMissing(samples[static_cast<std::size_t>(offset(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)))]))
+                return false;
+        return true;
+    }
+};
+
+} // namespace isoslider::extract

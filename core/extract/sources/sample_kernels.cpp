@@ -1,0 +1,490 @@
+#include "core/extract/sources/sample_kernels.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "core/grid/gradient.h"
+
+// Compiled once for each instruction set; the best one that the machine has is chosen when the program runs.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/extract/sources/sample_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "core/extract/live/bit_lists-inl.h"
+
+#ifndef ISO_FINISH_CLASSIFICATION
+#define ISO_FINISH_CLASSIFICATION
+namespace isoslider::extract {
+
+/// Room for the most edges of a brick, and for what listBits() and whole vectors write behind them.
+inline constexpr std::size_t kMaxEdgeList = 3 * kCellSide * kPointSide * kPointSide + 64;
+
+// What follows from the signs, for every instruction set that this is inlined into.
+template <class T>
+inline __attribute__((always_inline)) void finishClassification(const BrickMasks& masks, const BitString* before, ClassifiedBrick<T>& out) {
+    findActive(out.above, masks, out.active);
+    endsOfEdges(out.active.edges, out.ends);
+    std::uint32_t owned = 0, added = 0, removed = 0;
+    const auto count = [&](std::size_t axis, int i, std::uint64_t was) {
+        const auto w = static_cast<std::size_t>(i);
+        const std::uint64_t now = out.active.edges[axis].words[w] & masks.owned[axis].words[w];
+        was &= masks.owned[axis].words[w];
+        owned += static_cast<std::uint32_t>(std::popcount(now));
+        added += static_cast<std::uint32_t>(std::popcount(now & ~was));
+        removed += static_cast<std::uint32_t>(std::popcount(was & ~now));
+    };
+    if (before) {
+        UnsetBits flipped;
+        for (int i = 0; i < kBitWords; ++i) {
+            const auto w = static_cast<std::size_t>(i);
+            const std::uint64_t here = before->words[w];
+            flipped.words[w] = here ^ out.above.words[w];
+            count(0, i, here ^ shiftedDown<1>(*before, i));
+            count(1, i, here ^ shiftedDown<9>(*before, i));
+            count(2, i, here ^ shiftedDown<81>(*before, i));
+        }
+        cellsAtPoints(flipped, out.changed);
+    } else {
+        out.changed.words.fill(~std::uint64_t{0});
+        for (int i = 0; i < kBitWords; ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                count(axis, i, 0);
+    }
+    out.ownedEdges = owned;
+    out.edgesAdded = added;
+    out.edgesRemoved = removed;
+}
+
+} // namespace isoslider::extract
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace isoslider::extract::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class T>
+void findSigns(const T* HWY_RESTRICT samples, T threshold, BitString& above, T& leastAbove, T& greatestBelow) {
+    const hn::CappedTag<T, 64> d;
+    constexpr std::size_t lanes = hn::MaxLanes(d); // no instruction set of unknown length has less than one word's
+    // As wide as a mask is stored: reading it wider than it was written would wait until it is in the cache.
+    using Mask = std::conditional_t<lanes <= 8, std::uint8_t, std::conditional_t<lanes <= 16, std::uint16_t,
+                                    std::conditional_t<lanes <= 32, std::uint32_t, std::uint64_t>>>;
+    static_assert(lanes <= 64);
+    const auto limit = hn::Set(d, threshold);
+    const auto greatest = hn::Set(d, std::numeric_limits<T>::max()), least = hn::Set(d, std::numeric_limits<T>::lowest());
+    auto up = greatest, down = least;
+    for (std::size_t w = 0; w < kBitWords; ++w) {
+        std::uint64_t word = 0;
+        for (std::size_t i = 0; i < 64; i += lanes) {
+            const auto sample = hn::Load(d, samples + 64 * w + i);
+            const auto isBelow = hn::Lt(sample, limit);
+            up = hn::Min(up, hn::IfThenElse(isBelow, greatest, sample));
+            down = hn::Max(down, hn::IfThenElse(isBelow, sample, least));
+            Mask bits = 0;
+            hn::StoreMaskBits(d, isBelow, reinterpret_cast<std::uint8_t*>(&bits));
+            if constexpr (lanes < 8)
+                bits &= static_cast<Mask>((1u << lanes) - 1);
+            word |= std::uint64_t{bits} << i;
+        }
+        above.words[w] = ~word;
+    }
+    // Lane by lane: reductions of some types are missing in some sets, and this is once in 768 samples.
+    alignas(64) T ups[64], downs[64];
+    hn::Store(up, d, ups);
+    hn::Store(down, d, downs);
+    for (std::size_t half = lanes / 2; half > 0; half /= 2)
+        for (std::size_t i = 0; i < half; ++i) {
+            ups[i] = ups[i + half] < ups[i] ? ups[i + half] : ups[i];
+            downs[i] = downs[i + half] > downs[i] ? downs[i + half] : downs[i];
+        }
+    leastAbove = ups[0];
+    greatestBelow = downs[0];
+}
+
+template <class T>
+void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMasks& masks, const BitString* before, ClassifiedBrick<T>& out) {
+    findSigns(samples, threshold, out.above, out.up, out.down);
+    finishClassification(masks, before, out);
+}
+
+void classifyU8(const std::uint8_t* s, std::uint8_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::uint8_t>& out) {
+    classifyInVectors(s, t, m, b, out);
+}
+void classifyU16(const std::uint16_t* s, std::uint16_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::uint16_t>& out) {
+    classifyInVectors(s, t, m, b, out);
+}
+void classifyI32(const std::int32_t* s, std::int32_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::int32_t>& out) {
+    classifyInVectors(s, t, m, b, out);
+}
+void classifyF32(const float* s, float t, const BrickMasks& m, const BitString* b, ClassifiedBrick<float>& out) { classifyInVectors(s, t, m, b, out); }
+void classifyF64(const double* s, double t, const BrickMasks& m, const BitString* b, ClassifiedBrick<double>& out) {
+    classifyInVectors(s, t, m, b, out);
+}
+
+// Of n active edges the places in the vertex table, 4 * point + axis, in the order of the edges.
+HWY_INLINE std::uint32_t listEdges(const ActiveBits& active, std::uint16_t* HWY_RESTRICT places) {
+    std::uint16_t* end = places;
+    end = listBits<4>(active.edges[0], 0, end);
+    end = listBits<4>(active.edges[1], 1, end);
+    end = listBits<4>(active.edges[2], 2, end);
+    return static_cast<std::uint32_t>(end - places);
+}
+
+template <class Sample>
+HWY_INLINE void gatherRecord(const StoredSample<Sample>* samples, const NormalCode* normals, std::uint16_t place, EdgeRecord<LiveOf<Sample>>& record) {
+    using Live = LiveOf<Sample>;
+    const unsigned axis = place & 3u, p = place >> 2, q = p + static_cast<unsigned>(kPointStride[axis]);
+    record = {static_cast<ClosedEdge>(axis << kEdgeAxisShift | p), 0, normals[p], normals[q],
+              static_cast<Live>(sampleOf<Sample>(samples[p])), static_cast<Live>(sampleOf<Sample>(samples[q]))};
+}
+
+#if HWY_TARGET <= HWY_AVX2
+// Sixteen or eight records at a time. Elements narrower than four bytes are gathered with what stands behind them.
+template <class D, class Stored>
+HWY_INLINE hn::Vec<D> gatherNarrow(D d, const Stored* from, hn::Vec<D> places) {
+    const auto* const base = reinterpret_cast<const std::int32_t*>(from);
+    const auto offsets = sizeof(Stored) == 1 ? places : hn::ShiftLeft<1>(places);
+    return hn::And(hn::GatherOffset(d, base, offsets), hn::Set(d, sizeof(Stored) == 1 ? 0xff : 0xffff));
+}
+template <class Sample, class D>
+HWY_INLINE hn::Vec<D> gatherScalars(D d, const StoredSample<Sample>* samples, hn::Vec<D> places) { // bits of floats
+    const hn::RebindToFloat<D> floats;
+    if constexpr (std::is_same_v<Sample, float>) {
+        return hn::BitCast(d, hn::GatherIndex(floats, samples, places));
+    } else {
+        const auto key = gatherNarrow(d, samples, places);
+        constexpr std::int32_t kZero = std::is_signed_v<Sample> ? 1 << (8 * sizeof(Sample) - 1) : 0; // the key of 0
+        return hn::BitCast(d, hn::ConvertTo(floats, hn::Sub(key, hn::Set(d, kZero))));
+    }
+}
+#endif
+
+template <class Sample>
+std::uint32_t gatherRecordsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const NormalCode* HWY_RESTRICT normals,
+                            const ActiveBits& active, EdgeRecord<LiveOf<Sample>>* HWY_RESTRICT records, VertexTable& vertices) {
+    alignas(64) std::array<std::uint16_t, kMaxEdgeList> places;
+    const std::uint32_t count = listEdges(active, places.data());
+    for (std::uint32_t k = 0; k < count; ++k)
+        vertices.numbers[places[k]] = static_cast<std::uint16_t>(k);
+#if HWY_TARGET <= HWY_AVX2
+    if constexpr (std::is_same_v<LiveOf<Sample>, float>) {
+        const hn::CappedTag<std::int32_t, 16> d;
+        const hn::Rebind<std::uint16_t, decltype(d)> narrow;
+        const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
+        std::fill_n(places.data() + count, lanes, std::uint16_t{0});
+        const auto one = hn::Set(d, 1), nine = hn::Set(d, kPointStride[1]), eightyOne = hn::Set(d, kPointStride[2]);
+        for (std::uint32_t k = 0; k < count; k += lanes) {
+            const auto place = hn::PromoteTo(d, hn::LoadU(narrow, places.data() + k));
+            const auto axis = hn::And(place, hn::Set(d, 3)), p = hn::ShiftRight<2>(place);
+            const auto stride = hn::IfThenElse(hn::Eq(axis, hn::Zero(d)), one, hn::IfThenElse(hn::Eq(axis, one), nine, eightyOne));
+            const auto q = hn::Add(p, stride);
+            const auto edge = hn::Or(hn::ShiftLeft<kEdgeAxisShift>(axis), p);
+            const auto codes = hn::Or(gatherNarrow(d, normals, p), hn::ShiftLeft<16>(gatherNarrow(d, normals, q)));
+            hn::StoreInterleaved4(edge, codes, gatherScalars<Sample>(d, samples, p), gatherScalars<Sample>(d, samples, q), d,
+                                  reinterpret_cast<std::int32_t*>(records + k));
+        }
+        return count;
+    }
+#endif
+    for (std::uint32_t k = 0; k < count; ++k)
+        gatherRecord<Sample>(samples, normals, places[k], records[k]);
+    return count;
+}
+
+// Samples as floats, which hold those of up to 16 bits exactly.
+template <class D, class Sample>
+HWY_INLINE hn::Vec<D> loadFloats(D d, const Sample* from) {
+    if constexpr (std::is_same_v<Sample, float>) {
+        return hn::LoadU(d, from);
+    } else {
+        const hn::Rebind<std::int32_t, D> ints;
+        const hn::Rebind<Sample, D> narrow;
+        return hn::ConvertTo(d, hn::PromoteTo(ints, hn::LoadU(narrow, from)));
+    }
+}
+
+// quantiseNormal(), lane by lane: a signed byte in an int. REQUIRES: |c| is at most one and a rounding error. Rounds to
+// even first; where that was a tie that went towards zero, the difference is half a unit of the number's own sign.
+template <class D, class V>
+HWY_INLINE hn::Vec<hn::RebindToSigned<D>> quantise(D d, V c) {
+    const hn::RebindToSigned<D> ints;
+    const auto scaled = hn::Mul(c, hn::Set(d, 127.0f));
+    const auto even = hn::Round(scaled);
+    const auto isTie = hn::Eq(hn::Sub(scaled, even), hn::CopySign(hn::Set(d, 0.5f), scaled));
+    const auto away = hn::Add(even, hn::IfThenElseZero(isTie, hn::CopySign(hn::Set(d, 1.0f), scaled)));
+    return hn::And(hn::ConvertTo(ints, away), hn::Set(ints, 0xff));
+}
+
+// normalOfGradient(), lane by lane, for gradients of a plain length; the mask says which have one.
+template <class D, class V>
+HWY_INLINE hn::Vec<hn::RebindToSigned<D>> codesOf(D d, V gx, V gy, V gz, hn::Mask<D>& isPlain) {
+    const auto one = hn::Set(d, 1.0f);
+    const auto sum = hn::Add(hn::Add(hn::Abs(gx), hn::Abs(gy)), hn::Abs(gz));
+    isPlain = hn::And(hn::Ge(sum, hn::Set(d, kLeastPlainGradient)), hn::Le(sum, hn::Set(d, kGreatestPlainGradient)));
+    const auto scale = hn::Div(one, hn::IfThenElse(isPlain, sum, one));
+    const auto u = hn::Mul(hn::Neg(gx), scale), v = hn::Mul(hn::Neg(gy), scale);
+    const auto signOf = [&](auto c) HWY_ATTR { return hn::IfThenElse(hn::Ge(c, hn::Zero(d)), one, hn::Neg(one)); };
+    const auto foldedU = hn::Mul(hn::Sub(one, hn::Abs(v)), signOf(u));
+    const auto foldedV = hn::Mul(hn::Sub(one, hn::Abs(u)), signOf(v));
+    const auto folds = hn::Gt(gz, hn::Zero(d));
+    const auto low = quantise(d, hn::IfThenElse(folds, foldedU, u)), high = quantise(d, hn::IfThenElse(folds, foldedV, v));
+    return hn::Or(low, hn::ShiftLeft<8>(high));
+}
+
+template <class Sample>
+void findNormalsHere(SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* HWY_RESTRICT codes) {
+    using Block = SampleBlock<Sample>;
+    const hn::CappedTag<float, 16> d;
+    const std::size_t lanes = hn::Lanes(d);
+    // Beside the box a one-sided difference is that of the point and its only neighbour: the point stands in for the
+    // missing one, and the difference is not halved.
+    const bool isAtBegin = block.begin[0] == 0, isAtEnd = block.end[0] < 10;
+    const auto end = static_cast<std::size_t>(std::min(kPointSide, block.end[0]));
+    alignas(64) float scaleX[32];
+    std::fill_n(scaleX, 32, 0.5f);
+    if (isAtBegin)
+        scaleX[0] = 1.0f;
+    if (isAtEnd)
+        scaleX[block.end[0] - 1] = 1.0f;
+    for (int z = 0; z < kPointSide; ++z)
+        for (unsigned left = rows[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
+            const int y = std::countr_zero(left);
+            NormalCode* const out = codes + closedPoint(0, y, z);
+            if (!block.isInside(0, y, z))
+                continue;
+            Sample* const row = block.samples.data() + Block::offset(0, y, z);
+            if (isAtBegin)
+                row[-1] = row[0];
+            if (isAtEnd)
+                row[block.end[0]] = row[block.end[0] - 1];
+            const bool hasBehind = y > block.begin[1], hasAhead = y + 1 < block.end[1];
+            const bool hasBelow = z > block.begin[2], hasOver = z + 1 < block.end[2];
+            const Sample* const behind = row - (hasBehind ? Block::stride(1) : 0);
+            const Sample* const ahead = row + (hasAhead ? Block::stride(1) : 0);
+            const Sample* const below = row - (hasBelow ? Block::stride(2) : 0);
+            const Sample* const over = row + (hasOver ? Block::stride(2) : 0);
+            const auto scaleY = hn::Set(d, hasBehind && hasAhead ? 0.5f : 1.0f), scaleZ = hn::Set(d, hasBelow && hasOver ? 0.5f : 1.0f);
+            for (std::size_t i = 0; i < end; i += lanes) {
+                const auto difference = [&](const Sample* upper, const Sample* lower, auto scale, float inverse) HWY_ATTR {
+                    return hn::Mul(hn::Sub(hn::Mul(loadFloats(d, upper + i), scale), hn::Mul(loadFloats(d, lower + i), scale)),
+                                   hn::Set(d, inverse));
+                };
+                const auto gx = difference(row + 1, row - 1, hn::Load(d, scaleX + i), inverseSpacing.x);
+                const auto gy = difference(ahead, behind, scaleY, inverseSpacing.y);
+                const auto gz = difference(over, below, scaleZ, inverseSpacing.z);
+                hn::Mask<decltype(d)> isPlain;
+                const auto code = codesOf(d, gx, gy, gz, isPlain);
+                const hn::Rebind<NormalCode, decltype(d)> narrow;
+                const std::size_t points = std::min(lanes, end - i);
+                hn::BlendedStore(hn::DemoteTo(narrow, code), hn::FirstN(narrow, points), narrow, out + i);
+                const auto isPoint = hn::FirstN(d, points); // behind them stands anything
+                if (HWY_UNLIKELY(!hn::AllFalse(d, hn::AndNot(isPlain, isPoint)))) {
+                    alignas(64) float x[16], yy[16], zz[16];
+                    hn::Store(gx, d, x);
+                    hn::Store(gy, d, yy);
+                    hn::Store(gz, d, zz);
+                    for (std::size_t k = 0; k < points; ++k)
+                        out[i + k] = normalOfGradient({x[k], yy[k], zz[k]});
+                }
+            }
+        }
+}
+
+#define ISO_NORMALS(Name, Sample)                                                                          \
+    void Name(SampleBlock<Sample>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) { findNormalsHere(b, r, i, c); }
+ISO_NORMALS(normalsU8, std::uint8_t)
+ISO_NORMALS(normalsI8, std::int8_t)
+ISO_NORMALS(normalsU16, std::uint16_t)
+ISO_NORMALS(normalsI16, std::int16_t)
+ISO_NORMALS(normalsF32, float)
+#undef ISO_NORMALS
+
+#define ISO_GATHER(Name, Sample)                                                                                        \
+    std::uint32_t Name(const StoredSample<Sample>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<Sample>>* r, \
+                       VertexTable& v) {                                                                                \
+        return gatherRecordsHere<Sample>(s, n, a, r, v);                                                                    \
+    }
+ISO_GATHER(gatherU8, std::uint8_t)
+ISO_GATHER(gatherI8, std::int8_t)
+ISO_GATHER(gatherU16, std::uint16_t)
+ISO_GATHER(gatherI16, std::int16_t)
+ISO_GATHER(gatherI32, std::int32_t)
+ISO_GATHER(gatherF32, float)
+ISO_GATHER(gatherF64, double)
+#undef ISO_GATHER
+
+} // namespace isoslider::extract::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace isoslider::extract {
+
+HWY_EXPORT(classifyU8);
+template <>
+void classify(const std::uint8_t* s, std::uint8_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::uint8_t>& out) {
+    HWY_DYNAMIC_DISPATCH(classifyU8)(s, t, m, b, out);
+}
+HWY_EXPORT(classifyU16);
+template <>
+void classify(const std::uint16_t* s, std::uint16_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::uint16_t>& out) {
+    HWY_DYNAMIC_DISPATCH(classifyU16)(s, t, m, b, out);
+}
+HWY_EXPORT(classifyI32);
+template <>
+void classify(const std::int32_t* s, std::int32_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::int32_t>& out) {
+    HWY_DYNAMIC_DISPATCH(classifyI32)(s, t, m, b, out);
+}
+HWY_EXPORT(classifyF32);
+template <>
+void classify(const float* s, float t, const BrickMasks& m, const BitString* b, ClassifiedBrick<float>& out) {
+    HWY_DYNAMIC_DISPATCH(classifyF32)(s, t, m, b, out);
+}
+HWY_EXPORT(classifyF64);
+template <>
+void classify(const double* s, double t, const BrickMasks& m, const BitString* b, ClassifiedBrick<double>& out) {
+    HWY_DYNAMIC_DISPATCH(classifyF64)(s, t, m, b, out);
+}
+
+HWY_EXPORT(gatherU8);
+template <>
+std::uint32_t gatherRecords<std::uint8_t>(const StoredSample<std::uint8_t>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<std::uint8_t>>* r,
+                                VertexTable& v) {
+    return HWY_DYNAMIC_DISPATCH(gatherU8)(s, n, a, r, v);
+}
+HWY_EXPORT(gatherI8);
+template <>
+std::uint32_t gatherRecords<std::int8_t>(const StoredSample<std::int8_t>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<std::int8_t>>* r,
+                                VertexTable& v) {
+    return HWY_DYNAMIC_DISPATCH(gatherI8)(s, n, a, r, v);
+}
+HWY_EXPORT(gatherU16);
+template <>
+std::uint32_t gatherRecords<std::uint16_t>(const StoredSample<std::uint16_t>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<std::uint16_t>>* r,
+                                VertexTable& v) {
+    return HWY_DYNAMIC_DISPATCH(gatherU16)(s, n, a, r, v);
+}
+HWY_EXPORT(gatherI16);
+template <>
+std::uint32_t gatherRecords<std::int16_t>(const StoredSample<std::int16_t>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<std::int16_t>>* r,
+                                VertexTable& v) {
+    return HWY_DYNAMIC_DISPATCH(gatherI16)(s, n, a, r, v);
+}
+HWY_EXPORT(gatherI32);
+template <>
+std::uint32_t gatherRecords<std::int32_t>(const StoredSample<std::int32_t>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<std::int32_t>>* r,
+                                VertexTable& v) {
+    return HWY_DYNAMIC_DISPATCH(gatherI32)(s, n, a, r, v);
+}
+HWY_EXPORT(gatherF32);
+template <>
+std::uint32_t gatherRecords<float>(const StoredSample<float>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<float>>* r,
+                                VertexTable& v) {
+    return HWY_DYNAMIC_DISPATCH(gatherF32)(s, n, a, r, v);
+}
+HWY_EXPORT(gatherF64);
+template <>
+std::uint32_t gatherRecords<double>(const StoredSample<double>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<double>>* r,
+                                VertexTable& v) {
+    return HWY_DYNAMIC_DISPATCH(gatherF64)(s, n, a, r, v);
+}
+
+HWY_EXPORT(normalsU8);
+template <>
+void findNormals(SampleBlock<std::uint8_t>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) {
+    HWY_DYNAMIC_DISPATCH(normalsU8)(b, r, i, c);
+}
+HWY_EXPORT(normalsI8);
+template <>
+void findNormals(SampleBlock<std::int8_t>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) {
+    HWY_DYNAMIC_DISPATCH(normalsI8)(b, r, i, c);
+}
+HWY_EXPORT(normalsU16);
+template <>
+void findNormals(SampleBlock<std::uint16_t>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) {
+    HWY_DYNAMIC_DISPATCH(normalsU16)(b, r, i, c);
+}
+HWY_EXPORT(normalsI16);
+template <>
+void findNormals(SampleBlock<std::int16_t>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) {
+    HWY_DYNAMIC_DISPATCH(normalsI16)(b, r, i, c);
+}
+HWY_EXPORT(normalsF32);
+template <>
+void findNormals(SampleBlock<float>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) {
+    HWY_DYNAMIC_DISPATCH(normalsF32)(b, r, i, c);
+}
+
+template <class Sample>
+void findNormalsPlainly(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes) {
+    for (int z = 0; z < kPointSide; ++z)
+        for (unsigned left = rows[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
+            const int y = std::countr_zero(left);
+            for (int x = 0; x < kPointSide; ++x)
+                if (block.isInside(x, y, z))
+                    codes[closedPoint(x, y, z)] = normalOfGradient(block.gradient(x, y, z, inverseSpacing));
+        }
+}
+// Differences of these are taken in double precision.
+template <>
+void findNormals(SampleBlock<std::int32_t>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) { findNormalsPlainly(b, r, i, c); }
+template <>
+void findNormals(SampleBlock<double>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) { findNormalsPlainly(b, r, i, c); }
+template void findNormalsPlainly(const SampleBlock<std::uint8_t>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsPlainly(const SampleBlock<std::int8_t>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsPlainly(const SampleBlock<std::uint16_t>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsPlainly(const SampleBlock<std::int16_t>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsPlainly(const SampleBlock<std::int32_t>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsPlainly(const SampleBlock<float>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsPlainly(const SampleBlock<double>&, const PointRows&, const glm::vec3&, NormalCode*);
+
+template <class Stored>
+void classifyPlainly(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
+                     ClassifiedBrick<Stored>& out) {
+    out.above = {};
+    out.up = std::numeric_limits<Stored>::max();
+    out.down = std::numeric_limits<Stored>::lowest();
+    for (unsigned p = 0; p < kPaddedPoints; ++p) {
+        if (samples[p] >= threshold) {
+            out.above.set(p);
+            out.up = std::min(out.up, samples[p]);
+        } else {
+            out.down = std::max(out.down, samples[p]);
+        }
+    }
+    finishClassification(masks, before, out);
+}
+template void classifyPlainly(const std::uint8_t*, std::uint8_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::uint8_t>&);
+template void classifyPlainly(const std::uint16_t*, std::uint16_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::uint16_t>&);
+template void classifyPlainly(const std::int32_t*, std::int32_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::int32_t>&);
+template void classifyPlainly(const float*, float, const BrickMasks&, const BitString*, ClassifiedBrick<float>&);
+template void classifyPlainly(const double*, double, const BrickMasks&, const BitString*, ClassifiedBrick<double>&);
+
+namespace {
+std::vector<std::int64_t> supportedTargets() {
+    std::vector<std::int64_t> targets;
+    for (auto rest = static_cast<std::uint64_t>(hwy::SupportedTargets() & HWY_TARGETS); rest != 0; rest &= rest - 1)
+        targets.push_back(static_cast<std::int64_t>(std::uint64_t{1} << std::countr_zero(rest)));
+    return targets; // better ones have lower bits
+}
+} // namespace
+
+std::vector<std::string> kernelTargets() {
+    std::vector<std::string> names;
+    for (const std::int64_t target : supportedTargets())
+        names.emplace_back(hwy::TargetName(target));
+    return names;
+}
+
+void useKernelTarget(std::size_t number) {
+    hwy::SetSupportedTargetsForTest(0);
+    const auto targets = supportedTargets();
+    if (number > 0)
+        hwy::SetSupportedTargetsForTest(targets.at(number));
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+} // namespace isoslider::extract
+#endif

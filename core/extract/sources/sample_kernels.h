@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "core/extract/live/brick_bits.h"
+#include "core/extract/live/cell_triangles.h"
+#include "core/extract/live/edge_record.h"
+#include "core/extract/sources/sample_block.h"
+#include "core/grid/normal_codec.h"
+#include "core/grid/scalar_key.h"
+
+namespace isoslider::extract {
+
+/// What samples of live bricks are kept as: in the order of their keys, as small as the type allows, with comparisons
+/// that vector units have. Integers of up to 16 bits are their keys, others are themselves.
+template <class Sample>
+using StoredSample = std::conditional_t<sizeof(Sample) == 1, std::uint8_t, std::conditional_t<sizeof(Sample) == 2, std::uint16_t, Sample>>;
+
+template <class Sample>
+inline StoredSample<Sample> storedOf(Sample sample) {
+    if constexpr (sizeof(Sample) <= 2)
+        return static_cast<StoredSample<Sample>>(keyOf(sample));
+    else
+        return sample;
+}
+
+template <class Sample>
+inline Sample sampleOf(StoredSample<Sample> stored) {
+    if constexpr (sizeof(Sample) <= 2)
+        return sampleOfKey<Sample>(stored);
+    else
+        return stored;
+}
+
+/// The stored sample from which on points are above. REQUIRES: some sample of the type has a key >= threshold.
+template <class Sample>
+inline StoredSample<Sample> storedThreshold(KeyThreshold threshold) {
+    if constexpr (sizeof(Sample) <= 2)
+        return static_cast<StoredSample<Sample>>(threshold);
+    else
+        return sampleOfKey<Sample>(static_cast<KeyOf<Sample>>(threshold));
+}
+
+/// What a threshold makes of a brick's samples.
+template <class Stored>
+struct ClassifiedBrick {
+    BitString above;      ///< bits behind the last point hold anything
+    ActiveBits active;
+    BitString ends;       ///< of the active edges
+    BitString changed;    ///< cells with a corner that changed sides
+    std::uint32_t ownedEdges = 0, edgesAdded = 0, edgesRemoved = 0; ///< of the edges that the brick owns
+    Stored up, down; ///< the least sample above, and the greatest below; the type's greatest and least without one
+};
+
+/// One pass over the samples, some over the bits. `before`: the signs that the brick had; null for a brick that had none,
+/// of which every cell has changed. `samples`: kPaddedPoints of them, those behind the last point repeat one of
+/// the brick; 64-byte aligned.
+template <class Stored>
+void classify(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before, ClassifiedBrick<Stored>& out);
+/// The same, sample by sample: what the one above is tested against.
+template <class Stored>
+void classifyPlainly(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
+                     ClassifiedBrick<Stored>& out);
+
+/// Records of the active edges in their order, and their numbers in the vertex table; returns how many.
+template <class Sample>
+std::uint32_t gatherRecords(const StoredSample<Sample>* samples, const NormalCode* normals, const ActiveBits& active,
+                            EdgeRecord<LiveOf<Sample>>* records, VertexTable& vertices);
+
+/// Quantised normals at the points of whole rows of a brick: normalOfGradient() of block.gradient(), several points at a
+/// time. `codes` of all points of the brick. REQUIRES: no missing sample in the block. Samples of the block outside
+/// the box are overwritten.
+template <class Sample>
+void findNormals(SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes);
+/// The same, point by point; missing samples are allowed.
+template <class Sample>
+void findNormalsPlainly(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes);
+
+/// Names of the instruction sets that the kernels can run with here, the best first; and, for tests, a way to
+/// restrict it to one of them (0: the best again).
+std::vector<std::string> kernelTargets();
+void useKernelTarget(std::size_t number);
+
+} // namespace isoslider::extract

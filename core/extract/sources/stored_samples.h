@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/extract/sources/sample_reader.h"
+#include "core/extract/virtual_array.h"
+#include "core/index/sample_store.h"
+
+namespace isoslider::extract {
+
+/// The samples of an index of metacells, behind a cache of decoded chunks.
+///
+/// The cache is an array of slots of one chunk each. Bricks are made ready in batches: one thread gives each
+/// chunk that a batch needs a slot (least recently used out first, those of the batch never), all threads
+/// decode what is missing; afterwards all threads read without locks or counts, because nothing moves until
+/// the next batch. A batch ends where the slots end, so the bound on memory is kept whatever a move needs, and
+/// the result does not depend on it. Never below the eight chunks that one brick may need.
+template <class Sample>
+class StoredSamples final : public SampleReader<Sample> {
+public:
+    /// `reader` must outlive this. At most `cacheBytes` of decoded samples are kept.
+    StoredSamples(const index::IndexReader& reader, std::uint64_t cacheBytes);
+
+    std::uint64_t orderOf(BrickIndex brick) const override;
+    Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) override;
+    bool isReady(BrickIndex brick) const override;
+    void touch(std::span<const BrickIndex> bricks) override;
+    void prefetch(BrickIndex brick) const override;
+    void read(BrickIndex brick, SampleBlock<Sample>& block) const override { readWanted(brick, kAllRows, block); }
+    void readRows(BrickIndex brick, const PointRows& rows, SampleBlock<Sample>& block) const override {
+        readWanted(brick, rowsForGradients(rows), block);
+    }
+    bool fetchesAhead() const override { return capacity_ >= kLeastAhead; }
+    Status fetch(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) override;
+    void dropCaches() override;
+
+    /// Chunks that fit into the cache.
+    std::size_t capacity() const { return capacity_; }
+
+private:
+    using Chunk = index::ChunkIndex;
+    using Slot = std::uint32_t; ///< from 1 on; 0 stands for none
+    static constexpr std::size_t kLeastAhead = 256; ///< a smaller cache has better things to keep
+    static constexpr std::size_t kSamples = index::SampleStore::kChunkSamples;
+
+    static constexpr Chunk kNone = ~Chunk{0};
+    struct SlotState {
+        Chunk chunk = kNone;
+        std::uint64_t batch = 0; ///< that used it last
+        Slot newer = 0, older = 0;
+        bool isFilled = false;
+    };
+    /// The chunks that a brick's block reaches into.
+    struct Neighbourhood {
+        std::array<std::int64_t, 3> first; ///< chunk coordinates
+        std::array<int, 3> count;          ///< 1 or 2
+    };
+
+    Neighbourhood neighbourhood(BrickIndex brick) const;
+    template <class Visit>
+    bool forEachChunk(BrickIndex brick, const Visit& visit) const;
+    void readWanted(BrickIndex brick, const BlockRows& rows, SampleBlock<Sample>& block) const;
+    bool claim(Chunk chunk, std::vector<Slot>& missing);
+    Result<std::size_t> prepare(std::span<const BrickIndex> bricks, std::size_t maxMissing, SlideStats& stats,
+                                std::stop_token stop);
+    Status decode(std::span<const Slot> missing, SlideStats& stats, std::stop_token stop);
+    void unlink(Slot slot);
+    void pushNewest(Slot slot);
+    void pushOldest(Slot slot);
+    void dropUnfilled(std::span<const Slot> missing);
+    Sample* samplesOf(Slot slot) { return samples_.data() + (slot - 1) * kSamples; }
+    const Sample* samplesOf(Slot slot) const { return samples_.data() + (slot - 1) * kSamples; }
+
+    index::SampleStore store_;
+    GridDims dims_;
+    BrickGrid bricks_;
+    std::size_t capacity_;
+    VirtualArray<Sample> samples_;
+    VirtualArray<Slot> slotOf_; ///< by chunk
+    std::vector<SlotState> slots_; ///< slot i at i - 1; grows up to capacity_
+    Slot newest_ = 0, oldest_ = 0;
+    std::uint64_t batch_ = 0;
+};
+
+extern template class StoredSamples<std::uint8_t>;
+extern template class StoredSamples<std::int8_t>;
+extern template class StoredSamples<std::uint16_t>;
+extern template class StoredSamples<std::int16_t>;
+extern template class StoredSamples<std::int32_t>;
+extern template class StoredSamples<float>;
+extern template class StoredSamples<double>;
+
+} // namespace isoslider::extract

@@ -1,0 +1,62 @@
+#version 330 core
+// Edge records in, view space out: positions and normals are made here, as vertexOf() in
+// core/extract/live/edge_record.h makes them.
+layout(location = 0) in uvec4 record; // edge or 3072 and more; upper half of z; two normals
+layout(location = 1) in vec2 scalars; // at both ends; inside a cell: x and y
+
+uniform usamplerBuffer places; // of the brick of each 16 records
+uniform float isovalue;
+uniform mat4 modelToView;
+uniform mat4 viewToClip;
+uniform mat3 normalToView;
+
+out vec3 viewPosition;
+out vec3 viewNormal;
+out vec3 gridPosition;
+out vec3 gridNormal;
+
+// Not of unit length; zero for a point without gradient.
+vec3 directionOf(uint code) {
+    if (code == 0x8080u)
+        return vec3(0.0);
+    vec2 place = vec2(int(code << 24u) >> 24, int(code << 16u) >> 24) * (1.0 / 127.0);
+    float z = 1.0 - abs(place.x) - abs(place.y);
+    float fold = max(-z, 0.0);
+    place.x += place.x >= 0.0 ? -fold : fold;
+    place.y += place.y >= 0.0 ? -fold : fold;
+    return vec3(place, z);
+}
+
+void placeInside(vec3 brick) {
+    gridPosition = brick + vec3(scalars, uintBitsToFloat(record.y << 16u | record.w));
+    vec3 direction = directionOf(record.z);
+    float size = sqrt(dot(direction, direction));
+    gridNormal = size > 0.0 ? direction / size : direction;
+}
+
+void placeOnEdge(vec3 brick) {
+    uint axis = record.x >> 10u;
+    uint point = record.x & 1023u;
+    vec3 along = vec3(axis == 0u, axis == 1u, axis == 2u);
+    // Halves, so that differences of large numbers stay finite; what is not a number becomes 0.
+    float t = (isovalue * 0.5 - scalars.x * 0.5) / (scalars.y * 0.5 - scalars.x * 0.5);
+    t = t > 0.0 ? t : 0.0;
+    t = t < 1.0 ? t : 1.0;
+    gridPosition = brick + vec3(point % 9u, point / 9u % 9u, point / 81u) + along * t;
+    vec3 lower = directionOf(record.z), upper = directionOf(record.w);
+    vec3 sum = lower + t * (upper - lower);
+    float square = dot(sum, sum);
+    gridNormal = square < 1e-12 ? along * (scalars.x < scalars.y ? -1.0 : 1.0) : sum * (1.0 / sqrt(square));
+}
+
+void main() {
+    vec3 brick = 8.0 * vec3(texelFetch(places, gl_VertexID >> 4).xyz);
+    if (record.x >= 3072u)
+        placeInside(brick);
+    else
+        placeOnEdge(brick);
+    vec4 place = modelToView * vec4(gridPosition, 1.0);
+    viewPosition = place.xyz;
+    viewNormal = normalToView * gridNormal;
+    gl_Position = viewToClip * place;
+}

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <bit>
+#include <mutex>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/extract/edge_interpolation.h"
+#include "core/extract/sources/block_walk.h"
+#include "core/grid/brick_grid.h"
+#include "core/grid/normal_codec.h"
+#include "core/grid/scalar_key.h"
+#include "core/index/index_reader.h"
+
+namespace isoslider::bench {
+
+/// An edge that becomes active, with all that interpolation needs; local to the 8^3 points of `brick`.
+template <class Live>
+struct ActivatedEdge {
+    Live scalar1, scalar2;
+    BrickIndex brick;
+    LocalEdge edge;
+    NormalCode normal1, normal2;
+};
+
+struct DeactivatedEdge {
+    BrickIndex brick;
+    LocalEdge edge;
+};
+
+/// Net edge changes of one move, as the paper's E+ and E-: no edge appears twice.
+template <class Live>
+struct EdgeChanges {
+    std::vector<ActivatedEdge<Live>> activated;
+    std::vector<DeactivatedEdge> deactivated;
+};
+
+/// Takes the net changes between two thresholds from the edge blocks of an index.
+template <class Sample>
+Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGrid& grid, KeyThreshold from, KeyThreshold to,
+                          EdgeChanges<extract::LiveOf<Sample>>& changes) {
+    using Live = extract::LiveOf<Sample>;
+    changes.activated.clear();
+    changes.deactivated.clear();
+    const KeyThreshold lower = std::min(from, to), upper = std::max(from, to);
+    std::mutex mutex; // never contended on the one thread that the baseline has
+    extract::SlideStats stats;
+    return walk.visit(lower, upper, stats, {}, [&](const auto& part) {
+        const std::lock_guard lock(mutex);
+        std::size_t entry = part.firstEntry;
+        static constexpr int kStride[3] = {1, 8, 64};
+        for (std::size_t i = part.begin; i < part.end; ++i) {
+            const PointId id = part.page.ids[i];
+            const auto key = part.page.keys[i];
+            const Live near = static_cast<Live>(sampleOfKey<Sample>(key));
+            for (unsigned mask = part.page.masks[i]; mask != 0; mask &= mask - 1, ++entry) {
+                const auto farKey = part.page.farKeys[entry];
+                if (farKey >= lower && farKey < upper)
+                    continue; // redundant: crossed at both ends
+                const int e = std::countr_zero(mask), axis = e >> 1;
+                const bool isUpward = e & 1;
+                auto brick = static_cast<BrickIndex>(id / kBrickPoints);
+                int local = static_cast<int>(id % kBrickPoints);
+                if (!isUpward) { // the edge starts at the far end
+                    const bool leaves = (local / kStride[axis] & 7) == 0;
+                    brick = static_cast<BrickIndex>(leaves ? brick - grid.brickStride(axis) : brick);
+                    local += (leaves ? 7 : -1) * kStride[axis];
+                }
+                const auto edge = static_cast<LocalEdge>(axis * kBrickPoints + local);
+                if ((farKey > key) != (from < to)) {
+                    changes.deactivated.push_back({brick, edge});
+                    continue;
+                }
+                const Live far = static_cast<Live>(sampleOfKey<Sample>(farKey));
+                if (isUpward)
+                    changes.activated.push_back({near, far, brick, edge, part.page.normals[i], part.page.farNormals[entry]});
+                else
+                    changes.activated.push_back({far, near, brick, edge, part.page.farNormals[entry], part.page.normals[i]});
+            }
+        }
+        return entry;
+    });
+}
+
+} // namespace isoslider::bench

@@ -1,0 +1,104 @@
+// What a build takes of memory, measured on the real program.
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "tests/cli/cli_fixture.h"
+
+namespace isoslider::test {
+namespace {
+
+constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+
+enum class Field { Hills, Noise };
+
+// Two hills with some noise and about 2000 values; or noise in which hardly a value occurs twice. Written plane by
+// plane.
+template <class Sample>
+void writeField(const std::filesystem::path& path, int side, Field field) {
+    std::ofstream file(path, std::ios::binary);
+    std::mt19937 random(1);
+    std::vector<Sample> plane(static_cast<std::size_t>(side * side));
+    for (int z = 0; z < side; ++z) {
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x) {
+                const auto hill = [&](double cx, double cy, double cz) {
+                    const double u = double(x) / side - cx, v = double(y) / side - cy, w = double(z) / side - cz;
+                    return 1500.0 * std::exp(-8.0 * (u * u + v * v + w * w));
+                };
+                const double value = field == Field::Noise
+                                         ? static_cast<double>(random()) - 2147483648.0
+                                         : std::floor(hill(0.3, 0.4, 0.5) + hill(0.7, 0.6, 0.4) + random() % 40);
+                plane[static_cast<std::size_t>(x + side * y)] = static_cast<Sample>(value);
+            }
+        file.write(reinterpret_cast<const char*>(plane.data()), static_cast<std::streamsize>(plane.size() * sizeof(Sample)));
+    }
+}
+
+class CliMemory : public CliTest {
+protected:
+    // With the least budget: at most a tenth above it, and 64 MiB for the program itself.
+    template <class Sample>
+    void expectBudgetKept(const std::string& type, int side, Field field, const std::string& kind) {
+        SCOPED_TRACE(fmt::format("{} of {}, {}", kind, type, side));
+        writeField<Sample>(path("volume.raw"), side, field);
+        const auto json = runJson({"build", path("volume.raw"), "--raw-dims", fmt::format("{0},{0},{0}", side), "--raw-type",
+                                   type, "-o", path("a.isx"), "--index", kind, "--memory", "64M"});
+        EXPECT_LT(json["peak_rss_bytes"].get<std::uint64_t>(), (64 + 64 / 10 + 64) * kMiB);
+    }
+
+    void SetUp() override {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+        GTEST_SKIP() << "sanitizers take additional memory";
+#endif
+    }
+};
+
+// The records that are sorted take 160 MB of 16-bit samples, 320 MB of f64.
+TEST_F(CliMemory, EdgesAreBuiltWithinTheBudgetWhateverTheType) {
+    expectBudgetKept<std::int16_t>("i16", 160, Field::Hills, "edges");
+    expectBudgetKept<std::int32_t>("i32", 160, Field::Hills, "edges");
+    expectBudgetKept<double>("f64", 160, Field::Hills, "edges");
+}
+
+// Distinct values take 60 MB, samples 60 MB as i32 and 120 MB as f64.
+TEST_F(CliMemory, MetacellsAreBuiltWithinTheBudgetWhateverTheType) {
+    expectBudgetKept<std::int16_t>("i16", 250, Field::Hills, "metacells");
+    expectBudgetKept<std::int32_t>("i32", 250, Field::Noise, "metacells");
+    expectBudgetKept<double>("f64", 250, Field::Noise, "metacells");
+}
+
+// Some systems bound the address space, which costs nothing until it is used.
+TEST_F(CliMemory, IndexesAreUsedInEightGigabytesOfAddressSpace) {
+    writeField<std::int32_t>(path("volume.raw"), 64, Field::Noise);
+    ProcessOptions options;
+    options.addressSpaceBytes = std::uint64_t{8'000'000} * 1024;
+    for (const std::string kind : {"edges", "metacells"}) {
+        const auto index = path(kind + ".isx");
+        for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+                 {"build", path("volume.raw"), "--raw-dims", "64,64,64", "--raw-type", "i32", "-o", index, "--index", kind},
+                 {"stats", index},
+                 {"info", index},
+                 {"slide", index, "--path", "0,1e9,-1e9,0"},
+                 {"extract", index, "--isovalue", "0"}}) {
+            SCOPED_TRACE(fmt::format("{} {}", arguments.front(), kind));
+            const auto result = run(arguments, options);
+            EXPECT_EQ(result.exitCode, 0) << result.standardError;
+        }
+    }
+}
+
+// Facts of an index are read, not slid on.
+TEST_F(CliMemory, FactsOfAnIndexTakeLittleAddressSpace) {
+    ProcessOptions options;
+    options.addressSpaceBytes = 500 * kMiB;
+    for (const char* command : {"stats", "info"})
+        EXPECT_EQ(run({command, sphereIndex()}, options).exitCode, 0) << command;
+}
+
+} // namespace
+} // namespace isoslider::test

@@ -1,0 +1,121 @@
+// What the window writes, it writes on other threads: its own never waits for a disk.
+#include <QAction>
+#include <QImage>
+#include <QTest>
+
+#include "tests/gui/sync_watch.h"
+#include "tests/gui/window_fixture.h"
+#include "ui/model/saved_session.h"
+#include "ui/widgets/action_registry.h"
+#include "ui/widgets/message_bar.h"
+#include "ui/widgets/picture_file.h"
+#include "ui/widgets/session_keeper.h"
+#include "ui/widgets/viewport_host.h"
+
+namespace isoslider::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+QString pathText(const fs::path& path) { return QString::fromStdString(path.string()); }
+
+class WritingTest : public WindowTest {
+protected:
+    void SetUp() override {
+        openBall();
+        QTest::qWait(20); // the settings
+        ownBefore_ = syncsOfThisThread();
+        allBefore_ = syncsOfAllThreads();
+    }
+    void expectOthersWaited() {
+        EXPECT_EQ(syncsOfThisThread(), ownBefore_);
+        EXPECT_GT(syncsOfAllThreads(), allBefore_);
+    }
+
+    int ownBefore_ = 0;
+    int allBefore_ = 0;
+};
+
+TEST_F(WritingTest, TheWatchSeesBothThreads) {
+    ASSERT_TRUE(writeWholeFile(folder_ / "own", "x").isOk());
+    EXPECT_GT(syncsOfThisThread(), ownBefore_);
+}
+
+TEST_F(WritingTest, ASessionIsSavedByAnotherThread) {
+    dialogs_.answers.push_back(pathText(folder_ / "ball.isosession"));
+    trigger("file.saveSession");
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("Session saved")));
+    EXPECT_TRUE(model::readSession(folder_ / "ball.isosession").isOk());
+    expectOthersWaited();
+}
+
+TEST_F(WritingTest, ASessionIsKeptByAnotherThread) {
+    window_->sessionKeeper().keepIn(folder_ / "sessions", std::chrono::milliseconds(1));
+    ASSERT_TRUE(waitUntil([this] {
+        for (const auto& entry : fs::directory_iterator(folder_ / "sessions"))
+            if (model::isSessionFile(entry.path()))
+                return true;
+        return false;
+    }));
+    expectOthersWaited();
+}
+
+TEST_F(WritingTest, ASessionIsWrittenThoughTheWindowCloses) {
+    dialogs_.answers.push_back(pathText(folder_ / "ball.isosession"));
+    trigger("file.saveSession");
+    window_.reset();
+    EXPECT_TRUE(model::readSession(folder_ / "ball.isosession").isOk());
+}
+
+TEST_F(WritingTest, SettingsAreKeptByAnotherThread) {
+    window_->actions().action("view.box")->toggle();
+    window_->close(); // keeps its layout
+    QTest::qWait(50);
+    const bool shown = window_->actions().action("view.box")->isChecked();
+    EXPECT_EQ(settings_->boolean("view/showsBox"), shown);
+    window_.reset();
+    settings_.reset();
+    expectOthersWaited();
+    const widgets::SettingsStore again(pathText(folder_ / "settings.ini"));
+    EXPECT_EQ(again.boolean("view/showsBox"), shown);
+    EXPECT_FALSE(again.bytes("window/state").isEmpty());
+    EXPECT_EQ(again.list("files/recent").size(), 1);
+}
+
+TEST_F(WritingTest, APictureIsWrittenByAnotherThread) {
+    if (window_->viewportHost().viewport() == nullptr)
+        GTEST_SKIP() << "no OpenGL 3.3 here";
+    dialogs_.answers.push_back(pathText(folder_ / "view.png"));
+    trigger("file.saveImage");
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("Image saved")));
+    EXPECT_FALSE(QImage(pathText(folder_ / "view.png")).isNull());
+    expectOthersWaited();
+}
+
+TEST_F(WritingTest, APictureThatCannotBeWrittenIsTold) {
+    if (window_->viewportHost().viewport() == nullptr)
+        GTEST_SKIP() << "no OpenGL 3.3 here";
+    dialogs_.answers.push_back(pathText(folder_ / "no" / "view.png"));
+    trigger("file.saveImage");
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("could not be saved")));
+}
+
+TEST(PictureFile, IsWrittenInTheFormatOfItsSuffix) {
+    const TemporaryFolder folder;
+    QImage picture(40, 30, QImage::Format_RGB32);
+    picture.fill(Qt::red);
+    for (const char* name : {"a.png", "a.PNG", "a.jpg", "a.bmp"}) {
+        const auto status = widgets::writePicture(picture, folder / name);
+        ASSERT_TRUE(status.isOk()) << name;
+        EXPECT_EQ(QImage(pathText(folder / name)).size(), picture.size()) << name;
+    }
+    for (const char* name : {"a", "a.xyz", "a."})
+        EXPECT_EQ(widgets::writePicture(picture, folder / name).error().code, ErrorCode::InvalidArgument) << name;
+    EXPECT_EQ(widgets::writePicture(picture, folder / "no" / "a.png").error().code, ErrorCode::NotFound);
+}
+
+} // namespace
+} // namespace isoslider::test

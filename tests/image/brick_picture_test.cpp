@@ -1,0 +1,253 @@
+// The surface as the graphics card makes it from edge records, against the same surface from arrays of floats.
+#include <bit>
+#include <cmath>
+#include <random>
+
+#include <QImage>
+#include <QOpenGLVersionFunctionsFactory>
+#include <QTest>
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+#include "core/extract/live/brick_picture.h"
+#include "core/extract/slide_engine.h"
+#include "preprocess/brick_list.h"
+#include "tests/support/result_matchers.h"
+#include "ui/render/gl_support.h"
+#include "ui/render/scene_renderer.h"
+#include "ui/widgets/viewport_widget.h"
+
+namespace isoslider::test {
+namespace {
+
+using extract::SurfaceFrame;
+
+constexpr int kPoints = 44;
+
+/// Waves with noise: all kinds of cells, also ambiguous ones with vertices inside. Spans -1 to 1, roughly.
+std::shared_ptr<const ScalarGrid> roughWaves(double noise) {
+    GridGeometry geometry;
+    geometry.dims = {kPoints, kPoints, kPoints};
+    geometry.spacing = {1.0, 1.25, 0.75};
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> chance(-1.0f, 1.0f);
+    std::vector<float> values;
+    for (int z = 0; z < kPoints; ++z)
+        for (int y = 0; y < kPoints; ++y)
+            for (int x = 0; x < kPoints; ++x)
+                values.push_back(std::sin(0.31f * static_cast<float>(x)) * std::cos(0.27f * static_cast<float>(y)) +
+                                 0.4f * std::sin(0.22f * static_cast<float>(z)) + static_cast<float>(noise) * chance(random));
+    return std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values));
+}
+
+class BrickPictureTest : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (!render::isOpenGlUsable())
+            GTEST_SKIP() << "no OpenGL 3.3 here";
+        viewport_ = makeViewport();
+    }
+
+    std::unique_ptr<widgets::ViewportWidget> makeViewport() {
+        auto viewport = std::make_unique<widgets::ViewportWidget>();
+        viewport->resize(500, 420);
+        viewport->show();
+        EXPECT_TRUE(QTest::qWaitForWindowExposed(viewport.get()));
+        return viewport;
+    }
+    void open(double noise) {
+        auto engine = preprocess::makeMemoryEngine(roughWaves(noise));
+        ASSERT_THAT(engine, IsOk());
+        engine_ = std::move(engine).value();
+    }
+    std::shared_ptr<SurfaceFrame> slideTo(double isovalue) {
+        EXPECT_THAT(engine_->slideTo(isovalue), IsOk());
+        auto frame = std::make_shared<SurfaceFrame>();
+        engine_->copyFrame(*frame);
+        EXPECT_NE(frame->bricks, nullptr);
+        return frame;
+    }
+    static QImage grab(widgets::ViewportWidget& viewport, std::shared_ptr<const SurfaceFrame> frame) {
+        viewport.changeCamera([&](model::Camera& camera) { camera.reset(render::sceneRadius(frame->geometry)); });
+        viewport.setFrame(std::move(frame));
+        return viewport.grabFramebuffer().convertToFormat(QImage::Format_RGB32);
+    }
+    static int largestDifference(const QImage& a, const QImage& b) {
+        EXPECT_EQ(a.size(), b.size());
+        int largest = 0;
+        for (int y = 0; y < a.height(); ++y)
+            for (int x = 0; x < a.width(); ++x) {
+                const QRgb p = a.pixel(x, y), q = b.pixel(x, y);
+                largest = std::max({largest, std::abs(qRed(p) - qRed(q)), std::abs(qGreen(p) - qGreen(q)), std::abs(qBlue(p) - qBlue(q))});
+            }
+        return largest;
+    }
+    static bool hasSurface(const QImage& image) {
+        std::size_t warm = 0;
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x)
+                warm += qRed(image.pixel(x, y)) > qBlue(image.pixel(x, y)) + 12;
+        return warm > 5000;
+    }
+
+    std::unique_ptr<widgets::ViewportWidget> viewport_;
+    std::unique_ptr<extract::SlideEngine> engine_;
+};
+
+TEST_F(BrickPictureTest, IsThatOfArrays) {
+    for (const double noise : {0.0, 0.9}) {
+        open(noise);
+        for (const double isovalue : {0.1, 0.13, 0.4}) {
+            const auto frame = slideTo(isovalue);
+            auto arrays = std::make_shared<SurfaceFrame>(*frame);
+            expandPicture(*arrays);
+            ASSERT_EQ(arrays->bricks, nullptr);
+            const QImage fromRecords = grab(*viewport_, frame), fromArrays = grab(*viewport_, arrays);
+            EXPECT_TRUE(hasSurface(fromRecords));
+            const int difference = largestDifference(fromRecords, fromArrays);
+            RecordProperty("largest difference of pixels", difference);
+            EXPECT_LE(difference, 2) << noise << " at " << isovalue;
+        }
+    }
+}
+
+// Bricks outside the view are left out; none that reaches into it may be.
+TEST_F(BrickPictureTest, IsThatOfArraysWhereverTheViewEnds) {
+    open(0.0);
+    const auto frame = slideTo(0.1);
+    auto arrays = std::make_shared<SurfaceFrame>(*frame);
+    expandPicture(*arrays);
+    int views = 0; // that are not of a gap in the surface
+    for (const bool isPerspective : {false, true})
+        for (const double zoom : {3.0, 9.0})
+            for (const glm::dvec2 at : {glm::dvec2(0.0, 0.0), glm::dvec2(0.35, -0.2), glm::dvec2(-0.3, 0.4)}) {
+                const auto grabAt = [&](std::shared_ptr<const SurfaceFrame> shown) {
+                    viewport_->setFrame(std::move(shown));
+                    viewport_->changeCamera([&](model::Camera& camera) {
+                        camera.reset(render::sceneRadius(frame->geometry));
+                        camera.setPerspective(isPerspective);
+                        camera.zoom(zoom, at, 500.0 / 420.0);
+                    });
+                    return viewport_->grabFramebuffer().convertToFormat(QImage::Format_RGB32);
+                };
+                const QImage fromRecords = grabAt(frame);
+                views += hasSurface(fromRecords);
+                EXPECT_LE(largestDifference(fromRecords, grabAt(arrays)), 2) << zoom << " at " << at.x << ", " << at.y;
+            }
+    EXPECT_GE(views, 8) << "of 12";
+}
+
+// Bricks that changed are all that is sent; what the card then holds must be the whole surface all the same.
+TEST_F(BrickPictureTest, FollowsASlide) {
+    for (const double noise : {0.0, 0.3}) {
+        open(noise);
+        std::mt19937 random(11);
+        double isovalue = 0.0;
+        for (int step = 0; step < 30; ++step) {
+            isovalue += step % 10 == 9 ? 0.5 * (isovalue > 0 ? -1 : 1) : 0.01 * (static_cast<double>(random() % 9) - 4.0);
+            const auto frame = slideTo(isovalue);
+            const QImage slid = grab(*viewport_, frame);
+            if (step % 6 != 0)
+                continue;
+            const auto fresh = makeViewport();
+            EXPECT_TRUE(hasSurface(slid));
+            ASSERT_EQ(largestDifference(slid, grab(*fresh, frame)), 0) << noise << ", step " << step;
+        }
+    }
+}
+
+TEST_F(BrickPictureTest, SendsBytesInProportionToTheChange) {
+    open(0.0);
+    const auto sentFor = [&](double isovalue) {
+        const auto frame = slideTo(isovalue);
+        const std::uint64_t before = viewport_->uploadedBytes();
+        (void)grab(*viewport_, frame);
+        return viewport_->uploadedBytes() - before;
+    };
+    const std::uint64_t whole = sentFor(0.1);
+    ASSERT_GT(whole, 100'000u);
+    // Nothing is crossed: one number in the shader. What little is sent are bricks with vertices inside cells.
+    EXPECT_LT(sentFor(std::nextafter(0.1, 1.0)), whole / 50);
+    // Bricks as small as the whole volume's 216 are soon touched; still few are.
+    const std::uint64_t little = sentFor(0.1001), more = sentFor(0.101);
+    EXPECT_LT(little, whole / 2);
+    EXPECT_GT(more, little);
+    EXPECT_LT(more, whole);
+}
+
+// Brick by brick: the card's positions and normals against those of the same formula on the processor.
+TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
+    open(0.9);
+    const auto frame = slideTo(0.2);
+    const auto& picture = *frame->bricks;
+    viewport_->makeCurrent();
+    auto* gl = QOpenGLVersionFunctionsFactory::get<render::Gl>(viewport_->context());
+    ASSERT_NE(gl, nullptr);
+    QOpenGLShaderProgram program;
+    ASSERT_TRUE(program.addShaderFromSourceFile(QOpenGLShader::Vertex, QStringLiteral(":/isoslider/shaders/surface_records.vert")));
+    ASSERT_TRUE(program.addShaderFromSourceCode(QOpenGLShader::Fragment, "#version 330 core\nout vec4 colour;\nvoid main() { colour = vec4(1.0); }\n"));
+    const char* outputs[] = {"gridPosition", "gridNormal"};
+    gl->glTransformFeedbackVaryings(program.programId(), 2, outputs, GL_INTERLEAVED_ATTRIBS);
+    ASSERT_TRUE(program.link()) << program.log().toStdString();
+
+    GLuint array = 0, texture = 0, buffers[3];
+    gl->glGenVertexArrays(1, &array);
+    gl->glGenTextures(1, &texture);
+    gl->glGenBuffers(3, buffers);
+    gl->glBindVertexArray(array);
+    program.bind();
+    program.setUniformValue("places", 0);
+    program.setUniformValue("isovalue", static_cast<float>(frame->isovalue));
+    std::size_t onEdges = 0, inside = 0;
+    float largestTurn = 0.0f;
+    for (const extract::PictureBrick& brick : picture.bricks()) {
+        if (brick.indexCount == 0)
+            continue;
+        const auto* records = picture.records(brick);
+        const std::size_t count = brick.recordCount;
+        gl->glBindBuffer(GL_ARRAY_BUFFER, buffers[0]);
+        gl->glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(count * sizeof records[0]), records, GL_STREAM_DRAW);
+        gl->glEnableVertexAttribArray(0);
+        gl->glVertexAttribIPointer(0, 4, GL_UNSIGNED_SHORT, sizeof records[0], nullptr);
+        gl->glEnableVertexAttribArray(1);
+        gl->glVertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, sizeof records[0], reinterpret_cast<const void*>(8));
+        const std::vector<std::array<std::uint16_t, 4>> places((count + 15) / 16, {brick.place[0], brick.place[1], brick.place[2], 0});
+        gl->glBindBuffer(GL_TEXTURE_BUFFER, buffers[1]);
+        gl->glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(places.size() * 8), places.data(), GL_STREAM_DRAW);
+        gl->glBindTexture(GL_TEXTURE_BUFFER, texture);
+        gl->glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA16UI, buffers[1]);
+        std::vector<glm::vec3> out(2 * count);
+        gl->glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffers[2]);
+        gl->glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(out.size() * sizeof(glm::vec3)), nullptr, GL_STREAM_READ);
+        gl->glEnable(GL_RASTERIZER_DISCARD);
+        gl->glBeginTransformFeedback(GL_POINTS);
+        gl->glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count));
+        gl->glEndTransformFeedback();
+        gl->glDisable(GL_RASTERIZER_DISCARD);
+        gl->glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, static_cast<GLsizeiptr>(out.size() * sizeof(glm::vec3)), out.data());
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto vertex = extract::vertexOf(records[k], brick.origin(), static_cast<float>(frame->isovalue));
+            (records[k].isInside() ? inside : onEdges)++;
+            for (int a = 0; a < 3; ++a) {
+                const float expected = vertex.position[a];
+                ASSERT_GE(out[2 * k][a], std::nextafter(expected, -1e9f)) << k;
+                ASSERT_LE(out[2 * k][a], std::nextafter(expected, 1e9f)) << k;
+            }
+            largestTurn = std::max(largestTurn, glm::length(out[2 * k + 1] - vertex.normal));
+        }
+    }
+    EXPECT_LT(largestTurn, 1e-6f) << "of normals";
+    EXPECT_GT(onEdges, 10000u);
+    EXPECT_GT(inside, 10u);
+    EXPECT_EQ(gl->glGetError(), GLenum{GL_NO_ERROR});
+    program.release();
+    gl->glDeleteBuffers(3, buffers);
+    gl->glDeleteTextures(1, &texture);
+    gl->glDeleteVertexArrays(1, &array);
+    viewport_->doneCurrent();
+}
+
+} // namespace
+} // namespace isoslider::test

@@ -1,0 +1,300 @@
+// The kernels of live bricks, under every instruction set that the machine has, against plain code.
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/extract/live/brick_shapes.h"
+#include "core/extract/live/cell_triangles.h"
+#include "core/extract/live/vertex_kernels.h"
+#include "core/extract/sources/sample_kernels.h"
+
+namespace isoslider::extract {
+namespace {
+
+class LiveKernels : public testing::TestWithParam<std::size_t> {
+protected:
+    void SetUp() override { useKernelTarget(GetParam()); }
+    void TearDown() override { useKernelTarget(0); }
+    std::mt19937 random_{1};
+};
+
+std::string targetName(const testing::TestParamInfo<std::size_t>& info) { return kernelTargets().at(info.param); }
+
+INSTANTIATE_TEST_SUITE_P(Targets, LiveKernels, testing::Range(std::size_t{0}, kernelTargets().size()), targetName);
+
+const BrickMasks& innerMasks() {
+    static const std::vector<index::MissingCells> none;
+    static const BrickShapes shapes({40, 40, 40}, none);
+    return shapes.masks(shapes.grid().brickAt(1, 2, 1));
+}
+
+template <class Stored>
+struct alignas(64) Samples {
+    Stored values[kPaddedPoints];
+};
+
+// Noise, with ties at the threshold, all on one side, and extreme values.
+template <class Stored>
+Samples<Stored> samplesOf(int kind, std::mt19937& random) {
+    Samples<Stored> samples;
+    for (Stored& value : samples.values) {
+        const auto r = random();
+        switch (kind) {
+            case 0: value = static_cast<Stored>(r % 200); break;
+            case 1: value = static_cast<Stored>(100); break;
+            case 2: value = r % 2 ? std::numeric_limits<Stored>::max() : std::numeric_limits<Stored>::lowest(); break;
+            default: value = static_cast<Stored>(r % 3 + 99); break;
+        }
+    }
+    return samples;
+}
+
+template <class Stored>
+void expectSameClassification(std::mt19937& random) {
+    const BrickMasks& masks = innerMasks();
+    for (int kind = 0; kind < 4; ++kind)
+        for (const Stored threshold : {Stored(0), Stored(99), Stored(100), Stored(101), std::numeric_limits<Stored>::max()}) {
+            const auto samples = samplesOf<Stored>(kind, random);
+            BitString before;
+            for (unsigned p = 0; p < kClosedPoints; ++p)
+                if (random() % 3 == 0)
+                    before.set(p);
+            for (const BitString* old : {static_cast<const BitString*>(nullptr), static_cast<const BitString*>(&before)}) {
+                ClassifiedBrick<Stored> plain, fast;
+                classifyPlainly(samples.values, threshold, masks, old, plain);
+                classify(samples.values, threshold, masks, old, fast);
+                ASSERT_EQ(fast.above, plain.above) << "kind " << kind;
+                ASSERT_EQ(fast.active.edges, plain.active.edges);
+                ASSERT_EQ(fast.active.cells, plain.active.cells);
+                ASSERT_EQ(fast.ends, plain.ends);
+                ASSERT_EQ(fast.changed, plain.changed);
+                ASSERT_EQ(fast.up, plain.up);
+                ASSERT_EQ(fast.down, plain.down);
+                ASSERT_EQ(fast.ownedEdges, plain.ownedEdges);
+                ASSERT_EQ(fast.edgesAdded, plain.edgesAdded);
+                ASSERT_EQ(fast.edgesRemoved, plain.edgesRemoved);
+            }
+        }
+}
+
+TEST_P(LiveKernels, ClassifyAsPlainCodeDoes) {
+    expectSameClassification<std::uint8_t>(random_);
+    expectSameClassification<std::uint16_t>(random_);
+    expectSameClassification<std::int32_t>(random_);
+    expectSameClassification<float>(random_);
+    expectSameClassification<double>(random_);
+}
+
+// The bits themselves, from first principles.
+TEST_P(LiveKernels, FindTheEdgesAndCellsThatTheSignsSay) {
+    const BrickMasks& masks = innerMasks();
+    const auto samples = samplesOf<float>(0, random_);
+    ClassifiedBrick<float> found;
+    classify(samples.values, 100.0f, masks, nullptr, found);
+    const auto isAbove = [&](int x, int y, int z) { return samples.values[closedPoint(x, y, z)] >= 100.0f; };
+    for (int z = 0; z < kPointSide; ++z)
+        for (int y = 0; y < kPointSide; ++y)
+            for (int x = 0; x < kPointSide; ++x) {
+                const ClosedPoint p = closedPoint(x, y, z);
+                ASSERT_EQ(found.active.edges[0].test(p), x < 8 && isAbove(x, y, z) != isAbove(x + 1, y, z));
+                ASSERT_EQ(found.active.edges[1].test(p), y < 8 && isAbove(x, y, z) != isAbove(x, y + 1, z));
+                ASSERT_EQ(found.active.edges[2].test(p), z < 8 && isAbove(x, y, z) != isAbove(x, y, z + 1));
+                if (x == 8 || y == 8 || z == 8) {
+                    ASSERT_FALSE(found.active.cells.test(p));
+                    continue;
+                }
+                unsigned signs = 0;
+                for (int c = 0; c < 8; ++c)
+                    signs |= static_cast<unsigned>(isAbove(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))) << c;
+                ASSERT_EQ(found.active.cells.test(p), signs != 0 && signs != 255);
+                ASSERT_EQ(signsOfCell(found.above, p), signs);
+            }
+}
+
+template <class Sample>
+void expectRecords(std::mt19937& random) {
+    using Stored = StoredSample<Sample>;
+    const auto samples = samplesOf<Stored>(0, random);
+    std::array<NormalCode, kPaddedPoints> normals;
+    for (NormalCode& code : normals)
+        code = static_cast<NormalCode>(random());
+    ClassifiedBrick<Stored> found;
+    classify(samples.values, Stored(100), innerMasks(), nullptr, found);
+    std::vector<EdgeRecord<LiveOf<Sample>>> records(3 * kClosedPoints);
+    VertexTable table;
+    const std::uint32_t count = gatherRecords<Sample>(samples.values, normals.data(), found.active, records.data(), table);
+    std::uint32_t next = 0;
+    for (unsigned axis = 0; axis < 3; ++axis)
+        forEachSetBit(found.active.edges[axis], [&](ClosedPoint p) {
+            const auto q = static_cast<std::size_t>(p + kPointStride[axis]);
+            const auto& record = records[next];
+            EXPECT_EQ(record.edge, axis << kEdgeAxisShift | p);
+            EXPECT_EQ(record.normal1, normals[p]);
+            EXPECT_EQ(record.normal2, normals[q]);
+            EXPECT_EQ(record.scalar1, static_cast<LiveOf<Sample>>(sampleOf<Sample>(samples.values[p])));
+            EXPECT_EQ(record.scalar2, static_cast<LiveOf<Sample>>(sampleOf<Sample>(samples.values[q])));
+            EXPECT_EQ(table.of(record.edge), next);
+            ++next;
+        });
+    EXPECT_EQ(count, next);
+}
+
+TEST_P(LiveKernels, GatherTheRecordsOfActiveEdgesInOrder) {
+    expectRecords<std::uint8_t>(random_);
+    expectRecords<std::int8_t>(random_);
+    expectRecords<std::uint16_t>(random_);
+    expectRecords<std::int16_t>(random_);
+    expectRecords<std::int32_t>(random_);
+    expectRecords<float>(random_);
+    expectRecords<double>(random_);
+}
+
+template <class Sample>
+void expectNormals(std::mt19937& random) {
+    for (const GridDims dims : {GridDims{40, 40, 40}, GridDims{9, 12, 16}, GridDims{8, 8, 2}, GridDims{2, 3, 17}})
+        for (int kind = 0; kind < 4; ++kind) {
+            const BrickGrid grid(dims);
+            for (const BrickIndex brick : {BrickIndex{0}, static_cast<BrickIndex>(grid.brickCount() / 2), static_cast<BrickIndex>(grid.brickCount() - 1)}) {
+                SampleBlock<Sample> block;
+                for (Sample& sample : block.samples) {
+                    const auto r = random();
+                    if (kind == 0)
+                        sample = static_cast<Sample>(r % 100);
+                    else if (kind == 1)
+                        sample = Sample(7); // flat
+                    else if (kind == 2) // lengths beyond the plain ones, where the type has such
+                        sample = r % 2 ? std::numeric_limits<Sample>::max() : std::numeric_limits<Sample>::lowest();
+                    else
+                        sample = r % 3 ? std::numeric_limits<Sample>::min() : Sample(0); // denormal differences
+                }
+                const auto c = grid.brickCoords(brick);
+                block.place(dims, {8 * c[0], 8 * c[1], 8 * c[2]});
+                PointRows rows;
+                for (std::uint16_t& row : rows)
+                    row = static_cast<std::uint16_t>(random() % 512);
+                std::array<NormalCode, kPaddedPoints> plain{}, fast{};
+                const glm::vec3 inverse(1.0f, 0.4f, 2.5f);
+                findNormalsPlainly(block, rows, inverse, plain.data());
+                findNormals(block, rows, inverse, fast.data());
+                ASSERT_EQ(fast, plain) << "kind " << kind << ", brick " << brick << " of " << dims[0] << " " << dims[1] << " " << dims[2];
+            }
+        }
+}
+
+TEST_P(LiveKernels, FindTheNormalsThatGradientsGive) {
+    expectNormals<std::uint8_t>(random_);
+    expectNormals<std::int8_t>(random_);
+    expectNormals<std::uint16_t>(random_);
+    expectNormals<std::int16_t>(random_);
+    expectNormals<std::int32_t>(random_);
+    expectNormals<float>(random_);
+    expectNormals<double>(random_);
+}
+
+template <class Live>
+void expectVertices(std::mt19937& random) {
+    std::vector<EdgeRecord<Live>> records;
+    for (int k = 0; k < 333; ++k) {
+        const auto p = static_cast<unsigned>(random() % kClosedPoints);
+        const Live low = k % 7 == 0 ? std::numeric_limits<Live>::lowest() : static_cast<Live>(random() % 100);
+        const Live high = k % 11 == 0 ? std::numeric_limits<Live>::max() : static_cast<Live>(100 + random() % 100);
+        const auto code = [&] { return k % 5 == 0 ? kNoNormal : encodeNormal({static_cast<float>(random() % 9) - 4.0f, static_cast<float>(random() % 9) - 4.0f, static_cast<float>(random() % 9) - 4.0f}); };
+        const NormalCode first = code(), second = code();
+        const auto edge = static_cast<ClosedEdge>((random() % 3) << kEdgeAxisShift | p);
+        records.push_back(random() % 2 ? EdgeRecord<Live>{edge, 0, first, second, low, high} : EdgeRecord<Live>{edge, 0, first, second, high, low});
+    }
+    const std::array<std::int32_t, 3> origin{8, 1600, 64};
+    for (const std::uint32_t count : {0u, 1u, 7u, 16u, 17u, 333u}) {
+        std::vector<glm::vec3> positions(count), normals(count);
+        interpolateVertices<Live>(records.data(), count, origin, static_cast<Live>(100), positions.data(), normals.data());
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const MeshVertex plain = vertexOf<Live>(records[k], origin, static_cast<Live>(100));
+            ASSERT_EQ(positions[k], plain.position) << k;
+            ASSERT_EQ(normals[k], plain.normal) << k;
+        }
+    }
+}
+
+TEST_P(LiveKernels, InterpolateVerticesAsOneByOne) {
+    expectVertices<float>(random_);
+    expectVertices<double>(random_);
+}
+
+// Noise has cells of all 256 signs; each ambiguous one gets some state of its signs.
+TEST_P(LiveKernels, WriteTheTrianglesThatTheStatesHave) {
+    std::vector<std::vector<cell::StateId>> statesOf(256);
+    for (std::size_t s = 0; s < cell::cellStates().size(); ++s)
+        if (s >= 256 || !cell::isAmbiguous(static_cast<std::uint8_t>(s)))
+            statesOf[cell::cellStates()[s].signs].push_back(static_cast<cell::StateId>(s));
+    std::array<bool, 256> seen{};
+    for (int round = 0; round < 30; ++round) {
+        ClassifiedBrick<float> found;
+        classify(samplesOf<float>(0, random_).values, 100.0f, innerMasks(), nullptr, found);
+        CellList list;
+        listCells(found.active.cells, found.above, list);
+        VertexTable table;
+        for (std::uint16_t& number : table.numbers)
+            number = static_cast<std::uint16_t>(random_());
+        std::vector<cell::StateId> states;
+        for (std::uint32_t k = 0; k < list.count; ++k) {
+            seen[list.signs[k]] = true;
+            if (cell::isAmbiguous(list.signs[k]))
+                states.push_back(statesOf[list.signs[k]][random_() % statesOf[list.signs[k]].size()]);
+        }
+        ASSERT_EQ(states.size(), list.ambiguousCount);
+        std::vector<std::uint16_t> fast(list.count * kMaxCellIndices + kIndexOverrun), plain(fast.size());
+        fast.resize(writeTriangles(list, states.data(), 5000, table, fast.data()));
+        plain.resize(writeTrianglesPlainly(list, states.data(), 5000, table, plain.data()));
+        ASSERT_EQ(fast, plain);
+    }
+    EXPECT_GE(std::count(seen.begin(), seen.end(), true), 254);
+}
+
+// Each edge is owned by one of the bricks that hold it, in boxes of all remainders and beside missing cells.
+TEST(BrickShapes, GiveEveryEdgeOneOwner) {
+    std::mt19937 random(3);
+    for (const GridDims dims : {GridDims{17, 16, 9}, GridDims{8, 24, 10}, GridDims{25, 18, 33}, GridDims{2, 2, 2}, GridDims{12, 9, 17}})
+        for (const bool hasMissing : {false, true}) {
+            const BrickGrid grid(dims);
+            std::vector<index::MissingCells> missing;
+            for (BrickIndex b = 0; hasMissing && b < grid.brickCount(); ++b)
+                if (random() % 2) {
+                    index::MissingCells cells{b, {}};
+                    for (std::uint64_t& word : cells.cells)
+                        word = random() & random() & (std::uint64_t{random()} << 32 | random());
+                    missing.push_back(cells);
+                }
+            const BrickShapes shapes(dims, missing);
+            std::map<std::array<std::int64_t, 4>, int> owners, holders;
+            std::uint64_t cells = 0;
+            for (BrickIndex b = 0; b < grid.brickCount(); ++b) {
+                const BrickMasks masks = shapes.isNearMissing(b) ? shapes.masksNearMissing(b) : shapes.masks(b);
+                const auto origin = shapes.origin(b);
+                cells += static_cast<std::uint64_t>(masks.cells.count());
+                EXPECT_TRUE(shapes.hasCells(b) || masks.cells.isEmpty());
+                for (int axis = 0; axis < 3; ++axis)
+                    forEachSetBit(masks.edges[static_cast<std::size_t>(axis)], [&](ClosedPoint p) {
+                        const auto c = coordsOf(p);
+                        const std::array<std::int64_t, 4> edge{origin[0] + c[0], origin[1] + c[1], origin[2] + c[2], axis};
+                        ++holders[edge];
+                        owners[edge] += masks.owned[static_cast<std::size_t>(axis)].test(p);
+                    });
+            }
+            for (const auto& [edge, count] : owners)
+                ASSERT_EQ(count, 1) << edge[0] << " " << edge[1] << " " << edge[2] << " axis " << edge[3];
+            if (!hasMissing) {
+                EXPECT_EQ(cells, static_cast<std::uint64_t>((dims[0] - 1) * (dims[1] - 1) * (dims[2] - 1)));
+                EXPECT_EQ(holders.size(), static_cast<std::size_t>((dims[0] - 1) * dims[1] * dims[2] + dims[0] * (dims[1] - 1) * dims[2] +
+                                                                   dims[0] * dims[1] * (dims[2] - 1)));
+            }
+        }
+}
+
+} // namespace
+} // namespace isoslider::extract

@@ -1,0 +1,103 @@
+#include "core/extract/live/run_arena.h"
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/extract/edge_interpolation.h"
+#include "core/extract/live/edge_record.h"
+
+namespace isoslider::extract {
+namespace {
+
+using Arena = RunArena<std::uint32_t, 16, 12>;
+
+// Random growth, shrinking and release: runs never overlap, keep what is in them, and never cross a chunk.
+TEST(RunArena, KeepsRunsApart) {
+    std::mt19937 random(11);
+    Arena arena;
+    struct Owned {
+        ArenaRun run;
+        std::uint32_t count = 0;
+    };
+    std::vector<Owned> runs(60);
+    for (int round = 0; round < 4000; ++round) {
+        const std::size_t i = random() % runs.size();
+        Owned& owned = runs[i];
+        owned.count = random() % 5 == 0 ? 0 : random() % 900;
+        arena.resize(owned.run, owned.count);
+        ASSERT_GE(owned.run.capacity, owned.count);
+        ASSERT_EQ(owned.run.begin % Arena::kGranule, 0u);
+        if (owned.run.capacity > 0) {
+            ASSERT_EQ(owned.run.begin >> 12, (owned.run.begin + owned.run.capacity - 1) >> 12) << "inside one chunk";
+            std::fill_n(arena.at(owned.run.begin), owned.run.capacity, static_cast<std::uint32_t>(i));
+        }
+        for (std::size_t k = 0; k < runs.size(); ++k)
+            if (runs[k].run.capacity > 0) {
+                ASSERT_EQ(*arena.at(runs[k].run.begin), k);
+                ASSERT_EQ(*arena.at(runs[k].run.begin + runs[k].run.capacity - 1), k);
+            }
+    }
+    EXPECT_LT(arena.top(), 4u * 60 * 1024) << "freed runs are used again";
+}
+
+TEST(RunArena, KeepsARunThatFits) {
+    Arena arena;
+    ArenaRun run;
+    arena.resize(run, 100);
+    const ArenaRun before = run;
+    arena.resize(run, 112);
+    EXPECT_EQ(run.begin, before.begin);
+    arena.resize(run, 60);
+    EXPECT_EQ(run.begin, before.begin);
+    arena.resize(run, 10);
+    EXPECT_LE(run.capacity, 32u) << "much too large a run is given back";
+}
+
+TEST(EdgeRecord, GivesThePlaceOfAVertexInsideACellBack) {
+    const glm::vec3 place(1.25f, 7.0009765625f, 0.1f);
+    const auto record = EdgeRecord<float>::inside(place, encodeNormal({0.0f, 1.0f, 0.0f}));
+    EXPECT_TRUE(record.isInside());
+    EXPECT_EQ(record.insidePlace(), place);
+    const MeshVertex vertex = vertexOf(record, {8, 16, 24}, 5.0f);
+    EXPECT_EQ(vertex.position, glm::vec3(8.0f, 16.0f, 24.0f) + place);
+    EXPECT_EQ(vertex.normal, glm::vec3(0.0f, 1.0f, 0.0f));
+    const auto precise = EdgeRecord<double>::inside(place, 0);
+    EXPECT_EQ(precise.insidePlace(), place);
+}
+
+// From first principles: on the line, exactly at the end where the isovalue is that end's scalar, never outside.
+TEST(EdgeRecord, PlacesAVertexWhereTheLineCrossesTheIsovalue) {
+    EdgeRecord<float> record{static_cast<ClosedEdge>(1 << kEdgeAxisShift | closedPoint(3, 4, 5)), 0, 0, 0, 10.0f, 20.0f};
+    EXPECT_EQ(vertexOf(record, {8, 8, 8}, 12.5f).position, glm::vec3(11.0f, 12.25f, 13.0f));
+    EXPECT_EQ(vertexOf(record, {8, 8, 8}, 10.0f).position, glm::vec3(11.0f, 12.0f, 13.0f));
+    EXPECT_EQ(vertexOf(record, {8, 8, 8}, 20.0f).position, glm::vec3(11.0f, 13.0f, 13.0f));
+    constexpr float kMax = std::numeric_limits<float>::max();
+    record.scalar1 = -kMax;
+    record.scalar2 = kMax;
+    EXPECT_EQ(vertexOf(record, {0, 0, 0}, 0.0f).position, glm::vec3(3.0f, 4.5f, 5.0f));
+    record.scalar1 = 0.0f;
+    record.scalar2 = std::numeric_limits<float>::denorm_min();
+    const float y = vertexOf(record, {0, 0, 0}, record.scalar2).position.y;
+    EXPECT_GE(y, 4.0f);
+    EXPECT_LE(y, 5.0f);
+}
+
+// Flat at both ends, and normals that cancel: along the edge, towards lower scalars.
+TEST(EdgeRecord, HasANormalWhereTheEndsHaveNone) {
+    const NormalCode up = encodeNormal({1.0f, 0.0f, 0.0f}), down = encodeNormal({-1.0f, 0.0f, 0.0f});
+    for (int axis = 0; axis < 3; ++axis)
+        for (const auto& [first, second] : {std::pair{kNoNormal, kNoNormal}, std::pair{up, down}}) {
+            glm::vec3 expected(0.0f);
+            expected[axis] = -1.0f;
+            EXPECT_EQ(edgeNormal(first, second, 0.5f, axis, true), expected);
+            EXPECT_EQ(edgeNormal(first, second, 0.5f, axis, false), -expected);
+        }
+    EXPECT_EQ(edgeNormal(up, kNoNormal, 0.5f, 1, true).y, 0.0f);
+    EXPECT_NEAR(edgeNormal(up, kNoNormal, 0.5f, 1, true).x, 1.0f, 1e-6f);
+}
+
+} // namespace
+} // namespace isoslider::extract

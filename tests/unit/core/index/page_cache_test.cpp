@@ -1,0 +1,110 @@
+#include "core/index/page_cache.h"
+
+#include <map>
+#include <random>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "tests/property/test_volumes.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider::index {
+namespace {
+
+using test::IsOk;
+using Cache = PageCache<std::uint16_t>;
+using Page = DecodedPage<std::uint16_t>;
+
+class PageCacheTest : public testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_THAT(test::buildIndexOf(test::noiseVolume({70, 64, 64}, 3, 200), folder_ / "a.isx"), IsOk());
+        auto opened = IndexReader::open(folder_ / "a.isx");
+        ASSERT_THAT(opened, IsOk());
+        reader_ = std::move(opened).value();
+        Cache all(*reader_, std::uint64_t{1} << 30);
+        for (std::size_t i = 0; i < pageCount(0); ++i)
+            largest_ = std::max<std::uint64_t>(largest_, get(all, 0, i).page->memoryBytes());
+        ASSERT_GT(pageCount(0), 40u);
+    }
+    std::size_t pageCount(int level) const { return reader_->meta().levels[static_cast<std::size_t>(level)].pages.size(); }
+    static Cache::Lookup get(Cache& cache, int level, std::size_t page) {
+        auto found = cache.get(level, page);
+        EXPECT_THAT(found, IsOk());
+        return found.isOk() ? std::move(found).value() : Cache::Lookup{std::make_shared<Page>(), 0};
+    }
+    bool isKept(Cache& cache, std::size_t page) const { return get(cache, 0, page).bytesRead == 0; }
+
+    test::TemporaryFolder folder_;
+    std::unique_ptr<IndexReader> reader_;
+    std::uint64_t largest_ = 0; ///< memory of the largest page of level 0
+};
+
+// What is really alive is counted, not what the cache says of itself. Eight pages may wait for their memory to be
+// used again.
+TEST_F(PageCacheTest, KeepsWithinItsBoundWhateverIsRead) {
+    constexpr std::uint64_t kSpares = 8;
+    for (const std::uint64_t pages : {1, 3, 12}) {
+        const std::uint64_t bound = pages * largest_;
+        Cache cache(*reader_, bound);
+        std::map<const Page*, std::weak_ptr<const Page>> handedOut;
+        std::mt19937 random(5);
+        std::uint64_t largest = 0;
+        for (int round = 0; round < 400; ++round) {
+            const int level = static_cast<int>(random() % reader_->meta().levels.size());
+            {
+                const auto found = get(cache, level, random() % pageCount(level));
+                largest = std::max<std::uint64_t>(largest, found.page->memoryBytes());
+                handedOut[found.page.get()] = found.page;
+            }
+            std::uint64_t alive = 0;
+            for (const auto& [address, page] : handedOut)
+                if (const auto held = page.lock())
+                    alive += held->memoryBytes();
+            ASSERT_LE(alive, bound + kSpares * largest) << "round " << round;
+            ASSERT_LE(cache.memoryBytes(), bound);
+        }
+        EXPECT_GT(cache.memoryBytes(), 0u);
+    }
+}
+
+TEST_F(PageCacheTest, KeepsWhatWasUsedLast) {
+    Cache cache(*reader_, 3 * largest_);
+    for (const std::size_t page : {0, 1, 2, 0, 3, 0})
+        get(cache, 0, page);
+    EXPECT_TRUE(isKept(cache, 0));
+    EXPECT_TRUE(isKept(cache, 3));
+    EXPECT_FALSE(isKept(cache, 1));
+    cache.clear();
+    EXPECT_EQ(cache.memoryBytes(), 0u);
+    EXPECT_FALSE(isKept(cache, 0));
+}
+
+TEST_F(PageCacheTest, HandsOutButDoesNotKeepAPageLargerThanTheBound) {
+    Cache cache(*reader_, 100);
+    for (int twice = 0; twice < 2; ++twice) {
+        const auto found = get(cache, 0, 0);
+        EXPECT_GT(found.bytesRead, 0u);
+        EXPECT_EQ(found.page->pointCount(), 4096u);
+        EXPECT_EQ(cache.memoryBytes(), 0u);
+    }
+}
+
+TEST_F(PageCacheTest, KeepsWithinItsBoundBesideManyThreads) {
+    Cache cache(*reader_, 5 * largest_);
+    std::vector<std::jthread> threads;
+    for (unsigned t = 0; t < 4; ++t)
+        threads.emplace_back([&, t] {
+            std::mt19937 random(t);
+            for (int round = 0; round < 100; ++round) {
+                const std::size_t page = random() % pageCount(0);
+                EXPECT_EQ(get(cache, 0, page).page->pointCount(), reader_->meta().levels[0].pages[page].points);
+                EXPECT_LE(cache.memoryBytes(), 5 * largest_);
+            }
+        });
+}
+
+} // namespace
+} // namespace isoslider::index

@@ -1,0 +1,95 @@
+#include "ui/render/array_buffers.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace isoslider::render {
+
+ArrayBuffers::ArrayBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) {
+    gl_.glGenVertexArrays(1, &vertexArray_);
+    for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_})
+        buffer->name = driver_.makeBuffer(gl_);
+    gl_.glBindVertexArray(vertexArray_);
+    GLuint location = 0;
+    for (const Buffer* buffer : {&positions_, &normals_}) {
+        gl_.glBindBuffer(GL_ARRAY_BUFFER, buffer->name);
+        gl_.glEnableVertexAttribArray(location);
+        gl_.glVertexAttribPointer(location++, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
+    }
+    gl_.glBindVertexArray(0);
+}
+
+ArrayBuffers::~ArrayBuffers() {
+    if (vertexArray_ == 0)
+        return;
+    for (const Buffer* buffer : {&positions_, &normals_, &indices_, &changed_})
+        driver_.freeBuffer(gl_, buffer->name);
+    gl_.glDeleteVertexArrays(1, &vertexArray_);
+}
+
+bool ArrayBuffers::upload(const extract::SurfaceFrame& frame) {
+    clear();
+    gl_.glBindVertexArray(vertexArray_);
+    const bool isThere = uploadArrays(frame);
+    gl_.glBindVertexArray(0);
+    if (!isThere)
+        freeMemory();
+    if (!isThere)
+        return false;
+    surfaceIndices_ = frame.indices.size();
+    changedIndices_ = frame.changedIndices.size();
+    return true;
+}
+
+bool ArrayBuffers::uploadArrays(const extract::SurfaceFrame& frame) {
+    const auto bytesOf = [](const auto& values) { return values.size() * sizeof(values[0]); };
+    return fill(GL_ARRAY_BUFFER, positions_, frame.positions.data(), bytesOf(frame.positions)) &&
+           fill(GL_ARRAY_BUFFER, normals_, frame.normals.data(), bytesOf(frame.normals)) &&
+           fill(GL_ELEMENT_ARRAY_BUFFER, indices_, frame.indices.data(), bytesOf(frame.indices)) &&
+           fill(GL_ELEMENT_ARRAY_BUFFER, changed_, frame.changedIndices.data(), bytesOf(frame.changedIndices));
+}
+
+void ArrayBuffers::clear() { surfaceIndices_ = changedIndices_ = 0; }
+
+void ArrayBuffers::freeMemory() {
+    clear();
+    for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_})
+        if (std::exchange(buffer->capacityBytes, 0) > 0)
+            driver_.allocate(gl_, GL_COPY_WRITE_BUFFER, buffer->name, 0);
+}
+
+bool ArrayBuffers::fill(GLenum target, Buffer& buffer, const void* data, std::size_t bytes) {
+    if (bytes > buffer.capacityBytes) // room to grow, so that a slide seldom allocates
+        buffer.capacityBytes = bytes + bytes / 4;
+    // A fresh store each time: the driver need not wait for the draw that reads the old one.
+    if (!driver_.allocate(gl_, target, buffer.name, buffer.capacityBytes)) {
+        if (buffer.capacityBytes == bytes)
+            return false;
+        buffer.capacityBytes = bytes; // there may be room for it, if not to grow
+        if (!driver_.allocate(gl_, target, buffer.name, bytes))
+            return false;
+    }
+    if (bytes > 0)
+        gl_.glBufferSubData(target, 0, static_cast<GLsizeiptr>(bytes), data);
+    uploadedBytes_ += bytes;
+    return true;
+}
+
+void ArrayBuffers::drawSurface() { draw(indices_, surfaceIndices_); }
+void ArrayBuffers::drawChanged() { draw(changed_, changedIndices_); }
+
+void ArrayBuffers::draw(const Buffer& indices, std::size_t count) {
+    gl_.glBindVertexArray(vertexArray_);
+    gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.name);
+    // glDrawElements counts in int; larger surfaces go in parts of whole triangles.
+    constexpr std::size_t kMostPerCall = std::size_t{std::numeric_limits<GLsizei>::max()} / 3 * 3;
+    for (std::size_t begin = 0; begin < count; begin += kMostPerCall) {
+        const auto part = static_cast<GLsizei>(std::min(kMostPerCall, count - begin));
+        gl_.glDrawElements(GL_TRIANGLES, part, GL_UNSIGNED_INT,
+                           reinterpret_cast<const void*>(begin * sizeof(std::uint32_t)));
+    }
+    gl_.glBindVertexArray(0);
+}
+
+} // namespace isoslider::render

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+
+#include "core/extract/live/brick_picture.h"
+#include "ui/render/gl_driver.h"
+
+namespace isoslider::render {
+
+/// The bricks of a surface on the GPU: the arenas of BrickPicture, place by place, and a table that tells the brick of
+/// each 16 records. Of a picture that follows one of the same series only bricks with another version are uploaded.
+/// REQUIRES for every call but abandon() and the destructor after it: the context it was made in is current.
+class BrickBuffers {
+public:
+    using Picture = extract::BrickPicture<float>;
+
+    BrickBuffers(Gl& gl, GlDriver& driver);
+    ~BrickBuffers();
+    BrickBuffers(const BrickBuffers&) = delete;
+    BrickBuffers& operator=(const BrickBuffers&) = delete;
+
+    /// Whether the card can look up that many places at all.
+    bool canHold(const Picture& picture) const { return picture.recordEnd() / kRecordsPerPlace <= mostPlaces_; }
+    /// False if the card has no memory for it: then nothing is drawn, and no memory is kept. REQUIRES: canHold(picture).
+    bool upload(const Picture& picture);
+    void clear();
+    /// Clears, and gives the memory on the card back.
+    void freeMemory();
+    /// Forgets everything on the GPU without a call to it: the context is gone.
+    void abandon() { vertexArray_ = 0; }
+
+    bool isEmpty() const { return bricks_.empty(); }
+    bool hasChanged() const { return !changed_.empty(); }
+    /// Bytes of records, indices and places sent since the object was made.
+    std::uint64_t uploadedBytes() const { return uploadedBytes_; }
+
+    /// Draws the bricks that `modelToClip` brings into view; the program's `places` is texture unit 0.
+    void drawSurface(const glm::dmat4& modelToClip);
+    void drawChanged();
+
+private:
+    static constexpr std::uint32_t kRecordsPerPlace = 16;
+    using Place = std::array<std::uint16_t, 4>;
+    struct Buffer {
+        GLuint name = 0;
+        std::size_t capacityBytes = 0;
+    };
+    /// Elements of an arena that lie one after the other.
+    struct Stretch {
+        std::uint64_t first;
+        std::uint64_t count;
+        const void* data;
+    };
+
+    bool makeRoom(const Picture& picture);
+    bool makeRoom(GLenum target, Buffer& buffer, std::size_t bytes);
+    void send(GLenum target, const Buffer& buffer, std::size_t elementBytes, std::vector<Stretch>& stretches);
+    void sendBytes(GLenum target, std::uint64_t at, std::size_t bytes, const void* data);
+    void sendPlaces(std::vector<std::uint64_t>& pages);
+    bool sendChanged(const Picture& picture);
+    void drawAll(GLuint indices);
+
+    Gl& gl_;
+    GlDriver& driver_;
+    std::uint64_t mostPlaces_ = 0;
+    GLuint vertexArray_ = 0;
+    GLuint placesTexture_ = 0;
+    Buffer records_, indices_, places_, changedIndices_;
+    std::uint64_t series_ = 0; ///< of the picture that is there; 0 for none
+    std::vector<extract::PictureBrick> bricks_; ///< as they are on the GPU
+    std::vector<Place> placeTable_;
+    std::vector<extract::ChangedTriangles> changed_;
+    std::uint64_t uploadedBytes_ = 0;
+    bool isFresh_ = false; ///< the buffers hold nothing that must be kept
+    // Arguments of the draw call.
+    std::vector<GLsizei> counts_;
+    std::vector<const void*> offsets_;
+    std::vector<GLint> baseVertices_;
+};
+
+} // namespace isoslider::render
