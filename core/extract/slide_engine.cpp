@@ -164,6 +164,7 @@ private:
 
     void dropSurface() {
         surface_.clear();
+        surface_.compact();
         position_ = backing_.source.lowest();
     }
 

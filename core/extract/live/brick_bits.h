@@ -22,6 +22,9 @@ inline constexpr int kBitWords = (kClosedPoints + 63) / 64;
 inline constexpr int kPaddedPoints = 64 * kBitWords;
 inline constexpr std::array<int, 3> kPointStride{1, kPointSide, kPointSide * kPointSide};
 
+/// Bricks that a thread takes at once from a move's list: few enough to share out evenly, enough to fetch ahead.
+inline constexpr std::size_t kBricksTogether = 16;
+
 /// A grid point of a closed brick, x + 9 y + 81 z, or the cell that starts there.
 using ClosedPoint = std::uint16_t;
 /// An edge of a closed brick: 1024 * axis + the point where it starts. The active edges' order in the brick.

@@ -2,8 +2,7 @@
 
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
+#include "core/base/worker_team.h"
 #include "core/extract/live/vertex_kernels.h"
 
 namespace isoslider::extract {
@@ -38,7 +37,7 @@ void expandPicture(const BrickPicture<Live>& picture, SurfaceFrame& frame) {
     frame.positions.resize(firstVertex.back());
     frame.normals.resize(firstVertex.back());
     frame.indices.resize(firstIndex.back());
-    tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t slot) {
+    forEachIndex(bricks.size(), kBricksTogether, [&](std::size_t slot) {
         const PictureBrick& brick = bricks[slot];
         if (brick.indexCount == 0)
             return;

@@ -45,12 +45,15 @@ public:
     T& operator[](std::uint64_t index) { return *at(index); }
     const T& operator[](std::uint64_t index) const { return *at(index); }
 
-    /// Gives all memory back. No other thread may use the array.
-    void clear() {
-        usable_.store(0, std::memory_order_relaxed);
-        for (std::size_t chunk = 0; chunk < owned_.size(); ++chunk)
+    /// Gives memory back that elements below `count` do not need; the others are kept. No other thread may use the array.
+    void shrink(std::uint64_t count) {
+        const std::size_t needed = static_cast<std::size_t>((count + kChunk - 1) >> ChunkBits);
+        if (needed >= owned_.size())
+            return;
+        usable_.store(needed * kChunk, std::memory_order_relaxed);
+        for (std::size_t chunk = needed; chunk < owned_.size(); ++chunk)
             chunks_[chunk].store(nullptr, std::memory_order_relaxed);
-        owned_.clear();
+        owned_.resize(needed);
     }
 
 private:

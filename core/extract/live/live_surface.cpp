@@ -7,9 +7,8 @@
 #include <span>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
 #include "core/base/check.h"
+#include "core/base/worker_team.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/stream_copy.h"
 
@@ -30,22 +29,25 @@ LiveSurface<Live>::LiveSurface(const GridGeometry& geometry, const std::vector<i
 
 template <class Live>
 void LiveSurface<Live>::clear() {
+    if (leases_->oldest() == PictureLeases::kNone) {
+        arenas_->vertices.clear();
+        arenas_->indices.clear();
+        retired_.clear();
+    } else { // pictures refer to them until the next move at least
+        for (const Brick& brick : bricks_)
+            if (brick.isLive)
+                retired_.push_back({version_ + 1, {brick.vertices, brick.indices}});
+    }
+    ambiguous_.clear();
     bricks_.clear();
     nearMissing_.clear();
     intervals_.clear();
     hasInner_.clear();
     free_.clear();
     shown_.clear();
-    if (leases_->oldest() == PictureLeases::kNone) {
-        arenas_->vertices.clear();
-        arenas_->indices.clear();
-    } else { // they belong to the pictures now
-        arenas_ = std::make_shared<BrickArenas<Live>>();
-    }
-    ambiguous_.clear();
-    retired_.clear();
     replaced_.clear();
     liveBricks_ = activeEdges_ = triangles_ = ambiguousCells_ = 0;
+    hasCleared_ = true;
 }
 
 template <class Live>
@@ -73,8 +75,7 @@ BrickSlot LiveSurface<Live>::add(BrickIndex index) {
     if (isNearMissing)
         nearMissing_[slot] = std::make_unique<BrickMasks>(shapes_.masksNearMissing(index));
     free_.pop_back();
-    Brick& brick = bricks_[slot];
-    brick = {};
+    Brick& brick = bricks_[slot]; // new, or as remove() leaves it
     brick.index = index;
     brick.isLive = true;
     brick.isNearMissing = isNearMissing;
@@ -145,6 +146,11 @@ void LiveSurface<Live>::finishMove(const BrickDraft<Live>& draft) {
 // that hold nothing else. The surface has lost half of what it had since the last time, so moves pay little for it.
 template <class Live>
 void LiveSurface<Live>::compact() {
+    if (std::exchange(hasCleared_, false)) {
+        arenas_->vertices.trim();
+        arenas_->indices.trim();
+        ambiguous_.trim();
+    }
     if (!arenas_->vertices.isSparse() && !arenas_->indices.isSparse())
         return;
     auto compacted = std::make_shared<BrickArenas<Live>>();
@@ -343,7 +349,7 @@ void LiveSurface<Live>::listChanges(std::vector<ChangedTriangles>& triangles, st
     constexpr std::size_t kTogether = 64;
     std::vector<std::vector<std::uint16_t>> parts((replaced_.size() + kTogether - 1) / kTogether);
     triangles.resize(replaced_.size());
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    forEachIndex(parts.size(), 1, [&](std::size_t part) {
         for (std::size_t i = part * kTogether; i < std::min(replaced_.size(), (part + 1) * kTogether); ++i) {
             const Brick& brick = bricks_[replaced_[i]];
             triangles[i] = {replaced_[i], 0};

@@ -56,7 +56,7 @@ public:
     /// `missingCells` must outlive the surface; sorted by brick.
     LiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells);
 
-    /// Drops all bricks and gives their memory back.
+    /// Drops all bricks. Their memory serves the next ones; compact() gives back what those do not need.
     void clear();
     /// Starts a live brick without triangles. REQUIRES: shapes().hasCells(brick).
     BrickSlot add(BrickIndex brick);
@@ -72,7 +72,7 @@ public:
     /// Takes over what a thread's draft has counted since beginMove(). The threads that have replaced bricks must have called
     /// finishStreams() since.
     void finishMove(const BrickDraft<Live>& draft);
-    /// After all drafts: gives memory back where the surface has become much smaller. Throws std::bad_alloc.
+    /// After all drafts, or a clear(): gives memory back where the surface has become much smaller. Throws std::bad_alloc.
     void compact();
 
     const BrickShapes& shapes() const { return shapes_; }
@@ -137,6 +137,7 @@ private:
     std::vector<Retired> retired_;
     std::shared_ptr<PictureLeases> leases_ = std::make_shared<PictureLeases>();
     std::uint32_t version_ = 0; ///< counts moves
+    bool hasCleared_ = false;   ///< since compact()
     bool isWatched_ = false;    ///< in this move: there are pictures, and nothing of them may be written to
     std::vector<BrickSlot> replaced_; ///< in the last move
     std::uint64_t liveBricks_ = 0;

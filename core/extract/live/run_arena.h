@@ -49,13 +49,14 @@ public:
     ArenaRun alike(const ArenaRun& run) {
         return run.capacity > 0 ? ArenaRun{allocate(run.capacity), run.capacity} : ArenaRun{};
     }
-    /// Forgets all runs and gives the memory back.
+    /// Forgets all runs. Their memory is kept for others: getting it anew from the system costs as much as filling it.
     void clear() {
         freeBySize_.clear();
         hasFree_.clear();
         top_ = used_ = 0;
-        elements_.clear();
     }
+    /// Gives memory back that lies above all runs.
+    void trim() { elements_.shrink(top_); }
 
     T* at(std::uint32_t index) { return elements_.at(index); }
     const T* at(std::uint32_t index) const { return elements_.at(index); }

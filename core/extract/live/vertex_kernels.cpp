@@ -1,6 +1,8 @@
 #include "core/extract/live/vertex_kernels.h"
 
 #include <algorithm>
+#include <array>
+#include <type_traits>
 
 #include "core/extract/edge_interpolation.h"
 
@@ -14,7 +16,7 @@
 #define ISO_VERTEX_COLUMNS
 namespace isoslider::extract {
 
-/// Records taken apart: a group of edges, a column per field.
+/// Records whose scalars are of double precision taken apart: a group of edges, a column per field.
 struct VertexColumns {
     static constexpr std::size_t kMost = 16;
     alignas(64) float x[kMost], y[kMost], z[kMost]; ///< of the edges' lower grid points
@@ -22,17 +24,16 @@ struct VertexColumns {
     alignas(64) std::int32_t axis[kMost], u1[kMost], v1[kMost], u2[kMost], v2[kMost], rises[kMost];
 };
 
-template <class Live>
-inline __attribute__((always_inline)) void takeApart(const EdgeRecord<Live>* records, std::uint32_t count, std::size_t lanes,
-                                                     const glm::vec3& first, Live isovalue, VertexColumns& out) {
+inline __attribute__((always_inline)) void takeApart(const EdgeRecord<double>* records, std::uint32_t count, std::size_t lanes,
+                                                     const glm::vec3& first, double isovalue, VertexColumns& out) {
     for (std::size_t k = 0; k < lanes; ++k) {
-        const EdgeRecord<Live>& record = records[std::min<std::size_t>(k, count - 1)];
+        const EdgeRecord<double>& record = records[std::min<std::size_t>(k, count - 1)];
         const auto place = coordsOf(record.edge & kEdgePointMask);
         out.axis[k] = record.edge >> kEdgeAxisShift;
         out.x[k] = first.x + static_cast<float>(place[0]);
         out.y[k] = first.y + static_cast<float>(place[1]);
         out.z[k] = first.z + static_cast<float>(place[2]);
-        out.t[k] = static_cast<float>(edgeFraction<Live>(record.scalar1, record.scalar2, isovalue));
+        out.t[k] = static_cast<float>(edgeFraction(record.scalar1, record.scalar2, isovalue));
         out.rises[k] = record.scalar1 < record.scalar2 ? -1 : 0;
         out.u1[k] = static_cast<std::int8_t>(record.normal1 & 0xff);
         out.v1[k] = static_cast<std::int8_t>(record.normal1 >> 8);
@@ -65,6 +66,14 @@ HWY_INLINE void decode(D d, I bytesU, I bytesV, V& x, V& y, V& z) {
     z = hn::IfThenZeroElse(isNone, z);
 }
 
+// Places of the points p of a brick, as coordsOf(): quotients by 9 and 81 as products.
+static_assert([] {
+    for (int p = 0; p <= kEdgePointMask; ++p)
+        if (p < kClosedPoints && (p * 7282 >> 16 != p / 9 || p * 810 >> 16 != p / 81))
+            return false;
+    return true;
+}());
+
 template <class Live>
 void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t count, const std::array<std::int32_t, 3>& origin,
                  Live isovalue, glm::vec3* HWY_RESTRICT positions, glm::vec3* HWY_RESTRICT normals) {
@@ -73,15 +82,9 @@ void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t cou
     const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
     const glm::vec3 first(static_cast<float>(origin[0]), static_cast<float>(origin[1]), static_cast<float>(origin[2]));
     const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-    VertexColumns columns;
     alignas(64) float group[3 * VertexColumns::kMost];
     for (std::uint32_t at = 0; at < count; at += lanes) {
         const std::uint32_t here = std::min(lanes, count - at);
-        takeApart(records + at, here, lanes, first, isovalue, columns);
-        const auto t = hn::Load(d, columns.t);
-        const auto axis = hn::Load(ints, columns.axis);
-        const auto alongX = hn::RebindMask(d, hn::Eq(axis, hn::Zero(ints))), alongY = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 1))),
-                   alongZ = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 2)));
         const auto store = [&](auto x, auto y, auto z, glm::vec3* out) HWY_ATTR {
             if (here == lanes) {
                 hn::StoreInterleaved3(x, y, z, d, &out[at].x);
@@ -90,24 +93,55 @@ void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t cou
             hn::StoreInterleaved3(x, y, z, d, group);
             std::copy_n(group, 3 * here, &out[at].x);
         };
-        store(hn::Add(hn::Load(d, columns.x), hn::IfThenElseZero(alongX, t)), hn::Add(hn::Load(d, columns.y), hn::IfThenElseZero(alongY, t)),
-              hn::Add(hn::Load(d, columns.z), hn::IfThenElseZero(alongZ, t)), positions);
-
-        auto x1 = zero, y1 = zero, z1 = zero, x2 = zero, y2 = zero, z2 = zero;
-        decode(d, hn::Load(ints, columns.u1), hn::Load(ints, columns.v1), x1, y1, z1);
-        decode(d, hn::Load(ints, columns.u2), hn::Load(ints, columns.v2), x2, y2, z2);
-        // edgeNormal() of edge_interpolation.h, lane by lane.
-        const auto x = hn::Add(x1, hn::Mul(t, hn::Sub(x2, x1)));
-        const auto y = hn::Add(y1, hn::Mul(t, hn::Sub(y2, y1)));
-        const auto z = hn::Add(z1, hn::Mul(t, hn::Sub(z2, z1)));
-        const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
-        const auto isFlat = hn::Lt(square, hn::Set(d, kLeastNormalSquare));
-        const auto scale = hn::Div(one, hn::Sqrt(hn::IfThenElse(isFlat, one, square)));
-        const auto rises = hn::RebindMask(d, hn::Ne(hn::Load(ints, columns.rises), hn::Zero(ints)));
-        const auto down = hn::IfThenElse(rises, hn::Neg(one), one);
-        store(hn::IfThenElse(isFlat, hn::IfThenElseZero(alongX, down), hn::Mul(x, scale)),
-              hn::IfThenElse(isFlat, hn::IfThenElseZero(alongY, down), hn::Mul(y, scale)),
-              hn::IfThenElse(isFlat, hn::IfThenElseZero(alongZ, down), hn::Mul(z, scale)), normals);
+        const auto place = [&](auto x, auto y, auto z, auto t, auto axis, auto rises, auto u1, auto v1, auto u2, auto v2) HWY_ATTR {
+            const auto alongX = hn::RebindMask(d, hn::Eq(axis, hn::Zero(ints))), alongY = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 1))),
+                       alongZ = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 2)));
+            store(hn::Add(x, hn::IfThenElseZero(alongX, t)), hn::Add(y, hn::IfThenElseZero(alongY, t)), hn::Add(z, hn::IfThenElseZero(alongZ, t)),
+                  positions);
+            auto x1 = zero, y1 = zero, z1 = zero, x2 = zero, y2 = zero, z2 = zero;
+            decode(d, u1, v1, x1, y1, z1);
+            decode(d, u2, v2, x2, y2, z2);
+            // edgeNormal() of edge_interpolation.h, lane by lane.
+            const auto nx = hn::Add(x1, hn::Mul(t, hn::Sub(x2, x1)));
+            const auto ny = hn::Add(y1, hn::Mul(t, hn::Sub(y2, y1)));
+            const auto nz = hn::Add(z1, hn::Mul(t, hn::Sub(z2, z1)));
+            const auto square = hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz));
+            const auto isFlat = hn::Lt(square, hn::Set(d, kLeastNormalSquare));
+            const auto scale = hn::Div(one, hn::Sqrt(hn::IfThenElse(isFlat, one, square)));
+            const auto down = hn::IfThenElse(rises, hn::Neg(one), one);
+            store(hn::IfThenElse(isFlat, hn::IfThenElseZero(alongX, down), hn::Mul(nx, scale)),
+                  hn::IfThenElse(isFlat, hn::IfThenElseZero(alongY, down), hn::Mul(ny, scale)),
+                  hn::IfThenElse(isFlat, hn::IfThenElseZero(alongZ, down), hn::Mul(nz, scale)), normals);
+        };
+        if constexpr (std::is_same_v<Live, float>) {
+            std::array<EdgeRecord<float>, VertexColumns::kMost> last; // whole vectors are read
+            const EdgeRecord<float>* from = records + at;
+            if (here < lanes) {
+                std::fill(std::copy_n(from, here, last.begin()), last.end(), from[0]);
+                from = last.data();
+            }
+            hn::Vec<decltype(ints)> edge, codes, bits1, bits2;
+            hn::LoadInterleaved4(ints, reinterpret_cast<const std::int32_t*>(from), edge, codes, bits1, bits2);
+            const auto axis = hn::ShiftRight<kEdgeAxisShift>(edge), p = hn::And(edge, hn::Set(ints, kEdgePointMask));
+            const auto ninth = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 7282))), z = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 810)));
+            const auto y = hn::Sub(ninth, hn::Mul(z, hn::Set(ints, 9))), x = hn::Sub(p, hn::Mul(ninth, hn::Set(ints, 9)));
+            const auto s1 = hn::BitCast(d, bits1), s2 = hn::BitCast(d, bits2), half = hn::Set(d, 0.5f);
+            // edgeFraction() of edge_interpolation.h, lane by lane.
+            const auto halfS1 = hn::Mul(s1, half);
+            auto t = hn::Div(hn::Sub(hn::Mul(hn::Set(d, isovalue), half), halfS1), hn::Sub(hn::Mul(s2, half), halfS1));
+            t = hn::IfThenElseZero(hn::Gt(t, zero), t);
+            t = hn::IfThenElse(hn::Lt(t, one), t, one);
+            place(hn::Add(hn::Set(d, first.x), hn::ConvertTo(d, x)), hn::Add(hn::Set(d, first.y), hn::ConvertTo(d, y)),
+                  hn::Add(hn::Set(d, first.z), hn::ConvertTo(d, z)), t, axis, hn::Lt(s1, s2),
+                  hn::ShiftRight<24>(hn::ShiftLeft<24>(codes)), hn::ShiftRight<24>(hn::ShiftLeft<16>(codes)),
+                  hn::ShiftRight<24>(hn::ShiftLeft<8>(codes)), hn::ShiftRight<24>(codes));
+        } else {
+            VertexColumns columns;
+            takeApart(records + at, here, lanes, first, isovalue, columns);
+            const auto rises = hn::RebindMask(d, hn::Ne(hn::Load(ints, columns.rises), hn::Zero(ints)));
+            place(hn::Load(d, columns.x), hn::Load(d, columns.y), hn::Load(d, columns.z), hn::Load(d, columns.t), hn::Load(ints, columns.axis),
+                  rises, hn::Load(ints, columns.u1), hn::Load(ints, columns.v1), hn::Load(ints, columns.u2), hn::Load(ints, columns.v2));
+        }
     }
 }
 

@@ -7,9 +7,9 @@
 #include <optional>
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include "core/base/job_control.h"
+#include "core/base/worker_team.h"
 
 namespace isoslider::extract {
 
@@ -115,7 +115,7 @@ Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats&
     std::atomic<std::uint64_t> bytesRead{0};
     std::mutex errorMutex;
     std::optional<Error> firstError;
-    tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
+    forEachIndex(tasks.size(), 1, [&](std::size_t i) {
         if (stop.stop_requested())
             return;
         const Task& task = tasks[i];

@@ -9,11 +9,11 @@
 
 #include <glm/common.hpp>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 
 #include "core/base/job_control.h"
+#include "core/base/worker_team.h"
 #include "core/extract/live/stream_copy.h"
 
 namespace isoslider::extract {
@@ -50,6 +50,7 @@ PointRows rowsOf(const BitString& points) {
 template <class Sample>
 struct BrickSource<Sample>::Scratch {
     SampleBlock<Sample> block;
+    LiveSamples arriving;
     ClassifiedBrick<Stored> found;
     BrickDraft<Live> draft;
     std::vector<Job> pending;     ///< jobs that want samples which are not ready yet
@@ -86,9 +87,8 @@ BrickSource<Sample>::~BrickSource() = default;
 
 template <class Sample>
 void BrickSource<Sample>::reset() {
-    slotOf_.clear();
-    slotOf_.grow(reader_.grid().brickCount());
-    kept_.clear();
+    for (const BrickIndex brick : brickOf_)
+        slotOf_[brick] = 0;
     watch_.clear();
     brickOf_.clear();
 }
@@ -123,7 +123,14 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
                                             std::vector<Job>& jobs) {
     NetBricks net;
     ISO_TRY(netBricks(std::min(move.from, move.to), std::max(move.from, move.to), move.from < move.to, stats, stop, net));
-    for (const BrickIndex brick : net.leave) {
+    constexpr std::size_t kAhead = 8;
+    for (std::size_t i = 0; i < net.leave.size(); ++i) {
+        if (i + 2 * kAhead < net.leave.size())
+            __builtin_prefetch(&slotOf_[net.leave[i + 2 * kAhead]], 1);
+        if (i + kAhead < net.leave.size())
+            if (const std::uint32_t ahead = slotOf_[net.leave[i + kAhead]]; ahead != 0)
+                surface.prefetchHead(ahead - 1);
+        const BrickIndex brick = net.leave[i];
         if (slotOf_[brick] == 0)
             continue; // points without cells
         const BrickSlot slot = std::exchange(slotOf_[brick], 0) - 1;
@@ -139,7 +146,6 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         if (slotOf_[brick] != 0)
             return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice", reader_.pathString());
         const BrickSlot slot = surface.add(brick);
-        slotOf_[brick] = slot + 1;
         kept_.grow(slot + std::uint64_t{1});
         if (slot >= watch_.size()) {
             watch_.resize(slot + 1);
@@ -147,6 +153,7 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         }
         watch_[slot] = {};
         brickOf_[slot] = brick;
+        slotOf_[brick] = slot + 1; // the last: whatever fails before, reset() finds all that is set
         jobs.push_back({slot, true});
     }
     return {};
@@ -179,6 +186,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     std::erase_if(refreshed, [&](BrickSlot slot) { return !surface.brick(slot).isLive; });
     // A slot that a leaving brick gave up may be an arriving one's.
     std::vector<bool> isNew(watch_.size(), false);
+    kept_.shrink(watch_.size());
     for (const Job& job : arrived)
         isNew[job.slot] = true;
     std::erase_if(jobs, [&](const Job& job) { return isNew[job.slot]; });
@@ -190,9 +198,9 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         scratch.bricks = scratch.edgesAdded = scratch.edgesRemoved = 0;
     }
     ISO_TRY(runJobs(move, surface, std::move(jobs), stats, stop));
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, refreshed.size(), 16), [&](const tbb::blocked_range<std::size_t>& range) {
+    forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+        for (std::size_t i = begin; i != end; ++i) {
             Corners corners(kept_[refreshed[i]]);
             surface.refreshInnerVertices(refreshed[i], scratch.draft, corners, move.isovalue);
         }
@@ -229,12 +237,10 @@ void BrickSource<Sample>::sortForReading(std::vector<BrickIndex>& bricks, bool b
 template <class Sample>
 void BrickSource<Sample>::prefetchBrick(const LiveSurface<Live>& surface, const Job& job) const {
     surface.prefetch(job.slot);
-    const auto* const kept = reinterpret_cast<const char*>(&kept_[job.slot]);
     if (job.isNew) {
         samples_.prefetch(brickOf_[job.slot]);
-        for (std::size_t line = 0; line < sizeof(LiveSamples); line += 64)
-            __builtin_prefetch(kept + line, 1, 3);
     } else {
+        const auto* const kept = reinterpret_cast<const char*>(&kept_[job.slot]);
         for (std::size_t line = 0; line < sizeof(LiveSamples); line += 64)
             __builtin_prefetch(kept + line, 0, 2);
     }
@@ -245,12 +251,12 @@ template <class Sample>
 Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
                                     std::stop_token stop) {
     const auto run = [&](std::span<const Job> some) {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, some.size(), 16), [&](const tbb::blocked_range<std::size_t>& range) {
+        forRanges(some.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
             Scratch& scratch = scratches_->local();
-            for (std::size_t i = range.begin(); i != range.end() && !stop.stop_requested(); ++i) {
-                if (i + 2 < range.end())
+            for (std::size_t i = begin; i != end && !stop.stop_requested(); ++i) {
+                if (i + 2 < end)
                     surface.prefetchHead(some[i + 2].slot);
-                if (i + 1 < range.end())
+                if (i + 1 < end)
                     prefetchBrick(surface, some[i + 1]);
                 if (!rebuild(move, surface, some[i], scratch))
                     scratch.pending.push_back(some[i]);
@@ -295,24 +301,26 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
 // and at missing values stands some sample of the brick; masks leave those points out.
 template <class Sample>
 void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, LiveSamples& kept, Scratch& scratch) const {
-    SampleBlock<Sample>& block = scratch.block;
-    samples_.read(brick, block);
-    kept.hasNormal = {};
-    const bool isInside = std::min({block.end[0], block.end[1], block.end[2]}) >= kPointSide;
+    const SampleRows<Sample> rows = samples_.rows(brick);
+    kept.hasAllNormals = false;
+    const bool isInside = std::min({rows.end[0], rows.end[1], rows.end[2]}) >= kPointSide;
     if (isInside && (std::is_integral_v<Sample> || !isNearMissing)) {
         Stored* out = kept.samples;
         for (int z = 0; z < kPointSide; ++z)
             for (int y = 0; y < kPointSide; ++y, out += kPointSide) {
-                const Sample* const row = block.samples.data() + block.offset(0, y, z);
+                const auto row = rows.row(y, z);
                 if constexpr (std::is_same_v<Sample, Stored>)
-                    std::memcpy(out, row, kPointSide * sizeof(Stored));
+                    std::memcpy(out, row.own, kBrickSide * sizeof(Stored));
                 else
-                    for (int x = 0; x < kPointSide; ++x)
-                        out[x] = storedOf(row[x]);
+                    for (int x = 0; x < kBrickSide; ++x)
+                        out[x] = storedOf(row.own[x]);
+                out[kBrickSide] = storedOf(row.behind[0]);
             }
         std::fill(out, kept.samples + kPaddedPoints, kept.samples[0]);
         return;
     }
+    SampleBlock<Sample>& block = scratch.block;
+    readBlock(rows, kAllRows, block);
     Stored any{};
     bool hasAny = false;
     for (int z = 0; z < std::min(kPointSide, block.end[2]) && !hasAny; ++z)
@@ -334,37 +342,38 @@ void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, LiveSamples
     std::fill(out, kept.samples + kPaddedPoints, any);
 }
 
-// Normals at the points where edges end that have none yet, a whole row at a time. The rows beside them too would be
-// ready for the next move, but most of them are never asked for.
+// The normals that edges need, a whole row at a time: when the brick arrives those of its active edges, and all others when it
+// changes for the first time. A jump pays for no more than it shows; a handle that moves on goes through the brick, and
+// finding row after row would cost more than half as much again as a move, most of it waiting for samples.
 template <class Sample>
-bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job, const BitString& ends, LiveSamples& kept,
-                                          Scratch& scratch) const {
-    BitString wanted;
-    std::uint64_t any = 0;
-    for (std::size_t w = 0; w < kBitWords; ++w)
-        any |= wanted.words[w] = ends.words[w] & ~kept.hasNormal.words[w];
-    if (any == 0)
+bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job, const std::array<BitString, 3>& edges,
+                                          LiveSamples& kept, Scratch& scratch) const {
+    if (kept.hasAllNormals)
         return true;
-    const PointRows rows = rowsOf(wanted);
-    if (!job.isNew) {
-        const BrickIndex brick = brickOf_[job.slot];
+    const BrickIndex brick = brickOf_[job.slot];
+    PointRows rows;
+    if (job.isNew) {
+        BitString ends;
+        endsOfEdges(edges, ends);
+        rows = rowsOf(ends);
+    } else {
         if (!samples_.isReady(brick))
             return false;
         scratch.read.push_back(brick);
-        samples_.readRows(brick, rows, scratch.block);
+        constexpr unsigned kAll = (1u << kPointSide) - 1;
+        std::transform(kept.normalRows.begin(), kept.normalRows.end(), rows.begin(),
+                       [](std::uint16_t known) { return static_cast<std::uint16_t>(~known & kAll); });
     }
-    if (surface.brick(job.slot).isNearMissing)
+    kept.normalRows = rows;
+    kept.hasAllNormals = !job.isNew;
+    if (!kHasNormalKernel<Sample> || surface.brick(job.slot).isNearMissing) {
+        readBlock(samples_.rows(brick), rowsForGradients(rows), scratch.block);
         findNormalsPlainly(scratch.block, rows, inverseSpacing_, kept.normals);
-    else
-        findNormals(scratch.block, rows, inverseSpacing_, kept.normals);
-    for (unsigned z = 0; z < kPointSide; ++z)
-        for (unsigned left = rows[z]; left != 0; left &= left - 1) {
-            const unsigned first = kPointSide * (static_cast<unsigned>(std::countr_zero(left)) + kPointSide * z);
-            constexpr std::uint64_t kRowBits = (1u << kPointSide) - 1;
-            kept.hasNormal.words[first >> 6] |= kRowBits << (first & 63);
-            if ((first & 63) + kPointSide > 64)
-                kept.hasNormal.words[(first >> 6) + 1] |= kRowBits >> (64 - (first & 63));
-        }
+    } else {
+        readApron(samples_.rows(brick), rows, scratch.block);
+        if constexpr (kHasNormalKernel<Sample>)
+            findNormals<Sample>(kept.samples, scratch.block, rows, inverseSpacing_, kept.normals);
+    }
     return true;
 }
 
@@ -374,7 +383,8 @@ bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, 
     const BrickIndex brick = brickOf_[job.slot];
     if (job.isNew && !samples_.isReady(brick))
         return false;
-    LiveSamples& kept = kept_[job.slot];
+    // What arrives is made in memory that is at hand, and put in its place when it is whole.
+    LiveSamples& kept = job.isNew ? scratch.arriving : kept_[job.slot];
     if (job.isNew) {
         scratch.read.push_back(brick);
         take(brick, surface.brick(job.slot).isNearMissing, kept, scratch);
@@ -382,7 +392,7 @@ bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, 
     ClassifiedBrick<Stored>& found = scratch.found;
     classify(kept.samples, storedThreshold<Sample>(move.to), surface.masks(job.slot), job.isNew ? nullptr : &surface.brick(job.slot).above, found);
 
-    if (!completeNormals(surface, job, found.ends, kept, scratch))
+    if (!completeNormals(surface, job, found.active.edges, kept, scratch))
         return false;
 
     BrickDraft<Live>& draft = scratch.draft;
@@ -393,6 +403,8 @@ bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, 
     draft.edgeVertices = gatherRecords<Sample>(kept.samples, kept.normals, found.active, draft.records.data(), draft.vertices);
     Corners corners(kept);
     surface.replace(job.slot, draft, corners, move.isovalue);
+    if (job.isNew)
+        streamCopy(&kept_[job.slot], &scratch.arriving, sizeof(LiveSamples));
     watch_[job.slot] = {keyOf(sampleOf<Sample>(found.up)), keyOf(sampleOf<Sample>(found.down))};
     scratch.edgesAdded += found.edgesAdded;
     scratch.edgesRemoved += found.edgesRemoved;

@@ -65,10 +65,11 @@ private:
     using Stored = StoredSample<Sample>;
 
     /// What is kept of a live brick's samples.
-    struct LiveSamples {
-        alignas(64) Stored samples[kPaddedPoints];
+    struct alignas(64) LiveSamples {
+        Stored samples[kPaddedPoints];
         NormalCode normals[kPaddedPoints];
-        BitString hasNormal;
+        PointRows normalRows; ///< that have normals, while not all have
+        bool hasAllNormals;
     };
     /// The nearest keys of a live brick: `up` is the least that is not below the position, `down` the greatest that
     /// is. A slot without a brick is never crossed.
@@ -95,7 +96,7 @@ private:
     void prefetchBrick(const LiveSurface<Live>& surface, const Job& job) const;
     bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void take(BrickIndex brick, bool isNearMissing, LiveSamples& kept, Scratch& scratch) const;
-    bool completeNormals(const LiveSurface<Live>& surface, const Job& job, const BitString& ends, LiveSamples& kept,
+    bool completeNormals(const LiveSurface<Live>& surface, const Job& job, const std::array<BitString, 3>& edges, LiveSamples& kept,
                          Scratch& scratch) const;
     void sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const;
     Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);

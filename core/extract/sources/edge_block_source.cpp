@@ -5,9 +5,8 @@
 #include <bit>
 #include <optional>
 
-#include <tbb/parallel_for.h>
-
 #include "core/base/job_control.h"
+#include "core/base/worker_team.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/stream_copy.h"
 
@@ -104,9 +103,9 @@ EdgeBlockSource<Sample>::~EdgeBlockSource() = default;
 
 template <class Sample>
 void EdgeBlockSource<Sample>::reset() {
-    slotOf_.clear();
+    slotOf_.shrink(0);
     slotOf_.grow(reader_.grid().brickCount());
-    edges_.clear();
+    edges_.shrink(0);
     chains_.clear();
 }
 
@@ -274,7 +273,7 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
     // All chains first: which bricks change must be known before the others are looked through.
     std::vector<BrickSlot> crossed, refreshed;
     std::array<std::vector<BrickSlot>, kPartitions> changedBy;
-    tbb::parallel_for(std::size_t{0}, kPartitions, [&](std::size_t partition) {
+    forEachIndex(kPartitions, 1, [&](std::size_t partition) {
         Scratch& scratch = scratches_->local();
         chainChanges(partition, scratch);
         std::sort(scratch.touched.begin(), scratch.touched.end());
@@ -295,12 +294,12 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
     for (const std::vector<BrickSlot>& slots : changedBy)
         for (const BrickSlot slot : slots)
             chains_[slot] = {kEndOfChain, kEndOfChain};
-    tbb::parallel_for(std::size_t{0}, crossed.size(), [&](std::size_t i) {
+    forEachIndex(crossed.size(), kBricksTogether, [&](std::size_t i) {
         if (!stop.stop_requested())
             changeBrick(crossed[i], move, surface, scratches_->local());
         finishStreams();
     });
-    tbb::parallel_for(std::size_t{0}, refreshed.size(), [&](std::size_t i) {
+    forEachIndex(refreshed.size(), kBricksTogether, [&](std::size_t i) {
         if (stop.stop_requested())
             return;
         Scratch& scratch = scratches_->local();

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
-#include <type_traits>
+#include <array>
 
 #include "core/extract/sources/sample_reader.h"
 #include "core/grid/scalar_grid.h"
@@ -30,54 +28,21 @@ public:
                 __builtin_prefetch(view_.samples + view_.offset(x, y, z));
     }
 
-    void read(BrickIndex brick, SampleBlock<Sample>& block) const override {
-        const auto coords = bricks_.brickCoords(brick);
-        const std::array<std::int64_t, 3> origin{coords[0] * kBrickSide, coords[1] * kBrickSide,
-                                                 coords[2] * kBrickSide};
-        block.place(view_.dims, origin);
-        const auto rowAt = [&](int y, int z) { return view_.offset(origin[0] - 1, origin[1] + y, origin[2] + z); };
-        const std::ptrdiff_t first = rowAt(block.begin[1], block.begin[2]);
-        const std::ptrdiff_t last = rowAt(block.end[1] - 1, block.end[2] - 1);
-        if (first >= 0 && last + kCopied <= view_.offset(0, 0, view_.dims[2]))
-            copyRows(block, view_.samples + first, -1, std::integral_constant<std::size_t, kCopied>{});
-        else
-            copyRows(block, view_.samples + (first + 1 + block.begin[0]), block.begin[0],
-                     static_cast<std::size_t>(block.end[0] - block.begin[0]));
-    }
-
-    void readRows(BrickIndex brick, const PointRows& rows, SampleBlock<Sample>& block) const override {
+    SampleRows<Sample> rows(BrickIndex brick) const override {
         const auto coords = bricks_.brickCoords(brick);
         const std::array<std::int64_t, 3> origin{coords[0] * kBrickSide, coords[1] * kBrickSide, coords[2] * kBrickSide};
-        block.place(view_.dims, origin);
-        const BlockRows wanted = rowsForGradients(rows);
-        const std::ptrdiff_t last = view_.offset(0, 0, view_.dims[2]) - kCopied;
-        for (int z = block.begin[2]; z < block.end[2]; ++z)
-            for (unsigned row = wanted[static_cast<std::size_t>(z + 1)]; row != 0; row &= row - 1) {
-                const int y = std::countr_zero(row) - 1;
-                if (y < block.begin[1] || y >= block.end[1])
-                    continue;
-                const std::ptrdiff_t from = view_.offset(origin[0] - 1, origin[1] + y, origin[2] + z);
-                if (from >= 0 && from <= last)
-                    std::memcpy(block.samples.data() + block.offset(-1, y, z), view_.samples + from, kCopied * sizeof(Sample));
-                else
-                    std::memcpy(block.samples.data() + block.offset(block.begin[0], y, z), view_.samples + from + 1 + block.begin[0],
-                                static_cast<std::size_t>(block.end[0] - block.begin[0]) * sizeof(Sample));
-            }
+        SampleRows<Sample> rows;
+        placeInBox(view_.dims, origin, rows.begin, rows.end);
+        rows.rowStride = view_.stride(1);
+        rows.planeStride = view_.stride(2);
+        const std::ptrdiff_t first = view_.offset(origin[0], origin[1], origin[2]);
+        rows.before[0] = {view_.samples, first - 1};
+        rows.own[0] = {view_.samples, first};
+        rows.behind[0] = {view_.samples, first + kBrickSide};
+        return rows;
     }
 
 private:
-    // From x = -1, whole vectors: a copy of constant size is a few instructions, and what it takes from beyond
-    // the box is another row's and as good as anything there.
-    static constexpr int kCopied = sizeof(Sample) == 1 ? 16 : 12;
-
-    void copyRows(SampleBlock<Sample>& block, const Sample* from, int x, auto count) const {
-        const std::ptrdiff_t row = view_.stride(1), plane = view_.stride(2);
-        for (int z = block.begin[2]; z < block.end[2]; ++z)
-            for (int y = block.begin[1]; y < block.end[1]; ++y)
-                std::memcpy(block.samples.data() + block.offset(x, y, z),
-                            from + row * (y - block.begin[1]) + plane * (z - block.begin[2]), count * sizeof(Sample));
-    }
-
     SampleView<Sample> view_;
     BrickGrid bricks_;
 };

@@ -26,6 +26,14 @@ inline BlockRows rowsForGradients(const PointRows& rows) {
     return wanted;
 }
 
+/// First and one past the last local coordinate from -1 to 9 that lie inside the box, for a brick that begins at `origin`.
+inline void placeInBox(const GridDims& dims, const std::array<std::int64_t, 3>& origin, std::array<int, 3>& begin, std::array<int, 3>& end) {
+    for (std::size_t a = 0; a < 3; ++a) {
+        begin[a] = origin[a] > 0 ? -1 : 0;
+        end[a] = static_cast<int>(std::min<std::int64_t>(10, dims[a] - origin[a]));
+    }
+}
+
 /// The samples around one brick: local coordinates -1 to 9 along each axis. Those from 0 to 8 are the ends of
 /// the brick's edges; the others are what gradients there and the wholeness of cells depend on. Rows are
 /// padded to 16 so that they are compared in whole vectors; places outside the box hold anything.
@@ -43,12 +51,7 @@ struct SampleBlock {
     static constexpr int offset(int x, int y, int z) { return (x + 1) + kRow * (y + 1) + kPlane * (z + 1); }
     static constexpr int stride(int axis) { return axis == 0 ? 1 : axis == 1 ? kRow : kPlane; }
 
-    void place(const GridDims& dims, const std::array<std::int64_t, 3>& origin) {
-        for (std::size_t a = 0; a < 3; ++a) {
-            begin[a] = origin[a] > 0 ? -1 : 0;
-            end[a] = static_cast<int>(std::min<std::int64_t>(10, dims[a] - origin[a]));
-        }
-    }
+    void place(const GridDims& dims, const std::array<std::int64_t, 3>& origin) { placeInBox(dims, origin, begin, end); }
     bool isInside(int x, int y, int z) const {
         return x >= begin[0] && x < end[0] && y >= begin[1] && y < end[1] && z >= begin[2] && z < end[2];
     }

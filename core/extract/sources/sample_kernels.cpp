@@ -25,7 +25,6 @@ inline constexpr std::size_t kMaxEdgeList = 3 * kCellSide * kPointSide * kPointS
 template <class T>
 inline __attribute__((always_inline)) void finishClassification(const BrickMasks& masks, const BitString* before, ClassifiedBrick<T>& out) {
     findActive(out.above, masks, out.active);
-    endsOfEdges(out.active.edges, out.ends);
     std::uint32_t owned = 0, added = 0, removed = 0;
     const auto count = [&](std::size_t axis, int i, std::uint64_t was) {
         const auto w = static_cast<std::size_t>(i);
@@ -206,6 +205,19 @@ HWY_INLINE hn::Vec<D> loadFloats(D d, const Sample* from) {
     }
 }
 
+// The same of stored samples: those that are keys are led back to what they stand for.
+template <class Sample, class D>
+HWY_INLINE hn::Vec<D> loadStored(D d, const StoredSample<Sample>* from) {
+    if constexpr (std::is_same_v<Sample, StoredSample<Sample>>) {
+        return loadFloats(d, from);
+    } else {
+        const hn::Rebind<std::int32_t, D> ints;
+        const hn::Rebind<StoredSample<Sample>, D> narrow;
+        constexpr std::int32_t kZero = 1 << (8 * sizeof(Sample) - 1); // the key of 0
+        return hn::ConvertTo(d, hn::Sub(hn::PromoteTo(ints, hn::LoadU(narrow, from)), hn::Set(ints, kZero)));
+    }
+}
+
 // quantiseNormal(), lane by lane: a signed byte in an int. REQUIRES: |c| is at most one and a rounding error. Rounds to
 // even first; where that was a tie that went towards zero, the difference is half a unit of the number's own sign.
 template <class D, class V>
@@ -235,46 +247,56 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> codesOf(D d, V gx, V gy, V gz, hn::Mas
 }
 
 template <class Sample>
-void findNormalsHere(SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* HWY_RESTRICT codes) {
+void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const SampleBlock<Sample>& apron, const PointRows& rows,
+                     const glm::vec3& inverseSpacing, NormalCode* HWY_RESTRICT codes) {
     using Block = SampleBlock<Sample>;
+    using Stored = StoredSample<Sample>;
     const hn::CappedTag<float, 16> d;
     const std::size_t lanes = hn::Lanes(d);
     // Beside the box a one-sided difference is that of the point and its only neighbour: the point stands in for the
     // missing one, and the difference is not halved.
-    const bool isAtBegin = block.begin[0] == 0, isAtEnd = block.end[0] < 10;
-    const auto end = static_cast<std::size_t>(std::min(kPointSide, block.end[0]));
+    const bool isAtBegin = apron.begin[0] == 0, isAtEnd = apron.end[0] < 10;
+    const auto end = static_cast<std::size_t>(std::min(kPointSide, apron.end[0]));
     alignas(64) float scaleX[32];
     std::fill_n(scaleX, 32, 0.5f);
     if (isAtBegin)
         scaleX[0] = 1.0f;
     if (isAtEnd)
-        scaleX[block.end[0] - 1] = 1.0f;
+        scaleX[end - 1] = 1.0f;
+    alignas(64) Stored firstRow[32]; // with room before it
+    if (rows[0] & 1)
+        std::copy_n(samples, 31, firstRow + 1);
     for (int z = 0; z < kPointSide; ++z)
         for (unsigned left = rows[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
             const int y = std::countr_zero(left);
             NormalCode* const out = codes + closedPoint(0, y, z);
-            if (!block.isInside(0, y, z))
+            if (z >= apron.end[2] || y >= apron.end[1])
                 continue;
-            Sample* const row = block.samples.data() + Block::offset(0, y, z);
-            if (isAtBegin)
-                row[-1] = row[0];
-            if (isAtEnd)
-                row[block.end[0]] = row[block.end[0] - 1];
-            const bool hasBehind = y > block.begin[1], hasAhead = y + 1 < block.end[1];
-            const bool hasBelow = z > block.begin[2], hasOver = z + 1 < block.end[2];
-            const Sample* const behind = row - (hasBehind ? Block::stride(1) : 0);
-            const Sample* const ahead = row + (hasAhead ? Block::stride(1) : 0);
-            const Sample* const below = row - (hasBelow ? Block::stride(2) : 0);
-            const Sample* const over = row + (hasOver ? Block::stride(2) : 0);
+            const Stored* const row = samples + closedPoint(0, y, z);
+            const Stored* const rowBefore = row == samples ? firstRow : row - 1; // what stands at x = -1 is replaced
+            const Sample* const beside = apron.samples.data() + Block::offset(0, y, z);
+            const Sample before = isAtBegin ? sampleOf<Sample>(row[0]) : beside[-1];
+            const Sample behind = isAtEnd ? sampleOf<Sample>(row[end - 1]) : beside[kPointSide];
+            const bool hasBehind = y > apron.begin[1], hasAhead = y + 1 < apron.end[1];
+            const bool hasBelow = z > apron.begin[2], hasOver = z + 1 < apron.end[2];
             const auto scaleY = hn::Set(d, hasBehind && hasAhead ? 0.5f : 1.0f), scaleZ = hn::Set(d, hasBelow && hasOver ? 0.5f : 1.0f);
             for (std::size_t i = 0; i < end; i += lanes) {
-                const auto difference = [&](const Sample* upper, const Sample* lower, auto scale, float inverse) HWY_ATTR {
-                    return hn::Mul(hn::Sub(hn::Mul(loadFloats(d, upper + i), scale), hn::Mul(loadFloats(d, lower + i), scale)),
-                                   hn::Set(d, inverse));
+                const auto place = hn::Iota(d, static_cast<float>(i));
+                const auto difference = [&](auto upper, auto lower, auto scale, float inverse) HWY_ATTR {
+                    return hn::Mul(hn::Sub(hn::Mul(upper, scale), hn::Mul(lower, scale)), hn::Set(d, inverse));
                 };
-                const auto gx = difference(row + 1, row - 1, hn::Load(d, scaleX + i), inverseSpacing.x);
-                const auto gy = difference(ahead, behind, scaleY, inverseSpacing.y);
-                const auto gz = difference(over, below, scaleZ, inverseSpacing.z);
+                const auto rowAt = [&](int atY, int atZ) HWY_ATTR {
+                    const bool isOwn = atY >= 0 && atY < kPointSide && atZ >= 0 && atZ < kPointSide;
+                    return isOwn ? loadStored<Sample>(d, samples + closedPoint(0, atY, atZ) + i)
+                                 : loadFloats(d, apron.samples.data() + Block::offset(0, atY, atZ) + i);
+                };
+                const auto smaller = hn::IfThenElse(hn::Eq(place, hn::Zero(d)), hn::Set(d, static_cast<float>(before)),
+                                                    loadStored<Sample>(d, rowBefore + i));
+                const auto larger = hn::IfThenElse(hn::Eq(place, hn::Set(d, static_cast<float>(end - 1))), hn::Set(d, static_cast<float>(behind)),
+                                                   loadStored<Sample>(d, row + 1 + i));
+                const auto gx = difference(larger, smaller, hn::Load(d, scaleX + i), inverseSpacing.x);
+                const auto gy = difference(rowAt(hasAhead ? y + 1 : y, z), rowAt(hasBehind ? y - 1 : y, z), scaleY, inverseSpacing.y);
+                const auto gz = difference(rowAt(y, hasOver ? z + 1 : z), rowAt(y, hasBelow ? z - 1 : z), scaleZ, inverseSpacing.z);
                 hn::Mask<decltype(d)> isPlain;
                 const auto code = codesOf(d, gx, gy, gz, isPlain);
                 const hn::Rebind<NormalCode, decltype(d)> narrow;
@@ -282,19 +304,21 @@ void findNormalsHere(SampleBlock<Sample>& block, const PointRows& rows, const gl
                 hn::BlendedStore(hn::DemoteTo(narrow, code), hn::FirstN(narrow, points), narrow, out + i);
                 const auto isPoint = hn::FirstN(d, points); // behind them stands anything
                 if (HWY_UNLIKELY(!hn::AllFalse(d, hn::AndNot(isPlain, isPoint)))) {
-                    alignas(64) float x[16], yy[16], zz[16];
-                    hn::Store(gx, d, x);
-                    hn::Store(gy, d, yy);
-                    hn::Store(gz, d, zz);
+                    alignas(64) float xs[16], ys[16], zs[16];
+                    hn::Store(gx, d, xs);
+                    hn::Store(gy, d, ys);
+                    hn::Store(gz, d, zs);
                     for (std::size_t k = 0; k < points; ++k)
-                        out[i + k] = normalOfGradient({x[k], yy[k], zz[k]});
+                        out[i + k] = normalOfGradient({xs[k], ys[k], zs[k]});
                 }
             }
         }
 }
 
 #define ISO_NORMALS(Name, Sample)                                                                          \
-    void Name(SampleBlock<Sample>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) { findNormalsHere(b, r, i, c); }
+    void Name(const StoredSample<Sample>* s, const SampleBlock<Sample>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) { \
+        findNormalsHere<Sample>(s, a, r, i, c);                                                            \
+    }
 ISO_NORMALS(normalsU8, std::uint8_t)
 ISO_NORMALS(normalsI8, std::int8_t)
 ISO_NORMALS(normalsU16, std::uint16_t)
@@ -393,28 +417,28 @@ std::uint32_t gatherRecords<double>(const StoredSample<double>* s, const NormalC
 
 HWY_EXPORT(normalsU8);
 template <>
-void findNormals(SampleBlock<std::uint8_t>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) {
-    HWY_DYNAMIC_DISPATCH(normalsU8)(b, r, i, c);
+void findNormals<std::uint8_t>(const StoredSample<std::uint8_t>* s, const SampleBlock<std::uint8_t>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) {
+    HWY_DYNAMIC_DISPATCH(normalsU8)(s, a, r, i, c);
 }
 HWY_EXPORT(normalsI8);
 template <>
-void findNormals(SampleBlock<std::int8_t>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) {
-    HWY_DYNAMIC_DISPATCH(normalsI8)(b, r, i, c);
+void findNormals<std::int8_t>(const StoredSample<std::int8_t>* s, const SampleBlock<std::int8_t>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) {
+    HWY_DYNAMIC_DISPATCH(normalsI8)(s, a, r, i, c);
 }
 HWY_EXPORT(normalsU16);
 template <>
-void findNormals(SampleBlock<std::uint16_t>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) {
-    HWY_DYNAMIC_DISPATCH(normalsU16)(b, r, i, c);
+void findNormals<std::uint16_t>(const StoredSample<std::uint16_t>* s, const SampleBlock<std::uint16_t>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) {
+    HWY_DYNAMIC_DISPATCH(normalsU16)(s, a, r, i, c);
 }
 HWY_EXPORT(normalsI16);
 template <>
-void findNormals(SampleBlock<std::int16_t>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) {
-    HWY_DYNAMIC_DISPATCH(normalsI16)(b, r, i, c);
+void findNormals<std::int16_t>(const StoredSample<std::int16_t>* s, const SampleBlock<std::int16_t>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) {
+    HWY_DYNAMIC_DISPATCH(normalsI16)(s, a, r, i, c);
 }
 HWY_EXPORT(normalsF32);
 template <>
-void findNormals(SampleBlock<float>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) {
-    HWY_DYNAMIC_DISPATCH(normalsF32)(b, r, i, c);
+void findNormals<float>(const StoredSample<float>* s, const SampleBlock<float>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) {
+    HWY_DYNAMIC_DISPATCH(normalsF32)(s, a, r, i, c);
 }
 
 template <class Sample>
@@ -427,11 +451,6 @@ void findNormalsPlainly(const SampleBlock<Sample>& block, const PointRows& rows,
                     codes[closedPoint(x, y, z)] = normalOfGradient(block.gradient(x, y, z, inverseSpacing));
         }
 }
-// Differences of these are taken in double precision.
-template <>
-void findNormals(SampleBlock<std::int32_t>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) { findNormalsPlainly(b, r, i, c); }
-template <>
-void findNormals(SampleBlock<double>& b, const PointRows& r, const glm::vec3& i, NormalCode* c) { findNormalsPlainly(b, r, i, c); }
 template void findNormalsPlainly(const SampleBlock<std::uint8_t>&, const PointRows&, const glm::vec3&, NormalCode*);
 template void findNormalsPlainly(const SampleBlock<std::int8_t>&, const PointRows&, const glm::vec3&, NormalCode*);
 template void findNormalsPlainly(const SampleBlock<std::uint16_t>&, const PointRows&, const glm::vec3&, NormalCode*);

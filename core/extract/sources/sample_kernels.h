@@ -49,7 +49,6 @@ template <class Stored>
 struct ClassifiedBrick {
     BitString above;      ///< bits behind the last point hold anything
     ActiveBits active;
-    BitString ends;       ///< of the active edges
     BitString changed;    ///< cells with a corner that changed sides
     std::uint32_t ownedEdges = 0, edgesAdded = 0, edgesRemoved = 0; ///< of the edges that the brick owns
     Stored up, down; ///< the least sample above, and the greatest below; the type's greatest and least without one
@@ -70,12 +69,16 @@ template <class Sample>
 std::uint32_t gatherRecords(const StoredSample<Sample>* samples, const NormalCode* normals, const ActiveBits& active,
                             EdgeRecord<LiveOf<Sample>>* records, VertexTable& vertices);
 
-/// Quantised normals at the points of whole rows of a brick: normalOfGradient() of block.gradient(), several points at a
-/// time. `codes` of all points of the brick. REQUIRES: no missing sample in the block. Samples of the block outside
-/// the box are overwritten.
+/// Whether findNormals() is there for a type: differences of others are taken in double precision.
 template <class Sample>
-void findNormals(SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes);
-/// The same, point by point; missing samples are allowed.
+inline constexpr bool kHasNormalKernel = sizeof(Sample) <= 2 || std::is_same_v<Sample, float>;
+
+/// Quantised normals at the points of whole rows of a brick, several points at a time. `samples`: kPaddedPoints of the brick;
+/// `apron`: what readApron() has filled in. `codes` of all points of the brick. REQUIRES: no missing sample among them.
+template <class Sample>
+void findNormals(const StoredSample<Sample>* samples, const SampleBlock<Sample>& apron, const PointRows& rows, const glm::vec3& inverseSpacing,
+                 NormalCode* codes);
+/// The same from a whole block, point by point: normalOfGradient() of block.gradient(). Missing samples and all types are allowed.
 template <class Sample>
 void findNormalsPlainly(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes);
 

@@ -5,7 +5,7 @@
 #include <stop_token>
 
 #include "core/base/result.h"
-#include "core/extract/sources/sample_block.h"
+#include "core/extract/sources/sample_rows.h"
 #include "core/extract/surface_frame.h"
 
 namespace isoslider::extract {
@@ -24,15 +24,13 @@ public:
     /// Adds to `stats` what was read. Errors: IoError, Corruption, Cancelled.
     virtual Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats& stats,
                                         std::stop_token stop) = 0;
-    /// Fills the block round a brick. REQUIRES: it is ready. Any thread.
-    virtual void read(BrickIndex brick, SampleBlock<Sample>& block) const = 0;
-    /// Fills at least the rows that gradients at the points of `rows` need. REQUIRES: the brick is ready. Any thread.
-    virtual void readRows(BrickIndex brick, const PointRows& /*rows*/, SampleBlock<Sample>& block) const { read(brick, block); }
+    /// Where a brick's samples and those around it lie. REQUIRES: the brick is ready; it stays so while they are read. Any thread.
+    virtual SampleRows<Sample> rows(BrickIndex brick) const = 0;
     /// Whether the brick may be read now; it stays so until the next call of prepare(), fetch() or dropCaches(). Any thread.
     virtual bool isReady(BrickIndex /*brick*/) const { return true; }
     /// Tells that bricks were read without prepare(), so that they are kept as if they had been prepared.
     virtual void touch(std::span<const BrickIndex> /*bricks*/) {}
-    /// Asks for the memory that read() will read. Any thread.
+    /// Asks for the memory that rows() leads to. Any thread.
     virtual void prefetch(BrickIndex /*brick*/) const {}
     /// Whether fetching ahead of need is of any use.
     virtual bool fetchesAhead() const { return false; }

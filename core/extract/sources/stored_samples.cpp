@@ -6,9 +6,8 @@
 #include <mutex>
 #include <optional>
 
-#include <tbb/parallel_for.h>
-
 #include "core/base/job_control.h"
+#include "core/base/worker_team.h"
 
 namespace isoslider::extract {
 namespace {
@@ -226,7 +225,7 @@ Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& 
     std::mutex errorMutex;
     std::optional<Error> firstError;
     std::size_t firstErrorAt = order.size();
-    tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
+    forEachIndex(order.size(), 1, [&](std::size_t i) {
         if (stop.stop_requested())
             return;
         std::uint64_t bytes = 0;
@@ -249,46 +248,39 @@ Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& 
     return stop.stop_requested() && !order.empty() ? Status(cancelledError()) : Status();
 }
 
+// A chunk is two bricks wide. Along each axis a brick's block reaches into the chunk before by one sample where the brick is
+// its chunk's first, and into the one behind by two where it is the second.
 template <class Sample>
-void StoredSamples<Sample>::readWanted(BrickIndex brick, const BlockRows& rows, SampleBlock<Sample>& block) const {
+SampleRows<Sample> StoredSamples<Sample>::rows(BrickIndex brick) const {
     const auto b = bricks_.brickCoords(brick);
-    block.place(dims_, {b[0] * kBrickSide, b[1] * kBrickSide, b[2] * kBrickSide});
-    // Rows -1 to 9 along x lie in two chunks: one sample left of the brick's chunk, or two right of it.
-    const bool isRight = b[0] & 1;
-    const std::int64_t beside = (b[0] >> 1) + (isRight ? 1 : -1);
-    const bool hasBeside = isRight ? block.end[0] > kBrickSide : block.begin[0] < 0;
-    const index::ChunkGrid& chunks = store_.chunks();
-    for (int z = block.begin[2]; z < block.end[2];) {
-        const std::int64_t pz = b[2] * kBrickSide + z;
-        const int zEnd = std::min(block.end[2], z + kSide - static_cast<int>(pz % kSide)); // of the chunk
-        for (int y = block.begin[1]; y < block.end[1];) {
-            const std::int64_t py = b[1] * kBrickSide + y;
-            const int yEnd = std::min(block.end[1], y + kSide - static_cast<int>(py % kSide));
-            const auto first = static_cast<std::size_t>(kSide * (py % kSide) + kSide * kSide * (pz % kSide));
-            const Sample* here = samplesOf(slotOf_[chunks.chunkAt(b[0] >> 1, py / kSide, pz / kSide)]) + first;
-            const Sample* aside =
-                hasBeside ? samplesOf(slotOf_[chunks.chunkAt(beside, py / kSide, pz / kSide)]) + first
-                          : nullptr;
-            for (int k = z; k < zEnd; ++k)
-                for (int j = y; j < yEnd; ++j) {
-                    if (!(rows[static_cast<std::size_t>(k + 1)] >> (j + 1) & 1))
-                        continue;
-                    const int row = kSide * (j - y) + kSide * kSide * (k - z);
-                    Sample* out = block.samples.data() + SampleBlock<Sample>::offset(-1, j, k);
-                    if (isRight) {
-                        std::memcpy(out, here + row + kBrickSide - 1, (kBrickSide + 1) * sizeof(Sample));
-                        if (aside)
-                            std::memcpy(out + kBrickSide + 1, aside + row, 2 * sizeof(Sample));
-                    } else {
-                        std::memcpy(out + 1, here + row, (kBrickSide + 2) * sizeof(Sample));
-                        if (aside)
-                            out[0] = aside[row + kSide - 1];
-                    }
-                }
-            y = yEnd;
+    const std::array<std::int64_t, 3> origin{b[0] * kBrickSide, b[1] * kBrickSide, b[2] * kBrickSide};
+    SampleRows<Sample> rows;
+    placeInBox(dims_, origin, rows.begin, rows.end);
+    rows.rowStride = kSide;
+    rows.planeStride = kSide * kSide;
+    rows.splitY = b[1] & 1 ? kBrickSide : 0;
+    rows.splitZ = b[2] & 1 ? kBrickSide : 0;
+    const GridDims& chunks = store_.chunks().chunks();
+    const std::int64_t cx = b[0] >> 1;
+    const bool isSecond = b[0] & 1;
+    for (std::size_t place = 0; place < 4; ++place) {
+        const std::int64_t cy = (b[1] >> 1) - (b[1] & 1 ? 0 : 1) + static_cast<std::int64_t>(place & 1);
+        const std::int64_t cz = (b[2] >> 1) - (b[2] & 1 ? 0 : 1) + static_cast<std::int64_t>(place >> 1);
+        if (cy < 0 || cz < 0 || cy >= chunks[1] || cz >= chunks[2])
+            continue;
+        // Of local row 0 of plane 0, counted from the chunk's first sample.
+        const std::ptrdiff_t first = kSide * (origin[1] - kSide * cy) + kSide * kSide * (origin[2] - kSide * cz);
+        const Sample* const own = dataOf(cx, cy, cz);
+        rows.own[place] = {own, first + (isSecond ? kBrickSide : 0)};
+        if (isSecond) {
+            rows.before[place] = {own, first + kBrickSide - 1};
+            rows.behind[place] = {cx + 1 < chunks[0] ? dataOf(cx + 1, cy, cz) : nullptr, first};
+        } else {
+            rows.before[place] = {cx > 0 ? dataOf(cx - 1, cy, cz) : nullptr, first + kSide - 1};
+            rows.behind[place] = {own, first + kBrickSide};
         }
-        z = zEnd;
     }
+    return rows;
 }
 
 template class StoredSamples<std::uint8_t>;

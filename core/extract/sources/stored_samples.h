@@ -27,10 +27,7 @@ public:
     bool isReady(BrickIndex brick) const override;
     void touch(std::span<const BrickIndex> bricks) override;
     void prefetch(BrickIndex brick) const override;
-    void read(BrickIndex brick, SampleBlock<Sample>& block) const override { readWanted(brick, kAllRows, block); }
-    void readRows(BrickIndex brick, const PointRows& rows, SampleBlock<Sample>& block) const override {
-        readWanted(brick, rowsForGradients(rows), block);
-    }
+    SampleRows<Sample> rows(BrickIndex brick) const override;
     bool fetchesAhead() const override { return capacity_ >= kLeastAhead; }
     Status fetch(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) override;
     void dropCaches() override;
@@ -60,7 +57,6 @@ private:
     Neighbourhood neighbourhood(BrickIndex brick) const;
     template <class Visit>
     bool forEachChunk(BrickIndex brick, const Visit& visit) const;
-    void readWanted(BrickIndex brick, const BlockRows& rows, SampleBlock<Sample>& block) const;
     bool claim(Chunk chunk, std::vector<Slot>& missing);
     Result<std::size_t> prepare(std::span<const BrickIndex> bricks, std::size_t maxMissing, SlideStats& stats,
                                 std::stop_token stop);
@@ -71,6 +67,11 @@ private:
     void dropUnfilled(std::span<const Slot> missing);
     Sample* samplesOf(Slot slot) { return samples_.data() + (slot - 1) * kSamples; }
     const Sample* samplesOf(Slot slot) const { return samples_.data() + (slot - 1) * kSamples; }
+    /// Null for a chunk that is not in the cache: a brick that is ready does not reach into it.
+    const Sample* dataOf(std::int64_t cx, std::int64_t cy, std::int64_t cz) const {
+        const Slot slot = slotOf_[store_.chunks().chunkAt(cx, cy, cz)];
+        return slot == 0 ? nullptr : samplesOf(slot);
+    }
 
     index::SampleStore store_;
     GridDims dims_;

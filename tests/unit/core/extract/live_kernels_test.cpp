@@ -72,7 +72,6 @@ void expectSameClassification(std::mt19937& random) {
                 ASSERT_EQ(fast.above, plain.above) << "kind " << kind;
                 ASSERT_EQ(fast.active.edges, plain.active.edges);
                 ASSERT_EQ(fast.active.cells, plain.active.cells);
-                ASSERT_EQ(fast.ends, plain.ends);
                 ASSERT_EQ(fast.changed, plain.changed);
                 ASSERT_EQ(fast.up, plain.up);
                 ASSERT_EQ(fast.down, plain.down);
@@ -155,6 +154,29 @@ TEST_P(LiveKernels, GatherTheRecordsOfActiveEdgesInOrder) {
     expectRecords<double>(random_);
 }
 
+/// What a brick keeps of the samples in its block; outside the box one of them.
+template <class Sample>
+using OwnSamples = std::array<StoredSample<Sample>, kPaddedPoints>;
+template <class Sample>
+OwnSamples<Sample> ownSamples(const SampleBlock<Sample>& block) {
+    OwnSamples<Sample> own;
+    own.fill(storedOf(block.samples[static_cast<std::size_t>(block.offset(0, 0, 0))]));
+    for (int z = 0; z < kPointSide; ++z)
+        for (int y = 0; y < kPointSide; ++y)
+            for (int x = 0; x < kPointSide; ++x)
+                if (block.isInside(x, y, z))
+                    own[closedPoint(x, y, z)] = storedOf(block.samples[static_cast<std::size_t>(block.offset(x, y, z))]);
+    return own;
+}
+/// Nothing of a block but its apron may be read.
+template <class Sample>
+void spoilOwnSamples(SampleBlock<Sample>& block) {
+    for (int z = 0; z < kPointSide; ++z)
+        for (int y = 0; y < kPointSide; ++y)
+            for (int x = 0; x < kPointSide; ++x)
+                block.samples[static_cast<std::size_t>(block.offset(x, y, z))] = Sample(99);
+}
+
 template <class Sample>
 void expectNormals(std::mt19937& random) {
     for (const GridDims dims : {GridDims{40, 40, 40}, GridDims{9, 12, 16}, GridDims{8, 8, 2}, GridDims{2, 3, 17}})
@@ -181,7 +203,9 @@ void expectNormals(std::mt19937& random) {
                 std::array<NormalCode, kPaddedPoints> plain{}, fast{};
                 const glm::vec3 inverse(1.0f, 0.4f, 2.5f);
                 findNormalsPlainly(block, rows, inverse, plain.data());
-                findNormals(block, rows, inverse, fast.data());
+                const OwnSamples<Sample> stored = ownSamples(block);
+                spoilOwnSamples(block);
+                findNormals<Sample>(stored.data(), block, rows, inverse, fast.data());
                 ASSERT_EQ(fast, plain) << "kind " << kind << ", brick " << brick << " of " << dims[0] << " " << dims[1] << " " << dims[2];
             }
         }
@@ -192,9 +216,7 @@ TEST_P(LiveKernels, FindTheNormalsThatGradientsGive) {
     expectNormals<std::int8_t>(random_);
     expectNormals<std::uint16_t>(random_);
     expectNormals<std::int16_t>(random_);
-    expectNormals<std::int32_t>(random_);
     expectNormals<float>(random_);
-    expectNormals<double>(random_);
 }
 
 template <class Live>

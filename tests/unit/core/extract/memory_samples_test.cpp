@@ -34,7 +34,7 @@ TYPED_TEST(MemorySamplesTest, FillTheBox) {
         const BrickGrid bricks(geometry.dims);
         const auto block = std::make_unique<SampleBlock<TypeParam>>();
         for (std::uint64_t brick = 0; brick < bricks.brickCount(); ++brick) {
-            reader.read(static_cast<BrickIndex>(brick), *block);
+            readBlock(reader.rows(static_cast<BrickIndex>(brick)), kAllRows, *block);
             const auto coords = bricks.brickCoords(static_cast<BrickIndex>(brick));
             for (int z = -1; z < 10; ++z)
                 for (int y = -1; y < 10; ++y)
