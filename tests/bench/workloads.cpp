@@ -340,8 +340,22 @@ ScalarGrid makeNoisyScan(int size) {
             return 1.0f - std::sqrt(u * u + v * v); // 0 on it
         };
         const auto step = [](float from, float to, float t) { return from + (to - from) * std::clamp(30.0f * t + 0.5f, 0.0f, 1.0f); };
-        std::vector<float> row(static_cast<std::size_t>(size));
+        // Nearly normal, a sum of four; neighbours in a plane have some in common, as reconstruction leaves it.
+        constexpr float kShare = 0.6f;
+        std::vector<float> row(static_cast<std::size_t>(size)), noise(row.size()), last(row.size() + 1, 0.0f), next(last);
+        const auto drawRow = [&](int y, std::vector<float>& drawn) {
+            for (std::size_t x = 0; x < drawn.size(); ++x) {
+                drawn[x] = 0.0f;
+                for (std::uint32_t k = 0; k < 4; ++k)
+                    drawn[x] += latticeValue(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z), 16 + k);
+            }
+        };
+        drawRow(0, next);
         for (int y = 0; y < size; ++y) {
+            std::swap(last, next);
+            drawRow(y + 1, next);
+            for (std::size_t x = 0; x < noise.size(); ++x)
+                noise[x] = (last[x] + kShare * (last[x + 1] + next[x]) + kShare * kShare * next[x + 1]) / (1.0f + kShare * kShare);
             std::fill(row.begin(), row.end(), 0.0f);
             for (const std::uint32_t octave : {2u, 3u})
                 addOctave(octave, octave == 2 ? kTissue : kTissue / 2, size, y, z, row.data());
@@ -350,10 +364,7 @@ ScalarGrid makeNoisyScan(int size) {
                 value = step(value, -750.0f, inEllipse(x, y, 0.33f, 0.45f, 0.11f, 0.16f)); // lungs
                 value = step(value, -750.0f, inEllipse(x, y, 0.67f, 0.45f, 0.11f, 0.16f));
                 value = step(value, 900.0f, inEllipse(x, y, 0.5f, 0.72f, 0.06f, 0.05f)); // spine
-                float noise = 0.0f; // a sum of four is nearly normal
-                for (std::uint32_t k = 0; k < 4; ++k)
-                    noise += latticeValue(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z), 16 + k);
-                *out++ = static_cast<std::int16_t>(std::lround(std::clamp(value + kNoise * noise, -1024.0f, 3000.0f)));
+                *out++ = static_cast<std::int16_t>(std::lround(std::clamp(value + kNoise * noise[static_cast<std::size_t>(x)], -1024.0f, 3000.0f)));
             }
         }
     });

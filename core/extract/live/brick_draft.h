@@ -49,7 +49,6 @@ struct BrickDraft {
 
     // Filled by the surface from what stands above.
     CellList cells;
-    std::vector<cell::StateId> states; ///< of ambiguous cells
     std::vector<std::uint16_t> indices;
     std::uint32_t indexCount = 0;
     std::vector<AmbiguousCell> ambiguous;

@@ -1,6 +1,7 @@
 #include "core/extract/live/cell_triangles.h"
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 // Compiled once for each instruction set; the best one that the machine has is chosen when the program runs.
@@ -38,6 +39,24 @@ struct StateCorners {
     std::array<std::uint8_t, kMost + 3> lanes{}; ///< read four at a time
 };
 const std::vector<StateCorners>& stateCorners();
+
+/// The triangles of a state as lanes of 64: 8 for each of the pieces of the vertex table that begin 0, 9, 81 and 90 points
+/// further on (two points of four places each), then inner vertices.
+struct StateLanes {
+    static constexpr std::size_t kAtOnce = 32;
+    static constexpr std::uint16_t kFirstInner = 32;
+    using Group = std::array<std::uint16_t, kAtOnce>;
+    struct alignas(64) Aligned : Group {};
+
+    std::vector<Aligned> first;                ///< by state
+    std::vector<Aligned> others;               ///< of the few states with more corners
+    std::vector<std::uint16_t> firstOther;     ///< by state
+    std::vector<std::uint8_t> counts, innerVertices;
+    static const Aligned kUpwards;             ///< 0 to 31
+
+    const std::uint16_t* rest(cell::StateId state, std::size_t from) const { return others[firstOther[state] + from / kAtOnce - 1].data(); }
+};
+const StateLanes& stateLanes();
 
 } // namespace isoslider::extract
 #endif
@@ -84,24 +103,48 @@ void listCellsHere(const BitString& active, const BitString& above, CellList& li
     for (std::uint32_t k = 0; k < list.count; ++k) {
         const std::uint8_t signs = signsAt(list.cells[k]);
         list.signs[k] = signs;
+        list.states[k] = signs;
         list.ambiguous[ambiguous] = static_cast<std::uint16_t>(k);
         ambiguous += isAmbiguous[signs];
     }
     list.ambiguousCount = ambiguous;
 }
 
-std::uint32_t writeTrianglesHere(const CellList& list, const cell::StateId* states, std::uint32_t firstInner,
-                                 const VertexTable& vertices, std::uint16_t* out) {
+#if HWY_TARGET <= HWY_AVX3
+// Of all states alike: the edges of a cell are in 32 lanes, four pieces of the vertex table, its inner vertices in others, and one
+// permutation brings them into the order of its triangles.
+std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
+    const StateLanes& lanes = stateLanes();
+    std::uint16_t* const begin = out;
+    const __m512i upwards = _mm512_load_si512(StateLanes::kUpwards.data());
+    for (std::uint32_t k = 0; k < list.count; ++k) {
+        const std::uint16_t* const at = vertices.numbers.data() + 4 * std::size_t{list.cells[k]};
+        const auto piece = [](const std::uint16_t* from) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from)); };
+        const __m256i lower = _mm256_inserti128_si256(_mm256_castsi128_si256(piece(at)), piece(at + 4 * 9), 1);
+        const __m256i upper = _mm256_inserti128_si256(_mm256_castsi128_si256(piece(at + 4 * 81)), piece(at + 4 * 90), 1);
+        const __m512i edges = _mm512_inserti64x4(_mm512_castsi256_si512(lower), upper, 1);
+        const __m512i inner = _mm512_add_epi16(upwards, _mm512_set1_epi16(static_cast<short>(firstInner)));
+        const cell::StateId state = list.states[k];
+        const std::size_t count = lanes.counts[state];
+        _mm512_storeu_si512(out, _mm512_permutex2var_epi16(edges, _mm512_load_si512(lanes.first[state].data()), inner));
+        if (HWY_UNLIKELY(count > StateLanes::kAtOnce))
+            for (std::size_t i = StateLanes::kAtOnce; i < count; i += StateLanes::kAtOnce)
+                _mm512_storeu_si512(out + i, _mm512_permutex2var_epi16(edges, _mm512_load_si512(lanes.rest(state, i)), inner));
+        out += count;
+        firstInner += lanes.innerVertices[state];
+    }
+    return static_cast<std::uint32_t>(out - begin);
+}
+#else
+std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
-    return writeTrianglesPlainly(list, states, firstInner, vertices, out);
+    return writeTrianglesPlainly(list, firstInner, vertices, out);
 #else
     const hn::Full128<std::uint8_t> bytes;
     const hn::Full128<std::uint16_t> shorts;
     const PlainCells& plain = plainCells();
     const StateCorners* const corners = stateCorners().data();
     std::uint16_t* const begin = out;
-    const std::uint16_t* nextAmbiguous = list.ambiguous.data();
-    const std::uint16_t* const lastAmbiguous = nextAmbiguous + list.ambiguousCount;
     // Lanes of the second piece, (x9 . z9 . | . . z10 .), that go to lanes 3, 4 and 7 of the first.
     alignas(16) static constexpr std::uint8_t kSpread[16] = {0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0, 1, 4, 5, 0x80, 0x80, 0x80, 0x80, 12, 13};
     alignas(16) static constexpr std::uint8_t kOwnLanes[16] = {255, 255, 255, 255, 255, 255, 0, 0, 0, 0, 255, 255, 255, 255, 0, 0};
@@ -112,7 +155,6 @@ std::uint32_t writeTrianglesHere(const CellList& list, const cell::StateId* stat
                toLane3 = hn::Load(bytes, kToLane3);
     for (std::uint32_t k = 0; k < list.count; ++k) {
         const std::uint16_t* const at = vertices.numbers.data() + 4 * std::size_t{list.cells[k]};
-        const std::uint8_t signs = list.signs[k];
         // Pieces of the table: points p and p + 1 (x y z . | . y z .), then those 9, 81 and 90 further on.
         const auto here = hn::BitCast(bytes, hn::LoadU(shorts, at));
         const auto behind = hn::BitCast(bytes, hn::LoadU(shorts, at + 4 * 9));
@@ -120,9 +162,8 @@ std::uint32_t writeTrianglesHere(const CellList& list, const cell::StateId* stat
         const auto overBehind = hn::BitCast(bytes, hn::LoadU(shorts, at + 4 * 90));
         const auto first = hn::Or(hn::And(here, ownLanes), hn::TableLookupBytesOr0(behind, spread));
         const auto second = hn::Or(hn::And(over, notLane3), hn::TableLookupBytesOr0(overBehind, toLane3));
-        if (HWY_UNLIKELY(nextAmbiguous != lastAmbiguous && *nextAmbiguous == k)) {
-            const StateCorners& state = corners[*states++];
-            ++nextAmbiguous;
+        if (HWY_UNLIKELY(list.states[k] >= 256)) {
+            const StateCorners& state = corners[list.states[k]];
             alignas(16) std::array<std::uint16_t, 32> numbers;
             const auto inner = hn::Add(hn::Iota(shorts, 0), hn::Set(shorts, static_cast<std::uint16_t>(firstInner)));
             hn::Store(hn::BitCast(shorts, first), shorts, numbers.data());
@@ -136,6 +177,7 @@ std::uint32_t writeTrianglesHere(const CellList& list, const cell::StateId* stat
             firstInner += state.innerVertices;
             continue;
         }
+        const std::uint8_t signs = list.signs[k];
         const CellShuffle& shuffle = plain.shuffles[signs];
         const auto low = hn::Or(hn::TableLookupBytesOr0(first, hn::Load(bytes, shuffle.lowFromFirst.data())),
                                 hn::TableLookupBytesOr0(second, hn::Load(bytes, shuffle.lowFromSecond.data())));
@@ -148,6 +190,7 @@ std::uint32_t writeTrianglesHere(const CellList& list, const cell::StateId* stat
     return static_cast<std::uint32_t>(out - begin);
 #endif
 }
+#endif
 
 } // namespace isoslider::extract::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -219,6 +262,39 @@ const std::vector<StateCorners>& stateCorners() {
     return corners;
 }
 
+const StateLanes::Aligned StateLanes::kUpwards = [] {
+    Aligned upwards;
+    std::iota(upwards.begin(), upwards.end(), std::uint16_t{0});
+    return upwards;
+}();
+
+const StateLanes& stateLanes() {
+    static const auto lanes = [] {
+        StateLanes made;
+        const auto laneOf = [](std::uint8_t corner) {
+            if (corner >= cell::kInnerVertex)
+                return static_cast<std::uint16_t>(StateLanes::kFirstInner + corner - cell::kInnerVertex);
+            const auto axis = static_cast<std::uint16_t>(kPlaceOfCellEdge[corner] % 4);
+            const auto start = coordsOf(static_cast<ClosedPoint>(kPlaceOfCellEdge[corner] / 4));
+            return static_cast<std::uint16_t>(axis + 4 * start[0] + 8 * start[1] + 16 * start[2]);
+        };
+        for (const cell::CellState& state : cell::cellStates()) {
+            const std::size_t count = state.triangles.size();
+            made.counts.push_back(static_cast<std::uint8_t>(count));
+            made.innerVertices.push_back(state.innerVertices);
+            made.firstOther.push_back(static_cast<std::uint16_t>(made.others.size()));
+            made.first.emplace_back();
+            for (std::size_t i = 0; i < count; ++i) {
+                if (i >= StateLanes::kAtOnce && i % StateLanes::kAtOnce == 0)
+                    made.others.emplace_back();
+                (i < StateLanes::kAtOnce ? made.first : made.others).back()[i % StateLanes::kAtOnce] = laneOf(state.triangles[i]);
+            }
+        }
+        return made;
+    }();
+    return lanes;
+}
+
 HWY_EXPORT(listCellsHere);
 HWY_EXPORT(writeTrianglesHere);
 
@@ -226,17 +302,14 @@ void listCells(const BitString& active, const BitString& above, CellList& list) 
     HWY_DYNAMIC_DISPATCH(listCellsHere)(active, above, list);
 }
 
-std::uint32_t writeTriangles(const CellList& list, const cell::StateId* states, std::uint32_t firstInner, const VertexTable& vertices,
-                             std::uint16_t* out) {
-    return HWY_DYNAMIC_DISPATCH(writeTrianglesHere)(list, states, firstInner, vertices, out);
+std::uint32_t writeTriangles(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
+    return HWY_DYNAMIC_DISPATCH(writeTrianglesHere)(list, firstInner, vertices, out);
 }
 
-std::uint32_t writeTrianglesPlainly(const CellList& list, const cell::StateId* states, std::uint32_t firstInner,
-                                    const VertexTable& vertices, std::uint16_t* out) {
+std::uint32_t writeTrianglesPlainly(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
     std::uint16_t* const begin = out;
     for (std::uint32_t k = 0; k < list.count; ++k) {
-        const std::uint8_t signs = list.signs[k];
-        const cell::CellState& state = cell::cellStates()[ambiguousSignTable()[signs] ? *states++ : cell::StateId{signs}];
+        const cell::CellState& state = cell::cellStates()[list.states[k]];
         for (const std::uint8_t corner : state.triangles)
             *out++ = corner < cell::kInnerVertex ? vertices.numbers[4 * std::size_t{list.cells[k]} + kPlaceOfCellEdge[corner]]
                                                  : static_cast<std::uint16_t>(firstInner + corner - cell::kInnerVertex);

@@ -24,26 +24,25 @@ extern const std::array<std::uint16_t, 12> kPlaceOfCellEdge;
 /// By signs: isAmbiguous() as a table at hand.
 const std::array<bool, 256>& ambiguousSignTable();
 
-/// The active cells of a brick in order, with their signs.
+/// The active cells of a brick in order, with their signs and states: those of ambiguous cells are for others to fill in.
 struct CellList {
     static constexpr std::size_t kMost = std::size_t{kCellSide} * kCellSide * kCellSide;
     std::uint32_t count = 0;
     std::uint32_t ambiguousCount = 0;
     std::array<std::uint16_t, kMost + 32> cells;
     std::array<std::uint8_t, kMost> signs;
+    std::array<cell::StateId, kMost> states; ///< below 256 the signs
     std::array<std::uint16_t, kMost + 1> ambiguous; ///< places in the list of the cells whose signs do not say all
 };
 void listCells(const BitString& active, const BitString& above, CellList& list);
 
-/// Triangles of the cells, three vertex numbers each, in the list's order; returns how many numbers. The state of each
-/// ambiguous cell is in `states`, in order; its inner vertices are numbered from `firstInner` on. `out` has room for
-/// kMaxCellIndices per cell and kIndexOverrun more.
+/// Triangles of the cells, three vertex numbers each, in the list's order; returns how many numbers. Inner vertices of
+/// cells are numbered from `firstInner` on. `out` has room for kMaxCellIndices per ambiguous cell, 15 per other cell, and
+/// kIndexOverrun more.
 inline constexpr std::size_t kMaxCellIndices = 3 * cell::kMaxStateTriangles;
 inline constexpr std::size_t kIndexOverrun = 32;
-std::uint32_t writeTriangles(const CellList& list, const cell::StateId* states, std::uint32_t firstInner, const VertexTable& vertices,
-                             std::uint16_t* out);
+std::uint32_t writeTriangles(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out);
 /// The same without vectors: what the one above is tested against.
-std::uint32_t writeTrianglesPlainly(const CellList& list, const cell::StateId* states, std::uint32_t firstInner,
-                                    const VertexTable& vertices, std::uint16_t* out);
+std::uint32_t writeTrianglesPlainly(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out);
 
 } // namespace isoslider::extract

@@ -272,7 +272,6 @@ void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, Cor
     CellList& list = draft.cells;
     listCells(draft.active.cells, draft.above, list);
     draft.ambiguous.clear();
-    draft.states.clear();
     cell::StateInterval interval = kAlways;
     std::uint32_t innerVertices = 0;
     const AmbiguousCell* known = brick.ambiguousCells > 0 ? ambiguous_.at(brick.ambiguous.begin) : nullptr;
@@ -283,13 +282,13 @@ void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, Cor
         const cell::StateInterval& its = draft.ambiguous.back().interval;
         interval = {std::max(interval.below, its.below), std::min(interval.above, its.above)};
         innerVertices += states_[state].innerVertices;
-        draft.states.push_back(state);
+        list.states[at] = state;
     }
     // Plain cells have at most five triangles.
     const std::size_t room = 15 * std::size_t{list.count} + kMaxCellIndices * list.ambiguousCount + kIndexOverrun;
     if (draft.indices.size() < room)
         draft.indices.resize(room);
-    draft.indexCount = writeTriangles(list, draft.states.data(), draft.edgeVertices, draft.vertices, draft.indices.data());
+    draft.indexCount = writeTriangles(list, draft.edgeVertices, draft.vertices, draft.indices.data());
     intervals_[slot] = interval;
     hasInner_[slot] = innerVertices > 0;
 }
