@@ -24,7 +24,7 @@ public:
     /// Whether the brick has cells at all: the last bricks along an axis may hold points only.
     bool hasCells(BrickIndex brick) const;
     /// Whether a cell of the brick, or one that touches it, has a missing corner.
-    bool isNearMissing(BrickIndex brick) const;
+    bool isNearMissing(BrickIndex brick) const { return !isNearMissing_.empty() && isNearMissing_[brick]; }
     /// Of a brick that is not near missing values.
     const BrickMasks& masks(BrickIndex brick) const { return byPlace_[placeOf(brick)]; }
     /// Of any brick; O(cells).
@@ -39,13 +39,14 @@ public:
 
 private:
     unsigned placeOf(BrickIndex brick) const;
-    /// In the box, all corners finite; at coordinates of the grid.
-    bool isCellValid(const std::array<std::int64_t, 3>& cell) const;
+    template <class Visit>
+    void forEachAround(BrickIndex brick, const Visit& visit) const;
     const index::MissingCells* missingOf(BrickIndex brick) const;
 
     GridDims dims_;
     BrickGrid grid_;
     const std::vector<index::MissingCells>& missing_;
+    std::vector<bool> isNearMissing_; ///< by brick; empty where nothing is missing
     std::vector<BrickMasks> byPlace_; ///< bit a: first along axis a, bit a + 3: last
 };
 
