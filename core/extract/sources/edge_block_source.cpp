@@ -9,12 +9,14 @@
 #include "core/base/worker_team.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/stream_copy.h"
+#include "core/extract/sources/sample_kernels.h"
 
 namespace isoslider::extract {
 namespace {
 
 constexpr std::uint32_t kEndOfChain = ~std::uint32_t{0};
 constexpr std::uint64_t kKeptEntries = 1u << 16;
+constexpr std::uint32_t kArriving = ~std::uint32_t{0}; ///< in place of a slot, until there is one
 
 } // namespace
 
@@ -26,7 +28,7 @@ struct EdgeBlockSource<Sample>::Scratch {
     std::vector<const Activated*> activated;
     std::vector<const Deactivated*> deactivated;
     std::vector<std::uint32_t> nextActivated, nextDeactivated;
-    std::vector<Record> added; // of the brick at hand, in order
+    std::vector<BrickIndex> arriving; // bricks that have no slot yet
     std::vector<BrickSlot> emptied;
     std::optional<Error> error;
     bool isConsistent = true;
@@ -96,6 +98,7 @@ EdgeBlockSource<Sample>::EdgeBlockSource(const index::IndexReader& reader, std::
     slotOf_.grow(bricks);
     for (int a = 0; a < 3; ++a)
         cellBricks_[a] = (reader.grid().dims()[a] + kCellSide - 2) / kCellSide;
+    allHaveCells_ = cellBricks_ == reader.grid().bricks();
 }
 
 template <class Sample>
@@ -118,9 +121,13 @@ void EdgeBlockSource<Sample>::forEachHolder(PointId start, int axis, const Visit
     const auto brick = static_cast<BrickIndex>(start / kBrickPoints);
     const auto local = static_cast<int>(start % kBrickPoints);
     const std::array<int, 3> c{local & 7, local >> 3 & 7, local >> 6};
-    const auto at = grid.brickCoords(brick);
     const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
     const int base = (axis << kEdgeAxisShift) + closedPoint(c[0], c[1], c[2]);
+    if (c[u] > 0 && c[v] > 0 && allHaveCells_) { // three edges in four
+        visit(brick, static_cast<ClosedEdge>(base));
+        return;
+    }
+    const auto at = grid.brickCoords(brick);
     for (int k = 0; k < 4; ++k) {
         const bool isBelowU = k & 1, isBelowV = k >> 1;
         if ((isBelowU && (c[u] > 0 || at[u] == 0)) || (isBelowV && (c[v] > 0 || at[v] == 0)))
@@ -179,25 +186,35 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
     return entry;
 }
 
+// Slots for bricks that have none yet. A partition's bricks are looked at by one thread.
 template <class Sample>
 Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface) {
-    for (const Lists& lists : *lists_)
-        for (const std::vector<Activated>& some : lists.activated)
-            for (const Activated& change : some) {
-                std::uint32_t& slot = slotOf_[change.brick];
-                if (slot != 0)
-                    continue;
-                const BrickSlot added = surface.add(change.brick);
-                slot = added + 1;
-                edges_.grow(added + std::uint64_t{1});
-                edges_[added] = {};
-            }
-    chains_.resize(surface.slotCount(), {kEndOfChain, kEndOfChain});
-    for (const Lists& lists : *lists_) // only a damaged index takes from a brick that has nothing
-        for (const std::vector<Deactivated>& some : lists.deactivated)
-            for (const Deactivated& change : some)
+    for (Scratch& scratch : *scratches_)
+        scratch.arriving.clear();
+    std::atomic<bool> isConsistent{true};
+    forEachIndex(kPartitions, 1, [&](std::size_t partition) {
+        Scratch& scratch = scratches_->local();
+        for (const Lists& lists : *lists_)
+            for (const Activated& change : lists.activated[partition])
+                if (std::uint32_t& slot = slotOf_[change.brick]; slot == 0) {
+                    slot = kArriving;
+                    scratch.arriving.push_back(change.brick);
+                }
+        for (const Lists& lists : *lists_) // only a damaged index takes from a brick that has nothing
+            for (const Deactivated& change : lists.deactivated[partition])
                 if (slotOf_[change.brick] == 0 && !surface.shapes().isNearMissing(change.brick))
-                    return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice", reader_.pathString());
+                    isConsistent = false;
+    });
+    for (const Scratch& scratch : *scratches_)
+        for (const BrickIndex brick : scratch.arriving) {
+            const BrickSlot added = surface.add(brick);
+            edges_.grow(added + std::uint64_t{1});
+            edges_[added] = {};
+            slotOf_[brick] = added + 1;
+        }
+    chains_.resize(surface.slotCount(), {kEndOfChain, kEndOfChain});
+    if (!isConsistent)
+        return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice", reader_.pathString());
     return {};
 }
 
@@ -327,53 +344,45 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
     return {};
 }
 
-// Applies the changes of a brick to its bits, and lists the new records in order. False when they contradict each other.
+// Applies the changes of a brick to its bits. False when they contradict each other.
 template <class Sample>
-bool EdgeBlockSource<Sample>::toggle(BrickSlot slot, LiveSurface<Live>& surface, Scratch& scratch) {
+bool EdgeBlockSource<Sample>::toggle(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch) {
     std::array<BitString, 3>& edges = edges_[slot];
     const BrickMasks& masks = surface.masks(slot);
     const Chain chain = chains_[slot];
-    scratch.added.clear();
-    for (std::uint32_t i = chain.firstDeactivated; i != kEndOfChain; i = scratch.nextDeactivated[i]) {
-        const ClosedEdge edge = scratch.deactivated[i]->edge;
+    const auto flip = [&](ClosedEdge edge, bool wasActive) {
         const unsigned axis = edge >> kEdgeAxisShift, p = edge & kEdgePointMask;
         if (!masks.edges[axis].test(p))
-            continue; // of no valid cell of this brick
-        if (!edges[axis].test(p))
+            return true; // of no valid cell of this brick
+        if (edges[axis].test(p) != wasActive)
             return false;
         edges[axis].flip(p);
-    }
-    for (std::uint32_t i = chain.firstActivated; i != kEndOfChain; i = scratch.nextActivated[i]) {
-        const Record& record = scratch.activated[i]->record;
-        const unsigned axis = record.edge >> kEdgeAxisShift, p = record.edge & kEdgePointMask;
-        if (!masks.edges[axis].test(p))
-            continue;
-        if (edges[axis].test(p))
+        return true;
+    };
+    for (std::uint32_t i = chain.firstDeactivated; i != kEndOfChain; i = scratch.nextDeactivated[i])
+        if (!flip(scratch.deactivated[i]->edge, true))
             return false;
-        edges[axis].flip(p);
-        scratch.added.push_back(record);
-    }
-    std::sort(scratch.added.begin(), scratch.added.end(), [](const Record& a, const Record& b) { return a.edge < b.edge; });
+    for (std::uint32_t i = chain.firstActivated; i != kEndOfChain; i = scratch.nextActivated[i])
+        if (!flip(scratch.activated[i]->record.edge, false))
+            return false;
     return true;
 }
 
-// The records of edges that stay and of those that were added, in order.
+// The records of edges that stay and of those that came, each at the number of its edge.
 template <class Sample>
 void EdgeBlockSource<Sample>::mergeRecords(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
-    const std::array<BitString, 3>& edges = edges_[slot];
     BrickDraft<Live>& draft = scratch.draft;
+    draft.active.edges = edges_[slot];
+    draft.edgeVertices = numberEdges(draft.active, draft.vertices);
+    const auto isActive = [&](ClosedEdge edge) { return draft.active.edges[edge >> kEdgeAxisShift].test(edge & kEdgePointMask); };
     const std::uint32_t had = surface.brick(slot).edgeVertices;
-    const Record* old = had > 0 ? surface.records(slot) : nullptr;
-    std::uint32_t count = 0;
-    auto added = scratch.added.begin();
-    for (std::uint32_t k = 0; k < had; ++k) {
-        const ClosedEdge edge = old[k].edge;
-        while (added != scratch.added.end() && added->edge < edge)
-            draft.records[count++] = *added++;
-        if (edges[edge >> kEdgeAxisShift].test(edge & kEdgePointMask))
-            draft.records[count++] = old[k];
-    }
-    draft.edgeVertices = static_cast<std::uint32_t>(std::copy(added, scratch.added.end(), draft.records.begin() + count) - draft.records.begin());
+    const Record* const old = had > 0 ? surface.records(slot) : nullptr;
+    for (std::uint32_t k = 0; k < had; ++k)
+        if (isActive(old[k].edge))
+            draft.records[draft.vertices.of(old[k].edge)] = old[k];
+    for (std::uint32_t i = chains_[slot].firstActivated; i != kEndOfChain; i = scratch.nextActivated[i])
+        if (const Record& record = scratch.activated[i]->record; isActive(record.edge))
+            draft.records[draft.vertices.of(record.edge)] = record;
 }
 
 // Signs of the corners of all active cells. Those at the ends of active edges follow from the edges' scalars; every
@@ -384,7 +393,6 @@ bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>&
     const std::array<BitString, 3>& edges = edges_[slot];
     const BrickMasks& masks = surface.masks(slot);
     BrickDraft<Live>& draft = scratch.draft;
-    draft.active.edges = edges;
     BitString above;
     for (std::uint32_t k = 0; k < draft.edgeVertices; ++k) {
         const Record& record = draft.records[k];
@@ -469,7 +477,6 @@ void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, Live
         endsOfEdges(flipped, ends);
         cellsAtPoints(ends, draft.changed);
     }
-    draft.numberVertices(draft.records.data(), draft.edgeVertices);
     const BrickMasks& masks = surface.masks(slot);
     draft.ownedEdges = 0;
     for (std::size_t a = 0; a < 3; ++a)

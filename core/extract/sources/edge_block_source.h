@@ -80,11 +80,12 @@ private:
     void changeBrick(BrickSlot slot, const Move& move, LiveSurface<Live>& surface, Scratch& scratch);
     void listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface, std::vector<BrickSlot>& crossed,
                             std::vector<BrickSlot>& refreshed) const;
-    bool toggle(BrickSlot slot, LiveSurface<Live>& surface, Scratch& scratch);
+    bool toggle(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch);
     void mergeRecords(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
     bool findSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
 
     GridDims cellBricks_; ///< bricks with cells along each axis
+    bool allHaveCells_ = false;
     std::uint64_t partitionScale_;
     index::HiddenCorners hiddenCorners_;
     ChunkedArray<std::uint32_t, 16> slotOf_;               ///< by brick; one more than the slot, 0 for none

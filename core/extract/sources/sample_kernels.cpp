@@ -132,6 +132,19 @@ HWY_INLINE std::uint32_t listEdges(const ActiveBits& active, std::uint16_t* HWY_
     return static_cast<std::uint32_t>(end - places);
 }
 
+// The same and their numbers.
+HWY_INLINE std::uint32_t numberPlaces(const ActiveBits& active, std::uint16_t* HWY_RESTRICT places, VertexTable& vertices) {
+    const std::uint32_t count = listEdges(active, places);
+    for (std::uint32_t k = 0; k < count; ++k)
+        vertices.numbers[places[k]] = static_cast<std::uint16_t>(k);
+    return count;
+}
+
+std::uint32_t numberEdgesHere(const ActiveBits& active, VertexTable& vertices) {
+    alignas(64) std::array<std::uint16_t, kMaxEdgeList> places;
+    return numberPlaces(active, places.data(), vertices);
+}
+
 template <class Sample>
 HWY_INLINE void gatherRecord(const StoredSample<Sample>* samples, const NormalCode* normals, std::uint16_t place, EdgeRecord<LiveOf<Sample>>& record) {
     using Live = LiveOf<Sample>;
@@ -165,9 +178,7 @@ template <class Sample>
 std::uint32_t gatherRecordsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const NormalCode* HWY_RESTRICT normals,
                             const ActiveBits& active, EdgeRecord<LiveOf<Sample>>* HWY_RESTRICT records, VertexTable& vertices) {
     alignas(64) std::array<std::uint16_t, kMaxEdgeList> places;
-    const std::uint32_t count = listEdges(active, places.data());
-    for (std::uint32_t k = 0; k < count; ++k)
-        vertices.numbers[places[k]] = static_cast<std::uint16_t>(k);
+    const std::uint32_t count = numberPlaces(active, places.data(), vertices);
 #if HWY_TARGET <= HWY_AVX2
     if constexpr (std::is_same_v<LiveOf<Sample>, float>) {
         const hn::CappedTag<std::int32_t, 16> d;
@@ -371,6 +382,9 @@ template <>
 void classify(const double* s, double t, const BrickMasks& m, const BitString* b, ClassifiedBrick<double>& out) {
     HWY_DYNAMIC_DISPATCH(classifyF64)(s, t, m, b, out);
 }
+
+HWY_EXPORT(numberEdgesHere);
+std::uint32_t numberEdges(const ActiveBits& active, VertexTable& vertices) { return HWY_DYNAMIC_DISPATCH(numberEdgesHere)(active, vertices); }
 
 HWY_EXPORT(gatherU8);
 template <>

@@ -64,6 +64,9 @@ template <class Stored>
 void classifyPlainly(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
                      ClassifiedBrick<Stored>& out);
 
+/// Numbers of a brick's active edges, in their order, in the vertex table; returns how many there are.
+std::uint32_t numberEdges(const ActiveBits& active, VertexTable& vertices);
+
 /// Records of the active edges in their order, and their numbers in the vertex table; returns how many.
 template <class Sample>
 std::uint32_t gatherRecords(const StoredSample<Sample>* samples, const NormalCode* normals, const ActiveBits& active,

@@ -144,6 +144,21 @@ void expectRecords(std::mt19937& random) {
     EXPECT_EQ(count, next);
 }
 
+TEST_P(LiveKernels, NumberActiveEdgesInOrder) {
+    for (const float threshold : {0.0f, 1.0f, 50.0f, 100.0f}) {
+        ClassifiedBrick<float> found;
+        classify(samplesOf<float>(0, random_).values, threshold, innerMasks(), nullptr, found);
+        VertexTable table;
+        const std::uint32_t count = numberEdges(found.active, table);
+        std::uint32_t next = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            forEachSetBit(found.active.edges[axis], [&](ClosedPoint p) {
+                ASSERT_EQ(table.of(static_cast<ClosedEdge>(axis << kEdgeAxisShift | p)), next++);
+            });
+        EXPECT_EQ(count, next);
+    }
+}
+
 TEST_P(LiveKernels, GatherTheRecordsOfActiveEdgesInOrder) {
     expectRecords<std::uint8_t>(random_);
     expectRecords<std::int8_t>(random_);
