@@ -96,6 +96,7 @@ void addOptions(CLI::App& app, Options& options) {
     app.add_flag_callback(
         "--cold", [&options] { options.row.caches = CacheState::Empty; },
         "nothing of the index in memory at the start of a step");
+    app.add_flag("--again", options.row.isSecondSlide, "measure where the product has slid there and back before");
     app.add_flag("--baseline", options.row.withBaseline, "the paper's flat layout beside the product");
     app.add_flag("--no-peer", options.withoutPeer, "the product alone");
     app.add_flag("--reuse-index", options.reusesIndex, "take the index of an earlier run");

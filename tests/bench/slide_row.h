@@ -34,6 +34,7 @@ enum class CacheState {
 struct RowOptions {
     double percent = 1.0;
     int steps = 20;
+    bool isSecondSlide = false; ///< measure where the product has slid before
     int threads = 2;
     CacheState caches = CacheState::AsLeft;
     int pauseMs = 0;       ///< after each contestant's step: time to read ahead, where that is on

@@ -22,7 +22,7 @@ constexpr cell::StateInterval kAlways{-std::numeric_limits<double>::infinity(), 
 template <class Live>
 LiveSurface<Live>::LiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells)
     : geometry_(geometry), inverseSpacing_(1.0 / glm::abs(geometry.spacing)), shapes_(geometry.dims, missingCells),
-      hasMissing_(!missingCells.empty()) {
+      hasMissing_(!missingCells.empty()), bricks_(shapes_.grid().brickCount()) {
     for (const cell::CellState& state : cell::cellStates())
         ISO_CHECK(state.innerVertices <= cell::kMaxInnerVertices && state.triangles.size() <= kMaxCellIndices);
 }
@@ -34,12 +34,11 @@ void LiveSurface<Live>::clear() {
         arenas_->indices.clear();
         retired_.clear();
     } else { // pictures refer to them until the next move at least
-        for (const Brick& brick : bricks_)
-            if (brick.isLive)
+        for (BrickSlot slot = 0; slot < slotCount(); ++slot)
+            if (const Brick& brick = bricks_[slot]; brick.isLive)
                 retired_.push_back({version_ + 1, {brick.vertices, brick.indices}});
     }
     ambiguous_.clear();
-    bricks_.clear();
     nearMissing_.clear();
     intervals_.clear();
     hasInner_.clear();
@@ -54,16 +53,16 @@ template <class Live>
 BrickSlot LiveSurface<Live>::add(BrickIndex index) {
     if (free_.empty()) {
         // What may fail because memory is short comes first: afterwards all tables have one length.
-        const std::size_t slots = bricks_.size() + 1;
-        if (slots > bricks_.capacity()) {
-            bricks_.reserve(2 * slots);
+        const std::size_t slots = slotCount() + std::size_t{1};
+        bricks_.grow(slots);
+        if (slots > intervals_.capacity()) {
             nearMissing_.reserve(2 * slots);
             intervals_.reserve(2 * slots);
             hasInner_.reserve(2 * slots);
             shown_.reserve(2 * slots);
             free_.reserve(2 * slots);
         }
-        bricks_.emplace_back();
+        bricks_[slots - 1] = {};
         nearMissing_.emplace_back();
         intervals_.push_back(kAlways);
         hasInner_.push_back(0);
@@ -150,11 +149,12 @@ void LiveSurface<Live>::compact() {
         arenas_->vertices.trim();
         arenas_->indices.trim();
         ambiguous_.trim();
+        bricks_.shrink(slotCount());
     }
     if (!arenas_->vertices.isSparse() && !arenas_->indices.isSparse())
         return;
     auto compacted = std::make_shared<BrickArenas<Live>>();
-    for (BrickSlot slot = 0; slot < bricks_.size(); ++slot) {
+    for (BrickSlot slot = 0; slot < slotCount(); ++slot) {
         Brick& brick = bricks_[slot];
         if (!brick.isLive || brick.vertices.capacity == 0)
             continue;

@@ -12,6 +12,7 @@
 #include "core/extract/live/brick_picture.h"
 #include "core/extract/live/brick_shapes.h"
 #include "core/extract/live/cell_triangles.h"
+#include "core/extract/live/chunked_array.h"
 #include "core/extract/live/run_arena.h"
 #include "core/extract/surface_mesh.h"
 
@@ -79,7 +80,7 @@ public:
     const BrickMasks& masks(BrickSlot slot) const {
         return bricks_[slot].isNearMissing ? *nearMissing_[slot] : shapes_.masks(bricks_[slot].index);
     }
-    std::uint32_t slotCount() const { return static_cast<std::uint32_t>(bricks_.size()); }
+    std::uint32_t slotCount() const { return static_cast<std::uint32_t>(intervals_.size()); }
     const Brick& brick(BrickSlot slot) const { return bricks_[slot]; }
     /// Asks for the memory that replace() will read and write, so that it comes while another brick is made. The head, which
     /// says where the rest is, must have come before.
@@ -121,7 +122,7 @@ private:
     glm::vec3 inverseSpacing_;
     BrickShapes shapes_;
     bool hasMissing_;
-    std::vector<Brick> bricks_;
+    ChunkedArray<Brick, 14> bricks_; ///< by slot
     std::vector<std::unique_ptr<BrickMasks>> nearMissing_; ///< by slot
     std::vector<cell::StateInterval> intervals_;           ///< by slot: read for every brick at every move
     std::vector<std::uint8_t> hasInner_;                   ///< by slot, likewise

@@ -250,14 +250,15 @@ void BrickSource<Sample>::prefetchBrick(const LiveSurface<Live>& surface, const 
 template <class Sample>
 Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
                                     std::stop_token stop) {
+    constexpr std::size_t kAhead = 2; // bricks; one is too few where other programs have been in the caches, three are no better
     const auto run = [&](std::span<const Job> some) {
         forRanges(some.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
             Scratch& scratch = scratches_->local();
             for (std::size_t i = begin; i != end && !stop.stop_requested(); ++i) {
-                if (i + 2 < end)
-                    surface.prefetchHead(some[i + 2].slot);
-                if (i + 1 < end)
-                    prefetchBrick(surface, some[i + 1]);
+                if (i + 2 * kAhead < some.size())
+                    surface.prefetchHead(some[i + 2 * kAhead].slot);
+                if (i + kAhead < some.size())
+                    prefetchBrick(surface, some[i + kAhead]);
                 if (!rebuild(move, surface, some[i], scratch))
                     scratch.pending.push_back(some[i]);
             }

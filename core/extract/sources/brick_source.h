@@ -104,7 +104,7 @@ private:
     SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;
     ChunkedArray<std::uint32_t, 16> slotOf_;     ///< by brick; one more than the slot, 0 for none
-    ChunkedArray<LiveSamples, 10> kept_;         ///< by slot
+    ChunkedArray<LiveSamples, 13> kept_;         ///< by slot; chunks of many large pages
     std::vector<Watch> watch_;                   ///< by slot
     std::vector<BrickIndex> brickOf_;            ///< by slot, where there is a brick
     bool readsBackwards_ = false;
