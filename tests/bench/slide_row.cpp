@@ -105,8 +105,7 @@ public:
         if (frame.bricks && !isFirst) {
             row_.sentBytes += sentBytes(*frame.bricks);
             const double before = nowMs();
-            arrays_.isovalue = isovalue;
-            expandPicture(*frame.bricks, arrays_);
+            expandVertices(*frame.bricks, isovalue, positions_, normals_);
             arrayTimes_.push_back(nowMs() - before);
         }
         frame_ = std::move(frame);
@@ -164,7 +163,7 @@ private:
     EngineRow row_;
     std::unique_ptr<extract::SlideEngine> engine_;
     extract::SurfaceFrame frame_;  ///< the last one
-    extract::SurfaceFrame arrays_; ///< the same as floats
+    std::vector<glm::vec3> positions_, normals_; ///< the same as floats
     std::vector<double> times_, updates_, arrayTimes_, copies_, nsPerChange_;
 };
 

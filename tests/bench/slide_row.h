@@ -50,7 +50,7 @@ struct EngineRow {
     Spread times;
     double firstMs = 0.0; ///< to the first isovalue of the slide, which is no step
     double updateMs = 0.0; ///< median of the engine's part of a step; the rest is the table of the picture
-    double arraysMs = 0.0; ///< median of what it takes further to have positions and normals as floats, with indices
+    double arraysMs = 0.0; ///< median of what it takes further to have positions and normals as floats
     double sentBytes = 0.0; ///< mean: records and indices of bricks that differ from the picture before
     double copyMs = 0.0; ///< median; memcpy of as many bytes as interpolation reads and writes
     double nsPerChange = 0.0; ///< median over steps that change anything; 0 when none does

@@ -23,30 +23,51 @@ void expandRecords(const EdgeRecord<Live>* records, std::uint32_t count, const s
     }
 }
 
+// Where each brick's vertices begin, and at the end how many there are.
+template <class Live>
+std::vector<std::uint64_t> firstVertices(const BrickPicture<Live>& picture) {
+    std::vector<std::uint64_t> first{0};
+    first.reserve(picture.bricks().size() + 1);
+    for (const PictureBrick& brick : picture.bricks())
+        first.push_back(first.back() + (brick.indexCount > 0 ? brick.recordCount : 0));
+    return first;
+}
+
+template <class Live>
+void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t> first, double isovalue, std::vector<glm::vec3>& positions,
+                std::vector<glm::vec3>& normals) {
+    positions.resize(first.back());
+    normals.resize(first.back());
+    forEachIndex(picture.bricks().size(), kBricksTogether, [&](std::size_t slot) {
+        if (const PictureBrick& brick = picture.bricks()[slot]; brick.indexCount > 0)
+            expandRecords(picture.records(brick), brick.recordCount, brick.origin(), static_cast<Live>(isovalue), &positions[first[slot]],
+                          &normals[first[slot]]);
+    });
+}
+
 } // namespace
+
+template <class Live>
+void expandVertices(const BrickPicture<Live>& picture, double isovalue, std::vector<glm::vec3>& positions, std::vector<glm::vec3>& normals) {
+    expandFrom(picture, firstVertices(picture), isovalue, positions, normals);
+}
 
 template <class Live>
 void expandPicture(const BrickPicture<Live>& picture, SurfaceFrame& frame) {
     const auto bricks = picture.bricks();
-    std::vector<std::uint64_t> firstVertex(bricks.size() + 1, 0), firstIndex(bricks.size() + 1, 0);
-    for (std::size_t slot = 0; slot < bricks.size(); ++slot) {
-        const bool isDrawn = bricks[slot].indexCount > 0;
-        firstVertex[slot + 1] = firstVertex[slot] + (isDrawn ? bricks[slot].recordCount : 0);
+    const std::vector<std::uint64_t> firstVertex = firstVertices(picture);
+    std::vector<std::uint64_t> firstIndex(bricks.size() + 1, 0);
+    for (std::size_t slot = 0; slot < bricks.size(); ++slot)
         firstIndex[slot + 1] = firstIndex[slot] + bricks[slot].indexCount;
-    }
-    frame.positions.resize(firstVertex.back());
-    frame.normals.resize(firstVertex.back());
+    expandFrom(picture, firstVertex, frame.isovalue, frame.positions, frame.normals);
     frame.indices.resize(firstIndex.back());
     forEachIndex(bricks.size(), kBricksTogether, [&](std::size_t slot) {
         const PictureBrick& brick = bricks[slot];
         if (brick.indexCount == 0)
             return;
-        const std::uint64_t vertex = firstVertex[slot];
-        expandRecords(picture.records(brick), brick.recordCount, brick.origin(), static_cast<Live>(frame.isovalue),
-                      &frame.positions[vertex], &frame.normals[vertex]);
-        const std::uint16_t* local = picture.indices(brick);
+        const std::uint16_t* const local = picture.indices(brick);
         for (std::uint32_t k = 0; k < brick.indexCount; ++k)
-            frame.indices[firstIndex[slot] + k] = static_cast<std::uint32_t>(vertex + local[k]);
+            frame.indices[firstIndex[slot] + k] = static_cast<std::uint32_t>(firstVertex[slot] + local[k]);
     });
     frame.changedIndices.clear();
     frame.changedIndices.reserve(picture.changedIndices().size());
@@ -69,6 +90,8 @@ std::uint64_t pictureBytes(const SurfaceFrame& frame) {
            (frame.indices.size() + frame.changedIndices.size()) * sizeof(std::uint32_t);
 }
 
+template void expandVertices(const BrickPicture<float>&, double, std::vector<glm::vec3>&, std::vector<glm::vec3>&);
+template void expandVertices(const BrickPicture<double>&, double, std::vector<glm::vec3>&, std::vector<glm::vec3>&);
 template void expandPicture(const BrickPicture<float>&, SurfaceFrame&);
 template void expandPicture(const BrickPicture<double>&, SurfaceFrame&);
 

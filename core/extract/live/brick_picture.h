@@ -123,6 +123,10 @@ private:
     std::vector<std::uint16_t> changedIndices_;
 };
 
+/// Positions and normals of all vertices as floats, brick by brick in the order of the table (those without triangles left out): a
+/// brick's indices count from its first. O(vertices), several threads.
+template <class Live>
+void expandVertices(const BrickPicture<Live>& picture, double isovalue, std::vector<glm::vec3>& positions, std::vector<glm::vec3>& normals);
 /// Fills the arrays of `frame` from the picture at the frame's isovalue. O(vertices + triangles), several threads.
 template <class Live>
 void expandPicture(const BrickPicture<Live>& picture, SurfaceFrame& frame);
