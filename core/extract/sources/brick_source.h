@@ -23,8 +23,8 @@ namespace isoslider::extract {
 /// is redundant there.
 ///
 /// A move takes the net changes of the set of active bricks from the list. Bricks that leave are dropped without being
-/// read; those that arrive are read once and their samples kept, as small as their type allows, with the normals that
-/// edges have needed so far. Of bricks active at both ends those change which have a sample in between: each knows
+/// read; those that arrive are read once and their samples kept, as small as their type allows, with normals as edges
+/// come to need them. Of bricks active at both ends those change which have a sample in between: each knows
 /// the nearest keys on either side of the position, so the others cost the reading of 16 bytes. A brick that changes
 /// is made from its signs, 64 points at a time: see LIVE.md.
 ///
