@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -67,8 +66,7 @@ public:
     }
 
     void run(Loop& loop, int threads) {
-        const std::unique_lock owner(ownerMutex_, std::try_to_lock);
-        if (!owner || threads < 2) {
+        if (threads < 2 || isBusy_.test_and_set(std::memory_order_acquire)) {
             loop.work();
             return;
         }
@@ -89,8 +87,10 @@ public:
             for (std::uint32_t helpers = loop.helpers.load(std::memory_order_acquire); helpers != 0;
                  helpers = loop.helpers.load(std::memory_order_acquire))
                 loop.helpers.wait(helpers);
-        // The last helper may still be about to wake us.
-        const std::lock_guard lock(loopMutex_);
+        {
+            const std::lock_guard lock(loopMutex_); // the last helper may still be about to wake us
+        }
+        isBusy_.clear(std::memory_order_release);
     }
 
 private:
@@ -98,7 +98,7 @@ private:
         try {
             while (static_cast<int>(workers_.size()) < count)
                 workers_.emplace_back([this] { serve(); });
-        } catch (const std::system_error&) { // then there are fewer
+        } catch (const std::exception&) { // no thread or no memory: then there are fewer
         }
     }
     void wake() {
@@ -134,7 +134,7 @@ private:
             loop.helpers.notify_one();
     }
 
-    std::mutex ownerMutex_;  ///< of whoever runs a loop
+    std::atomic_flag isBusy_; ///< somebody runs a loop
     std::mutex loopMutex_;
     Loop* loop_ = nullptr;
     std::atomic<std::uint32_t> calls_{0};

@@ -163,9 +163,8 @@ private:
     }
 
     void dropSurface() {
-        surface_.clear();
-        surface_.compact();
         position_ = backing_.source.lowest();
+        surface_.drop();
     }
 
     const index::IndexMeta& meta() const { return backing_.reader->meta(); }

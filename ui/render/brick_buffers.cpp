@@ -84,10 +84,11 @@ bool BrickBuffers::upload(const Picture& picture) {
         gl_.glBindVertexArray(0);
         return false;
     }
-    if (isFresh_)
-        bricks_.clear();
-
     const auto now = picture.bricks();
+    if (isFresh_ || isMostlyNew(now)) {
+        isFresh_ = true;
+        bricks_.clear();
+    }
     bricks_.resize(now.size());
     placeTable_.resize((picture.recordEnd() + kRecordsPerPlace - 1) / kRecordsPerPlace);
     std::vector<Stretch> records, indices;
@@ -118,6 +119,16 @@ bool BrickBuffers::upload(const Picture& picture) {
     if (!hasRoom) // the surface without the marks is better than none
         changed_.clear();
     return true;
+}
+
+// Then all of it goes in a few pieces, instead of most of it in two pieces a brick.
+bool BrickBuffers::isMostlyNew(std::span<const extract::PictureBrick> now) const {
+    std::size_t drawn = 0, changed = 0;
+    for (std::size_t slot = 0; slot < now.size(); ++slot) {
+        drawn += now[slot].indexCount > 0;
+        changed += now[slot].indexCount > 0 && (slot >= bricks_.size() || now[slot] != bricks_[slot]);
+    }
+    return 5 * changed > 4 * drawn;
 }
 
 bool BrickBuffers::makeRoom(const Picture& picture) {

@@ -58,6 +58,7 @@ private:
         const void* data;
     };
 
+    bool isMostlyNew(std::span<const extract::PictureBrick> now) const;
     bool makeRoom(const Picture& picture);
     bool makeRoom(GLenum target, Buffer& buffer, std::size_t bytes);
     void send(GLenum target, const Buffer& buffer, std::size_t elementBytes, std::vector<Stretch>& stretches);

@@ -34,10 +34,29 @@ void LiveSurface<Live>::clear() {
         arenas_->indices.clear();
         retired_.clear();
     } else { // pictures refer to them until the next move at least
+        retired_.reserve(retired_.size() + liveBricks_);
         for (BrickSlot slot = 0; slot < slotCount(); ++slot)
             if (const Brick& brick = bricks_[slot]; brick.isLive)
                 retired_.push_back({version_ + 1, {brick.vertices, brick.indices}});
     }
+    forgetBricks();
+}
+
+template <class Live>
+void LiveSurface<Live>::drop() noexcept {
+    if (leases_->oldest() == PictureLeases::kNone) {
+        arenas_->vertices.clear();
+        arenas_->indices.clear();
+    } else if (spare_) {
+        arenas_ = std::move(spare_); // which run is whose, a move that failed may have left open
+    }
+    retired_.clear();
+    forgetBricks();
+    trim();
+}
+
+template <class Live>
+void LiveSurface<Live>::forgetBricks() noexcept {
     ambiguous_.clear();
     nearMissing_.clear();
     intervals_.clear();
@@ -47,6 +66,15 @@ void LiveSurface<Live>::clear() {
     replaced_.clear();
     liveBricks_ = activeEdges_ = triangles_ = ambiguousCells_ = 0;
     hasCleared_ = true;
+}
+
+template <class Live>
+void LiveSurface<Live>::trim() noexcept {
+    arenas_->vertices.trim();
+    arenas_->indices.trim();
+    ambiguous_.trim();
+    bricks_.shrink(slotCount());
+    hasCleared_ = false;
 }
 
 template <class Live>
@@ -118,6 +146,8 @@ void LiveSurface<Live>::prefetch(BrickSlot slot) const {
 
 template <class Live>
 void LiveSurface<Live>::beginMove() {
+    if (!spare_)
+        spare_ = std::make_shared<BrickArenas<Live>>();
     replaced_.clear();
     ++version_;
     const std::uint32_t oldest = leases_->oldest();
@@ -145,12 +175,8 @@ void LiveSurface<Live>::finishMove(const BrickDraft<Live>& draft) {
 // that hold nothing else. The surface has lost half of what it had since the last time, so moves pay little for it.
 template <class Live>
 void LiveSurface<Live>::compact() {
-    if (std::exchange(hasCleared_, false)) {
-        arenas_->vertices.trim();
-        arenas_->indices.trim();
-        ambiguous_.trim();
-        bricks_.shrink(slotCount());
-    }
+    if (hasCleared_)
+        trim();
     if (!arenas_->vertices.isSparse() && !arenas_->indices.isSparse())
         return;
     auto compacted = std::make_shared<BrickArenas<Live>>();

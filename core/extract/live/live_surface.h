@@ -59,11 +59,14 @@ public:
 
     /// Drops all bricks. Their memory serves the next ones; compact() gives back what those do not need.
     void clear();
+    /// The same after a move that has failed, in whatever state that has left the surface; gives the memory back.
+    void drop() noexcept;
     /// Starts a live brick without triangles. REQUIRES: shapes().hasCells(brick).
     BrickSlot add(BrickIndex brick);
     void remove(BrickSlot slot);
 
-    /// Starts a move: what has changed is counted from here. What only pictures that are gone refer to becomes free.
+    /// Starts a move: what has changed is counted from here. What only pictures that are gone refer to becomes free. Throws
+    /// std::bad_alloc.
     void beginMove();
     /// Triangulates the draft and puts it in the place of what the brick was. `corners` is asked about ambiguous
     /// cells whose state is not known any more. O(active edges and cells of the brick).
@@ -109,6 +112,8 @@ private:
     void placeInner(const std::array<std::int32_t, 3>& origin, const Record* records, std::span<const AmbiguousCell> ambiguous,
                     BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) const;
     void commit(BrickSlot slot, BrickDraft<Live>& draft);
+    void forgetBricks() noexcept;
+    void trim() noexcept;
     void retire(ArenaRun& vertices, ArenaRun& indices, BrickDraft<Live>& draft);
     void show(BrickSlot slot);
     void listChanges(std::vector<ChangedTriangles>& triangles, std::vector<std::uint16_t>& indices) const;
@@ -129,6 +134,7 @@ private:
     std::vector<BrickSlot> free_;
     std::vector<PictureBrick> shown_;                      ///< by slot: the table of the next picture
     std::shared_ptr<BrickArenas<Live>> arenas_ = std::make_shared<BrickArenas<Live>>();
+    std::shared_ptr<BrickArenas<Live>> spare_; ///< empty; for drop(), which cannot make any
     RunArena<AmbiguousCell, 4, 16> ambiguous_;
     /// Runs that pictures up to a version refer to, in the order of their versions.
     struct Retired {

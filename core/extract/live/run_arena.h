@@ -71,7 +71,6 @@ private:
 
     std::uint32_t allocate(std::uint32_t size) {
         const std::lock_guard lock(mutex_);
-        used_ += size;
         const std::size_t granules = size / Granule;
         // A little larger is as good; the rest stays free.
         if (const std::size_t found = smallestFree(granules); found - granules <= kFit) {
@@ -81,6 +80,7 @@ private:
                 hasFree_[found / 64] &= ~(std::uint64_t{1} << (found % 64));
             if (found > granules)
                 free(begin + size, static_cast<std::uint32_t>(found - granules) * Granule);
+            used_ += size;
             return begin;
         }
         const std::uint64_t room = kChunk - top_ % kChunk;
@@ -88,13 +88,12 @@ private:
             free(static_cast<std::uint32_t>(top_), static_cast<std::uint32_t>(room));
             top_ += room;
         }
-        if (top_ + size > limit_) {
-            used_ -= size;
+        if (top_ + size > limit_)
             throw std::bad_alloc();
-        }
         elements_.grow(top_ + size);
         const auto begin = static_cast<std::uint32_t>(top_);
         top_ += size;
+        used_ += size;
         return begin;
     }
     void free(std::uint32_t begin, std::uint32_t size) {

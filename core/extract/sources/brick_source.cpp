@@ -235,8 +235,7 @@ void BrickSource<Sample>::sortForReading(std::vector<BrickIndex>& bricks, bool b
 
 // Most of a move is waiting for memory: a brick's lines are asked for while the one before is made.
 template <class Sample>
-void BrickSource<Sample>::prefetchBrick(const LiveSurface<Live>& surface, const Job& job) const {
-    surface.prefetch(job.slot);
+void BrickSource<Sample>::prefetchKept(const Job& job) const {
     if (job.isNew) {
         samples_.prefetch(brickOf_[job.slot]);
     } else {
@@ -258,7 +257,9 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
                 if (i + 2 * kAhead < some.size())
                     surface.prefetchHead(some[i + 2 * kAhead].slot);
                 if (i + kAhead < some.size())
-                    prefetchBrick(surface, some[i + kAhead]);
+                    prefetchKept(some[i + kAhead]);
+                if (i + kAhead < end) // beyond, another thread may be changing it
+                    surface.prefetch(some[i + kAhead].slot);
                 if (!rebuild(move, surface, some[i], scratch))
                     scratch.pending.push_back(some[i]);
             }

@@ -93,7 +93,7 @@ private:
     Status changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop, std::vector<Job>& jobs);
     void listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs, std::vector<BrickSlot>& refreshed) const;
     Status runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats, std::stop_token stop);
-    void prefetchBrick(const LiveSurface<Live>& surface, const Job& job) const;
+    void prefetchKept(const Job& job) const;
     bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void take(BrickIndex brick, bool isNearMissing, LiveSamples& kept, Scratch& scratch) const;
     bool completeNormals(const LiveSurface<Live>& surface, const Job& job, const std::array<BitString, 3>& edges, LiveSamples& kept,
