@@ -24,6 +24,7 @@
 #include "tests/property/test_volumes.h"
 #include "tests/support/forged_index.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 
 namespace isoslider::test {
 namespace {
@@ -221,7 +222,7 @@ TEST_F(BadIndex, B088_NoPlaceToWrite) {
 }
 
 TEST_F(BadIndex, B089_KilledAtAnyMoment) {
-    const auto volume = BadInputTest::noiseVolume(112);
+    const auto volume = BadInputTest::noiseVolume(kHasSanitizers ? 64 : 112);
     const auto begin = std::chrono::steady_clock::now();
     ASSERT_EQ(run({"build", volume, "-o", path("whole.isx")}).exitCode, 0);
     const auto whole = std::chrono::steady_clock::now() - begin;

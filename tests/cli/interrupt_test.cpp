@@ -8,20 +8,15 @@
 #include <fmt/format.h>
 
 #include "tests/cli/cli_fixture.h"
+#include "tests/support/sanitizers.h"
 
 namespace isoslider::test {
 namespace {
 
 using std::chrono::milliseconds;
 
-// Of random samples: millions of triangles, and some seconds. Sanitizers make it three to five times as long.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr int kSide = 90;
-constexpr std::uint32_t kBigStl = 1'000'000;
-#else
-constexpr int kSide = 130;
-constexpr std::uint32_t kBigStl = 3'000'000;
-#endif
+constexpr int kSide = kHasSanitizers ? 90 : 130; // of random samples: millions of triangles, and some seconds
+constexpr std::uint32_t kBigStl = kHasSanitizers ? 1'000'000 : 3'000'000;
 
 class CliInterrupt : public CliTest {
 protected:
