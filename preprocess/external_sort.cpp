@@ -7,6 +7,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include "preprocess/radix_sort.h"
+
 namespace isoslider::preprocess {
 namespace {
 
@@ -143,28 +145,6 @@ Status ExternalSort<Key>::sortAgain(Partition& partition, const Consume& consume
     return again.drain(consume, job);
 }
 
-namespace {
-
-// Stable by key: positions break ties, and records came in id order.
-template <class Record>
-void sortByKey(std::vector<Record>& records) {
-    struct Entry {
-        decltype(Record::key) key;
-        std::uint32_t position;
-    };
-    std::vector<Entry> entries(records.size());
-    for (std::size_t i = 0; i < records.size(); ++i)
-        entries[i] = {records[i].key, static_cast<std::uint32_t>(i)};
-    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-        return a.key != b.key ? a.key < b.key : a.position < b.position;
-    });
-    std::vector<Record> sorted(records.size());
-    for (std::size_t i = 0; i < records.size(); ++i)
-        sorted[i] = records[entries[i].position];
-    records.swap(sorted);
-}
-
-} // namespace
 
 template <class Key>
 std::size_t ExternalSort<Key>::endOfBatch(std::size_t first) const {
@@ -181,7 +161,8 @@ Status ExternalSort<Key>::sortBatch(std::size_t begin, std::size_t end, const Co
     std::vector<std::vector<Record>> batch(end - begin);
     for (std::size_t i = 0; i < batch.size(); ++i)
         ISO_TRY(load(partitions_[begin + i], batch[i]));
-    tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) { sortByKey(batch[i]); });
+    // Stable: records came in id order.
+    tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) { sortRecords(batch[i], [](const Record& record) { return record.key; }); });
     for (std::vector<Record>& records : batch) {
         ISO_TRY(consume(records));
         std::vector<Record>().swap(records);

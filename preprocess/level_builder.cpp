@@ -6,6 +6,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "preprocess/radix_sort.h"
+
 namespace isoslider::preprocess {
 
 using index::PageEntry;
@@ -122,7 +124,7 @@ private:
     }
 
     void endChunk(std::uint64_t position) {
-        std::sort(chunk_.begin(), chunk_.end(), [](const Record& a, const Record& b) { return a.id() < b.id(); });
+        sortRecords(chunk_, [](const Record& record) { return std::uint64_t{record.id()}; });
         cutPages(chunk_, kIdPagePoints, position);
         chunk_.clear();
     }

@@ -1,6 +1,7 @@
 #include "core/index/block_codec.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 
@@ -46,45 +47,62 @@ NormalCode mirroredNormal(NormalCode normal, NormalCode opposite) {
     return subtractNormal(addNormal(normal, normal), opposite);
 }
 
+/// The columns of a page while it is encoded; memory of a thread, used again for the next page.
 template <class Key>
-struct FarColumns {
-    std::vector<Key> keys;
-    std::vector<NormalCode> normals;
+struct PageColumns {
+    std::vector<Key> keys, farKeys, farKeysMirrored;
+    std::vector<std::uint64_t> ids;
+    std::vector<std::uint8_t> masks;
+    std::vector<NormalCode> normals, farNormals, farNormalsMirrored;
+    std::int64_t keyBitsSaved = 0, normalBitsSaved = 0; ///< by predicting from the opposite edge
 };
 
-// Upward edges first in each axis pair, so that the downward one can be predicted from it.
 template <class Key>
-FarColumns<Key> farResiduals(std::span<const PointRecord<Key>> records, bool mirrors) {
-    FarColumns<Key> columns;
-    columns.keys.reserve(records.size() * kPointEdges);
-    columns.normals.reserve(records.size() * kPointEdges);
-    for (const PointRecord<Key>& r : records)
-        for (int e = 0; e < kPointEdges; ++e) {
-            if (!(r.edgeMask >> e & 1))
-                continue;
-            const bool predicts = mirrors && !(e & 1) && (r.edgeMask >> (e + 1) & 1);
-            const Key predicted = predicts ? mirrored(r.key, r.farKeys[e + 1]) : r.key;
-            const NormalCode predictedNormal = predicts ? mirroredNormal(r.normal, r.farNormals[e + 1]) : r.normal;
-            columns.keys.push_back(zigzag(static_cast<Key>(r.farKeys[e] - predicted)));
-            columns.normals.push_back(subtractNormal(r.farNormals[e], predictedNormal));
-        }
+PageColumns<Key>& pageColumns() {
+    thread_local PageColumns<Key> columns;
     return columns;
 }
 
-template <class Key>
-std::uint64_t bitCost(const std::vector<Key>& residuals) {
-    std::uint64_t bits = 0;
-    for (const Key residual : residuals)
-        bits += static_cast<std::uint64_t>(std::bit_width(residual));
+// Bits of a difference of bytes modulo 256, without its sign.
+constexpr auto kByteBits = [] {
+    std::array<std::uint8_t, 256> bits{};
+    for (unsigned byte = 0; byte < 256; ++byte)
+        bits[byte] = static_cast<std::uint8_t>(std::bit_width(byte < 128 ? byte : 256 - byte));
     return bits;
-}
+}();
+int bitsOf(NormalCode residual) { return kByteBits[residual & 0xff] + kByteBits[residual >> 8]; }
 
-std::uint64_t normalBitCost(const std::vector<NormalCode>& residuals) {
-    std::uint64_t bits = 0;
-    for (const NormalCode residual : residuals)
-        for (const int byte : {residual & 0xff, residual >> 8})
-            bits += static_cast<std::uint64_t>(std::bit_width(static_cast<unsigned>(byte < 128 ? byte : 256 - byte)));
-    return bits;
+// Residuals of what stands across the edges, against the point itself, and where both edges of an axis are there also the lower
+// one's against what the upper one suggests. Upward edges have odd numbers.
+template <class Key>
+void findFarResiduals(std::span<const PointRecord<Key>> records, PageColumns<Key>& columns) {
+    const std::size_t most = records.size() * kPointEdges;
+    for (auto* column : {&columns.farKeys, &columns.farKeysMirrored})
+        column->resize(most);
+    for (auto* column : {&columns.farNormals, &columns.farNormalsMirrored})
+        column->resize(most);
+    columns.keyBitsSaved = columns.normalBitsSaved = 0;
+    std::size_t n = 0;
+    for (const PointRecord<Key>& r : records)
+        for (unsigned mask = r.edgeMask; mask != 0; mask &= mask - 1, ++n) {
+            const int e = std::countr_zero(mask);
+            const Key key = zigzag(static_cast<Key>(r.farKeys[e] - r.key));
+            const NormalCode normal = subtractNormal(r.farNormals[e], r.normal);
+            columns.farKeys[n] = columns.farKeysMirrored[n] = key;
+            columns.farNormals[n] = columns.farNormalsMirrored[n] = normal;
+            if (e & 1 || !(mask >> (e + 1) & 1))
+                continue;
+            const Key mirroredKey = zigzag(static_cast<Key>(r.farKeys[e] - mirrored(r.key, r.farKeys[e + 1])));
+            const NormalCode mirroredCode = subtractNormal(r.farNormals[e], mirroredNormal(r.normal, r.farNormals[e + 1]));
+            columns.farKeysMirrored[n] = mirroredKey;
+            columns.farNormalsMirrored[n] = mirroredCode;
+            columns.keyBitsSaved += static_cast<int>(std::bit_width(key)) - static_cast<int>(std::bit_width(mirroredKey));
+            columns.normalBitsSaved += bitsOf(normal) - bitsOf(mirroredCode);
+        }
+    for (auto* column : {&columns.farKeys, &columns.farKeysMirrored})
+        column->resize(n);
+    for (auto* column : {&columns.farNormals, &columns.farNormalsMirrored})
+        column->resize(n);
 }
 
 } // namespace
@@ -96,37 +114,26 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     for (const PointRecord<Key>& r : records)
         base = std::min(base, r.key);
     const std::uint64_t idCount = grid.idCount();
-    std::vector<Key> keys;
-    std::vector<std::uint64_t> ids;
-    std::vector<std::uint8_t> masks;
-    std::vector<NormalCode> normals;
-    keys.reserve(records.size());
-    ids.reserve(records.size());
-    masks.reserve(records.size());
-    normals.reserve(records.size());
+    PageColumns<Key>& columns = pageColumns<Key>();
+    columns.keys.clear();
+    columns.ids.clear();
+    columns.masks.clear();
+    columns.normals.clear();
     Key previousKey = base;
     PointId previousId = 0;
     NormalCode previousNormal = 0;
     for (const PointRecord<Key>& r : records) {
-        keys.push_back(static_cast<Key>(r.key - (order == PageOrder::Value ? previousKey : base)));
-        ids.push_back(r.id() >= previousId ? r.id() - previousId : r.id() + (idCount - previousId));
-        masks.push_back(r.edgeMask);
-        normals.push_back(subtractNormal(r.normal, previousNormal));
+        columns.keys.push_back(static_cast<Key>(r.key - (order == PageOrder::Value ? previousKey : base)));
+        columns.ids.push_back(r.id() >= previousId ? r.id() - previousId : r.id() + (idCount - previousId));
+        columns.masks.push_back(r.edgeMask);
+        columns.normals.push_back(subtractNormal(r.normal, previousNormal));
         previousKey = r.key;
         previousId = r.id();
         previousNormal = r.normal;
     }
-    FarColumns<Key> far = farResiduals(records, false);
-    FarColumns<Key> second = farResiduals(records, true);
-    std::uint8_t flags = 0;
-    if (bitCost(second.keys) < bitCost(far.keys)) {
-        far.keys.swap(second.keys);
-        flags |= kSecondDifferences;
-    }
-    if (normalBitCost(second.normals) < normalBitCost(far.normals)) {
-        far.normals.swap(second.normals);
-        flags |= kMirroredNormals;
-    }
+    findFarResiduals(records, columns);
+    const bool mirrorsKeys = columns.keyBitsSaved > 0, mirrorsNormals = columns.normalBitsSaved > 0;
+    const auto flags = static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) | (mirrorsNormals ? kMirroredNormals : 0));
 
     constexpr int kKeyBytes = sizeof(Key);
     const int idBytes = bytesFor(idCount);
@@ -135,7 +142,7 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     bytes.reserve(records.size() * 32 + 512);
     ByteWriter header(bytes);
     header.put<std::uint32_t>(static_cast<std::uint32_t>(records.size()));
-    header.put<std::uint32_t>(static_cast<std::uint32_t>(far.keys.size()));
+    header.put<std::uint32_t>(static_cast<std::uint32_t>(columns.farKeys.size()));
     header.put<std::uint64_t>(base);
     header.put<std::uint8_t>(kKeyBytes);
     header.put<std::uint8_t>(static_cast<std::uint8_t>(idBytes));
@@ -144,12 +151,12 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     header.put<std::uint32_t>(static_cast<std::uint32_t>(planes));
     header.put<std::uint64_t>(0); // reserved
     PlaneWriter writer(bytes, planes);
-    writer.addColumn(keys, kKeyBytes);
-    writer.addColumn(ids, idBytes);
-    writer.addColumn(masks, 1);
-    writer.addColumn(normals, 2);
-    writer.addColumn(far.keys, kKeyBytes);
-    writer.addColumn(far.normals, 2);
+    writer.addColumn(columns.keys, kKeyBytes);
+    writer.addColumn(columns.ids, idBytes);
+    writer.addColumn(columns.masks, 1);
+    writer.addColumn(columns.normals, 2);
+    writer.addColumn(mirrorsKeys ? columns.farKeysMirrored : columns.farKeys, kKeyBytes);
+    writer.addColumn(mirrorsNormals ? columns.farNormalsMirrored : columns.farNormals, 2);
     ISO_CHECK(writer.isComplete());
     return bytes;
 }
