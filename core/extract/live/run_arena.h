@@ -26,15 +26,15 @@ public:
 
     explicit RunArena(std::uint64_t maxCount = std::uint64_t{1} << 32) : elements_(maxCount), limit_(maxCount) {}
 
-    /// Gives `run` room for `count` elements, with some to spare for growth; keeps it as it is where that is so
-    /// already and not more than twice as much. What the run held is lost. Throws std::bad_alloc.
+    /// Gives `run` room for `count` elements; keeps it as it is where there is room already, and not more than twice as
+    /// much. What the run held is lost. Throws std::bad_alloc.
     void resize(ArenaRun& run, std::uint32_t count) {
         if (count <= run.capacity && count >= run.capacity / 2)
             return;
         release(run);
         if (count == 0)
             return;
-        const std::uint32_t wanted = (count + count / 8 + Granule - 1) / Granule * Granule;
+        const std::uint32_t wanted = (count + Granule - 1) / Granule * Granule;
         run = {allocate(wanted), wanted};
     }
     void release(ArenaRun& run) {
