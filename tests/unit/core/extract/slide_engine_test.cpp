@@ -229,6 +229,59 @@ TEST_F(SlideEngineTest, MemoryFollowsASurfaceThatShrinks) {
     EXPECT_LT(last, largest / 3) << isovalue;
 }
 
+// The same where the surface starts again; what a picture shows stays while it is shown.
+TEST_F(SlideEngineTest, MemoryFollowsASurfaceThatStartsAgain) {
+    const auto engine = openOn(hills_);
+    ASSERT_THAT(engine->slideTo(500.0), IsOk());
+    SurfaceFrame shown, before, after;
+    engine->copyFrame(shown);
+    const std::uint64_t large = pictureBytes(shown);
+    before.isovalue = after.isovalue = shown.isovalue;
+    expandPicture(*shown.bricks, before);
+    ASSERT_GT(before.indices.size(), 10'000u);
+
+    const auto jumped = engine->slideTo(engine->info().max - 1.0);
+    ASSERT_THAT(jumped, IsOk());
+    ASSERT_TRUE(jumped.value().hasRebuilt);
+    EXPECT_LT(jumped.value().activeEdges, before.positions.size() / 20);
+    expandPicture(*shown.bricks, after);
+    EXPECT_EQ(before.positions, after.positions);
+    EXPECT_EQ(before.indices, after.indices);
+
+    shown = {};
+    ASSERT_THAT(engine->slideTo(engine->info().max - 2.0), IsOk());
+    engine->copyFrame(shown);
+    EXPECT_LT(pictureBytes(shown), large / 3);
+}
+
+// A brick that has changed once is made from what is kept of it: nothing is decoded again, whatever the cache holds.
+TEST_F(SlideEngineTest, CrossedBricksReadNoSamplesAgain) {
+    preprocess::BuildOptions build;
+    build.kind = index::IndexKind::Metacells;
+    const auto path = folder_ / "metacells.isx";
+    ASSERT_THAT(test::buildIndexOf(hills_, path, build), IsOk());
+    SlideOptions options;
+    options.readsAhead = false;
+    auto opened = SlideEngine::open(path, options);
+    ASSERT_THAT(opened, IsOk());
+    SlideEngine& engine = *opened.value();
+    const std::vector<double> way{300.5, 301.5, 302.5, 301.5, 300.5};
+    for (const double isovalue : way)
+        ASSERT_THAT(engine.slideTo(isovalue), IsOk());
+    engine.dropCaches();
+    std::uint64_t changed = 0, made = 0;
+    for (const double isovalue : way) {
+        const auto moved = engine.slideTo(isovalue);
+        ASSERT_THAT(moved, IsOk());
+        changed += moved.value().edgesAdded + moved.value().edgesRemoved;
+        made += moved.value().bricksRead;
+        EXPECT_EQ(moved.value().chunksRead, 0u) << isovalue;
+    }
+    EXPECT_GT(changed, 0u);
+    EXPECT_GT(made, 20u);
+    EXPECT_TRUE(test::isSameSurface(engine.mesh().value(), extractFull(*hills_, way.back()).value()));
+}
+
 // The window uploads the bricks that have another version: they must be few where little changes.
 TEST_F(SlideEngineTest, PicturesDifferInTheBricksThatChange) {
     const auto engine = openOn(hills_);
