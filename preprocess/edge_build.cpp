@@ -28,26 +28,26 @@ namespace {
 // Number of distinct finite values, counted along the sorted stream.
 class DistinctCounter {
 public:
-    void setLonelyKeys(std::vector<std::uint64_t> keys) {
+    void setKeysWithoutEdges(std::vector<std::uint64_t> keys) {
         std::sort(keys.begin(), keys.end());
         keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-        lonely_ = std::move(keys);
-        count_ = lonely_.size();
+        withoutEdges_ = std::move(keys);
+        count_ = withoutEdges_.size();
     }
     void add(std::uint64_t key) {
         if (hasKey_ && key == lastKey_)
             return;
         hasKey_ = true;
         lastKey_ = key;
-        while (next_ < lonely_.size() && lonely_[next_] < key)
+        while (next_ < withoutEdges_.size() && withoutEdges_[next_] < key)
             ++next_;
-        const bool isCounted = next_ < lonely_.size() && lonely_[next_] == key;
+        const bool isCounted = next_ < withoutEdges_.size() && withoutEdges_[next_] == key;
         count_ += !isCounted;
     }
     std::uint64_t count() const { return count_; }
 
 private:
-    std::vector<std::uint64_t> lonely_;
+    std::vector<std::uint64_t> withoutEdges_;
     std::size_t next_ = 0;
     bool hasKey_ = false;
     std::uint64_t lastKey_ = 0;
@@ -135,7 +135,7 @@ private:
         beginHistogram();
         SlabWindow<Sample> window(source_);
         HiddenPageBuilder hiddenPages(writer, source_.info().type);
-        std::vector<std::uint64_t> lonely;
+        std::vector<std::uint64_t> withoutEdges;
         const auto consume = [&](const LayerRecords<Key>& records) -> Status {
             sampleRecords(records);
             for (const auto& brick : records.bricks)
@@ -143,7 +143,7 @@ private:
             for (const auto& brick : records.hiddenCorners)
                 ISO_TRY(hiddenPages.addBrick(brick));
             missingCells_.insert(missingCells_.end(), records.missingCells.begin(), records.missingCells.end());
-            lonely.insert(lonely.end(), records.lonelyKeys.begin(), records.lonelyKeys.end());
+            withoutEdges.insert(withoutEdges.end(), records.keysWithoutEdges.begin(), records.keysWithoutEdges.end());
             return {};
         };
         for (std::int64_t layer = 0; layer < layerCount(); ++layer) {
@@ -157,9 +157,9 @@ private:
             ISO_TRY(generateLayer<Sample>(window, geometry_, layer, bins, histograms, consume));
         }
         if (info_.min == info_.max)
-            lonely.push_back(keyOf(static_cast<Sample>(info_.min)));
+            withoutEdges.push_back(keyOf(static_cast<Sample>(info_.min)));
         ISO_TRY(hiddenPages.finish());
-        distinct_.setLonelyKeys(std::move(lonely));
+        distinct_.setKeysWithoutEdges(std::move(withoutEdges));
         return {};
     }
 

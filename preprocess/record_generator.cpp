@@ -104,7 +104,7 @@ public:
         : layer_(layer), grid_(grid), bins_(bins) {}
 
     void generate(BrickIndex brick, SpanHistogram& histogram, std::vector<PointRecord<Key>>& records,
-                  std::vector<std::uint64_t>& lonely) const {
+                  std::vector<std::uint64_t>& withoutEdges) const {
         const auto b = grid_.brickCoords(brick);
         std::int64_t begin[3], end[3];
         for (int a = 0; a < 3; ++a) {
@@ -118,7 +118,7 @@ public:
                     const std::size_t i = layer_.at(x, y, z);
                     if (layer_.missing(i))
                         continue;
-                    if (fill(record, i, x, y, z, lonely)) {
+                    if (fill(record, i, x, y, z, withoutEdges)) {
                         count(record, histogram);
                         records.push_back(record);
                     }
@@ -173,7 +173,7 @@ private:
     }
 
     bool fill(PointRecord<Key>& record, std::size_t i, std::int64_t x, std::int64_t y, std::int64_t z,
-              std::vector<std::uint64_t>& lonely) const {
+              std::vector<std::uint64_t>& withoutEdges) const {
         const std::int64_t p[3] = {x, y, z};
         record.key = layer_.key(i);
         record.edgeMask = 0;
@@ -202,7 +202,7 @@ private:
         }
         if (record.edgeMask == 0) {
             if (hasUnusable)
-                lonely.push_back(record.key);
+                withoutEdges.push_back(record.key);
             return false;
         }
         record.normal = layer_.normal(i);
@@ -235,7 +235,7 @@ void generateBricks(const BrickGenerator<Sample>& generator, std::size_t count,
                     std::span<SpanHistogram> histograms, LayerRecords<KeyOf<Sample>>& out) {
     std::vector<MissingCells> missing(count);
     std::vector<std::uint8_t> hasMissing(count, 0);
-    std::vector<std::vector<std::uint64_t>> lonely(count);
+    std::vector<std::vector<std::uint64_t>> withoutEdges(count);
     out.bricks.resize(count);
     out.hiddenCorners.resize(count);
     std::atomic<std::size_t> next = 0;
@@ -244,20 +244,20 @@ void generateBricks(const BrickGenerator<Sample>& generator, std::size_t count,
             out.bricks[i].clear();
             out.hiddenCorners[i].clear();
             const BrickIndex brick = out.firstBrick + static_cast<BrickIndex>(i);
-            generator.generate(brick, histograms[lane], out.bricks[i], lonely[i]);
+            generator.generate(brick, histograms[lane], out.bricks[i], withoutEdges[i]);
             generator.hiddenCorners(brick, out.hiddenCorners[i]);
             hasMissing[i] = generator.missingCells(brick, missing[i]);
         }
     });
     out.missingCells.clear();
-    out.lonelyKeys.clear();
+    out.keysWithoutEdges.clear();
     for (std::size_t i = 0; i < count; ++i) {
         if (hasMissing[i])
             out.missingCells.push_back(missing[i]);
-        out.lonelyKeys.insert(out.lonelyKeys.end(), lonely[i].begin(), lonely[i].end());
+        out.keysWithoutEdges.insert(out.keysWithoutEdges.end(), withoutEdges[i].begin(), withoutEdges[i].end());
     }
-    std::sort(out.lonelyKeys.begin(), out.lonelyKeys.end());
-    out.lonelyKeys.erase(std::unique(out.lonelyKeys.begin(), out.lonelyKeys.end()), out.lonelyKeys.end());
+    std::sort(out.keysWithoutEdges.begin(), out.keysWithoutEdges.end());
+    out.keysWithoutEdges.erase(std::unique(out.keysWithoutEdges.begin(), out.keysWithoutEdges.end()), out.keysWithoutEdges.end());
 }
 
 } // namespace

@@ -24,7 +24,7 @@ struct LayerRecords {
     std::vector<index::MissingCells> missingCells;
     /// Keys of points without a record though a neighbour differs or is missing: they have no usable
     /// edge, and would be overlooked when distinct values are counted.
-    std::vector<std::uint64_t> lonelyKeys;
+    std::vector<std::uint64_t> keysWithoutEdges;
 };
 
 /// Planes below and above a layer that its records depend on: neighbours, and their gradients.

@@ -6,7 +6,7 @@
 
 namespace isoslider {
 
-/// Shares a short loop among threads of its own: calls body(begin, end) for pieces of [0, count) of at most `grain`, and
+/// Shares a short loop among a team of threads: calls body(begin, end) for pieces of [0, count) of at most `grain`, and
 /// returns when all are done. What the first failing piece throws is thrown here; pieces not begun by then are left out.
 ///
 /// For loops of a few milliseconds or less, such as those of a move of the isovalue. The threads wait for the next loop

@@ -236,15 +236,15 @@ bool isPlainSize(double size) { return size > 1e-280 && size < 1e300; }
 // The leading coefficients of the three quadratics in plain arithmetic, and the product of their signs; kUnknown where that is
 // not certain. A difference of two scalars is off by at most a unit in its last place, a product of two by three: far
 // less than what is asked for here.
-struct PlainLeading {
+struct LeadingInDoubles {
     std::array<double, 3> value{};
     std::array<double, 3> size{}; ///< sum of the products' magnitudes
     int product = 1;
 };
 
-PlainLeading plainLeading(const CornerScalars& v) {
+LeadingInDoubles leadingInDoubles(const CornerScalars& v) {
     using Slices = CellPolynomials<double>;
-    PlainLeading leading;
+    LeadingInDoubles leading;
     for (int axis = 0; axis < 3; ++axis) {
         const auto slope = [&](int k) {
             const auto lower = static_cast<std::size_t>(Slices::kSlice[axis][k]);
@@ -279,7 +279,7 @@ void narrowWhile(StateInterval& interval, double isovalue, double slack, double 
 // sign of its leading coefficient, or a vertex beyond the faces (condition 1; see testTunnel). The reason is linear in the
 // isovalue, and lasts while the interval does. This settles nearly all cells without a tunnel, for a tenth of the cost of body
 // saddles. Values are off by some units in the last place of the products behind them; a million times as much is asked for.
-bool isRuledOutPlainly(const CornerScalars& v, const PlainLeading& leading, double isovalue, StateInterval& interval) {
+bool isRuledOutInDoubles(const CornerScalars& v, const LeadingInDoubles& leading, double isovalue, StateInterval& interval) {
     constexpr double kCertain = 1e-9;
     CellPolynomials<double> cell;
     for (std::size_t i = 0; i < 8; ++i)
@@ -315,10 +315,10 @@ bool isRuledOutPlainly(const CornerScalars& v, const PlainLeading& leading, doub
 
 // A tunnel in a cell whose faces leave room for one, and the body saddles that may change it.
 TunnelDecision resolveInside(const CornerScalars& scalars, unsigned allowed, double isovalue, StateInterval& interval) {
-    const PlainLeading leading = plainLeading(scalars);
+    const LeadingInDoubles leading = leadingInDoubles(scalars);
     if (leading.product == 1) // at every isovalue: most cells are settled here for good
         return {};
-    if (leading.product == -1 && isRuledOutPlainly(scalars, leading, isovalue, interval))
+    if (leading.product == -1 && isRuledOutInDoubles(scalars, leading, isovalue, interval))
         return {};
     const CellPolynomials<Bounded> cell = boundedCell(scalars, isovalue);
     if (leading.product == kUnknown && excludesTunnel(leadingSigns(cell)))

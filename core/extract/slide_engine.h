@@ -25,7 +25,7 @@ struct SlideOptions {
 
 /// The live surface over one index or volume: moves from isovalue to isovalue and keeps the arrays current.
 /// One thread at a time (it uses TBB inside). After a failed or cancelled move the engine holds no
-/// surface; the next move builds it anew.
+/// surface; the next move builds it again.
 class SlideEngine {
 public:
     /// Errors: NotFound, IoError, Corruption, UnsupportedVersion.

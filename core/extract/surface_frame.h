@@ -25,7 +25,7 @@ struct SlideStats {
     std::uint64_t edgesRemoved = 0;
     std::uint64_t edgesTouched = 0; ///< edge entries looked at, redundant ones included
     std::uint64_t cellsRetriangulated = 0;
-    std::uint64_t cellsResolved = 0;  ///< ambiguous cells decided anew, by their corner scalars
+    std::uint64_t cellsResolved = 0;  ///< ambiguous cells decided in the move, by their corner scalars
     std::uint64_t ambiguousCells = 0; ///< active cells whose signs do not tell their surface
     std::uint64_t activeEdges = 0;
     std::uint64_t triangles = 0;
@@ -35,7 +35,7 @@ struct SlideStats {
     std::uint64_t bytesAhead = 0; ///< read in the background since the last move, in the hope of this one
     double updateMs = 0.0;
     double interpolateMs = 0.0;
-    bool hasRebuilt = false; ///< the surface was built anew instead of patched
+    bool hasRebuilt = false; ///< the surface was built again instead of patched
     std::vector<WalkStep> walk;
 };
 

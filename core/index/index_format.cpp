@@ -278,7 +278,7 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
     if (preamble.major != kFormatMajor)
         return makeError(ErrorCode::UnsupportedVersion,
                          "index has format version " + std::to_string(preamble.major) + ", this program reads version " +
-                             std::to_string(kFormatMajor) + ": build it anew from its volume",
+                             std::to_string(kFormatMajor) + ": build it again from its volume",
                          path, sizeof kIndexMagic);
     for (std::uint64_t* value : {&preamble.metaOffset, &preamble.metaBytes, &preamble.metaChecksum, &preamble.fileBytes, &preamble.seed})
         *value = in.get<std::uint64_t>();

@@ -109,7 +109,7 @@ TEST_F(BadIndex, B077_LaterMajorVersion) {
         const auto result = run({"stats", path("later.isx")});
         expectRefusedSoon({"stats", path("later.isx")}, "format version 9");
         EXPECT_THAT(result.standardError, HasSubstr("this program reads version 3"));
-        EXPECT_THAT(result.standardError, HasSubstr("build it anew"));
+        EXPECT_THAT(result.standardError, HasSubstr("build it again"));
         for (const auto& words :
              {std::vector<std::string>{"info"}, {"extract", "--isovalue", "1"}, {"slide", "--path", "1"}})
             expectRefusedSoon(joined({words[0], path("later.isx")}, {words.begin() + 1, words.end()}),
@@ -146,7 +146,7 @@ TEST_F(BadIndex, B079_EarlierMajorVersions) {
                                   {"slide", "--path", "1"}})
             expectRefusedSoon(joined({words[0], std::string(ISOSLIDER_SOURCE_DIR) + "/tests/data/" + name},
                                      {words.begin() + 1, words.end()}),
-                              "build it anew");
+                              "build it again");
     for (const auto* name : {"golden_v3.isx", "golden_v3_metacells.isx"}) // of this one
         expectAcceptedSoon({"stats", std::string(ISOSLIDER_SOURCE_DIR) + "/tests/data/" + name});
 }

@@ -54,7 +54,7 @@ struct EngineRow {
     double sentBytes = 0.0; ///< mean: records and indices of bricks that differ from the picture before
     double copyMs = 0.0; ///< median; memcpy of as many bytes as interpolation reads and writes
     double nsPerChange = 0.0; ///< median over steps that change anything; 0 when none does
-    int rebuilds = 0; ///< steps at which the surface was built anew
+    int rebuilds = 0; ///< steps at which the surface was built again
 
     // Means over the steps.
     double activeEdges = 0.0;

@@ -59,7 +59,7 @@ TEST(GoldenIndex, EarlierVersionsAreRefusedByName) {
         const std::string line = opened.error().line();
         EXPECT_NE(line.find(name), std::string::npos) << line;
         EXPECT_NE(line.find("format version " + version +
-                            ", this program reads version 3: build it anew from its volume"),
+                            ", this program reads version 3: build it again from its volume"),
                   std::string::npos)
             << line;
         EXPECT_EQ(line.find('\n'), std::string::npos);

@@ -210,7 +210,7 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
             ISO_TRY(takeGrid(volumes.read(*source.value(), request.path, job.part(0.0, 0.7)), loaded));
         dataset.notes = source.value()->info().notes;
         if (finding == IndexCache::Finding::Stale)
-            dataset.notes.emplace_back("changed since its index was built, which is built anew");
+            dataset.notes.emplace_back("changed since its index was built, which is built again");
         dataset.resampling = source.value()->info().resampling;
     } else {
         ISO_TRY(takeGrid(samples(request.sampleName, job.part(0.0, 0.7)), loaded));

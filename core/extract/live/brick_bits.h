@@ -31,7 +31,6 @@ using ClosedPoint = std::uint16_t;
 using ClosedEdge = std::uint16_t;
 inline constexpr int kEdgeAxisShift = 10;
 inline constexpr ClosedEdge kEdgePointMask = (1u << kEdgeAxisShift) - 1;
-inline constexpr int kClosedEdges = 3 << kEdgeAxisShift;
 
 constexpr ClosedPoint closedPoint(int x, int y, int z) {
     return static_cast<ClosedPoint>(x + kPointSide * (y + kPointSide * z));

@@ -138,7 +138,7 @@ std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner,
 #else
 std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
-    return writeTrianglesPlainly(list, firstInner, vertices, out);
+    return writeTrianglesReference(list, firstInner, vertices, out);
 #else
     const hn::Full128<std::uint8_t> bytes;
     const hn::Full128<std::uint16_t> shorts;
@@ -306,7 +306,7 @@ std::uint32_t writeTriangles(const CellList& list, std::uint32_t firstInner, con
     return HWY_DYNAMIC_DISPATCH(writeTrianglesHere)(list, firstInner, vertices, out);
 }
 
-std::uint32_t writeTrianglesPlainly(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
+std::uint32_t writeTrianglesReference(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
     std::uint16_t* const begin = out;
     for (std::uint32_t k = 0; k < list.count; ++k) {
         const cell::CellState& state = cell::cellStates()[list.states[k]];

@@ -43,6 +43,6 @@ inline constexpr std::size_t kMaxCellIndices = 3 * cell::kMaxStateTriangles;
 inline constexpr std::size_t kIndexOverrun = 32;
 std::uint32_t writeTriangles(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out);
 /// The same without vectors: what the one above is tested against.
-std::uint32_t writeTrianglesPlainly(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out);
+std::uint32_t writeTrianglesReference(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out);
 
 } // namespace isoslider::extract

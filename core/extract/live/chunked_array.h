@@ -13,7 +13,7 @@
 namespace isoslider::extract {
 
 /// An array that grows by chunks of 2^ChunkBits elements, which never move: memory follows what is used, nothing is
-/// reserved for what might be. Elements start as zero bytes; T must be trivial. grow() may run beside readers and
+/// reserved for what might be. New chunks are zero bytes; T must be trivial. grow() may run beside readers and
 /// writers of other elements.
 template <class T, int ChunkBits>
 class ChunkedArray {

@@ -49,7 +49,7 @@ public:
     ArenaRun alike(const ArenaRun& run) {
         return run.capacity > 0 ? ArenaRun{allocate(run.capacity), run.capacity} : ArenaRun{};
     }
-    /// Forgets all runs. Their memory is kept for others: getting it anew from the system costs as much as filling it.
+    /// Forgets all runs. Their memory is kept for others: to get it from the system again costs as much as filling it.
     void clear() {
         freeBySize_.clear();
         hasFree_.clear();

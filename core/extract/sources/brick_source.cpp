@@ -370,7 +370,7 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
     kept.hasAllNormals = !job.isNew;
     if (!kHasNormalKernel<Sample> || surface.brick(job.slot).isNearMissing) {
         readBlock(samples_.rows(brick), rowsForGradients(rows), scratch.block);
-        findNormalsPlainly(scratch.block, rows, inverseSpacing_, kept.normals);
+        findNormalsReference(scratch.block, rows, inverseSpacing_, kept.normals);
     } else {
         readApron(samples_.rows(brick), rows, scratch.block);
         if constexpr (kHasNormalKernel<Sample>)

@@ -51,7 +51,6 @@ struct SampleBlock {
     static constexpr int offset(int x, int y, int z) { return (x + 1) + kRow * (y + 1) + kPlane * (z + 1); }
     static constexpr int stride(int axis) { return axis == 0 ? 1 : axis == 1 ? kRow : kPlane; }
 
-    void place(const GridDims& dims, const std::array<std::int64_t, 3>& origin) { placeInBox(dims, origin, begin, end); }
     bool isInside(int x, int y, int z) const {
         return x >= begin[0] && x < end[0] && y >= begin[1] && y < end[1] && z >= begin[2] && z < end[2];
     }

@@ -109,19 +109,16 @@ void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMa
     finishClassification(masks, before, out);
 }
 
-void classifyU8(const std::uint8_t* s, std::uint8_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::uint8_t>& out) {
-    classifyInVectors(s, t, m, b, out);
-}
-void classifyU16(const std::uint16_t* s, std::uint16_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::uint16_t>& out) {
-    classifyInVectors(s, t, m, b, out);
-}
-void classifyI32(const std::int32_t* s, std::int32_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::int32_t>& out) {
-    classifyInVectors(s, t, m, b, out);
-}
-void classifyF32(const float* s, float t, const BrickMasks& m, const BitString* b, ClassifiedBrick<float>& out) { classifyInVectors(s, t, m, b, out); }
-void classifyF64(const double* s, double t, const BrickMasks& m, const BitString* b, ClassifiedBrick<double>& out) {
-    classifyInVectors(s, t, m, b, out);
-}
+#define ISO_CLASSIFY(Name, Stored)                                                                                  \
+    void Name(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) { \
+        classifyInVectors(s, t, m, b, out);                                                                         \
+    }
+ISO_CLASSIFY(classifyU8, std::uint8_t)
+ISO_CLASSIFY(classifyU16, std::uint16_t)
+ISO_CLASSIFY(classifyI32, std::int32_t)
+ISO_CLASSIFY(classifyF32, float)
+ISO_CLASSIFY(classifyF64, double)
+#undef ISO_CLASSIFY
 
 // Of n active edges the places in the vertex table, 4 * point + axis, in the order of the edges.
 HWY_INLINE std::uint32_t listEdges(const ActiveBits& active, std::uint16_t* HWY_RESTRICT places) {
@@ -357,106 +354,54 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace isoslider::extract {
 
-HWY_EXPORT(classifyU8);
-template <>
-void classify(const std::uint8_t* s, std::uint8_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::uint8_t>& out) {
-    HWY_DYNAMIC_DISPATCH(classifyU8)(s, t, m, b, out);
-}
-HWY_EXPORT(classifyU16);
-template <>
-void classify(const std::uint16_t* s, std::uint16_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::uint16_t>& out) {
-    HWY_DYNAMIC_DISPATCH(classifyU16)(s, t, m, b, out);
-}
-HWY_EXPORT(classifyI32);
-template <>
-void classify(const std::int32_t* s, std::int32_t t, const BrickMasks& m, const BitString* b, ClassifiedBrick<std::int32_t>& out) {
-    HWY_DYNAMIC_DISPATCH(classifyI32)(s, t, m, b, out);
-}
-HWY_EXPORT(classifyF32);
-template <>
-void classify(const float* s, float t, const BrickMasks& m, const BitString* b, ClassifiedBrick<float>& out) {
-    HWY_DYNAMIC_DISPATCH(classifyF32)(s, t, m, b, out);
-}
-HWY_EXPORT(classifyF64);
-template <>
-void classify(const double* s, double t, const BrickMasks& m, const BitString* b, ClassifiedBrick<double>& out) {
-    HWY_DYNAMIC_DISPATCH(classifyF64)(s, t, m, b, out);
-}
+#define ISO_CLASSIFY(Name, Stored)                                                                                          \
+    HWY_EXPORT(Name);                                                                                                       \
+    template <>                                                                                                             \
+    void classify(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) {     \
+        HWY_DYNAMIC_DISPATCH(Name)(s, t, m, b, out);                                                                        \
+    }
+ISO_CLASSIFY(classifyU8, std::uint8_t)
+ISO_CLASSIFY(classifyU16, std::uint16_t)
+ISO_CLASSIFY(classifyI32, std::int32_t)
+ISO_CLASSIFY(classifyF32, float)
+ISO_CLASSIFY(classifyF64, double)
+#undef ISO_CLASSIFY
 
 HWY_EXPORT(numberEdgesHere);
 std::uint32_t numberEdges(const ActiveBits& active, VertexTable& vertices) { return HWY_DYNAMIC_DISPATCH(numberEdgesHere)(active, vertices); }
 
-HWY_EXPORT(gatherU8);
-template <>
-std::uint32_t gatherRecords<std::uint8_t>(const StoredSample<std::uint8_t>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<std::uint8_t>>* r,
-                                VertexTable& v) {
-    return HWY_DYNAMIC_DISPATCH(gatherU8)(s, n, a, r, v);
-}
-HWY_EXPORT(gatherI8);
-template <>
-std::uint32_t gatherRecords<std::int8_t>(const StoredSample<std::int8_t>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<std::int8_t>>* r,
-                                VertexTable& v) {
-    return HWY_DYNAMIC_DISPATCH(gatherI8)(s, n, a, r, v);
-}
-HWY_EXPORT(gatherU16);
-template <>
-std::uint32_t gatherRecords<std::uint16_t>(const StoredSample<std::uint16_t>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<std::uint16_t>>* r,
-                                VertexTable& v) {
-    return HWY_DYNAMIC_DISPATCH(gatherU16)(s, n, a, r, v);
-}
-HWY_EXPORT(gatherI16);
-template <>
-std::uint32_t gatherRecords<std::int16_t>(const StoredSample<std::int16_t>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<std::int16_t>>* r,
-                                VertexTable& v) {
-    return HWY_DYNAMIC_DISPATCH(gatherI16)(s, n, a, r, v);
-}
-HWY_EXPORT(gatherI32);
-template <>
-std::uint32_t gatherRecords<std::int32_t>(const StoredSample<std::int32_t>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<std::int32_t>>* r,
-                                VertexTable& v) {
-    return HWY_DYNAMIC_DISPATCH(gatherI32)(s, n, a, r, v);
-}
-HWY_EXPORT(gatherF32);
-template <>
-std::uint32_t gatherRecords<float>(const StoredSample<float>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<float>>* r,
-                                VertexTable& v) {
-    return HWY_DYNAMIC_DISPATCH(gatherF32)(s, n, a, r, v);
-}
-HWY_EXPORT(gatherF64);
-template <>
-std::uint32_t gatherRecords<double>(const StoredSample<double>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<double>>* r,
-                                VertexTable& v) {
-    return HWY_DYNAMIC_DISPATCH(gatherF64)(s, n, a, r, v);
-}
+#define ISO_GATHER(Name, Sample)                                                                                            \
+    HWY_EXPORT(Name);                                                                                                       \
+    template <>                                                                                                             \
+    std::uint32_t gatherRecords<Sample>(const StoredSample<Sample>* s, const NormalCode* n, const ActiveBits& a,            \
+                                        EdgeRecord<LiveOf<Sample>>* r, VertexTable& v) {                                    \
+        return HWY_DYNAMIC_DISPATCH(Name)(s, n, a, r, v);                                                                   \
+    }
+ISO_GATHER(gatherU8, std::uint8_t)
+ISO_GATHER(gatherI8, std::int8_t)
+ISO_GATHER(gatherU16, std::uint16_t)
+ISO_GATHER(gatherI16, std::int16_t)
+ISO_GATHER(gatherI32, std::int32_t)
+ISO_GATHER(gatherF32, float)
+ISO_GATHER(gatherF64, double)
+#undef ISO_GATHER
 
-HWY_EXPORT(normalsU8);
-template <>
-void findNormals<std::uint8_t>(const StoredSample<std::uint8_t>* s, const SampleBlock<std::uint8_t>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) {
-    HWY_DYNAMIC_DISPATCH(normalsU8)(s, a, r, i, c);
-}
-HWY_EXPORT(normalsI8);
-template <>
-void findNormals<std::int8_t>(const StoredSample<std::int8_t>* s, const SampleBlock<std::int8_t>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) {
-    HWY_DYNAMIC_DISPATCH(normalsI8)(s, a, r, i, c);
-}
-HWY_EXPORT(normalsU16);
-template <>
-void findNormals<std::uint16_t>(const StoredSample<std::uint16_t>* s, const SampleBlock<std::uint16_t>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) {
-    HWY_DYNAMIC_DISPATCH(normalsU16)(s, a, r, i, c);
-}
-HWY_EXPORT(normalsI16);
-template <>
-void findNormals<std::int16_t>(const StoredSample<std::int16_t>* s, const SampleBlock<std::int16_t>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) {
-    HWY_DYNAMIC_DISPATCH(normalsI16)(s, a, r, i, c);
-}
-HWY_EXPORT(normalsF32);
-template <>
-void findNormals<float>(const StoredSample<float>* s, const SampleBlock<float>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) {
-    HWY_DYNAMIC_DISPATCH(normalsF32)(s, a, r, i, c);
-}
+#define ISO_NORMALS(Name, Sample)                                                                                           \
+    HWY_EXPORT(Name);                                                                                                       \
+    template <>                                                                                                             \
+    void findNormals<Sample>(const StoredSample<Sample>* s, const SampleBlock<Sample>& a, const PointRows& r,               \
+                             const glm::vec3& i, NormalCode* c) {                                                           \
+        HWY_DYNAMIC_DISPATCH(Name)(s, a, r, i, c);                                                                          \
+    }
+ISO_NORMALS(normalsU8, std::uint8_t)
+ISO_NORMALS(normalsI8, std::int8_t)
+ISO_NORMALS(normalsU16, std::uint16_t)
+ISO_NORMALS(normalsI16, std::int16_t)
+ISO_NORMALS(normalsF32, float)
+#undef ISO_NORMALS
 
 template <class Sample>
-void findNormalsPlainly(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes) {
+void findNormalsReference(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes) {
     for (int z = 0; z < kPointSide; ++z)
         for (unsigned left = rows[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
             const int y = std::countr_zero(left);
@@ -465,16 +410,16 @@ void findNormalsPlainly(const SampleBlock<Sample>& block, const PointRows& rows,
                     codes[closedPoint(x, y, z)] = normalOfGradient(block.gradient(x, y, z, inverseSpacing));
         }
 }
-template void findNormalsPlainly(const SampleBlock<std::uint8_t>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsPlainly(const SampleBlock<std::int8_t>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsPlainly(const SampleBlock<std::uint16_t>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsPlainly(const SampleBlock<std::int16_t>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsPlainly(const SampleBlock<std::int32_t>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsPlainly(const SampleBlock<float>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsPlainly(const SampleBlock<double>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsReference(const SampleBlock<std::uint8_t>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsReference(const SampleBlock<std::int8_t>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsReference(const SampleBlock<std::uint16_t>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsReference(const SampleBlock<std::int16_t>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsReference(const SampleBlock<std::int32_t>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsReference(const SampleBlock<float>&, const PointRows&, const glm::vec3&, NormalCode*);
+template void findNormalsReference(const SampleBlock<double>&, const PointRows&, const glm::vec3&, NormalCode*);
 
 template <class Stored>
-void classifyPlainly(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
+void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
                      ClassifiedBrick<Stored>& out) {
     out.above = {};
     out.up = std::numeric_limits<Stored>::max();
@@ -489,11 +434,11 @@ void classifyPlainly(const Stored* samples, Stored threshold, const BrickMasks& 
     }
     finishClassification(masks, before, out);
 }
-template void classifyPlainly(const std::uint8_t*, std::uint8_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::uint8_t>&);
-template void classifyPlainly(const std::uint16_t*, std::uint16_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::uint16_t>&);
-template void classifyPlainly(const std::int32_t*, std::int32_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::int32_t>&);
-template void classifyPlainly(const float*, float, const BrickMasks&, const BitString*, ClassifiedBrick<float>&);
-template void classifyPlainly(const double*, double, const BrickMasks&, const BitString*, ClassifiedBrick<double>&);
+template void classifyReference(const std::uint8_t*, std::uint8_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::uint8_t>&);
+template void classifyReference(const std::uint16_t*, std::uint16_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::uint16_t>&);
+template void classifyReference(const std::int32_t*, std::int32_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::int32_t>&);
+template void classifyReference(const float*, float, const BrickMasks&, const BitString*, ClassifiedBrick<float>&);
+template void classifyReference(const double*, double, const BrickMasks&, const BitString*, ClassifiedBrick<double>&);
 
 namespace {
 std::vector<std::int64_t> supportedTargets() {

@@ -61,7 +61,7 @@ template <class Stored>
 void classify(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before, ClassifiedBrick<Stored>& out);
 /// The same, sample by sample: what the one above is tested against.
 template <class Stored>
-void classifyPlainly(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
+void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
                      ClassifiedBrick<Stored>& out);
 
 /// Numbers of a brick's active edges, in their order, in the vertex table; returns how many there are.
@@ -83,7 +83,7 @@ void findNormals(const StoredSample<Sample>* samples, const SampleBlock<Sample>&
                  NormalCode* codes);
 /// The same from a whole block, point by point: normalOfGradient() of block.gradient(). Missing samples and all types are allowed.
 template <class Sample>
-void findNormalsPlainly(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes);
+void findNormalsReference(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes);
 
 /// Names of the instruction sets that the kernels can run with here, the best first; and, for tests, a way to
 /// restrict it to one of them (0: the best again).

@@ -16,7 +16,7 @@ public:
     using Key = KeyOf<Sample>;
     using Live = LiveOf<Sample>;
 
-    /// Entries on the way. With bricks, patching never looks at more of them than building anew does.
+    /// Entries on the way. With bricks, patching never looks at more of them than building it again does.
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
         return walk_.estimate(std::min(from, to), std::max(from, to));
     }

@@ -57,10 +57,10 @@ struct Format {
     /// True if a file of whatever name, or a folder, is of this format. Null: known by its suffix only.
     bool (*recognises)(const std::filesystem::path& path, std::span<const std::byte> start) = nullptr;
     bool readsFolders = false;
-    bool isIsolated = false; ///< a library parses it: read in a process of its own
+    bool isIsolated = false; ///< a library parses it: read in a separate process
 };
 
-/// openVolume and listVolumes without a process of their own, whatever the format.
+/// openVolume and listVolumes without a separate process, whatever the format.
 OpenFormat openInProcess;
 ListFormat listInProcess;
 

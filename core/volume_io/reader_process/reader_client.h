@@ -8,7 +8,7 @@
 
 namespace isoslider::io {
 
-// Libraries parse in a process of their own, `isoslider-reader`, which may die of a file without harm: it lies
+// Libraries parse in a separate process, `isoslider-reader`, which may die of a file without harm: it lies
 // beside the program, or in ../libexec/isoslider, or where ISOSLIDER_READER says. One process per volume; it
 // ends with its source. Costs some 30 ms to start, and one copy of the samples through a socket.
 

@@ -67,7 +67,7 @@ void expectSameClassification(std::mt19937& random) {
                     before.set(p);
             for (const BitString* old : {static_cast<const BitString*>(nullptr), static_cast<const BitString*>(&before)}) {
                 ClassifiedBrick<Stored> plain, fast;
-                classifyPlainly(samples.values, threshold, masks, old, plain);
+                classifyReference(samples.values, threshold, masks, old, plain);
                 classify(samples.values, threshold, masks, old, fast);
                 ASSERT_EQ(fast.above, plain.above) << "kind " << kind;
                 ASSERT_EQ(fast.active.edges, plain.active.edges);
@@ -211,13 +211,13 @@ void expectNormals(std::mt19937& random) {
                         sample = r % 3 ? std::numeric_limits<Sample>::min() : Sample(0); // denormal differences
                 }
                 const auto c = grid.brickCoords(brick);
-                block.place(dims, {8 * c[0], 8 * c[1], 8 * c[2]});
+                placeInBox(dims, {8 * c[0], 8 * c[1], 8 * c[2]}, block.begin, block.end);
                 PointRows rows;
                 for (std::uint16_t& row : rows)
                     row = static_cast<std::uint16_t>(random() % 512);
                 std::array<NormalCode, kPaddedPoints> plain{}, fast{};
                 const glm::vec3 inverse(1.0f, 0.4f, 2.5f);
-                findNormalsPlainly(block, rows, inverse, plain.data());
+                findNormalsReference(block, rows, inverse, plain.data());
                 const OwnSamples<Sample> stored = ownSamples(block);
                 spoilOwnSamples(block);
                 findNormals<Sample>(stored.data(), block, rows, inverse, fast.data());
@@ -290,7 +290,7 @@ TEST_P(LiveKernels, WriteTheTrianglesThatTheStatesHave) {
         ASSERT_EQ(ambiguous, list.ambiguousCount);
         std::vector<std::uint16_t> fast(list.count * kMaxCellIndices + kIndexOverrun), plain(fast.size());
         fast.resize(writeTriangles(list, 5000, table, fast.data()));
-        plain.resize(writeTrianglesPlainly(list, 5000, table, plain.data()));
+        plain.resize(writeTrianglesReference(list, 5000, table, plain.data()));
         ASSERT_EQ(fast, plain);
     }
     EXPECT_GE(std::count(seen.begin(), seen.end(), true), 254);

@@ -68,7 +68,7 @@ TEST(Preamble, RefusesAnotherVersionByName) {
         const auto decoded = decodePreamble(encodePreamble(preamble), 800, "a.isx");
         ASSERT_THAT(decoded, HasError(ErrorCode::UnsupportedVersion));
         EXPECT_NE(decoded.error().message.find("version " + std::to_string(major) + ","), std::string::npos);
-        EXPECT_NE(decoded.error().message.find("build it anew"), std::string::npos);
+        EXPECT_NE(decoded.error().message.find("build it again"), std::string::npos);
         EXPECT_EQ(decoded.error().message.find('\n'), std::string::npos);
         EXPECT_EQ(decoded.error().path, "a.isx");
     }
@@ -160,8 +160,9 @@ TEST(IndexMeta, RefusesEveryTruncationAndTrailingBytes) {
         bytes.push_back(std::byte{0});
         EXPECT_THAT(decodeMeta(bytes, preamble, "p"), HasError(ErrorCode::Corruption));
         preamble.minor = kFormatMinor + 1;
-        if (*unit != '\0') // or else the byte is no unit
+        if (*unit != '\0') { // or else the byte is no unit
             EXPECT_THAT(decodeMeta(bytes, preamble, "p"), IsOk());
+        }
     }
 }
 

@@ -59,7 +59,7 @@ std::size_t ZSTD_compress2(ZSTD_CCtx* context, void* to, std::size_t room, const
 namespace isoslider::index {
 namespace {
 
-// Runs `work` on a thread of its own, because contexts are kept by thread. What it says of missing memory.
+// Runs `work` on a separate thread, because contexts are kept by thread. Returns whether memory ran out.
 template <class Work>
 bool runsOutOfMemory(const Work& work) {
     bool isOutOfMemory = false;
