@@ -382,6 +382,8 @@ private:
         return stored == ScalarType::I32 ? ScalarType::F64 : ScalarType::F32;
     }
 
+    static bool isDistance(double length) { return length > 0.0 && std::isfinite(length); }
+
     void setPlane(DicomStack& made) const {
         const Slices& slices = made.frames.front();
         const DicomFrame& first = frame(slices.front());
@@ -396,7 +398,7 @@ private:
             made.notes.push_back("has no pixel spacing (0028,0030); 1 is assumed");
         }
         geometry.spacing.z = first.sliceSpacing.value_or(first.thickness.value_or(0.0));
-        if (!(geometry.spacing.z > 0.0) || !std::isfinite(geometry.spacing.z)) {
+        if (!isDistance(geometry.spacing.z)) {
             geometry.spacing.z = 1.0;
             if (slices.size() == 1 || !hasPlaces(slices))
                 made.notes.push_back("has no slice thickness (0018,0050); 1 is assumed");
@@ -426,6 +428,8 @@ private:
             std::abs(glm::dot(directions[0], directions[1])) > 1e-2)
             return "image orientation (0020,0037): two perpendicular directions of length 1 expected";
         GridGeometry& geometry = made.geometry;
+        if (!isDistance(geometry.spacing.x) || !isDistance(geometry.spacing.y))
+            return "pixel spacing (0028,0030): two positive numbers expected";
         geometry.direction[0] = glm::normalize(directions[0]);
         geometry.direction[1] = glm::normalize(directions[1]);
         geometry.direction[2] = glm::normalize(glm::cross(directions[0], directions[1]));
@@ -435,6 +439,8 @@ private:
         const glm::dvec3 step =
             (*frame(slices.back()).position - geometry.origin) / static_cast<double>(slices.size() - 1);
         geometry.spacing.z = glm::dot(step, geometry.direction[2]);
+        if (!std::isfinite(glm::length(step)))
+            return "positions of slices (0020,0032) lie beyond what can be computed";
         if (std::string problem = findUneven(made, step); !problem.empty())
             return problem;
         if (!made.places.empty())
@@ -532,7 +538,8 @@ private:
         const glm::dvec2 shift(along.x / geometry.spacing.x, along.y / geometry.spacing.y);
         if (slices * glm::length(shift) < kStraight)
             return "";
-        if (glm::length(along) > kMaxSlope * geometry.spacing.z)
+        const double sideways = slices * std::max(std::abs(shift.x), std::abs(shift.y)); // in samples
+        if (!(glm::length(along) <= kMaxSlope * geometry.spacing.z) || !(sideways <= static_cast<double>(kMaxDim)))
             return "the slices lie so far beside each other that they make no volume";
         made.shift = shift;
         for (int axis = 0; axis < 2; ++axis) {
