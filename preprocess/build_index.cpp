@@ -11,7 +11,7 @@
 
 #include "core/base/file_system.h"
 #include "core/base/machine.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 #include "preprocess/index_builds.h"
 
 namespace isoslider::preprocess {

@@ -7,8 +7,8 @@
 
 #include "core/base/file_system.h"
 #include "core/base/job_control.h"
-#include "core/index/index_info.h"
-#include "core/volume_io/volume_source.h"
+#include "core/index/format/index_info.h"
+#include "core/volume_io/sources/volume_source.h"
 
 namespace isoslider::preprocess {
 

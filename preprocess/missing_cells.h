@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/grid/brick_grid.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 
 namespace isoslider::preprocess {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/base/job_control.h"
-#include "core/volume_io/volume_source.h"
+#include "core/volume_io/sources/volume_source.h"
 
 namespace isoslider::preprocess {
 

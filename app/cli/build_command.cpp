@@ -15,7 +15,7 @@
 #include "app/cli/output_check.h"
 #include "app/cli/progress_bar.h"
 #include "app/cli/resampling_report.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 #include "preprocess/build_index.h"
 
 namespace isoslider::cli {

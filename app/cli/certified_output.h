@@ -3,7 +3,7 @@
 #include <string>
 
 #include "app/cli/outcome.h"
-#include "core/index/index_info.h"
+#include "core/index/format/index_info.h"
 #include "core/mesh/certificate.h"
 
 namespace isoslider::cli {

@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "core/base/file_system.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 
 namespace isoslider::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/output.h"
-#include "core/index/index_info.h"
+#include "core/index/format/index_info.h"
 
 namespace isoslider::cli {
 

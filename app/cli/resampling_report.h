@@ -4,7 +4,7 @@
 #include <string>
 
 #include "app/cli/output.h"
-#include "core/volume_io/volume_source.h"
+#include "core/volume_io/sources/volume_source.h"
 
 namespace isoslider::cli {
 

@@ -15,13 +15,13 @@
 #include "app/desktop/sample_loader.h"
 #include "app/desktop/screenshot_runner.h"
 #include "core/base/machine.h"
-#include "ui/model/session.h"
+#include "ui/model/session/session.h"
 #include "ui/render/gl_program.h"
 #include "ui/render/gl_support.h"
-#include "ui/widgets/file_dialogs.h"
-#include "ui/widgets/main_window.h"
-#include "ui/widgets/session_keeper.h"
-#include "ui/widgets/settings_store.h"
+#include "ui/widgets/opening/file_dialogs.h"
+#include "ui/widgets/window/main_window.h"
+#include "ui/widgets/window/session_keeper.h"
+#include "ui/widgets/window/settings_store.h"
 
 namespace isoslider::desktop {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "core/base/machine.h"
 #include "core/volume_io/volume_reader.h"
-#include "preprocess/brick_list.h"
+#include "preprocess/metacells/brick_list.h"
 #include "preprocess/build_index.h"
 
 namespace isoslider::desktop {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ui/model/index_builder.h"
+#include "ui/model/jobs/index_builder.h"
 
 namespace isoslider::desktop {
 

@@ -5,7 +5,7 @@
 #include <QCoreApplication>
 #include <QDir>
 
-#include "core/volume_io/sample_volumes.h"
+#include "core/volume_io/sources/sample_volumes.h"
 
 namespace isoslider::desktop {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ui/model/dataset.h"
+#include "ui/model/session/dataset.h"
 
 namespace isoslider::desktop {
 

@@ -5,12 +5,12 @@
 #include <QApplication>
 #include <QPixmap>
 
-#include "ui/model/session.h"
+#include "ui/model/session/session.h"
 #include "ui/render/gl_support.h"
-#include "ui/widgets/main_window.h"
-#include "ui/widgets/picture_file.h"
-#include "ui/widgets/viewport_host.h"
-#include "ui/widgets/viewport_widget.h"
+#include "ui/widgets/window/main_window.h"
+#include "ui/widgets/viewport/picture_file.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 
 namespace isoslider::desktop {
 namespace {

@@ -5,7 +5,7 @@
 #include <QTimer>
 
 #include "app/desktop/command_line.h"
-#include "ui/model/latest_job.h"
+#include "ui/model/jobs/latest_job.h"
 #include "ui/model/observers.h"
 
 namespace isoslider::model {

@@ -8,7 +8,7 @@
 #include "core/extract/surface_frame.h"
 #include "core/extract/surface_mesh.h"
 #include "core/grid/scalar_grid.h"
-#include "core/index/index_info.h"
+#include "core/index/format/index_info.h"
 #include "core/index/index_reader.h"
 
 namespace isoslider::extract {
@@ -31,7 +31,7 @@ public:
     /// Errors: NotFound, IoError, Corruption, UnsupportedVersion.
     static Result<std::unique_ptr<SlideEngine>> open(const std::filesystem::path& indexPath,
                                                      const SlideOptions& options = {});
-    /// On a volume in memory; `brickList` is the skip list of its bricks (preprocess/brick_list.h makes both).
+    /// On a volume in memory; `brickList` is the skip list of its bricks (preprocess/metacells/brick_list.h makes both).
     static std::unique_ptr<SlideEngine> onVolume(std::shared_ptr<const ScalarGrid> grid, std::unique_ptr<index::IndexReader> brickList,
                                                  const SlideOptions& options = {});
     virtual ~SlideEngine() = default;

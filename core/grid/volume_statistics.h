@@ -4,7 +4,7 @@
 
 #include "core/base/job_control.h"
 #include "core/grid/scalar_grid.h"
-#include "core/index/index_info.h"
+#include "core/index/format/index_info.h"
 
 namespace isoslider {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/index/hidden_corner_codec.h"
+#include "core/index/format/hidden_corner_codec.h"
 #include "core/index/index_reader.h"
 
 namespace isoslider::index {

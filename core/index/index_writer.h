@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/base/file_system.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 
 namespace isoslider::index {
 

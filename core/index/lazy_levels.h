@@ -6,7 +6,7 @@
 #include <memory>
 #include <mutex>
 
-#include "core/index/block_codec.h"
+#include "core/index/format/block_codec.h"
 
 namespace isoslider::index {
 

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <unordered_map>
 
-#include "core/index/block_codec.h"
+#include "core/index/format/block_codec.h"
 #include "core/index/index_reader.h"
 
 namespace isoslider::index {

@@ -9,9 +9,9 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/index/chunk_grid.h"
+#include "core/index/format/chunk_grid.h"
 #include "core/index/index_reader.h"
-#include "core/index/merge_errors.h"
+#include "core/index/format/merge_errors.h"
 
 namespace isoslider::index {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/grid/scalar_key.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 
 namespace isoslider::index {
 

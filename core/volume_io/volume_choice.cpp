@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/volume_io/header_checks.h"
+#include "core/volume_io/parsing/header_checks.h"
 
 namespace isoslider::io {
 namespace {

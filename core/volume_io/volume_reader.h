@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/job_control.h"
-#include "core/volume_io/volume_source.h"
+#include "core/volume_io/sources/volume_source.h"
 
 namespace isoslider::io {
 

@@ -4,7 +4,7 @@
 #include <bit>
 #include <charconv>
 
-#include "core/volume_io/header_checks.h"
+#include "core/volume_io/parsing/header_checks.h"
 
 namespace isoslider::io {
 namespace {

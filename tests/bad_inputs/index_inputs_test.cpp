@@ -16,7 +16,7 @@
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 #include "core/index/index_reader.h"
 #include "preprocess/build_index.h"
 #include "tests/bad_inputs/bad_input_fixture.h"

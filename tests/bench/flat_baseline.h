@@ -8,7 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "core/extract/surface_mesh.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 #include "tests/bench/chained_table.h"
 #include "tests/bench/flat_changes.h"
 

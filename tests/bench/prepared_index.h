@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "core/base/result.h"
-#include "core/index/index_info.h"
+#include "core/index/format/index_info.h"
 #include "tests/bench/workloads.h"
 
 namespace isoslider::bench {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/index/index_info.h"
+#include "core/index/format/index_info.h"
 #include "tests/bench/volume_file.h"
 
 namespace isoslider::bench {

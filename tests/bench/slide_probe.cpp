@@ -13,7 +13,7 @@
 #include <tbb/global_control.h>
 
 #include "core/extract/slide_engine.h"
-#include "preprocess/brick_list.h"
+#include "preprocess/metacells/brick_list.h"
 #include "tests/bench/timing.h"
 #include "tests/bench/volume_file.h"
 

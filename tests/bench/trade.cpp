@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/index/index_reader.h"
-#include "preprocess/brick_list.h"
+#include "preprocess/metacells/brick_list.h"
 #include "tests/bench/timing.h"
 
 namespace isoslider::bench {

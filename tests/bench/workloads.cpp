@@ -16,8 +16,8 @@
 #include <tbb/parallel_reduce.h>
 
 #include "core/grid/classification.h"
-#include "core/volume_io/byte_stream.h"
-#include "core/volume_io/sample_volumes.h"
+#include "core/volume_io/parsing/byte_stream.h"
+#include "core/volume_io/sources/sample_volumes.h"
 #include "core/volume_io/volume_reader.h"
 
 namespace isoslider::bench {

@@ -177,7 +177,7 @@ TEST_F(CliStats, TellsOfTheIndexAndItsLevels) {
 }
 
 TEST_F(CliStats, CountsHiddenCorners) {
-    // The two cells of the worked example in core/index/FORMAT.md.
+    // The two cells of the worked example in core/index/format/FORMAT.md.
     folder_.write("two.raw", std::string("\0\1\2\0\0\2\1\0\2\0\1\0", 12));
     runJson({"build", path("two.raw"), "-o", path("two.isx"), "--raw-dims", "3,2,2", "--raw-type", "u8"});
     const auto json = runJson({"stats", path("two.isx")});

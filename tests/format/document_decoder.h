@@ -10,7 +10,7 @@
 
 namespace isoslider::test {
 
-/// A second reader of pages, written from core/index/FORMAT.md alone, slow and plain: it shares no line
+/// A second reader of pages, written from core/index/format/FORMAT.md alone, slow and plain: it shares no line
 /// with the product's, so that the document and the code are compared with each other.
 struct DocumentPoint {
     std::uint64_t key = 0;

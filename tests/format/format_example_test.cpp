@@ -1,4 +1,4 @@
-// core/index/FORMAT.md against the code: its worked example, and every page of real indices.
+// core/index/format/FORMAT.md against the code: its worked example, and every page of real indices.
 
 #include <bit>
 #include <sstream>
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/grid/scalar_key.h"
-#include "core/index/block_codec.h"
+#include "core/index/format/block_codec.h"
 #include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
 #include "tests/format/document_decoder.h"
@@ -21,7 +21,7 @@ using test::IsOk;
 
 // The bytes of a ```hex block of the document, the first or the second; a '#' begins a remark.
 std::vector<std::byte> bytesOfWorkedExample(int wanted = 1) {
-    std::istringstream text(test::readText(std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "core/index/FORMAT.md"));
+    std::istringstream text(test::readText(std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "core/index/format/FORMAT.md"));
     std::vector<std::byte> bytes;
     bool isInside = false;
     int block = 0;

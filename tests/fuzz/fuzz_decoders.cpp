@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "core/base/byte_codec.h"
-#include "core/volume_io/byte_decoder.h"
+#include "core/volume_io/parsing/byte_decoder.h"
 #include "core/volume_io/formats/inflated_file.h"
-#include "core/volume_io/header_checks.h"
+#include "core/volume_io/parsing/header_checks.h"
 #include "tests/fuzz/fuzz_support.h"
 #include "tests/fuzz/fuzz_targets.h"
 

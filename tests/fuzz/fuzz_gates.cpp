@@ -1,9 +1,9 @@
 #include <algorithm>
 
-#include "core/volume_io/formats/netcdf_classic_header.h"
-#include "core/volume_io/formats/plot3d_layout.h"
-#include "core/volume_io/formats/vtk_legacy_header.h"
-#include "core/volume_io/formats/vtk_xml_header.h"
+#include "core/volume_io/formats/arrays/netcdf_classic_header.h"
+#include "core/volume_io/formats/simulations/plot3d_layout.h"
+#include "core/volume_io/formats/vtk/vtk_legacy_header.h"
+#include "core/volume_io/formats/vtk/vtk_xml_header.h"
 #include "core/volume_io/volume_choice.h"
 #include "tests/fuzz/fuzz_support.h"
 #include "tests/fuzz/fuzz_targets.h"

@@ -5,7 +5,7 @@
 #include "core/base/byte_codec.h"
 #include "core/extract/slide_engine.h"
 #include "core/grid/scalar_key.h"
-#include "core/index/block_codec.h"
+#include "core/index/format/block_codec.h"
 #include "core/index/index_reader.h"
 #include "core/index/sample_store.h"
 #include "tests/fuzz/fuzz_support.h"

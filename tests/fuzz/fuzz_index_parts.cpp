@@ -5,10 +5,10 @@
 
 #include "core/base/byte_codec.h"
 #include "core/grid/scalar_key.h"
-#include "core/index/block_codec.h"
-#include "core/index/chunk_codec.h"
-#include "core/index/hidden_corner_codec.h"
-#include "core/index/merge_errors.h"
+#include "core/index/format/block_codec.h"
+#include "core/index/format/chunk_codec.h"
+#include "core/index/format/hidden_corner_codec.h"
+#include "core/index/format/merge_errors.h"
 #include "tests/fuzz/fuzz_support.h"
 #include "tests/fuzz/fuzz_targets.h"
 

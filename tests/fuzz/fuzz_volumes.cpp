@@ -1,7 +1,7 @@
 #include <cstring>
 
 #include "core/base/byte_codec.h"
-#include "core/volume_io/formats/dicom_image.h"
+#include "core/volume_io/formats/dicom/dicom_image.h"
 #include "tests/fuzz/fuzz_support.h"
 #include "tests/fuzz/fuzz_targets.h"
 #include "tests/fuzz/volume_promises.h"

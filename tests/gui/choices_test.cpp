@@ -10,10 +10,10 @@
 
 #include "tests/gui/fake_readers.h"
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/field_tree_model.h"
-#include "ui/widgets/field_tree_view.h"
-#include "ui/widgets/message_bar.h"
-#include "ui/widgets/preview_pane.h"
+#include "ui/widgets/opening/field_tree_model.h"
+#include "ui/widgets/opening/field_tree_view.h"
+#include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/opening/preview_pane.h"
 
 namespace isoslider::test {
 namespace {

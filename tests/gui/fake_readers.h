@@ -14,7 +14,7 @@
 #include <QTreeView>
 
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/preview_pane.h"
+#include "ui/widgets/opening/preview_pane.h"
 
 // What the tests of opening share.
 

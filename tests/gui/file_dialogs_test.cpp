@@ -6,8 +6,8 @@
 #include <QTest>
 
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/action_registry.h"
-#include "ui/widgets/file_filters.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/opening/file_filters.h"
 
 namespace isoslider::test {
 namespace {

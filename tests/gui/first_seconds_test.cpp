@@ -9,12 +9,12 @@
 
 #include "tests/gui/run_recorder.h"
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/action_registry.h"
-#include "ui/widgets/histogram_plot.h"
-#include "ui/widgets/isovalue_panel.h"
-#include "ui/widgets/message_bar.h"
-#include "ui/widgets/viewport_host.h"
-#include "ui/widgets/viewport_widget.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/isovalue/isovalue_panel.h"
+#include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 
 namespace isoslider::test {
 namespace {

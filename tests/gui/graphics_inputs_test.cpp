@@ -11,9 +11,9 @@
 #include "tests/gui/faulty_driver.h"
 #include "tests/gui/image_likeness.h"
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/message_bar.h"
-#include "ui/widgets/viewport_host.h"
-#include "ui/widgets/viewport_widget.h"
+#include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 
 namespace isoslider::test {
 namespace {

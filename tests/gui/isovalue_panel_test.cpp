@@ -7,10 +7,10 @@
 #include <QWheelEvent>
 
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/action_registry.h"
-#include "ui/widgets/histogram_plot.h"
-#include "ui/widgets/isovalue_edit.h"
-#include "ui/widgets/isovalue_panel.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/isovalue/isovalue_edit.h"
+#include "ui/widgets/isovalue/isovalue_panel.h"
 
 namespace isoslider::test {
 namespace {

@@ -13,7 +13,7 @@
 #include <QToolButton>
 
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/message_bar.h"
+#include "ui/widgets/window/message_bar.h"
 
 namespace isoslider::test {
 namespace {

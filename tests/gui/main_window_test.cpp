@@ -15,12 +15,12 @@
 #include "core/volume_io/volume_reader.h"
 #include "preprocess/build_index.h"
 #include "tests/gui/window_fixture.h"
-#include "ui/model/saved_session.h"
-#include "ui/widgets/action_registry.h"
-#include "ui/widgets/message_bar.h"
-#include "ui/widgets/start_page.h"
-#include "ui/widgets/viewport_host.h"
-#include "ui/widgets/viewport_widget.h"
+#include "ui/model/session/saved_session.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/opening/start_page.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 
 namespace isoslider::test {
 namespace {

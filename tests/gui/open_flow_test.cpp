@@ -11,9 +11,9 @@
 #include <QTreeView>
 
 #include "tests/gui/fake_readers.h"
-#include "ui/widgets/action_registry.h"
-#include "ui/widgets/message_bar.h"
-#include "ui/widgets/preview_pane.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/opening/preview_pane.h"
 
 namespace isoslider::test {
 namespace {

@@ -1,5 +1,5 @@
 // The real program, run as a shell runs it.
-#include "core/volume_io/volume_source.h"
+#include "core/volume_io/sources/volume_source.h"
 #include "preprocess/build_index.h"
 #include "tests/gui/program_fixture.h"
 #include "tests/support/damaged_index.h"

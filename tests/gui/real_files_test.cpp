@@ -6,7 +6,7 @@
 #include <QTableView>
 
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/preview_pane.h"
+#include "ui/widgets/opening/preview_pane.h"
 
 namespace isoslider::test {
 namespace {

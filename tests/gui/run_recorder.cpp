@@ -6,8 +6,8 @@
 
 #include <QPixmap>
 
-#include "ui/widgets/viewport_host.h"
-#include "ui/widgets/viewport_widget.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 
 namespace isoslider::test {
 namespace {

@@ -7,8 +7,8 @@
 #include <QImage>
 #include <QObject>
 
-#include "ui/model/session.h"
-#include "ui/widgets/main_window.h"
+#include "ui/model/session/session.h"
+#include "ui/widgets/window/main_window.h"
 
 namespace isoslider::test {
 

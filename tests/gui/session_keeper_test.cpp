@@ -6,13 +6,13 @@
 #include <QtTest>
 
 #include "tests/gui/window_fixture.h"
-#include "ui/model/saved_session.h"
-#include "ui/model/session_slot.h"
-#include "ui/widgets/action_registry.h"
-#include "ui/widgets/message_bar.h"
-#include "ui/widgets/session_keeper.h"
-#include "ui/widgets/viewport_host.h"
-#include "ui/widgets/viewport_widget.h"
+#include "ui/model/session/saved_session.h"
+#include "ui/model/session/session_slot.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/window/session_keeper.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 
 namespace isoslider::test {
 namespace {

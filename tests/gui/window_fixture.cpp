@@ -11,10 +11,10 @@
 #include <QTest>
 #include <QUrl>
 
-#include "core/volume_io/volume_source.h"
-#include "preprocess/brick_list.h"
+#include "core/volume_io/sources/volume_source.h"
+#include "preprocess/metacells/brick_list.h"
 #include "preprocess/build_index.h"
-#include "ui/widgets/action_registry.h"
+#include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::test {
 

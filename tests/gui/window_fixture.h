@@ -12,11 +12,11 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/temporary_folder.h"
-#include "ui/model/index_builder.h"
-#include "ui/model/session.h"
-#include "ui/widgets/file_dialogs.h"
-#include "ui/widgets/main_window.h"
-#include "ui/widgets/settings_store.h"
+#include "ui/model/jobs/index_builder.h"
+#include "ui/model/session/session.h"
+#include "ui/widgets/opening/file_dialogs.h"
+#include "ui/widgets/window/main_window.h"
+#include "ui/widgets/window/settings_store.h"
 
 namespace isoslider::test {
 

@@ -22,11 +22,11 @@
 #include "core/extract/live/brick_picture.h"
 #include "core/volume_io/volume_reader.h"
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/histogram_plot.h"
-#include "ui/widgets/isovalue_edit.h"
-#include "ui/widgets/isovalue_panel.h"
-#include "ui/widgets/viewport_host.h"
-#include "ui/widgets/viewport_widget.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/isovalue/isovalue_edit.h"
+#include "ui/widgets/isovalue/isovalue_panel.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 
 namespace isoslider::test {
 namespace {

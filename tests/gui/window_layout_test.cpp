@@ -18,14 +18,14 @@
 #include "preprocess/build_index.h"
 #include "tests/gui/window_fixture.h"
 #include "tests/support/process_runner.h"
-#include "ui/widgets/action_registry.h"
-#include "ui/widgets/histogram_plot.h"
-#include "ui/widgets/isovalue_edit.h"
-#include "ui/widgets/isovalue_panel.h"
-#include "ui/widgets/message_bar.h"
-#include "ui/widgets/small_widgets.h"
-#include "ui/widgets/text_colour.h"
-#include "ui/widgets/viewport_host.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/isovalue/isovalue_edit.h"
+#include "ui/widgets/isovalue/isovalue_panel.h"
+#include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/viewport/viewport_host.h"
 
 namespace isoslider::test {
 namespace {

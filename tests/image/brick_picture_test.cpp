@@ -13,11 +13,11 @@
 
 #include "core/extract/live/brick_picture.h"
 #include "core/extract/slide_engine.h"
-#include "preprocess/brick_list.h"
+#include "preprocess/metacells/brick_list.h"
 #include "tests/support/result_matchers.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
-#include "ui/widgets/viewport_widget.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 
 namespace isoslider::test {
 namespace {

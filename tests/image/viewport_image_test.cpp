@@ -15,7 +15,7 @@
 #include "core/extract/full_extraction.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
-#include "ui/widgets/viewport_widget.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 
 namespace isoslider::test {
 namespace {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/extract/slide_engine.h"
-#include "preprocess/brick_list.h"
+#include "preprocess/metacells/brick_list.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"
 

@@ -7,7 +7,7 @@
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
-#include "preprocess/brick_list.h"
+#include "preprocess/metacells/brick_list.h"
 #include "preprocess/build_index.h"
 #include "tests/property/random_volumes.h"
 #include "tests/property/slide_ways.h"

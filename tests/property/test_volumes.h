@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/grid/scalar_grid.h"
-#include "core/volume_io/volume_source.h"
+#include "core/volume_io/sources/volume_source.h"
 #include "preprocess/build_index.h"
 
 namespace isoslider::test {

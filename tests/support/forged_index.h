@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 
 namespace isoslider::test {
 

@@ -8,8 +8,8 @@
 #include <glm/vec4.hpp>
 
 #include "core/extract/surface_frame.h"
-#include "ui/model/camera.h"
-#include "ui/model/view_state.h"
+#include "ui/model/surface/camera.h"
+#include "ui/model/surface/view_state.h"
 #include "ui/render/gl_driver.h"
 
 namespace isoslider::render {

@@ -7,7 +7,7 @@
 
 #include "core/extract/live/brick_bits.h"
 #include "core/grid/brick_grid.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 
 namespace isoslider::extract {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/volume_io/byte_stream.h"
+#include "core/volume_io/parsing/byte_stream.h"
 
 // Data files that a text header names.
 

@@ -5,7 +5,7 @@
 
 #include "core/base/file_system.h"
 #include "core/volume_io/formats/format_readers.h"
-#include "core/volume_io/header_checks.h"
+#include "core/volume_io/parsing/header_checks.h"
 
 namespace isoslider::io {
 namespace fs = std::filesystem;

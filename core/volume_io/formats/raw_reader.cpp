@@ -6,15 +6,15 @@
 #include "core/base/file_system.h"
 #include "core/grid/scalar_key.h"
 #include "core/volume_io/formats/format_readers.h"
-#include "core/volume_io/header_checks.h"
-#include "core/volume_io/sample_source.h"
+#include "core/volume_io/parsing/header_checks.h"
+#include "core/volume_io/sources/sample_source.h"
 
 namespace isoslider::io {
 namespace {
 
 /// Mean difference of neighbouring samples as places in the order of their type, whose size plays no part. Enough to
 /// tell one byte order from the other of the same samples. The window, which ranks types, dims and offsets against each
-/// other, needs a measure that is the same for all of these: ui/model/raw_smoothness.h.
+/// other, needs a measure that is the same for all of these: ui/model/opening/raw_smoothness.h.
 template <class Sample>
 double roughness(std::span<const std::byte> bytes, bool isSwapped) {
     double sum = 0.0, before = 0.0;

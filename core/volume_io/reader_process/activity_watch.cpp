@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "core/volume_io/header_checks.h"
+#include "core/volume_io/parsing/header_checks.h"
 
 namespace isoslider::io {
 

@@ -4,7 +4,7 @@
 
 #include "core/base/plain_text.h"
 #include "core/grid/length_unit.h"
-#include "core/volume_io/header_checks.h"
+#include "core/volume_io/parsing/header_checks.h"
 
 namespace isoslider::io {
 namespace {

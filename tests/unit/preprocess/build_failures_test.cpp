@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/extract/slide_engine.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 #include "preprocess/build_index.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/faulty_file_system.h"

@@ -9,7 +9,7 @@
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
 #include "core/grid/volume_statistics.h"
-#include "core/index/index_format.h"
+#include "core/index/format/index_format.h"
 #include "core/index/sample_store.h"
 #include "tests/property/random_volumes.h"
 #include "tests/property/surface_comparison.h"

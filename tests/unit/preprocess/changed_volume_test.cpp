@@ -12,7 +12,7 @@
 #include "preprocess/build_index.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/volume_io/dicom_bytes.h"
+#include "tests/unit/core/volume_io/formats/dicom/dicom_bytes.h"
 
 namespace isoslider::preprocess {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <mutex>
 
-#include "ui/model/main_thread.h"
+#include "ui/model/jobs/main_thread.h"
 
 namespace isoslider::test {
 

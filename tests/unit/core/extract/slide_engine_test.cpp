@@ -6,7 +6,7 @@
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/live/brick_picture.h"
-#include "preprocess/brick_list.h"
+#include "preprocess/metacells/brick_list.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"

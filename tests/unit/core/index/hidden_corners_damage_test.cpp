@@ -8,7 +8,7 @@
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
 #include "core/grid/scalar_key.h"
-#include "core/index/block_codec.h"
+#include "core/index/format/block_codec.h"
 #include "core/index/hidden_corners.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"

@@ -11,7 +11,7 @@
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
-#include "core/index/block_codec.h"
+#include "core/index/format/block_codec.h"
 #include "core/index/index_reader.h"
 #include "core/index/sample_store.h"
 #include "tests/property/surface_comparison.h"

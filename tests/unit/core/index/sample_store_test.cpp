@@ -9,7 +9,7 @@
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
-#include "core/index/block_codec.h"
+#include "core/index/format/block_codec.h"
 #include "core/index/index_writer.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"

@@ -11,7 +11,7 @@
 #include "core/extract/surface_mesh.h"
 #include "core/grid/classification.h"
 #include "core/grid/scalar_key.h"
-#include "core/index/block_codec.h"
+#include "core/index/format/block_codec.h"
 #include "core/index/index_reader.h"
 #include "tests/property/random_volumes.h"
 #include "tests/support/result_matchers.h"

@@ -1,0 +1,277 @@
+#include "core/index/format/block_codec.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+
+#include "core/index/format/byte_planes.h"
+
+namespace isoslider::index {
+namespace {
+
+// Layout: FORMAT.md, "Page". Columns of residuals, in byte planes.
+
+constexpr std::size_t kPageHeaderBytes = 32;
+
+enum PageFlag : std::uint8_t { kSecondDifferences = 1, kMirroredNormals = 2 };
+constexpr std::uint8_t kKnownFlags = kSecondDifferences | kMirroredNormals;
+
+int bytesFor(std::uint64_t largest) { return std::max(1, (static_cast<int>(std::bit_width(largest)) + 7) / 8); }
+
+template <class Key>
+Key zigzag(Key difference) {
+    constexpr int kTop = 8 * sizeof(Key) - 1;
+    return static_cast<Key>(static_cast<Key>(difference << 1) ^ static_cast<Key>(Key(0) - (difference >> kTop)));
+}
+
+template <class Key>
+Key unzigzag(Key code) {
+    return static_cast<Key>((code >> 1) ^ static_cast<Key>(Key(0) - (code & 1)));
+}
+
+// What the far scalar across the edge's axis suggests: the field goes on in a straight line.
+template <class Key>
+Key mirrored(Key key, Key opposite) {
+    return static_cast<Key>(key + key - opposite);
+}
+
+// Byte by byte, modulo 256.
+NormalCode subtractNormal(NormalCode a, NormalCode b) {
+    return static_cast<NormalCode>(((a - b) & 0xff) | (((a >> 8) - (b >> 8)) & 0xff) << 8);
+}
+NormalCode addNormal(NormalCode a, NormalCode b) {
+    return static_cast<NormalCode>(((a + b) & 0xff) | (((a >> 8) + (b >> 8)) & 0xff) << 8);
+}
+NormalCode mirroredNormal(NormalCode normal, NormalCode opposite) {
+    return subtractNormal(addNormal(normal, normal), opposite);
+}
+
+/// The columns of a page while it is encoded; memory of a thread, used again for the next page.
+template <class Key>
+struct PageColumns {
+    std::vector<Key> keys, farKeys, farKeysMirrored;
+    std::vector<std::uint64_t> ids;
+    std::vector<std::uint8_t> masks;
+    std::vector<NormalCode> normals, farNormals, farNormalsMirrored;
+    std::int64_t keyBitsSaved = 0, normalBitsSaved = 0; ///< by predicting from the opposite edge
+};
+
+template <class Key>
+PageColumns<Key>& pageColumns() {
+    thread_local PageColumns<Key> columns;
+    return columns;
+}
+
+// Bits of a difference of bytes modulo 256, without its sign.
+constexpr auto kByteBits = [] {
+    std::array<std::uint8_t, 256> bits{};
+    for (unsigned byte = 0; byte < 256; ++byte)
+        bits[byte] = static_cast<std::uint8_t>(std::bit_width(byte < 128 ? byte : 256 - byte));
+    return bits;
+}();
+int bitsOf(NormalCode residual) { return kByteBits[residual & 0xff] + kByteBits[residual >> 8]; }
+
+// Residuals of what stands across the edges, against the point itself, and where both edges of an axis are there also the lower
+// one's against what the upper one suggests. Upward edges have odd numbers.
+template <class Key>
+void findFarResiduals(std::span<const PointRecord<Key>> records, PageColumns<Key>& columns) {
+    const std::size_t most = records.size() * kPointEdges;
+    for (auto* column : {&columns.farKeys, &columns.farKeysMirrored})
+        column->resize(most);
+    for (auto* column : {&columns.farNormals, &columns.farNormalsMirrored})
+        column->resize(most);
+    columns.keyBitsSaved = columns.normalBitsSaved = 0;
+    std::size_t n = 0;
+    for (const PointRecord<Key>& r : records)
+        for (unsigned mask = r.edgeMask; mask != 0; mask &= mask - 1, ++n) {
+            const int e = std::countr_zero(mask);
+            const Key key = zigzag(static_cast<Key>(r.farKeys[e] - r.key));
+            const NormalCode normal = subtractNormal(r.farNormals[e], r.normal);
+            columns.farKeys[n] = columns.farKeysMirrored[n] = key;
+            columns.farNormals[n] = columns.farNormalsMirrored[n] = normal;
+            if (e & 1 || !(mask >> (e + 1) & 1))
+                continue;
+            const Key mirroredKey = zigzag(static_cast<Key>(r.farKeys[e] - mirrored(r.key, r.farKeys[e + 1])));
+            const NormalCode mirroredCode = subtractNormal(r.farNormals[e], mirroredNormal(r.normal, r.farNormals[e + 1]));
+            columns.farKeysMirrored[n] = mirroredKey;
+            columns.farNormalsMirrored[n] = mirroredCode;
+            columns.keyBitsSaved += static_cast<int>(std::bit_width(key)) - static_cast<int>(std::bit_width(mirroredKey));
+            columns.normalBitsSaved += bitsOf(normal) - bitsOf(mirroredCode);
+        }
+    for (auto* column : {&columns.farKeys, &columns.farKeysMirrored})
+        column->resize(n);
+    for (auto* column : {&columns.farNormals, &columns.farNormalsMirrored})
+        column->resize(n);
+}
+
+} // namespace
+
+template <class Key>
+std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, PageOrder order, const BrickGrid& grid) {
+    ISO_CHECK(!records.empty() && records.size() <= kMaxPagePoints);
+    Key base = records.front().key;
+    for (const PointRecord<Key>& r : records)
+        base = std::min(base, r.key);
+    const std::uint64_t idCount = grid.idCount();
+    PageColumns<Key>& columns = pageColumns<Key>();
+    columns.keys.clear();
+    columns.ids.clear();
+    columns.masks.clear();
+    columns.normals.clear();
+    Key previousKey = base;
+    PointId previousId = 0;
+    NormalCode previousNormal = 0;
+    for (const PointRecord<Key>& r : records) {
+        columns.keys.push_back(static_cast<Key>(r.key - (order == PageOrder::Value ? previousKey : base)));
+        columns.ids.push_back(r.id() >= previousId ? r.id() - previousId : r.id() + (idCount - previousId));
+        columns.masks.push_back(r.edgeMask);
+        columns.normals.push_back(subtractNormal(r.normal, previousNormal));
+        previousKey = r.key;
+        previousId = r.id();
+        previousNormal = r.normal;
+    }
+    findFarResiduals(records, columns);
+    const bool mirrorsKeys = columns.keyBitsSaved > 0, mirrorsNormals = columns.normalBitsSaved > 0;
+    const auto flags = static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) | (mirrorsNormals ? kMirroredNormals : 0));
+
+    constexpr int kKeyBytes = sizeof(Key);
+    const int idBytes = bytesFor(idCount);
+    const int planes = kKeyBytes + idBytes + 1 + 2 + kKeyBytes + 2;
+    std::vector<std::byte> bytes;
+    bytes.reserve(records.size() * 32 + 512);
+    ByteWriter header(bytes);
+    header.put<std::uint32_t>(static_cast<std::uint32_t>(records.size()));
+    header.put<std::uint32_t>(static_cast<std::uint32_t>(columns.farKeys.size()));
+    header.put<std::uint64_t>(base);
+    header.put<std::uint8_t>(kKeyBytes);
+    header.put<std::uint8_t>(static_cast<std::uint8_t>(idBytes));
+    header.put<std::uint8_t>(static_cast<std::uint8_t>(order));
+    header.put<std::uint8_t>(flags);
+    header.put<std::uint32_t>(static_cast<std::uint32_t>(planes));
+    header.put<std::uint64_t>(0); // reserved
+    PlaneWriter writer(bytes, planes);
+    writer.addColumn(columns.keys, kKeyBytes);
+    writer.addColumn(columns.ids, idBytes);
+    writer.addColumn(columns.masks, 1);
+    writer.addColumn(columns.normals, 2);
+    writer.addColumn(mirrorsKeys ? columns.farKeysMirrored : columns.farKeys, kKeyBytes);
+    writer.addColumn(mirrorsNormals ? columns.farNormalsMirrored : columns.farNormals, 2);
+    ISO_CHECK(writer.isComplete());
+    return bytes;
+}
+
+// ---- reading
+
+namespace {
+
+// Residuals back to ids, keys and normals, checking every id and edge against the grid.
+template <class Key>
+Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const BrickGrid& grid, const PlaneReader& reader) {
+    const std::uint64_t idCount = grid.idCount();
+    Key previousKey = base;
+    PointId previousId = 0;
+    NormalCode previousNormal = 0;
+    std::size_t edges = 0;
+    for (std::size_t i = 0; i < page.pointCount(); ++i) {
+        const Key key = static_cast<Key>(page.keys[i] + (order == PageOrder::Value ? previousKey : base));
+        if (key < previousKey && order == PageOrder::Value)
+            return reader.corrupt("keys out of order");
+        page.keys[i] = previousKey = key;
+        if (page.ids[i] >= idCount)
+            return reader.corrupt("point id");
+        PointId id = previousId + page.ids[i];
+        id = id >= idCount ? id - idCount : id;
+        page.ids[i] = previousId = id;
+        page.normals[i] = previousNormal = addNormal(page.normals[i], previousNormal);
+        const auto p = grid.pointCoords(id);
+        std::uint8_t allowed = 0;
+        for (int a = 0; a < 3; ++a) {
+            if (p[a] >= grid.dims()[a])
+                return reader.corrupt("point id outside the grid");
+            allowed |= static_cast<std::uint8_t>((p[a] > 0) << (2 * a) | (p[a] + 1 < grid.dims()[a]) << (2 * a + 1));
+        }
+        if (page.masks[i] & ~allowed)
+            return reader.corrupt("edge outside the grid");
+        edges += static_cast<std::size_t>(std::popcount(page.masks[i]));
+    }
+    if (edges != page.edgeCount())
+        return reader.corrupt("edge count");
+    return {};
+}
+
+template <class Key>
+void restoreEdges(DecodedPage<Key>& page, std::uint8_t flags) {
+    const bool mirrorsKeys = flags & kSecondDifferences;
+    const bool mirrorsNormals = flags & kMirroredNormals;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < page.pointCount(); ++i) {
+        const Key key = page.keys[i];
+        const NormalCode normal = page.normals[i];
+        unsigned mask = page.masks[i];
+        while (mask != 0) {
+            const int e = std::countr_zero(mask);
+            const bool hasPair = !(e & 1) && (mask >> (e + 1) & 1);
+            const Key first = unzigzag(page.farKeys[at]);
+            mask &= mask - 1;
+            if (!hasPair) {
+                page.farKeys[at] = static_cast<Key>(first + key);
+                page.farNormals[at] = addNormal(page.farNormals[at], normal);
+                ++at;
+                continue;
+            }
+            const Key upper = static_cast<Key>(unzigzag(page.farKeys[at + 1]) + key);
+            const NormalCode upperNormal = addNormal(page.farNormals[at + 1], normal);
+            page.farKeys[at] = static_cast<Key>(first + (mirrorsKeys ? mirrored(key, upper) : key));
+            page.farNormals[at] = addNormal(page.farNormals[at], mirrorsNormals ? mirroredNormal(normal, upperNormal) : normal);
+            page.farKeys[at + 1] = upper;
+            page.farNormals[at + 1] = upperNormal;
+            at += 2;
+            mask &= mask - 1;
+        }
+    }
+}
+
+} // namespace
+
+template <class Key>
+Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, DecodedPage<Key>& page, const std::string& path) {
+    PlaneReader reader(bytes, path);
+    if (bytes.size() < kPageHeaderBytes)
+        return reader.corrupt("header is cut off");
+    ByteReader header(bytes.first(kPageHeaderBytes));
+    const std::size_t points = header.get<std::uint32_t>();
+    const std::size_t edges = header.get<std::uint32_t>();
+    const std::uint64_t base = header.get<std::uint64_t>();
+    const int keyBytes = header.get<std::uint8_t>();
+    const int idBytes = header.get<std::uint8_t>();
+    const std::uint8_t order = header.get<std::uint8_t>();
+    const std::uint8_t flags = header.get<std::uint8_t>();
+    const std::uint32_t planes = header.get<std::uint32_t>();
+    if (points == 0 || points > kMaxPagePoints || edges > points * kPointEdges)
+        return reader.corrupt("point or edge count");
+    if (keyBytes != sizeof(Key) || idBytes != bytesFor(grid.idCount()) || order > 1 || (flags & ~kKnownFlags) != 0 ||
+        planes != static_cast<std::uint32_t>(2 * keyBytes + idBytes + 5) || base > std::numeric_limits<Key>::max())
+        return reader.corrupt("header field");
+    ISO_TRY(reader.beginPlanes(kPageHeaderBytes, planes));
+    ISO_TRY(reader.readColumn(page.keys, points, keyBytes));
+    ISO_TRY(reader.readColumn(page.ids, points, idBytes));
+    ISO_TRY(reader.readColumn(page.masks, points, 1));
+    ISO_TRY(reader.readColumn(page.normals, points, 2));
+    ISO_TRY(reader.readColumn(page.farKeys, edges, keyBytes));
+    ISO_TRY(reader.readColumn(page.farNormals, edges, 2));
+    if (!reader.isAtEnd())
+        return reader.corrupt("bytes after the last plane");
+    ISO_TRY(restorePoints(page, static_cast<Key>(base), static_cast<PageOrder>(order), grid, reader));
+    restoreEdges(page, flags);
+    return {};
+}
+
+template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint16_t>>, PageOrder, const BrickGrid&);
+template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint32_t>>, PageOrder, const BrickGrid&);
+template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint64_t>>, PageOrder, const BrickGrid&);
+template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint16_t>&, const std::string&);
+template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint32_t>&, const std::string&);
+template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint64_t>&, const std::string&);
+
+} // namespace isoslider::index

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/index/format/point_record.h"
+
+namespace isoslider::index {
+
+/// Point records of one page, decoded, as columns. `far*` hold the edges of all points one after the
+/// other, each point's in the order of its mask bits.
+///
+/// Invariants: 1. keys, ids, masks, normals have one length; 2. the far columns have as many entries
+/// as the masks have bits; 3. every id lies in the grid and every edge's far end too; 4. in value
+/// order keys never decrease.
+template <class Key>
+struct DecodedPage {
+    std::vector<Key> keys;
+    std::vector<PointId> ids;
+    std::vector<std::uint8_t> masks;
+    std::vector<NormalCode> normals;
+    std::vector<Key> farKeys;
+    std::vector<NormalCode> farNormals;
+
+    std::size_t pointCount() const { return keys.size(); }
+    std::size_t edgeCount() const { return farKeys.size(); }
+    /// What the arrays take, which may have held a larger page before.
+    std::size_t memoryBytes() const {
+        return keys.capacity() * sizeof(Key) + ids.capacity() * sizeof(PointId) + masks.capacity() +
+               normals.capacity() * sizeof(NormalCode) + farKeys.capacity() * sizeof(Key) +
+               farNormals.capacity() * sizeof(NormalCode);
+    }
+};
+
+/// How the records of a page are sorted. Level 0 keeps (key, id) order, so that any isovalue interval
+/// is a run of records; higher levels are read whole and keep id order, so that neighbours meet.
+enum class PageOrder : std::uint8_t { Value = 0, Id = 1 };
+
+/// No page holds more, so a damaged count never sizes a large allocation.
+inline constexpr std::size_t kMaxPagePoints = 1u << 16;
+
+/// Encodes records as FORMAT.md, "Page", says. O(records), deterministic.
+/// REQUIRES: 0 < records.size() <= kMaxPagePoints, sorted as `order` says, every mask non-zero.
+template <class Key>
+std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, PageOrder order, const BrickGrid& grid);
+
+/// Decodes a page and checks the invariants of DecodedPage against `grid`. Errors: Corruption; `page`
+/// is unspecified then. `path` is only for the message. Reuses the vectors' memory.
+template <class Key>
+Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, DecodedPage<Key>& page,
+                  const std::string& path);
+
+extern template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint16_t>>, PageOrder, const BrickGrid&);
+extern template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint32_t>>, PageOrder, const BrickGrid&);
+extern template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint64_t>>, PageOrder, const BrickGrid&);
+extern template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint16_t>&, const std::string&);
+extern template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint32_t>&, const std::string&);
+extern template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint64_t>&, const std::string&);
+
+} // namespace isoslider::index

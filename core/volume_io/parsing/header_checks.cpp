@@ -1,0 +1,153 @@
+#include "core/volume_io/parsing/header_checks.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <glm/matrix.hpp>
+
+#include "core/base/file_system.h"
+#include "core/base/machine.h"
+
+namespace isoslider::io {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n\v\f";
+
+template <class Number>
+std::optional<Number> parseNumber(std::string_view text) {
+    if (text.starts_with('+'))
+        text.remove_prefix(1);
+    Number value{};
+    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (problem != std::errc{} || end != text.data() + text.size())
+        return std::nullopt;
+    return value;
+}
+
+template <class Number>
+bool parseNumbers(std::string_view text, std::vector<Number>& out) {
+    out.clear();
+    for (const std::string_view word : words(text)) {
+        const auto value = parseNumber<Number>(word);
+        if (!value)
+            return false;
+        out.push_back(*value);
+    }
+    return true;
+}
+
+} // namespace
+
+Error refuseField(std::string_view field, std::string_view problem, const fs::path& path) {
+    return makeError(ErrorCode::InvalidArgument, std::string(field) + ": " + std::string(problem), path);
+}
+
+std::optional<std::int64_t> parseInteger(std::string_view text) { return parseNumber<std::int64_t>(text); }
+std::optional<double> parseReal(std::string_view text) { return parseNumber<double>(text); }
+bool parseIntegers(std::string_view text, std::vector<std::int64_t>& out) { return parseNumbers(text, out); }
+bool parseReals(std::string_view text, std::vector<double>& out) { return parseNumbers(text, out); }
+
+std::string_view trimmed(std::string_view text) {
+    const auto begin = text.find_first_not_of(kBlanks);
+    if (begin == std::string_view::npos)
+        return {};
+    return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+std::vector<std::string_view> words(std::string_view text) {
+    std::vector<std::string_view> out;
+    while (!(text = trimmed(text)).empty()) {
+        const std::string_view word = text.substr(0, text.find_first_of(kBlanks));
+        out.push_back(word);
+        text.remove_prefix(word.size());
+    }
+    return out;
+}
+
+std::string inQuotes(std::string_view text) {
+    std::string out = "'";
+    for (const char c : text.substr(0, 60))
+        out += c >= 0x20 && c < 0x7f ? c : '?';
+    return out + (text.size() > 60 ? "...'" : "'");
+}
+
+Status checkExtents(std::span<const std::int64_t> sizes, std::string_view field, const fs::path& path) {
+    if (sizes.empty())
+        return refuseField(field, "the data has no dimension", path);
+    std::int64_t values = 1;
+    for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
+        if (sizes[axis] < 1 || sizes[axis] > kMaxDim)
+            return refuseField(field, "extent " + std::to_string(sizes[axis]) + " of axis " + std::to_string(axis + 1) +
+                                          " is not within 1.." + std::to_string(kMaxDim), path);
+        values *= sizes[axis]; // both factors are below 2^41: no overflow before the next test
+        if (values > kMaxPoints)
+            return refuseField(field, "more than 2^40 grid points in all", path);
+    }
+    return {};
+}
+
+Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view field, const fs::path& path) {
+    ISO_TRY(checkExtents(sizes, field, path));
+    GridDims dims{1, 1, 1};
+    for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
+        if (axis >= 3 && sizes[axis] != 1)
+            return refuseField(field, "the data has " + std::to_string(sizes.size()) +
+                                          " dimensions, a series or several components; save one volume of it", path);
+        if (axis < 3)
+            dims[axis] = sizes[axis];
+    }
+    return dims;
+}
+
+Status checkGeometry(const GridGeometry& geometry, std::string_view field, const fs::path& path) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!std::isfinite(geometry.spacing[axis]) || !(geometry.spacing[axis] > 0.0))
+            return refuseField(field, "spacing " + std::to_string(geometry.spacing[axis]) + " of axis " +
+                                          std::to_string(axis + 1) + " is not a positive number", path);
+        if (!std::isfinite(geometry.origin[axis]))
+            return refuseField(field, "the origin is not finite", path);
+    }
+    const double determinant = glm::determinant(geometry.direction);
+    if (!std::isfinite(determinant) || std::abs(determinant) < 1e-6)
+        return refuseField(field, "the axis directions do not span space", path);
+    return {};
+}
+
+Result<fs::path> resolveDataFile(const fs::path& header, std::string_view name, std::string_view field,
+                                 bool allowsExternal) {
+    std::error_code problem;
+    const fs::path folder = fs::canonical(header.parent_path().empty() ? fs::path(".") : header.parent_path(), problem);
+    if (problem)
+        return makeError(ErrorCode::IoError, "cannot resolve its folder: " + problem.message(), header);
+    const fs::path file = fs::weakly_canonical(folder / fs::path(name), problem);
+    if (problem)
+        return refuseField(field, "cannot resolve " + inQuotes(name) + ": " + problem.message(), header);
+    const auto mismatch = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+    if (!allowsExternal && mismatch.first != folder.end())
+        return refuseField(
+            field, inQuotes(name) + " lies outside the folder of the header (data outside it has to be allowed)", header);
+    if (!fs::exists(file, problem))
+        return refuseField(field, "there is no file " + inQuotes(name) + " beside the header", header);
+    return file;
+}
+
+Result<std::string> readStart(const fs::path& path, std::uint64_t maxBytes) {
+    auto file = defaultFileSystem().openForReading(path);
+    if (!file.isOk())
+        return std::move(file).error();
+    std::string text(std::min(file.value()->sizeBytes(), maxBytes), '\0');
+    ISO_TRY(file.value()->readExactlyAt(0, std::as_writable_bytes(std::span(text))));
+    return text;
+}
+
+Status checkFitsMemory(std::uint64_t sizeBytes, const fs::path& path) {
+    const auto memory = physicalMemoryBytes();
+    if (sizeBytes > memory)
+        return makeError(ErrorCode::OutOfSpace, "needs " + std::to_string(sizeBytes >> 20) +
+                             " MiB in memory, this machine has " + std::to_string(memory >> 20), path);
+    return {};
+}
+
+} // namespace isoslider::io

@@ -1,0 +1,215 @@
+#include "core/index/format/block_codec.h"
+
+#include <algorithm>
+#include <bit>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/result_matchers.h"
+
+namespace isoslider::index {
+namespace {
+
+using test::HasError;
+using test::IsOk;
+
+constexpr GridDims kDims{21, 17, 10};
+
+template <class Key>
+class BlockCodec : public testing::Test {
+protected:
+    std::mt19937_64 random_{41};
+
+    Key randomKey(std::uint64_t spread) { return static_cast<Key>(Key(std::numeric_limits<Key>::max() / 2) + random_() % spread); }
+
+    // Points of the grid with random edges, in id order. `spread`: how far keys lie apart.
+    std::vector<PointRecord<Key>> randomRecords(std::size_t count, std::uint64_t spread) {
+        const BrickGrid grid(kDims);
+        std::vector<PointRecord<Key>> records;
+        for (PointId id = 0; id < grid.idCount() && records.size() < count; ++id) {
+            if (!grid.contains(id) || random_() % 3 == 0)
+                continue;
+            const auto p = grid.pointCoords(id);
+            PointRecord<Key> record;
+            record.setId(id);
+            record.key = randomKey(spread);
+            record.normal = static_cast<NormalCode>(random_());
+            for (int e = 0; e < kPointEdges; ++e) {
+                const int axis = e >> 1;
+                const bool exists = (e & 1) ? p[axis] + 1 < kDims[axis] : p[axis] > 0;
+                if (!exists || random_() % 2)
+                    continue;
+                record.edgeMask |= static_cast<std::uint8_t>(1 << e);
+                record.farKeys[e] = randomKey(spread);
+                record.farNormals[e] = static_cast<NormalCode>(random_());
+            }
+            if (record.edgeMask != 0)
+                records.push_back(record);
+        }
+        return records;
+    }
+
+    static void sortByKey(std::vector<PointRecord<Key>>& records) {
+        std::stable_sort(records.begin(), records.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
+    }
+
+    static void expectSame(const std::vector<PointRecord<Key>>& records, const DecodedPage<Key>& page) {
+        ASSERT_EQ(page.pointCount(), records.size());
+        std::size_t edge = 0;
+        for (std::size_t i = 0; i < records.size(); ++i) {
+            ASSERT_EQ(page.keys[i], records[i].key) << i;
+            ASSERT_EQ(page.ids[i], records[i].id()) << i;
+            ASSERT_EQ(page.masks[i], records[i].edgeMask) << i;
+            ASSERT_EQ(page.normals[i], records[i].normal) << i;
+            for (int e = 0; e < kPointEdges; ++e)
+                if (records[i].edgeMask >> e & 1) {
+                    ASSERT_EQ(page.farKeys[edge], records[i].farKeys[e]) << i << " " << e;
+                    ASSERT_EQ(page.farNormals[edge], records[i].farNormals[e]) << i << " " << e;
+                    ++edge;
+                }
+        }
+        EXPECT_EQ(edge, page.edgeCount());
+    }
+
+    // The invariants that block_codec.h promises to those who use a page.
+    static void expectInvariants(const DecodedPage<Key>& page, bool isByValue) {
+        const BrickGrid grid(kDims);
+        ASSERT_TRUE(page.ids.size() == page.keys.size() && page.masks.size() == page.keys.size() && page.normals.size() == page.keys.size());
+        std::size_t edges = 0;
+        for (std::size_t i = 0; i < page.pointCount(); ++i) {
+            ASSERT_TRUE(grid.contains(page.ids[i]));
+            const auto p = grid.pointCoords(page.ids[i]);
+            for (int e = 0; e < kPointEdges; ++e)
+                if (page.masks[i] >> e & 1) {
+                    ASSERT_TRUE((e & 1) ? p[e >> 1] + 1 < kDims[e >> 1] : p[e >> 1] > 0);
+                    ++edges;
+                }
+            ASSERT_EQ(page.masks[i] >> kPointEdges, 0);
+            if (isByValue && i > 0) {
+                ASSERT_GE(page.keys[i], page.keys[i - 1]);
+            }
+        }
+        ASSERT_EQ(edges, page.edgeCount());
+        ASSERT_EQ(page.farNormals.size(), page.edgeCount());
+    }
+};
+
+using KeyTypes = testing::Types<std::uint16_t, std::uint32_t, std::uint64_t>;
+TYPED_TEST_SUITE(BlockCodec, KeyTypes);
+
+TYPED_TEST(BlockCodec, GivesBackWhatItTook) {
+    const BrickGrid grid(kDims);
+    for (const std::uint64_t spread : {std::uint64_t{1}, std::uint64_t{9}, std::uint64_t{3000}, ~std::uint64_t{0}})
+        for (const std::size_t count : {1, 2, 17, 800}) {
+            SCOPED_TRACE(std::to_string(spread) + " " + std::to_string(count));
+            auto records = this->randomRecords(count, spread);
+            DecodedPage<TypeParam> page;
+            const auto byId = encodePage<TypeParam>(records, PageOrder::Id, grid);
+            ASSERT_THAT(decodePage<TypeParam>(byId, grid, page, "p"), IsOk());
+            this->expectSame(records, page);
+            this->sortByKey(records);
+            const auto byValue = encodePage<TypeParam>(records, PageOrder::Value, grid);
+            ASSERT_THAT(decodePage<TypeParam>(byValue, grid, page, "p"), IsOk()); // into memory that was used before
+            this->expectSame(records, page);
+        }
+}
+
+// A field that goes on in straight lines costs nearly nothing: the mirrored prediction is used.
+TYPED_TEST(BlockCodec, PredictsAStraightField) {
+    const BrickGrid grid(kDims);
+    std::vector<PointRecord<TypeParam>> straight;
+    for (auto record : this->randomRecords(900, 1)) {
+        const auto p = grid.pointCoords(record.id());
+        record.edgeMask = 0;
+        for (int a = 0; a < 3; ++a)
+            for (const int up : {0, 1})
+                if (up ? p[a] + 1 < kDims[a] : p[a] > 0) {
+                    const int e = 2 * a + up;
+                    record.edgeMask |= static_cast<std::uint8_t>(1 << e);
+                    record.farKeys[e] = static_cast<TypeParam>(record.key + (up ? 1 : -1) * (500 + static_cast<int>(p[0] * p[0]) + 7 * a));
+                    record.farNormals[e] = record.normal;
+                }
+        straight.push_back(record);
+    }
+    const auto bytes = encodePage<TypeParam>(straight, PageOrder::Id, grid);
+    EXPECT_EQ(static_cast<int>(bytes[19]) & 1, 1);
+    DecodedPage<TypeParam> page;
+    ASSERT_THAT(decodePage<TypeParam>(bytes, grid, page, "p"), IsOk());
+    this->expectSame(straight, page);
+}
+
+TYPED_TEST(BlockCodec, IsDeterministic) {
+    const auto records = this->randomRecords(300, 50);
+    EXPECT_EQ(encodePage<TypeParam>(records, PageOrder::Id, BrickGrid(kDims)), encodePage<TypeParam>(records, PageOrder::Id, BrickGrid(kDims)));
+}
+
+TYPED_TEST(BlockCodec, RefusesEveryTruncationAndTrailingBytes) {
+    const BrickGrid grid(kDims);
+    const auto bytes = encodePage<TypeParam>(this->randomRecords(70, 40), PageOrder::Id, grid);
+    DecodedPage<TypeParam> page;
+    for (std::size_t length = 0; length < bytes.size(); ++length) {
+        // A copy of that size, so that a read past its end is seen by the address sanitizer.
+        const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
+        ASSERT_THAT(decodePage<TypeParam>(cut, grid, page, "p"), HasError(ErrorCode::Corruption)) << length;
+    }
+    auto longer = bytes;
+    longer.push_back(std::byte{0});
+    EXPECT_THAT(decodePage<TypeParam>(longer, grid, page, "p"), HasError(ErrorCode::Corruption));
+}
+
+TYPED_TEST(BlockCodec, SurvivesEveryFlippedBit) {
+    const BrickGrid grid(kDims);
+    for (const PageOrder order : {PageOrder::Value, PageOrder::Id})
+        for (const std::size_t count : {3, 200}) {
+            auto records = this->randomRecords(count, 12);
+            if (order == PageOrder::Value)
+                this->sortByKey(records);
+            auto bytes = encodePage<TypeParam>(records, order, grid);
+            std::size_t refused = 0;
+            DecodedPage<TypeParam> page;
+            for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+                bytes[bit / 8] ^= std::byte(1 << (bit % 8));
+                const auto status = decodePage<TypeParam>(bytes, grid, page, "damaged.isx");
+                if (status.isOk()) {
+                    this->expectInvariants(page, order == PageOrder::Value && bytes[18] == std::byte{0});
+                } else {
+                    ++refused;
+                    ASSERT_EQ(status.error().code, ErrorCode::Corruption);
+                    ASSERT_EQ(status.error().path, "damaged.isx");
+                }
+                bytes[bit / 8] ^= std::byte(1 << (bit % 8));
+            }
+            EXPECT_GT(refused, 8 * 24u) << "the header alone has that many bits that must be right";
+        }
+}
+
+TYPED_TEST(BlockCodec, SurvivesRandomBytes) {
+    const BrickGrid grid(kDims);
+    auto records = this->randomRecords(500, 100);
+    const auto bytes = encodePage<TypeParam>(records, PageOrder::Id, grid);
+    DecodedPage<TypeParam> page;
+    for (int round = 0; round < 3000; ++round) {
+        auto damaged = bytes;
+        for (int k = 0; k < 3; ++k)
+            damaged[this->random_() % (round % 2 ? 120 : damaged.size())] = static_cast<std::byte>(this->random_());
+        if (decodePage<TypeParam>(damaged, grid, page, "p").isOk())
+            this->expectInvariants(page, damaged[18] == std::byte{0});
+    }
+}
+
+TYPED_TEST(BlockCodec, RefusesAPageOfAnotherKeySizeOrGrid) {
+    const auto records = this->randomRecords(5000, 40);
+    const auto bytes = encodePage<TypeParam>(records, PageOrder::Id, BrickGrid(kDims));
+    DecodedPage<std::uint16_t> page16;
+    DecodedPage<std::uint32_t> page32;
+    const bool is16 = sizeof(TypeParam) == 2;
+    EXPECT_EQ(decodePage<std::uint16_t>(bytes, BrickGrid(kDims), page16, "p").isOk(), is16);
+    EXPECT_EQ(decodePage<std::uint32_t>(bytes, BrickGrid(kDims), page32, "p").isOk(), sizeof(TypeParam) == 4);
+    DecodedPage<TypeParam> page;
+    // Same number of bricks, so the same ids; but the box is smaller.
+    EXPECT_THAT(decodePage<TypeParam>(bytes, BrickGrid({17, 17, 10}), page, "p"), HasError(ErrorCode::Corruption));
+}
+
+} // namespace
+} // namespace isoslider::index

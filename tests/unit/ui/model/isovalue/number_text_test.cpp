@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include "ui/model/isovalue/number_text.h"
+#include "ui/model/opening/raw_guess.h"
+
+namespace isoslider::model {
+namespace {
+
+TEST(NumberText, GroupsThousands) {
+    EXPECT_EQ(groupedText(std::uint64_t{0}), "0");
+    EXPECT_EQ(groupedText(std::uint64_t{999}), "999");
+    EXPECT_EQ(groupedText(std::uint64_t{1000}), "1,000");
+    EXPECT_EQ(groupedText(std::uint64_t{1234567}), "1,234,567");
+    EXPECT_EQ(groupedText(std::int64_t{-1234}), "-1,234");
+    EXPECT_EQ(groupedText(std::numeric_limits<std::int64_t>::min()), "-9,223,372,036,854,775,808");
+}
+
+TEST(NumberText, ShortensCountsAndBytes) {
+    EXPECT_EQ(compactText(9999), "9999");
+    EXPECT_EQ(compactText(12'400), "12.4 k");
+    EXPECT_EQ(compactText(999'999), "1.00 M");
+    EXPECT_EQ(compactText(3'810'000), "3.81 M");
+    EXPECT_EQ(bytesText(1023), "1023 B");
+    EXPECT_EQ(bytesText(1536), "1.50 KiB");
+    EXPECT_EQ(bytesText(std::uint64_t{5} << 30), "5.00 GiB");
+}
+
+TEST(NumberText, WritesValuesAndTimes) {
+    EXPECT_EQ(valueText(0.0), "0");
+    EXPECT_EQ(valueText(-0.0), "0");
+    EXPECT_EQ(valueText(1016.53), "1016.53");
+    EXPECT_EQ(valueText(1.5e-7), "1.5e-07");
+    EXPECT_EQ(millisecondsText(0.417), "0.42 ms");
+    EXPECT_EQ(millisecondsText(18.34), "18.3 ms");
+    EXPECT_EQ(millisecondsText(1240.0), "1.24 s");
+    EXPECT_EQ(millisecondsText(125'000.0), "2 min 05 s");
+}
+
+TEST(RawGuess, ReadsDimsAndTypeFromTheName) {
+    const auto layout = guessRawLayout("Skull_256x256x113_UINT16.raw", 256 * 256 * 113 * 2);
+    EXPECT_EQ(layout.dims, (GridDims{256, 256, 113}));
+    EXPECT_EQ(layout.type, ScalarType::U16);
+    EXPECT_EQ(layoutBytes(layout), std::uint64_t{256 * 256 * 113 * 2});
+}
+
+TEST(RawGuess, TakesTheTypeThatFitsTheNamedDims) {
+    const auto layout = guessRawLayout("head_64x32x16.raw", 64 * 32 * 16 * 4);
+    EXPECT_EQ(layout.dims, (GridDims{64, 32, 16}));
+    EXPECT_EQ(layout.type, ScalarType::F32);
+}
+
+TEST(RawGuess, FindsCubesAndSquareSlices) {
+    EXPECT_EQ(guessRawLayout("a.raw", 41 * 41 * 41).dims, (GridDims{41, 41, 41}));
+    EXPECT_EQ(guessRawLayout("a.raw", 256 * 256 * 99).dims, (GridDims{256, 256, 99}));
+    EXPECT_EQ(guessRawLayout("a_float.raw", 64 * 64 * 64 * 4).type, ScalarType::F32);
+}
+
+TEST(RawGuess, GivesNothingForASizeThatFitsNothing) {
+    EXPECT_EQ(guessRawLayout("a.raw", 1000003).dims, (GridDims{0, 0, 0}));
+    EXPECT_EQ(guessRawLayout("", 0).dims, (GridDims{0, 0, 0}));
+    EXPECT_EQ(guessRawLayout("999999_999999_999999.raw", 5).dims, (GridDims{999999, 999999, 999999}));
+}
+
+} // namespace
+} // namespace isoslider::model

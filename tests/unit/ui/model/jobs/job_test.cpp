@@ -1,0 +1,114 @@
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/ui/main_thread_queue.h"
+#include "ui/model/jobs/job_model.h"
+#include "ui/model/jobs/job_runner.h"
+
+namespace isoslider::model {
+namespace {
+
+TEST(JobModel, ListsJobsInOrderWithTheirProgress) {
+    JobModel model;
+    const auto first = model.add("first");
+    const auto second = model.add("second");
+    model.setProgress(second, 0.5, "half", 12.0);
+    ASSERT_EQ(model.entries().size(), 2u);
+    EXPECT_EQ(model.entries()[0].id, first);
+    EXPECT_EQ(model.find(second)->stage, "half");
+    EXPECT_EQ(model.runningCount(), 2u);
+}
+
+TEST(JobModel, AFinishedJobChangesNoMore) {
+    JobModel model;
+    const auto id = model.add("job");
+    model.finish(id, JobState::Failed, "disk full", 1.0);
+    model.setProgress(id, 0.1, "late", 2.0);
+    model.finish(id, JobState::Finished, "", 2.0);
+    EXPECT_EQ(model.find(id)->state, JobState::Failed);
+    EXPECT_EQ(model.find(id)->errorText, "disk full");
+}
+
+TEST(JobModel, ForgetsOldFinishedJobsButNoRunningOne) {
+    JobModel model;
+    const auto running = model.add("running");
+    for (std::size_t i = 0; i < JobModel::kFinishedKept + 15; ++i)
+        model.finish(model.add("short"), JobState::Finished, "", 1.0);
+    EXPECT_EQ(model.entries().size(), JobModel::kFinishedKept + 1);
+    EXPECT_NE(model.find(running), nullptr);
+    model.clearFinished();
+    EXPECT_EQ(model.entries().size(), 1u);
+}
+
+class JobRunnerTest : public ::testing::Test {
+protected:
+    test::MainThreadQueue queue_;
+    JobModel model_;
+    JobRunner runner_{model_, queue_.poster()};
+};
+
+TEST_F(JobRunnerTest, DeliversTheResultOnTheMainThread) {
+    int answer = 0;
+    std::thread::id deliveredOn;
+    const auto id = runner_.run<int>(
+        "work", [](const JobControl&) -> Result<int> { return 42; },
+        [&](Result<int> result) {
+            answer = result.value();
+            deliveredOn = std::this_thread::get_id();
+        });
+    ASSERT_TRUE(queue_.runUntil([&] { return answer != 0; }));
+    EXPECT_EQ(answer, 42);
+    EXPECT_EQ(deliveredOn, std::this_thread::get_id());
+    EXPECT_EQ(model_.find(id)->state, JobState::Finished);
+    EXPECT_EQ(model_.find(id)->fraction, 1.0);
+}
+
+TEST_F(JobRunnerTest, CancelReachesTheWork) {
+    bool isDone = false;
+    const auto id = runner_.run<int>(
+        "work",
+        [](const JobControl& job) -> Result<int> {
+            while (!job.isStopRequested())
+                std::this_thread::yield();
+            return cancelledError();
+        },
+        [&](Result<int> result) { isDone = result.isCancelled(); });
+    runner_.cancel(id);
+    EXPECT_TRUE(model_.find(id)->isCancelling);
+    ASSERT_TRUE(queue_.runUntil([&] { return isDone; }));
+    EXPECT_EQ(model_.find(id)->state, JobState::Cancelled);
+    EXPECT_TRUE(model_.find(id)->errorText.empty());
+}
+
+TEST_F(JobRunnerTest, AnExceptionBecomesAnError) {
+    bool isDone = false;
+    const auto id = runner_.run<int>(
+        "work", [](const JobControl&) -> Result<int> { throw std::runtime_error("broken"); },
+        [&](Result<int> result) { isDone = !result.isOk(); });
+    ASSERT_TRUE(queue_.runUntil([&] { return isDone; }));
+    EXPECT_EQ(model_.find(id)->state, JobState::Failed);
+    EXPECT_NE(model_.find(id)->errorText.find("broken"), std::string::npos);
+}
+
+TEST(JobRunner, AfterItsEndNothingIsDelivered) {
+    test::MainThreadQueue queue;
+    JobModel model;
+    bool isDelivered = false;
+    {
+        JobRunner runner(model, queue.poster());
+        runner.run<int>(
+            "work",
+            [](const JobControl& job) -> Result<int> {
+                while (!job.isStopRequested())
+                    std::this_thread::yield();
+                return 1;
+            },
+            [&](Result<int>) { isDelivered = true; });
+    }
+    queue.runAll();
+    EXPECT_FALSE(isDelivered);
+}
+
+} // namespace
+} // namespace isoslider::model

@@ -1,0 +1,286 @@
+// Sessions: what a file keeps, what of a damaged one is used, and who is offered one that was lost.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <ctime>
+#include <fstream>
+#include <limits>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+#include "ui/model/session/saved_session.h"
+#include "ui/model/session/session_slot.h"
+
+namespace isoslider::model {
+namespace {
+
+namespace fs = std::filesystem;
+using test::HasError;
+using test::IsOk;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+SavedSession fullSession(const fs::path& volume) {
+    SavedSession session;
+    session.volume = volume;
+    session.readOptions.field = "speed/\xff%";
+    session.readOptions.component = io::kMagnitude;
+    session.readOptions.frame = 3;
+    session.readOptions.resampleDims = {20, 30, 40};
+    session.readOptions.raw = io::RawLayout{{4, 5, 6}, ScalarType::U16, {0.5, 1.0, 2.0}, 128, true};
+    session.readOptions.allowsTrailing = true;
+    session.isovalue = -0.1;
+    session.camera = CameraPose{{0.5, 0.5, -0.5, 0.5}, {1.0, 2.0, 1e-30}, 7.25, false};
+    session.view = ViewOptions{true, false, true, false};
+    return session;
+}
+
+void expectSame(const SavedSession& a, const SavedSession& b) {
+    EXPECT_EQ(a.volume, b.volume);
+    EXPECT_EQ(a.sampleName, b.sampleName);
+    EXPECT_EQ(a.readOptions, b.readOptions);
+    EXPECT_EQ(a.isovalue, b.isovalue);
+    ASSERT_EQ(a.camera.has_value(), b.camera.has_value());
+    if (a.camera) {
+        EXPECT_EQ(a.camera->orientation, b.camera->orientation);
+        EXPECT_EQ(a.camera->target, b.camera->target);
+        EXPECT_EQ(a.camera->distance, b.camera->distance);
+        EXPECT_EQ(a.camera->isPerspective, b.camera->isPerspective);
+    }
+    EXPECT_EQ(a.view, b.view);
+}
+
+class SavedSessionTest : public ::testing::Test {
+protected:
+    /// The text of a whole session with one piece replaced.
+    std::string changed(const std::string& from, const std::string& to) {
+        std::string text = sessionText(fullSession(folder_ / "a.mha"), folder_.path());
+        const auto place = text.find(from);
+        EXPECT_NE(place, std::string::npos) << from << " in " << text;
+        return text.replace(place, from.size(), to);
+    }
+    ReadSession read(const std::string& text) { return sessionFromText(text, folder_.path()); }
+
+    test::TemporaryFolder folder_;
+};
+
+TEST_F(SavedSessionTest, KeepsEverything) {
+    const auto session = fullSession(folder_ / "a \xc3\xa9\n%41.mha");
+    ASSERT_THAT(writeSession(session, folder_ / "s.isosession"), IsOk());
+    const auto again = readSession(folder_ / "s.isosession");
+    ASSERT_THAT(again, IsOk());
+    EXPECT_THAT(again.value().problems, IsEmpty());
+    expectSame(again.value().session, session);
+
+    SavedSession sample;
+    sample.sampleName = "shell";
+    const auto small = read(sessionText(sample, folder_.path()));
+    EXPECT_THAT(small.problems, IsEmpty());
+    expectSame(small.session, sample);
+}
+
+TEST_F(SavedSessionTest, FollowsItsVolumeWhenBothMove) {
+    fs::create_directories(folder_ / "old/data");
+    folder_.write("old/data/a.mha", "");
+    ASSERT_THAT(writeSession(fullSession(folder_ / "old/data/a.mha"), folder_ / "old/s.isosession"), IsOk());
+    fs::rename(folder_ / "old", folder_ / "new");
+    EXPECT_EQ(readSession(folder_ / "new/s.isosession").value().session.volume, folder_ / "new/data/a.mha");
+    fs::remove(folder_ / "new/data/a.mha");
+    EXPECT_EQ(readSession(folder_ / "new/s.isosession").value().session.volume, folder_ / "old/data/a.mha");
+}
+
+TEST_F(SavedSessionTest, B110_OfZeroBytesOrOtherBytesIsToldAndHoldsDefaults) {
+    for (const auto& [text, says] : {std::pair<std::string, std::string>("", "is empty"),
+                                     {"{", "no session"},
+                                     {"null", "no session"},
+                                     {"{\"version\": 1}", "no session"},
+                                     {std::string(500'000, '['), "no session"},
+                                     {std::string(1000, '\0'), "no session"}}) {
+        const auto found = readSession(folder_.write("s.isosession", text));
+        ASSERT_THAT(found, IsOk());
+        EXPECT_THAT(found.value().problems, ElementsAre(HasSubstr(says)));
+        EXPECT_FALSE(found.value().session.hasVolume());
+    }
+}
+
+TEST_F(SavedSessionTest, B110_OfAGigabyteIsNotReadAtAll) {
+    const auto path = folder_.write("s.isosession", "{");
+    fs::resize_file(path, std::uintmax_t{1} << 30);
+    const auto start = std::clock();
+    const auto found = readSession(path);
+    ASSERT_THAT(found, IsOk());
+    EXPECT_THAT(found.value().problems, ElementsAre(HasSubstr("larger than a session")));
+    EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 0.1);
+}
+
+TEST_F(SavedSessionTest, B110_ANumberThatIsNoneLeavesTheDefault) {
+    const auto camera = read(changed("\"distance\": 7.25", "\"distance\": null"));
+    EXPECT_FALSE(camera.session.camera.has_value());
+    EXPECT_THAT(camera.problems, testing::Contains(HasSubstr("camera, distance is no finite number")));
+    EXPECT_EQ(camera.session.isovalue, -0.1) << "the rest is used";
+    EXPECT_FALSE(read(changed("7.25", "\"NaN\"")).session.camera.has_value());
+    EXPECT_FALSE(read(changed("7.25", "-1")).session.camera.has_value());
+    EXPECT_FALSE(read(changed("\"orientation\": [\n      0.5,", "\"orientation\": [")).session.camera.has_value());
+    EXPECT_THAT(read(changed("7.25", "NaN")).problems, ElementsAre(HasSubstr("no session")));
+    EXPECT_THAT(read(changed("7.25", "1e999")).problems, ElementsAre(HasSubstr("no session")));
+    EXPECT_FALSE(read(changed("-0.1", "\"bone\"")).session.isovalue.has_value());
+}
+
+TEST_F(SavedSessionTest, B110_AnUnknownKeyIsToldAndTheRestUsed) {
+    auto found = read(changed("\"isovalue\"", "\"colour\": 1, \"isovalue\""));
+    EXPECT_THAT(found.problems, ElementsAre("'colour' is not known and ignored"));
+    expectSame(found.session, fullSession(folder_ / "a.mha"));
+    found = read(changed("\"changed\"", "\"shadows\": true, \"changed\""));
+    EXPECT_THAT(found.problems, ElementsAre("view, 'shadows' is not known and ignored"));
+}
+
+TEST_F(SavedSessionTest, B110_OfALaterVersionIsToldAndUsedAsFarAsItGoes) {
+    const auto found = read(changed("\"isosliderSession\": 1", "\"isosliderSession\": 2"));
+    EXPECT_THAT(found.problems, ElementsAre(HasSubstr("later version")));
+    expectSame(found.session, fullSession(folder_ / "a.mha"));
+}
+
+TEST_F(SavedSessionTest, B110_OptionsOutOfBoundsAreTold) {
+    EXPECT_FALSE(read(changed("\"type\": \"u16\"", "\"type\": \"float128\"")).session.readOptions.raw.has_value());
+    EXPECT_FALSE(read(changed("\"component\": -1", "\"component\": -2")).session.readOptions.component.has_value());
+    EXPECT_FALSE(read(changed("\"frame\": 3", "\"frame\": 18446744073709551615")).session.readOptions.frame.has_value());
+    EXPECT_FALSE(read(changed("\"frame\": 3", "\"frame\": 1.5")).session.readOptions.frame.has_value());
+    EXPECT_EQ(read(changed("\"size\": [\n        20", "\"size\": [\n        0")).session.readOptions.resampleDims,
+              (GridDims{0, 0, 0}));
+    const auto many = read(changed("\"isovalue\"", [] {
+        std::string keys;
+        for (int i = 0; i < 1000; ++i)
+            keys += "\"k" + std::to_string(i) + "\": 0, ";
+        return keys + "\"isovalue\"";
+    }()));
+    EXPECT_EQ(many.problems.size(), 20u);
+}
+
+TEST_F(SavedSessionTest, AnyCutOrChangedByteIsSafe) {
+    const std::string text = sessionText(fullSession(folder_ / "a.mha"), folder_.path());
+    for (std::size_t length = 0; length < text.size() - 2; ++length)
+        EXPECT_FALSE(read(text.substr(0, length)).problems.empty()) << length;
+    std::mt19937 random(1);
+    for (int i = 0; i < 3000; ++i) {
+        std::string bad = text;
+        for (int changes = 0; changes < 2; ++changes)
+            bad[random() % bad.size()] = static_cast<char>(random());
+        const auto found = read(bad);
+        EXPECT_TRUE(!found.session.camera || Camera().setPose(*found.session.camera));
+    }
+}
+
+TEST_F(SavedSessionTest, OptionsAloneKeepThemselves) {
+    const auto options = fullSession("a").readOptions;
+    EXPECT_EQ(optionsFromText(optionsText(options)), options);
+    EXPECT_EQ(optionsFromText(optionsText({})), io::ReadOptions());
+    EXPECT_EQ(optionsFromText("{\"frame\": \"x\"}"), std::nullopt);
+    EXPECT_EQ(optionsFromText(""), std::nullopt);
+}
+
+class SessionSlotTest : public ::testing::Test {
+protected:
+    SavedSession at(double isovalue) {
+        auto session = fullSession("/volumes/a.mha");
+        session.isovalue = isovalue;
+        return session;
+    }
+    /// A program that saves until it is killed.
+    pid_t startSaving() {
+        const pid_t child = ::fork();
+        if (child != 0)
+            return child;
+        const auto slot = SessionSlot::create(folder_.path());
+        for (int i = 1; slot.isOk(); ++i)
+            if (!slot.value()->save(at(i)).isOk())
+                break;
+        ::_exit(1);
+    }
+    void waitForSessions(std::ptrdiff_t count) {
+        const auto isSession = [](const std::string& name) { return isSessionFile(name); };
+        for (int i = 0; i < 10'000; ++i) {
+            const auto names = folder_.names();
+            if (std::count_if(names.begin(), names.end(), isSession) == count)
+                return;
+            ::usleep(1000);
+        }
+        FAIL() << "no program has saved";
+    }
+    test::TemporaryFolder folder_;
+};
+
+TEST_F(SessionSlotTest, B111_AKillDuringSavingLeavesTheLastWholeSession) {
+    std::mt19937 random(7);
+    for (int round = 0; round < 40; ++round) {
+        const pid_t child = startSaving();
+        waitForSessions(1);
+        ::usleep(random() % 3000);
+        ASSERT_EQ(::kill(child, SIGKILL), 0);
+        ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+        const auto lost = SessionSlot::findLost(folder_.path());
+        ASSERT_EQ(lost.size(), 1u) << round;
+        const auto read = lost[0]->read();
+        ASSERT_THAT(read, IsOk());
+        EXPECT_THAT(read.value().problems, IsEmpty());
+        EXPECT_GE(read.value().session.isovalue.value_or(0.0), 1.0);
+        lost[0]->discard();
+        EXPECT_THAT(folder_.names(), IsEmpty()) << round;
+    }
+}
+
+TEST_F(SessionSlotTest, B111_ProgramsDoNotTakeEachOthersSessions) {
+    const auto mine = SessionSlot::create(folder_.path());
+    ASSERT_THAT(mine, IsOk());
+    ASSERT_THAT(mine.value()->save(at(100)), IsOk());
+    const pid_t child = startSaving();
+    waitForSessions(2);
+    EXPECT_THAT(SessionSlot::findLost(folder_.path()), IsEmpty()) << "both live";
+    ASSERT_EQ(::kill(child, SIGKILL), 0);
+    ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+    const auto lost = SessionSlot::findLost(folder_.path());
+    ASSERT_EQ(lost.size(), 1u);
+    EXPECT_NE(lost[0]->path(), mine.value()->path());
+    EXPECT_THAT(SessionSlot::findLost(folder_.path()), IsEmpty()) << "offered once, not twice";
+}
+
+TEST_F(SessionSlotTest, TheNewestComesFirstAndAnEndedProgramLeavesNothing) {
+    std::vector<fs::path> paths;
+    for (int i = 0; i < 3; ++i) {
+        const auto slot = SessionSlot::create(folder_.path());
+        ASSERT_THAT(slot.value()->save(at(i)), IsOk());
+        paths.push_back(slot.value()->path());
+        fs::last_write_time(paths.back(), fs::file_time_type::clock::now() - std::chrono::minutes(i == 1 ? 0 : i + 1));
+    }
+    auto lost = SessionSlot::findLost(folder_.path());
+    ASSERT_EQ(lost.size(), 3u);
+    EXPECT_EQ(lost[0]->path(), paths[1]);
+    EXPECT_EQ(lost[2]->path(), paths[2]);
+    for (const auto& slot : lost)
+        slot->discard();
+    EXPECT_THAT(folder_.names(), IsEmpty());
+}
+
+TEST_F(SessionSlotTest, RemovesLocksThatNoSessionCameOf) {
+    const auto old = folder_.write("1-1-0.lock", "");
+    fs::last_write_time(old, fs::file_time_type::clock::now() - std::chrono::hours(1));
+    folder_.write("1-1-0.isosession.partial", "{");
+    folder_.write("2-2-0.lock", "");
+    EXPECT_THAT(SessionSlot::findLost(folder_.path()), IsEmpty());
+    EXPECT_THAT(folder_.names(), ElementsAre("2-2-0.lock")) << "of a program that has just begun, perhaps";
+}
+
+TEST_F(SessionSlotTest, SaysWhenItCannotKeepAnything) {
+    folder_.write("file", "");
+    EXPECT_FALSE(SessionSlot::create(folder_ / "file/below").isOk());
+    EXPECT_THAT(SessionSlot::findLost(folder_ / "none"), IsEmpty());
+}
+
+} // namespace
+} // namespace isoslider::model

@@ -1,0 +1,173 @@
+#include "ui/model/surface/camera.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
+
+namespace isoslider::model {
+namespace {
+
+constexpr double kAspect = 1.6;
+
+/// Place in [-1, 1]^3 of a world point.
+glm::dvec3 project(const Camera& camera, glm::dvec3 point) {
+    const glm::dvec4 clip = camera.projectionMatrix(kAspect) * camera.viewMatrix() * glm::dvec4(point, 1.0);
+    return glm::dvec3(clip) / clip.w;
+}
+
+void expectNear(glm::dvec3 a, glm::dvec3 b, double tolerance = 1e-9) {
+    EXPECT_LE(glm::length(a - b), tolerance) << a.x << ' ' << a.y << ' ' << a.z << " against " << b.x << ' ' << b.y << ' ' << b.z;
+}
+
+class CameraTest : public ::testing::TestWithParam<bool> {
+protected:
+    CameraTest() {
+        camera_.reset(10.0);
+        camera_.setPerspective(GetParam());
+    }
+    Camera camera_;
+};
+
+TEST_P(CameraTest, ResetShowsTheWholeSphere) {
+    for (const glm::dvec3 direction : {camera_.right(), camera_.up(), -camera_.right(), -camera_.up()}) {
+        const auto place = project(camera_, direction * 9.0);
+        EXPECT_LT(std::abs(place.x), 1.0);
+        EXPECT_LT(std::abs(place.y), 1.0);
+    }
+    expectNear(project(camera_, {0, 0, 0}) * glm::dvec3(1, 1, 0), {0, 0, 0});
+}
+
+TEST_P(CameraTest, DepthOfTheSceneIsInRange) {
+    for (const double along : {-1.0, 0.0, 1.0}) {
+        const auto place = project(camera_, camera_.backward() * (10.0 * along));
+        EXPECT_GT(place.z, -1.0);
+        EXPECT_LT(place.z, 1.0);
+    }
+}
+
+TEST_P(CameraTest, OrbitKeepsTheVolumeCentreInPlace) {
+    camera_.pan({0.3, -0.2}, kAspect);
+    const auto before = project(camera_, {0, 0, 0});
+    camera_.orbit(0.7, -0.4);
+    expectNear(project(camera_, {0, 0, 0}), before);
+}
+
+TEST_P(CameraTest, OrbitToTheRightTurnsTheNearSideToTheRight) {
+    const glm::dvec3 near = camera_.backward() * 5.0;
+    camera_.orbit(0.2, 0.0);
+    EXPECT_GT(project(camera_, near).x, 0.0);
+    const glm::dvec3 nearNow = camera_.backward() * 5.0;
+    camera_.orbit(0.0, 0.2);
+    EXPECT_GT(project(camera_, nearNow).y, 0.0);
+}
+
+TEST_P(CameraTest, PanMovesTheSceneWithThePointer) {
+    const auto before = project(camera_, camera_.target());
+    const auto point = camera_.target();
+    camera_.pan({0.25, 0.1}, kAspect);
+    expectNear(project(camera_, point) * glm::dvec3(1, 1, 0), (before + glm::dvec3(0.25, 0.1, 0)) * glm::dvec3(1, 1, 0));
+}
+
+TEST_P(CameraTest, ZoomKeepsThePointUnderThePointer) {
+    const glm::dvec2 pointer(0.4, -0.3);
+    const auto point = camera_.target() + (camera_.right() * (pointer.x * kAspect) + camera_.up() * pointer.y) * camera_.halfHeight();
+    camera_.zoom(1.7, pointer, kAspect);
+    const auto place = project(camera_, point);
+    EXPECT_NEAR(place.x, pointer.x, 1e-9);
+    EXPECT_NEAR(place.y, pointer.y, 1e-9);
+}
+
+TEST_P(CameraTest, ZoomStopsBeforeItBreaks) {
+    for (int i = 0; i < 2000; ++i)
+        camera_.zoom(1.5, {0, 0}, kAspect);
+    EXPECT_GT(camera_.distance(), 0.0);
+    for (int i = 0; i < 4000; ++i)
+        camera_.zoom(1.0 / 1.5, {0, 0}, kAspect);
+    EXPECT_TRUE(std::isfinite(project(camera_, {1, 1, 1}).x));
+    const double distance = camera_.distance();
+    camera_.zoom(-1.0, {0, 0}, kAspect);
+    EXPECT_EQ(camera_.distance(), distance);
+}
+
+TEST_P(CameraTest, StandardViewsLookAlongTheAxes) {
+    camera_.setStandardView(StandardView::Front);
+    expectNear(camera_.backward(), {0, -1, 0});
+    expectNear(camera_.right(), {1, 0, 0});
+    expectNear(camera_.up(), {0, 0, 1});
+    camera_.setStandardView(StandardView::Right);
+    expectNear(camera_.backward(), {1, 0, 0});
+    expectNear(camera_.up(), {0, 0, 1});
+    camera_.setStandardView(StandardView::Top);
+    expectNear(camera_.backward(), {0, 0, 1});
+    expectNear(camera_.right(), {1, 0, 0});
+    camera_.setStandardView(StandardView::Bottom);
+    expectNear(camera_.backward(), {0, 0, -1});
+}
+
+TEST_P(CameraTest, NeverMirrors) {
+    for (int i = 0; i < 100; ++i)
+        camera_.orbit(0.37 * i, -0.21 * i);
+    expectNear(glm::cross(camera_.right(), camera_.up()), camera_.backward());
+}
+
+TEST_P(CameraTest, B112_AViewWithoutWidthOrHeightHasAFiniteProjection) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const auto expectFinite = [this](double aspect) {
+        const glm::dmat4 all = camera_.projectionMatrix(aspect) * camera_.viewMatrix();
+        for (int column = 0; column < 4; ++column)
+            for (int row = 0; row < 4; ++row)
+                EXPECT_TRUE(std::isfinite(static_cast<float>(all[column][row]))) << aspect << ' ' << column << ' ' << row;
+    };
+    for (const double aspect : {0.0, -0.0, -1.0, kInfinity, -kInfinity, std::nan(""), 5e-324, 1e300, 1.0 / 4320, 7680.0}) {
+        expectFinite(aspect);
+        camera_.pan({0.1, 0.1}, 1.0);
+        camera_.orbit(0.1, 0.1);
+        camera_.zoom(1.1, {0.5, 0.5}, 1.0);
+        expectFinite(aspect);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Projections, CameraTest, ::testing::Bool(),
+                         [](const auto& projection) { return projection.param ? "Perspective" : "Orthographic"; });
+
+TEST(Camera, ARadiusThatIsNoneStillGivesAPicture) {
+    Camera camera;
+    camera.reset(0.0);
+    EXPECT_EQ(camera.sceneRadius(), 1.0);
+}
+
+TEST(Camera, TakesAPoseAgain) {
+    Camera camera, other;
+    camera.reset(10.0);
+    camera.orbit(0.3, -0.8);
+    camera.pan({0.2, 0.1}, 1.5);
+    camera.setPerspective(false);
+    other.reset(10.0);
+    ASSERT_TRUE(other.setPose(camera.pose()));
+    EXPECT_EQ(other.viewMatrix(), camera.viewMatrix());
+    EXPECT_EQ(other.projectionMatrix(1.5), camera.projectionMatrix(1.5));
+}
+
+TEST(Camera, RefusesAPoseThatIsNone) {
+    Camera camera;
+    camera.reset(10.0);
+    const auto before = camera.pose();
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& pose : {CameraPose{{0.0, 0.0, 0.0, 0.0}, {}, 1.0}, CameraPose{{1.0, nan, 0.0, 0.0}, {}, 1.0},
+                             CameraPose{{1.0, 0.0, 0.0, 0.0}, {0.0, 1e308 * 10, 0.0}, 1.0},
+                             CameraPose{{1.0, 0.0, 0.0, 0.0}, {}, 0.0}, CameraPose{{1.0, 0.0, 0.0, 0.0}, {}, nan}})
+        EXPECT_FALSE(camera.setPose(pose));
+    EXPECT_EQ(camera.pose().distance, before.distance);
+    EXPECT_EQ(camera.pose().orientation, before.orientation);
+    ASSERT_TRUE(camera.setPose({{2.0, 0.0, 0.0, 0.0}, {1e300, 0.0, 0.0}, 1e300}));
+    EXPECT_EQ(camera.distance(), 1e4);
+    EXPECT_EQ(camera.target().x, 1e4);
+    EXPECT_NEAR(glm::length(camera.orientation()), 1.0, 1e-12);
+}
+
+} // namespace
+} // namespace isoslider::model

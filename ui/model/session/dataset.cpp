@@ -1,0 +1,225 @@
+#include "ui/model/session/dataset.h"
+
+#include <algorithm>
+#include <sstream>
+#include <system_error>
+
+#include "core/grid/volume_statistics.h"
+#include "core/volume_io/sources/coarse_reader.h"
+#include "core/volume_io/sources/sample_volumes.h"
+#include "ui/model/isovalue/histogram_model.h"
+
+namespace isoslider::model {
+namespace fs = std::filesystem;
+namespace {
+
+fs::path cachedIndexPath(const OpenRequest& request, const IndexCache& cache) {
+    if (!request.sampleName.empty())
+        return cache.pathForSample(request.sampleName);
+    return cache.pathForFile(request.path, layoutText(request.readOptions));
+}
+
+LoadedDataset fromEngine(Dataset dataset, std::unique_ptr<extract::SlideEngine> engine,
+                         const OpenRequest& request) {
+    LoadedDataset loaded;
+    adoptIndex(dataset, engine->info());
+    loaded.isovalue = request.isovalue.value_or(suggestIsovalue(dataset.histogram));
+    loaded.dataset = std::move(dataset);
+    loaded.engine = std::move(engine);
+    return loaded;
+}
+
+Result<LoadedDataset> loadIndexFile(const OpenRequest& request) {
+    auto engine = extract::SlideEngine::open(request.path);
+    if (!engine.isOk())
+        return engine.error();
+    Dataset dataset;
+    dataset.name = displayName(request);
+    dataset.path = request.path;
+    dataset.format = "ISOSLIDER index";
+    dataset.indexPath = request.path;
+    return fromEngine(std::move(dataset), std::move(engine).value(), request);
+}
+
+/// The cached index, if there is a whole one that is of this volume's shape.
+std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
+    std::error_code ignored;
+    if (!fs::exists(dataset.indexPath, ignored))
+        return nullptr;
+    auto engine = extract::SlideEngine::open(dataset.indexPath);
+    if (engine.isOk() && engine.value()->info().geometry == dataset.geometry &&
+        engine.value()->info().type == dataset.type)
+        return std::move(engine).value();
+    return nullptr; // damaged or of another shape: the next build replaces it
+}
+
+/// What is known of a volume without its samples. Complete once they are read.
+void describe(const io::VolumeInfo& info, Dataset& dataset) {
+    dataset.geometry = info.geometry;
+    dataset.type = info.type;
+    dataset.format = info.format;
+    dataset.fieldName = info.fieldName;
+    dataset.fieldTitle = info.fieldTitle;
+    dataset.lengthUnit = info.lengthUnit;
+    dataset.notes = info.notes;
+}
+
+Status takeGrid(Result<std::shared_ptr<const ScalarGrid>> grid, LoadedDataset& loaded) {
+    if (!grid.isOk())
+        return std::move(grid).error();
+    loaded.grid = std::move(grid).value();
+    loaded.dataset.geometry = loaded.grid->geometry();
+    loaded.dataset.type = loaded.grid->type();
+    return {};
+}
+
+Status readPreview(io::VolumeSource& source, std::uint64_t mostBytes, const JobControl& job,
+                   LoadedDataset& loaded) {
+    auto& dataset = loaded.dataset;
+    const auto& dims = dataset.geometry.dims;
+    const auto sampleBytes = scalarTypeSizeBytes(dataset.type);
+    const auto planeSamples = static_cast<std::uint64_t>(dims[0] * dims[1]);
+    const auto mostSamples = mostBytes / sampleBytes;
+    const auto step = io::coarseStep(dims, std::min(kMostPreviewSamples, mostSamples));
+    if (!step || planeSamples > mostSamples)
+        return makeError(
+            ErrorCode::OutOfSpace,
+            "does not fit in memory, and is too flat for a preview; build its index with isoslider-cli "
+            "build, and open that",
+            dataset.path.string());
+    ISO_TRY(source.prepare(job.part(0.0, 0.35)));
+    auto grid = io::readCoarse(source, *step, job.part(0.35, 0.7));
+    if (!grid.isOk())
+        return grid.error();
+    dataset.coarseStep = *step;
+    loaded.grid = std::move(grid).value();
+    return {};
+}
+
+Error allMissingError(const Dataset& dataset) {
+    return makeError(
+        ErrorCode::InvalidArgument,
+        dataset.coarseStep > 1
+            ? "every sample of its preview is missing (NaN or infinite), so there is nothing to show; "
+              "build its index with isoslider-cli build, and open that"
+            : "every sample is missing (NaN or infinite), so there is no isosurface; choose another file or "
+              "field",
+        dataset.path.string());
+}
+
+Status addStatistics(LoadedDataset& loaded, const JobControl& job) {
+    job.report(0.7, "Counting values");
+    const bool isWhole = loaded.dataset.coarseStep == 1;
+    auto statistics = computeStatistics(*loaded.grid, isWhole, 512, job.part(0.7, 0.95));
+    if (!statistics.isOk()) // of good bins, only samples can be refused
+        return statistics.error().code == ErrorCode::InvalidArgument ? allMissingError(loaded.dataset)
+                                                                     : statistics.error();
+    const auto& facts = statistics.value();
+    auto& dataset = loaded.dataset;
+    dataset.min = facts.min;
+    dataset.max = facts.max;
+    dataset.distinctValues = facts.distinctValues;
+    dataset.missingSamples = facts.nanCount;
+    dataset.histogram = facts.histogram;
+    return {};
+}
+
+} // namespace
+
+std::string layoutText(const io::ReadOptions& options) {
+    std::ostringstream text;
+    text << options.field;
+    if (options.component)
+        text << ",component " << *options.component;
+    if (options.frame)
+        text << ",frame " << *options.frame;
+    if (options.resampleDims[0] > 0)
+        text << ",resampled " << options.resampleDims[0] << 'x' << options.resampleDims[1] << 'x' << options.resampleDims[2];
+    if (options.raw) {
+        const auto& raw = *options.raw;
+        for (int axis = 0; axis < 3; ++axis)
+            text << ',' << raw.dims[static_cast<std::size_t>(axis)] << ',' << raw.spacing[axis];
+        text << ',' << raw.skipBytes << (raw.isBigEndian ? "be" : "le") << scalarTypeName(raw.type);
+    }
+    return text.str();
+}
+
+std::uint64_t Dataset::sampleBytes() const {
+    return static_cast<std::uint64_t>(pointCount(geometry.dims)) * scalarTypeSizeBytes(type);
+}
+
+double Dataset::bytesPerVoxel() const {
+    const auto points = pointCount(geometry.dims);
+    return index && points > 0 ? static_cast<double>(index->indexBytes) / static_cast<double>(points) : 0.0;
+}
+
+void adoptIndex(Dataset& dataset, const index::IndexInfo& info) {
+    dataset.geometry = info.geometry;
+    dataset.type = info.type;
+    dataset.min = info.min;
+    dataset.max = info.max;
+    dataset.distinctValues = info.distinctValues;
+    dataset.missingSamples = info.nanCount;
+    dataset.histogram = info.histogram;
+    if (!info.lengthUnit.empty()) // an index of an earlier version does not know it
+        dataset.lengthUnit = info.lengthUnit;
+    dataset.index = info;
+}
+
+bool isIndexFile(const fs::path& path) { return path.extension() == ".isx"; }
+
+std::string displayName(const OpenRequest& request) {
+    if (!request.sampleName.empty()) {
+        for (const auto& sample : io::sampleVolumes())
+            if (sample.name == request.sampleName)
+                return sample.title;
+        return request.sampleName;
+    }
+    const auto name = request.path.filename().string();
+    return name.empty() ? request.path.parent_path().filename().string() : name;
+}
+
+Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache,
+                                  const SampleLoader& samples, std::uint64_t wholeVolumeBytes,
+                                  const JobControl& job, const VolumeAccess& volumes) {
+    if (request.sampleName.empty() && isIndexFile(request.path))
+        return loadIndexFile(request);
+    LoadedDataset loaded;
+    auto& dataset = loaded.dataset;
+    dataset.name = displayName(request);
+    dataset.path = request.path;
+    dataset.sampleName = request.sampleName;
+    dataset.readOptions = request.readOptions;
+    dataset.format = "built-in sample";
+    dataset.indexPath = cachedIndexPath(request, cache);
+    if (request.sampleName.empty()) {
+        auto source = volumes.open(request.path, request.readOptions);
+        if (!source.isOk())
+            return source.error();
+        describe(source.value()->info(), dataset);
+        auto stamp = VolumeStamp::of(request.path, source.value()->info().dataFiles);
+        if (stamp.isOk()) // without one, the index serves this run only
+            dataset.stamp = std::move(stamp).value();
+        const auto finding = dataset.stamp ? cache.find(*dataset.stamp, layoutText(dataset.readOptions), job.part(0.0, 0.1))
+                                           : IndexCache::Finding::None;
+        if (auto engine = finding == IndexCache::Finding::Fresh ? openCached(dataset) : nullptr)
+            return fromEngine(std::move(dataset), std::move(engine), request);
+        if (dataset.sampleBytes() > wholeVolumeBytes)
+            ISO_TRY(readPreview(*source.value(), wholeVolumeBytes, job, loaded));
+        else
+            ISO_TRY(takeGrid(volumes.read(*source.value(), request.path, job.part(0.0, 0.7)), loaded));
+        dataset.notes = source.value()->info().notes;
+        if (finding == IndexCache::Finding::Stale)
+            dataset.notes.emplace_back("changed since its index was built, which is built again");
+        dataset.resampling = source.value()->info().resampling;
+    } else {
+        ISO_TRY(takeGrid(samples(request.sampleName, job.part(0.0, 0.7)), loaded));
+        if (auto engine = openCached(dataset))
+            return fromEngine(std::move(dataset), std::move(engine), request);
+    }
+    ISO_TRY(addStatistics(loaded, job));
+    loaded.isovalue = request.isovalue.value_or(suggestIsovalue(dataset.histogram));
+    return loaded;
+}
+
+} // namespace isoslider::model

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/base/job_control.h"
+#include "ui/model/session/volume_stamp.h"
+
+namespace isoslider::model {
+
+/// Where the indexes of opened volumes are kept between runs. Beside each lies a record of the volume's files; an
+/// index counts only for the bytes that it was built from, wherever they have moved and whatever their times say.
+class IndexCache {
+public:
+    explicit IndexCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+    const std::filesystem::path& folder() const { return folder_; }
+    /// The index file of a volume at its place; whether it is there, and of these bytes, findFor says.
+    /// `layout` tells apart readings of one file.
+    std::filesystem::path pathForFile(const std::filesystem::path& volume, std::string_view layout = {}) const;
+    std::filesystem::path pathForSample(std::string_view name) const;
+
+    enum class Finding { None, Fresh, Stale };
+    /// Whether the index at pathForFile is of the volume as it is now. Only where the times of the files do not
+    /// tell are their bytes read. A volume that has moved here brings its index along. Cancelled: None.
+    Finding find(const VolumeStamp& volume, std::string_view layout, const JobControl& job) const;
+    /// To be called before an index is built: it is none of what was recorded for its predecessor.
+    static void forget(const std::filesystem::path& index);
+    /// Says what the index, just built, was built from. `volume` was taken before a sample of it was read. Reads all
+    /// its bytes. Errors: InvalidArgument (they have changed since); those of reading and writing.
+    static Status record(const std::filesystem::path& index, VolumeStamp volume, std::string_view layout,
+                         const JobControl& job);
+
+private:
+    std::filesystem::path pathForKey(std::string_view stem, std::string key) const;
+    bool takeMoved(const VolumeStamp& volume, std::string_view layout, const JobControl& job) const;
+
+    std::filesystem::path folder_;
+};
+
+} // namespace isoslider::model

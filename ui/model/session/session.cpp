@@ -1,0 +1,430 @@
+#include "ui/model/session/session.h"
+
+#include <system_error>
+
+#include "core/mesh/mesh_export.h"
+#include "ui/model/isovalue/histogram_model.h"
+#include "ui/model/opening/volume_choice.h"
+
+namespace isoslider::model {
+namespace fs = std::filesystem;
+
+/// Between the worker and the window: the newest frame only, and at most one message on its way.
+struct Session::FrameSlot {
+    std::mutex mutex;
+    std::shared_ptr<const extract::SurfaceFrame> frame;
+    SourceGeneration generation{};
+    bool isPosted = false;
+};
+
+namespace {
+
+// A window on an index file shows that file's name; its surfaces are of the volume.
+mesh::SurfaceSource sourceOf(const Dataset& dataset) {
+    const bool hasSourceName = dataset.index && !dataset.index->sourceName.empty();
+    std::string lost = dataset.index ? dataset.index->resampling : std::string();
+    if (dataset.resampling)
+        lost = io::lossText(*dataset.resampling, dataset.geometry.dims);
+    return {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples, dataset.lengthUnit, std::move(lost)};
+}
+
+} // namespace
+
+Session::Session(SessionServices services)
+    : services_(std::move(services)), cache_(services_.cacheFolder), slot_(std::make_shared<FrameSlot>()),
+      worker_(std::make_unique<SlideWorker>(workerCallbacks())),
+      runner_(std::make_unique<JobRunner>(jobs_, services_.postToMain)) {
+    requestSubscription_ = isovalue_.observeRequest([this](double isovalue) {
+        firstIsovalue_.reset();
+        requestMove(isovalue);
+    });
+}
+
+Session::~Session() = default;
+
+SlideWorker::Callbacks Session::workerCallbacks() {
+    SlideWorker::Callbacks callbacks;
+    const std::weak_ptr<FrameSlot> weakSlot = slot_;
+    callbacks.onFrame = [this, weakSlot, post = services_.postToMain](auto frame, SourceGeneration generation) {
+        const auto slot = weakSlot.lock();
+        if (!slot)
+            return;
+        {
+            const std::lock_guard lock(slot->mutex);
+            slot->frame = std::move(frame);
+            slot->generation = generation;
+            if (std::exchange(slot->isPosted, true))
+                return;
+        }
+        post([this, weakSlot] {
+            if (weakSlot.lock())
+                takeFrame();
+        });
+    };
+    callbacks.onError = [this, weakSlot, post = services_.postToMain](Error error, double isovalue, SourceGeneration generation) {
+        post([this, weakSlot, error = std::move(error), isovalue, generation] {
+            if (weakSlot.lock())
+                onSlideError(error, isovalue, generation);
+        });
+    };
+    return callbacks;
+}
+
+Result<Session::Opened> Session::openOrAsk(const OpenRequest& request, const SessionServices& services,
+                                           const IndexCache& cache, const JobControl& job) {
+    Opened opened;
+    auto loaded = loadDataset(request, cache, services.sampleLoader, services.wholeVolumeBytes, job, services.volumes);
+    if (loaded.isOk()) {
+        opened.loaded = std::move(loaded).value();
+        return opened;
+    }
+    // Only what is refused is listed: a file with nothing to choose is opened without being read twice.
+    if (request.asksForChoice && loaded.error().code == ErrorCode::InvalidArgument && !job.isStopRequested()) {
+        auto contents = services.volumes.list(request.path, request.readOptions);
+        if (contents.isOk() && isWorthAsking(contents.value())) {
+            opened.contents = std::move(contents).value();
+            return opened;
+        }
+    }
+    return std::move(loaded).error();
+}
+
+void Session::open(OpenRequest request) {
+    if (loadJob_)
+        runner_->cancel(*loadJob_);
+    const auto ticket = ++loadTicket_;
+    loadJob_ = runner_->run<Opened>(
+        "Open " + displayName(request),
+        [request, cache = cache_, services = services_](const JobControl& job) {
+            return openOrAsk(request, services, cache, job);
+        },
+        [this, ticket, request](Result<Opened> opened) {
+            if (ticket == loadTicket_)
+                onOpened(std::move(opened), request);
+        });
+    datasetChanged_.notify();
+}
+
+void Session::cancelOpening() {
+    if (loadJob_)
+        runner_->cancel(*loadJob_);
+}
+
+void Session::onOpened(Result<Opened> opened, const OpenRequest& request) {
+    loadJob_.reset();
+    if (opened.isOk() && opened.value().loaded)
+        return adopt(std::move(*opened.value().loaded));
+    datasetChanged_.notify();
+    if (opened.isOk())
+        choiceNeeded_.notify(request, opened.value().contents);
+    else if (!opened.isCancelled())
+        fail("Could not open " + displayName(request), opened.error());
+}
+
+void Session::forgetDataset() {
+    datasetGeneration_ = DatasetGeneration{static_cast<std::uint64_t>(datasetGeneration_) + 1};
+    if (indexJob_)
+        runner_->cancel(*indexJob_);
+    indexJob_.reset();
+    indexState_ = IndexState::None;
+    dataset_.reset();
+    grid_.reset();
+    frame_.reset();
+    failedIsovalue_.reset();
+    certificate_.reset();
+    isCheckingMesh_ = false;
+    isPictureComing_ = false;
+}
+
+void Session::adopt(LoadedDataset loaded) {
+    forgetDataset();
+    worker_->limitPicture(std::numeric_limits<std::uint64_t>::max());
+    dataset_ = std::move(loaded.dataset);
+    grid_ = std::move(loaded.grid);
+    isovalue_.setDomain(dataset_->min, dataset_->max, loaded.isovalue);
+    firstIsovalue_ = loaded.isovalue;
+    if (loaded.engine) {
+        indexState_ = IndexState::Ready;
+        useSource(makeIndexSource(std::move(loaded.engine)));
+    } else {
+        useSource(makeMemorySource(grid_, services_.indexBuilder));
+    }
+    datasetChanged_.notify();
+    frameChanged_.notify();
+    certificateChanged_.notify();
+}
+
+void Session::close() {
+    if (loadJob_)
+        runner_->cancel(*loadJob_);
+    loadJob_.reset();
+    ++loadTicket_;
+    forgetDataset();
+    generation_ = worker_->setSource(nullptr, datasetGeneration_, std::nullopt);
+    isovalue_.clearDomain();
+    datasetChanged_.notify();
+    frameChanged_.notify();
+    certificateChanged_.notify();
+}
+
+void Session::useSource(std::shared_ptr<SurfaceSource> source) {
+    failedIsovalue_.reset();
+    generation_ = worker_->setSource(std::move(source), datasetGeneration_, isovalue_.requested());
+}
+
+void Session::requestMove(double isovalue) {
+    failedIsovalue_.reset();
+    worker_->request(isovalue);
+}
+
+void Session::limitPicture(std::uint64_t bytes) {
+    worker_->limitPicture(bytes);
+    if (!frame_)
+        return;
+    isPictureComing_ = true;
+    requestMove(isovalue_.requested());
+}
+
+void Session::takeFrame() {
+    SourceGeneration generation{};
+    std::shared_ptr<const extract::SurfaceFrame> frame;
+    {
+        const std::lock_guard lock(slot_->mutex);
+        slot_->isPosted = false;
+        frame = std::exchange(slot_->frame, nullptr);
+        generation = slot_->generation;
+    }
+    if (!frame || generation != generation_)
+        return;
+    frame_ = std::move(frame);
+    isPictureComing_ = false;
+    failedIsovalue_.reset();
+    isovalue_.setDisplayed(frame_->isovalue, frame_->stats.updateMs + frame_->stats.interpolateMs);
+    frameChanged_.notify();
+    // The first picture has both cores for itself; the index comes after it.
+    if (indexState_ == IndexState::None)
+        startIndexBuild();
+}
+
+void Session::onSlideError(const Error& error, double isovalue, SourceGeneration generation) {
+    if (generation != generation_)
+        return;
+    isPictureComing_ = false;
+    failedIsovalue_ = isovalue;
+    fail("The surface could not be moved", error);
+    if (indexState_ == IndexState::None)
+        startIndexBuild();
+    datasetChanged_.notify(); // no surface is waited for any more
+}
+
+void Session::buildIndex() {
+    if (indexState_ == IndexState::Failed || indexState_ == IndexState::Cancelled)
+        startIndexBuild();
+}
+
+void Session::startIndexBuild() {
+    if (!grid_ || !services_.indexBuilder)
+        return;
+    indexState_ = IndexState::Building;
+    auto work = [builder = services_.indexBuilder, grid = grid_,
+                 volume = *dataset_](const JobControl& job) -> Status {
+        const auto& path = volume.indexPath;
+        std::error_code error;
+        fs::create_directories(path.parent_path(), error);
+        if (error)
+            return makeError(ErrorCode::IoError, "the folder for indexes cannot be made: " + error.message(),
+                             path.parent_path().string());
+        IndexCache::forget(path);
+        io::VolumeInfo about;
+        about.lengthUnit = volume.lengthUnit;
+        about.resampling = volume.resampling;
+        ISO_TRY(volume.coarseStep > 1
+                    ? builder->buildFromFile(volume.path, volume.readOptions, volume.name, path, job.part(0.0, 0.95))
+                    : builder->build(grid, volume.name, about, path, job.part(0.0, 0.95)));
+        if (volume.stamp) // what cannot be recorded is built again the next time
+            (void)IndexCache::record(path, *volume.stamp, layoutText(volume.readOptions), job.part(0.95, 1.0));
+        return {};
+    };
+    indexJob_ = runner_->run<void>("Build index of " + dataset_->name, std::move(work),
+                                   [this, ticket = datasetGeneration_](const Status& status) {
+                                       if (ticket == datasetGeneration_)
+                                           onIndexBuilt(status);
+                                   });
+    datasetChanged_.notify();
+}
+
+void Session::onIndexBuilt(const Status& status) {
+    indexJob_.reset();
+    if (status.isOk())
+        return openBuiltIndex();
+    indexState_ = status.isCancelled() ? IndexState::Cancelled : IndexState::Failed;
+    datasetChanged_.notify();
+    if (!status.isCancelled())
+        fail(isPreview() ? "The index could not be built; the preview stays"
+                         : "The index could not be built; the volume stays in memory for sliding",
+             status.error());
+}
+
+void Session::openBuiltIndex() {
+    indexJob_ = runner_->run<OpenedIndex>(
+        "Open index of " + dataset_->name,
+        [volume = *dataset_](const JobControl&) -> Result<OpenedIndex> {
+            auto engine = extract::SlideEngine::open(volume.indexPath);
+            if (!engine.isOk())
+                return engine.error();
+            OpenedIndex opened;
+            opened.info = engine.value()->info();
+            if (opened.info.geometry != volume.geometry || opened.info.type != volume.type)
+                return makeError(ErrorCode::InvalidArgument, "was changed after it was opened; open it again",
+                                 volume.path.string());
+            opened.source = makeIndexSource(std::move(engine).value());
+            return opened;
+        },
+        [this, ticket = datasetGeneration_](Result<OpenedIndex> opened) {
+            if (ticket != datasetGeneration_)
+                return;
+            indexJob_.reset();
+            if (opened.isOk())
+                return useIndex(std::move(opened).value());
+            indexState_ = IndexState::Failed;
+            datasetChanged_.notify();
+            if (!opened.isCancelled())
+                fail("The index could not be opened", opened.error());
+        });
+}
+
+void Session::useIndex(OpenedIndex opened) {
+    indexState_ = IndexState::Ready;
+    adoptIndex(*dataset_, opened.info);
+    // A preview may have missed the ends of the range, and with them the isovalue that was asked for.
+    isovalue_.changeDomain(dataset_->min, dataset_->max, firstIsovalue_.value_or(isovalue_.requested()));
+    grid_.reset(); // exploring needs memory in proportion to the surface, not to the volume
+    useSource(std::move(opened.source));
+    datasetChanged_.notify();
+}
+
+bool Session::isPreview() const {
+    return dataset_ && dataset_->coarseStep > 1 && indexState_ != IndexState::Ready;
+}
+
+std::int64_t Session::shownStep() const { return frame_ && !frame_->isFromIndex ? dataset_->coarseStep : 1; }
+
+bool Session::refusesMesh(const std::string& title, const std::string& verb) {
+    if (!isPreview())
+        return false;
+    const bool isComing =
+        services_.indexBuilder && (indexState_ == IndexState::None || indexState_ == IndexState::Building);
+    fail(title, makeError(ErrorCode::InvalidArgument,
+                          (isComing ? "the index is still being built; the preview is not "
+                                    : "the volume has no index; build it first, the preview is not ") +
+                              verb));
+    return true;
+}
+
+bool Session::refusesExport() { return refusesMesh("The mesh was not exported", "exported"); }
+
+void Session::checkMesh() {
+    if (!frame_ || isCheckingMesh_ || refusesMesh("The mesh was not checked", "checked"))
+        return;
+    isCheckingMesh_ = true;
+    runner_->run<mesh::Certificate>(
+        "Check mesh",
+        [worker = worker_.get(), of = datasetGeneration_, source = sourceOf(*dataset_)](const JobControl& job) -> Result<mesh::Certificate> {
+            job.report(0.05, "Taking the surface");
+            auto surface = worker->takeMesh(of, job);
+            if (!surface.isOk())
+                return surface.error();
+            job.report(0.3, "Checking with OpenMesh");
+            return mesh::certify(surface.value(), source, job);
+        },
+        [this, ticket = datasetGeneration_](Result<mesh::Certificate> certificate) {
+            if (ticket != datasetGeneration_)
+                return;
+            isCheckingMesh_ = false;
+            if (certificate.isOk())
+                certificate_ = std::move(certificate).value();
+            certificateChanged_.notify();
+            if (!certificate.isOk() && !certificate.isCancelled())
+                fail("The mesh could not be checked", certificate.error());
+        });
+    certificateChanged_.notify();
+}
+
+void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
+    if (of != datasetGeneration_)
+        return fail("The mesh was not exported",
+                    makeError(ErrorCode::InvalidArgument, "the volume that it is of was closed or replaced meanwhile",
+                              path.string()));
+    if (!frame_ || refusesExport())
+        return;
+    if (!mesh::isExportSuffix(path))
+        return fail("The mesh was not exported",
+                    makeError(ErrorCode::InvalidArgument,
+                              "the file name must end in .ply, .obj, .stl, .off or .om", path.string()));
+    runner_->run<mesh::Certificate>(
+        "Export " + path.filename().string(),
+        [worker = worker_.get(), of, source = sourceOf(*dataset_), path](const JobControl& job) -> Result<mesh::Certificate> {
+            job.report(0.05, "Taking the surface");
+            auto surface = worker->takeMesh(of, job);
+            if (!surface.isOk())
+                return surface.error();
+            job.report(0.2, "Checking with OpenMesh");
+            const JobControl checking = job.part(0.2, 0.7), writing = job.part(0.7, 1.0);
+            auto certificate = mesh::certify(surface.value(), source, checking);
+            if (!certificate.isOk())
+                return certificate;
+            job.report(0.7, "Writing");
+            ISO_TRY(mesh::exportMesh(surface.value(), certificate.value(), path, writing));
+            return certificate;
+        },
+        [this, of, path](Result<mesh::Certificate> certificate) {
+            if (certificate.isOk())
+                onExported(path, of, std::move(certificate).value());
+            else if (!certificate.isCancelled())
+                fail("The mesh was not exported", certificate.error());
+        });
+}
+
+void Session::onExported(const fs::path& path, DatasetGeneration of, mesh::Certificate certificate) {
+    const auto faults = mesh::faultsOf(certificate);
+    if (faults.empty()) {
+        noticePosted_.notify(Notice{Notice::Severity::Information, "Mesh exported", path.string()});
+    } else {
+        std::string detail = path.string() + ": ";
+        for (std::size_t i = 0; i < faults.size(); ++i)
+            detail += (i == 0 ? "" : ", ") + faults[i];
+        noticePosted_.notify(Notice{Notice::Severity::Error, "Mesh exported, but it is not sound", detail});
+    }
+    if (of != datasetGeneration_)
+        return;
+    certificate_ = std::move(certificate);
+    certificateChanged_.notify();
+}
+
+void Session::cancelJob(JobId id) { runner_->cancel(id); }
+
+bool Session::isSettled() const {
+    if (jobs_.runningCount() > 0)
+        return false;
+    if (!dataset_)
+        return true;
+    if (isMoving())
+        return false;
+    switch (indexState_) {
+        case IndexState::None: return !grid_ || !services_.indexBuilder;
+        case IndexState::Ready: return hasMoveFailed() || frame_->isFromIndex;
+        default: return true;
+    }
+}
+
+bool Session::hasMoveFailed() const { return failedIsovalue_ == isovalue_.requested(); }
+
+bool Session::isMoving() const {
+    return dataset_ && !hasMoveFailed() && (!frame_ || isPictureComing_ || isovalue_.isLagging());
+}
+
+void Session::fail(const std::string& title, const Error& error) {
+    noticePosted_.notify(Notice{Notice::Severity::Error, title, error.line(), error.code});
+}
+
+} // namespace isoslider::model

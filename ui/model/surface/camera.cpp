@@ -1,0 +1,110 @@
+#include "ui/model/surface/camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+namespace isoslider::model {
+namespace {
+
+constexpr double kHalfFieldOfView = 0.5 * 0.6108652381980153; // 35 degrees
+constexpr double kNearestDistance = 1e-4;                     // of the scene radius
+constexpr double kFarthestDistance = 1e3;
+constexpr double kLargestAspect = 1e6; // of views of one row of pixels
+
+/// The orientation of a viewer who stands at `direction` from the target with `up` upwards.
+glm::dquat lookFrom(glm::dvec3 direction, glm::dvec3 up) {
+    const glm::dvec3 backward = glm::normalize(direction);
+    const glm::dvec3 right = glm::normalize(glm::cross(up, backward));
+    return glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(backward, right), backward)));
+}
+
+} // namespace
+
+void Camera::reset(double sceneRadius) {
+    sceneRadius_ = std::isfinite(sceneRadius) && sceneRadius > 0.0 ? sceneRadius : 1.0;
+    orientation_ = lookFrom({-0.55, -1.0, 0.45}, {0.0, 0.0, 1.0});
+    fit();
+}
+
+void Camera::fit() {
+    target_ = glm::dvec3(0.0);
+    distance_ = sceneRadius_ / std::sin(kHalfFieldOfView);
+}
+
+void Camera::setStandardView(StandardView view) {
+    const glm::dvec3 z{0.0, 0.0, 1.0}, y{0.0, 1.0, 0.0};
+    switch (view) {
+        case StandardView::Front: orientation_ = lookFrom({0.0, -1.0, 0.0}, z); break;
+        case StandardView::Back: orientation_ = lookFrom({0.0, 1.0, 0.0}, z); break;
+        case StandardView::Right: orientation_ = lookFrom({1.0, 0.0, 0.0}, z); break;
+        case StandardView::Left: orientation_ = lookFrom({-1.0, 0.0, 0.0}, z); break;
+        case StandardView::Top: orientation_ = lookFrom({0.0, 0.0, 1.0}, y); break;
+        case StandardView::Bottom: orientation_ = lookFrom({0.0, 0.0, -1.0}, -y); break;
+    }
+    fit();
+}
+
+void Camera::orbit(double rightRadians, double upRadians) {
+    // The scene follows the pointer, so the viewer goes the other way, about the camera's own axes.
+    const glm::dquat turn = glm::angleAxis(-rightRadians, up()) * glm::angleAxis(upRadians, right());
+    orientation_ = glm::normalize(turn * orientation_);
+    target_ = turn * target_;
+}
+
+void Camera::pan(glm::dvec2 screenStep, double aspect) {
+    target_ -= (right() * (screenStep.x * aspect) + up() * screenStep.y) * halfHeight();
+}
+
+void Camera::zoom(double factor, glm::dvec2 screen, double aspect) {
+    if (!std::isfinite(factor) || factor <= 0.0)
+        return;
+    const double before = halfHeight();
+    distance_ = std::clamp(distance_ / factor, sceneRadius_ * kNearestDistance,
+                           sceneRadius_ * kFarthestDistance);
+    const double moved = before - halfHeight();
+    target_ += (right() * (screen.x * aspect) + up() * screen.y) * moved;
+}
+
+bool Camera::setPose(const CameraPose& pose) {
+    const auto& q = pose.orientation;
+    const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    const double sum = length + pose.target.x + pose.target.y + pose.target.z + pose.distance;
+    if (!std::isfinite(sum) || !(length > 1e-6) || !(pose.distance > 0.0))
+        return false;
+    orientation_ = glm::dquat(q.w / length, q.x / length, q.y / length, q.z / length);
+    const double farthest = sceneRadius_ * kFarthestDistance;
+    target_ = glm::clamp(pose.target, glm::dvec3(-farthest), glm::dvec3(farthest));
+    distance_ = std::clamp(pose.distance, sceneRadius_ * kNearestDistance, farthest);
+    isPerspective_ = pose.isPerspective;
+    return true;
+}
+
+glm::dvec3 Camera::right() const { return orientation_ * glm::dvec3(1.0, 0.0, 0.0); }
+glm::dvec3 Camera::up() const { return orientation_ * glm::dvec3(0.0, 1.0, 0.0); }
+glm::dvec3 Camera::backward() const { return orientation_ * glm::dvec3(0.0, 0.0, 1.0); }
+
+glm::dmat4 Camera::viewMatrix() const {
+    const glm::dmat4 rotation = glm::mat4_cast(glm::conjugate(orientation_));
+    return glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, -distance_)) *
+           glm::translate(rotation, -target_);
+}
+
+glm::dmat4 Camera::projectionMatrix(double aspect) const {
+    aspect = std::isfinite(aspect) && aspect > 0.0 ? std::clamp(aspect, 1.0 / kLargestAspect, kLargestAspect) : 1.0;
+    // Both planes hug the scene's sphere, wherever the viewer stands: all depth bits go to the scene.
+    const double centreDepth = glm::dot(backward(), eye());
+    const double reach = sceneRadius_ * 1.05;
+    const double far = std::max(centreDepth + reach, reach * 1e-3);
+    if (!isPerspective_) {
+        const double half = halfHeight();
+        return glm::ortho(-half * aspect, half * aspect, -half, half, centreDepth - reach, far);
+    }
+    const double near = std::max(centreDepth - reach, std::min(distance_, far) * 2e-3);
+    return glm::perspective(2.0 * kHalfFieldOfView, aspect, near, std::max(far, near * 1.001));
+}
+
+double Camera::halfHeight() const { return distance_ * std::tan(kHalfFieldOfView); }
+
+} // namespace isoslider::model

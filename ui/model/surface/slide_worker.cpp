@@ -1,0 +1,145 @@
+#include "ui/model/surface/slide_worker.h"
+
+#include <chrono>
+#include <exception>
+#include <new>
+
+#include "ui/model/surface/coarse_picture.h"
+
+namespace isoslider::model {
+namespace {
+
+constexpr auto kStopPollInterval = std::chrono::milliseconds(10);
+
+template <class Function>
+auto guarded(Function&& function) -> decltype(function()) {
+    try {
+        return function();
+    } catch (const std::bad_alloc&) {
+        return makeError(ErrorCode::OutOfSpace, "not enough memory for this surface; choose another isovalue");
+    } catch (const std::exception& exception) {
+        return makeError(ErrorCode::IoError, std::string("unexpected failure: ") + exception.what());
+    }
+}
+
+} // namespace
+
+SlideWorker::SlideWorker(Callbacks callbacks)
+    : callbacks_(std::move(callbacks)), thread_([this](std::stop_token stop) { loop(stop); }) {}
+
+SlideWorker::~SlideWorker() {
+    thread_.request_stop();
+    const std::lock_guard lock(mutex_);
+    moveStop_.request_stop();
+}
+
+SourceGeneration SlideWorker::setSource(std::shared_ptr<SurfaceSource> source, DatasetGeneration dataset,
+                                        std::optional<double> isovalue) {
+    SourceGeneration generation{};
+    {
+        const std::lock_guard lock(mutex_);
+        moveStop_.request_stop();
+        moveStop_ = std::stop_source();
+        // Letting go of a volume takes time, so the worker does it and not the caller.
+        if (source_)
+            retired_.push_back(std::move(source_));
+        source_ = std::move(source);
+        generation = generation_ = SourceGeneration{static_cast<std::uint64_t>(generation_) + 1};
+        dataset_ = dataset;
+        mailbox_ = isovalue;
+    }
+    wake_.notify_all();
+    return generation;
+}
+
+void SlideWorker::request(double isovalue) {
+    {
+        const std::lock_guard lock(mutex_);
+        mailbox_ = isovalue;
+    }
+    wake_.notify_all();
+}
+
+Result<extract::SurfaceMesh> SlideWorker::takeMesh(DatasetGeneration dataset, const JobControl& job) {
+    auto order = std::make_unique<MeshOrder>();
+    order->dataset = dataset;
+    order->job = job;
+    auto answer = order->mesh.get_future();
+    {
+        const std::lock_guard lock(mutex_);
+        if (order_)
+            return makeError(ErrorCode::InvalidArgument, "another mesh is being made; try again when it is done");
+        order_ = std::move(order);
+    }
+    wake_.notify_all();
+    while (answer.wait_for(kStopPollInterval) != std::future_status::ready)
+        if (job.isStopRequested())
+            return cancelledError();
+    try {
+        return answer.get();
+    } catch (const std::future_error&) { // the worker ended first
+        return cancelledError();
+    }
+}
+
+void SlideWorker::loop(std::stop_token stop) {
+    Work work;
+    while (waitForWork(stop, work)) {
+        if (work.isovalue)
+            move(work);
+        else if (work.order)
+            work.order->mesh.set_value(meshOf(work));
+        work = {};
+    }
+    const std::lock_guard lock(mutex_);
+    order_.reset();
+}
+
+bool SlideWorker::waitForWork(std::stop_token stop, Work& work) {
+    std::unique_lock lock(mutex_);
+    if (!wake_.wait(lock, stop, [this] { return (mailbox_ && source_) || order_ || !retired_.empty(); }))
+        return false;
+    work.retired = std::exchange(retired_, {});
+    work.source = source_;
+    work.generation = generation_;
+    work.dataset = dataset_;
+    work.stop = moveStop_.get_token();
+    if (mailbox_ && source_)
+        work.isovalue = std::exchange(mailbox_, std::nullopt);
+    else
+        work.order = std::move(order_);
+    return !stop.stop_requested();
+}
+
+Result<extract::SurfaceMesh> SlideWorker::meshOf(const Work& work) const {
+    if (!work.source || work.dataset != work.order->dataset)
+        return makeError(ErrorCode::InvalidArgument, "the volume that it is of was closed or replaced meanwhile");
+    if (moved_ != work.generation)
+        return makeError(ErrorCode::InvalidArgument, "there is no surface at this isovalue; choose another one");
+    return guarded([&] { return work.source->mesh(work.order->job); });
+}
+
+void SlideWorker::move(const Work& work) {
+    auto frame = pool_.take();
+    frame->marksChanges = marksChanges_;
+    const Status status = guarded([&]() -> Status {
+        ISO_TRY(work.source->moveTo(*work.isovalue, work.stop, *frame));
+        frame->mergedCells = 1;
+        fitPicture(*frame, pictureLimit_);
+        return {};
+    });
+    moved_ = status.isOk() ? work.generation : SourceGeneration{};
+    if (!isCurrent(work.generation))
+        return;
+    if (status.isOk())
+        callbacks_.onFrame(std::move(frame), work.generation);
+    else if (!status.isCancelled())
+        callbacks_.onError(status.error(), *work.isovalue, work.generation);
+}
+
+bool SlideWorker::isCurrent(SourceGeneration generation) {
+    const std::lock_guard lock(mutex_);
+    return generation == generation_;
+}
+
+} // namespace isoslider::model

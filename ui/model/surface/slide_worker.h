@@ -1,0 +1,94 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <future>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "ui/model/session/dataset.h"
+#include "ui/model/surface/frame_pool.h"
+#include "ui/model/surface/surface_source.h"
+
+namespace isoslider::model {
+
+/// Names the source that a frame came from; grows with every setSource.
+enum class SourceGeneration : std::uint64_t {};
+
+/// The thread that moves the surface. A mailbox holds the latest requested isovalue only: while one
+/// move runs, newer requests replace each other, and the newest is served next. A running move is
+/// finished, not cancelled, by a newer request, so a long drag still shows pictures on its way.
+/// All members but takeMesh return at once; they may be called from any thread.
+class SlideWorker {
+public:
+    /// Both are called on the worker's thread.
+    struct Callbacks {
+        std::function<void(std::shared_ptr<const extract::SurfaceFrame>, SourceGeneration)> onFrame;
+        /// With the isovalue that could not be moved to.
+        std::function<void(Error, double, SourceGeneration)> onError;
+    };
+
+    explicit SlideWorker(Callbacks callbacks);
+    /// Cancels the running move and waits for it. Waiting takeMesh calls return Cancelled.
+    ~SlideWorker();
+
+    /// Replaces the source (null: none) and cancels the running move; the pending request becomes `isovalue`.
+    /// A data set may have several sources, one after the other.
+    /// Frames of earlier generations may still be delivered once.
+    SourceGeneration setSource(std::shared_ptr<SurfaceSource> source, DatasetGeneration dataset,
+                               std::optional<double> isovalue);
+    void request(double isovalue);
+    /// Frames from the next move on take at most `bytes`, see fitPicture; meshes are whole all the same.
+    void limitPicture(std::uint64_t bytes) { pictureLimit_ = bytes; }
+    /// Whether frames from the next move on say what that move has changed.
+    void markChanges(bool isWanted) { marksChanges_ = isWanted; }
+
+    /// The surface of `dataset` as a mesh, after all pending moves. Blocks: call it from a job, never the window.
+    /// Errors: Cancelled; InvalidArgument once another data set has taken its place, and without a surface: the
+    /// last move failed, or there was none.
+    Result<extract::SurfaceMesh> takeMesh(DatasetGeneration dataset, const JobControl& job);
+
+private:
+    struct MeshOrder {
+        DatasetGeneration dataset{};
+        JobControl job;
+        std::promise<Result<extract::SurfaceMesh>> mesh;
+    };
+    struct Work {
+        std::shared_ptr<SurfaceSource> source;
+        SourceGeneration generation{};
+        DatasetGeneration dataset{};
+        std::optional<double> isovalue;
+        std::unique_ptr<MeshOrder> order;
+        std::stop_token stop;
+        std::vector<std::shared_ptr<SurfaceSource>> retired;
+    };
+
+    void loop(std::stop_token stop);
+    bool waitForWork(std::stop_token stop, Work& work);
+    void move(const Work& work);
+    Result<extract::SurfaceMesh> meshOf(const Work& work) const;
+    bool isCurrent(SourceGeneration generation);
+
+    Callbacks callbacks_;
+    FramePool pool_;
+    std::atomic<std::uint64_t> pictureLimit_{std::numeric_limits<std::uint64_t>::max()};
+    std::atomic<bool> marksChanges_{true};
+    std::mutex mutex_;
+    std::condition_variable_any wake_;
+    std::shared_ptr<SurfaceSource> source_;
+    std::vector<std::shared_ptr<SurfaceSource>> retired_;
+    SourceGeneration generation_{};
+    DatasetGeneration dataset_{};
+    SourceGeneration moved_{}; ///< whose last move succeeded; of the worker's thread
+    std::optional<double> mailbox_;
+    std::unique_ptr<MeshOrder> order_;
+    std::stop_source moveStop_;
+    std::jthread thread_; // last: joins before the members above go
+};
+
+} // namespace isoslider::model

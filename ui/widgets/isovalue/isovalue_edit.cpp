@@ -1,0 +1,115 @@
+#include "ui/widgets/isovalue/isovalue_edit.h"
+
+#include <cmath>
+
+#include <QKeyEvent>
+#include <QLocale>
+#include <QToolTip>
+#include <QWheelEvent>
+
+#include "ui/model/isovalue/isovalue_model.h"
+#include "ui/model/isovalue/number_text.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kMostCharacters = 100; // more than any number that a person types
+constexpr int kMostQuoted = 24;
+
+/// What was typed, for a sentence about it: its beginning, without what would turn or break the sentence.
+QString quoted(const QString& text) {
+    QString kept;
+    int count = 0;
+    for (const char32_t character : text.toUcs4()) {
+        if (count++ == kMostQuoted) {
+            kept += QChar(0x2026);
+            break;
+        }
+        const bool isShown = QChar::isPrint(character) && QChar::category(character) != QChar::Other_Format;
+        kept += isShown ? QString::fromUcs4(&character, 1) : QString(QChar::ReplacementCharacter);
+    }
+    // Isolated, so that words from right to left stay between the quotation marks.
+    return QChar(0x2068) + kept + QChar(0x2069);
+}
+
+} // namespace
+
+IsovalueEdit::IsovalueEdit(QWidget* parent) : QLineEdit(parent) {
+    setObjectName(QStringLiteral("isovalueEdit"));
+    setAccessibleName(tr("Requested isovalue"));
+    setAlignment(Qt::AlignRight);
+    setMaxLength(kMostCharacters);
+    connect(this, &QLineEdit::inputRejected, this, [this] { isCut_ = true; });
+    connect(this, &QLineEdit::textEdited, this, [this](const QString& text) { isCut_ = isCut_ && text.size() == kMostCharacters; });
+    connect(this, &QLineEdit::editingFinished, this, &IsovalueEdit::commit);
+}
+
+void IsovalueEdit::showValue(double value) {
+    shownText_ = QString::fromStdString(model::valueText(value, 8));
+    if (!isModified() || !hasFocus())
+        restore();
+}
+
+void IsovalueEdit::showNothing() {
+    shownText_.clear();
+    restore();
+}
+
+void IsovalueEdit::restore() {
+    setText(shownText_);
+    setModified(false);
+    isCut_ = false;
+}
+
+void IsovalueEdit::commit() {
+    if (!isModified() || text() == shownText_)
+        return setModified(false);
+    bool isNumber = false;
+    // Both the point and the locale's comma are understood.
+    double value = text().trimmed().toDouble(&isNumber);
+    if (!isNumber)
+        value = locale().toDouble(text().trimmed(), &isNumber);
+    setModified(false);
+    if (isCut_) {
+        refuse(tr("“%1” is too long for a number").arg(quoted(text())));
+    } else if (isNumber && !std::isnan(value)) {
+        Q_EMIT valueCommitted(value);
+        restore(); // shows the clamped value if the request changed nothing
+    } else {
+        refuse(tr("“%1” is not a number").arg(quoted(text())));
+    }
+    if (hasFocus())
+        selectAll();
+}
+
+void IsovalueEdit::refuse(const QString& reason) {
+    restore();
+    // Escaped: tool tips take text with tags for a page.
+    QToolTip::showText(mapToGlobal(QPoint(0, height())), QStringLiteral("<qt>%1</qt>").arg(reason.toHtmlEscaped()), this);
+}
+
+void IsovalueEdit::keyPressEvent(QKeyEvent* event) {
+    const double fine = event->modifiers().testFlag(Qt::ShiftModifier) ? 1.0 / model::kPrecisionFactor : 1.0;
+    const double page = event->modifiers().testFlag(Qt::ControlModifier) ? model::kLargePageStep : model::kPageStep;
+    switch (event->key()) {
+        case Qt::Key_Up: Q_EMIT stepRequested(model::kFineStep * fine); return;
+        case Qt::Key_Down: Q_EMIT stepRequested(-model::kFineStep * fine); return;
+        case Qt::Key_PageUp: Q_EMIT stepRequested(page * fine); return;
+        case Qt::Key_PageDown: Q_EMIT stepRequested(-page * fine); return;
+        case Qt::Key_Escape:
+            restore();
+            selectAll();
+            return;
+        default: QLineEdit::keyPressEvent(event);
+    }
+}
+
+void IsovalueEdit::wheelEvent(QWheelEvent* event) {
+    const QPoint angle = event->angleDelta();
+    const double notches = (angle.y() != 0 ? angle.y() : angle.x()) / 120.0;
+    const double fine = event->modifiers().testFlag(Qt::ShiftModifier) ? 1.0 / model::kPrecisionFactor : 1.0;
+    Q_EMIT stepRequested(notches * model::kFineStep * fine);
+    event->accept();
+}
+
+} // namespace isoslider::widgets

@@ -1,0 +1,223 @@
+#include "ui/widgets/isovalue/isovalue_panel.h"
+
+#include <utility>
+
+#include <QAction>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QFrame>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+#include "ui/model/isovalue/number_text.h"
+#include "ui/model/session/session.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/common/icon_loader.h"
+#include "ui/widgets/isovalue/isovalue_edit.h"
+#include "ui/widgets/window/settings_store.h"
+#include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/common/text_colour.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kPlayIntervalMs = 16;
+constexpr int kMargin = 8;
+
+struct ModeName {
+    const char* key;
+    model::PlaybackMode mode;
+};
+constexpr std::array<ModeName, 3> kModes{{{"once", model::PlaybackMode::Once},
+                                          {"loop", model::PlaybackMode::Loop},
+                                          {"pingpong", model::PlaybackMode::PingPong}}};
+
+} // namespace
+
+IsovaluePanel::IsovaluePanel(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
+                             QWidget* parent)
+    : QWidget(parent), session_(session), plot_(new HistogramPlot(this)), edit_(new IsovalueEdit(this)) {
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(kMargin, 6, kMargin, 8);
+    layout->setSpacing(6);
+    controls_ = makeControls(actions);
+    layout->addWidget(new RowScroll(controls_, this));
+    layout->addWidget(plot_, 1);
+    connectControls(settings, actions);
+    datasetSubscription_ = session_.datasetChanged().observe([this] { showDataset(); });
+    isovalueSubscription_ = session_.isovalue().observe([this] { showIsovalue(); });
+    showDataset();
+    showIsovalue();
+}
+
+QWidget* IsovaluePanel::makeControls(const ActionRegistry& actions) {
+    auto* row = new QWidget(this);
+    auto* layout = new QHBoxLayout(row);
+    layout->setContentsMargins(0, 0, 0, 0);
+    layout->setSpacing(6);
+    auto* name = new QLabel(tr("Isovalue"), row);
+    name->setBuddy(edit_);
+    edit_->setFixedWidth(fontMetrics().horizontalAdvance(QStringLiteral("-0.00000000e+00")) + 16);
+    edit_->setToolTip(tr("Isovalue in the volume's units. Enter or leaving the field takes it; "
+                         "up and down step by 0.1 % of the range, with Shift by 0.01 %."));
+    range_ = new QLabel(row);
+    makeQuiet(range_);
+    mode_ = new QComboBox(row);
+    mode_->setAccessibleName(tr("Animation mode"));
+    mode_->addItems({tr("Once"), tr("Loop"), tr("Ping-pong")});
+    speed_ = new QDoubleSpinBox(row);
+    speed_->setAccessibleName(tr("Animation speed"));
+    speed_->setRange(0.01, 100.0);
+    speed_->setDecimals(2);
+    speed_->setSuffix(tr(" %/s"));
+    speed_->setToolTip(tr("Speed of the animation: percent of the value range per second"));
+    for (QWidget* widget : {static_cast<QWidget*>(name), static_cast<QWidget*>(edit_), static_cast<QWidget*>(range_)})
+        layout->addWidget(widget);
+    layout->addWidget(makeSeparator(row));
+    layout->addWidget(makeToolButton(actions.action("isovalue.play"), Qt::ToolButtonTextBesideIcon, row));
+    layout->addWidget(mode_);
+    layout->addWidget(speed_);
+    layout->addWidget(makeSeparator(row));
+    actions.action("isovalue.logCounts")->setIconText(tr("Log"));
+    layout->addWidget(makeToolButton(actions.action("isovalue.logCounts"), Qt::ToolButtonTextOnly, row));
+    layout->addWidget(makeToolButton(actions.action("isovalue.resetZoom"), Qt::ToolButtonIconOnly, row));
+    layout->addStretch(1);
+    readouts_ = new QWidget(row);
+    auto* readouts = new QHBoxLayout(readouts_);
+    readouts->setContentsMargins(0, 0, 0, 0);
+    readouts->setSpacing(6);
+    requested_ = addReadout(readouts, tr("Requested"), "requestedReadout", readouts_);
+    displayed_ = addReadout(readouts, tr("Displayed"), "displayedReadout", readouts_);
+    elapsed_ = addReadout(readouts, tr("Update"), "elapsedReadout", readouts_);
+    layout->addWidget(readouts_);
+    return row;
+}
+
+void IsovaluePanel::connectControls(SettingsStore& settings, const ActionRegistry& actions) {
+    auto& isovalue = session_.isovalue();
+    connect(plot_, &HistogramPlot::isovalueRequested, this, [&isovalue](double value) { isovalue.request(value); });
+    connect(plot_, &HistogramPlot::stepRequested, this, [&isovalue](double step) { isovalue.step(step); });
+    connect(edit_, &IsovalueEdit::valueCommitted, this, [&isovalue](double value) { isovalue.request(value); });
+    connect(edit_, &IsovalueEdit::stepRequested, this, [&isovalue](double step) { isovalue.step(step); });
+
+    QAction* log = actions.action("isovalue.logCounts");
+    log->setChecked(settings.boolean("histogram/logCounts"));
+    plot_->setLogCounts(log->isChecked());
+    connect(log, &QAction::toggled, this, [this, &settings](bool isLog) {
+        plot_->setLogCounts(isLog);
+        settings.set("histogram/logCounts", isLog);
+    });
+    connect(actions.action("isovalue.resetZoom"), &QAction::triggered, plot_, &HistogramPlot::showWholeRange);
+    connect(actions.action("isovalue.edit"), &QAction::triggered, this, [this] {
+        edit_->setFocus(Qt::ShortcutFocusReason);
+        edit_->selectAll();
+    });
+
+    const QString modeKey = settings.text("playback/mode");
+    for (std::size_t i = 0; i < kModes.size(); ++i)
+        if (modeKey == QLatin1String(kModes[i].key))
+            mode_->setCurrentIndex(static_cast<int>(i));
+    playback_.setMode(kModes[static_cast<std::size_t>(mode_->currentIndex())].mode);
+    speed_->setValue(settings.number("playback/percentPerSecond"));
+    playback_.setSpeed(speed_->value() / 100.0);
+    connect(mode_, &QComboBox::currentIndexChanged, this, [this, &settings](int index) {
+        const auto& mode = kModes[static_cast<std::size_t>(index)];
+        playback_.setMode(mode.mode);
+        settings.set("playback/mode", QString(QLatin1String(mode.key)));
+    });
+    connect(speed_, &QDoubleSpinBox::valueChanged, this, [this, &settings](double percent) {
+        playback_.setSpeed(percent / 100.0);
+        settings.set("playback/percentPerSecond", percent);
+    });
+    QAction* play = actions.action("isovalue.play");
+    connect(play, &QAction::toggled, this, [this, play](bool isPlaying) { setPlaying(isPlaying, play); });
+    playTimer_.setInterval(kPlayIntervalMs);
+    playTimer_.setTimerType(Qt::PreciseTimer);
+    connect(&playTimer_, &QTimer::timeout, this, [this, play] { advance(play); });
+}
+
+// The view shows the same: in a narrow window they give way before the controls have to be scrolled.
+void IsovaluePanel::resizeEvent(QResizeEvent* event) {
+    QWidget::resizeEvent(event);
+    const int readouts = readouts_->sizeHint().width() + controls_->layout()->spacing();
+    const int others = controls_->sizeHint().width() - (readouts_->isHidden() ? 0 : readouts);
+    readouts_->setVisible(others + readouts <= contentsRect().width() - 2 * kMargin);
+}
+
+void IsovaluePanel::setPlaying(bool isPlaying, QAction* action) {
+    action->setText(isPlaying ? tr("&Pause") : tr("&Play"));
+    action->setIconText(isPlaying ? tr("Pause") : tr("Play"));
+    action->setIcon(themedIcon(isPlaying ? QStringLiteral("pause") : QStringLiteral("play"), palette()));
+    if (isPlaying && session_.isovalue().hasDomain()) {
+        playback_.start(session_.isovalue().fraction());
+        playedValue_ = session_.isovalue().requested();
+        playClock_.start();
+        playTimer_.start();
+    } else {
+        playback_.stop();
+        playTimer_.stop();
+        if (isPlaying)
+            action->setChecked(false);
+    }
+}
+
+void IsovaluePanel::advance(QAction* action) {
+    auto& isovalue = session_.isovalue();
+    const double seconds = static_cast<double>(playClock_.restart()) / 1000.0;
+    if (isovalue.isLagging())
+        return; // the surface is the clock: a slow one is played slowly, not in jumps
+    if (isovalue.requested() != playedValue_) // the user took the handle: go on from there
+        playback_.start(isovalue.fraction());
+    isovalue.request(isovalue.atFraction(playback_.advance(seconds)));
+    playedValue_ = isovalue.requested();
+    if (!playback_.isPlaying() || !isovalue.hasDomain())
+        action->setChecked(false);
+}
+
+void IsovaluePanel::showDataset() {
+    const auto* dataset = session_.dataset();
+    const bool hasDataset = dataset != nullptr;
+    for (QWidget* control : {static_cast<QWidget*>(edit_), static_cast<QWidget*>(mode_), static_cast<QWidget*>(speed_)})
+        control->setEnabled(hasDataset);
+    if (!hasDataset) {
+        range_->setText(tr("no volume"));
+        return plot_->clearHistogram();
+    }
+    range_->setText((session_.isPreview() ? tr("in %1 … %2 of the preview") : tr("in %1 … %2"))
+                        .arg(QString::fromStdString(model::valueText(dataset->min)),
+                             QString::fromStdString(model::valueText(dataset->max))));
+    static const std::vector<std::uint64_t> kNone;
+    plot_->setHistogram(dataset->histogram, dataset->type, dataset->index ? dataset->index->activeEdgesPerBin : kNone);
+    if (std::exchange(shownDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
+        beginVolume();
+}
+
+void IsovaluePanel::beginVolume() {
+    plot_->showWholeRange(); // a zoom is of one volume, also where the next has the same range
+    // The keys move the surface at once. What is being typed is not taken away.
+    if (plot_->isVisible() && !edit_->hasFocus())
+        plot_->setFocus(Qt::OtherFocusReason);
+}
+
+void IsovaluePanel::showIsovalue() {
+    const auto& isovalue = session_.isovalue();
+    const auto text = [](double value) { return QString::fromStdString(model::valueText(value, 7)); };
+    if (!isovalue.hasDomain()) {
+        edit_->showNothing();
+        for (QLabel* label : {requested_, displayed_, elapsed_})
+            setReadout(label, QStringLiteral("–"));
+        return;
+    }
+    edit_->showValue(isovalue.requested());
+    setReadout(requested_, text(isovalue.requested()));
+    const bool hasDisplayed = isovalue.hasDisplayed();
+    setReadout(displayed_, hasDisplayed ? text(isovalue.displayed()) : QStringLiteral("–"));
+    setReadout(elapsed_, hasDisplayed ? QString::fromStdString(model::millisecondsText(isovalue.lastUpdateMs()))
+                                      : QStringLiteral("–"));
+    plot_->setIsovalues(isovalue.requested(), hasDisplayed ? isovalue.displayed() : isovalue.requested());
+}
+
+} // namespace isoslider::widgets

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QTimer>
+#include <QWidget>
+
+#include "ui/model/session/dataset.h"
+#include "ui/model/observers.h"
+#include "ui/model/isovalue/playback_model.h"
+
+class QComboBox;
+class QDoubleSpinBox;
+class QLabel;
+class QToolButton;
+
+namespace isoslider::model {
+class Session;
+}
+
+namespace isoslider::widgets {
+
+class ActionRegistry;
+class HistogramPlot;
+class IsovalueEdit;
+class SettingsStore;
+
+/// The isovalue: histogram with its handle, typed value, animation, and what the last move took.
+class IsovaluePanel : public QWidget {
+    Q_OBJECT
+public:
+    IsovaluePanel(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
+                  QWidget* parent = nullptr);
+
+    HistogramPlot& plot() { return *plot_; }
+    IsovalueEdit& edit() { return *edit_; }
+
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+
+private:
+    QWidget* makeControls(const ActionRegistry& actions);
+    void connectControls(SettingsStore& settings, const ActionRegistry& actions);
+    void showDataset();
+    void beginVolume();
+    void showIsovalue();
+    void setPlaying(bool isPlaying, QAction* action);
+    void advance(QAction* action);
+
+    model::Session& session_;
+    HistogramPlot* plot_ = nullptr;
+    IsovalueEdit* edit_ = nullptr;
+    QLabel* range_ = nullptr;
+    QWidget* controls_ = nullptr;
+    QWidget* readouts_ = nullptr; ///< at the end of the controls, where there is room
+    QLabel* requested_ = nullptr;
+    QLabel* displayed_ = nullptr;
+    QLabel* elapsed_ = nullptr;
+    QComboBox* mode_ = nullptr;
+    QDoubleSpinBox* speed_ = nullptr;
+    model::DatasetGeneration shownDataset_{};
+    model::PlaybackModel playback_;
+    QTimer playTimer_;
+    QElapsedTimer playClock_;
+    double playedValue_ = 0.0;
+    model::Subscription datasetSubscription_;
+    model::Subscription isovalueSubscription_;
+};
+
+} // namespace isoslider::widgets

@@ -1,0 +1,59 @@
+#include "ui/widgets/isovalue/plot_style.h"
+
+#include <cmath>
+
+#include <QRegularExpression>
+
+#include "ui/model/isovalue/number_text.h"
+#include "ui/widgets/common/text_colour.h"
+
+namespace isoslider::widgets {
+namespace {
+
+QString compactLabel(double tick) {
+    if (tick < 0.0)
+        return {};
+    const auto text = QString::fromStdString(model::compactText(static_cast<std::uint64_t>(std::llround(tick))));
+    // Ticks are round: "10.0 k" is "10 k", "2.50 M" is "2.5 M".
+    static const QRegularExpression zeros(QStringLiteral("\\.0+(?!\\d)|(\\.\\d*[1-9])0+(?!\\d)"));
+    return QString(text).replace(zeros, QStringLiteral("\\1"));
+}
+
+bool isDark(const QPalette& palette) { return palette.color(QPalette::Base).lightness() < 128; }
+
+} // namespace
+
+PlotColours plotColours(const QPalette& palette) {
+    if (isDark(palette))
+        return {QColor(128, 150, 184), QColor(94, 120, 160, 110), QColor(72, 190, 168), QColor(240, 128, 60),
+                QColor(24, 20, 16)};
+    return {QColor(96, 120, 158), QColor(120, 148, 190, 110), QColor(0, 128, 108), QColor(208, 84, 16),
+            QColor(255, 255, 255)};
+}
+
+void styleAxis(QCPAxis* axis, const QPalette& palette) {
+    QColor line = palette.color(QPalette::Text);
+    line.setAlpha(90);
+    QColor grid = line;
+    grid.setAlpha(28);
+    const QColor label = quietTextColour(palette, QPalette::Text, QPalette::Base);
+    axis->setBasePen(QPen(line, 1.0));
+    axis->setTickPen(QPen(line, 1.0));
+    axis->setSubTicks(false);
+    axis->setTickLength(0, 4);
+    axis->grid()->setPen(QPen(grid, 1.0));
+    axis->grid()->setZeroLinePen(QPen(grid, 1.0));
+    axis->setTickLabelColor(palette.color(QPalette::Text));
+    axis->setLabelColor(label);
+    QFont font;
+    font.setPointSizeF(std::max(7.5, font.pointSizeF() * 0.88));
+    axis->setTickLabelFont(font);
+    axis->setLabelFont(font);
+    axis->setNumberFormat(QStringLiteral("gb"));
+    axis->setNumberPrecision(6);
+}
+
+QString CompactTicker::getTickLabel(double tick, const QLocale&, QChar, int) { return compactLabel(tick); }
+QString CompactLogTicker::getTickLabel(double tick, const QLocale&, QChar, int) { return compactLabel(tick); }
+
+} // namespace isoslider::widgets

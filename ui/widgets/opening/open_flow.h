@@ -1,0 +1,64 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include <QObject>
+#include <QString>
+
+#include "ui/model/opening/open_model.h"
+#include "ui/model/session/recent_file.h"
+#include "ui/model/session/session.h"
+
+class QWidget;
+
+namespace isoslider::widgets {
+
+class FileDialogs;
+class SettingsStore;
+class VolumeDialog;
+
+/// From a file, a folder or a name to an open volume: asks where it must, and opens at once where it need
+/// not. Dialogs are children of `window`; everything given must outlive this.
+class OpenFlow : public QObject {
+    Q_OBJECT
+public:
+    OpenFlow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs, QWidget* window);
+    ~OpenFlow() override;
+
+    /// Asks for a file, shows it before it is opened, if the user wants that, and opens it.
+    void askFile();
+    /// Asks for a folder of slices; of several series, asks for one.
+    void askFolder();
+    /// Asks for a file and how its samples are arranged, whatever its name.
+    void askRawFile();
+
+    /// Opens a volume, an index or a folder. Asks only what has to be known: how a headerless file is
+    /// arranged, and which of several volumes is meant. `isovalue`: the first one; otherwise a suggested one.
+    void openPath(const QString& path, std::optional<double> isovalue = std::nullopt);
+    /// Opens what was open before, with the choices that were made then. Asks nothing, unless the file has changed
+    /// so that they are no longer there.
+    void openRecent(const model::RecentFile& file);
+    void openSample(const QString& name);
+    void setPreviewsFirst(bool isOn);
+
+Q_SIGNALS:
+    void opening();
+    void previewsFirstChanged(bool isOn);
+
+private:
+    void preview(const QString& path);
+    void askRawLayout(const QString& path);
+    void askChoice(const model::OpenRequest& request, const io::VolumeContents& contents);
+    VolumeDialog* showDialog(std::unique_ptr<model::OpenModel> model, std::optional<double> isovalue);
+    void open(model::OpenRequest request);
+
+    model::Session& session_;
+    SettingsStore& settings_;
+    FileDialogs& dialogs_;
+    QWidget* window_;
+    std::shared_ptr<model::BackgroundJobs> jobs_; ///< of the dialogs
+    model::Subscription subscription_;
+};
+
+} // namespace isoslider::widgets

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include <QString>
+
+#include "core/grid/grid_geometry.h"
+#include "core/grid/scalar_type.h"
+#include "core/volume_io/sources/volume_source.h"
+#include "ui/widgets/common/small_widgets.h"
+
+namespace isoslider::widgets {
+
+QString fromStd(const std::string& text);
+/// "256 × 256 × 109"
+QString dimsText(const GridDims& dims);
+/// "1 × 1 × 2.5"
+QString valueTriple(const glm::dvec3& v);
+/// "(0, -1, 0.5)"
+QString pointText(const glm::dvec3& v);
+/// "u16 (unsigned integer, 16 bits)"
+QString typeText(ScalarType type);
+
+/// What a grid that is not uniform loses by being resampled; empty if it was not.
+std::vector<Fact> resamplingFactsOf(const std::optional<io::ResampleReport>& report);
+/// Spacing, origin, size of the box and, where they are turned, axes. `unit` may be empty: not known.
+std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& unit);
+/// "12.5 mm²": a number in a power of the unit of length, 1 to 3; "12.5 units²" where that is not known.
+QString inLengthUnit(const QString& number, const std::string& unit, int power = 1);
+
+} // namespace isoslider::widgets

@@ -1,0 +1,282 @@
+#include "ui/widgets/viewport/viewport_host.h"
+
+#include <QAction>
+#include <QEvent>
+#include <QLabel>
+#include <QVBoxLayout>
+
+#include "ui/model/isovalue/number_text.h"
+#include "ui/model/session/session.h"
+#include "ui/render/gl_support.h"
+#include "ui/render/scene_renderer.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/opening/loading_card.h"
+#include "ui/widgets/window/settings_store.h"
+#include "ui/widgets/opening/start_page.h"
+#include "ui/widgets/viewport/viewport_overlay.h"
+#include "ui/widgets/viewport/viewport_widget.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kOverlayMargin = 12;
+constexpr int kOverlaySpacing = 6;
+constexpr std::uint64_t kLeastPictureBytes = 1 << 14; // below it, it is not for its size that a surface is refused
+const QColor kPreviewColour(255, 214, 138);
+
+struct OptionAction {
+    const char* action;
+    const char* setting;
+    bool model::ViewOptions::*member;
+};
+constexpr std::array<OptionAction, 4> kOptionActions{
+    {{"view.changed", "view/showsChanged", &model::ViewOptions::showsChanged},
+     {"view.box", "view/showsBox", &model::ViewOptions::showsBox},
+     {"view.axes", "view/showsAxes", &model::ViewOptions::showsAxes},
+     {"view.readout", "view/showsReadout", &model::ViewOptions::showsReadout}}};
+
+struct ViewAction {
+    const char* action;
+    model::StandardView view;
+};
+constexpr std::array<ViewAction, 6> kViewActions{{{"view.front", model::StandardView::Front},
+                                                  {"view.back", model::StandardView::Back},
+                                                  {"view.right", model::StandardView::Right},
+                                                  {"view.left", model::StandardView::Left},
+                                                  {"view.top", model::StandardView::Top},
+                                                  {"view.bottom", model::StandardView::Bottom}}};
+
+QString indexText(model::IndexState state) {
+    switch (state) {
+        case model::IndexState::None: return ViewportHost::tr("there is no index yet");
+        case model::IndexState::Building: return ViewportHost::tr("the index is being built");
+        case model::IndexState::Ready: return ViewportHost::tr("the index is ready");
+        case model::IndexState::Failed: return ViewportHost::tr("the index could not be built");
+        case model::IndexState::Cancelled: return ViewportHost::tr("building the index was cancelled");
+    }
+    return {};
+}
+
+} // namespace
+
+ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
+                           QWidget* parent)
+    : QWidget(parent), session_(session) {
+    if (render::isOpenGlUsable())
+        view_ = viewport_ = new ViewportWidget(this);
+    else
+        view_ = makeFallback();
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(0, 0, 0, 0);
+    layout->addWidget(view_);
+    axes_ = new AxesGlyph(this);
+    readout_ = new ViewReadout(this);
+    preview_ = new ViewReadout(this, kPreviewColour);
+    preview_->setObjectName(QStringLiteral("previewLabel"));
+    loading_ = new LoadingCard(session_, this);
+    startPage_ = new StartPage(actions, this);
+    startPage_->installEventFilter(this);
+    connectActions(settings, actions);
+    connectViews(actions);
+    connectGraphics();
+    optionsSubscription_ = viewState_.observe([this] { applyOptions(); });
+    datasetSubscription_ = session_.datasetChanged().observe([this] { showState(); });
+    frameSubscription_ = session_.frameChanged().observe([this] { showFrame(); });
+    applyOptions();
+    showFrame();
+}
+
+QWidget* ViewportHost::makeFallback() {
+    auto* label = new QLabel(tr("OpenGL 3.3 is not available, so the surface cannot be drawn: %1.\n"
+                                "The panels still work: isovalue, levels, mesh check and export.\n"
+                                "Install or enable a graphics driver with OpenGL 3.3 to see the surface.")
+                                 .arg(render::openGlProblem()),
+                             this);
+    label->setTextFormat(Qt::PlainText); // drivers name themselves
+    label->setObjectName(QStringLiteral("viewportFallback"));
+    label->setAlignment(Qt::AlignCenter);
+    label->setWordWrap(true);
+    label->setMargin(24);
+    label->setFocusPolicy(Qt::StrongFocus);
+    return label;
+}
+
+void ViewportHost::connectActions(SettingsStore& settings, const ActionRegistry& actions) {
+    model::ViewOptions options;
+    for (const auto& entry : kOptionActions) {
+        options.*entry.member = settings.boolean(entry.setting);
+        QAction* action = actions.action(entry.action);
+        action->setChecked(options.*entry.member);
+        connect(action, &QAction::toggled, this, [this, &settings, entry](bool isShown) {
+            auto changed = viewState_.options();
+            changed.*entry.member = isShown;
+            viewState_.setOptions(changed);
+            settings.set(entry.setting, isShown);
+        });
+    }
+    viewState_.setOptions(options);
+    actionsSubscription_ = viewState_.observe([this, &actions] {
+        for (const auto& entry : kOptionActions)
+            actions.action(entry.action)->setChecked(viewState_.options().*entry.member);
+    });
+}
+
+void ViewportHost::connectViews(const ActionRegistry& actions) {
+    const bool hasView = viewport_ != nullptr;
+    actions.action("view.reset")->setEnabled(hasView);
+    actions.action("view.perspective")->setEnabled(hasView);
+    for (const auto& entry : kViewActions)
+        actions.action(entry.action)->setEnabled(hasView);
+    if (!hasView)
+        return;
+    connect(viewport_, &ViewportWidget::cameraChanged, this,
+            [this] { axes_->setOrientation(viewport_->camera().orientation()); });
+    connect(viewport_, &ViewportWidget::stepRequested, this,
+            [this](double step) { session_.isovalue().step(step); });
+    connect(actions.action("view.reset"), &QAction::triggered, this, [this] {
+        viewport_->changeCamera([](model::Camera& camera) { camera.reset(camera.sceneRadius()); });
+    });
+    connect(actions.action("view.perspective"), &QAction::toggled, this, [this](bool isPerspective) {
+        viewport_->changeCamera([isPerspective](model::Camera& camera) { camera.setPerspective(isPerspective); });
+    });
+    for (const auto& entry : kViewActions)
+        connect(actions.action(entry.action), &QAction::triggered, this, [this, view = entry.view] {
+            viewport_->changeCamera([view](model::Camera& camera) { camera.setStandardView(view); });
+        });
+    axes_->setOrientation(viewport_->camera().orientation());
+}
+
+void ViewportHost::connectGraphics() {
+    if (viewport_ == nullptr)
+        return;
+    // Queued: both come from within a paint.
+    connect(viewport_, &ViewportWidget::surfaceRefused, this, &ViewportHost::showCoarser, Qt::QueuedConnection);
+    connect(
+        viewport_, &ViewportWidget::graphicsLost, this,
+        [this] {
+            session_.noticePosted().notify(
+                {model::Notice::Severity::Error, tr("The graphics card was reset and has not come back").toStdString(),
+                 tr("The panels still work. If the picture stays away, start the program again").toStdString(),
+                 ErrorCode::IoError});
+        },
+        Qt::QueuedConnection);
+}
+
+void ViewportHost::showCoarser(std::uint64_t refusedBytes) {
+    const auto frame = session_.frame();
+    if (frame == nullptr || extract::pictureBytes(*frame) != refusedBytes)
+        return; // another one is on its way already
+    if (refusedBytes >= kLeastPictureBytes)
+        return session_.limitPicture(refusedBytes / 2);
+    session_.noticePosted().notify({model::Notice::Severity::Error,
+                                    tr("The graphics card has no memory for any surface").toStdString(),
+                                    tr("The panels still work. Close other programs that draw").toStdString(),
+                                    ErrorCode::OutOfSpace});
+}
+
+void ViewportHost::tellWhatIsDrawn() {
+    const auto frame = session_.frame();
+    const auto merged = frame ? frame->mergedCells : 1;
+    const auto told = std::exchange(toldMergedCells_, merged > 1 ? std::max(merged, toldMergedCells_) : 1);
+    const auto grouped = [](std::uint64_t count) { return QString::fromStdString(model::groupedText(count)); };
+    if (merged > told)
+        session_.noticePosted().notify(
+            {model::Notice::Severity::Error, tr("The graphics card has no memory for this surface").toStdString(),
+             tr("It has %1 triangles; drawn is a coarser one of %2, its vertices merged in blocks of %3 cells along each "
+                "axis. Meshes are checked and exported whole")
+                 .arg(grouped(frame->stats.triangles), grouped(frame->indices.size() / 3))
+                 .arg(merged)
+                 .toStdString(),
+             ErrorCode::OutOfSpace});
+    else if (frame && merged == 1 && told > 1)
+        session_.noticePosted().notify({model::Notice::Severity::Information, tr("The surface is drawn whole again").toStdString(), {}});
+}
+
+QString ViewportHost::standInText() const {
+    QStringList lines;
+    const auto step = session_.shownStep();
+    if (step > 1)
+        lines << tr("preview at 1:%1\none of %1 samples along each axis\n%2").arg(step).arg(indexText(session_.indexState()));
+    if (const auto frame = session_.frame(); frame && frame->mergedCells > 1)
+        lines << tr("coarser surface: vertices merged in blocks of %1 cells\nthe graphics card has no memory for the whole one")
+                     .arg(frame->mergedCells);
+    return lines.join(QLatin1Char('\n'));
+}
+
+void ViewportHost::showFrame() {
+    const auto frame = session_.frame();
+    if (viewport_ != nullptr) {
+        const auto* dataset = session_.dataset();
+        if (dataset != nullptr && std::exchange(framedDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
+            viewport_->changeCamera([dataset](model::Camera& camera) { camera.reset(render::sceneRadius(dataset->geometry)); });
+        viewport_->setFrame(frame, dataset != nullptr ? std::optional(dataset->geometry) : std::nullopt);
+    }
+    if (frame) {
+        const auto text = [](const std::string& s) { return QString::fromStdString(s); };
+        readout_->setText(tr("isovalue %1\n%2 triangles\n%3")
+                              .arg(text(model::valueText(frame->isovalue, 7)), text(model::groupedText(frame->stats.triangles)),
+                                   text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs))));
+        readout_->adjustSize();
+    }
+    tellWhatIsDrawn();
+    showState();
+}
+
+void ViewportHost::showState() {
+    const bool isEmpty = session_.dataset() == nullptr && !session_.isLoading();
+    startPage_->setVisible(isEmpty);
+    loading_->showState();
+    const auto& options = viewState_.options();
+    areAxesWanted_ = options.showsAxes && viewport_ != nullptr && session_.dataset() != nullptr;
+    isReadoutWanted_ = options.showsReadout && viewport_ != nullptr && session_.frame() != nullptr;
+    preview_->setText(standInText());
+    preview_->setVisible(!preview_->text().isEmpty());
+    placeOverlays();
+}
+
+void ViewportHost::applyOptions() {
+    session_.markChanges(viewState_.options().showsChanged);
+    if (viewport_ != nullptr)
+        viewport_->setOptions(viewState_.options());
+    showState();
+}
+
+bool ViewportHost::fits(const QWidget& overlay) const {
+    return overlay.width() + 2 * kOverlayMargin <= width() && overlay.height() + 2 * kOverlayMargin <= height();
+}
+
+void ViewportHost::placeOverlays() {
+    const auto centreOn = [this](QWidget* overlay) {
+        overlay->resize(overlay->sizeHint().boundedTo(size()));
+        overlay->move((width() - overlay->width()) / 2, std::max(0, (height() - overlay->height()) / 2));
+    };
+    // What stands in for the surface is always said; the rest gives way.
+    readout_->setVisible(isReadoutWanted_ && fits(*readout_));
+    axes_->setVisible(areAxesWanted_ && width() >= 2 * axes_->width() && height() >= 2 * axes_->height());
+    readout_->move(kOverlayMargin, kOverlayMargin);
+    preview_->setWordWrap(false);
+    preview_->adjustSize();
+    if (!fits(*preview_)) {
+        const int room = std::max(1, width() - 2 * kOverlayMargin);
+        preview_->setWordWrap(true);
+        preview_->resize(room, preview_->heightForWidth(room));
+    }
+    preview_->move(kOverlayMargin,
+                   readout_->isHidden() ? kOverlayMargin : readout_->geometry().bottom() + kOverlaySpacing);
+    axes_->move(4, height() - axes_->height() - 4);
+    centreOn(startPage_);
+    centreOn(loading_);
+}
+
+void ViewportHost::resizeEvent(QResizeEvent* event) {
+    QWidget::resizeEvent(event);
+    placeOverlays();
+}
+
+bool ViewportHost::eventFilter(QObject* watched, QEvent* event) {
+    if (watched == startPage_ && event->type() == QEvent::LayoutRequest)
+        placeOverlays();
+    return QWidget::eventFilter(watched, event);
+}
+
+} // namespace isoslider::widgets

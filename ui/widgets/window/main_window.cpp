@@ -1,0 +1,246 @@
+#include "ui/widgets/window/main_window.h"
+
+#include <QAction>
+#include <QCloseEvent>
+#include <QDir>
+#include <QDockWidget>
+#include <QDragEnterEvent>
+#include <QFileInfo>
+#include <QIcon>
+#include <QMimeData>
+#include <QVBoxLayout>
+
+#include "ui/model/jobs/latest_job.h"
+#include "ui/model/session/session.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/compact_layout.h"
+#include "ui/widgets/panels/dataset_panel.h"
+#include "ui/widgets/opening/file_dialogs.h"
+#include "ui/widgets/opening/file_filters.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/isovalue/isovalue_panel.h"
+#include "ui/widgets/panels/jobs_panel.h"
+#include "ui/widgets/panels/levels_panel.h"
+#include "ui/widgets/panels/mesh_panel.h"
+#include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/opening/open_flow.h"
+#include "ui/widgets/viewport/picture_file.h"
+#include "ui/widgets/opening/recent_files.h"
+#include "ui/widgets/window/session_keeper.h"
+#include "ui/widgets/window/settings_store.h"
+#include "ui/widgets/opening/start_page.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kMostFilesNamed = 3;
+constexpr int kLayoutVersion = 1;
+constexpr int kPanelWidth = 450;
+constexpr QSize kSmallestWindow(320, 240); // smaller than all panels together, see CompactLayout
+
+} // namespace
+
+MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs, QWidget* parent)
+    : QMainWindow(parent), session_(session), settings_(settings), dialogs_(dialogs),
+      recentFiles_(std::make_unique<RecentFiles>(settings)), actions_(new ActionRegistry(this)), openFlow_(new OpenFlow(session, settings, dialogs, this)),
+      jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
+    setObjectName(QStringLiteral("mainWindow"));
+    setWindowTitle(QStringLiteral("ISOSLIDER"));
+    setWindowIcon(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")));
+    setAcceptDrops(true);
+    setMinimumSize(kSmallestWindow);
+    setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
+    setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
+    connect(openFlow_, &OpenFlow::opening, this, [this] { messageBar_->hide(); });
+    makeCentre();
+    keeper_ = new SessionKeeper(session_, *host_, *actions_, dialogs_, *messageBar_, *recoveryBar_, this);
+    connect(keeper_, &SessionKeeper::opening, this, [this] { messageBar_->hide(); });
+    makeDocks();
+    makeMenus();
+    makeToolBar();
+    connectActions();
+    subscriptions_.push_back(session_.datasetChanged().observe([this] { showDataset(); }));
+    subscriptions_.push_back(session_.frameChanged().observe([this] { updateActions(); }));
+    subscriptions_.push_back(session_.certificateChanged().observe([this] { updateActions(); }));
+    subscriptions_.push_back(
+        session_.noticePosted().observe([this](const model::Notice& notice) { messageBar_->showNotice(notice); }));
+    resize(1600, 1000);
+    resetLayout();
+    showRecentFiles();
+    showDataset();
+}
+
+MainWindow::~MainWindow() = default;
+
+void MainWindow::makeCentre() {
+    auto* centre = new QWidget(this);
+    auto* layout = new QVBoxLayout(centre);
+    layout->setContentsMargins(0, 0, 0, 0);
+    layout->setSpacing(0);
+    recoveryBar_ = new MessageBar(centre);
+    recoveryBar_->setObjectName(QStringLiteral("recoveryBar"));
+    messageBar_ = new MessageBar(centre);
+    host_ = new ViewportHost(session_, settings_, *actions_, centre);
+    layout->addWidget(recoveryBar_);
+    layout->addWidget(messageBar_);
+    layout->addWidget(host_, 1);
+    setCentralWidget(centre);
+    connect(&host_->startPage(), &StartPage::openRequested, openFlow_, &OpenFlow::openRecent);
+}
+
+QDockWidget* MainWindow::addDock(const QString& title, const char* name, QWidget* panel) {
+    auto* dock = new QDockWidget(title, this);
+    dock->setObjectName(QLatin1String(name));
+    dock->setWidget(panel);
+    return dock;
+}
+
+void MainWindow::makeDocks() {
+    isovaluePanel_ = new IsovaluePanel(session_, settings_, *actions_, this);
+    datasetDock_ = addDock(tr("Dataset"), "datasetDock", new DatasetPanel(session_, *actions_, this));
+    isovalueDock_ = addDock(tr("Isovalue"), "isovalueDock", isovaluePanel_);
+    levelsDock_ = addDock(tr("Levels"), "levelsDock", new LevelsPanel(session_, this));
+    meshDock_ = addDock(tr("Mesh"), "meshDock", new MeshPanel(session_, *actions_, this));
+    jobsDock_ = addDock(tr("Jobs"), "jobsDock", new JobsPanel(session_, this));
+    setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
+    compactLayout_ =
+        new CompactLayout(*this, {datasetDock_, levelsDock_, meshDock_, jobsDock_}, isovaluePanel_->plot());
+}
+
+void MainWindow::resetLayout() {
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_}) {
+        dock->setFloating(false);
+        removeDockWidget(dock);
+    }
+    addDockWidget(Qt::BottomDockWidgetArea, isovalueDock_);
+    addDockWidget(Qt::RightDockWidgetArea, datasetDock_);
+    addDockWidget(Qt::RightDockWidgetArea, levelsDock_);
+    tabifyDockWidget(levelsDock_, meshDock_);
+    tabifyDockWidget(meshDock_, jobsDock_);
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})
+        dock->show();
+    levelsDock_->raise();
+    compactLayout_->setWidths({{datasetDock_, kPanelWidth}, {levelsDock_, kPanelWidth}});
+    resizeDocks({datasetDock_, levelsDock_}, {292, 430}, Qt::Vertical);
+    resizeDocks({isovalueDock_}, {210}, Qt::Vertical);
+}
+
+void MainWindow::restoreLayout() {
+    restoreGeometry(settings_.bytes("window/geometry"));
+    restoreState(settings_.bytes("window/state"), kLayoutVersion);
+    compactLayout_->startAnew();
+}
+
+void MainWindow::closeEvent(QCloseEvent* event) {
+    settings_.set("window/geometry", saveGeometry());
+    settings_.set("window/state", saveState(kLayoutVersion));
+    QMainWindow::closeEvent(event);
+}
+
+void MainWindow::openFile(const QString& path, std::optional<double> isovalue) {
+    if (model::isSessionFile(std::filesystem::path(path.toStdU16String())))
+        keeper_->open(path);
+    else
+        openFlow_->openPath(path, isovalue);
+}
+
+void MainWindow::askExport() {
+    const auto* dataset = session_.dataset();
+    if (dataset == nullptr || session_.refusesExport())
+        return;
+    const QString stem = QFileInfo(QString::fromStdString(dataset->name)).completeBaseName();
+    const QString name = QStringLiteral("%1_%2.ply").arg(stem).arg(session_.isovalue().requested(), 0, 'g', 6);
+    const QString folder = settings_.text("files/exportFolder");
+    dialogs_.askSave(this, tr("Export Mesh"), folder.isEmpty() ? QDir::home().filePath(name) : QDir(folder).filePath(name),
+                     meshFilters(), [this, of = session_.datasetGeneration()](const QString& path) {
+                         settings_.set("files/exportFolder", QFileInfo(path).path());
+                         session_.exportMesh(std::filesystem::path(path.toStdU16String()), of);
+                     });
+}
+
+void MainWindow::askSaveImage() {
+    if (host_->viewport() == nullptr)
+        return;
+    const QImage image = host_->viewport()->grabFramebuffer();
+    dialogs_.askSave(this, tr("Save View as Image"), QDir::home().filePath(QStringLiteral("isosurface.png")),
+                     tr("PNG image (*.png)"), [this, image](const QString& path) { saveImage(image, path); });
+}
+
+void MainWindow::saveImage(const QImage& image, const QString& path) {
+    jobs_->runner().run<bool>(
+        "Save image",
+        [image, path](const JobControl&) -> Result<bool> {
+            ISO_TRY(writePicture(image, std::filesystem::path(path.toStdU16String())));
+            return true;
+        },
+        [this, path](const Result<bool>& saved) {
+            using Severity = model::Notice::Severity;
+            if (saved.isOk())
+                messageBar_->showNotice({Severity::Information, tr("Image saved").toStdString(),
+                                         QDir::toNativeSeparators(path).toStdString()});
+            else
+                messageBar_->showNotice({Severity::Error, tr("The image could not be saved").toStdString(),
+                                         saved.error().line(), saved.error().code});
+        });
+}
+
+void MainWindow::showDataset() {
+    const auto* dataset = session_.dataset();
+    setWindowTitle(dataset == nullptr ? QStringLiteral("ISOSLIDER")
+                                      : QStringLiteral("%1 – ISOSLIDER").arg(QString::fromStdString(dataset->name)));
+    if (dataset != nullptr && !dataset->path.empty() && recentFiles_->remember(model::recentOf(*dataset)))
+        showRecentFiles();
+    updateActions();
+}
+
+void MainWindow::updateActions() {
+    const auto* dataset = session_.dataset();
+    const bool hasSurface = session_.frame() != nullptr;
+    const auto state = session_.indexState();
+    for (const char* id : {"isovalue.edit", "isovalue.play", "isovalue.resetZoom", "file.close", "file.saveSession"})
+        actions_->action(id)->setEnabled(dataset != nullptr);
+    actions_->action("mesh.export")->setEnabled(hasSurface);
+    actions_->action("file.saveImage")->setEnabled(hasSurface && host_->viewport() != nullptr);
+    actions_->action("mesh.check")->setEnabled(hasSurface && !session_.isCheckingMesh());
+    actions_->action("index.build")->setEnabled(state == model::IndexState::Failed || state == model::IndexState::Cancelled);
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
+    const auto urls = event->mimeData()->urls();
+    if (!urls.isEmpty() && urls.first().isLocalFile())
+        event->acceptProposedAction();
+}
+
+void MainWindow::dropEvent(QDropEvent* event) {
+    const auto urls = event->mimeData()->urls();
+    if (urls.isEmpty() || !urls.first().isLocalFile())
+        return;
+    event->acceptProposedAction();
+    openFile(urls.first().toLocalFile());
+    QStringList further;
+    for (const auto& url : urls.mid(1))
+        further << url.fileName();
+    if (!further.isEmpty())
+        tellNotOpened(further);
+}
+
+void MainWindow::tellNotOpened(const QStringList& files) {
+    const QString shown = files.mid(0, kMostFilesNamed).join(QStringLiteral(", "));
+    const auto more = files.size() - kMostFilesNamed;
+    const QString all = more > 0 ? tr("%1 and %2 more").arg(shown).arg(more) : shown;
+    messageBar_->showNotice({model::Notice::Severity::Information,
+                             tr("One volume is shown at a time; a folder of slices is opened as a whole").toStdString(),
+                             tr("Not opened: %1").arg(all).toStdString()});
+}
+
+void MainWindow::changeEvent(QEvent* event) {
+    QMainWindow::changeEvent(event);
+    if (event->type() == QEvent::PaletteChange && actions_ != nullptr)
+        actions_->refreshIcons();
+    if (event->type() == QEvent::WindowStateChange && actions_ != nullptr)
+        actions_->action("view.fullScreen")->setChecked(isFullScreen());
+}
+
+} // namespace isoslider::widgets

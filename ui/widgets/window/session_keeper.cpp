@@ -1,0 +1,247 @@
+#include "ui/widgets/window/session_keeper.h"
+
+#include <utility>
+
+#include <QAction>
+#include <QDateTime>
+#include <QDir>
+#include <QFileInfo>
+#include <QLocale>
+
+#include "ui/model/isovalue/number_text.h"
+#include "ui/model/session/session.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/opening/file_dialogs.h"
+#include "ui/widgets/opening/file_filters.h"
+#include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
+
+namespace isoslider::widgets {
+namespace fs = std::filesystem;
+namespace {
+
+using Severity = model::Notice::Severity;
+
+constexpr std::size_t kMostProblemsShown = 4;
+
+QString textOf(const fs::path& path) { return QString::fromStdU16String(path.u16string()); }
+fs::path pathOf(const QString& text) { return fs::path(text.toStdU16String()); }
+
+QString nameOf(const model::SavedSession& saved) {
+    return saved.volume.empty() ? QString::fromStdString(saved.sampleName) : textOf(saved.volume.filename());
+}
+
+} // namespace
+
+SessionKeeper::SessionKeeper(model::Session& session, ViewportHost& host, const ActionRegistry& actions,
+                             FileDialogs& dialogs, MessageBar& messageBar, MessageBar& recoveryBar, QWidget* window)
+    : QObject(window), session_(session), host_(host), actions_(actions), dialogs_(dialogs), messageBar_(messageBar),
+      recoveryBar_(recoveryBar), window_(window),
+      jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)), saving_(jobs_) {
+    timer_.setSingleShot(true);
+    connect(&timer_, &QTimer::timeout, this, &SessionKeeper::autosave);
+    subscriptions_.push_back(session_.datasetChanged().observe([this] { noteChange(); }));
+    subscriptions_.push_back(session_.frameChanged().observe([this] { showView(); }));
+    if (host_.viewport() != nullptr)
+        connect(host_.viewport(), &ViewportWidget::cameraChanged, this, &SessionKeeper::noteChange);
+    subscriptions_.push_back(host_.viewState().observe([this] { noteChange(); }));
+}
+
+SessionKeeper::~SessionKeeper() {
+    saving_.cancel();
+    if (slot_)
+        slot_->discard(); // the program ends as it ought to
+}
+
+model::SavedSession SessionKeeper::capture() const {
+    model::SavedSession saved;
+    const auto* dataset = session_.dataset();
+    if (dataset == nullptr)
+        return saved;
+    std::error_code ignored;
+    if (!dataset->path.empty())
+        saved.volume = fs::absolute(dataset->path, ignored).lexically_normal();
+    saved.sampleName = dataset->sampleName;
+    saved.readOptions = dataset->readOptions;
+    saved.isovalue = session_.isovalue().requested();
+    if (host_.viewport() != nullptr)
+        saved.camera = host_.viewport()->camera().pose();
+    saved.view = host_.viewState().options();
+    return saved;
+}
+
+void SessionKeeper::askSave() {
+    const auto* dataset = session_.dataset();
+    if (dataset == nullptr)
+        return;
+    const QString stem = QFileInfo(QString::fromStdString(dataset->name)).completeBaseName();
+    const QDir folder = dataset->path.empty() ? QDir::home() : QFileInfo(textOf(dataset->path)).absoluteDir();
+    dialogs_.askSave(window_, tr("Save Session"), folder.filePath(stem + QStringLiteral(".isosession")),
+                     sessionFilters(), [this, saved = capture()](const QString& path) { save(saved, path); });
+}
+
+void SessionKeeper::save(const model::SavedSession& saved, const QString& path) {
+    jobs_->runner().run<bool>(
+        "Save session",
+        [saved, path](const JobControl&) -> Result<bool> {
+            ISO_TRY(model::writeSession(saved, pathOf(path)));
+            return true;
+        },
+        [this, path](const Result<bool>& written) {
+            if (written.isOk())
+                messageBar_.showNotice({Severity::Information, tr("Session saved").toStdString(),
+                                        QDir::toNativeSeparators(path).toStdString()});
+            else
+                messageBar_.showNotice({Severity::Error, tr("The session was not saved").toStdString(),
+                                        written.error().line(), written.error().code});
+        });
+}
+
+void SessionKeeper::askOpen() {
+    dialogs_.askOpen(window_, tr("Open Session"), {}, sessionFilters(), [this](const QString& path) { open(path); });
+}
+
+void SessionKeeper::open(const QString& path) {
+    auto read = model::readSession(pathOf(path));
+    if (!read.isOk())
+        return session_.noticePosted().notify({Severity::Error, tr("The session could not be opened").toStdString(),
+                                               read.error().line(), read.error().code});
+    restore(read.value().session, std::move(read.value().problems), QFileInfo(path).fileName());
+}
+
+void SessionKeeper::restore(const model::SavedSession& saved, std::vector<std::string> problems,
+                            const QString& name) {
+    std::error_code ignored;
+    if (!saved.volume.empty() && !fs::exists(saved.volume, ignored))
+        return askWhereVolumeIs(saved, problems, name);
+    Q_EMIT opening();
+    if (saved.hasVolume()) {
+        model::OpenRequest request;
+        request.path = saved.volume;
+        request.sampleName = saved.sampleName;
+        request.readOptions = saved.readOptions;
+        request.isovalue = saved.isovalue;
+        request.asksForChoice = true;
+        pending_ = saved;
+        session_.open(std::move(request));
+    }
+    tellProblems(name, problems);
+}
+
+void SessionKeeper::askWhereVolumeIs(const model::SavedSession& saved, const std::vector<std::string>& problems,
+                                     const QString& name) {
+    const auto locate = [this, saved, problems, name] {
+        dialogs_.askOpen(window_, tr("Where is %1?").arg(nameOf(saved)), textOf(saved.volume.parent_path()), {},
+                         [this, saved, problems, name](const QString& path) {
+                             auto found = saved;
+                             found.volume = pathOf(path);
+                             restore(found, problems, name);
+                         });
+    };
+    const model::Notice notice{Severity::Error, tr("The volume of %1 is not where it was").arg(name).toStdString(),
+                               QDir::toNativeSeparators(textOf(saved.volume)).toStdString() + ": no such file",
+                               ErrorCode::NotFound};
+    session_.noticePosted().notify(notice); // for those that watch without a user; the bar shows the offer
+    messageBar_.showOffer(notice, {{tr("Locate…"), locate}});
+}
+
+// The view has been set for a volume that is new by now: it hears of frames before this. Then the one that was kept takes its place.
+void SessionKeeper::showView() {
+    const bool isNew = session_.dataset() != nullptr &&
+                       std::exchange(shownDataset_, session_.datasetGeneration()) != session_.datasetGeneration();
+    if (isNew && pending_) {
+        const auto saved = *std::exchange(pending_, std::nullopt);
+        const auto* dataset = session_.dataset();
+        if (dataset->path != saved.volume || dataset->sampleName != saved.sampleName)
+            return noteChange(); // another volume was opened meanwhile
+        if (saved.view)
+            host_.viewState().setOptions(*saved.view);
+        if (saved.camera) {
+            actions_.action("view.perspective")->setChecked(saved.camera->isPerspective);
+            if (host_.viewport() != nullptr)
+                host_.viewport()->changeCamera([&](model::Camera& camera) { camera.setPose(*saved.camera); });
+        }
+    }
+    noteChange();
+}
+
+void SessionKeeper::tellProblems(const QString& name, const std::vector<std::string>& problems) {
+    if (problems.empty())
+        return;
+    QStringList lines;
+    for (const auto& problem : problems)
+        lines << QString::fromStdString(problem);
+    const auto more = lines.size() - static_cast<qsizetype>(kMostProblemsShown);
+    lines = lines.mid(0, kMostProblemsShown);
+    if (more > 0)
+        lines << tr("and %1 more").arg(more);
+    messageBar_.showNotice({Severity::Error, tr("Not all of %1 could be used").arg(name).toStdString(),
+                            lines.join(QStringLiteral("\n")).toStdString()});
+}
+
+void SessionKeeper::keepIn(const fs::path& folder, std::chrono::milliseconds interval) {
+    lost_ = model::SessionSlot::findLost(folder);
+    auto slot = model::SessionSlot::create(folder);
+    if (slot.isOk())
+        slot_ = std::move(slot).value();
+    else
+        messageBar_.showNotice({Severity::Error,
+                                tr("This session cannot be restored should the program fail").toStdString(),
+                                slot.error().line(), slot.error().code});
+    timer_.setInterval(interval);
+    offerLost();
+    noteChange();
+}
+
+void SessionKeeper::noteChange() {
+    if (slot_ && !timer_.isActive())
+        timer_.start();
+}
+
+// The disk may take its time: it is a worker that waits for it.
+void SessionKeeper::autosave() {
+    if (session_.isLoading())
+        return noteChange();
+    saving_.start(
+        "Keep the session",
+        [slot = slot_, saved = capture()](const JobControl&) -> Result<bool> {
+            if (saved.hasVolume())
+                ISO_TRY(slot->save(saved));
+            return true;
+        },
+        [](Result<bool>) {}); // what cannot be kept now may be the next time; nobody is bothered
+}
+
+void SessionKeeper::offerLost() {
+    model::SavedSession saved;
+    while (!lost_.empty() && !saved.hasVolume()) {
+        if (const auto read = lost_.front()->read(); read.isOk())
+            saved = read.value().session;
+        if (!saved.hasVolume()) {
+            lost_.front()->discard();
+            lost_.erase(lost_.begin());
+        }
+    }
+    recoveryBar_.hide();
+    if (lost_.empty())
+        return;
+    const QDateTime time = QFileInfo(textOf(lost_.front()->path())).lastModified();
+    const QString isovalue =
+        saved.isovalue ? tr(", isovalue %1").arg(QString::fromStdString(model::valueText(*saved.isovalue, 6))) : QString();
+    const auto forget = [this] {
+        lost_.front()->discard();
+        lost_.erase(lost_.begin());
+        offerLost();
+    };
+    recoveryBar_.showOffer(
+        {Severity::Information, tr("ISOSLIDER did not end properly").toStdString(),
+         tr("%1%2, as of %3").arg(nameOf(saved), isovalue, QLocale().toString(time, QLocale::ShortFormat)).toStdString()},
+        {{tr("Restore"), [this, saved, forget] {
+              restore(saved, {}, tr("the session"));
+              forget();
+          }},
+         {tr("Discard"), forget}});
+}
+
+} // namespace isoslider::widgets

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <QObject>
+#include <QString>
+#include <QTimer>
+
+#include "ui/model/session/dataset.h"
+#include "ui/model/jobs/latest_job.h"
+#include "ui/model/observers.h"
+#include "ui/model/session/saved_session.h"
+#include "ui/model/session/session_slot.h"
+
+class QWidget;
+
+namespace isoslider::model {
+class Session;
+} // namespace isoslider::model
+
+namespace isoslider::widgets {
+
+class ActionRegistry;
+class FileDialogs;
+class MessageBar;
+class ViewportHost;
+
+/// Saves what is shown, as a file that the user names and by itself while the program runs, and shows it again.
+/// Window thread only; everything given must outlive this.
+class SessionKeeper : public QObject {
+    Q_OBJECT
+public:
+    /// What was lost is offered on `recoveryBar`, which nothing else uses: no other message takes its place.
+    SessionKeeper(model::Session& session, ViewportHost& host, const ActionRegistry& actions, FileDialogs& dialogs,
+                  MessageBar& messageBar, MessageBar& recoveryBar, QWidget* window);
+    ~SessionKeeper() override;
+
+    void askSave();
+    void askOpen();
+    /// Shows what the file keeps, as far as it can be understood, and says what could not be.
+    void open(const QString& path);
+
+    /// From here on, keeps the session in `folder` within `interval` of any change, and removes it when this
+    /// ends. Offers those that programs lost there.
+    void keepIn(const std::filesystem::path& folder, std::chrono::milliseconds interval = std::chrono::seconds(5));
+
+Q_SIGNALS:
+    void opening();
+
+private:
+    model::SavedSession capture() const;
+    void save(const model::SavedSession& saved, const QString& path);
+    void restore(const model::SavedSession& saved, std::vector<std::string> problems, const QString& name);
+    void askWhereVolumeIs(const model::SavedSession& saved, const std::vector<std::string>& problems,
+                          const QString& name);
+    void showView();
+    void noteChange();
+    void autosave();
+    void offerLost();
+    void tellProblems(const QString& name, const std::vector<std::string>& problems);
+
+    model::Session& session_;
+    ViewportHost& host_;
+    const ActionRegistry& actions_;
+    FileDialogs& dialogs_;
+    MessageBar& messageBar_;
+    MessageBar& recoveryBar_;
+    QWidget* window_;
+    std::optional<model::SavedSession> pending_; ///< its view is shown once its volume is
+    std::shared_ptr<model::SessionSlot> slot_;
+    std::vector<std::unique_ptr<model::SessionSlot>> lost_; ///< the newest first; the first is on offer
+    QTimer timer_;
+    model::DatasetGeneration shownDataset_{};
+    std::vector<model::Subscription> subscriptions_;
+    std::shared_ptr<model::BackgroundJobs> jobs_;
+    model::LatestJob<bool> saving_; // last: nothing is reported once it is gone
+};
+
+} // namespace isoslider::widgets
