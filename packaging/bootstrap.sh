@@ -15,7 +15,7 @@ readonly SAMPLE=$ROOT/resources/samples/bluntfinxyz.bin
 # ccache wants a home, which a bare container may not have.
 [[ -n ${HOME:-} ]] || export CCACHE_DIR=$ROOT/build/ccache
 readonly WINDOW_SIZE=1600x1000
-# What one compiler needs at its worst, with the headers of ITK and VTK.
+# What one compiler needs at its worst, with the headers of VTK.
 readonly MEMORY_PER_JOB_KIB=$((1536 * 1024))
 
 say() { printf '%s: %s\n' "$PROGRAM" "$*" >&2; }

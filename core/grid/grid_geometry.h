@@ -36,4 +36,7 @@ struct GridGeometry {
     bool operator==(const GridGeometry&) const = default;
 };
 
+/// Puts axes perpendicular to the first `known` columns (1 to 3, unit vectors) in place of the others, right-handed.
+void completeAxes(glm::dmat3& direction, int known);
+
 } // namespace isoslider

@@ -132,7 +132,7 @@ void showAbout(QWidget* parent) {
            "<p>After Chhugani, Vishwanath, Cohen, Kumar: <i>ISOSLIDER: A System for<br>"
            "Interactive Exploration of Isosurfaces</i>, 2003.</p>"
            "<p>Free software under the GNU General Public License, version 3 or later.<br>"
-           "Built with Qt, OpenMesh, QCustomPlot, ITK, VTK, oneTBB, GLM, zstd and xxHash.</p>")
+           "Built with Qt, OpenMesh, QCustomPlot, VTK, GDCM, libtiff, HDF5, NetCDF, oneTBB, GLM, zstd and xxHash.</p>")
             .arg(QApplication::applicationVersion().toHtmlEscaped()),
         dialog);
     text->setTextInteractionFlags(Qt::TextBrowserInteraction);

@@ -6,13 +6,9 @@
 #include "core/grid/length_unit.h"
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
-#include "core/volume_io/formats/images/itk_header.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "core/volume_io/sources/sample_source.h"
 #include "core/volume_io/volume_choice.h"
-
-// The header is read here, strictly: MetaIO copies lists of any length into arrays of ten. ITK sees what is
-// left of it and tells the place in space.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -274,26 +270,37 @@ Result<Image> describe(const fs::path& path, const ReadOptions& options) {
     return image;
 }
 
-// Of at most three axes, and nothing but what bears on geometry.
-std::string spatialHeader(const Header& header) {
-    const std::size_t axes = header.sizes.size(), kept = std::min<std::size_t>(axes, 3);
-    std::string text = "ObjectType = Image\nNDims = " + std::to_string(kept) + "\n";
-    const auto add = [&](std::string_view key, bool isPair) {
-        const auto found = header.fields.find(key);
-        if (found == header.fields.end())
-            return;
-        const auto numbers = words(found->second);
-        text += std::string(key) + " =";
-        for (std::size_t i = 0; i < numbers.size(); ++i)
-            if (isPair ? i / axes < kept && i % axes < kept : i < kept)
-                text += " " + std::string(numbers[i]);
-        text += "\n";
-    };
-    for (const std::string_view key : kPerAxis)
-        add(key, false);
-    for (const std::string_view key : kPerAxisPair)
-        add(key, true);
-    return text + "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n";
+/// The numbers of the first of `keys` that the header has; none has any: empty.
+std::vector<double> numbersOf(const Fields& fields, std::initializer_list<std::string_view> keys) {
+    std::vector<double> numbers;
+    for (const std::string_view key : keys)
+        if (const auto found = fields.find(key); found != fields.end() && parseReals(found->second, numbers))
+            break;
+    return numbers;
+}
+
+// Axes beyond the third are frames: their numbers count for nothing. Each row of a matrix is the direction of an axis,
+// as MetaIO has it.
+GridGeometry placeImage(const Header& header, const GridDims& dims) {
+    const std::size_t axes = header.sizes.size();
+    const int kept = static_cast<int>(std::min<std::size_t>(axes, 3));
+    const auto spacing = numbersOf(header.fields, {"ElementSpacing", "ElementSize"});
+    const auto origin = numbersOf(header.fields, {"Offset", "Origin", "Position"});
+    const auto matrix = numbersOf(header.fields, {"TransformMatrix", "Rotation", "Orientation"});
+    GridGeometry geometry;
+    geometry.dims = dims;
+    for (int axis = 0; axis < kept; ++axis) {
+        const auto at = static_cast<std::size_t>(axis);
+        if (!spacing.empty())
+            geometry.spacing[axis] = spacing[at];
+        if (!origin.empty())
+            geometry.origin[axis] = origin[at];
+        for (int row = 0; row < kept && !matrix.empty(); ++row)
+            geometry.direction[axis][row] = matrix[at * axes + static_cast<std::size_t>(row)];
+    }
+    if (kept < 3)
+        completeAxes(geometry.direction, kept);
+    return geometry;
 }
 
 } // namespace
@@ -309,15 +316,12 @@ Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const 
     const auto choice = chooseInOnlyField(image.field, options, path);
     if (!choice.isOk())
         return choice.error();
-    auto geometry =
-        readItkGeometryOfText(spatialHeader(image.header), ItkFormat::MetaImage, image.field.dims, path);
-    if (!geometry.isOk())
-        return std::move(geometry).error();
-    ISO_TRY(checkGeometry(geometry.value(), "ElementSpacing, Offset, TransformMatrix", path));
+    const GridGeometry geometry = placeImage(image.header, image.field.dims);
+    ISO_TRY(checkGeometry(geometry, "ElementSpacing, Offset, TransformMatrix", path));
     VolumeInfo info;
     info.format = "MetaImage";
     info.dataFiles = filesBeside(path, image.parts);
-    info.geometry = geometry.value();
+    info.geometry = geometry;
     info.lengthUnit = knownLengthUnit(valueOr(image.header.fields, "DistanceUnits", ""));
     if (image.isLonger)
         info.notes.push_back("the data file is longer than the samples; the rest is ignored");

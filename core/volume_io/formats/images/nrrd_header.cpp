@@ -220,7 +220,7 @@ void spaceByExtent(NrrdAxis& axis) {
     const auto low = parseReal(axis.minimum), high = parseReal(axis.maximum);
     const bool isCell = axis.center == "cell";
     const std::int64_t steps = isCell ? axis.size : axis.size - 1;
-    if (!axis.spacing.empty() || !axis.direction.empty() || !low || !high || steps < 1)
+    if (!axis.spacing.empty() || axis.direction || !low || !high || steps < 1)
         return;
     const double spacing = (*high - *low) / static_cast<double>(steps);
     if (!std::isfinite(spacing) || !(spacing > 0.0))
@@ -231,25 +231,27 @@ void spaceByExtent(NrrdAxis& axis) {
     axis.spacing = {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), spacing).ptr};
 }
 
-// ITK refuses these too, in words that name no field.
-Status checkDirections(const NrrdHeader& header, const fs::path& path) {
+Status readDirections(NrrdHeader& header, const fs::path& path) {
+    const std::vector<std::string> vectors = directionsOf(header["space directions"]);
+    if (!vectors.empty() && vectors.size() != header.axes.size())
+        return refuseField("space directions",
+                           std::to_string(header.axes.size()) + " values expected, found " +
+                               inQuotes(header["space directions"]),
+                           path);
     std::size_t length = 0; // of the first one
-    for (const NrrdAxis& axis : header.axes) {
-        if (!axis.direction.starts_with('('))
-            continue; // none, or not given
-        std::string inner = axis.direction.substr(1, axis.direction.find(')') - 1);
-        std::replace(inner.begin(), inner.end(), ',', ' ');
-        std::vector<double> numbers;
-        const auto isNan = [](double number) { return std::isnan(number); };
-        const bool areNumbers = parseReals(inner, numbers) && !numbers.empty();
-        if (areNumbers && std::all_of(numbers.begin(), numbers.end(), isNan))
-            continue; // another way to write "none"
-        length = length == 0 ? numbers.size() : length;
-        if (!areNumbers || std::any_of(numbers.begin(), numbers.end(), isNan) || numbers.size() != length)
+    for (std::size_t i = 0; i < vectors.size(); ++i) {
+        auto vector = vectors[i] == "none" ? std::vector<double>() : parseNrrdVector(vectors[i]);
+        if (vector && std::ranges::all_of(*vector, [](double number) { return std::isnan(number); }))
+            vector->clear(); // another way to write "none"
+        if (vector && length == 0)
+            length = vector->size();
+        const bool isWhole = vector && (vector->empty() || vector->size() == length) &&
+                             std::ranges::all_of(*vector, [](double number) { return std::isfinite(number); });
+        if (!isWhole)
             return refuseField("space directions",
-                               "vectors of finite numbers, all of one length, expected; found " +
-                                   inQuotes(axis.direction),
+                               "vectors of finite numbers, all of one length, expected; found " + inQuotes(vectors[i]),
                                path);
+        header.axes[i].direction = std::move(vector);
     }
     return {};
 }
@@ -278,14 +280,13 @@ Status readAxes(NrrdHeader& header, const fs::path& path) {
         return {};
     };
     ISO_TRY(fill("kinds", wordsOf(lowerCase(header["kinds"])), &NrrdAxis::kind));
-    ISO_TRY(fill("space directions", directionsOf(header["space directions"]), &NrrdAxis::direction));
+    ISO_TRY(readDirections(header, path));
     ISO_TRY(fill("spacings", wordsOf(lowerCase(header["spacings"])), &NrrdAxis::spacing));
     ISO_TRY(fill("centers", wordsOf(lowerCase(header["centers"])), &NrrdAxis::center));
     ISO_TRY(fill("axis mins", wordsOf(lowerCase(header["axis mins"])), &NrrdAxis::minimum));
     ISO_TRY(fill("axis maxs", wordsOf(lowerCase(header["axis maxs"])), &NrrdAxis::maximum));
     for (NrrdAxis& axis : header.axes)
         spaceByExtent(axis);
-    ISO_TRY(checkDirections(header, path));
     readUnits(header);
     return {};
 }
@@ -297,37 +298,29 @@ Status splitTime(NrrdHeader& header, const fs::path& path) {
     if (!isShort && !space.ends_with("-time"))
         return {};
     header.fields["space"] = space.substr(0, space.size() - (isShort ? 1 : 5));
-    const auto firstThree = [](std::string vector) {
-        const auto last = vector.find_last_of(',');
-        if (last != std::string::npos)
-            vector = vector.substr(0, last) + ")";
-        return vector;
-    };
     for (NrrdAxis& axis : header.axes) {
-        if (axis.direction.empty() || axis.direction == "none")
+        if (!axis.direction || axis.direction->empty())
             continue;
-        if (std::count(axis.direction.begin(), axis.direction.end(), ',') != 3)
-            return refuseField("space directions", "four numbers expected, found " + inQuotes(axis.direction),
-                               path);
-        axis.direction = firstThree(axis.direction);
-        std::vector<double> numbers;
-        std::string inner = axis.direction.substr(1, axis.direction.size() - 2);
-        std::replace(inner.begin(), inner.end(), ',', ' ');
-        if (parseReals(inner, numbers) && numbers == std::vector<double>(3, 0.0)) {
-            axis.direction = "none";
+        if (axis.direction->size() != 4)
+            return refuseField("space directions",
+                               "four numbers expected, found " + std::to_string(axis.direction->size()), path);
+        axis.direction->pop_back();
+        if (*axis.direction == std::vector<double>(3, 0.0)) {
+            axis.direction->clear();
             axis.kind = "time";
         }
     }
-    if (header.fields.contains("space origin"))
-        header.fields["space origin"] = firstThree(header.fields["space origin"]);
+    std::string& origin = header.fields["space origin"];
+    if (const auto last = origin.find_last_of(','); last != std::string::npos)
+        origin = origin.substr(0, last) + ")";
     return {};
 }
 
 bool isSpace(const NrrdAxis& axis, std::size_t dimension) {
-    if (axis.direction == "none" || axis.kind == "time" || axis.kind == "list" ||
+    if ((axis.direction && axis.direction->empty()) || axis.kind == "time" || axis.kind == "list" ||
         findComponentKind(axis.kind) != nullptr)
         return false;
-    return dimension <= 3 || !axis.direction.empty() || axis.spacing != "nan"; // no distance: no space
+    return dimension <= 3 || axis.direction || axis.spacing != "nan"; // no distance: no space
 }
 
 Status assignRoles(NrrdHeader& header, const fs::path& path) {
@@ -362,7 +355,7 @@ Status checkSpacings(const NrrdHeader& header, const fs::path& path) {
         if (axis.role != NrrdRole::Space || axis.spacing.empty())
             continue;
         const auto spacing = parseReal(axis.spacing);
-        if (!spacing || !std::isfinite(*spacing) || !(*spacing > 0.0)) // ITK would silently put 1
+        if (!spacing || !std::isfinite(*spacing) || !(*spacing > 0.0))
             return refuseField("spacings", inQuotes(header["spacings"]) + " are not positive numbers", path);
     }
     return {};
@@ -443,46 +436,15 @@ std::string lengthUnitOf(const NrrdHeader& header) {
     return isOne ? isoslider::lengthUnitOf(units[0]) : std::string();
 }
 
-std::string spatialNrrdHeader(const NrrdHeader& header) {
-    std::string text = "NRRD0005\nencoding: raw\nendian: little\ntype: " + std::string(header["type"]) + "\n";
-    std::string sizes, directions, spacings, minima, centers, kinds;
-    int count = 0;
-    const auto isGiven = [&](std::string NrrdAxis::*member) {
-        return std::any_of(header.axes.begin(), header.axes.end(), [&](const NrrdAxis& axis) {
-            return axis.role == NrrdRole::Space && !(axis.*member).empty();
-        });
-    };
-    const bool hasSpacings = isGiven(&NrrdAxis::spacing), hasCenters = isGiven(&NrrdAxis::center);
-    for (const NrrdAxis& axis : header.axes) {
-        if (axis.role != NrrdRole::Space)
-            continue;
-        ++count;
-        sizes += " " + std::to_string(axis.size);
-        kinds += " domain";
-        // One for each axis, or none at all.
-        const auto add = [](std::string& list, const std::string& value, const char* unknown) {
-            list += value.empty() ? unknown : " " + value;
-        };
-        add(directions, axis.direction, "");
-        add(spacings, axis.spacing, hasSpacings ? " nan" : "");
-        add(minima, axis.minimum, "");
-        add(centers, axis.center, hasCenters ? " ???" : "");
-    }
-    const auto addField = [&](std::string_view name, std::string_view value) {
-        if (!value.empty())
-            text += std::string(name) + ": " + std::string(value) + "\n";
-    };
-    addField("dimension", std::to_string(count));
-    addField("space", header["space"]);
-    addField("space dimension", header["space dimension"]);
-    addField("sizes", trimmed(sizes));
-    addField("space directions", trimmed(directions));
-    addField("space origin", header["space origin"]);
-    addField("spacings", trimmed(spacings));
-    addField("axis mins", trimmed(minima));
-    addField("centers", trimmed(centers));
-    addField("kinds", trimmed(kinds));
-    return text + "\n";
+std::optional<std::vector<double>> parseNrrdVector(std::string_view text) {
+    if (text.size() < 2 || !text.starts_with('(') || !text.ends_with(')'))
+        return std::nullopt;
+    std::string inner(text.substr(1, text.size() - 2));
+    std::ranges::replace(inner, ',', ' ');
+    std::vector<double> numbers;
+    if (!parseReals(inner, numbers) || numbers.empty())
+        return std::nullopt;
+    return numbers;
 }
 
 } // namespace isoslider::io

@@ -19,8 +19,8 @@ struct NrrdAxis {
     std::int64_t size = 1;
     NrrdRole role = NrrdRole::Space;
     std::string kind; ///< lower case; empty: not given
-    std::string direction; ///< "(1,0,0)", "none"; empty: not given
-    std::string spacing;  ///< as given, else by the extent of the axis; empty, or "nan": unknown
+    std::optional<std::vector<double>> direction; ///< from sample to sample; empty: "none"; no value: not given
+    std::string spacing; ///< as given, else by the extent of the axis; empty, or "nan": unknown
     std::string minimum, maximum, center; ///< as given
     std::string unit; ///< without quotes
 };
@@ -54,7 +54,7 @@ Result<NrrdHeader> readNrrdHeader(const std::filesystem::path& path);
 /// The unit of all axes of space, by "space units" or "units"; empty where they have none, or several.
 std::string lengthUnitOf(const NrrdHeader& header);
 
-/// The header of the axes of space alone, for a parser that knows of nothing else.
-std::string spatialNrrdHeader(const NrrdHeader& header);
+/// "(1,0,0)" as numbers; nothing where that is no vector.
+std::optional<std::vector<double>> parseNrrdVector(std::string_view text);
 
 } // namespace isoslider::io

@@ -1,23 +1,16 @@
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
-
-#include <glm/geometric.hpp>
 
 #include "core/base/plain_text.h"
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
-#include "core/volume_io/formats/images/itk_header.h"
+#include "core/volume_io/formats/images/nrrd_geometry.h"
 #include "core/volume_io/formats/images/nrrd_header.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "core/volume_io/sources/magnitude_source.h"
 #include "core/volume_io/sources/sample_source.h"
 #include "core/volume_io/volume_choice.h"
-
-// As with MetaImage, extents, files and sizes are settled here before ITK sees the header, and of that it
-// sees the axes of space only.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -230,59 +223,6 @@ Result<std::unique_ptr<ByteStream>> openSamples(const NrrdHeader& header, const 
     return stream;
 }
 
-// ITK refuses two axes in a space of three: one more is put upright on them.
-void addUprightAxis(NrrdHeader& header) {
-    std::vector<glm::dvec3> directions;
-    for (const NrrdAxis& axis : header.axes) {
-        std::vector<double> numbers;
-        std::string inner = axis.direction;
-        std::replace_if(
-            inner.begin(), inner.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
-        if (axis.role == NrrdRole::Space && parseReals(inner, numbers) && numbers.size() == 3)
-            directions.emplace_back(numbers[0], numbers[1], numbers[2]);
-    }
-    const auto isSpace = [](const NrrdAxis& axis) { return axis.role == NrrdRole::Space; };
-    if (directions.size() != 2 || std::count_if(header.axes.begin(), header.axes.end(), isSpace) != 2)
-        return;
-    const glm::dvec3 normal = glm::normalize(glm::cross(directions[0], directions[1]));
-    if (!std::isfinite(normal.x + normal.y + normal.z))
-        return;
-    NrrdAxis& axis = header.axes.emplace_back();
-    for (int row = 0; row < 3; ++row) {
-        std::array<char, 32> digits{};
-        const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), normal[row]).ptr;
-        axis.direction += (row == 0 ? "(" : ",") + std::string(digits.data(), end);
-    }
-    axis.direction += ")";
-}
-
-Result<GridGeometry> readGeometry(NrrdHeader header, VolumeInfo& info, const fs::path& path) {
-    std::vector<double> spacings;
-    bool hasDirections = false;
-    for (const NrrdAxis& axis : header.axes) {
-        if (axis.role != NrrdRole::Space)
-            continue;
-        spacings.push_back(parseReal(axis.spacing).value_or(0.0));
-        if (!axis.maximum.empty() && axis.direction.empty() && (axis.spacing.empty() || axis.spacing == "nan"))
-            info.notes.push_back("axis mins " + inQuotes(axis.minimum) + " and axis maxs " + inQuotes(axis.maximum) +
-                                 " give no spacing: 1 is taken");
-        hasDirections |= !axis.direction.empty();
-    }
-    const bool hasSpace = !header["space"].empty() || !header["space dimension"].empty();
-    const bool hasSpacings = !spacings.empty() && *std::min_element(spacings.begin(), spacings.end()) > 0.0;
-    if (!hasSpace || hasDirections || !hasSpacings) {
-        addUprightAxis(header);
-        return readItkGeometryOfText(spatialNrrdHeader(header), ItkFormat::Nrrd, header.dims(), path);
-    }
-    // A space without directions, only scalar spacings: well-formed, but ITK refuses it.
-    info.notes.push_back("names a space but no directions in it; the axes are taken as they are");
-    GridGeometry geometry;
-    geometry.dims = header.dims();
-    for (std::size_t axis = 0; axis < spacings.size(); ++axis)
-        geometry.spacing[static_cast<int>(axis)] = spacings[axis];
-    return geometry;
-}
-
 /// Header, files and first bytes, checked against each other.
 struct Described {
     NrrdHeader header;
@@ -333,7 +273,7 @@ Result<std::unique_ptr<VolumeSource>> openNrrd(const fs::path& path, const ReadO
     VolumeInfo info;
     info.format = "NRRD";
     info.dataFiles = filesBeside(path, volume.data.parts);
-    auto geometry = readGeometry(volume.header, info, path);
+    auto geometry = readNrrdGeometry(volume.header, info.notes, path);
     if (!geometry.isOk())
         return std::move(geometry).error();
     ISO_TRY(checkGeometry(geometry.value(), "spacings or space directions", path));

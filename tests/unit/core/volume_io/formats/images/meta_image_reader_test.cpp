@@ -67,6 +67,22 @@ TEST_F(MetaImageReader, TakesOneFrameOfFourDimensions) {
     EXPECT_EQ(contents.value().fields[0].dims, (GridDims{2, 1, 1}));
 }
 
+TEST_F(MetaImageReader, KnowsEveryNameOfAPlace) {
+    const auto open = [&](const std::string& fields) {
+        folder.write("a.mhd", "NDims = 3\n" + fields + "DimSize = 2 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" +
+                                  test::ramp<std::int16_t>(8));
+        const auto source = openVolume(folder / "a.mhd");
+        EXPECT_THAT(source, test::IsOk()) << fields;
+        return source.isOk() ? source.value()->info().geometry : GridGeometry{};
+    };
+    for (const std::string name : {"Offset", "Origin", "Position"})
+        EXPECT_EQ(open(name + " = 1 2 3\n").origin, glm::dvec3(1, 2, 3)) << name;
+    for (const std::string name : {"TransformMatrix", "Rotation", "Orientation"})
+        EXPECT_EQ(open(name + " = 0 1 0 -1 0 0 0 0 1\n").direction, glm::dmat3(0, 1, 0, -1, 0, 0, 0, 0, 1)) << name;
+    EXPECT_EQ(open("ElementSize = 4 5 6\n").spacing, glm::dvec3(4, 5, 6));
+    EXPECT_EQ(open("ElementSize = 4 5 6\nElementSpacing = 1 2 3\n").spacing, glm::dvec3(1, 2, 3));
+}
+
 TEST_F(MetaImageReader, ReadsSlicesOfTwoDimensions) {
     const std::string bytes =
         "NDims = 2\nElementSpacing = 2 3\nDimSize = 4 3\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" +

@@ -151,6 +151,47 @@ TEST_F(NrrdReader, KeepsThePlaceOfSpatialAxes) {
     EXPECT_NEAR(std::abs(slice.direction[2].x), 1.0, 1e-12);
 }
 
+TEST_F(NrrdReader, TurnsEveryNamedSpaceIntoOneOrientation) {
+    const auto open = [&](const std::string& fields) {
+        const auto source = openVolume(folder.write("a.nrrd", headerOf("2 2 2", fields + "\n") + test::ramp<std::int16_t>(8)));
+        EXPECT_THAT(source, test::IsOk()) << fields;
+        return source.isOk() ? source.value()->info().geometry : GridGeometry{};
+    };
+    const std::string place = "\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (5,6,7)\n";
+    struct Case {
+        const char* space;
+        glm::dvec3 signs;
+    };
+    for (const Case& named : {Case{"space: RAS", {-1, -1, 1}}, Case{"space: right-anterior-superior", {-1, -1, 1}},
+                              Case{"space: LAS", {1, -1, 1}}, Case{"space: Left-Anterior-Superior", {1, -1, 1}},
+                              Case{"space: LPS", {1, 1, 1}}, Case{"space: scanner-xyz", {1, 1, 1}},
+                              Case{"space: 3D-left-handed", {1, 1, 1}}, Case{"space dimension: 3", {1, 1, 1}}}) {
+        const GridGeometry g = open(named.space + place);
+        EXPECT_EQ(g.spacing, glm::dvec3(2, 3, 4)) << named.space;
+        EXPECT_EQ(g.origin, glm::dvec3(5, 6, 7) * named.signs) << named.space;
+        for (int axis = 0; axis < 3; ++axis)
+            EXPECT_EQ(g.direction[axis][axis], named.signs[axis]) << named.space;
+    }
+    EXPECT_EQ(open("space: RAS\nspace origin: (1,2,3)\n").origin, glm::dvec3(-1, -2, 3));
+    const auto bytes = [&](const std::string& fields) { return headerOf("2 2 2", fields + "\n") + test::ramp<std::int16_t>(8); };
+    EXPECT_THAT(refusal(bytes("space: somewhere" + place)), HasSubstr("space: 'somewhere'"));
+    EXPECT_THAT(refusal(bytes("space dimension: 2" + place)), HasSubstr("space origin: a vector of 2 numbers"));
+    EXPECT_THAT(refusal(bytes("space dimension: 2\nspace directions: (2,0,0) (0,3,0) (0,0,4)\n")),
+                HasSubstr("space directions: vectors of 2 numbers"));
+    EXPECT_THAT(refusal(bytes("space directions: (2,0,0) (0,3,0) (0,0,4)\n")), HasSubstr("need a space"));
+    EXPECT_THAT(refusal(bytes("space: RAS\nspace origin: (1,2)\n")), HasSubstr("space origin"));
+}
+
+TEST_F(NrrdReader, PutsPerpendicularAxesOnALine) {
+    const auto source = openVolume(
+        folder.write("a.nrrd", headerOf("4", "space: LPS\nspace directions: (0,2,0)\n\n") + test::ramp<std::int16_t>(4)));
+    ASSERT_THAT(source, test::IsOk());
+    const glm::dmat3& direction = source.value()->info().geometry.direction;
+    EXPECT_EQ(direction[0], glm::dvec3(0, 1, 0));
+    EXPECT_DOUBLE_EQ(glm::determinant(direction), 1.0);
+    EXPECT_EQ(glm::transpose(direction) * direction, glm::dmat3(1.0));
+}
+
 TEST_F(NrrdReader, TakesTheSpacingFromTheExtentOfAnAxis) {
     const auto open = [&](const std::string& fields) {
         const auto source = openVolume(folder.write("a.nrrd", headerOf("3 2 5", fields + "\n") + test::ramp<std::int16_t>(30)));
