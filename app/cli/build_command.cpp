@@ -15,6 +15,7 @@
 #include "app/cli/output_check.h"
 #include "app/cli/progress_bar.h"
 #include "app/cli/resampling_report.h"
+#include "core/base/machine.h"
 #include "core/index/format/index_format.h"
 #include "preprocess/build_index.h"
 
@@ -146,6 +147,7 @@ private:
         options.skipLevels = static_cast<int>(skipLevels_);
         options.redundancyThreshold = redundancy_.value_or(options.redundancyThreshold);
         options.memoryBytes = memoryBytes_;
+        returnLargeBlocksAtOnce();
         options.threads = static_cast<int>(threads_);
         options.sourceName = std::filesystem::path(volumePath_).filename().string();
         auto report = preprocess::buildIndex(source, indexPath_, options, job);

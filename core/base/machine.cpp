@@ -3,6 +3,7 @@
 #include <fstream>
 #include <string>
 
+#include <malloc.h>
 #include <unistd.h>
 
 namespace isoslider {
@@ -25,5 +26,7 @@ std::uint64_t peakRssBytes() {
     }
     return 0;
 }
+
+void returnLargeBlocksAtOnce() { ::mallopt(M_MMAP_THRESHOLD, 4 << 20); }
 
 } // namespace isoslider
