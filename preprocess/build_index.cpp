@@ -28,7 +28,8 @@ namespace {
 
 Status checkOptions(const BuildOptions& options, const GridGeometry& geometry) {
     if (options.skipLevels < 1 || options.skipLevels > index::kMaxSkipLevels)
-        return makeError(ErrorCode::InvalidArgument, "skip levels must be 1 to " + std::to_string(index::kMaxSkipLevels));
+        return makeError(ErrorCode::InvalidArgument,
+                         "skip levels must be 1 to " + std::to_string(index::kMaxSkipLevels));
     if (!(options.redundancyThreshold >= 0.0) || !std::isfinite(options.redundancyThreshold))
         return makeError(ErrorCode::InvalidArgument, "redundancy threshold must not be negative");
     if (options.memoryBytes < kMinBuildMemoryBytes)
@@ -37,7 +38,8 @@ Status checkOptions(const BuildOptions& options, const GridGeometry& geometry) {
         return makeError(ErrorCode::InvalidArgument, "number of threads is negative");
     for (const std::int64_t dim : geometry.dims)
         if (dim < 1 || dim > kMaxDim)
-            return makeError(ErrorCode::InvalidArgument, "the volume has an extent outside 1 to " + std::to_string(kMaxDim));
+            return makeError(ErrorCode::InvalidArgument,
+                             "the volume has an extent outside 1 to " + std::to_string(kMaxDim));
     if (BrickGrid(geometry.dims).brickCount() > std::numeric_limits<BrickIndex>::max())
         return makeError(ErrorCode::InvalidArgument, "the volume has more than 2^32 bricks of 8^3 points");
     return {};

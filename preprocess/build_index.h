@@ -14,12 +14,12 @@ namespace isoslider::preprocess {
 
 struct BuildOptions {
     std::optional<index::IndexKind> kind; ///< none: chooseKind()
-    int skipLevels = 5;                 ///< levels written, level 0 included; 1..8
+    int skipLevels = 5; ///< levels written, level 0 included; 1..8
     /// k: a block ends when redundant edges exceed k * active edges. 0: with edges the smallest of
     /// kRedundancyChoices with which the index is expected to stay below kBytesPerVoxelAim, else 1.
     double redundancyThreshold = 0.0;
     std::uint64_t memoryBytes = std::uint64_t{1} << 30;
-    int threads = 0;                    ///< 0: all cores
+    int threads = 0; ///< 0: all cores
     std::filesystem::path temporaryFolder; ///< for sort runs; empty: beside the index
     std::string sourceName;
     FileSystem* fileSystem = nullptr; ///< what to write through; null: the disk
@@ -44,8 +44,8 @@ index::IndexKind chooseKind(const io::VolumeInfo& info);
 /// Builds the index for a volume and publishes it at `indexPath`: written to a
 /// temporary file beside it, synced, renamed. The same bytes for any thread count and memory budget.
 /// On failure or cancel nothing is left behind and an earlier index at `indexPath` is untouched.
-/// Errors: InvalidArgument (also when the volume's files changed meanwhile), IoError, OutOfSpace, Cancelled, whatever the
-/// source reports.
+/// Errors: InvalidArgument (also when the volume's files changed meanwhile), IoError, OutOfSpace, Cancelled, whatever
+/// the source reports.
 Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::path& indexPath,
                                const BuildOptions& options = {}, const JobControl& job = {});
 

@@ -343,9 +343,7 @@ private:
         std::array<std::uint64_t, (1 << kRecentBits)> recent{}; // where values repeat, most end here
         KeyBlock* spare = nullptr;
 
-        std::span<const std::uint64_t> staged(std::uint64_t p) const {
-            return {&keys[p * kStaged], counts[p]};
-        }
+        std::span<const std::uint64_t> staged(std::uint64_t p) const { return {&keys[p * kStaged], counts[p]}; }
     };
 
     // One to one, and 0, the key of no finite sample, stays 0.
@@ -450,8 +448,7 @@ private:
 
     void endPass() {
         tbb::enumerable_thread_specific<DistinctFilter> filters;
-        count_ +=
-            sumInParallel(kPartitions, [&](std::size_t p) { return countPartition(p, filters.local()); });
+        count_ += sumInParallel(kPartitions, [&](std::size_t p) { return countPartition(p, filters.local()); });
         for (Partition& partition : partitions_)
             partition.blocks.clear();
         lanes_.clear();
@@ -505,12 +502,8 @@ std::uint64_t DistinctKeys<Sample>::count() {
     return set_->count();
 }
 
-template class DistinctKeys<std::uint8_t>;
-template class DistinctKeys<std::int8_t>;
-template class DistinctKeys<std::uint16_t>;
-template class DistinctKeys<std::int16_t>;
-template class DistinctKeys<std::int32_t>;
-template class DistinctKeys<float>;
-template class DistinctKeys<double>;
+#define ISO_INSTANTIATE(Sample, Name) template class DistinctKeys<Sample>;
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
 
 } // namespace isoslider::preprocess

@@ -51,12 +51,8 @@ private:
     std::unique_ptr<DistinctKeySet<KeyOf<Sample>>> set_;
 };
 
-extern template class DistinctKeys<std::uint8_t>;
-extern template class DistinctKeys<std::int8_t>;
-extern template class DistinctKeys<std::uint16_t>;
-extern template class DistinctKeys<std::int16_t>;
-extern template class DistinctKeys<std::int32_t>;
-extern template class DistinctKeys<float>;
-extern template class DistinctKeys<double>;
+#define ISO_DECLARE(Sample, Name) extern template class DistinctKeys<Sample>;
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_DECLARE)
+#undef ISO_DECLARE
 
 } // namespace isoslider::preprocess

@@ -28,8 +28,8 @@ std::uint64_t memoryOrThrow(const std::string& text) {
     const auto bytes = parseSizeBytes(text);
     const std::string least = "at least " + sizeText(preprocess::kMinBuildMemoryBytes);
     if (!bytes)
-        throw CLI::ValidationError(
-            "--memory", fmt::format("'{}' is not a size; give one as 512M or 2G, {}", text, least));
+        throw CLI::ValidationError("--memory",
+                                   fmt::format("'{}' is not a size; give one as 512M or 2G, {}", text, least));
     if (*bytes < preprocess::kMinBuildMemoryBytes)
         throw CLI::ValidationError("--memory", fmt::format("'{}' is too little; give {}", text, least));
     return *bytes;
@@ -41,8 +41,8 @@ std::optional<index::IndexKind> kindOrThrow(const std::string& text) {
         if (text == index::indexKindName(kind))
             return kind;
     if (text != "auto")
-        throw CLI::ValidationError(
-            "--index", fmt::format("'{}' is not a kind of index; known: edges, metacells, auto", text));
+        throw CLI::ValidationError("--index",
+                                   fmt::format("'{}' is not a kind of index; known: edges, metacells, auto", text));
     return std::nullopt;
 }
 
@@ -135,9 +135,8 @@ private:
             ->type_name("SIZE");
         addInteger(command, "--threads", threads_, 1, kMaxThreads, "threads to use (all cores)");
         command
-            .add_flag_callback(
-                "--resume",
-                [] { throw CLI::ValidationError("--resume", "is not available in this version"); })
+            .add_flag_callback("--resume",
+                               [] { throw CLI::ValidationError("--resume", "is not available in this version"); })
             ->group("");
     }
 
@@ -158,9 +157,8 @@ private:
 
     std::string textOf(const Built& built) const {
         const preprocess::BuildReport& report = built.report;
-        std::string text =
-            fmt::format("{}: {} in {:.2f} s, peak memory {}\n", indexPath_, sizeText(report.info.indexBytes),
-                        report.seconds, sizeText(report.peakRssBytes));
+        std::string text = fmt::format("{}: {} in {:.2f} s, peak memory {}\n", indexPath_,
+                                       sizeText(report.info.indexBytes), report.seconds, sizeText(report.peakRssBytes));
         text += fmt::format("{}, {} distinct values, {} skip levels\n", index::indexKindName(report.info.kind),
                             report.info.distinctValues, report.info.levels.size());
         if (const std::string lost = resamplingText(built.volume); !lost.empty())

@@ -12,7 +12,8 @@ std::string sourceName(const std::string& path) {
 }
 
 mesh::SurfaceSource sourceOf(const index::IndexInfo& info, const std::string& indexPath) {
-    return {info.sourceName.empty() ? sourceName(indexPath) : info.sourceName, info.nanCount, info.lengthUnit, info.resampling};
+    return {info.sourceName.empty() ? sourceName(indexPath) : info.sourceName, info.nanCount, info.lengthUnit,
+            info.resampling};
 }
 
 Outcome faultOutcome(const mesh::Certificate& certificate, const std::string& path) {

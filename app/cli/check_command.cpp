@@ -50,9 +50,7 @@ class CheckCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("check", "Whether a mesh is a sound, oriented 2-manifold");
-        command->add_option("MESH", path_, "mesh to check (ply, obj, stl, off, om)")
-            ->required()
-            ->type_name("");
+        command->add_option("MESH", path_, "mesh to check (ply, obj, stl, off, om)")->required()->type_name("");
         return command;
     }
 

@@ -76,7 +76,8 @@ Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptio
     if (!surface.isOk())
         return std::move(surface).error();
     const io::VolumeInfo& info = source.value()->info();
-    return Extracted{std::move(surface).value(), {sourceName(path), missing, info.lengthUnit, resamplingText(info)}, info};
+    return Extracted{
+        std::move(surface).value(), {sourceName(path), missing, info.lengthUnit, resamplingText(info)}, info};
 }
 
 void addChecked(const mesh::Certificate& certificate, Json& json) {
@@ -136,12 +137,10 @@ std::string textOf(const mesh::Certificate& certificate, const std::string& mesh
 class ExtractCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
-        auto* command =
-            program.add_subcommand("extract", "The surface at one isovalue, counted and exported");
+        auto* command = program.add_subcommand("extract", "The surface at one isovalue, counted and exported");
         command->add_option("FILE", path_, "index or volume")->required()->type_name("");
         addNumber(*command, "--isovalue", isovalue_, "isovalue of the surface")->required();
-        command->add_option("-o,--output", meshPath_, "mesh to write (ply, obj, stl, off, om)")
-            ->type_name("MESH");
+        command->add_option("-o,--output", meshPath_, "mesh to write (ply, obj, stl, off, om)")->type_name("MESH");
         command->add_flag("--no-check", skipsCheck_, "write and count the surface without checking it: no certificate");
         addLodError(*command);
         addVolumeOptions(*command, volume_);
@@ -158,8 +157,8 @@ public:
         const JobControl job = bar.job();
         const JobControl extracting = job.part(0.0, 0.4), finishing = job.part(0.4, 1.0);
         const auto extracted = kind.value() == InputKind::Index
-                                 ? surfaceFromIndex(path_, *isovalue_, extracting)
-                                 : surfaceFromVolume(path_, volume_.readOptions(), *isovalue_, extracting);
+                                   ? surfaceFromIndex(path_, *isovalue_, extracting)
+                                   : surfaceFromVolume(path_, volume_.readOptions(), *isovalue_, extracting);
         if (!extracted.isOk())
             return extracted.error();
         const auto certificate = certifyAndExport(extracted.value(), finishing);

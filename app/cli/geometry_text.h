@@ -19,8 +19,6 @@ inline std::string vectorText(const glm::dvec3& vector) {
 }
 
 /// "256x256x64"
-inline std::string dimsText(const GridDims& dims) {
-    return fmt::format("{}x{}x{}", dims[0], dims[1], dims[2]);
-}
+inline std::string dimsText(const GridDims& dims) { return fmt::format("{}x{}x{}", dims[0], dims[1], dims[2]); }
 
 } // namespace isoslider::cli

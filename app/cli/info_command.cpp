@@ -35,7 +35,7 @@ struct Facts {
     std::string fieldTitle;
     std::string lengthUnit;
     std::vector<std::string> notes;
-    io::VolumeInfo volume;  ///< of a volume: what is known of its resampling
+    io::VolumeInfo volume; ///< of a volume: what is known of its resampling
     std::string resampling; ///< of an index: what resampling its volume lost
 };
 
@@ -50,7 +50,7 @@ struct Report {
     std::optional<io::VolumeContents> contents; ///< of volumes
     std::vector<Part> parts; ///< one, or as many as there are to choose from
     std::int64_t partsInAll = 1; ///< parts are the first of these
-    bool isChosen = true;    ///< the one part is what other commands take
+    bool isChosen = true; ///< the one part is what other commands take
 };
 
 Result<Facts> factsOfIndex(const std::string& path) {
@@ -58,7 +58,10 @@ Result<Facts> factsOfIndex(const std::string& path) {
     if (!reader.isOk())
         return reader.error();
     const index::IndexInfo& info = reader.value()->info();
-    return Facts{info.geometry, info.type, {info.min, info.max, info.distinctValues, info.nanCount}, "ISOSLIDER index", "", "", info.lengthUnit, {}, {}, info.resampling};
+    return Facts{info.geometry,     info.type, {info.min, info.max, info.distinctValues, info.nanCount},
+                 "ISOSLIDER index", "",        "",
+                 info.lengthUnit,   {},        {},
+                 info.resampling};
 }
 
 Result<Report> reportOfIndex(const std::string& path) {
@@ -84,13 +87,14 @@ Result<Facts> factsOfVolume(const std::string& path, const io::ReadOptions& opti
     const GridDims& dims = info.geometry.dims;
     if (std::min({dims[0], dims[1], dims[2]}) < 2)
         notes.push_back("has no cells, so no surface: that takes two grid points along each axis");
-    return Facts{info.geometry, info.type, found.value(), info.format, info.fieldName, info.fieldTitle, info.lengthUnit,
-                 std::move(notes), info};
+    return Facts{info.geometry,   info.type,       found.value(),    info.format, info.fieldName,
+                 info.fieldTitle, info.lengthUnit, std::move(notes), info};
 }
 
 const io::VolumeField* fieldAsked(const io::VolumeContents& contents, const std::string& name) {
     if (name.empty())
-        return contents.fields.size() == 1 || contents.isPreferredChosen ? &contents.fields[contents.preferred] : nullptr;
+        return contents.fields.size() == 1 || contents.isPreferredChosen ? &contents.fields[contents.preferred]
+                                                                         : nullptr;
     for (const io::VolumeField& field : contents.fields)
         if (field.name == name)
             return &field;
@@ -124,8 +128,8 @@ Result<Report> reportOfVolume(const std::string& path, const io::ReadOptions& op
             part.component = asked.component = static_cast<int>(i % components);
         if (frames > 1)
             part.frame = asked.frame = i / components;
-        const JobControl reading =
-            job.part(static_cast<double>(i) / static_cast<double>(read), static_cast<double>(i + 1) / static_cast<double>(read));
+        const JobControl reading = job.part(static_cast<double>(i) / static_cast<double>(read),
+                                            static_cast<double>(i + 1) / static_cast<double>(read));
         auto facts = factsOfVolume(path, asked, reading);
         if (!facts.isOk())
             return std::move(facts).error();
@@ -133,8 +137,8 @@ Result<Report> reportOfVolume(const std::string& path, const io::ReadOptions& op
         report.parts.push_back(std::move(part));
     }
     if (read < report.partsInAll)
-        report.parts.front().facts.notes.push_back(
-            fmt::format("the first {} of {} components and frames have been read; the range is theirs", read, report.partsInAll));
+        report.parts.front().facts.notes.push_back(fmt::format(
+            "the first {} of {} components and frames have been read; the range is theirs", read, report.partsInAll));
     return report;
 }
 
@@ -238,14 +242,15 @@ std::string textOf(const Facts& facts) {
 }
 
 std::string textOf(const preprocess::VolumeFacts& samples) {
-    return fmt::format("range            {} .. {}\ndistinct values  {}\nmissing samples  {}\n", samples.min, samples.max,
-                       samples.distinctValues, samples.missingSamples);
+    return fmt::format("range            {} .. {}\ndistinct values  {}\nmissing samples  {}\n", samples.min,
+                       samples.max, samples.distinctValues, samples.missingSamples);
 }
 
 std::string textOf(const io::VolumeContents& contents) {
     std::string text;
     for (const io::VolumeField& field : contents.fields) {
-        text += fmt::format("  {}  {}, {}", field.name.empty() ? "(no name)" : oneLine(field.name), dimsText(field.dims), field.typeName);
+        text += fmt::format("  {}  {}, {}", field.name.empty() ? "(no name)" : oneLine(field.name),
+                            dimsText(field.dims), field.typeName);
         if (field.components > 1)
             text += fmt::format(", {} components", field.components);
         if (field.frames > 1)

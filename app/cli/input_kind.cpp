@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "core/base/file_system.h"
+#include "core/base/folders.h"
 #include "core/index/format/index_format.h"
 
 namespace isoslider::cli {
@@ -25,8 +26,7 @@ Result<bool> hasIndexMagic(const std::filesystem::path& path) {
 } // namespace
 
 Result<InputKind> sniffInput(const std::filesystem::path& path, const io::ReadOptions& options) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored))
+    if (isFolder(path))
         return InputKind::Volume;
     const auto isIndex = hasIndexMagic(path);
     if (!isIndex.isOk())

@@ -76,8 +76,7 @@ std::string sizeText(std::uint64_t bytes) {
         ++unit;
     }
     const bool isWhole = amount == std::floor(amount);
-    return isWhole ? fmt::format("{:.0f} {}", amount, kUnits[unit])
-                   : fmt::format("{:.1f} {}", amount, kUnits[unit]);
+    return isWhole ? fmt::format("{:.0f} {}", amount, kUnits[unit]) : fmt::format("{:.1f} {}", amount, kUnits[unit]);
 }
 
 } // namespace isoslider::cli

@@ -94,9 +94,7 @@ CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional
                        const std::string& help) {
     return addText(
                command, name,
-               [&target](const std::string& option, const std::string& text) {
-                   target = finiteOrThrow(option, text);
-               },
+               [&target](const std::string& option, const std::string& text) { target = finiteOrThrow(option, text); },
                help)
         ->type_name("X");
 }
@@ -118,7 +116,8 @@ CLI::Option* addInteger(CLI::App& command, const std::string& name, std::int64_t
 CLI::Option* addDims(CLI::App& command, const std::string& name, GridDims& target, const std::string& help) {
     return addText(
                command, name,
-               [&target](const std::string& option, const std::string& text) { target = dimsOrThrow(option, text); }, help)
+               [&target](const std::string& option, const std::string& text) { target = dimsOrThrow(option, text); },
+               help)
         ->type_name("NX,NY,NZ");
 }
 
@@ -143,8 +142,7 @@ io::ReadOptions VolumeOptions::readOptions() const {
     options.allowsExternalData = allowsExternal;
     options.allowsTrailing = allowsTrailing;
     if (type) {
-        options.raw = io::RawLayout{
-            dims, *type, spacing, static_cast<std::uint64_t>(skipBytes), isBigEndian};
+        options.raw = io::RawLayout{dims, *type, spacing, static_cast<std::uint64_t>(skipBytes), isBigEndian};
     }
     return options;
 }
@@ -152,39 +150,36 @@ io::ReadOptions VolumeOptions::readOptions() const {
 void addVolumeOptions(CLI::App& command, VolumeOptions& target) {
     auto* dims = addText(
         command, "--raw-dims",
-        [&target](const std::string& name, const std::string& text) {
-            target.dims = dimsOrThrow(name, text);
-        },
+        [&target](const std::string& name, const std::string& text) { target.dims = dimsOrThrow(name, text); },
         "read a headerless file of NX,NY,NZ samples, x fastest");
     auto* type = addText(
         command, "--raw-type",
-        [&target](const std::string& name, const std::string& text) {
-            target.type = typeOrThrow(name, text);
-        },
+        [&target](const std::string& name, const std::string& text) { target.type = typeOrThrow(name, text); },
         "its sample type: " + knownScalarTypes());
     auto* spacing = addText(
         command, "--raw-spacing",
-        [&target](const std::string& name, const std::string& text) {
-            target.spacing = spacingOrThrow(name, text);
-        },
+        [&target](const std::string& name, const std::string& text) { target.spacing = spacingOrThrow(name, text); },
         "its distances between samples, A,B,C (1,1,1)");
-    auto* skip = addInteger(command, "--raw-skip", target.skipBytes, 0,
-                            std::numeric_limits<std::int64_t>::max(), "bytes before its first sample (0)");
+    auto* skip = addInteger(command, "--raw-skip", target.skipBytes, 0, std::numeric_limits<std::int64_t>::max(),
+                            "bytes before its first sample (0)");
     auto* bigEndian = command.add_flag("--big-endian", target.isBigEndian, "its bytes are big-endian");
     auto* trailing = command.add_flag("--allow-trailing", target.allowsTrailing, "accept bytes behind the last sample");
-    auto* external =
-        command.add_flag("--allow-external", target.allowsExternal, "accept data files outside the folder of their header");
-    auto* field = command.add_option("--field", target.field, "scalar field, data set or series to take where a file has several");
+    auto* external = command.add_flag("--allow-external", target.allowsExternal,
+                                      "accept data files outside the folder of their header");
+    auto* field = command.add_option("--field", target.field,
+                                     "scalar field, data set or series to take where a file has several");
     auto* component = addText(
         command, "--component",
-        [&target](const std::string& name, const std::string& text) { target.component = componentOrThrow(name, text); },
+        [&target](const std::string& name, const std::string& text) {
+            target.component = componentOrThrow(name, text);
+        },
         "component of each sample to take, from 0, or 'magnitude'");
     auto* frame = addText(
         command, "--frame",
         [&target](const std::string& name, const std::string& text) { target.frame = frameOrThrow(name, text); },
         "volume of a series in time to take, from 0");
-    auto* resample =
-        addDims(command, "--resample", target.resampleDims, "size of the uniform grid that other grids are resampled to");
+    auto* resample = addDims(command, "--resample", target.resampleDims,
+                             "size of the uniform grid that other grids are resampled to");
     dims->needs(type)->type_name("NX,NY,NZ");
     type->needs(dims)->type_name("TYPE");
     spacing->type_name("A,B,C");

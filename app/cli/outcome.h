@@ -2,19 +2,10 @@
 
 #include <string>
 
+#include "app/exit_code.h"
 #include "core/base/result.h"
 
 namespace isoslider::cli {
-
-/// What the shell gets back. The numbers are part of the program's interface.
-enum class ExitCode : int {
-    Success = 0,
-    FoundFault = 1, ///< a check ran and found a fault
-    WrongUsage = 2, ///< the command line asks for something that does not exist or cannot be
-    Refused = 3, ///< an input that is damaged, unsupported or not what it should be
-    IoFailure = 4, ///< the operating system could not read or write, or there is no room
-    Interrupted = 130,
-};
 
 /// How a command ended: a code and, unless it is Success, one line for people.
 class Outcome {

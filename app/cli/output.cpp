@@ -25,8 +25,7 @@ Status Output::flush() {
     if (errorNumber_ == 0)
         return {};
     const auto code = errorNumber_ == ENOSPC ? ErrorCode::OutOfSpace : ErrorCode::IoError;
-    return makeError(code, "cannot write: " + std::generic_category().message(errorNumber_),
-                     "standard output");
+    return makeError(code, "cannot write: " + std::generic_category().message(errorNumber_), "standard output");
 }
 
 void Output::noteFailure() {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "core/base/file_system.h"
+#include "core/base/folders.h"
 #include "core/mesh/mesh_export.h"
 
 namespace isoslider::cli {
@@ -20,22 +21,21 @@ Outcome isTheInput(const fs::path& output) {
 } // namespace
 
 Outcome checkOutput(const fs::path& output, const fs::path& input) {
-    std::error_code ignored;
     const Error here = makeError(ErrorCode::IoError, "", output.string());
     if (output.empty())
         return Outcome::wrongUsage("the output has no name");
-    if (fs::equivalent(output, input, ignored))
+    if (isSameFile(output, input))
         return isTheInput(output);
-    if (fs::is_directory(output, ignored))
+    if (isFolder(output))
         return makeError(ErrorCode::IoError, "is a directory; give a file name", output.string());
     const auto target = linkTarget(output);
     if (!target.isOk())
         return target.error();
     const fs::path& written = target.value();
     const fs::path folder = written.has_parent_path() ? written.parent_path() : fs::path(".");
-    if (!fs::exists(folder, ignored))
+    if (!isPresent(folder))
         return makeError(ErrorCode::NotFound, "its folder does not exist", output.string());
-    if (!fs::is_directory(folder, ignored))
+    if (!isFolder(folder))
         return makeError(ErrorCode::IoError, "its folder is a file", output.string());
     if (::access(folder.c_str(), W_OK | X_OK) != 0)
         return makeError(ErrorCode::IoError, "its folder may not be written to", output.string());
@@ -48,9 +48,8 @@ Outcome tryOutput(const fs::path& output) {
 }
 
 Outcome checkNotRead(const fs::path& output, const std::vector<fs::path>& dataFiles) {
-    std::error_code ignored;
     for (const fs::path& file : dataFiles)
-        if (fs::equivalent(output, file, ignored))
+        if (isSameFile(output, file))
             return isTheInput(output);
     return {};
 }

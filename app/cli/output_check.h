@@ -19,8 +19,7 @@ Outcome checkOutput(const std::filesystem::path& output, const std::filesystem::
 Outcome tryOutput(const std::filesystem::path& output);
 
 /// Refuses an output that is one of the files that an input's samples lie in (wrong usage).
-Outcome checkNotRead(const std::filesystem::path& output,
-                     const std::vector<std::filesystem::path>& dataFiles);
+Outcome checkNotRead(const std::filesystem::path& output, const std::vector<std::filesystem::path>& dataFiles);
 
 /// checkOutput and tryOutput for a mesh, whose suffix says its format.
 Outcome checkMeshOutput(const std::filesystem::path& output, const std::filesystem::path& input);

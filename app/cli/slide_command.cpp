@@ -37,8 +37,8 @@ std::vector<double> isovaluesOrThrow(const std::string& text) {
 ExportPattern patternOrThrow(const std::string& text) {
     const auto pattern = ExportPattern::parse(text);
     if (!pattern)
-        throw CLI::ValidationError(
-            "--export", fmt::format("'{}' needs exactly one %d or %04d, for the number of the step", text));
+        throw CLI::ValidationError("--export",
+                                   fmt::format("'{}' needs exactly one %d or %04d, for the number of the step", text));
     return *pattern;
 }
 
@@ -59,14 +59,14 @@ std::string jsonLine(const extract::SlideStats& stats) {
 }
 
 std::string headLine() {
-    return fmt::format("{:>6} {:>14} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}\n", "step", "isovalue",
-                       "added", "removed", "cells", "active", "triangles", "update ms", "interp. ms");
+    return fmt::format("{:>6} {:>14} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}\n", "step", "isovalue", "added",
+                       "removed", "cells", "active", "triangles", "update ms", "interp. ms");
 }
 
 std::string textLine(std::size_t step, const extract::SlideStats& stats) {
-    return fmt::format("{:>6} {:>14} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10.3f} {:>10.3f}\n", step,
-                       stats.isovalue, stats.edgesAdded, stats.edgesRemoved, stats.cellsRetriangulated,
-                       stats.activeEdges, stats.triangles, stats.updateMs, stats.interpolateMs);
+    return fmt::format("{:>6} {:>14} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10.3f} {:>10.3f}\n", step, stats.isovalue,
+                       stats.edgesAdded, stats.edgesRemoved, stats.cellsRetriangulated, stats.activeEdges,
+                       stats.triangles, stats.updateMs, stats.interpolateMs);
 }
 
 class SlideCommand final : public Command {
@@ -110,9 +110,7 @@ public:
     }
 
 private:
-    std::size_t stepCount() const {
-        return path_.empty() ? static_cast<std::size_t>(steps_) + 1 : path_.size();
-    }
+    std::size_t stepCount() const { return path_.empty() ? static_cast<std::size_t>(steps_) + 1 : path_.size(); }
 
     // The first one is tried; of the others none may be the index.
     Outcome checkExports() const {

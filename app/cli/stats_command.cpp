@@ -28,8 +28,7 @@ double meanChange(const index::IndexInfo& info) {
 }
 
 double bytesPerPoint(const index::IndexInfo& info, std::uint64_t bytes) {
-    return static_cast<double>(bytes) /
-           static_cast<double>(std::max<std::int64_t>(1, pointCount(info.geometry.dims)));
+    return static_cast<double>(bytes) / static_cast<double>(std::max<std::int64_t>(1, pointCount(info.geometry.dims)));
 }
 
 Json jsonOf(const index::IndexInfo& info) {
@@ -73,13 +72,13 @@ std::string textOf(const index::IndexInfo& info) {
                             info.sampleBytes, bytesPerPoint(info, info.sampleBytes), info.mergeErrorBytes);
     text += fmt::format("  index                 {} bytes, {:.2f} bytes per voxel\n\n", info.indexBytes,
                         bytesPerPoint(info, info.indexBytes));
-    text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks", isEdges ? "points" : "bricks",
-                        isEdges ? "edges" : "entries", "redundant", "bytes", "bytes/voxel");
+    text +=
+        fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks",
+                    isEdges ? "points" : "bricks", isEdges ? "edges" : "entries", "redundant", "bytes", "bytes/voxel");
     for (std::size_t level = 0; level < info.levels.size(); ++level) {
         const index::SkipLevelInfo& facts = info.levels[level];
-        text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11.2f}\n", level, facts.blocks,
-                            facts.points, facts.edges, facts.redundantRemoved, facts.bytes,
-                            bytesPerPoint(info, facts.bytes));
+        text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11.2f}\n", level, facts.blocks, facts.points,
+                            facts.edges, facts.redundantRemoved, facts.bytes, bytesPerPoint(info, facts.bytes));
     }
     return text;
 }
@@ -87,8 +86,7 @@ std::string textOf(const index::IndexInfo& info) {
 class StatsCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
-        auto* command =
-            program.add_subcommand("stats", "Tables 1 and 2 of the paper for an index, and its levels");
+        auto* command = program.add_subcommand("stats", "Tables 1 and 2 of the paper for an index, and its levels");
         command->add_option("INDEX", path_, "index to describe")->required()->type_name("");
         return command;
     }

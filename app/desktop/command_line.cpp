@@ -9,7 +9,7 @@ namespace isoslider::desktop {
 namespace {
 
 ParsedCommandLine wrongUsage(const QString& message) {
-    return {{}, kWrongUsage, QStringLiteral("isoslider: %1; see isoslider --help\n").arg(message)};
+    return {{}, ExitCode::WrongUsage, QStringLiteral("isoslider: %1; see isoslider --help\n").arg(message)};
 }
 
 std::optional<QSize> parseSize(const QString& text) {
@@ -26,15 +26,23 @@ std::optional<QSize> parseSize(const QString& text) {
 ParsedCommandLine parseCommandLine(const QStringList& arguments) {
     QCommandLineParser parser;
     parser.setApplicationDescription(QStringLiteral("Slides isosurfaces through large volumes."));
-    parser.addPositionalArgument(QStringLiteral("FILE"), QStringLiteral("Volume or index to open."), QStringLiteral("[FILE…]"));
-    const QCommandLineOption help({QStringLiteral("h"), QStringLiteral("help")}, QStringLiteral("Show this help and exit."));
-    const QCommandLineOption version({QStringLiteral("v"), QStringLiteral("version")}, QStringLiteral("Show the version and exit."));
-    const QCommandLineOption isovalue(QStringLiteral("isovalue"), QStringLiteral("Isovalue to show first, in data units."), QStringLiteral("X"));
-    const QCommandLineOption sample(QStringLiteral("sample"), QStringLiteral("Open a built-in volume instead of a FILE: bluntfin or shell."), QStringLiteral("NAME"));
-    const QCommandLineOption size(QStringLiteral("size"), QStringLiteral("Size of the window in pixels."), QStringLiteral("1600x1000"));
-    const QCommandLineOption screenshot(QStringLiteral("screenshot"),
-                                        QStringLiteral("Write a picture of the window when the surface is shown and the index is ready, then exit."),
-                                        QStringLiteral("out.png"));
+    parser.addPositionalArgument(QStringLiteral("FILE"), QStringLiteral("Volume or index to open."),
+                                 QStringLiteral("[FILE…]"));
+    const QCommandLineOption help({QStringLiteral("h"), QStringLiteral("help")},
+                                  QStringLiteral("Show this help and exit."));
+    const QCommandLineOption version({QStringLiteral("v"), QStringLiteral("version")},
+                                     QStringLiteral("Show the version and exit."));
+    const QCommandLineOption isovalue(QStringLiteral("isovalue"),
+                                      QStringLiteral("Isovalue to show first, in data units."), QStringLiteral("X"));
+    const QCommandLineOption sample(QStringLiteral("sample"),
+                                    QStringLiteral("Open a built-in volume instead of a FILE: bluntfin or shell."),
+                                    QStringLiteral("NAME"));
+    const QCommandLineOption size(QStringLiteral("size"), QStringLiteral("Size of the window in pixels."),
+                                  QStringLiteral("1600x1000"));
+    const QCommandLineOption screenshot(
+        QStringLiteral("screenshot"),
+        QStringLiteral("Write a picture of the window when the surface is shown and the index is ready, then exit."),
+        QStringLiteral("out.png"));
     QCommandLineOption selfTest(QStringLiteral("self-test"), QStringLiteral("Start, show a built-in volume and exit."));
     selfTest.setFlags(QCommandLineOption::HiddenFromHelp);
     parser.addOptions({help, version, sample, isovalue, size, screenshot, selfTest});
@@ -44,9 +52,11 @@ ParsedCommandLine parseCommandLine(const QStringList& arguments) {
         return wrongUsage(message);
     }
     if (parser.isSet(help))
-        return {{}, kSuccess, parser.helpText().replace(QStringLiteral("<executable_name>"), QStringLiteral("isoslider"))};
+        return {{},
+                ExitCode::Success,
+                parser.helpText().replace(QStringLiteral("<executable_name>"), QStringLiteral("isoslider"))};
     if (parser.isSet(version))
-        return {{}, kSuccess, QStringLiteral("isoslider " ISOSLIDER_VERSION "\n")};
+        return {{}, ExitCode::Success, QStringLiteral("isoslider " ISOSLIDER_VERSION "\n")};
 
     ParsedCommandLine parsed;
     auto& line = parsed.commandLine;
@@ -66,7 +76,8 @@ ParsedCommandLine parseCommandLine(const QStringList& arguments) {
     if (parser.isSet(size)) {
         line.size = parseSize(parser.value(size));
         if (!line.size)
-            return wrongUsage(QStringLiteral("--size: '%1' is not a size like 1600x1000, 64 to 16384 each").arg(parser.value(size)));
+            return wrongUsage(
+                QStringLiteral("--size: '%1' is not a size like 1600x1000, 64 to 16384 each").arg(parser.value(size)));
     }
     line.screenshot = parser.value(screenshot);
     if (parser.isSet(screenshot) && line.screenshot.isEmpty())

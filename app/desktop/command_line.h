@@ -6,9 +6,9 @@
 #include <QString>
 #include <QStringList>
 
-namespace isoslider::desktop {
+#include "app/exit_code.h"
 
-enum ExitCode : int { kSuccess = 0, kFault = 1, kWrongUsage = 2, kRefusedInput = 3, kIoFailure = 4 };
+namespace isoslider::desktop {
 
 /// What the user asked for when starting the program.
 struct CommandLine {

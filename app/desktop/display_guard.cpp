@@ -18,11 +18,12 @@ QByteArrayList heldBack; // what the platform said so far
 void onMessage(QtMsgType type, const QMessageLogContext& context, const QString& message) {
     const bool isAboutTheDisplay = QByteArray(context.category).startsWith("qt.qpa");
     if (type == QtFatalMsg) {
-        const QByteArray reason = heldBack.isEmpty() ? message.section(QLatin1Char('\n'), 0, 0).toLocal8Bit() : heldBack.first();
+        const QByteArray reason =
+            heldBack.isEmpty() ? message.section(QLatin1Char('\n'), 0, 0).toLocal8Bit() : heldBack.first();
         std::fprintf(stderr, "isoslider: no display: %s; set DISPLAY or WAYLAND_DISPLAY, or run it under xvfb-run\n",
                      reason.constData());
         std::fflush(stderr);
-        std::_Exit(kIoFailure); // nothing has been made that would have to be put away
+        std::_Exit(static_cast<int>(ExitCode::IoFailure)); // nothing has been made that would have to be put away
     }
     if (!isAboutTheDisplay)
         return previousHandler(type, context, message);

@@ -2,8 +2,8 @@
 
 namespace isoslider::desktop {
 
-/// While it lives: a display that the platform's plugin cannot use ends the program with kIoFailure and one line,
-/// where Qt would end it by a signal. For the time in which the application object is made.
+/// While it lives: a display that the platform's plugin cannot use ends the program with ExitCode::IoFailure and one
+/// line, where Qt would end it by a signal. For the time in which the application object is made.
 class DisplayGuard {
 public:
     DisplayGuard();

@@ -48,9 +48,9 @@ bool hasDisplay() {
 }
 
 int print(const ParsedCommandLine& parsed) {
-    std::FILE* stream = *parsed.exitCode == kSuccess ? stdout : stderr;
+    std::FILE* stream = *parsed.exitCode == ExitCode::Success ? stdout : stderr;
     std::fputs(qPrintable(parsed.output), stream);
-    return *parsed.exitCode;
+    return static_cast<int>(*parsed.exitCode);
 }
 
 void setUpApplication() {
@@ -106,7 +106,7 @@ void openFirst(widgets::MainWindow& window, model::Session& session, const Comma
 int run(int argc, char** argv, const CommandLine& line) {
     if (!hasDisplay()) {
         std::fputs("isoslider: no display: set DISPLAY or WAYLAND_DISPLAY, or run it under xvfb-run\n", stderr);
-        return kIoFailure;
+        return static_cast<int>(ExitCode::IoFailure);
     }
     std::optional<DisplayGuard> guard(std::in_place);
     QApplication application(argc, argv);

@@ -4,14 +4,14 @@
 
 #include "core/base/machine.h"
 #include "core/volume_io/volume_reader.h"
-#include "preprocess/metacells/brick_list.h"
 #include "preprocess/build_index.h"
+#include "preprocess/metacells/brick_list.h"
 
 namespace isoslider::desktop {
 namespace {
 
-Status buildFrom(io::VolumeSource& source, const std::string& sourceName,
-                 const std::filesystem::path& indexPath, const JobControl& job) {
+Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const std::filesystem::path& indexPath,
+                 const JobControl& job) {
     preprocess::BuildOptions options;
     options.sourceName = sourceName;
     // Of a small machine, a quarter: the window and the volume or its preview are there too.
@@ -25,26 +25,26 @@ Status buildFrom(io::VolumeSource& source, const std::string& sourceName,
 
 } // namespace
 
-Status PreprocessIndexBuilder::build(const std::shared_ptr<const ScalarGrid>& grid,
-                                     const std::string& sourceName, const io::VolumeInfo& about,
-                                     const std::filesystem::path& indexPath, const JobControl& job) {
+Status PreprocessIndexBuilder::build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
+                                     const io::VolumeInfo& about, const std::filesystem::path& indexPath,
+                                     const JobControl& job) {
     io::VolumeInfo info;
     info.lengthUnit = about.lengthUnit;
     info.resampling = about.resampling;
     return buildFrom(*io::makeMemorySource(grid, std::move(info)), sourceName, indexPath, job);
 }
 
-Status PreprocessIndexBuilder::buildFromFile(const std::filesystem::path& volume,
-                                             const io::ReadOptions& options, const std::string& sourceName,
-                                             const std::filesystem::path& indexPath, const JobControl& job) {
+Status PreprocessIndexBuilder::buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
+                                             const std::string& sourceName, const std::filesystem::path& indexPath,
+                                             const JobControl& job) {
     const auto source = io::openVolume(volume, options);
     if (!source.isOk())
         return source.error();
     return buildFrom(*source.value(), sourceName, indexPath, job);
 }
 
-Result<std::unique_ptr<extract::SlideEngine>> PreprocessIndexBuilder::engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,
-                                                                                    const JobControl& job) {
+Result<std::unique_ptr<extract::SlideEngine>> PreprocessIndexBuilder::engineInMemory(
+    const std::shared_ptr<const ScalarGrid>& grid, const JobControl& job) {
     return preprocess::makeMemoryEngine(grid, job);
 }
 

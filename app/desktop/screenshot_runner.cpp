@@ -7,10 +7,10 @@
 
 #include "ui/model/session/session.h"
 #include "ui/render/gl_support.h"
-#include "ui/widgets/window/main_window.h"
 #include "ui/widgets/viewport/picture_file.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/main_window.h"
 
 namespace isoslider::desktop {
 namespace {
@@ -19,17 +19,12 @@ constexpr int kPollMs = 30;
 
 } // namespace
 
-ExitCode exitCodeOf(const model::Notice& notice) {
-    switch (notice.code) {
-        case ErrorCode::NotFound:
-        case ErrorCode::IoError:
-        case ErrorCode::OutOfSpace: return kIoFailure;
-        default: return kRefusedInput;
-    }
-}
-
 ScreenshotRunner::ScreenshotRunner(widgets::MainWindow& window, model::Session& session, QString path)
-    : QObject(&window), window_(window), session_(session), path_(std::move(path)), jobs_(session.services().postToMain) {
+    : QObject(&window),
+      window_(window),
+      session_(session),
+      path_(std::move(path)),
+      jobs_(session.services().postToMain) {
     noticeSubscription_ = session_.noticePosted().observe([this](const model::Notice& notice) {
         if (notice.severity != model::Notice::Severity::Error)
             return;
@@ -37,7 +32,7 @@ ScreenshotRunner::ScreenshotRunner(widgets::MainWindow& window, model::Session& 
         if (session_.dataset() == nullptr)
             return endWith(notice);
         std::fprintf(stderr, "isoslider: %s\n", notice.detail.c_str());
-        exitCode_ = exitCodeOf(notice);
+        exitCode_ = exitCodeOf(notice.code);
     });
     connect(&timer_, &QTimer::timeout, this, &ScreenshotRunner::poll);
     timer_.start(kPollMs);
@@ -50,7 +45,7 @@ void ScreenshotRunner::poll() {
     }
     if (session_.dataset() != nullptr && !session_.frame()) { // the first move failed, and a notice said so
         timer_.stop();
-        return QApplication::exit(exitCode_);
+        return QApplication::exit(static_cast<int>(exitCode_));
     }
     // Settled values still have to reach the panels and the screen.
     auto* viewport = window_.viewportHost().viewport();
@@ -72,7 +67,8 @@ void ScreenshotRunner::grab() {
         return end({});
     jobs_.runner().run<bool>(
         "Write the picture",
-        [picture = window_.grab().toImage(), path = std::filesystem::path(path_.toStdU16String())](const JobControl&) -> Result<bool> {
+        [picture = window_.grab().toImage(),
+         path = std::filesystem::path(path_.toStdU16String())](const JobControl&) -> Result<bool> {
             ISO_TRY(widgets::writePicture(picture, path));
             return true;
         },
@@ -82,17 +78,18 @@ void ScreenshotRunner::grab() {
 void ScreenshotRunner::end(const Status& picture) {
     if (!picture.isOk()) {
         std::fprintf(stderr, "isoslider: %s\n", picture.error().line().c_str());
-        return QApplication::exit(kIoFailure);
+        return QApplication::exit(static_cast<int>(ExitCode::IoFailure));
     }
     if (!path_.isEmpty() && session_.frame() != nullptr && !render::isOpenGlUsable())
-        std::fprintf(stderr, "isoslider: the picture shows no surface, for want of OpenGL 3.3: %s\n", qPrintable(render::openGlProblem()));
-    QApplication::exit(exitCode_);
+        std::fprintf(stderr, "isoslider: the picture shows no surface, for want of OpenGL 3.3: %s\n",
+                     qPrintable(render::openGlProblem()));
+    QApplication::exit(static_cast<int>(exitCode_));
 }
 
 void ScreenshotRunner::endWith(const model::Notice& notice) {
     timer_.stop();
     std::fprintf(stderr, "isoslider: %s\n", notice.detail.c_str());
-    QApplication::exit(exitCodeOf(notice));
+    QApplication::exit(static_cast<int>(exitCodeOf(notice.code)));
 }
 
 } // namespace isoslider::desktop

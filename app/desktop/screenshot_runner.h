@@ -39,7 +39,7 @@ private:
     QTimer timer_;
     std::uint64_t paintedBefore_ = 0;
     bool isWaitingForPaint_ = false;
-    ExitCode exitCode_ = kSuccess;
+    ExitCode exitCode_ = ExitCode::Success;
     model::Subscription noticeSubscription_;
     model::BackgroundJobs jobs_; // last: stops before the rest goes
 };

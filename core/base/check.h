@@ -8,8 +8,8 @@ namespace isoslider {
 } // namespace isoslider
 
 /// A programmer error, checked in release builds too. No user input or file byte may reach one.
-#define ISO_CHECK(condition)                                                  \
-    do {                                                                      \
-        if (!(condition)) [[unlikely]]                                        \
-            ::isoslider::checkFailed(#condition, __FILE__, __LINE__);         \
+#define ISO_CHECK(condition) \
+    do { \
+        if (!(condition)) [[unlikely]] \
+            ::isoslider::checkFailed(#condition, __FILE__, __LINE__); \
     } while (false)

@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "core/base/file_system.h"
+#include "core/base/folders.h"
 
 namespace isoslider {
 namespace fs = std::filesystem;
@@ -35,7 +36,7 @@ fs::path normalized(const fs::path& path) {
 } // namespace
 
 Result<FileStamp> stampFile(const fs::path& file) {
-    struct stat found{};
+    struct stat found {};
     if (::stat(file.c_str(), &found) != 0)
         return systemError(errno, "cannot look at", file);
     FileStamp stamp;
@@ -51,19 +52,9 @@ bool isUntouched(const FileStamp& a, const FileStamp& b) {
 }
 
 Result<std::vector<fs::path>> filesBelow(const fs::path& folder) {
-    std::vector<fs::path> files;
-    std::error_code error, ignored;
-    fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
-    for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error)) {
-        if (!entry->is_regular_file(ignored))
-            continue;
-        if (files.size() == kMostFiles)
-            return makeError(ErrorCode::InvalidArgument, "holds too many files to know again", folder);
-        files.push_back(entry->path());
-    }
-    if (error)
-        return systemError(error.value(), "cannot list", folder);
-    std::sort(files.begin(), files.end());
+    auto files = listFiles(folder, {std::numeric_limits<int>::max(), kMostFiles + 1});
+    if (files.isOk() && files.value().size() > kMostFiles)
+        return makeError(ErrorCode::InvalidArgument, "holds too many files to know again", folder);
     return files;
 }
 
@@ -76,8 +67,7 @@ void FileWatch::addFile(const fs::path& file) {
 }
 
 void FileWatch::add(const fs::path& path) {
-    std::error_code ignored;
-    if (!fs::is_directory(path, ignored))
+    if (!isFolder(path))
         return addFile(path);
     const auto files = filesBelow(path);
     if (files.isOk()) // no reader takes a folder of more

@@ -15,7 +15,7 @@ struct FileStamp {
     std::uint64_t size = 0;
     std::int64_t modified = 0;
     std::int64_t changed = 0; ///< of the inode: no program sets it back
-    bool isSettled = false;   ///< the last change was long enough ago that a later one has other times
+    bool isSettled = false; ///< the last change was long enough ago that a later one has other times
 };
 
 /// Errors: NotFound, IoError.

@@ -61,15 +61,14 @@ std::string_view kindName(mode_t mode) {
 }
 
 Error notRegularError(mode_t mode, const fs::path& path) {
-    return makeError(ErrorCode::InvalidArgument,
-                     "is " + std::string(kindName(mode)) + "; a regular file was expected", path);
+    return makeError(ErrorCode::InvalidArgument, "is " + std::string(kindName(mode)) + "; a regular file was expected",
+                     path);
 }
 
-Status writeFully(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes,
-                  const fs::path& path) {
+Status writeFully(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes, const fs::path& path) {
     while (!bytes.empty()) {
-        const ssize_t written = ::pwrite(descriptor, bytes.data(), std::min(bytes.size(), kMaxTransfer),
-                                         static_cast<off_t>(offset));
+        const ssize_t written =
+            ::pwrite(descriptor, bytes.data(), std::min(bytes.size(), kMaxTransfer), static_cast<off_t>(offset));
         if (written < 0 && errno == EINTR)
             continue;
         if (written <= 0)
@@ -91,8 +90,7 @@ public:
     Result<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> out) const override {
         std::size_t done = 0;
         while (done < out.size()) {
-            const ssize_t got = ::pread(descriptor_.get(), out.data() + done,
-                                        std::min(out.size() - done, kMaxTransfer),
+            const ssize_t got = ::pread(descriptor_.get(), out.data() + done, std::min(out.size() - done, kMaxTransfer),
                                         static_cast<off_t>(offset + done));
             if (got < 0 && errno == EINTR)
                 continue;
@@ -180,8 +178,7 @@ public:
         auto file = std::make_unique<PosixWritableFile>(path);
         // Not O_TRUNC: a second writer must be refused before it empties the first one's file.
         for (int attempt = 0; attempt < 100; ++attempt) {
-            FileDescriptor descriptor(
-                openRetrying(path, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0666));
+            FileDescriptor descriptor(openRetrying(path, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0666));
             if (!descriptor.isOpen())
                 return systemError(errno, "cannot create", path);
             struct stat facts {};
@@ -193,8 +190,7 @@ public:
                 return makeError(ErrorCode::InvalidArgument, "is being written by another program", path);
             // Its former owner may have renamed or removed it between our open and our lock.
             struct stat named {};
-            if (::stat(path.c_str(), &named) != 0 || named.st_ino != facts.st_ino ||
-                named.st_dev != facts.st_dev)
+            if (::stat(path.c_str(), &named) != 0 || named.st_ino != facts.st_ino || named.st_dev != facts.st_dev)
                 continue;
             if (facts.st_size > 0 && retrying([&] { return ::ftruncate(descriptor.get(), 0); }) != 0)
                 return systemError(errno, "cannot empty", path);
@@ -315,17 +311,15 @@ Status checkOutputPath(const fs::path& path) {
     return {};
 }
 
-Result<std::vector<std::byte>> readWholeFile(const fs::path& path, std::uint64_t maxBytes,
-                                             FileSystem& fileSystem) {
+Result<std::vector<std::byte>> readWholeFile(const fs::path& path, std::uint64_t maxBytes, FileSystem& fileSystem) {
     auto file = fileSystem.openForReading(path);
     if (!file.isOk())
         return std::move(file).error();
     const std::uint64_t size = file.value()->sizeBytes();
     if (size > maxBytes)
-        return makeError(ErrorCode::InvalidArgument,
-                         "has " + std::to_string(size) + " bytes; at most " + std::to_string(maxBytes) +
-                             " are accepted here",
-                         path);
+        return makeError(
+            ErrorCode::InvalidArgument,
+            "has " + std::to_string(size) + " bytes; at most " + std::to_string(maxBytes) + " are accepted here", path);
     std::vector<std::byte> bytes(size);
     ISO_TRY(file.value()->readExactlyAt(0, bytes));
     return bytes;

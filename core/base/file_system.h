@@ -82,9 +82,7 @@ public:
     const std::filesystem::path& path() const { return path_; }
     std::uint64_t sizeBytes() const { return file_->sizeBytes(); }
     Status writeAll(std::span<const std::byte> bytes) { return file_->writeAll(bytes); }
-    Status writeAt(std::uint64_t offset, std::span<const std::byte> bytes) {
-        return file_->writeAt(offset, bytes);
-    }
+    Status writeAt(std::uint64_t offset, std::span<const std::byte> bytes) { return file_->writeAt(offset, bytes); }
     Status sync() { return file_->sync(); }
 
     /// Syncs, renames to path(), syncs the folder. Call once; nothing may be written afterwards.

@@ -9,8 +9,7 @@
 namespace isoslider {
 
 std::uint64_t physicalMemoryBytes() {
-    return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
-           static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+    return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
 // Not getrusage: its ru_maxrss starts with the largest size of the program that started this one.

@@ -10,7 +10,8 @@ using Bytes = std::shared_ptr<std::vector<std::byte>>;
 
 class MemoryFile final : public RandomAccessFile {
 public:
-    MemoryFile(std::filesystem::path path, Bytes bytes) : path_(std::move(path)), bytes_(std::move(bytes)), size_(bytes_->size()) {}
+    MemoryFile(std::filesystem::path path, Bytes bytes)
+        : path_(std::move(path)), bytes_(std::move(bytes)), size_(bytes_->size()) {}
     const std::filesystem::path& path() const override { return path_; }
     std::uint64_t sizeBytes() const override { return size_; }
     Result<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> out) const override {

@@ -47,8 +47,7 @@ std::string Error::line() const {
     return out;
 }
 
-Error makeError(ErrorCode code, std::string message, std::string path,
-                std::optional<std::uint64_t> offset) {
+Error makeError(ErrorCode code, std::string message, std::string path, std::optional<std::uint64_t> offset) {
     return Error{code, std::move(message), std::move(path), offset};
 }
 

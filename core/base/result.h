@@ -13,13 +13,13 @@ namespace isoslider {
 
 /// Why an operation did not deliver. Programmer errors are not here: those are ISO_CHECK.
 enum class ErrorCode {
-    NotFound,           ///< the file, or a file it refers to, does not exist
-    Corruption,         ///< bytes on disk contradict themselves or their checksum
+    NotFound, ///< the file, or a file it refers to, does not exist
+    Corruption, ///< bytes on disk contradict themselves or their checksum
     UnsupportedVersion, ///< a well-formed file of a version or kind this program does not read
-    InvalidArgument,    ///< a request or an input that is refused
-    IoError,            ///< the operating system failed a read or write
-    OutOfSpace,         ///< no room on disk or in the stated memory budget
-    Cancelled,          ///< stopped on request: an outcome of its own, never shown as a fault
+    InvalidArgument, ///< a request or an input that is refused
+    IoError, ///< the operating system failed a read or write
+    OutOfSpace, ///< no room on disk or in the stated memory budget
+    Cancelled, ///< stopped on request: an outcome of its own, never shown as a fault
 };
 
 std::string_view errorCodeName(ErrorCode code);
@@ -49,13 +49,28 @@ public:
     bool isCancelled() const { return !isOk() && error().code == ErrorCode::Cancelled; }
 
     /// REQUIRES: isOk().
-    T& value() & { ISO_CHECK(isOk()); return std::get<0>(state_); }
-    const T& value() const& { ISO_CHECK(isOk()); return std::get<0>(state_); }
-    T&& value() && { ISO_CHECK(isOk()); return std::get<0>(std::move(state_)); }
+    T& value() & {
+        ISO_CHECK(isOk());
+        return std::get<0>(state_);
+    }
+    const T& value() const& {
+        ISO_CHECK(isOk());
+        return std::get<0>(state_);
+    }
+    T&& value() && {
+        ISO_CHECK(isOk());
+        return std::get<0>(std::move(state_));
+    }
 
     /// REQUIRES: !isOk().
-    const Error& error() const& { ISO_CHECK(!isOk()); return std::get<1>(state_); }
-    Error&& error() && { ISO_CHECK(!isOk()); return std::get<1>(std::move(state_)); }
+    const Error& error() const& {
+        ISO_CHECK(!isOk());
+        return std::get<1>(state_);
+    }
+    Error&& error() && {
+        ISO_CHECK(!isOk());
+        return std::get<1>(std::move(state_));
+    }
 
 private:
     std::variant<T, Error> state_;
@@ -69,8 +84,14 @@ public:
 
     bool isOk() const { return !error_; }
     bool isCancelled() const { return error_ && error_->code == ErrorCode::Cancelled; }
-    const Error& error() const& { ISO_CHECK(error_.has_value()); return *error_; }
-    Error&& error() && { ISO_CHECK(error_.has_value()); return std::move(*error_); }
+    const Error& error() const& {
+        ISO_CHECK(error_.has_value());
+        return *error_;
+    }
+    Error&& error() && {
+        ISO_CHECK(error_.has_value());
+        return std::move(*error_);
+    }
 
 private:
     std::optional<Error> error_;
@@ -79,11 +100,11 @@ private:
 using Status = Result<void>;
 
 /// Returns the error of `expr` from the calling function, if there is one.
-#define ISO_TRY(expr)                                     \
-    do {                                                  \
-        auto isoTryStatus_ = (expr);                      \
-        if (!isoTryStatus_.isOk())                        \
-            return std::move(isoTryStatus_).error();      \
+#define ISO_TRY(expr) \
+    do { \
+        auto isoTryStatus_ = (expr); \
+        if (!isoTryStatus_.isOk()) \
+            return std::move(isoTryStatus_).error(); \
     } while (false)
 
 } // namespace isoslider

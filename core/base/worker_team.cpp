@@ -143,7 +143,8 @@ private:
 };
 
 int threadsHere() {
-    const auto allowed = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    const auto allowed =
+        static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
     return std::min(allowed, tbb::this_task_arena::max_concurrency());
 }
 

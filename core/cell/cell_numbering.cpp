@@ -4,9 +4,18 @@
 
 namespace isoslider::cell {
 
-const std::array<CellEdge, 12> kCellEdges{{{0, 1, 0}, {2, 3, 0}, {4, 5, 0}, {6, 7, 0},
-                                           {0, 2, 1}, {1, 3, 1}, {4, 6, 1}, {5, 7, 1},
-                                           {0, 4, 2}, {1, 5, 2}, {2, 6, 2}, {3, 7, 2}}};
+const std::array<CellEdge, 12> kCellEdges{{{0, 1, 0},
+                                           {2, 3, 0},
+                                           {4, 5, 0},
+                                           {6, 7, 0},
+                                           {0, 2, 1},
+                                           {1, 3, 1},
+                                           {4, 6, 1},
+                                           {5, 7, 1},
+                                           {0, 4, 2},
+                                           {1, 5, 2},
+                                           {2, 6, 2},
+                                           {3, 7, 2}}};
 
 const std::array<std::array<std::uint8_t, 4>, 6> kFaceCorners{
     {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
@@ -24,7 +33,8 @@ const std::array<std::uint8_t, 12>& facesOfEdges() {
         std::array<std::uint8_t, 12> table{};
         for (int f = 0; f < 6; ++f)
             for (int k = 0; k < 4; ++k)
-                table[edgeBetween(kFaceCorners[f][k], kFaceCorners[f][(k + 1) % 4])] |= static_cast<std::uint8_t>(1 << f);
+                table[edgeBetween(kFaceCorners[f][k], kFaceCorners[f][(k + 1) % 4])] |=
+                    static_cast<std::uint8_t>(1 << f);
         return table;
     }();
     return faces;

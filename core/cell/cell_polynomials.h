@@ -13,13 +13,19 @@ struct CellPolynomials {
     static constexpr int kSlice[3][4] = {{0, 2, 4, 6}, {0, 1, 4, 5}, {0, 1, 2, 3}};
     static constexpr int step(int axis) { return 1 << axis; }
 
-    const Number& at(int axis, int side, int k) const { return g[static_cast<std::size_t>(kSlice[axis][k] + side * step(axis))]; }
+    const Number& at(int axis, int side, int k) const {
+        return g[static_cast<std::size_t>(kSlice[axis][k] + side * step(axis))];
+    }
     Number slope(int axis, int k) const { return at(axis, 1, k) - at(axis, 0, k); }
 
     /// q at the cell's face: AC - BD.
-    Number face(int axis, int side) const { return at(axis, side, 0) * at(axis, side, 3) - at(axis, side, 1) * at(axis, side, 2); }
+    Number face(int axis, int side) const {
+        return at(axis, side, 0) * at(axis, side, 3) - at(axis, side, 1) * at(axis, side, 2);
+    }
     /// A + C - B - D: the rate at which face() falls with the isovalue.
-    Number faceRate(int axis, int side) const { return at(axis, side, 0) + at(axis, side, 3) - at(axis, side, 1) - at(axis, side, 2); }
+    Number faceRate(int axis, int side) const {
+        return at(axis, side, 0) + at(axis, side, 3) - at(axis, side, 1) - at(axis, side, 2);
+    }
     /// q's leading coefficient a; does not depend on the isovalue.
     Number leading(int axis) const { return slope(axis, 0) * slope(axis, 3) - slope(axis, 1) * slope(axis, 2); }
     /// q's middle coefficient b.

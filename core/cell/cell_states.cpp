@@ -27,9 +27,12 @@ double squaredLength(const Point& a) { return a.x * a.x + a.y * a.y + a.z * a.z;
 double determinant(const Point& a, const Point& b, const Point& c) {
     return a.x * (b.y * c.z - b.z * c.y) - a.y * (b.x * c.z - b.z * c.x) + a.z * (b.x * c.y - b.y * c.x);
 }
-Point cornerPoint(int c) { return {static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)}; }
+Point cornerPoint(int c) {
+    return {static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)};
+}
 Point edgeMiddle(int e) {
-    const Point a = cornerPoint(kCellEdges[static_cast<std::size_t>(e)].lowerCorner), b = cornerPoint(kCellEdges[static_cast<std::size_t>(e)].upperCorner);
+    const Point a = cornerPoint(kCellEdges[static_cast<std::size_t>(e)].lowerCorner),
+                b = cornerPoint(kCellEdges[static_cast<std::size_t>(e)].upperCorner);
     return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), 0.5 * (a.z + b.z)};
 }
 
@@ -44,7 +47,10 @@ std::array<int, 12> traceSegments(int signs, int joinedFaces) {
     for (int f = 0; f < 6; ++f) {
         const auto& corners = kFaceCorners[static_cast<std::size_t>(f)];
         const auto isAbove = [&](int k) { return (signs >> corners[static_cast<std::size_t>(k & 3)] & 1) != 0; };
-        const auto edge = [&](int k) { return edgeBetween(corners[static_cast<std::size_t>(k & 3)], corners[static_cast<std::size_t>((k + 1) & 3)]); };
+        const auto edge = [&](int k) {
+            return edgeBetween(corners[static_cast<std::size_t>(k & 3)],
+                               corners[static_cast<std::size_t>((k + 1) & 3)]);
+        };
         for (int k = 0; k < 4; ++k) {
             if (!isAbove(k) || isAbove(k + 3))
                 continue; // not where an above run begins
@@ -119,7 +125,8 @@ LoopPair tunnelLoops(int signs, int joinedFaces, const std::vector<Loop>& loops,
     for (std::size_t i = 0; i < loops.size(); ++i)
         for (std::size_t j = i + 1; j < loops.size(); ++j) {
             const bool isAbove = tunnel == Tunnel::Above;
-            if (beside(loops[i], isAbove) == beside(loops[j], isAbove) || beside(loops[i], !isAbove) != beside(loops[j], !isAbove))
+            if (beside(loops[i], isAbove) == beside(loops[j], isAbove) ||
+                beside(loops[i], !isAbove) != beside(loops[j], !isAbove))
                 continue;
             if (pair.first >= 0)
                 return {};
@@ -132,7 +139,8 @@ LoopPair tunnelLoops(int signs, int joinedFaces, const std::vector<Loop>& loops,
 // are the corners at (0,0) and (1,1) of the face.
 int signOnFace(int signs, int joinedFaces, int axis, int side) {
     const int u = 1 << ((axis + 1) % 3), w = 1 << ((axis + 2) % 3), base = side << axis;
-    const bool a = signs >> base & 1, b = signs >> (base + u) & 1, d = signs >> (base + w) & 1, c = signs >> (base + u + w) & 1;
+    const bool a = signs >> base & 1, b = signs >> (base + u) & 1, d = signs >> (base + w) & 1,
+               c = signs >> (base + u + w) & 1;
     if (a == c && b == d && a != b)
         return ((joinedFaces >> (2 * axis + side) & 1) != 0) == a ? 1 : -1;
     if ((a == c) == (b == d))
@@ -144,7 +152,7 @@ int signOnFace(int signs, int joinedFaces, int axis, int side) {
 unsigned openDiagonals(int signs, int joinedFaces) {
     unsigned open = 0;
     for (unsigned leading = 0; leading < 8; ++leading) { // bit set: q's leading coefficient is positive
-        if (std::popcount(leading) % 2 != 0)             // their product must be negative
+        if (std::popcount(leading) % 2 != 0) // their product must be negative
             continue;
         bool fits = true;
         for (int axis = 0; axis < 3; ++axis)
@@ -196,7 +204,8 @@ private:
             return choice = {0.0, -1};
         Choice found{std::numeric_limits<double>::infinity(), -1};
         for (int apex = first + 1; apex < last; ++apex) {
-            const double cost = best(first, apex).cost + best(apex, last).cost + diagonal(first, apex) + diagonal(apex, last);
+            const double cost =
+                best(first, apex).cost + best(apex, last).cost + diagonal(first, apex) + diagonal(apex, last);
             if (cost < found.cost)
                 found = {cost, apex};
         }
@@ -244,7 +253,8 @@ double winding(const std::vector<Point>& line, int diagonal) {
 // one of the ring. Best of all starts; from a start, a shortest path through (vertex of loop, of ring).
 class Band {
 public:
-    Band(const Loop& loop, const std::vector<int>& ring, const std::array<std::uint8_t, 6>& corners) : loop_(loop), ring_(ring) {
+    Band(const Loop& loop, const std::vector<int>& ring, const std::array<std::uint8_t, 6>& corners)
+        : loop_(loop), ring_(ring) {
         for (const int e : loop)
             loopPoints_.push_back(edgeMiddle(e));
         for (const int k : ring)
@@ -268,8 +278,11 @@ public:
 private:
     double fromStart(std::size_t start, std::vector<std::uint8_t>& triangles) const {
         const std::size_t n = loop_.size(), m = ring_.size();
-        const auto length = [&](std::size_t i, std::size_t j) { return squaredLength(loopPoints_[i % n] - ringPoints_[(start + j) % m]); };
-        std::vector<std::vector<double>> cost(n + 1, std::vector<double>(m + 1, std::numeric_limits<double>::infinity()));
+        const auto length = [&](std::size_t i, std::size_t j) {
+            return squaredLength(loopPoints_[i % n] - ringPoints_[(start + j) % m]);
+        };
+        std::vector<std::vector<double>> cost(n + 1,
+                                              std::vector<double>(m + 1, std::numeric_limits<double>::infinity()));
         cost[0][0] = length(0, 0);
         for (std::size_t i = 0; i <= n; ++i)
             for (std::size_t j = 0; j <= m; ++j) {
@@ -279,7 +292,9 @@ private:
                     cost[i][j] = std::min(cost[i][j], cost[i][j - 1] + length(i, j));
             }
         const auto edge = [&](std::size_t i) { return static_cast<std::uint8_t>(loop_[i % n]); };
-        const auto inner = [&](std::size_t j) { return static_cast<std::uint8_t>(kInnerVertex + ring_[(start + j) % m]); };
+        const auto inner = [&](std::size_t j) {
+            return static_cast<std::uint8_t>(kInnerVertex + ring_[(start + j) % m]);
+        };
         std::size_t i = n, j = m;
         while (i + j > 0) {
             const bool alongLoop = j == 0 || (i > 0 && cost[i - 1][j] <= cost[i][j - 1]);
@@ -314,10 +329,12 @@ public:
     }
 
     struct Faces {
-        std::uint16_t state = 0;   ///< without a tunnel; those with one follow it
-        std::uint8_t tunnels = 0;  ///< bit 0 Above, bit 1 Below
+        std::uint16_t state = 0; ///< without a tunnel; those with one follow it
+        std::uint8_t tunnels = 0; ///< bit 0 Above, bit 1 Below
     };
-    const Faces& faces(std::uint8_t signs, std::uint8_t joined) const { return faces_[first_[signs] + packed(ambiguous_[signs], joined)]; }
+    const Faces& faces(std::uint8_t signs, std::uint8_t joined) const {
+        return faces_[first_[signs] + packed(ambiguous_[signs], joined)];
+    }
     bool isAmbiguous(std::uint8_t signs) const { return isAmbiguous_[signs]; }
     const std::vector<CellState>& states() const { return states_; }
 
@@ -335,8 +352,9 @@ private:
         const unsigned open = openDiagonals(signs, 0);
         const std::vector<Loop> loops = loopsOf(signs, 0);
         isAmbiguous_[static_cast<std::size_t>(signs)] =
-            ambiguous_[static_cast<std::size_t>(signs)] != 0 || (open != 0 && (tunnelLoops(signs, 0, loops, Tunnel::Above).first >= 0 ||
-                                                                             tunnelLoops(signs, 0, loops, Tunnel::Below).first >= 0));
+            ambiguous_[static_cast<std::size_t>(signs)] != 0 ||
+            (open != 0 && (tunnelLoops(signs, 0, loops, Tunnel::Above).first >= 0 ||
+                           tunnelLoops(signs, 0, loops, Tunnel::Below).first >= 0));
         addState(signs, 0, loops, Tunnel::None, 0);
     }
 
@@ -386,7 +404,8 @@ private:
             pair = tunnelLoops(signs, joined, loops, tunnel);
             state.ring = ringRound(diagonal);
             state.innerVertices = 6;
-            addTunnel(loops[static_cast<std::size_t>(pair.first)], loops[static_cast<std::size_t>(pair.second)], state, triangles);
+            addTunnel(loops[static_cast<std::size_t>(pair.first)], loops[static_cast<std::size_t>(pair.second)], state,
+                      triangles);
         }
         for (int i = 0; i < static_cast<int>(loops.size()); ++i)
             if (i != pair.first && i != pair.second)
@@ -397,19 +416,22 @@ private:
         centres_.push_back(std::move(centres));
     }
 
-    static void addDisc(const Loop& loop, CellState& state, std::vector<std::uint8_t>& triangles, std::vector<CellCentre>& centres) {
+    static void addDisc(const Loop& loop, CellState& state, std::vector<std::uint8_t>& triangles,
+                        std::vector<CellCentre>& centres) {
         if (DiscTriangulation(loop).append(triangles))
             return;
         const auto centre = static_cast<std::uint8_t>(kInnerVertex + state.innerVertices++);
         CellCentre made{0};
         for (std::size_t i = 0; i < loop.size(); ++i) {
             made.loopEdges |= static_cast<std::uint16_t>(1u << loop[i]);
-            triangles.insert(triangles.end(), {static_cast<std::uint8_t>(loop[i]), static_cast<std::uint8_t>(loop[(i + 1) % loop.size()]), centre});
+            triangles.insert(triangles.end(), {static_cast<std::uint8_t>(loop[i]),
+                                               static_cast<std::uint8_t>(loop[(i + 1) % loop.size()]), centre});
         }
         centres.push_back(made);
     }
 
-    static void addTunnel(const Loop& first, const Loop& second, const CellState& state, std::vector<std::uint8_t>& triangles) {
+    static void addTunnel(const Loop& first, const Loop& second, const CellState& state,
+                          std::vector<std::uint8_t>& triangles) {
         std::vector<int> ring{0, 1, 2, 3, 4, 5};
         std::vector<Point> ringPoints, firstPoints, secondPoints;
         for (const int k : ring)
@@ -445,7 +467,9 @@ const StateTable& table() {
 
 std::span<const CellState> cellStates() { return table().states(); }
 
-unsigned mayHaveTunnel(std::uint8_t signs, std::uint8_t joinedFaces) { return table().faces(signs, joinedFaces).tunnels; }
+unsigned mayHaveTunnel(std::uint8_t signs, std::uint8_t joinedFaces) {
+    return table().faces(signs, joinedFaces).tunnels;
+}
 
 bool isAmbiguous(std::uint8_t signs) { return table().isAmbiguous(signs); }
 

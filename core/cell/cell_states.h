@@ -30,9 +30,9 @@ struct CellState {
     std::uint8_t signs = 0;
     std::uint8_t joinedFaces = 0; ///< bit f: face f is ambiguous and its above corners are joined
     Tunnel tunnel = Tunnel::None;
-    std::uint8_t diagonal = 0;      ///< of a tunnel
-    std::uint8_t loops = 0;         ///< on the faces
-    std::uint8_t components = 0;    ///< of the surface in the cell: loops, less one for a tunnel
+    std::uint8_t diagonal = 0; ///< of a tunnel
+    std::uint8_t loops = 0; ///< on the faces
+    std::uint8_t components = 0; ///< of the surface in the cell: loops, less one for a tunnel
     std::uint8_t triangleCount = 0;
     std::uint8_t innerVertices = 0; ///< a tunnel's six, then one per centre
     std::span<const std::uint8_t> triangles; ///< 3 * triangleCount vertices

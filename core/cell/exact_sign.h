@@ -16,17 +16,24 @@ struct Bounded {
     double value = 0.0;
     double error = 0.0;
 
-    static constexpr double kUnit = 1.2e-16;    // a little above 2^-53
-    static constexpr double kTiny = 1e-300;     // what underflow may lose
-    static Bounded rounded(double value, double error) { return {value, 1.0000001 * (error + kUnit * std::abs(value)) + kTiny}; }
+    static constexpr double kUnit = 1.2e-16; // a little above 2^-53
+    static constexpr double kTiny = 1e-300; // what underflow may lose
+    static Bounded rounded(double value, double error) {
+        return {value, 1.0000001 * (error + kUnit * std::abs(value)) + kTiny};
+    }
     /// The difference of two exact numbers.
     static Bounded difference(double a, double b) { return rounded(a - b, 0.0); }
 
-    friend Bounded operator+(const Bounded& a, const Bounded& b) { return rounded(a.value + b.value, a.error + b.error); }
-    friend Bounded operator-(const Bounded& a, const Bounded& b) { return rounded(a.value - b.value, a.error + b.error); }
+    friend Bounded operator+(const Bounded& a, const Bounded& b) {
+        return rounded(a.value + b.value, a.error + b.error);
+    }
+    friend Bounded operator-(const Bounded& a, const Bounded& b) {
+        return rounded(a.value - b.value, a.error + b.error);
+    }
     friend Bounded operator-(const Bounded& a) { return {-a.value, a.error}; }
     friend Bounded operator*(const Bounded& a, const Bounded& b) {
-        return rounded(a.value * b.value, std::abs(a.value) * b.error + std::abs(b.value) * a.error + a.error * b.error);
+        return rounded(a.value * b.value,
+                       std::abs(a.value) * b.error + std::abs(b.value) * a.error + a.error * b.error);
     }
     /// Infinite error when the divisor may be zero.
     friend Bounded operator/(const Bounded& a, const Bounded& b) {
@@ -38,7 +45,8 @@ struct Bounded {
     }
     /// Of what may be at least zero; a negative part is taken as zero.
     friend Bounded squareRoot(const Bounded& a) {
-        const double high = std::sqrt(std::max(0.0, a.value + a.error)), low = std::sqrt(std::max(0.0, a.value - a.error));
+        const double high = std::sqrt(std::max(0.0, a.value + a.error)),
+                     low = std::sqrt(std::max(0.0, a.value - a.error));
         return rounded(0.5 * (high + low), 0.5 * (high - low));
     }
     bool isCertainlyPositive() const { return value > error; }

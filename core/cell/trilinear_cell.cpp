@@ -55,7 +55,8 @@ std::array<BigInteger, N - 1> bigDifferences(const std::array<double, N>& number
 }
 
 template <std::size_t N>
-std::optional<std::array<WideInteger, N - 1>> wideDifferences(const std::array<double, N>& numbers, int bits = kLatticeBits + 1) {
+std::optional<std::array<WideInteger, N - 1>> wideDifferences(const std::array<double, N>& numbers,
+                                                              int bits = kLatticeBits + 1) {
     const auto lattice = onCommonLattice(numbers, kLatticeBits);
     if (!lattice)
         return std::nullopt;
@@ -81,7 +82,7 @@ bool isJoinedExactly(double a, double b, double c, double d, double isovalue) {
 // One ambiguous face in floating point: above corners a and c. Differences from the isovalue.
 struct FaceSaddle {
     bool isJoined;
-    double value;  ///< isovalue of the saddle
+    double value; ///< isovalue of the saddle
     double margin; ///< its error at most; infinite or NaN where nothing is known
 };
 
@@ -137,12 +138,16 @@ std::array<int, 3> leadingSigns(const CellPolynomials<Number>& cell) {
     return {signOf(cell.leading(0)), signOf(cell.leading(1)), signOf(cell.leading(2))};
 }
 
-bool isKnown(const std::array<int, 3>& leading) { return std::find(leading.begin(), leading.end(), kUnknown) == leading.end(); }
+bool isKnown(const std::array<int, 3>& leading) {
+    return std::find(leading.begin(), leading.end(), kUnknown) == leading.end();
+}
 
 // Condition 2 in other words. The box of the six roots has two corners off the hexagon; with the interpolant's values
 // p and q there, each leading coefficient has the sign of -pq, times those of the two axes' directions along
 // the diagonal, so that their product has the sign of -(pq)^3. A critical point lies between where p and q agree.
-bool excludesTunnel(const std::array<int, 3>& leading) { return isKnown(leading) && leading[0] * leading[1] * leading[2] >= 0; }
+bool excludesTunnel(const std::array<int, 3>& leading) {
+    return isKnown(leading) && leading[0] * leading[1] * leading[2] >= 0;
+}
 
 std::uint8_t diagonalOf(const std::array<int, 3>& leading) {
     return static_cast<std::uint8_t>((leading[1] > 0 ? 1 : 0) + (leading[0] > 0 ? 2 : 0));
@@ -165,7 +170,8 @@ TunnelTest testTunnel(const CellPolynomials<Number>& cell) {
         // The parabola's vertex lies between the faces: |q(1) - q(0)| < |a|.
         const Number lead = leading[i] > 0 ? cell.leading(axis) : Number(-cell.leading(axis));
         const Number difference = second - first;
-        if (!signs.require(signOf(Number(lead - difference)), 1) || !signs.require(signOf(Number(lead + difference)), 1))
+        if (!signs.require(signOf(Number(lead - difference)), 1) ||
+            !signs.require(signOf(Number(lead + difference)), 1))
             return signs.result({});
     }
     const auto d = cell.discriminant();
@@ -215,7 +221,8 @@ BodySaddles bodySaddles(const CellPolynomials<Bounded>::Discriminant& d) {
     const Bounded near = d.value / numerator;
     if (!(square.value > square.error)) {
         // No xyz term, or one lost in rounding: the far root is beyond everything, or unknown.
-        return square.value == 0.0 && d.square.value == 0.0 && d.square.error < 1e-290 ? BodySaddles{1, {near, {}}} : BodySaddles{-1, {}};
+        return square.value == 0.0 && d.square.value == 0.0 && d.square.error < 1e-290 ? BodySaddles{1, {near, {}}}
+                                                                                       : BodySaddles{-1, {}};
     }
     const Bounded far = numerator / square;
     return near.value < far.value ? BodySaddles{2, {near, far}} : BodySaddles{2, {far, near}};
@@ -233,9 +240,9 @@ void narrowTo(StateInterval& interval, double isovalue, double critical, double 
 // Underflow would leave nothing of products of this size; overflow and NaN make the comparison false.
 bool isPlainSize(double size) { return size > 1e-280 && size < 1e300; }
 
-// The leading coefficients of the three quadratics in plain arithmetic, and the product of their signs; kUnknown where that is
-// not certain. A difference of two scalars is off by at most a unit in its last place, a product of two by three: far
-// less than what is asked for here.
+// The leading coefficients of the three quadratics in plain arithmetic, and the product of their signs; kUnknown where
+// that is not certain. A difference of two scalars is off by at most a unit in its last place, a product of two by
+// three: far less than what is asked for here.
 struct LeadingInDoubles {
     std::array<double, 3> value{};
     std::array<double, 3> size{}; ///< sum of the products' magnitudes
@@ -263,8 +270,8 @@ LeadingInDoubles leadingInDoubles(const CornerScalars& v) {
     return leading;
 }
 
-// What must be positive for something to hold, linear in the isovalue: at isovalue + h it is slack - rate h, with sums of this size
-// behind the rate. Narrows the interval to where it holds, a little less.
+// What must be positive for something to hold, linear in the isovalue: at isovalue + h it is slack - rate h, with sums
+// of this size behind the rate. Narrows the interval to where it holds, a little less.
 void narrowWhile(StateInterval& interval, double isovalue, double slack, double rate, double rateSize) {
     constexpr double kRateError = 1e-14, kLess = 0.999;
     const double error = kRateError * rateSize, distance = kLess * slack / (std::abs(rate) + error);
@@ -275,11 +282,13 @@ void narrowWhile(StateInterval& interval, double isovalue, double slack, double 
         narrowTo(interval, isovalue, isovalue - distance, margin);
 }
 
-// Whether a quadratic certainly has a root outside the cell, for a reason that plain arithmetic shows: a face at which it has not the
-// sign of its leading coefficient, or a vertex beyond the faces (condition 1; see testTunnel). The reason is linear in the
-// isovalue, and lasts while the interval does. This settles nearly all cells without a tunnel, for a tenth of the cost of body
-// saddles. Values are off by some units in the last place of the products behind them; a million times as much is asked for.
-bool isRuledOutInDoubles(const CornerScalars& v, const LeadingInDoubles& leading, double isovalue, StateInterval& interval) {
+// Whether a quadratic certainly has a root outside the cell, for a reason that plain arithmetic shows: a face at which
+// it has not the sign of its leading coefficient, or a vertex beyond the faces (condition 1; see testTunnel). The
+// reason is linear in the isovalue, and lasts while the interval does. This settles nearly all cells without a tunnel,
+// for a tenth of the cost of body saddles. Values are off by some units in the last place of the products behind them;
+// a million times as much is asked for.
+bool isRuledOutInDoubles(const CornerScalars& v, const LeadingInDoubles& leading, double isovalue,
+                         StateInterval& interval) {
     constexpr double kCertain = 1e-9;
     CellPolynomials<double> cell;
     for (std::size_t i = 0; i < 8; ++i)
@@ -289,7 +298,8 @@ bool isRuledOutInDoubles(const CornerScalars& v, const LeadingInDoubles& leading
         std::array<double, 2> q, size, rate, rateSize;
         for (int side = 0; side < 2; ++side) {
             const auto s = static_cast<std::size_t>(side);
-            const double a = cell.at(axis, side, 0), b = cell.at(axis, side, 1), d = cell.at(axis, side, 2), c = cell.at(axis, side, 3);
+            const double a = cell.at(axis, side, 0), b = cell.at(axis, side, 1), d = cell.at(axis, side, 2),
+                         c = cell.at(axis, side, 3);
             const double joining = a * c, parting = b * d;
             q[s] = joining - parting;
             size[s] = std::abs(joining) + std::abs(parting);
@@ -356,13 +366,15 @@ ResolvedCell resolveCell(std::uint8_t signs, const CornerScalars& scalars, bool 
         const int f = std::countr_zero(faces);
         const auto& c = kFaceCorners[static_cast<std::size_t>(f)];
         const int k = signs >> c[0] & 1 ? 0 : 1; // the above corners are k and k + 2
-        const FaceSaddle saddle = saddleOfFace(scalars[c[k]], scalars[c[k + 1]], scalars[c[k + 2]], scalars[c[(k + 3) & 3]], isovalue);
+        const FaceSaddle saddle =
+            saddleOfFace(scalars[c[k]], scalars[c[k + 1]], scalars[c[k + 2]], scalars[c[(k + 3) & 3]], isovalue);
         joined |= static_cast<unsigned>(saddle.isJoined) << f;
         narrowTo(interval, isovalue, saddle.value, saddle.margin);
     }
     const auto joinedFaces = static_cast<std::uint8_t>(joined);
     TunnelDecision inside;
-    if (const unsigned allowed = mayHaveTunnel(signs, joinedFaces); allowed != 0 && (knowsHidden || hiddenCorner(signs) < 0))
+    if (const unsigned allowed = mayHaveTunnel(signs, joinedFaces);
+        allowed != 0 && (knowsHidden || hiddenCorner(signs) < 0))
         inside = resolveInside(scalars, allowed, isovalue, interval);
     return {stateOf(signs, joinedFaces, inside.tunnel, inside.diagonal), interval};
 }
@@ -425,10 +437,11 @@ bool hasHiddenTunnel(const CornerScalars& v, int centre) {
     if (!(bottom < top))
         return false;
     const double isovalue = top; // one at which the signs are these
-    double certainTop = top;     // the error of the saddles taken off
+    double certainTop = top; // the error of the saddles taken off
     for (int axis = 0; axis < 3; ++axis) {
         const int u = 1 << ((axis + 1) % 3), w = 1 << ((axis + 2) % 3);
-        const FaceSaddle saddle = saddleOfFace(at(centre ^ u), at(centre), at(centre ^ w), at(centre ^ u ^ w), isovalue);
+        const FaceSaddle saddle =
+            saddleOfFace(at(centre ^ u), at(centre), at(centre ^ w), at(centre ^ u ^ w), isovalue);
         if (!std::isfinite(saddle.value + saddle.margin))
             return true;
         top = std::min(top, saddle.value + saddle.margin);
@@ -442,7 +455,8 @@ bool hasHiddenTunnel(const CornerScalars& v, int centre) {
     if (saddles.count < 0)
         return true;
     const Bounded& greatest = saddles.distances[static_cast<std::size_t>(saddles.count - 1)];
-    const double saddle = bottom + greatest.value, margin = greatest.error + 1e-15 * (std::abs(bottom) + std::abs(greatest.value));
+    const double saddle = bottom + greatest.value,
+                 margin = greatest.error + 1e-15 * (std::abs(bottom) + std::abs(greatest.value));
     if (saddle - margin > top)
         return false;
     const double begin = std::max(bottom, saddle + margin), slack = 1e-14 * (std::abs(top) + std::abs(bottom));

@@ -34,7 +34,7 @@ namespace isoslider::cell {
 
 /// How the surface passes through the inside of a cell.
 enum class Tunnel : std::uint8_t {
-    None,  ///< every loop on the cell's faces bounds a disc
+    None, ///< every loop on the cell's faces bounds a disc
     Above, ///< two loops bound a tube round a passage between above corners
     Below, ///< the same between below corners
 };

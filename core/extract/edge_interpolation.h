@@ -42,11 +42,10 @@ inline glm::vec3 edgeNormal(NormalCode lower, NormalCode upper, float t, int axi
 
 /// What samples live as: float where it holds every one exactly, double otherwise.
 template <class Sample>
-using LiveOf = std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>;
+using LiveOf =
+    std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>;
 
 /// The same, asked of a type.
-inline bool needsDoubleScalars(ScalarType type) {
-    return type == ScalarType::I32 || type == ScalarType::F64;
-}
+inline bool needsDoubleScalars(ScalarType type) { return type == ScalarType::I32 || type == ScalarType::F64; }
 
 } // namespace isoslider::extract

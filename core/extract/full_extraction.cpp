@@ -123,9 +123,8 @@ private:
     // Flags of the eight corners of cell (x, y, z): low byte signs, high byte missing.
     int cornerFlags(const Plane& lower, const Plane& upper, std::size_t i) const {
         const std::size_t row = static_cast<std::size_t>(nx_);
-        const std::uint8_t f[8] = {lower.flags[i],       lower.flags[i + 1],       lower.flags[i + row],
-                                   lower.flags[i + row + 1], upper.flags[i],       upper.flags[i + 1],
-                                   upper.flags[i + row], upper.flags[i + row + 1]};
+        const std::uint8_t f[8] = {lower.flags[i], lower.flags[i + 1], lower.flags[i + row], lower.flags[i + row + 1],
+                                   upper.flags[i], upper.flags[i + 1], upper.flags[i + row], upper.flags[i + row + 1]};
         int signs = 0;
         int missing = 0;
         for (int c = 0; c < 8; ++c) {
@@ -150,8 +149,8 @@ private:
         return hasWholeCell(x, y, z, axis, [this](auto... cell) { return isCellUsable(cell...); });
     }
 
-    bool isActive(std::uint8_t a, std::uint8_t b, bool checksMissing, std::int64_t x, std::int64_t y,
-                  std::int64_t z, int axis) const {
+    bool isActive(std::uint8_t a, std::uint8_t b, bool checksMissing, std::int64_t x, std::int64_t y, std::int64_t z,
+                  int axis) const {
         if (!((a ^ b) & kAbove))
             return false;
         return !checksMissing || (!((a | b) & kMissing) && hasUsableCell(x, y, z, axis));
@@ -215,7 +214,8 @@ private:
         cell::CornerScalars scalars;
         for (std::size_t c = 0; c < 8; ++c) {
             const auto corner = static_cast<std::int64_t>(c);
-            scalars[c] = static_cast<double>(view_.samples[view_.offset(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2))]);
+            scalars[c] = static_cast<double>(
+                view_.samples[view_.offset(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2))]);
         }
         return scalars;
     }
@@ -229,7 +229,9 @@ private:
                 if (flags <= 0 || flags >= 255)
                     continue;
                 const auto signs = static_cast<std::uint8_t>(flags);
-                visit(x, y, cell::isAmbiguous(signs) ? cell::resolveCell(signs, scalarsOf(x, y, z), true, isovalue_).state : cell::StateId{signs});
+                visit(x, y,
+                      cell::isAmbiguous(signs) ? cell::resolveCell(signs, scalarsOf(x, y, z), true, isovalue_).state
+                                               : cell::StateId{signs});
             }
     }
 
@@ -274,10 +276,10 @@ private:
             const cell::CellState& state = states_[stateId];
             const std::size_t i = static_cast<std::size_t>(x + nx_ * y);
             const std::array<std::uint32_t, 12> vertices = {
-                lower.edgeVertex[0][i], lower.edgeVertex[0][i + row], upper.edgeVertex[0][i],
-                upper.edgeVertex[0][i + row], lower.edgeVertex[1][i], lower.edgeVertex[1][i + 1],
-                upper.edgeVertex[1][i], upper.edgeVertex[1][i + 1], lower.edgeVertex[2][i],
-                lower.edgeVertex[2][i + 1], lower.edgeVertex[2][i + row], lower.edgeVertex[2][i + row + 1]};
+                lower.edgeVertex[0][i],       lower.edgeVertex[0][i + row], upper.edgeVertex[0][i],
+                upper.edgeVertex[0][i + row], lower.edgeVertex[1][i],       lower.edgeVertex[1][i + 1],
+                upper.edgeVertex[1][i],       upper.edgeVertex[1][i + 1],   lower.edgeVertex[2][i],
+                lower.edgeVertex[2][i + 1],   lower.edgeVertex[2][i + row], lower.edgeVertex[2][i + row + 1]};
             for (const std::uint8_t vertex : state.triangles)
                 *out++ = vertex < cell::kInnerVertex ? vertices[vertex] : nextInner + vertex - cell::kInnerVertex;
             if (state.innerVertices > 0) {

@@ -27,9 +27,11 @@ float placeInBrick(const InnerVertexCell& c, std::size_t axis, double inCell) {
     return static_cast<float>(static_cast<double>(c.origin[axis] & (kBrickSide - 1)) + inCell);
 }
 
-void placeWaist(const InnerVertexCell& c, double isovalue, const glm::vec3& inverseSpacing, double least, InnerVertex* vertices) {
+void placeWaist(const InnerVertexCell& c, double isovalue, const glm::vec3& inverseSpacing, double least,
+                InnerVertex* vertices) {
     const cell::TunnelWaist waist = cell::tunnelWaist(c.scalars, isovalue, least);
-    const glm::vec3 fallback = c.edgeNormals[static_cast<std::size_t>(std::countr_zero(cell::activeEdges(c.state->signs)))];
+    const glm::vec3 fallback =
+        c.edgeNormals[static_cast<std::size_t>(std::countr_zero(cell::activeEdges(c.state->signs)))];
     for (std::size_t k = 0; k < 6; ++k) {
         const unsigned corner = c.state->ring[k];
         const double x = waist.x[corner & 1], y = waist.y[corner >> 1 & 1], z = waist.z[corner >> 2];
@@ -52,7 +54,8 @@ void placeCentre(const InnerVertexCell& c, const cell::CellCentre& centre, doubl
         const auto e = static_cast<std::size_t>(std::countr_zero(edges));
         if (count == 0.0f)
             first = c.edgeNormals[e];
-        positions += c.edgePositions[e] - glm::vec3(static_cast<float>(c.origin[0]), static_cast<float>(c.origin[1]), static_cast<float>(c.origin[2]));
+        positions += c.edgePositions[e] - glm::vec3(static_cast<float>(c.origin[0]), static_cast<float>(c.origin[1]),
+                                                    static_cast<float>(c.origin[2]));
         normals += c.edgeNormals[e];
         count += 1.0f;
     }
@@ -65,7 +68,8 @@ void placeCentre(const InnerVertexCell& c, const cell::CellCentre& centre, doubl
 
 } // namespace
 
-void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm::vec3& inverseSpacing, InnerVertex* vertices) {
+void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm::vec3& inverseSpacing,
+                        InnerVertex* vertices) {
     const double least = leastDistance(cell.origin);
     std::size_t next = 0;
     if (cell.state->tunnel != cell::Tunnel::None) {

@@ -14,15 +14,15 @@ namespace isoslider::extract {
 /// A cell whose inner vertices are to be placed.
 struct InnerVertexCell {
     const cell::CellState* state = nullptr;
-    std::array<std::int64_t, 3> origin{};      ///< grid coordinates of corner 0
+    std::array<std::int64_t, 3> origin{}; ///< grid coordinates of corner 0
     std::array<glm::vec3, 12> edgePositions{}; ///< of the active edges' vertices
     std::array<glm::vec3, 12> edgeNormals{};
-    cell::CornerScalars scalars{};             ///< needed for a tunnel only
+    cell::CornerScalars scalars{}; ///< needed for a tunnel only
 };
 
 /// A vertex inside a cell, as an index of the surface's bricks keeps it.
 struct InnerVertex {
-    glm::vec3 place;       ///< in cells from the first grid point of the cell's brick (core/grid/brick_grid.h)
+    glm::vec3 place; ///< in cells from the first grid point of the cell's brick (core/grid/brick_grid.h)
     NormalCode normal = 0;
 };
 
@@ -38,6 +38,7 @@ inline glm::vec3 positionOf(const InnerVertex& vertex, const std::array<std::int
 /// Places a cell's inner vertices: on the interpolant's surface for a tunnel's waist, in the mean of the
 /// loop for a centre; always strictly inside the cell and apart from each other, by 1/2048 of a cell or
 /// more where coordinates are too large for that. `vertices` has room for state->innerVertices.
-void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm::vec3& inverseSpacing, InnerVertex* vertices);
+void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm::vec3& inverseSpacing,
+                        InnerVertex* vertices);
 
 } // namespace isoslider::extract

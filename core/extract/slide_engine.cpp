@@ -39,7 +39,9 @@ struct MemoryBacking {
 
     MemoryBacking(std::shared_ptr<const ScalarGrid> volume, std::unique_ptr<index::IndexReader> brickList,
                   const SlideOptions& options)
-        : grid(std::move(volume)), reader(std::move(brickList)), samples(*grid),
+        : grid(std::move(volume)),
+          reader(std::move(brickList)),
+          samples(*grid),
           source(*reader, samples, options.cacheBytes.value_or(kEdgesCacheBytes)) {}
 };
 
@@ -55,7 +57,8 @@ struct StoreBacking {
     StoreBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
         : StoreBacking(std::move(opened), options.cacheBytes.value_or(kMetacellsCacheBytes)) {}
     StoreBacking(std::unique_ptr<index::IndexReader> opened, std::uint64_t cacheBytes)
-        : reader(std::move(opened)), samples(*reader, cacheBytes - cacheBytes / kPagesShare),
+        : reader(std::move(opened)),
+          samples(*reader, cacheBytes - cacheBytes / kPagesShare),
           source(*reader, samples, cacheBytes / kPagesShare) {}
 };
 
@@ -66,8 +69,10 @@ class Engine final : public SlideEngine {
 public:
     template <class... Arguments>
     explicit Engine(const SlideOptions& options, Arguments&&... arguments)
-        : readsAhead_(options.readsAhead), backing_(std::forward<Arguments>(arguments)...),
-          surface_(meta().info.geometry, meta().missingCells), position_(backing_.source.lowest()) {}
+        : readsAhead_(options.readsAhead),
+          backing_(std::forward<Arguments>(arguments)...),
+          surface_(meta().info.geometry, meta().missingCells),
+          position_(backing_.source.lowest()) {}
 
     const index::IndexInfo& info() const override { return meta().info; }
 
@@ -105,9 +110,7 @@ public:
         }
     }
 
-    Result<SurfaceMesh> mesh(const JobControl& job) const override {
-        return surface_.mesh(lastStats_.isovalue, job);
-    }
+    Result<SurfaceMesh> mesh(const JobControl& job) const override { return surface_.mesh(lastStats_.isovalue, job); }
 
 private:
     Result<SlideStats> moveSurface(double isovalue, std::stop_token stop) {
@@ -179,21 +182,23 @@ private:
 
 } // namespace
 
-Result<std::unique_ptr<SlideEngine>> SlideEngine::open(const std::filesystem::path& indexPath, const SlideOptions& options) {
+Result<std::unique_ptr<SlideEngine>> SlideEngine::open(const std::filesystem::path& indexPath,
+                                                       const SlideOptions& options) {
     auto reader = index::IndexReader::open(indexPath);
     if (!reader.isOk())
         return std::move(reader).error();
     const ScalarType type = reader.value()->info().type;
     return visitScalarType(type, [&](auto sample) -> Result<std::unique_ptr<SlideEngine>> {
         if (reader.value()->info().kind == index::IndexKind::Metacells)
-            return std::unique_ptr<SlideEngine>(std::make_unique<Engine<StoreBacking<decltype(sample)>>>(
-                options, std::move(reader).value(), options));
-        return std::unique_ptr<SlideEngine>(std::make_unique<Engine<IndexBacking<decltype(sample)>>>(
-            options, std::move(reader).value(), options));
+            return std::unique_ptr<SlideEngine>(
+                std::make_unique<Engine<StoreBacking<decltype(sample)>>>(options, std::move(reader).value(), options));
+        return std::unique_ptr<SlideEngine>(
+            std::make_unique<Engine<IndexBacking<decltype(sample)>>>(options, std::move(reader).value(), options));
     });
 }
 
-std::unique_ptr<SlideEngine> SlideEngine::onVolume(std::shared_ptr<const ScalarGrid> grid, std::unique_ptr<index::IndexReader> brickList,
+std::unique_ptr<SlideEngine> SlideEngine::onVolume(std::shared_ptr<const ScalarGrid> grid,
+                                                   std::unique_ptr<index::IndexReader> brickList,
                                                    const SlideOptions& options) {
     return visitScalarType(grid->type(), [&](auto sample) {
         return std::unique_ptr<SlideEngine>(std::make_unique<Engine<MemoryBacking<decltype(sample)>>>(

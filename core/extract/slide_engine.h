@@ -31,8 +31,10 @@ public:
     /// Errors: NotFound, IoError, Corruption, UnsupportedVersion.
     static Result<std::unique_ptr<SlideEngine>> open(const std::filesystem::path& indexPath,
                                                      const SlideOptions& options = {});
-    /// On a volume in memory; `brickList` is the skip list of its bricks (preprocess/metacells/brick_list.h makes both).
-    static std::unique_ptr<SlideEngine> onVolume(std::shared_ptr<const ScalarGrid> grid, std::unique_ptr<index::IndexReader> brickList,
+    /// On a volume in memory; `brickList` is the skip list of its bricks (preprocess/metacells/brick_list.h makes
+    /// both).
+    static std::unique_ptr<SlideEngine> onVolume(std::shared_ptr<const ScalarGrid> grid,
+                                                 std::unique_ptr<index::IndexReader> brickList,
                                                  const SlideOptions& options = {});
     virtual ~SlideEngine() = default;
 
@@ -47,8 +49,8 @@ public:
     /// Forgets what is kept of the index. The surface stays; the next move reads again what it needs.
     virtual void dropCaches() = 0;
 
-    /// The surface as the window needs it: its bricks, or arrays where scalars are kept as double; `marksChanges`: with the
-    /// triangles that the last move has changed, unless all are new.
+    /// The surface as the window needs it: its bricks, or arrays where scalars are kept as double; `marksChanges`: with
+    /// the triangles that the last move has changed, unless all are new.
     virtual void copyFrame(SurfaceFrame& frame, bool marksChanges = false) const = 0;
     /// The surface welded and compacted, in grid order: comparable with extractFull.
     /// Errors: Cancelled, OutOfSpace (more than 2^32 vertices). O(n log n).

@@ -14,8 +14,8 @@ namespace isoslider::extract {
 struct WalkStep {
     int skipLevel = 0;
     std::uint64_t blocks = 0; ///< blocks read at this level
-    std::uint64_t edges = 0;  ///< edge entries decoded there
-    std::uint64_t bytes = 0;  ///< encoded bytes decoded there (cached pages included)
+    std::uint64_t edges = 0; ///< edge entries decoded there
+    std::uint64_t bytes = 0; ///< encoded bytes decoded there (cached pages included)
 };
 
 /// What one move cost, counted where the work happens.
@@ -25,7 +25,7 @@ struct SlideStats {
     std::uint64_t edgesRemoved = 0;
     std::uint64_t edgesTouched = 0; ///< edge entries looked at, redundant ones included
     std::uint64_t cellsRetriangulated = 0;
-    std::uint64_t cellsResolved = 0;  ///< ambiguous cells decided in the move, by their corner scalars
+    std::uint64_t cellsResolved = 0; ///< ambiguous cells decided in the move, by their corner scalars
     std::uint64_t ambiguousCells = 0; ///< active cells whose signs do not tell their surface
     std::uint64_t activeEdges = 0;
     std::uint64_t triangles = 0;
@@ -49,12 +49,12 @@ struct SurfaceFrame {
     GridGeometry geometry;
     double isovalue = 0.0;
     std::vector<glm::vec3> positions; ///< grid index units
-    std::vector<glm::vec3> normals;   ///< unit, along the grid's axes, towards lower scalars
+    std::vector<glm::vec3> normals; ///< unit, along the grid's axes, towards lower scalars
     std::vector<std::uint32_t> indices;
     std::vector<std::uint32_t> changedIndices; ///< triangles retriangulated by the last move
     bool marksChanges = true; ///< wanted by whoever looks: `changedIndices`, or those of the bricks
     SlideStats stats;
-    bool isFromIndex = false;       ///< false: from the volume in memory, before the index was there
+    bool isFromIndex = false; ///< false: from the volume in memory, before the index was there
     bool isWholeExtraction = false; ///< not slid to: every triangle is new
     /// Above 1: a coarser surface to look at, its vertices merged in blocks of so many cells along each axis. `stats`
     /// are of the whole one.

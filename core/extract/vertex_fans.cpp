@@ -35,7 +35,8 @@ struct CornersByVertex {
 
 /// Numbers the fans at one vertex: fan[i] for its i-th corner. Returns how many there are. Triangles belong
 /// together when they share a further vertex; a vertex has some twenty of them at most.
-std::uint32_t findFans(const SurfaceMesh& mesh, std::span<const std::uint64_t> corners, std::vector<std::uint32_t>& fan) {
+std::uint32_t findFans(const SurfaceMesh& mesh, std::span<const std::uint64_t> corners,
+                       std::vector<std::uint32_t>& fan) {
     constexpr std::uint32_t kNone = ~std::uint32_t{0};
     fan.assign(corners.size(), kNone);
     const auto others = [&](std::size_t i) {
@@ -54,7 +55,8 @@ std::uint32_t findFans(const SurfaceMesh& mesh, std::span<const std::uint64_t> c
             open.pop_back();
             for (std::size_t i = 0; i < corners.size(); ++i) {
                 const auto there = others(i);
-                if (fan[i] == kNone && std::find_first_of(here.begin(), here.end(), there.begin(), there.end()) != here.end()) {
+                if (fan[i] == kNone &&
+                    std::find_first_of(here.begin(), here.end(), there.begin(), there.end()) != here.end()) {
                     fan[i] = count;
                     open.push_back(i);
                 }
@@ -72,7 +74,8 @@ struct SplitVertex {
 };
 
 // Unfinished once `job` is to stop.
-std::vector<SplitVertex> findSplitVertices(const SurfaceMesh& mesh, const CornersByVertex& corners, const JobControl& job) {
+std::vector<SplitVertex> findSplitVertices(const SurfaceMesh& mesh, const CornersByVertex& corners,
+                                           const JobControl& job) {
     tbb::enumerable_thread_specific<std::vector<SplitVertex>> found;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.edgeIds.size(), 4096), [&](const auto& range) {
         std::vector<std::uint32_t> fan;

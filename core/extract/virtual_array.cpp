@@ -14,10 +14,11 @@ constexpr std::size_t kLargePage = std::size_t{1} << 21;
 } // namespace
 
 VirtualMemory::VirtualMemory(std::size_t bytes) : bytes_(bytes) {
-    // Bricks are visited all over the arrays: with small pages most visits miss the TLB too. A large page wants to begin
-    // at a multiple of its size, so as much more is asked for, and what is not needed given back.
+    // Bricks are visited all over the arrays: with small pages most visits miss the TLB too. A large page wants to
+    // begin at a multiple of its size, so as much more is asked for, and what is not needed given back.
     const std::size_t spare = bytes >= kLargePage ? kLargePage : 0;
-    void* const address = mmap(nullptr, bytes + spare, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    void* const address =
+        mmap(nullptr, bytes + spare, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (address == MAP_FAILED)
         throw std::bad_alloc();
     data_ = static_cast<std::byte*>(address);

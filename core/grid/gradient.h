@@ -41,7 +41,8 @@ template <class Sample>
 inline float derivativeAt(const Sample* point, std::ptrdiff_t stride, bool hasLower, bool hasUpper,
                           float inverseSpacing) {
     // Floats hold the samples of all other types, and differences of 16-bit integers, exactly.
-    using Wide = std::conditional_t<std::is_same_v<Sample, double> || std::is_same_v<Sample, std::int32_t>, double, float>;
+    using Wide =
+        std::conditional_t<std::is_same_v<Sample, double> || std::is_same_v<Sample, std::int32_t>, double, float>;
     hasLower = hasLower && !isMissing(point[-stride * (hasLower ? 1 : 0)]);
     hasUpper = hasUpper && !isMissing(point[stride * (hasUpper ? 1 : 0)]);
     const Wide lower = static_cast<Wide>(hasLower ? point[-stride] : *point);
@@ -54,8 +55,8 @@ inline float derivativeAt(const Sample* point, std::ptrdiff_t stride, bool hasLo
 
 /// Gradient at (x, y, z) along the grid's own axes, per world unit. Any finite length, zero included.
 template <class Sample>
-inline glm::vec3 gradientAt(const SampleView<Sample>& view, std::int64_t x, std::int64_t y,
-                            std::int64_t z, const glm::vec3& inverseSpacing) {
+inline glm::vec3 gradientAt(const SampleView<Sample>& view, std::int64_t x, std::int64_t y, std::int64_t z,
+                            const glm::vec3& inverseSpacing) {
     const Sample* point = view.samples + view.offset(x, y, z);
     return {derivativeAt(point, 1, x > 0, x + 1 < view.dims[0], inverseSpacing.x),
             derivativeAt(point, view.stride(1), y > 0, y + 1 < view.dims[1], inverseSpacing.y),

@@ -19,18 +19,16 @@ struct Spelling {
 
 // U+00B5 and U+03BC both look like the prefix; writers of TIFF also escape the first, or use its Latin-1 byte.
 constexpr Spelling kSpellings[] = {
-    {"m", "m"}, {"meter", "m"}, {"metre", "m"},
-    {"km", "km"}, {"kilometer", "km"}, {"kilometre", "km"},
-    {"dm", "dm"}, {"decimeter", "dm"}, {"decimetre", "dm"},
-    {"cm", "cm"}, {"centimeter", "cm"}, {"centimetre", "cm"},
-    {"mm", "mm"}, {"millimeter", "mm"}, {"millimetre", "mm"},
-    {"um", "µm"}, {"µm", "µm"}, {"\xce\xbcm", "µm"}, {"\xb5m", "µm"}, {"\\u00b5m", "µm"}, {"&#181;m", "µm"},
-    {"&#xb5;m", "µm"}, {"micron", "µm"}, {"micrometer", "µm"}, {"micrometre", "µm"},
-    {"nm", "nm"}, {"nanometer", "nm"}, {"nanometre", "nm"},
-    {"pm", "pm"}, {"picometer", "pm"}, {"picometre", "pm"},
-    {"å", "Å"}, {"Å", "Å"}, {"\xe2\x84\xab", "Å"}, {"&#8491;", "Å"}, {"&#197;", "Å"}, {"\\u00c5", "Å"},
-    {"angstrom", "Å"}, {"ångström", "Å"}, {"Ångström", "Å"},
-    {"bohr", "bohr"}, {"inch", "in"}, {"inches", "in"}, {"in", "in"}, {"foot", "ft"}, {"feet", "ft"}, {"ft", "ft"},
+    {"m", "m"},           {"meter", "m"},       {"metre", "m"},      {"km", "km"},          {"kilometer", "km"},
+    {"kilometre", "km"},  {"dm", "dm"},         {"decimeter", "dm"}, {"decimetre", "dm"},   {"cm", "cm"},
+    {"centimeter", "cm"}, {"centimetre", "cm"}, {"mm", "mm"},        {"millimeter", "mm"},  {"millimetre", "mm"},
+    {"um", "µm"},         {"µm", "µm"},         {"\xce\xbcm", "µm"}, {"\xb5m", "µm"},       {"\\u00b5m", "µm"},
+    {"&#181;m", "µm"},    {"&#xb5;m", "µm"},    {"micron", "µm"},    {"micrometer", "µm"},  {"micrometre", "µm"},
+    {"nm", "nm"},         {"nanometer", "nm"},  {"nanometre", "nm"}, {"pm", "pm"},          {"picometer", "pm"},
+    {"picometre", "pm"},  {"å", "Å"},           {"Å", "Å"},          {"\xe2\x84\xab", "Å"}, {"&#8491;", "Å"},
+    {"&#197;", "Å"},      {"\\u00c5", "Å"},     {"angstrom", "Å"},   {"ångström", "Å"},     {"Ångström", "Å"},
+    {"bohr", "bohr"},     {"inch", "in"},       {"inches", "in"},    {"in", "in"},          {"foot", "ft"},
+    {"feet", "ft"},       {"ft", "ft"},
 };
 
 constexpr std::string_view kNoUnits[] = {"pixel", "pixels", "voxel", "voxels", "none", "unknown", "???", "?"};
@@ -39,13 +37,18 @@ struct InMetres {
     double metres;
     std::string_view symbol;
 };
-constexpr InMetres kInMetres[] = {{1e3, "km"}, {1.0, "m"}, {1e-1, "dm"}, {1e-2, "cm"}, {1e-3, "mm"},
+constexpr InMetres kInMetres[] = {{1e3, "km"},  {1.0, "m"},   {1e-1, "dm"}, {1e-2, "cm"}, {1e-3, "mm"},
                                   {1e-6, "µm"}, {1e-9, "nm"}, {1e-10, "Å"}, {1e-12, "pm"}};
 
 /// The character that `text` begins with and its bytes; none where that is not UTF-8.
 std::optional<std::pair<std::uint32_t, std::size_t>> firstCharacter(std::string_view text) {
     const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
-    const std::size_t bytes = byte(0) < 0x80 ? 1 : byte(0) < 0xc2 ? 0 : byte(0) < 0xe0 ? 2 : byte(0) < 0xf0 ? 3 : byte(0) < 0xf5 ? 4 : 0;
+    const std::size_t bytes = byte(0) < 0x80   ? 1
+                              : byte(0) < 0xc2 ? 0
+                              : byte(0) < 0xe0 ? 2
+                              : byte(0) < 0xf0 ? 3
+                              : byte(0) < 0xf5 ? 4
+                                               : 0;
     if (bytes == 0 || bytes > text.size())
         return std::nullopt;
     constexpr std::array<std::uint32_t, 5> kFirstBits{0, 0x7f, 0x1f, 0x0f, 0x07}, kLeast{0, 0, 0x80, 0x800, 0x10000};
@@ -86,7 +89,8 @@ std::string knownLengthUnit(std::string_view text) {
     // A plural is a longer word's: "ms" are no metres.
     const bool isPlural = lower.size() > 4 && lower.back() == 's';
     for (const Spelling& spelling : kSpellings)
-        if (lower == spelling.text || (isPlural && std::string_view(lower).substr(0, lower.size() - 1) == spelling.text))
+        if (lower == spelling.text ||
+            (isPlural && std::string_view(lower).substr(0, lower.size() - 1) == spelling.text))
             return std::string(spelling.symbol);
     return {};
 }

@@ -8,8 +8,7 @@ namespace isoslider {
 
 ScalarGrid::ScalarGrid(GridGeometry geometry, ScalarType type, std::vector<std::byte> samples)
     : geometry_(geometry), type_(type), samples_(std::move(samples)) {
-    ISO_CHECK(samples_.size() ==
-              static_cast<std::size_t>(pointCount(geometry_.dims)) * scalarTypeSizeBytes(type_));
+    ISO_CHECK(samples_.size() == static_cast<std::size_t>(pointCount(geometry_.dims)) * scalarTypeSizeBytes(type_));
 }
 
 double ScalarGrid::valueAt(std::int64_t x, std::int64_t y, std::int64_t z) const {

@@ -19,8 +19,7 @@ public:
 
     /// From typed samples, for tests and generators.
     template <class T>
-    static ScalarGrid fromValues(const GridGeometry& geometry, ScalarType type,
-                                 std::span<const T> values) {
+    static ScalarGrid fromValues(const GridGeometry& geometry, ScalarType type, std::span<const T> values) {
         const auto bytes = std::as_bytes(values);
         return ScalarGrid(geometry, type, std::vector<std::byte>(bytes.begin(), bytes.end()));
     }
@@ -39,9 +38,8 @@ public:
     /// Calls `function(std::span<const T>)` with the samples in their own type.
     template <class Function>
     decltype(auto) visit(Function&& function) const {
-        return visitScalarType(type_, [&](auto sample) -> decltype(auto) {
-            return function(values<decltype(sample)>());
-        });
+        return visitScalarType(type_,
+                               [&](auto sample) -> decltype(auto) { return function(values<decltype(sample)>()); });
     }
 
     double valueAt(std::int64_t x, std::int64_t y, std::int64_t z) const;

@@ -13,9 +13,15 @@ namespace isoslider {
 /// Sample types that a volume may have in memory and in an index. Values are on disk: never reorder.
 enum class ScalarType : std::uint8_t { U8 = 0, I8 = 1, U16 = 2, I16 = 3, I32 = 4, F32 = 5, F64 = 6 };
 
-inline constexpr std::array<ScalarType, 7> kAllScalarTypes{
-    ScalarType::U8,  ScalarType::I8,  ScalarType::U16, ScalarType::I16,
-    ScalarType::I32, ScalarType::F32, ScalarType::F64};
+inline constexpr std::array<ScalarType, 7> kAllScalarTypes{ScalarType::U8,  ScalarType::I8,  ScalarType::U16,
+                                                           ScalarType::I16, ScalarType::I32, ScalarType::F32,
+                                                           ScalarType::F64};
+
+/// Do(Sample, Name) for the C++ type and the ScalarType of every kind of samples: for explicit instantiations, and
+/// kernels that are dispatched by name.
+#define ISO_FOR_EACH_SAMPLE_TYPE(Do) \
+    Do(std::uint8_t, U8) Do(std::int8_t, I8) Do(std::uint16_t, U16) Do(std::int16_t, I16) Do(std::int32_t, I32) \
+        Do(float, F32) Do(double, F64)
 
 /// "u8", "i8", "u16", "i16", "i32", "f32", "f64".
 std::string_view scalarTypeName(ScalarType type);
@@ -27,13 +33,10 @@ inline bool isFloatType(ScalarType type) { return type == ScalarType::F32 || typ
 template <class Function>
 decltype(auto) visitScalarType(ScalarType type, Function&& function) {
     switch (type) {
-        case ScalarType::U8: return function(std::uint8_t{});
-        case ScalarType::I8: return function(std::int8_t{});
-        case ScalarType::U16: return function(std::uint16_t{});
-        case ScalarType::I16: return function(std::int16_t{});
-        case ScalarType::I32: return function(std::int32_t{});
-        case ScalarType::F32: return function(float{});
-        case ScalarType::F64: return function(double{});
+#define ISO_CASE(Sample, Name) \
+    case ScalarType::Name: return function(Sample{});
+        ISO_FOR_EACH_SAMPLE_TYPE(ISO_CASE)
+#undef ISO_CASE
     }
     checkFailed("known ScalarType", __FILE__, __LINE__);
 }

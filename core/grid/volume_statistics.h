@@ -19,7 +19,7 @@ struct VolumeStatistics {
 
 /// O(n) for 8- and 16-bit samples, a parallel sort otherwise.
 /// `countsDistinct` false leaves distinctValues 0 and costs one pass.
-Result<VolumeStatistics> computeStatistics(const ScalarGrid& grid, bool countsDistinct = true,
-                                           int histogramBins = 512, const JobControl& job = {});
+Result<VolumeStatistics> computeStatistics(const ScalarGrid& grid, bool countsDistinct = true, int histogramBins = 512,
+                                           const JobControl& job = {});
 
 } // namespace isoslider

@@ -16,8 +16,9 @@ void HiddenCorners::clear() {
 
 Result<std::optional<double>> HiddenCorners::find(BrickIndex brick, LocalPoint cell, int corner) const {
     const std::vector<HiddenPageEntry>& entries = reader_.meta().hiddenPages;
-    const auto after = std::upper_bound(entries.begin(), entries.end(), brick,
-                                        [](BrickIndex b, const HiddenPageEntry& entry) { return b < entry.firstBrick; });
+    const auto after =
+        std::upper_bound(entries.begin(), entries.end(), brick,
+                         [](BrickIndex b, const HiddenPageEntry& entry) { return b < entry.firstBrick; });
     if (after == entries.begin() || brick > (after - 1)->lastBrick)
         return std::optional<double>();
     const auto found = load(static_cast<std::size_t>(after - entries.begin()) - 1);

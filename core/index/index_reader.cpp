@@ -21,7 +21,8 @@ Result<std::unique_ptr<IndexReader>> IndexReader::open(const std::filesystem::pa
     std::vector<std::byte> metaBytes(preamble.value().metaBytes);
     ISO_TRY(reader->file_->readExactlyAt(preamble.value().metaOffset, metaBytes));
     if (metaChecksum(metaBytes) != preamble.value().metaChecksum)
-        return makeError(ErrorCode::Corruption, "index directory fails its checksum", path.string(), preamble.value().metaOffset);
+        return makeError(ErrorCode::Corruption, "index directory fails its checksum", path.string(),
+                         preamble.value().metaOffset);
     auto meta = decodeMeta(metaBytes, preamble.value(), path.string());
     if (!meta.isOk())
         return std::move(meta).error();

@@ -1,12 +1,13 @@
 #include "core/index/index_writer.h"
 
-#include "core/base/check.h"
 #include "core/base/byte_codec.h"
+#include "core/base/check.h"
 #include "core/index/sample_store.h"
 
 namespace isoslider::index {
 
-Result<std::unique_ptr<IndexWriter>> IndexWriter::create(const std::filesystem::path& path, std::uint64_t seed, FileSystem& fileSystem) {
+Result<std::unique_ptr<IndexWriter>> IndexWriter::create(const std::filesystem::path& path, std::uint64_t seed,
+                                                         FileSystem& fileSystem) {
     auto file = AtomicFile::create(path, fileSystem);
     if (!file.isOk())
         return std::move(file).error();
@@ -77,7 +78,8 @@ void IndexWriter::endBlock(int level, std::uint64_t firstKey, std::uint64_t last
     if (levels_.size() <= static_cast<std::size_t>(level))
         levels_.resize(static_cast<std::size_t>(level) + 1);
     LevelDirectory& directory = levels_[static_cast<std::size_t>(level)];
-    const std::uint64_t firstPage = directory.blocks.empty() ? 0 : directory.blocks.back().firstPage + directory.blocks.back().pageCount;
+    const std::uint64_t firstPage =
+        directory.blocks.empty() ? 0 : directory.blocks.back().firstPage + directory.blocks.back().pageCount;
     directory.blocks.push_back({firstKey, lastKey, firstPage, directory.pages.size() - firstPage});
 }
 

@@ -8,7 +8,8 @@ namespace {
 
 // Appends the records of `from` without the edges whose far end lies in [begin, end).
 template <class Key>
-void appendWithoutRedundant(const DecodedPage<Key>& from, std::uint64_t begin, std::uint64_t end, DecodedPage<Key>& to) {
+void appendWithoutRedundant(const DecodedPage<Key>& from, std::uint64_t begin, std::uint64_t end,
+                            DecodedPage<Key>& to) {
     std::size_t edge = 0;
     for (std::size_t i = 0; i < from.pointCount(); ++i) {
         std::uint8_t mask = 0;

@@ -12,9 +12,9 @@ namespace isoslider::index {
 
 /// Skip levels above those of the file, built when walks need them and kept (paper 2.1: "may be
 /// computed in a lazy fashion"). DEVIATION: a block is merged when it is asked for a second time; merging
-/// costs as much as the move itself, and most jumps happen once. Block g of lazy level l merges blocks 2 g and 2 g + 1 of level
-/// l - 1; lazy level 0 stands for the file's top level. A merged block holds what is left of both
-/// when edges with both ends in their common interval are taken out.
+/// costs as much as the move itself, and most jumps happen once. Block g of lazy level l merges blocks 2 g and 2 g + 1
+/// of level l - 1; lazy level 0 stands for the file's top level. A merged block holds what is left of both when edges
+/// with both ends in their common interval are taken out.
 ///
 /// Memory is bounded: once full, nothing more is kept, walks use the levels below. Any thread.
 template <class Key>

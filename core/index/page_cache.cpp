@@ -25,11 +25,14 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(int level, std::size
     std::shared_ptr<DecodedPage<Key>> page = takeSpare();
     ISO_TRY(decodePage<Key>(bytes, reader_.grid(), *page, reader_.pathString()));
     if (page->pointCount() != entry.points || page->edgeCount() != entry.edges)
-        return makeError(ErrorCode::Corruption, "index page disagrees with the directory", reader_.pathString(), entry.offset);
+        return makeError(ErrorCode::Corruption, "index page disagrees with the directory", reader_.pathString(),
+                         entry.offset);
     // A brick has one entry; whoever walks a list of bricks relies on it.
     if (reader_.info().kind == IndexKind::Metacells &&
-        !std::all_of(page->masks.begin(), page->masks.end(), [](std::uint8_t mask) { return std::has_single_bit(mask); }))
-        return makeError(ErrorCode::Corruption, "index page lists a brick without or with several entries", reader_.pathString(), entry.offset);
+        !std::all_of(page->masks.begin(), page->masks.end(),
+                     [](std::uint8_t mask) { return std::has_single_bit(mask); }))
+        return makeError(ErrorCode::Corruption, "index page lists a brick without or with several entries",
+                         reader_.pathString(), entry.offset);
     insert(id, page);
     return Lookup{std::move(page), entry.bytes};
 }

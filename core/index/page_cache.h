@@ -12,8 +12,8 @@
 namespace isoslider::index {
 
 /// Decoded pages, least recently used out first, within a bound on their memory (a single page larger
-/// than the bound is handed out but not kept). Beyond it a few evicted pages wait for their memory to be used again. Any number of threads; two that miss the same page at
-/// once both decode it.
+/// than the bound is handed out but not kept). Beyond it a few evicted pages wait for their memory to be used again.
+/// Any number of threads; two that miss the same page at once both decode it.
 template <class Key>
 class PageCache {
 public:

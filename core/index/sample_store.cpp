@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/base/check.h"
 #include "core/base/byte_codec.h"
+#include "core/base/check.h"
 
 namespace isoslider::index {
 
@@ -65,8 +65,8 @@ Status SampleStore::read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out,
     ISO_TRY(reader_.readPart(place.value().offset, place.value().sampleBytes, place.value().sampleChecksum, bytes));
     bytesRead += bytes.size();
     const ChunkExtent extent = chunks_.extent(chunk);
-    const std::size_t samples = static_cast<std::size_t>(extent[0]) * static_cast<std::size_t>(extent[1]) *
-                                static_cast<std::size_t>(extent[2]);
+    const std::size_t samples =
+        static_cast<std::size_t>(extent[0]) * static_cast<std::size_t>(extent[1]) * static_cast<std::size_t>(extent[2]);
     const bool isWhole = samples == kChunkSamples;
     thread_local std::vector<Sample> packed;
     packed.resize(isWhole ? 0 : samples);

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/index/format/chunk_grid.h"
-#include "core/index/index_reader.h"
 #include "core/index/format/merge_errors.h"
+#include "core/index/index_reader.h"
 
 namespace isoslider::index {
 

@@ -16,15 +16,18 @@ void SkipList::cover(int level, std::uint64_t begin, std::uint64_t end, std::vec
         return;
     const LevelDirectory& directory = levels_[static_cast<std::size_t>(level)];
     if (level == 0) {
-        const auto first = std::partition_point(directory.pages.begin(), directory.pages.end(), [&](const PageEntry& p) { return p.lastKey < begin; });
-        const auto last = std::partition_point(first, directory.pages.end(), [&](const PageEntry& p) { return p.firstKey < end; });
+        const auto first = std::partition_point(directory.pages.begin(), directory.pages.end(),
+                                                [&](const PageEntry& p) { return p.lastKey < begin; });
+        const auto last =
+            std::partition_point(first, directory.pages.end(), [&](const PageEntry& p) { return p.firstKey < end; });
         if (first != last)
             out.push_back({0, begin, end, static_cast<std::size_t>(first - directory.pages.begin()),
                            static_cast<std::size_t>(last - directory.pages.begin()), 0, 0});
         return;
     }
     const auto& blocks = directory.blocks;
-    const auto first = std::partition_point(blocks.begin(), blocks.end(), [&](const BlockEntry& b) { return b.firstKey < begin; });
+    const auto first =
+        std::partition_point(blocks.begin(), blocks.end(), [&](const BlockEntry& b) { return b.firstKey < begin; });
     const auto last = std::partition_point(first, blocks.end(), [&](const BlockEntry& b) { return b.lastKey < end; });
     if (first == last) {
         cover(level - 1, begin, end, out);
@@ -46,7 +49,8 @@ std::uint64_t SkipList::estimateEdges(KeyThreshold lower, KeyThreshold upper) co
             const std::uint64_t from = std::max(p.firstKey, segment.beginKey);
             const std::uint64_t to = std::min(p.lastKey, segment.endKey - 1);
             const double share = p.firstKey == p.lastKey ? 1.0
-                                                         : (static_cast<double>(to - from) + 1.0) / (static_cast<double>(p.lastKey - p.firstKey) + 1.0);
+                                                         : (static_cast<double>(to - from) + 1.0) /
+                                                               (static_cast<double>(p.lastKey - p.firstKey) + 1.0);
             edges += share * p.edges;
         }
     return static_cast<std::uint64_t>(edges);

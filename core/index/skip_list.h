@@ -38,9 +38,13 @@ public:
     std::uint64_t estimateEdges(KeyThreshold lower, KeyThreshold upper) const;
 
     int levelCount() const { return static_cast<int>(levels_.size()); }
-    const PageEntry& page(int level, std::size_t index) const { return levels_[static_cast<std::size_t>(level)].pages[index]; }
+    const PageEntry& page(int level, std::size_t index) const {
+        return levels_[static_cast<std::size_t>(level)].pages[index];
+    }
     /// REQUIRES: level > 0.
-    const BlockEntry& block(int level, std::uint64_t index) const { return levels_[static_cast<std::size_t>(level)].blocks[index]; }
+    const BlockEntry& block(int level, std::uint64_t index) const {
+        return levels_[static_cast<std::size_t>(level)].blocks[index];
+    }
 
 private:
     void cover(int level, std::uint64_t begin, std::uint64_t end, std::vector<WalkSegment>& out) const;

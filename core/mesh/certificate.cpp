@@ -26,7 +26,8 @@ OpenAt placeOf(const GridEdge& a, const GridEdge& b, const GridDims& dims) {
     return place;
 }
 
-void addOpenings(const extract::SurfaceMesh& mesh, const SoupTopology& topology, bool mayMiss, Certificate& certificate) {
+void addOpenings(const extract::SurfaceMesh& mesh, const SoupTopology& topology, bool mayMiss,
+                 Certificate& certificate) {
     auto& openings = certificate.openings;
     std::vector<std::pair<std::uint32_t, OpenAt>> loopsAt;
     for (const BoundaryEdge& edge : topology.boundary) {
@@ -43,8 +44,8 @@ void addOpenings(const extract::SurfaceMesh& mesh, const SoupTopology& topology,
     loopsAt.erase(std::unique(loopsAt.begin(), loopsAt.end()), loopsAt.end());
     for (std::size_t i = 0; i < loopsAt.size(); ++i) {
         ++openings[static_cast<std::size_t>(loopsAt[i].second)].loops;
-        const bool isSecondOfItsLoop = i > 0 && loopsAt[i].first == loopsAt[i - 1].first &&
-                                       (i < 2 || loopsAt[i].first != loopsAt[i - 2].first);
+        const bool isSecondOfItsLoop =
+            i > 0 && loopsAt[i].first == loopsAt[i - 1].first && (i < 2 || loopsAt[i].first != loopsAt[i - 2].first);
         certificate.sharedLoops += isSecondOfItsLoop ? 1 : 0;
     }
 }
@@ -84,7 +85,9 @@ std::size_t printableBytes(std::string_view text) {
     }
     constexpr char32_t kLeast[] = {0xa0, 0x800, 0x10000}; // below 0xa0 there are controls only
     const bool isSurrogate = code >= 0xd800 && code < 0xe000, endsLine = code == 0x2028 || code == 0x2029;
-    return first < 0xc0 || first >= 0xf8 || code < kLeast[size - 2] || code > 0x10ffff || isSurrogate || endsLine ? 0 : size;
+    return first < 0xc0 || first >= 0xf8 || code < kLeast[size - 2] || code > 0x10ffff || isSurrogate || endsLine
+               ? 0
+               : size;
 }
 
 std::string printable(std::string_view name) {
@@ -100,14 +103,17 @@ std::string printable(std::string_view name) {
 std::string unitText(const std::string& unit) {
     if (unit.empty())
         return "world units of the source: those of its spacing and origin";
-    return (unit == "µm" ? "um" : unit == "Å" ? "angstrom" : printable(unit)) +
+    return (unit == "µm"  ? "um"
+            : unit == "Å" ? "angstrom"
+                          : printable(unit)) +
            ", that of the spacing and origin of the source";
 }
 
 std::string gridText(const GridGeometry& geometry) {
     const GridDims& dims = geometry.dims;
-    return text(dims[0]) + " x " + text(dims[1]) + " x " + text(dims[2]) + " points, spacing " + text(geometry.spacing) +
-           ", origin " + text(geometry.origin) + (geometry.isLeftHanded() ? ", left-handed" : ", right-handed");
+    return text(dims[0]) + " x " + text(dims[1]) + " x " + text(dims[2]) + " points, spacing " +
+           text(geometry.spacing) + ", origin " + text(geometry.origin) +
+           (geometry.isLeftHanded() ? ", left-handed" : ", right-handed");
 }
 
 std::string nudgeText(const Nudge& nudge) {
@@ -177,8 +183,9 @@ std::string openingText(const Certificate& certificate) {
         return "closed";
     const auto shared = certificate.sharedLoops;
     return "open at " + joined(parts) +
-           (shared == 0 ? "" : "; " + counted(shared, "loop") + (shared == 1 ? " meets " : " meet ") +
-                                   (parts.size() == 2 ? "both" : "several of these"));
+           (shared == 0 ? ""
+                        : "; " + counted(shared, "loop") + (shared == 1 ? " meets " : " meet ") +
+                              (parts.size() == 2 ? "both" : "several of these"));
 }
 
 namespace {
@@ -227,8 +234,8 @@ std::vector<CertificateLine> linesOf(const Certificate& certificate) {
 }
 
 std::vector<std::string> commentsOf(const Certificate& certificate) {
-    std::vector<std::string> comments{
-        certificate.isChecked ? "Isosurface by ISOSLIDER, checked with OpenMesh" : "Isosurface by ISOSLIDER, not checked"};
+    std::vector<std::string> comments{certificate.isChecked ? "Isosurface by ISOSLIDER, checked with OpenMesh"
+                                                            : "Isosurface by ISOSLIDER, not checked"};
     for (const CertificateLine& line : linesOf(certificate))
         comments.push_back(line.name + ": " + line.value);
     return comments;

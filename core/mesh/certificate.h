@@ -17,7 +17,8 @@ namespace isoslider::mesh {
 /// Where a surface may end: at a face of the box (x0 is the face of the first grid points along x, x1
 /// that of the last), or at cells with a missing value. Elsewhere it must not: that is a crack.
 enum class OpenAt : std::uint8_t { X0, X1, Y0, Y1, Z0, Z1, Missing, Elsewhere };
-inline constexpr std::array<std::string_view, 8> kOpenAtNames{"x0", "x1", "y0", "y1", "z0", "z1", "missing", "elsewhere"};
+inline constexpr std::array<std::string_view, 8> kOpenAtNames{"x0", "x1", "y0",      "y1",
+                                                              "z0", "z1", "missing", "elsewhere"};
 
 struct Opening {
     std::uint64_t loops = 0; ///< boundary loops with an edge there; a loop round a box corner counts at each face
@@ -26,16 +27,17 @@ struct Opening {
 
 /// The volume that a surface is of.
 struct SurfaceSource {
-    std::string name;                             ///< file name without its folder, or a sample's title
-    std::optional<std::uint64_t> missingSamples;  ///< where known: without any, no edge is open at one
-    std::string lengthUnit;                       ///< of spacing and origin; empty: unknown
-    std::string resampling = {};                  ///< what resampling lost, in one line; empty: it was not resampled
+    std::string name; ///< file name without its folder, or a sample's title
+    std::optional<std::uint64_t> missingSamples; ///< where known: without any, no edge is open at one
+    std::string lengthUnit; ///< of spacing and origin; empty: unknown
+    std::string resampling = {}; ///< what resampling lost, in one line; empty: it was not resampled
 };
 
 /// What is known of a surface as it is exported: the facts of its mesh in world space, where it is
 /// open, and what the export moved.
 struct Certificate {
-    bool isChecked = true; ///< false: of `report` only the numbers of vertices and triangles are set, no opening, no nudge
+    bool isChecked =
+        true; ///< false: of `report` only the numbers of vertices and triangles are set, no opening, no nudge
     MeshReport report;
     double isovalue = 0.0;
     std::string source;
@@ -43,7 +45,8 @@ struct Certificate {
     std::string resampling; ///< as SurfaceSource::resampling
     GridGeometry geometry; ///< lengths are in the world units that its spacing is in
     std::array<Opening, 8> openings{}; ///< by OpenAt
-    std::uint64_t sharedLoops = 0; ///< boundary loops that count at more than one place: why those of the places may add up to more
+    std::uint64_t sharedLoops =
+        0; ///< boundary loops that count at more than one place: why those of the places may add up to more
     std::uint64_t activeEdges = 0;
     std::uint64_t innerVertices = 0; ///< those of cells, on no grid edge
     Nudge nudge;
@@ -60,12 +63,13 @@ Result<Certificate> certify(const extract::SurfaceMesh& mesh, const SurfaceSourc
 /// What is known without a check.
 Certificate uncheckedCertificate(const extract::SurfaceMesh& mesh, const SurfaceSource& source);
 
-/// None of an unchecked surface. Else the faults of the report, cracks, and an area that is not finite, as one with a NaN among its positions.
+/// None of an unchecked surface. Else the faults of the report, cracks, and an area that is not finite, as one with a
+/// NaN among its positions.
 std::vector<std::string> faultsOf(const Certificate& certificate);
 inline bool isValid(const Certificate& certificate) { return certificate.isChecked && faultsOf(certificate).empty(); }
 
-/// "closed", or "open at x0 (2 loops, 34 edges), missing values (1 loop, 8 edges)"; behind it, if so, how many loops meet
-/// more than one of these places: "; 1 loop meets both".
+/// "closed", or "open at x0 (2 loops, 34 edges), missing values (1 loop, 8 edges)"; behind it, if so, how many loops
+/// meet more than one of these places: "; 1 loop meets both".
 std::string openingText(const Certificate& certificate);
 
 struct CertificateLine {

@@ -65,7 +65,8 @@ Result<MeshReport> checkSoup(const TriangleSoup& soup, SoupTopology& topology, c
                    static_cast<std::int64_t>(soup.triangles.size() - topology.trianglesWithRepeats);
     if (report.isManifold && report.isOriented)
         report.genus = (2 * static_cast<std::int64_t>(report.components) -
-                        static_cast<std::int64_t>(report.boundaryLoops) - report.euler) / 2;
+                        static_cast<std::int64_t>(report.boundaryLoops) - report.euler) /
+                       2;
     report.duplicateTriangles = topology.duplicateTriangles;
     report.nonManifoldEdges = topology.crowdedEdges;
     report.nonManifoldVertices = topology.verticesOfSeveralFans;

@@ -21,23 +21,23 @@ namespace isoslider::mesh {
 /// takes part in no other count. A vertex that no triangle uses is not counted.
 struct MeshReport {
     bool isManifold = false; ///< every edge has one or two triangles, every vertex one fan
-    bool isClosed = false;   ///< no boundary edge
+    bool isClosed = false; ///< no boundary edge
     bool isOriented = false; ///< neighbouring triangles agree on their common edge's direction
-    std::uint64_t vertices = 0;  ///< used by a triangle
+    std::uint64_t vertices = 0; ///< used by a triangle
     std::uint64_t edges = 0;
     std::uint64_t triangles = 0; ///< all, degenerate and duplicate ones included
     std::uint64_t components = 0; ///< connected through shared vertices
-    std::int64_t euler = 0;       ///< vertices - edges + triangles that repeat no vertex
+    std::int64_t euler = 0; ///< vertices - edges + triangles that repeat no vertex
     std::uint64_t boundaryLoops = 0; ///< two surfaces that touch in a point have a loop each
     /// Summed over components: (2 * components - loops - euler) / 2. Zero unless manifold and oriented.
     std::int64_t genus = 0;
     std::uint64_t degenerateTriangles = 0; ///< a repeated vertex, or an area of exactly zero
-    std::uint64_t duplicateTriangles = 0;  ///< beyond the first of the same three vertices, in any order
-    double area = 0.0;           ///< world units squared
+    std::uint64_t duplicateTriangles = 0; ///< beyond the first of the same three vertices, in any order
+    double area = 0.0; ///< world units squared
     double enclosedVolume = 0.0; ///< world units cubed, signed; meaningful when closed
-    std::uint64_t refusedByOpenMesh = 0;     ///< triangles that OpenMesh's add_face did not take
-    std::uint64_t nonManifoldEdges = 0;      ///< with more than two triangles
-    std::uint64_t nonManifoldVertices = 0;   ///< with more than one fan
+    std::uint64_t refusedByOpenMesh = 0; ///< triangles that OpenMesh's add_face did not take
+    std::uint64_t nonManifoldEdges = 0; ///< with more than two triangles
+    std::uint64_t nonManifoldVertices = 0; ///< with more than one fan
 };
 
 /// Checks a surface in world space. O(n log n); some seconds for ten million triangles.

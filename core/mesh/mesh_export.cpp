@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/file_system.h"
+#include "core/base/guarded.h"
 #include "core/base/quiet_stream.h"
 #include "core/mesh/mesh_import.h"
 #include "core/mesh/mesh_writers.h"
@@ -121,8 +122,7 @@ bool isExportSuffix(const std::filesystem::path& path) { return !meshSuffix(path
 Status checkExportSize(std::uint64_t vertices, std::uint64_t triangles, const std::filesystem::path& path) {
     if (vertices > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()) ||
         triangles > std::numeric_limits<std::uint32_t>::max())
-        return makeError(ErrorCode::InvalidArgument, "the mesh has 2^31 vertices or 2^32 triangles or more",
-                         path);
+        return makeError(ErrorCode::InvalidArgument, "the mesh has 2^31 vertices or 2^32 triangles or more", path);
     return {};
 }
 
@@ -135,17 +135,16 @@ Status exportMesh(const extract::SurfaceMesh& mesh, const Certificate& certifica
     auto file = AtomicFile::create(path);
     if (!file.isOk())
         return std::move(file).error();
-    try {
+    const ThrownErrors errors{"not enough memory to export the mesh", ErrorCode::IoError, "cannot write the mesh",
+                              path};
+    const Status written = guarded(errors, [&]() -> Status {
         TriangleSoup soup = worldSoup(mesh);
         dropUnusedVertices(soup);
         ISO_TRY(writeSoup(soup, certificate, meshSuffix(path), *file.value(), job));
-        if (job.isStopRequested())
-            return cancelledError();
-    } catch (const std::bad_alloc&) {
-        return makeError(ErrorCode::OutOfSpace, "not enough memory to export the mesh", path);
-    } catch (const std::exception& problem) {
-        return makeError(ErrorCode::IoError, std::string("cannot write the mesh: ") + problem.what(), path);
-    }
+        return job.isStopRequested() ? cancelledError() : Status();
+    });
+    if (!written.isOk())
+        return written;
     return file.value()->publish();
 }
 

@@ -83,7 +83,9 @@ private:
 
 // What the importer could not see: halfedges read later than what points at them.
 Status checkHandles(const PolyMesh& mesh, const std::filesystem::path& path) {
-    const auto isIn = [](int index, std::size_t count) { return index >= 0 && static_cast<std::size_t>(index) < count; };
+    const auto isIn = [](int index, std::size_t count) {
+        return index >= 0 && static_cast<std::size_t>(index) < count;
+    };
     for (const auto face : mesh.faces())
         if (!isIn(mesh.halfedge_handle(face).idx(), mesh.n_halfedges()))
             return makeError(ErrorCode::Corruption, "a face has no halfedge", path);
@@ -110,8 +112,8 @@ std::vector<std::int64_t> cornersOf(const PolyMesh& mesh, OpenMesh::FaceHandle f
 
 /// One kind of chunk in a native file, in the order in which OpenMesh writes them.
 struct OmChunk {
-    std::uint16_t word;     ///< its header without the size of its numbers
-    unsigned unitBytes;     ///< smallest size of a number: 4 for floats, 1 for whole numbers
+    std::uint16_t word; ///< its header without the size of its numbers
+    unsigned unitBytes; ///< smallest size of a number: 4 for floats, 1 for whole numbers
     unsigned largestFactor; ///< by which the header may raise it, as a power of two
     std::uint64_t numbers;
 };
@@ -232,7 +234,8 @@ Result<TriangleSoup> readChecked(const std::filesystem::path& path, const JobCon
     if (suffix.empty())
         return makeError(ErrorCode::InvalidArgument, "is not a mesh file: expected .ply .obj .stl .off or .om", path);
     const JobControl parsing = job.part(0.5, 1.0);
-    auto soup = readAs(suffix, {reinterpret_cast<const char*>(file.value().data()), file.value().size()}, path, parsing);
+    auto soup =
+        readAs(suffix, {reinterpret_cast<const char*>(file.value().data()), file.value().size()}, path, parsing);
     if (soup.isOk())
         ISO_TRY(checkFinite(soup.value(), path));
     return soup;

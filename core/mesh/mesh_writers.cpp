@@ -202,8 +202,8 @@ Status writeStl(const TriangleSoup& soup, std::string header, AtomicFile& file, 
     out.text(header);
     out.binary(static_cast<std::uint32_t>(soup.triangles.size()));
     for (const Triangle& t : soup.triangles) {
-        const glm::dvec3 doubled = glm::cross(soup.positions[t[1]] - soup.positions[t[0]],
-                                              soup.positions[t[2]] - soup.positions[t[0]]);
+        const glm::dvec3 doubled =
+            glm::cross(soup.positions[t[1]] - soup.positions[t[0]], soup.positions[t[2]] - soup.positions[t[0]]);
         const double length = glm::length(doubled);
         putBinary(out, length > 0.0 ? doubled / length : glm::dvec3(0.0), Precision::Float);
         for (const std::uint32_t vertex : t)

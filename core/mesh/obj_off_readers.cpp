@@ -67,7 +67,8 @@ Status checkIndices(const TriangleSoup& soup, const std::filesystem::path& path)
             if (vertex >= soup.positions.size())
                 return makeError(ErrorCode::InvalidArgument,
                                  "triangle " + std::to_string(t) + " names vertex " + std::to_string(vertex) + " of " +
-                                     std::to_string(soup.positions.size()), path);
+                                     std::to_string(soup.positions.size()),
+                                 path);
     return {};
 }
 
@@ -112,7 +113,8 @@ Result<TriangleSoup> readOff(std::string_view bytes, const std::filesystem::path
     Lines lines(bytes);
     std::string_view line;
     if (!lines.next(line) || !isOffMark(nextWord(line)))
-        return makeError(ErrorCode::InvalidArgument, "is not a readable off mesh: 'OFF' expected in its first line", path);
+        return makeError(ErrorCode::InvalidArgument, "is not a readable off mesh: 'OFF' expected in its first line",
+                         path);
     std::string_view word = nextWord(line);
     if (word.empty() && lines.next(line))
         word = nextWord(line);
@@ -120,15 +122,16 @@ Result<TriangleSoup> readOff(std::string_view bytes, const std::filesystem::path
     if (!parseNumber(word, vertices) || !parseNumber(nextWord(line), faces))
         return refuseLine(lines.number(), "numbers of vertices and faces expected in the header", path);
     if (vertices > bytes.size() || faces > bytes.size())
-        return makeError(ErrorCode::InvalidArgument, "the header asks for more vertices or faces than the file can hold",
-                         path);
+        return makeError(ErrorCode::InvalidArgument,
+                         "the header asks for more vertices or faces than the file can hold", path);
     LoopControl loop(job, vertices + faces, "reading");
     for (std::uint64_t i = 0; i < vertices; ++i) {
         if (!loop.goesOn(i))
             return cancelledError();
         glm::dvec3 position;
         if (!lines.next(line))
-            return makeError(ErrorCode::Corruption, "file ends early: vertex " + std::to_string(i) + " is missing", path);
+            return makeError(ErrorCode::Corruption, "file ends early: vertex " + std::to_string(i) + " is missing",
+                             path);
         if (!parsePosition(line, position))
             return refuseLine(lines.number(), "three numbers expected", path);
         soup.positions.push_back(position);

@@ -11,7 +11,9 @@ template <class Mesh>
 class Filler {
 public:
     Filler(const TriangleSoup& soup, Mesh& mesh, const JobControl& job)
-        : soup_(soup), mesh_(mesh), loop_(job, soup.positions.size() + soup.triangles.size(), "checking with OpenMesh") {
+        : soup_(soup),
+          mesh_(mesh),
+          loop_(job, soup.positions.size() + soup.triangles.size(), "checking with OpenMesh") {
         mesh_.reserve(soup.positions.size(), 3 * soup.triangles.size() / 2 + 1, soup.triangles.size());
         if (!soup.normals.empty())
             mesh_.request_vertex_normals();
@@ -47,8 +49,8 @@ private:
         using Point = typename Mesh::Point;
         using Scalar = typename OpenMesh::vector_traits<Point>::value_type;
         const glm::dvec3& p = soup_.positions[i];
-        const auto vertex = mesh_.add_vertex(
-            Point(static_cast<Scalar>(p.x), static_cast<Scalar>(p.y), static_cast<Scalar>(p.z)));
+        const auto vertex =
+            mesh_.add_vertex(Point(static_cast<Scalar>(p.x), static_cast<Scalar>(p.y), static_cast<Scalar>(p.z)));
         if (!soup_.normals.empty()) {
             const glm::vec3& n = soup_.normals[i];
             mesh_.set_normal(vertex, typename Mesh::Normal(n.x, n.y, n.z));

@@ -18,9 +18,9 @@ struct TypeName {
     std::string_view name, other;
     Type type;
 };
-constexpr TypeName kTypes[] = {{"char", "int8", Type::I8},     {"uchar", "uint8", Type::U8},
-                               {"short", "int16", Type::I16},  {"ushort", "uint16", Type::U16},
-                               {"int", "int32", Type::I32},    {"uint", "uint32", Type::U32},
+constexpr TypeName kTypes[] = {{"char", "int8", Type::I8},      {"uchar", "uint8", Type::U8},
+                               {"short", "int16", Type::I16},   {"ushort", "uint16", Type::U16},
+                               {"int", "int32", Type::I32},     {"uint", "uint32", Type::U32},
                                {"float", "float32", Type::F32}, {"double", "float64", Type::F64}};
 
 std::optional<Type> typeOf(std::string_view name) {
@@ -75,9 +75,9 @@ Status addHeaderLine(Header& header, std::string_view line, const std::filesyste
         const std::string_view name = nextWord(line);
         if (name != "ascii" && name != "binary_little_endian" && name != "binary_big_endian")
             return refuse("format: " + inQuotes(name) + " is not known", path);
-        header.encoding = name == "ascii"                 ? Encoding::Text
+        header.encoding = name == "ascii"               ? Encoding::Text
                           : name == "binary_big_endian" ? Encoding::BigEndian
-                                                          : Encoding::LittleEndian;
+                                                        : Encoding::LittleEndian;
         return {};
     }
     if (key == "element") {
@@ -150,8 +150,9 @@ public:
                 continue; // takes no bytes, however many there are
             if (element.count > numbers_.remaining())
                 return makeError(ErrorCode::Corruption,
-                                 "element " + element.name + ": the header asks for " +
-                                     std::to_string(element.count) + ", the file cannot hold them", path_);
+                                 "element " + element.name + ": the header asks for " + std::to_string(element.count) +
+                                     ", the file cannot hold them",
+                                 path_);
             for (std::uint64_t i = 0; i < element.count; ++i) {
                 if (!loop_.goesOn(bytes_ - numbers_.remaining()))
                     return cancelledError();
@@ -193,8 +194,8 @@ private:
     }
 
     Error endError(const Element& element, std::uint64_t number) const {
-        return makeError(ErrorCode::Corruption, element.name + " " + std::to_string(number) +
-                                                    ": the file ends early or is damaged", path_);
+        return makeError(ErrorCode::Corruption,
+                         element.name + " " + std::to_string(number) + ": the file ends early or is damaged", path_);
     }
 
     Numbers numbers_;

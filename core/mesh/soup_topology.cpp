@@ -39,9 +39,7 @@ using Corner = std::uint64_t;
 struct EdgeUse {
     std::uint64_t key; // smaller vertex in the high half, larger in the low half
     Corner corner;
-    bool operator<(const EdgeUse& other) const {
-        return key != other.key ? key < other.key : corner < other.corner;
-    }
+    bool operator<(const EdgeUse& other) const { return key != other.key ? key < other.key : corner < other.corner; }
 };
 
 class Analysis {

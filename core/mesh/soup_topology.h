@@ -20,15 +20,15 @@ struct BoundaryEdge {
 struct SoupTopology {
     std::uint64_t usedVertices = 0;
     std::uint64_t edges = 0;
-    std::uint64_t boundaryEdges = 0;        ///< with exactly one triangle
-    std::uint64_t crowdedEdges = 0;         ///< with more than two triangles
-    std::uint64_t disagreeingEdges = 0;     ///< two triangles run along it in the same direction
+    std::uint64_t boundaryEdges = 0; ///< with exactly one triangle
+    std::uint64_t crowdedEdges = 0; ///< with more than two triangles
+    std::uint64_t disagreeingEdges = 0; ///< two triangles run along it in the same direction
     std::uint64_t verticesOfSeveralFans = 0;
-    std::uint64_t components = 0;           ///< connected through shared vertices
+    std::uint64_t components = 0; ///< connected through shared vertices
     std::uint64_t boundaryLoops = 0;
     std::uint64_t trianglesWithRepeats = 0;
-    std::uint64_t duplicateTriangles = 0;   ///< beyond the first of the same three vertices, in any order
-    std::vector<BoundaryEdge> boundary;     ///< all boundaryEdges of them
+    std::uint64_t duplicateTriangles = 0; ///< beyond the first of the same three vertices, in any order
+    std::vector<BoundaryEdge> boundary; ///< all boundaryEdges of them
 
     bool isManifold() const { return crowdedEdges == 0 && verticesOfSeveralFans == 0 && trianglesWithRepeats == 0; }
 };

@@ -20,8 +20,7 @@ std::uint32_t littleEndian32(std::string_view bytes) {
     return value;
 }
 
-Status addTriangle(TriangleSoup& soup, const std::array<glm::dvec3, 3>& corners,
-                   const std::filesystem::path& path) {
+Status addTriangle(TriangleSoup& soup, const std::array<glm::dvec3, 3>& corners, const std::filesystem::path& path) {
     if (soup.positions.size() > std::numeric_limits<std::uint32_t>::max() - 3)
         return makeError(ErrorCode::InvalidArgument, "has more than 2^32 corners", path);
     const auto first = static_cast<std::uint32_t>(soup.positions.size());

@@ -41,8 +41,8 @@ TriangleSoup worldSoup(const extract::SurfaceMesh& mesh);
 /// What holding vertices off the grid points moves.
 struct Nudge {
     std::uint64_t vertices = 0; ///< moved, and used by a triangle
-    double largestCells = 0.0;  ///< farthest move of any of them
-    double largestWorld = 0.0;  ///< the same in world units
+    double largestCells = 0.0; ///< farthest move of any of them
+    double largestWorld = 0.0; ///< the same in world units
 };
 
 Nudge nudgeOf(const extract::SurfaceMesh& mesh);

@@ -8,7 +8,7 @@ namespace isoslider::io {
 namespace {
 
 constexpr std::size_t kMaxNamedComponents = 9; // in one line
-constexpr std::size_t kMaxNamed = 12;          // fields in one line
+constexpr std::size_t kMaxNamed = 12; // fields in one line
 
 std::string range(std::int64_t count) { return "0 to " + std::to_string(count - 1); }
 
@@ -34,14 +34,14 @@ std::string componentCount(const VolumeField& field) {
     return text + ")";
 }
 
-Error askFor(const VolumeField& field, bool asksComponent, bool asksFrame,
-             const std::filesystem::path& path) {
-    const std::string components = "--component " + range(field.components) + (field.hasMagnitude ? " or magnitude" : "");
+Error askFor(const VolumeField& field, bool asksComponent, bool asksFrame, const std::filesystem::path& path) {
+    const std::string components =
+        "--component " + range(field.components) + (field.hasMagnitude ? " or magnitude" : "");
     const std::string frames = "--frame " + range(field.frames);
     std::string text = inField(field) + "has ";
     if (asksComponent && asksFrame)
-        text += componentCount(field) + " and " + std::to_string(field.frames) + " frames: choose with " +
-                components + ", and " + frames;
+        text += componentCount(field) + " and " + std::to_string(field.frames) + " frames: choose with " + components +
+                ", and " + frames;
     else if (asksComponent)
         text += componentCount(field) + ": choose one with " + components;
     else
@@ -66,20 +66,21 @@ Result<std::size_t> chooseField(const VolumeContents& contents, const ReadOption
         const auto found = std::find_if(fields.begin(), fields.end(),
                                         [&](const VolumeField& field) { return field.name == options.field; });
         if (found == fields.end())
-            return refuseField("field", "there is none named " + inQuotes(options.field) + "; choose one of " +
-                                            namesOf(contents), path);
+            return refuseField(
+                "field", "there is none named " + inQuotes(options.field) + "; choose one of " + namesOf(contents),
+                path);
         chosen = static_cast<std::size_t>(found - fields.begin());
     } else if (fields.size() > 1 && !contents.isPreferredChosen) {
-        return refuseField("field", "the file has " + std::to_string(fields.size()) +
-                                        "; choose one (--field): " + namesOf(contents), path);
+        return refuseField(
+            "field", "the file has " + std::to_string(fields.size()) + "; choose one (--field): " + namesOf(contents),
+            path);
     }
     if (!fields[chosen].problem.empty())
         return refuseField(inQuotes(fields[chosen].name), fields[chosen].problem, path);
     return chosen;
 }
 
-Result<Choice> chooseIn(const VolumeField& field, const ReadOptions& options,
-                        const std::filesystem::path& path) {
+Result<Choice> chooseIn(const VolumeField& field, const ReadOptions& options, const std::filesystem::path& path) {
     const bool asksComponent = field.components > 1 && !options.component;
     const bool asksFrame = field.frames > 1 && !options.frame;
     if (asksComponent || asksFrame)
@@ -103,8 +104,8 @@ Result<Choice> chooseInOnlyField(const VolumeField& field, const ReadOptions& op
                                  const std::filesystem::path& path) {
     if (!options.field.empty() && options.field != field.name)
         return refuseField("--field " + inQuotes(options.field),
-                           "its one field has " + (field.name.empty() ? std::string("no name")
-                                                                      : "the name " + inQuotes(field.name)),
+                           "its one field has " +
+                               (field.name.empty() ? std::string("no name") : "the name " + inQuotes(field.name)),
                            path);
     return chooseIn(field, options, path);
 }

@@ -20,8 +20,7 @@ struct Choice {
 
 /// The component and frame that `options` choose. Nothing needs to be chosen where there is only one.
 /// Errors: InvalidArgument, naming the option and its range: not chosen, or not there.
-Result<Choice> chooseIn(const VolumeField& field, const ReadOptions& options,
-                        const std::filesystem::path& path);
+Result<Choice> chooseIn(const VolumeField& field, const ReadOptions& options, const std::filesystem::path& path);
 
 /// The same for files that have one field: if one is named, it has to be that.
 Result<Choice> chooseInOnlyField(const VolumeField& field, const ReadOptions& options,

@@ -4,6 +4,8 @@
 #include <new>
 
 #include "core/base/file_system.h"
+#include "core/base/folders.h"
+#include "core/base/guarded.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "core/volume_io/reader_process/reader_client.h"
@@ -16,8 +18,7 @@ constexpr std::uint64_t kSlabBytes = std::uint64_t{16} << 20;
 
 // Missing files, pipes, devices and empty files end here, before any library sees the name.
 Status checkInput(const fs::path& path, bool isRaw) {
-    std::error_code ignored;
-    if (!isRaw && fs::is_directory(path, ignored))
+    if (!isRaw && isFolder(path))
         return {};
     const auto file = defaultFileSystem().openForReading(path);
     if (!file.isOk())
@@ -27,24 +28,14 @@ Status checkInput(const fs::path& path, bool isRaw) {
     return {};
 }
 
-// Whatever a library throws ends as an error.
-template <class Result, class Function>
-Result guarded(const fs::path& path, const Function& function) {
-    try {
-        return function();
-    } catch (const std::bad_alloc&) {
-        return makeError(ErrorCode::OutOfSpace, "not enough memory to open it", path);
-    } catch (const std::exception& problem) {
-        return makeError(ErrorCode::InvalidArgument, std::string("cannot be opened: ") + problem.what(), path);
-    }
+ThrownErrors errorsOfOpening(const fs::path& path) {
+    return {"not enough memory to open it", ErrorCode::InvalidArgument, "cannot be opened", path};
 }
 
-Result<std::shared_ptr<const ScalarGrid>> readSlabs(VolumeSource& source, const fs::path& path,
-                                                    const JobControl& job) {
+Result<std::shared_ptr<const ScalarGrid>> readSlabs(VolumeSource& source, const fs::path& path, const JobControl& job) {
     const VolumeInfo& info = source.info();
     const GridDims& dims = info.geometry.dims;
-    const std::uint64_t planeBytes =
-        static_cast<std::uint64_t>(dims[0] * dims[1]) * scalarTypeSizeBytes(info.type);
+    const std::uint64_t planeBytes = static_cast<std::uint64_t>(dims[0] * dims[1]) * scalarTypeSizeBytes(info.type);
     const std::uint64_t totalBytes = planeBytes * static_cast<std::uint64_t>(dims[2]);
     ISO_TRY(checkFitsMemory(totalBytes, path));
     std::vector<std::byte> samples; // grows as samples come: packed data may hold fewer than its header says
@@ -72,7 +63,7 @@ Result<std::unique_ptr<VolumeSource>> openAs(const Format& format, const fs::pat
 Result<std::unique_ptr<VolumeSource>> open(const fs::path& path, const ReadOptions& options, bool mayIsolate,
                                            const JobControl& job) {
     using Opened = Result<std::unique_ptr<VolumeSource>>;
-    return guarded<Opened>(path, [&]() -> Opened {
+    return guarded(errorsOfOpening(path), [&]() -> Opened {
         ISO_TRY(checkInput(path, options.raw.has_value()));
         if (options.raw)
             return openRaw(path, options);
@@ -83,9 +74,8 @@ Result<std::unique_ptr<VolumeSource>> open(const fs::path& path, const ReadOptio
     });
 }
 
-Result<VolumeContents> list(const fs::path& path, const ReadOptions& options, bool mayIsolate,
-                                           const JobControl& job) {
-    return guarded<Result<VolumeContents>>(path, [&]() -> Result<VolumeContents> {
+Result<VolumeContents> list(const fs::path& path, const ReadOptions& options, bool mayIsolate, const JobControl& job) {
+    return guarded(errorsOfOpening(path), [&]() -> Result<VolumeContents> {
         ISO_TRY(checkInput(path, options.raw.has_value()));
         if (options.raw)
             return listByOpening(openRaw, path, options);
@@ -108,9 +98,8 @@ Result<std::unique_ptr<VolumeSource>> openVolume(const fs::path& path, const Rea
     auto source = open(path, options, true, job);
     if (!source.isOk())
         return source;
-    std::error_code ignored;
     std::vector<fs::path> read = source.value()->info().dataFiles;
-    if (!fs::is_directory(path, ignored))
+    if (!isFolder(path))
         read.push_back(path);
     if (!read.empty()) // else all of the folder's
         files.keepOnly(read);

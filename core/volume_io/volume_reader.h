@@ -26,13 +26,13 @@ inline constexpr int kMagnitude = -1;
 
 /// What to take of a file that holds more than one scalar volume, and what to let pass.
 struct ReadOptions {
-    std::optional<RawLayout> raw;      ///< set: the file is headerless
-    std::string field;                 ///< VolumeField::name of the one to take; empty: the one there is
-    std::optional<int> component;      ///< from 0, or kMagnitude; needed where samples have several
+    std::optional<RawLayout> raw; ///< set: the file is headerless
+    std::string field; ///< VolumeField::name of the one to take; empty: the one there is
+    std::optional<int> component; ///< from 0, or kMagnitude; needed where samples have several
     std::optional<std::int64_t> frame; ///< from 0; needed where the field is a series
-    GridDims resampleDims{0, 0, 0};    ///< size for input that is no uniform grid; zeros = VolumeField::dims
-    bool allowsExternalData = false;   ///< a header may name data files outside its folder
-    bool allowsTrailing = false;       ///< bytes behind the last sample are not refused
+    GridDims resampleDims{0, 0, 0}; ///< size for input that is no uniform grid; zeros = VolumeField::dims
+    bool allowsExternalData = false; ///< a header may name data files outside its folder
+    bool allowsTrailing = false; ///< bytes behind the last sample are not refused
 
     bool operator==(const ReadOptions&) const = default;
 };
@@ -57,8 +57,7 @@ Result<std::unique_ptr<VolumeSource>> openVolume(const std::filesystem::path& pa
                                                  const JobControl& job = {});
 
 /// Reads the whole volume into memory.
-Result<std::shared_ptr<const ScalarGrid>> readVolume(const std::filesystem::path& path,
-                                                     const ReadOptions& options = {},
+Result<std::shared_ptr<const ScalarGrid>> readVolume(const std::filesystem::path& path, const ReadOptions& options = {},
                                                      const JobControl& job = {});
 
 /// The same of a volume that is open; `path` is for errors. Afterwards info() is complete.

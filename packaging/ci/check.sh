@@ -54,6 +54,24 @@ check_includes() {
   refuse_includes "A widget" '#include *[<"]Q(Widget|Application|MainWindow|Dialog)[>"]' ui/render
 }
 
+# The disk is reached through core/base alone, where tests can stand in for it and errors have one wording. Not the
+# system's own files below /proc, which are no user's.
+check_disk() {
+  local hits
+  hits=$(sources_below core preprocess ui app | grep -v '^core/base/' | xargs -r -d '\n' grep -nE \
+    '\b(fs|filesystem)::(exists|is_[a-z]+|status|symlink_status|file_size|remove|remove_all|rename|copy|create_[a-z]+|last_write_time|(recursive_)?directory_iterator|(weakly_)?canonical|equivalent|read_symlink|resize_file|space|temp_directory_path)\b' || true)
+  [[ -z $hits ]] || fail "the disk is reached past core/base (folders.h, file_system.h)" "$hits"
+}
+
+# --- format -----------------------------------------------------------------------------------------
+
+check_format() {
+  local hits
+  command -v clang-format-14 >/dev/null || { warn "no clang-format-14: the format is not checked"; return; }
+  hits=$(sources_below | xargs -r -d '\n' clang-format-14 --dry-run 2>&1 | grep 'clang-format-violations' | cut -d: -f1 | sort -u || true)
+  [[ -z $hits ]] || fail "clang-format-14 -i would change" "$hits"
+}
+
 # --- sizes ------------------------------------------------------------------------------------------
 
 # Tables are data and tests are lists; both may be as long as they are.
@@ -168,6 +186,8 @@ case ${1:-} in
 esac
 if [[ ${1:-} != --links ]]; then
   check_includes
+  check_disk
+  check_format
   check_sizes
   check_registration
   check_documents

@@ -9,10 +9,10 @@
 
 #include "core/grid/classification.h"
 #include "core/index/index_writer.h"
-#include "preprocess/levels/external_sort.h"
 #include "preprocess/edges/hidden_page_builder.h"
-#include "preprocess/levels/level_builder.h"
 #include "preprocess/edges/record_generator.h"
+#include "preprocess/levels/external_sort.h"
+#include "preprocess/levels/level_builder.h"
 #include "preprocess/value_bins.h"
 
 namespace isoslider::preprocess {
@@ -62,13 +62,19 @@ public:
 
     EdgeBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options,
               const JobControl& job)
-        : source_(source), geometry_(source.info().geometry), grid_(geometry_.dims), path_(path),
-          options_(options), job_(job), redundancyThreshold_(options.redundancyThreshold) {}
+        : source_(source),
+          geometry_(source.info().geometry),
+          grid_(geometry_.dims),
+          path_(path),
+          options_(options),
+          job_(job),
+          redundancyThreshold_(options.redundancyThreshold) {}
 
     Result<index::IndexInfo> run() {
         if (leastMemory() > options_.memoryBytes)
-            return makeError(ErrorCode::InvalidArgument, "memory budget is too small for planes of this size: give at least " +
-                                                             std::to_string((leastMemory() >> 20) + 1) + "M",
+            return makeError(ErrorCode::InvalidArgument,
+                             "memory budget is too small for planes of this size: give at least " +
+                                 std::to_string((leastMemory() >> 20) + 1) + "M",
                              options_.sourceName);
         KeyCounter<Key> counter(static_cast<std::uint64_t>(pointCount(geometry_.dims)));
         ISO_TRY(countSamples(counter));
@@ -82,8 +88,8 @@ public:
         std::vector<SpanHistogram> histograms(histogramCount(bins), SpanHistogram(bins.count()));
         ISO_TRY(generateRecords(bins, histograms, sort, *writer.value()));
         LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlocks(std::move(histograms), bins));
-        ISO_TRY(sort.drain([&](std::span<const Record> records) { return consume(records, levels); },
-                           job_.part(0.4, 1.0)));
+        ISO_TRY(
+            sort.drain([&](std::span<const Record> records) { return consume(records, levels); }, job_.part(0.4, 1.0)));
         ISO_TRY(levels.finish());
         if (job_.isStopRequested())
             return cancelledError();
@@ -175,12 +181,11 @@ private:
                 sample_.insert(sample_.end(), records.bricks[i].begin(), records.bricks[i].end());
     }
 
-    // Of the field, not of the type it is stored in: keys stand for their ranks, so that one field gets the same levels in
-    // every scalar type. Where nearly all sampled values differ, ranks lie as far apart as in the whole volume.
+    // Of the field, not of the type it is stored in: keys stand for their ranks, so that one field gets the same levels
+    // in every scalar type. Where nearly all sampled values differ, ranks lie as far apart as in the whole volume.
     double sampledBytesPerEntry() {
-        std::sort(sample_.begin(), sample_.end(), [](const Record& a, const Record& b) {
-            return a.key != b.key ? a.key < b.key : a.id() < b.id();
-        });
+        std::sort(sample_.begin(), sample_.end(),
+                  [](const Record& a, const Record& b) { return a.key != b.key ? a.key < b.key : a.id() < b.id(); });
         std::vector<Key> keys;
         for (const Record& record : sample_) {
             keys.push_back(record.key);
@@ -190,7 +195,8 @@ private:
         std::sort(keys.begin(), keys.end());
         keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
         const bool isSaturated = 2.0 * static_cast<double>(keys.size()) <= values;
-        const double apart = isSaturated ? 1.0 : std::max(1.0, static_cast<double>(pointCount(geometry_.dims)) / values);
+        const double apart =
+            isSaturated ? 1.0 : std::max(1.0, static_cast<double>(pointCount(geometry_.dims)) / values);
         const auto rankOf = [&](Key key) {
             const auto rank = static_cast<double>(std::lower_bound(keys.begin(), keys.end(), key) - keys.begin());
             return static_cast<std::uint32_t>(std::min(rank * apart, 4294967295.0));
@@ -199,7 +205,8 @@ private:
         std::vector<index::PointRecord<std::uint32_t>> ranked;
         for (std::size_t first = 0; first < sample_.size(); first += kValuePagePoints) {
             ranked.clear();
-            for (const Record& record : std::span<const Record>(sample_).subspan(first, std::min(kValuePagePoints, sample_.size() - first))) {
+            for (const Record& record :
+                 std::span<const Record>(sample_).subspan(first, std::min(kValuePagePoints, sample_.size() - first))) {
                 index::PointRecord<std::uint32_t>& out = ranked.emplace_back();
                 out.key = rankOf(record.key);
                 out.setId(record.id());
@@ -211,7 +218,8 @@ private:
                 });
                 entries += std::popcount(record.edgeMask);
             }
-            bytes += static_cast<double>(index::encodePage<std::uint32_t>(ranked, index::PageOrder::Value, grid_).size());
+            bytes +=
+                static_cast<double>(index::encodePage<std::uint32_t>(ranked, index::PageOrder::Value, grid_).size());
         }
         std::vector<Record>().swap(sample_);
         return entries > 0.0 ? bytes / entries : 0.0;
@@ -223,7 +231,8 @@ private:
             visit(std::countr_zero(mask));
     }
 
-    std::vector<std::vector<std::uint64_t>> chooseBlocks(std::vector<SpanHistogram> histograms, const KeyIntervals& bins) {
+    std::vector<std::vector<std::uint64_t>> chooseBlocks(std::vector<SpanHistogram> histograms,
+                                                         const KeyIntervals& bins) {
         SpanHistogram& histogram = histograms.front();
         for (std::size_t i = 1; i < histograms.size(); ++i)
             histogram.merge(histograms[i]);

@@ -38,8 +38,10 @@ public:
         for (int a = 0; a < 3; ++a)
             inverseSpacing[a] = static_cast<float>(1.0 / std::abs(geometry.spacing[a]));
         // The window is a grid of its own; at its own ends it is cut off only where the box is.
-        const SampleView<Sample> view{window.plane(window.begin()), {dims_[0], dims_[1], window.end() - window.begin()}};
-        tbb::parallel_for(begin_, end_, [&](std::int64_t z) { preparePlane(view, z - window.begin(), z, inverseSpacing); });
+        const SampleView<Sample> view{window.plane(window.begin()),
+                                      {dims_[0], dims_[1], window.end() - window.begin()}};
+        tbb::parallel_for(begin_, end_,
+                          [&](std::int64_t z) { preparePlane(view, z - window.begin(), z, inverseSpacing); });
         hasMissing_ = std::any_of(missing_.begin(), missing_.end(), [](std::uint8_t m) { return m != 0; });
     }
 
@@ -72,7 +74,8 @@ public:
     }
 
 private:
-    void preparePlane(const SampleView<Sample>& view, std::int64_t viewZ, std::int64_t z, const glm::vec3& inverseSpacing) {
+    void preparePlane(const SampleView<Sample>& view, std::int64_t viewZ, std::int64_t z,
+                      const glm::vec3& inverseSpacing) {
         std::size_t i = at(0, 0, z);
         const Sample* sample = view.samples + view.offset(0, 0, viewZ);
         for (std::int64_t y = 0; y < dims_[1]; ++y)
@@ -139,28 +142,32 @@ public:
                 const std::size_t at = layer_.at(begin[0], begin[1] + y, begin[2] + z);
                 const Key* rows[4];
                 for (int row = 0; row < 4; ++row) {
-                    rows[row] = layer_.keysFrom(at + static_cast<std::size_t>((row & 1) * layer_.stride(1) + (row >> 1) * layer_.stride(2)));
+                    rows[row] = layer_.keysFrom(
+                        at + static_cast<std::size_t>((row & 1) * layer_.stride(1) + (row >> 1) * layer_.stride(2)));
                     if (cells[0] < kFilterCells)
                         rows[row] = std::copy_n(rows[row], cells[0] + 1, padded[row]) - (cells[0] + 1);
                 }
                 unsigned found = mayNeedHiddenCorners(rows) & ((1u << cells[0]) - 1);
                 for (; found != 0; found &= found - 1)
-                    hiddenCornersOfCell(brick, std::countr_zero(found) + 8 * y + 64 * z, at + static_cast<std::size_t>(std::countr_zero(found)), corners);
+                    hiddenCornersOfCell(brick, std::countr_zero(found) + 8 * y + 64 * z,
+                                        at + static_cast<std::size_t>(std::countr_zero(found)), corners);
             }
     }
 
     // Bit per cell of the brick with a missing corner; false when there is none.
     bool missingCells(BrickIndex brick, MissingCells& out) const {
-        return layer_.hasMissing() &&
-               findMissingCells(grid_, brick, [&](auto... cell) { return layer_.isCellWhole(cell...); }, out);
+        return layer_.hasMissing() && findMissingCells(
+                                          grid_, brick, [&](auto... cell) { return layer_.isCellWhole(cell...); }, out);
     }
 
 private:
-    void hiddenCornersOfCell(BrickIndex brick, std::int64_t cell, std::size_t at, std::vector<HiddenCorner>& corners) const {
+    void hiddenCornersOfCell(BrickIndex brick, std::int64_t cell, std::size_t at,
+                             std::vector<HiddenCorner>& corners) const {
         Key keys[8];
         cell::CornerScalars scalars;
         for (int c = 0; c < 8; ++c) {
-            const std::size_t i = at + static_cast<std::size_t>((c & 1) + (c >> 1 & 1) * layer_.stride(1) + (c >> 2) * layer_.stride(2));
+            const std::size_t i =
+                at + static_cast<std::size_t>((c & 1) + (c >> 1 & 1) * layer_.stride(1) + (c >> 2) * layer_.stride(2));
             if (layer_.missing(i))
                 return;
             keys[c] = layer_.key(i);
@@ -185,7 +192,8 @@ private:
             record.farNormals[e] = 0;
             if (up ? p[axis] + 1 >= grid_.dims()[axis] : p[axis] == 0)
                 continue;
-            const std::size_t far = up ? i + static_cast<std::size_t>(layer_.stride(axis)) : i - static_cast<std::size_t>(layer_.stride(axis));
+            const std::size_t far = up ? i + static_cast<std::size_t>(layer_.stride(axis))
+                                       : i - static_cast<std::size_t>(layer_.stride(axis));
             if (layer_.missing(far)) {
                 hasUnusable = true;
                 continue;
@@ -231,8 +239,8 @@ private:
 };
 
 template <class Sample>
-void generateBricks(const BrickGenerator<Sample>& generator, std::size_t count,
-                    std::span<SpanHistogram> histograms, LayerRecords<KeyOf<Sample>>& out) {
+void generateBricks(const BrickGenerator<Sample>& generator, std::size_t count, std::span<SpanHistogram> histograms,
+                    LayerRecords<KeyOf<Sample>>& out) {
     std::vector<MissingCells> missing(count);
     std::vector<std::uint8_t> hasMissing(count, 0);
     std::vector<std::vector<std::uint64_t>> withoutEdges(count);
@@ -257,7 +265,8 @@ void generateBricks(const BrickGenerator<Sample>& generator, std::size_t count,
         out.keysWithoutEdges.insert(out.keysWithoutEdges.end(), withoutEdges[i].begin(), withoutEdges[i].end());
     }
     std::sort(out.keysWithoutEdges.begin(), out.keysWithoutEdges.end());
-    out.keysWithoutEdges.erase(std::unique(out.keysWithoutEdges.begin(), out.keysWithoutEdges.end()), out.keysWithoutEdges.end());
+    out.keysWithoutEdges.erase(std::unique(out.keysWithoutEdges.begin(), out.keysWithoutEdges.end()),
+                               out.keysWithoutEdges.end());
 }
 
 } // namespace
@@ -279,17 +288,11 @@ Status generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geome
     return {};
 }
 
-#define ISO_INSTANTIATE(Sample)                                                                                        \
-    template Status generateLayer<Sample>(const SlabWindow<Sample>&, const GridGeometry&, std::int64_t,                \
-                                          const KeyIntervals&, std::span<SpanHistogram>,                        \
+#define ISO_INSTANTIATE(Sample, Name) \
+    template Status generateLayer<Sample>(const SlabWindow<Sample>&, const GridGeometry&, std::int64_t, \
+                                          const KeyIntervals&, std::span<SpanHistogram>, \
                                           const ConsumeRecords<KeyOf<Sample>>&);
-ISO_INSTANTIATE(std::uint8_t)
-ISO_INSTANTIATE(std::int8_t)
-ISO_INSTANTIATE(std::uint16_t)
-ISO_INSTANTIATE(std::int16_t)
-ISO_INSTANTIATE(std::int32_t)
-ISO_INSTANTIATE(float)
-ISO_INSTANTIATE(double)
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 
 } // namespace isoslider::preprocess

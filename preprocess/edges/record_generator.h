@@ -8,8 +8,8 @@
 #include "core/index/format/hidden_corner_codec.h"
 #include "core/index/format/index_format.h"
 #include "core/index/format/point_record.h"
-#include "preprocess/levels/block_intervals.h"
 #include "preprocess/edges/slab_window.h"
+#include "preprocess/levels/block_intervals.h"
 
 namespace isoslider::preprocess {
 

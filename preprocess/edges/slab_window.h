@@ -35,7 +35,9 @@ public:
     std::int64_t begin() const { return begin_; }
     std::int64_t end() const { return end_; }
     /// REQUIRES: begin() <= z < end().
-    const Sample* plane(std::int64_t z) const { return samples_.data() + static_cast<std::size_t>(z - begin_) * plane_; }
+    const Sample* plane(std::int64_t z) const {
+        return samples_.data() + static_cast<std::size_t>(z - begin_) * plane_;
+    }
 
 private:
     io::VolumeSource& source_;

@@ -40,7 +40,8 @@ public:
         for (std::size_t lower = 0; lower < histogram.bins(); ++lower)
             for (std::size_t upper = 0; upper < histogram.bins(); ++upper)
                 sums_[(lower + 1) * side_ + upper + 1] = histogram.at(lower, upper) + sums_[lower * side_ + upper + 1] +
-                                                         sums_[(lower + 1) * side_ + upper] - sums_[lower * side_ + upper];
+                                                         sums_[(lower + 1) * side_ + upper] -
+                                                         sums_[lower * side_ + upper];
         const std::size_t bins = histogram.bins();
         for (std::size_t at = 0; at <= bins; ++at) // lower end below `at`, upper end not
             active_[at] = rectangle(0, at, at, bins);
@@ -115,7 +116,8 @@ std::uint64_t countEntriesAbove(const SpanHistogram& histogram, const KeyInterva
     std::vector<std::size_t> blockOfBin(bins.count());
     for (const std::vector<std::uint64_t>& begins : blockBegins) {
         for (std::size_t bin = 0; bin < bins.count(); ++bin)
-            blockOfBin[bin] = static_cast<std::size_t>(std::upper_bound(begins.begin(), begins.end(), bins.begin(bin)) - begins.begin());
+            blockOfBin[bin] = static_cast<std::size_t>(std::upper_bound(begins.begin(), begins.end(), bins.begin(bin)) -
+                                                       begins.begin());
         for (std::size_t lower = 0; lower < bins.count(); ++lower)
             for (std::size_t upper = lower; upper < bins.count(); ++upper)
                 entries += blockOfBin[lower] != blockOfBin[upper] ? 2 * std::uint64_t{histogram.at(lower, upper)} : 0;

@@ -21,12 +21,14 @@ constexpr std::size_t kStreamRecords = 1u << 14;
 } // namespace
 
 template <class Key>
-ExternalSort<Key>::ExternalSort(const std::vector<KeyCount>& counts, std::uint64_t memoryBytes, std::filesystem::path spillPath,
-                                FileSystem& fileSystem)
+ExternalSort<Key>::ExternalSort(const std::vector<KeyCount>& counts, std::uint64_t memoryBytes,
+                                std::filesystem::path spillPath, FileSystem& fileSystem)
     : memoryBytes_(memoryBytes),
       // Records are held twice while they are sorted, keys and places besides.
       mostRecordsAtOnce_(std::max(kLeastRecordsAtOnce, memoryBytes / (4 * sizeof(Record)))),
-      spillPath_(std::move(spillPath)), fileSystem_(fileSystem), intervals_(makePartitions(counts, memoryBytes)),
+      spillPath_(std::move(spillPath)),
+      fileSystem_(fileSystem),
+      intervals_(makePartitions(counts, memoryBytes)),
       partitions_(intervals_.count()) {}
 
 // A key with many records gets a separate partition.
@@ -145,7 +147,6 @@ Status ExternalSort<Key>::sortAgain(Partition& partition, const Consume& consume
     return again.drain(consume, job);
 }
 
-
 template <class Key>
 std::size_t ExternalSort<Key>::endOfBatch(std::size_t first) const {
     std::uint64_t records = 0;
@@ -162,7 +163,8 @@ Status ExternalSort<Key>::sortBatch(std::size_t begin, std::size_t end, const Co
     for (std::size_t i = 0; i < batch.size(); ++i)
         ISO_TRY(load(partitions_[begin + i], batch[i]));
     // Stable: records came in id order.
-    tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) { sortRecords(batch[i], [](const Record& record) { return record.key; }); });
+    tbb::parallel_for(std::size_t{0}, batch.size(),
+                      [&](std::size_t i) { sortRecords(batch[i], [](const Record& record) { return record.key; }); });
     for (std::vector<Record>& records : batch) {
         ISO_TRY(consume(records));
         std::vector<Record>().swap(records);
@@ -174,7 +176,8 @@ template <class Key>
 Status ExternalSort<Key>::drain(const Consume& consume, const JobControl& job) {
     // What is large must be read more than once, and the rest goes to disk with it: drained partitions must fit
     // beside nothing else.
-    if (spillOut_ || std::any_of(partitions_.begin(), partitions_.end(), [this](const auto& p) { return isTooLarge(p); })) {
+    if (spillOut_ ||
+        std::any_of(partitions_.begin(), partitions_.end(), [this](const auto& p) { return isTooLarge(p); })) {
         ISO_TRY(spill());
         auto file = fileSystem_.openForReading(spillPath_);
         if (!file.isOk())
@@ -197,7 +200,8 @@ Status ExternalSort<Key>::drain(const Consume& consume, const JobControl& job) {
             Partition& partition = partitions_[next];
             JobControl silent;
             silent.stop = job.stop;
-            ISO_TRY(intervals_.hasOneKey(next) ? stream(partition, consumeAndCount) : sortAgain(partition, consumeAndCount, silent));
+            ISO_TRY(intervals_.hasOneKey(next) ? stream(partition, consumeAndCount)
+                                               : sortAgain(partition, consumeAndCount, silent));
             ++next;
             continue;
         }

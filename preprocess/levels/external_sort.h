@@ -60,7 +60,8 @@ private:
     /// Sorts a partition that is larger than memory, by distributing it once more.
     Status sortAgain(Partition& partition, const Consume& consume, const JobControl& job);
     Status sortBatch(std::size_t begin, std::size_t end, const Consume& consume);
-    /// The end of the partitions from `first` on that are sorted side by side: none is too large, nor are they together.
+    /// The end of the partitions from `first` on that are sorted side by side: none is too large, nor are they
+    /// together.
     std::size_t endOfBatch(std::size_t first) const;
     bool isTooLarge(const Partition& partition) const { return partition.records > mostRecordsAtOnce_; }
     Status readRun(const SpilledRun& run, std::uint64_t first, std::span<Record> out);

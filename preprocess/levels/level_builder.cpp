@@ -135,7 +135,8 @@ private:
             page.position = position;
             page.level = level_;
             const auto begin = records.begin() + static_cast<std::ptrdiff_t>(first);
-            page.records.assign(begin, begin + static_cast<std::ptrdiff_t>(std::min(pagePoints, records.size() - first)));
+            page.records.assign(begin,
+                                begin + static_cast<std::ptrdiff_t>(std::min(pagePoints, records.size() - first)));
             pending_.push_back(std::move(page));
         }
     }
@@ -171,7 +172,8 @@ LevelBuilder<Key>::~LevelBuilder() = default;
 
 template <class Key>
 Status LevelBuilder<Key>::add(std::span<const Record> records) {
-    constexpr std::size_t kStep = (std::size_t{4} << 20) / sizeof(Record); // bounds what waits for encoding, at each level
+    constexpr std::size_t kStep =
+        (std::size_t{4} << 20) / sizeof(Record); // bounds what waits for encoding, at each level
     for (std::size_t first = 0; first < records.size(); first += kStep) {
         const auto part = records.subspan(first, std::min(kStep, records.size() - first));
         tbb::parallel_for(std::size_t{0}, levels_.size(), [&](std::size_t l) { levels_[l]->add(part, position_); });
@@ -201,7 +203,8 @@ Status LevelBuilder<Key>::encodeAndWrite() {
     });
     tbb::parallel_for(std::size_t{0}, pages.size(), [&](std::size_t i) {
         if (!pages[i].records.empty())
-            pages[i].bytes = index::encodePage<Key>(pages[i].records, pages[i].level == 0 ? PageOrder::Value : PageOrder::Id, grid_);
+            pages[i].bytes =
+                index::encodePage<Key>(pages[i].records, pages[i].level == 0 ? PageOrder::Value : PageOrder::Id, grid_);
     });
     for (const PendingPage<Key>& page : pages) {
         if (page.records.empty())

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/index/format/block_codec.h"
-#include "core/index/index_writer.h"
 #include "core/index/format/point_record.h"
+#include "core/index/index_writer.h"
 
 namespace isoslider::preprocess {
 
@@ -29,7 +29,8 @@ public:
     using Record = index::PointRecord<Key>;
 
     /// `blockBegins`: first keys of the blocks of levels 1, 2, … (chooseBlockBegins).
-    LevelBuilder(index::IndexWriter& writer, const BrickGrid& grid, std::vector<std::vector<std::uint64_t>> blockBegins);
+    LevelBuilder(index::IndexWriter& writer, const BrickGrid& grid,
+                 std::vector<std::vector<std::uint64_t>> blockBegins);
     ~LevelBuilder();
 
     /// Takes the next records of the stream, in (key, id) order. Errors: those of the writer.

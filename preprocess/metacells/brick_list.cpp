@@ -63,19 +63,23 @@ Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const 
         }
         ISO_TRY(sort.add(records));
     }
-    LevelBuilder<Key> builder(writer, grid, chooseBlockBegins(histogram, bins, options.skipLevels, options.redundancyThreshold));
+    LevelBuilder<Key> builder(writer, grid,
+                              chooseBlockBegins(histogram, bins, options.skipLevels, options.redundancyThreshold));
     ISO_TRY(sort.drain([&](std::span<const index::PointRecord<Key>> records) { return builder.add(records); }, job));
     ISO_TRY(builder.finish());
     levels = builder.levelInfos();
     return {};
 }
 
-template Status writeBrickList(const BrickSpans<std::uint16_t>&, const GridDims&, const BrickListOptions&, const std::filesystem::path&, FileSystem&,
-                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&, const JobControl&);
-template Status writeBrickList(const BrickSpans<std::uint32_t>&, const GridDims&, const BrickListOptions&, const std::filesystem::path&, FileSystem&,
-                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&, const JobControl&);
-template Status writeBrickList(const BrickSpans<std::uint64_t>&, const GridDims&, const BrickListOptions&, const std::filesystem::path&, FileSystem&,
-                               index::IndexWriter&, std::vector<index::SkipLevelInfo>&, const JobControl&);
+template Status writeBrickList(const BrickSpans<std::uint16_t>&, const GridDims&, const BrickListOptions&,
+                               const std::filesystem::path&, FileSystem&, index::IndexWriter&,
+                               std::vector<index::SkipLevelInfo>&, const JobControl&);
+template Status writeBrickList(const BrickSpans<std::uint32_t>&, const GridDims&, const BrickListOptions&,
+                               const std::filesystem::path&, FileSystem&, index::IndexWriter&,
+                               std::vector<index::SkipLevelInfo>&, const JobControl&);
+template Status writeBrickList(const BrickSpans<std::uint64_t>&, const GridDims&, const BrickListOptions&,
+                               const std::filesystem::path&, FileSystem&, index::IndexWriter&,
+                               std::vector<index::SkipLevelInfo>&, const JobControl&);
 
 namespace {
 
@@ -103,8 +107,7 @@ public:
         index::MissingCells missing;
         const auto isCellWhole = [&](auto... cell) { return view_.isCellWhole(cell...); };
         for (std::size_t brick = 0; brick < count; ++brick)
-            if (hasMissing[brick] &&
-                findMissingCells(bricks_, static_cast<BrickIndex>(brick), isCellWhole, missing))
+            if (hasMissing[brick] && findMissingCells(bricks_, static_cast<BrickIndex>(brick), isCellWhole, missing))
                 missingCells_.push_back(missing);
         return {};
     }
@@ -150,7 +153,8 @@ private:
 };
 
 template <class Sample>
-Result<std::unique_ptr<extract::SlideEngine>> makeTypedEngine(std::shared_ptr<const ScalarGrid> grid, const JobControl& job) {
+Result<std::unique_ptr<extract::SlideEngine>> makeTypedEngine(std::shared_ptr<const ScalarGrid> grid,
+                                                              const JobControl& job) {
     MemoryScan<Sample> scan(*grid, job);
     ISO_TRY(scan.run());
     MemoryFileSystem memory;
@@ -183,7 +187,8 @@ Result<std::unique_ptr<extract::SlideEngine>> makeTypedEngine(std::shared_ptr<co
 
 } // namespace
 
-Result<std::unique_ptr<extract::SlideEngine>> makeMemoryEngine(std::shared_ptr<const ScalarGrid> grid, const JobControl& job) {
+Result<std::unique_ptr<extract::SlideEngine>> makeMemoryEngine(std::shared_ptr<const ScalarGrid> grid,
+                                                               const JobControl& job) {
     return visitScalarType(grid->type(), [&](auto sample) { return makeTypedEngine<decltype(sample)>(grid, job); });
 }
 

@@ -35,6 +35,7 @@ Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const 
 
 /// The engine on a volume in memory: slides without an index, from the first second. One pass over the
 /// samples, some tens of milliseconds at 256^3. Errors: Cancelled, OutOfSpace.
-Result<std::unique_ptr<extract::SlideEngine>> makeMemoryEngine(std::shared_ptr<const ScalarGrid> grid, const JobControl& job = {});
+Result<std::unique_ptr<extract::SlideEngine>> makeMemoryEngine(std::shared_ptr<const ScalarGrid> grid,
+                                                               const JobControl& job = {});
 
 } // namespace isoslider::preprocess

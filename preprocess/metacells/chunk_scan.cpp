@@ -17,10 +17,10 @@ namespace {
 constexpr int kChunk = index::kChunkSide;
 
 template <class Sample>
-using SameWidth = std::conditional_t<
-    sizeof(Sample) == 1, std::int8_t,
-    std::conditional_t<sizeof(Sample) == 2, std::int16_t,
-                       std::conditional_t<sizeof(Sample) == 4, std::int32_t, std::int64_t>>>;
+using SameWidth =
+    std::conditional_t<sizeof(Sample) == 1, std::int8_t,
+                       std::conditional_t<sizeof(Sample) == 2, std::int16_t,
+                                          std::conditional_t<sizeof(Sample) == 4, std::int32_t, std::int64_t>>>;
 
 // Greater neighbours minus smaller ones of 16 samples in a row. Missing ones are neither.
 template <class Sample>
@@ -145,8 +145,7 @@ std::span<const Sample> ChunkScan<Sample>::packed() {
     for (int z = 0; z < extent_[2]; ++z)
         for (int y = 0; y < extent_[1]; ++y, out += extent_[0])
             std::memcpy(out, at(0, y, z),
-                        (isWide ? std::size_t{kChunk} : static_cast<std::size_t>(extent_[0])) *
-                            sizeof(Sample));
+                        (isWide ? std::size_t{kChunk} : static_cast<std::size_t>(extent_[0])) * sizeof(Sample));
     return {packed_.data(), static_cast<std::size_t>(out - packed_.data())};
 }
 
@@ -208,8 +207,8 @@ bool ChunkScan<Sample>::isCellWhole(std::int64_t x, std::int64_t y, std::int64_t
         if (origin_[a] + cell[a] < 0 || origin_[a] + cell[a] + 1 >= dims_[a])
             return false;
     for (int c = 0; c < 8; ++c)
-        if (isMissing(*at(static_cast<int>(x) + (c & 1), static_cast<int>(y) + (c >> 1 & 1),
-                          static_cast<int>(z) + (c >> 2))))
+        if (isMissing(
+                *at(static_cast<int>(x) + (c & 1), static_cast<int>(y) + (c >> 1 & 1), static_cast<int>(z) + (c >> 2))))
             return false;
     return true;
 }
@@ -270,16 +269,10 @@ void ChunkScan<Sample>::countValues(const ValueBins<Sample>& bins, ValueCounts<S
         }
 }
 
-#define ISO_INSTANTIATE(Sample)        \
+#define ISO_INSTANTIATE(Sample, Name) \
     template class ValueCounts<Sample>; \
     template class ChunkScan<Sample>;
-ISO_INSTANTIATE(std::uint8_t)
-ISO_INSTANTIATE(std::int8_t)
-ISO_INSTANTIATE(std::uint16_t)
-ISO_INSTANTIATE(std::int16_t)
-ISO_INSTANTIATE(std::int32_t)
-ISO_INSTANTIATE(float)
-ISO_INSTANTIATE(double)
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 
 } // namespace isoslider::preprocess

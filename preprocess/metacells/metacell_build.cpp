@@ -15,10 +15,10 @@
 #include "core/index/format/chunk_codec.h"
 #include "core/index/index_writer.h"
 #include "core/index/sample_store.h"
-#include "preprocess/metacells/brick_list.h"
-#include "preprocess/metacells/chunk_scan.h"
 #include "preprocess/distinct_keys.h"
 #include "preprocess/index_builds.h"
+#include "preprocess/metacells/brick_list.h"
+#include "preprocess/metacells/chunk_scan.h"
 #include "preprocess/metacells/plane_ring.h"
 
 namespace isoslider::preprocess {
@@ -37,15 +37,23 @@ class MetacellBuild {
 public:
     using Key = KeyOf<Sample>;
 
-    MetacellBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options, const JobControl& job)
-        : source_(source), geometry_(source.info().geometry), bricks_(geometry_.dims), chunks_(geometry_.dims), path_(path),
-          options_(options), job_(job), readsAhead_(PlaneRing<Sample>::memoryBytes(geometry_.dims, true) <= options.memoryBytes / 4),
+    MetacellBuild(io::VolumeSource& source, const std::filesystem::path& path, const BuildOptions& options,
+                  const JobControl& job)
+        : source_(source),
+          geometry_(source.info().geometry),
+          bricks_(geometry_.dims),
+          chunks_(geometry_.dims),
+          path_(path),
+          options_(options),
+          job_(job),
+          readsAhead_(PlaneRing<Sample>::memoryBytes(geometry_.dims, true) <= options.memoryBytes / 4),
           distinct_(distinctMemory()) {}
 
     Result<index::IndexInfo> run() {
         if (leastMemory() > options_.memoryBytes)
-            return makeError(ErrorCode::InvalidArgument, "memory budget is too small for planes of this size: give at least " +
-                                                             std::to_string((leastMemory() >> 20) + 1) + "M",
+            return makeError(ErrorCode::InvalidArgument,
+                             "memory budget is too small for planes of this size: give at least " +
+                                 std::to_string((leastMemory() >> 20) + 1) + "M",
                              options_.sourceName);
         spans_.least.resize(bricks_.brickCount());
         spans_.greatest.resize(bricks_.brickCount());
@@ -62,8 +70,8 @@ public:
             options_.redundancyThreshold > 0.0 ? options_.redundancyThreshold : list.redundancyThreshold;
         list.memoryBytes = options_.memoryBytes / 2;
         info_.redundancyThreshold = list.redundancyThreshold;
-        ISO_TRY(writeBrickList(spans_, geometry_.dims, list, spillPathOf(path_, options_), fileSystemOf(options_), *writer_, info_.levels,
-                               job_.part(0.95, 1.0)));
+        ISO_TRY(writeBrickList(spans_, geometry_.dims, list, spillPathOf(path_, options_), fileSystemOf(options_),
+                               *writer_, info_.levels, job_.part(0.95, 1.0)));
         if (job_.isStopRequested())
             return cancelledError();
         ISO_TRY(source_.checkUnchanged());
@@ -75,14 +83,17 @@ private:
         return PlaneRing<Sample>::memoryBytes(geometry_.dims, readsAhead) + bricks_.brickCount() * 2 * sizeof(Key);
     }
     // Samples of a row of chunks, as large as their encoded form gets.
-    std::uint64_t rowBytes() const { return static_cast<std::uint64_t>(chunks_.chunks()[0]) * index::SampleStore::kChunkSamples * sizeof(Sample); }
+    std::uint64_t rowBytes() const {
+        return static_cast<std::uint64_t>(chunks_.chunks()[0]) * index::SampleStore::kChunkSamples * sizeof(Sample);
+    }
     std::uint64_t leastMemory() const {
         constexpr std::uint64_t kElsewhere = std::uint64_t{16} << 20; // counts of each thread, pages, the program's own
         return planesAndSpans(false) + 2 * rowBytes() + kElsewhere;
     }
     std::uint64_t distinctMemory() const {
         const std::uint64_t taken = planesAndSpans(readsAhead_) + options_.memoryBytes / 4;
-        return std::max<std::uint64_t>(options_.memoryBytes / 16, options_.memoryBytes > taken ? (options_.memoryBytes - taken) / 2 : 0);
+        return std::max<std::uint64_t>(options_.memoryBytes / 16,
+                                       options_.memoryBytes > taken ? (options_.memoryBytes - taken) / 2 : 0);
     }
     std::size_t rowsInFlight() const {
         const auto most = static_cast<std::uint64_t>(4 * tbb::this_task_arena::max_concurrency());
@@ -217,22 +228,23 @@ private:
         const auto planeAt = [&ring](std::int64_t z) { return ring.plane(z); };
         std::atomic<bool> hasFailed = false; // `written` is the last filter's
         tbb::parallel_pipeline(
-            rowsInFlight(), tbb::make_filter<void, std::int64_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-                        if (nextRow == sides[1] || hasFailed || job_.isStopRequested())
-                            control.stop();
-                        return nextRow++;
-                    }) & tbb::make_filter<std::int64_t, Row>(tbb::filter_mode::parallel, [&](std::int64_t cy) {
-                        Row row(static_cast<std::size_t>(sides[0]));
-                        Worker& worker = workers.local();
-                        for (std::int64_t cx = 0; cx < sides[0]; ++cx)
-                            row[static_cast<std::size_t>(cx)] = encode(chunks_.chunkAt(cx, cy, slab), planeAt, worker);
-                        return row;
-                    }) & tbb::make_filter<Row, void>(tbb::filter_mode::serial_in_order, [&](const Row& row) {
-                        for (const EncodedChunk& chunk : row)
-                            if (written.isOk())
-                                written = writer_->addChunk(chunk.samples, chunk.mergeErrors);
-                        hasFailed = !written.isOk();
-                    }));
+            rowsInFlight(),
+            tbb::make_filter<void, std::int64_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
+                if (nextRow == sides[1] || hasFailed || job_.isStopRequested())
+                    control.stop();
+                return nextRow++;
+            }) & tbb::make_filter<std::int64_t, Row>(tbb::filter_mode::parallel, [&](std::int64_t cy) {
+                Row row(static_cast<std::size_t>(sides[0]));
+                Worker& worker = workers.local();
+                for (std::int64_t cx = 0; cx < sides[0]; ++cx)
+                    row[static_cast<std::size_t>(cx)] = encode(chunks_.chunkAt(cx, cy, slab), planeAt, worker);
+                return row;
+            }) & tbb::make_filter<Row, void>(tbb::filter_mode::serial_in_order, [&](const Row& row) {
+                for (const EncodedChunk& chunk : row)
+                    if (written.isOk())
+                        written = writer_->addChunk(chunk.samples, chunk.mergeErrors);
+                hasFailed = !written.isOk();
+            }));
         if (job_.isStopRequested())
             return cancelledError();
         return written;
@@ -272,7 +284,8 @@ private:
         return {};
     }
 
-    // The seed of the checksums depends on the volume's frame and first slab and on the parameters: same input, same bytes.
+    // The seed of the checksums depends on the volume's frame and first slab and on the parameters: same input, same
+    // bytes.
     Status createWriter(const PlaneRing<Sample>& ring) {
         XXH3_state_t* state = XXH3_createState();
         XXH3_64bits_reset(state);
@@ -283,8 +296,7 @@ private:
         XXH3_64bits_update(state, options_.sourceName.data(), options_.sourceName.size());
         const std::int64_t planes = std::min(geometry_.dims[2], ring.kThickness);
         XXH3_64bits_update(state, ring.plane(0),
-                           static_cast<std::size_t>(geometry_.dims[0] * geometry_.dims[1] * planes) *
-                               sizeof(Sample));
+                           static_cast<std::size_t>(geometry_.dims[0] * geometry_.dims[1] * planes) * sizeof(Sample));
         XXH3_64bits_update(state, &options_.skipLevels, sizeof options_.skipLevels);
         XXH3_64bits_update(state, &options_.redundancyThreshold, sizeof options_.redundancyThreshold);
         const std::uint64_t seed = XXH3_64bits_digest(state);

@@ -26,8 +26,12 @@ public:
     static constexpr std::int64_t kPlanes = kLeastPlanes + kThickness;
 
     PlaneRing(io::VolumeSource& source, bool readsAhead, std::stop_token stop)
-        : source_(source), dims_(source.info().geometry.dims), planeSize_(static_cast<std::size_t>(dims_[0] * dims_[1])),
-          planes_(std::min(dims_[2], readsAhead ? kPlanes : kLeastPlanes)), readsAhead_(readsAhead), stop_(std::move(stop)),
+        : source_(source),
+          dims_(source.info().geometry.dims),
+          planeSize_(static_cast<std::size_t>(dims_[0] * dims_[1])),
+          planes_(std::min(dims_[2], readsAhead ? kPlanes : kLeastPlanes)),
+          readsAhead_(readsAhead),
+          stop_(std::move(stop)),
           samples_(planeSize_ * static_cast<std::size_t>(planes_)) {}
     ~PlaneRing() { reading_.wait(); }
     PlaneRing(const PlaneRing&) = delete;
@@ -52,13 +56,16 @@ public:
         return {};
     }
     /// REQUIRES: in the slab, or beside it.
-    const Sample* plane(std::int64_t z) const { return samples_.data() + static_cast<std::size_t>(z % planes_) * planeSize_; }
+    const Sample* plane(std::int64_t z) const {
+        return samples_.data() + static_cast<std::size_t>(z % planes_) * planeSize_;
+    }
 
 private:
     // In parts, so that a job can be stopped between them.
     void readUpTo(std::int64_t end) {
         constexpr std::size_t kPartBytes = std::size_t{8} << 20;
-        const auto most = static_cast<std::int64_t>(std::max<std::size_t>(1, kPartBytes / (planeSize_ * sizeof(Sample))));
+        const auto most =
+            static_cast<std::int64_t>(std::max<std::size_t>(1, kPartBytes / (planeSize_ * sizeof(Sample))));
         try {
             while (next_ < end && !error_) {
                 if (stop_.stop_requested()) {
@@ -85,7 +92,7 @@ private:
     bool readsAhead_;
     std::stop_token stop_;
     std::vector<Sample> samples_; ///< plane z at z modulo planes_
-    std::int64_t next_ = 0;       ///< plane to read
+    std::int64_t next_ = 0; ///< plane to read
     std::optional<Error> error_;
     tbb::task_group reading_;
 };

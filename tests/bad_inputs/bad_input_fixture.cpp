@@ -45,8 +45,7 @@ void BadInputTest::expectRefusedSoon(const std::vector<std::string>& arguments, 
     expectSmall(result);
 }
 
-void BadInputTest::expectFileRefused(const std::string& name, const std::string& bytes,
-                                     std::string_view saying) const {
+void BadInputTest::expectFileRefused(const std::string& name, const std::string& bytes, std::string_view saying) const {
     folder_.write(name, bytes);
     expectRefusedSoon({"info", path(name)}, saying);
 }
@@ -62,8 +61,8 @@ OrderedJson BadInputTest::expectAcceptedSoon(std::vector<std::string> arguments)
     return json;
 }
 
-std::vector<std::string> BadInputTest::raw(const std::string& name, const std::string& bytes,
-                                           const std::string& dims, const std::string& type) const {
+std::vector<std::string> BadInputTest::raw(const std::string& name, const std::string& bytes, const std::string& dims,
+                                           const std::string& type) const {
     folder_.write(name, bytes);
     return {path(name), "--raw-dims", dims, "--raw-type", type};
 }

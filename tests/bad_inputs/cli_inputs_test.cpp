@@ -25,7 +25,8 @@ protected:
         static const TemporaryFolder folder;
         const auto place = (folder / name).string();
         if (name != "C" && !fs::exists(place)) {
-            const auto made = runProcess("/usr/bin/env", {"localedef", "-i", name.substr(0, name.find('.')), "-f", "UTF-8", place});
+            const auto made =
+                runProcess("/usr/bin/env", {"localedef", "-i", name.substr(0, name.find('.')), "-f", "UTF-8", place});
             if (made.exitCode != 0)
                 std::printf("%s cannot be made here: %s\n", name.c_str(), made.standardError.c_str());
         }
@@ -70,7 +71,8 @@ TEST_F(BadCommand, B098_IsovalueAtEverySample) {
     ASSERT_EQ(slid.exitCode, 0) << slid.standardError;
     const auto steps = OrderedJson::parse(slid.standardOutput)["steps"];
     for (const int isovalue : {0, 1, 100, 254, 255}) {
-        const auto fresh = expectAcceptedSoon(joined(joined({"extract"}, volume), {"--isovalue", std::to_string(isovalue)}));
+        const auto fresh =
+            expectAcceptedSoon(joined(joined({"extract"}, volume), {"--isovalue", std::to_string(isovalue)}));
         EXPECT_EQ(fresh["triangles"], steps[static_cast<std::size_t>(isovalue)]["triangles"]) << isovalue;
         EXPECT_EQ(fresh["manifold"], true);
     }
@@ -133,8 +135,9 @@ TEST_F(BadCommand, B099_OutputsThatAreInputsUnderAnotherName) {
     fs::create_directory(path("t_0.ply"));
     expectRefusedSoon({"slide", index, "--path", "1", "--export", path("t_%d.ply")}, "directory", 4);
     fs::create_directory(path("folder.mha"));
-    for (const auto& [output, says, code] : {std::tuple(path("a.mhd"), "is the input", 2), std::tuple(path("folder.mha"), "directory", 4),
-                                             std::tuple(path("none/b.mha"), "folder", 4), std::tuple(path("b.nrrd"), ".mha", 2)})
+    for (const auto& [output, says, code] :
+         {std::tuple(path("a.mhd"), "is the input", 2), std::tuple(path("folder.mha"), "directory", 4),
+          std::tuple(path("none/b.mha"), "folder", 4), std::tuple(path("b.nrrd"), ".mha", 2)})
         expectRefusedSoon({"resample", path("a.mhd"), "-o", output, "--size", "4,4,4"}, says, code);
     EXPECT_FALSE(fs::exists(path("b.mha")));
 }
@@ -176,10 +179,13 @@ TEST_F(BadCommand, B088_B099_WithoutPermission) {
     if (run({"--version"}, nobody).exitCode != 0)
         GTEST_SKIP() << "the program cannot be run by another user here";
     // As on a medium that is read-only: reading works, writing is refused before anything else.
-    for (const auto& words : {std::vector<std::string>{"stats", path("locked/a.isx")}, {"extract", path("locked/a.isx"), "--isovalue", "5"},
-                              {"slide", path("locked/a.isx"), "--path", "5,3"}, {"info", volume}})
+    for (const auto& words : {std::vector<std::string>{"stats", path("locked/a.isx")},
+                              {"extract", path("locked/a.isx"), "--isovalue", "5"},
+                              {"slide", path("locked/a.isx"), "--path", "5,3"},
+                              {"info", volume}})
         EXPECT_EQ(run(words, nobody).exitCode, 0) << words[0];
-    for (const auto& words : {std::vector<std::string>{"build", volume, "-o", path("locked/b.isx")}, {"build", volume, "-o", path("locked/a.isx")},
+    for (const auto& words : {std::vector<std::string>{"build", volume, "-o", path("locked/b.isx")},
+                              {"build", volume, "-o", path("locked/a.isx")},
                               {"extract", volume, "--isovalue", "5", "-o", path("locked/b.ply")},
                               {"resample", volume, "-o", path("locked/b.mha"), "--size", "4,4,4"},
                               {"slide", path("locked/a.isx"), "--path", "5", "--export", path("locked/b_%d.ply")}}) {
@@ -210,7 +216,8 @@ protected:
         return raw("rough.raw", samples, "96,96,96", "u8");
     }
     /// Sends each signal when its moment has come; the program has to end within a second of it, and leave nothing.
-    void expectEnds(const std::vector<std::string>& words, const std::function<bool(int signal, std::chrono::milliseconds)>& isTime) const {
+    void expectEnds(const std::vector<std::string>& words,
+                    const std::function<bool(int signal, std::chrono::milliseconds)>& isTime) const {
         const auto names = folder_.names();
         for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
             SCOPED_TRACE(fmt::format("{}, signal {}", fmt::join(words, " "), signal));
@@ -254,7 +261,10 @@ TEST_F(BadSignal, B100_EndsAnExtraction) {
 }
 
 TEST_F(BadSignal, B100_EndsACheck) {
-    ASSERT_EQ(run(joined(joined({"extract"}, roughVolume()), {"--isovalue", "127.5", "-o", path("rough.off")}), {.timeout = std::chrono::seconds(60)}).exitCode, 0);
+    ASSERT_EQ(run(joined(joined({"extract"}, roughVolume()), {"--isovalue", "127.5", "-o", path("rough.off")}),
+                  {.timeout = std::chrono::seconds(60)})
+                  .exitCode,
+              0);
     expectEnds({"check", path("rough.off")}, [](int signal, auto time) { return isLater(signal, time, 500, 400); });
 }
 
@@ -277,28 +287,37 @@ TEST_F(BadCommand, B101_OtherLocales) {
 #endif
     const auto volume = sphereVolume();
     // Numbers as text, in a format of ours and in two that libraries read.
-    folder_.write("a.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nspacings: 0.5 1.25 1e-1\nencoding: ascii\n\n"
-                            "0.5 1.5 2.25 3e-1 4.125 5 6 7\n");
-    folder_.write("a.vtk", "# vtk DataFile Version 3.0\nTITLE\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 3 2 2\nX_COORDINATES 3 float\n"
-                           "0.5 1.25 4.5\nY_COORDINATES 2 float\n0 1.5\nZ_COORDINATES 2 float\n0 1\nPOINT_DATA 12\n"
-                           "SCALARS INTENSITY float\nLOOKUP_TABLE default\n0.5 1 4 10 11 14.25 100 101 104 110 111 114\n");
+    folder_.write("a.nrrd",
+                  "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nspacings: 0.5 1.25 1e-1\nencoding: ascii\n\n"
+                  "0.5 1.5 2.25 3e-1 4.125 5 6 7\n");
+    folder_.write(
+        "a.vtk",
+        "# vtk DataFile Version 3.0\nTITLE\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 3 2 2\nX_COORDINATES 3 float\n"
+        "0.5 1.25 4.5\nY_COORDINATES 2 float\n0 1.5\nZ_COORDINATES 2 float\n0 1\nPOINT_DATA 12\n"
+        "SCALARS INTENSITY float\nLOOKUP_TABLE default\n0.5 1 4 10 11 14.25 100 101 104 110 111 114\n");
     std::vector<std::string> all;
     for (const auto* locale : {"C", "de_DE.UTF-8", "tr_TR.UTF-8"}) {
         ProcessOptions options;
         options.environment = {{"LC_ALL", locale}, {"LANG", locale}, {"LOCPATH", localeFolder(locale)}};
         std::string output;
-        for (const auto& words : {std::vector<std::string>{"info", volume, "--json"}, {"info", path("a.nrrd"), "--json"},
-                                  {"info", path("a.vtk"), "--json"}, {"extract", volume, "--isovalue", "4.25", "-o", path("a.obj")},
-                                  {"extract", path("a.vtk"), "--isovalue", "12.5", "--json"}, {"check", path("a.obj"), "--json"},
-                                  {"build", volume, "-o", path("a.isx")}, {"stats", path("a.isx"), "--json"},
+        for (const auto& words : {std::vector<std::string>{"info", volume, "--json"},
+                                  {"info", path("a.nrrd"), "--json"},
+                                  {"info", path("a.vtk"), "--json"},
+                                  {"extract", volume, "--isovalue", "4.25", "-o", path("a.obj")},
+                                  {"extract", path("a.vtk"), "--isovalue", "12.5", "--json"},
+                                  {"check", path("a.obj"), "--json"},
+                                  {"build", volume, "-o", path("a.isx")},
+                                  {"stats", path("a.isx"), "--json"},
                                   {"extract", path("a.isx"), "--isovalue", "4.25", "-o", path("a.ply")},
                                   {"resample", path("a.vtk"), "-o", path("a.mha"), "--size", "4,4,4"}}) {
             const auto result = run(words, options);
             EXPECT_EQ(result.exitCode, 0) << locale << ' ' << words[0] << ' ' << result.standardError;
             output += words[0] == "build" ? "" : result.standardOutput; // its seconds differ
         }
-        for (const auto& words : {std::vector<std::string>{"extract", volume, "--isovalue", "1,5"}, {"info", path("none.mha")},
-                                  {"INFO", volume}, {"extract", volume, "--ISOVALUE", "1"}})
+        for (const auto& words : {std::vector<std::string>{"extract", volume, "--isovalue", "1,5"},
+                                  {"info", path("none.mha")},
+                                  {"INFO", volume},
+                                  {"extract", volume, "--ISOVALUE", "1"}})
             output += run(words, options).standardError;
         for (const auto* name : {"a.obj", "a.ply", "a.isx", "a.mha"})
             output += readText(path(name));
@@ -354,7 +373,9 @@ TEST_F(BadCommand, B102_ManyIsovalues) {
     }
     EXPECT_EQ(found.size(), 13u);
     for (const auto& [isovalue, counts] : found)
-        EXPECT_EQ(expectAcceptedSoon({"extract", index, "--isovalue", fmt::format("{}", isovalue)})["triangles"], counts.first) << isovalue;
+        EXPECT_EQ(expectAcceptedSoon({"extract", index, "--isovalue", fmt::format("{}", isovalue)})["triangles"],
+                  counts.first)
+            << isovalue;
 #if !defined(__SANITIZE_ADDRESS__)
     EXPECT_LT(many.peakRssBytes, few.peakRssBytes + (std::uint64_t{256} << 20)); // of text that is printed at once
 #endif

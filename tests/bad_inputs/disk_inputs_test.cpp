@@ -27,8 +27,8 @@ protected:
 #endif
         volume_ = sphereVolume();
     }
-    ProcessResult runFailing(const std::vector<std::string>& arguments, const char* calls,
-                             const std::string& how, long at = 0) const {
+    ProcessResult runFailing(const std::vector<std::string>& arguments, const char* calls, const std::string& how,
+                             long at = 0) const {
         ProcessOptions options;
 #ifdef ISOSLIDER_FAILING_CALLS
         options.environment = {{"LD_PRELOAD", ISOSLIDER_FAILING_CALLS},
@@ -130,8 +130,7 @@ TEST_F(BadDisk, B091_EachCallFailsInTurn) {
                 const auto result = runFailing(build(kind), "write", fmt::format("errno {}", error), call);
                 if (result.exitCode == 0 && readText(path("a.isx")) == whole)
                     break;
-                if (readText(path("a.isx")) ==
-                    whole) { // it has its name; only the folder could not be synced
+                if (readText(path("a.isx")) == whole) { // it has its name; only the folder could not be synced
                     EXPECT_EQ(result.exitCode, 4);
                     continue;
                 }
@@ -154,8 +153,8 @@ TEST_F(BadDisk, B091_TheDiskIsFullAtAnyPlace) {
             EXPECT_THAT(result.standardError, HasSubstr("No space left"));
         }
         fs::remove(path("a.isx"));
-        const auto mesh = runFailing({"extract", volume_, "--isovalue", "5", "-o", path("a.isx.ply")},
-                                     "write", "full", 1000);
+        const auto mesh =
+            runFailing({"extract", volume_, "--isovalue", "5", "-o", path("a.isx.ply")}, "write", "full", 1000);
         EXPECT_EQ(mesh.exitCode, 4) << mesh.standardError;
         EXPECT_THAT(folder_.names(), ElementsAre("sphere.mha"));
     }
@@ -170,8 +169,8 @@ TEST_F(BadDisk, B091_ShortAndInterruptedCallsAreGoneOnWith) {
                 const auto built = runFailing(build(kind), calls, how);
                 EXPECT_EQ(built.exitCode, 0) << built.standardError;
                 EXPECT_TRUE(readText(path("a.isx")) == whole);
-                const auto slid = runFailing(
-                    {"slide", path("a.isx"), "--path", "5,3,7", "--export", path("s_%d.off")}, calls, how);
+                const auto slid =
+                    runFailing({"slide", path("a.isx"), "--path", "5,3,7", "--export", path("s_%d.off")}, calls, how);
                 EXPECT_EQ(slid.exitCode, 0) << slid.standardError;
             }
     }
@@ -179,8 +178,7 @@ TEST_F(BadDisk, B091_ShortAndInterruptedCallsAreGoneOnWith) {
 
 TEST_F(BadDisk, B096_ADiskThatGoesWhileItIsRead) {
     for (const auto* kind : {"edges", "metacells"})
-        ASSERT_EQ(run({"build", volume_, "-o", path(std::string(kind) + ".isx"), "--index", kind}).exitCode,
-                  0);
+        ASSERT_EQ(run({"build", volume_, "-o", path(std::string(kind) + ".isx"), "--index", kind}).exitCode, 0);
     for (const auto& words : {std::vector<std::string>{"info", volume_},
                               {"extract", volume_, "--isovalue", "5"},
                               build("edges"),

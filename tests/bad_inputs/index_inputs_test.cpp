@@ -77,10 +77,8 @@ TEST_F(BadIndex, B076_NoIndexAtAll) {
     std::mt19937 engine(1);
     for (char& c : random)
         c = static_cast<char>(engine());
-    const std::pair<const char*, std::string> files[] = {{"empty.isx", ""},
-                                                         {"one.isx", "I"},
-                                                         {"random.isx", random},
-                                                         {"text.isx", "Dear reader,\nthis is a letter.\n"}};
+    const std::pair<const char*, std::string> files[] = {
+        {"empty.isx", ""}, {"one.isx", "I"}, {"random.isx", random}, {"text.isx", "Dear reader,\nthis is a letter.\n"}};
     for (const auto& [name, bytes] : files) {
         folder_.write(name, bytes);
         expectRefusedSoon({"stats", path(name)}, "not an ISOSLIDER index");
@@ -90,10 +88,8 @@ TEST_F(BadIndex, B076_NoIndexAtAll) {
     // What begins like one is one, cut off: another refusal, that says how long it should be.
     for (const std::size_t bytes : {std::size_t{12}, std::size_t{63}, std::size_t{64}}) {
         folder_.write("head.isx", good.substr(0, bytes));
-        for (const auto& words : {std::vector<std::string>{"stats"},
-                                  {"info"},
-                                  {"extract", "--isovalue", "1"},
-                                  {"slide", "--path", "1"}}) {
+        for (const auto& words :
+             {std::vector<std::string>{"stats"}, {"info"}, {"extract", "--isovalue", "1"}, {"slide", "--path", "1"}}) {
             auto command = joined({words[0], path("head.isx")}, {words.begin() + 1, words.end()});
             expectRefusedSoon(command, bytes < 64 ? "index ends inside its header"
                                                   : fmt::format("should have {} bytes", good.size()));
@@ -140,10 +136,8 @@ TEST_F(BadIndex, B078_LaterMinorVersionWithMore) {
 
 TEST_F(BadIndex, B079_EarlierMajorVersions) {
     for (const auto* name : {"golden_v1.isx", "golden_v2.isx"})
-        for (const auto& words : {std::vector<std::string>{"stats"},
-                                  {"info"},
-                                  {"extract", "--isovalue", "1"},
-                                  {"slide", "--path", "1"}})
+        for (const auto& words :
+             {std::vector<std::string>{"stats"}, {"info"}, {"extract", "--isovalue", "1"}, {"slide", "--path", "1"}})
             expectRefusedSoon(joined({words[0], std::string(ISOSLIDER_SOURCE_DIR) + "/tests/data/" + name},
                                      {words.begin() + 1, words.end()}),
                               "build it again");
@@ -274,8 +268,7 @@ TEST_F(BadIndex, B093_SmallBudget) {
             file << plane;
         }
     }
-    expectWithin(
-        {"build", path("a.raw"), "--raw-dims", "512,512,512", "--raw-type", "u8", "--index", "metacells"});
+    expectWithin({"build", path("a.raw"), "--raw-dims", "512,512,512", "--raw-type", "u8", "--index", "metacells"});
     fs::remove(path("a.raw"));
     expectWithin({"build", BadInputTest::noiseVolume(96), "--index", "edges"});
 }
@@ -311,8 +304,7 @@ TEST_F(BadIndex, B095_TwoBuildsOfOneIndex) {
             EXPECT_TRUE(!hasEarlier || readText(path("a.isx")) == earlier);
             return true;
         };
-        const auto first =
-            run({"build", volume, "-o", path("a.isx"), "--index", "edges", "--memory", "64M"}, stopped);
+        const auto first = run({"build", volume, "-o", path("a.isx"), "--index", "edges", "--memory", "64M"}, stopped);
         ASSERT_TRUE(second);
         EXPECT_EQ(first.exitCode, 0) << first.standardError;
         EXPECT_EQ(second->exitCode, 3) << second->standardError;
@@ -337,7 +329,8 @@ TEST_F(BadIndex, B096_FileThatShrinksWhileItIsRead) {
             if (left <= 64) {
                 EXPECT_FALSE(moved.isOk()) << left;
             } else if (moved.isOk()) { // what it needs lay before the end
-                EXPECT_TRUE(isSameSurface(engine.value()->mesh().value(), extract::extractFull(*volume(), 9.0).value()));
+                EXPECT_TRUE(
+                    isSameSurface(engine.value()->mesh().value(), extract::extractFull(*volume(), 9.0).value()));
             }
         }
     }

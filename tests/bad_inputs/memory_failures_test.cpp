@@ -35,8 +35,12 @@ void* allocate(std::size_t size, std::size_t alignment) {
 
 void* operator new(std::size_t size) { return allocate(size, 1); }
 void* operator new[](std::size_t size) { return allocate(size, 1); }
-void* operator new(std::size_t size, std::align_val_t alignment) { return allocate(size, static_cast<std::size_t>(alignment)); }
-void* operator new[](std::size_t size, std::align_val_t alignment) { return allocate(size, static_cast<std::size_t>(alignment)); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+    return allocate(size, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+    return allocate(size, static_cast<std::size_t>(alignment));
+}
 void operator delete(void* place) noexcept { std::free(place); }
 void operator delete[](void* place) noexcept { std::free(place); }
 void operator delete(void* place, std::size_t) noexcept { std::free(place); }
@@ -67,7 +71,8 @@ protected:
     /// with an error, an exception that says so, or as if nothing had happened.
     template <class Work>
     static void forEachFailure(const Work& work) {
-        // The first ones one by one, later ones at growing distances; each of the first 20,000 with ISOSLIDER_LONG_TESTS.
+        // The first ones one by one, later ones at growing distances; each of the first 20,000 with
+        // ISOSLIDER_LONG_TESTS.
         const long each = std::getenv("ISOSLIDER_LONG_TESTS") != nullptr ? 20'000 : 60;
         long failed = 0;
         for (long n = 0;; n += 1 + n / each) {
@@ -136,8 +141,7 @@ TEST_P(FailingMemory, B092_SlidingEndsAndCanGoOn) {
                     shown = std::move(next);
                 }
             }
-        } catch (const std::bad_alloc&) {
-        }
+        } catch (const std::bad_alloc&) {}
         const WithoutFailures pause;
         if (engine == nullptr)
             return isDone;

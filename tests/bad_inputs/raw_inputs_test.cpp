@@ -102,8 +102,10 @@ protected:
     }
     // Components, Euler number, boundary loops and active edges, as sweeping each cell in slices finds them.
     template <class Sample>
-    static void expectOracleCounts(const OrderedJson& json, const std::vector<Sample>& samples, std::int64_t side, double isovalue) {
-        const auto expected = sweepGrid(std::vector<double>(samples.begin(), samples.end()), {side, side, side}, isovalue);
+    static void expectOracleCounts(const OrderedJson& json, const std::vector<Sample>& samples, std::int64_t side,
+                                   double isovalue) {
+        const auto expected =
+            sweepGrid(std::vector<double>(samples.begin(), samples.end()), {side, side, side}, isovalue);
         EXPECT_EQ(json["components"], expected.components) << isovalue;
         EXPECT_EQ(json["euler"], expected.euler) << isovalue;
         EXPECT_EQ(json["boundary_loops"], expected.loops) << isovalue;
@@ -208,7 +210,8 @@ TEST_F(BadRaw, B011_MorePointsThan31Bits) {
     ProcessOptions patient;
     patient.timeout = std::chrono::minutes(4);
     const auto built = run({"build", file, "--raw-dims", "1536,1536,1297", "--raw-type", "u8", "-o", path("a.isx"),
-                            "--index", "metacells", "--memory", "512M"}, patient);
+                            "--index", "metacells", "--memory", "512M"},
+                           patient);
     ASSERT_EQ(built.exitCode, 0) << built.standardError;
     const auto made = run({"extract", path("a.isx"), "--isovalue", "4", "-o", path("a.off"), "--json"}, patient);
     ASSERT_EQ(made.exitCode, 0) << made.standardError;
@@ -225,7 +228,8 @@ TEST_F(BadRaw, B012_BeyondTheMachine) {
     bounded.addressSpaceBytes = std::uint64_t{4} << 30;
 #endif
     const auto result = run({"build", file, "--raw-dims", "2049,2049,2049", "--raw-type", "u8", "-o", path("a.isx"),
-                             "--index", "metacells", "--memory", "64M"}, bounded);
+                             "--index", "metacells", "--memory", "64M"},
+                            bounded);
     EXPECT_EQ(result.exitCode, 3) << result.standardError;
     EXPECT_THAT(result.standardError, HasSubstr("memory budget is too small"));
     EXPECT_FALSE(fs::exists(path("a.isx")));
@@ -233,7 +237,8 @@ TEST_F(BadRaw, B012_BeyondTheMachine) {
     EXPECT_LT(result.peakRssBytes, std::uint64_t{192} << 20) << "before any allocation";
     EXPECT_LT(result.processorTime, std::chrono::seconds(1));
     // Nor is it read whole where there is no memory for it.
-    const auto whole = run({"extract", file, "--raw-dims", "2049,2049,2049", "--raw-type", "u8", "--isovalue", "1"}, bounded);
+    const auto whole =
+        run({"extract", file, "--raw-dims", "2049,2049,2049", "--raw-type", "u8", "--isovalue", "1"}, bounded);
     EXPECT_THAT(whole.exitCode, ::testing::AnyOf(3, 4)) << whole.standardError;
     EXPECT_EQ(std::count(whole.standardError.begin(), whole.standardError.end(), '\n'), 1) << whole.standardError;
     EXPECT_THAT(whole.standardError, HasSubstr("memory"));
@@ -274,7 +279,8 @@ TEST_F(BadRaw, B015_NothingFinite) {
         expectRefusedSoon(joined({"info"}, volume), "no finite sample");
         expectRefusedSoon(joined(joined({"extract"}, volume), {"--isovalue", "0"}), "no finite sample");
         for (const auto* kind : {"edges", "metacells"})
-            expectRefusedSoon(joined(joined({"build"}, volume), {"-o", path("a.isx"), "--index", kind}), "no finite sample");
+            expectRefusedSoon(joined(joined({"build"}, volume), {"-o", path("a.isx"), "--index", kind}),
+                              "no finite sample");
     }
 }
 
@@ -449,7 +455,8 @@ TEST_F(BadRaw, B023_IsovalueOnSamplesEverywhere) {
     // The surface at a sample's value is the limit of those below it.
     for (const auto& form : allForms(volume))
         for (const int isovalue : {1, 2, 3, 4, 5, 6}) {
-            const auto at = extract(form, std::to_string(isovalue)), below = extract(form, std::to_string(isovalue - 1) + ".999999999");
+            const auto at = extract(form, std::to_string(isovalue)),
+                       below = extract(form, std::to_string(isovalue - 1) + ".999999999");
             for (const auto* key : {"vertices", "triangles", "active_edges", "components", "euler", "boundary_loops"})
                 EXPECT_EQ(at[key], below[key]) << key << " of " << form[0] << " at " << isovalue;
             expectOracleCounts(at, samples, 11, isovalue);
@@ -497,13 +504,15 @@ TEST_F(BadRaw, B024_SourceThatChangesMeanwhile) {
                 change.make();
                 return true;
             };
-            const auto result = run({"build", volume, "-o", path("a.isx"), "--index", kind, "--memory", "64M"}, options);
+            const auto result =
+                run({"build", volume, "-o", path("a.isx"), "--index", kind, "--memory", "64M"}, options);
             EXPECT_EQ(result.exitCode, 3) << result.standardError;
             EXPECT_THAT(result.standardError, HasSubstr("noise.mha"));
             if (std::string_view(change.name) != "shorter") { // which may be found first by reading
                 EXPECT_THAT(result.standardError, HasSubstr("changed while it was read"));
             }
-            EXPECT_EQ(std::count(result.standardError.begin(), result.standardError.end(), '\n'), 1) << result.standardError;
+            EXPECT_EQ(std::count(result.standardError.begin(), result.standardError.end(), '\n'), 1)
+                << result.standardError;
             fs::remove(volume);
             EXPECT_TRUE(folder_.names().empty()) << folder_.names().front();
         }
@@ -522,7 +531,9 @@ TEST_F(BadRaw, B025_NoRegularFile) {
     expectRefusedSoon({"info", path("s.mha")}, "regular file");
     expectRefusedSoon({"info", "/dev/zero"}, "regular file");
     for (const auto& name : {path("folder.mha"), path("pipe.mha"), path("s.mha"), std::string("/dev/zero")})
-        for (const auto& command : {std::vector<std::string>{"info"}, {"build", "-o", path("a.isx")}, {"extract", "--isovalue", "1"},
+        for (const auto& command : {std::vector<std::string>{"info"},
+                                    {"build", "-o", path("a.isx")},
+                                    {"extract", "--isovalue", "1"},
                                     {"resample", "-o", path("a.mha"), "--size", "4,4,4"}}) {
             std::vector<std::string> words{command[0], name, "--raw-dims", "4,4,4", "--raw-type", "u8"};
             words.insert(words.end(), command.begin() + 1, command.end());
@@ -559,7 +570,8 @@ TEST_F(BadRaw, B026_StrangeNames) {
     // The longest name that a file can have leaves no room for what is written beside it first.
     const auto longest = path(std::string(251, 'x') + ".isx");
     const auto built = run({"build", sphereVolume(), "-o", longest});
-    EXPECT_TRUE(built.exitCode == 0 ? fs::exists(longest) : built.exitCode == 4 && !fs::exists(longest)) << built.standardError;
+    EXPECT_TRUE(built.exitCode == 0 ? fs::exists(longest) : built.exitCode == 4 && !fs::exists(longest))
+        << built.standardError;
     // A dash in front: relative to the folder that the program runs in, and behind "--".
     folder_.write("-dash.mha", bytes);
     const ProcessResult dashed = run({"info", "--json", "--", "-dash.mha"});

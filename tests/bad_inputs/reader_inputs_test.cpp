@@ -59,8 +59,7 @@ TEST_F(BadReader, B033_B034_OutsideTheFolderOnlyWhenAllowed) {
         folder_.write("inside/a.mhd", mhaHeader(data));
         for (const auto* name : {"inside/a.nhdr", "inside/a.mhd"}) {
             expectRefusedSoon({"info", path(name)}, "outside the folder");
-            EXPECT_EQ(expectAcceptedSoon({"info", path(name), "--allow-external"})["dims"],
-                      OrderedJson({4, 3, 2}))
+            EXPECT_EQ(expectAcceptedSoon({"info", path(name), "--allow-external"})["dims"], OrderedJson({4, 3, 2}))
                 << data;
         }
     }
@@ -69,14 +68,12 @@ TEST_F(BadReader, B033_B034_OutsideTheFolderOnlyWhenAllowed) {
 TEST_F(BadReader, B047_LeftHandedDirectionsKeepTheOutsideOutside) {
     // A ball in a NRRD file, with each axis turned round in turn: the volume enclosed has the same sign.
     const std::string ball = readText(sphereVolume()).substr(readText(sphereVolume()).find("LOCAL\n") + 6);
-    for (const auto* directions :
-         {"(1,0,0) (0,2,0) (0,0,3)", "(-1,0,0) (0,2,0) (0,0,3)", "(1,0,0) (0,-2,0) (0,0,3)",
-          "(0,2,0) (1,0,0) (0,0,3)", "(-1,0,0) (0,-2,0) (0,0,-3)"}) {
+    for (const auto* directions : {"(1,0,0) (0,2,0) (0,0,3)", "(-1,0,0) (0,2,0) (0,0,3)", "(1,0,0) (0,-2,0) (0,0,3)",
+                                   "(0,2,0) (1,0,0) (0,0,3)", "(-1,0,0) (0,-2,0) (0,0,-3)"}) {
         folder_.write(
             "a.nrrd",
-            std::string(
-                "NRRD0004\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: 16 16 16\n"
-                "space directions: ") +
+            std::string("NRRD0004\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: 16 16 16\n"
+                        "space directions: ") +
                 directions + "\nendian: little\nencoding: raw\n\n" + ball);
         const auto mesh = expectAcceptedSoon({"extract", path("a.nrrd"), "--isovalue", "5"});
         EXPECT_EQ(mesh["oriented"], true) << directions;

@@ -71,8 +71,7 @@ private:
     std::uint64_t bucketOf(std::uint64_t key) const {
         const unsigned __int128 product = static_cast<unsigned __int128>(a_) * key + b_;
         // 2^61 = 1 mod p: the digits to base 2^61 are added.
-        std::uint64_t rest =
-            static_cast<std::uint64_t>(product & kPrime) + static_cast<std::uint64_t>(product >> 61);
+        std::uint64_t rest = static_cast<std::uint64_t>(product & kPrime) + static_cast<std::uint64_t>(product >> 61);
         if (rest >= kPrime)
             rest -= kPrime;
         return rest % heads_.size();

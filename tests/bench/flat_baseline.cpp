@@ -39,8 +39,7 @@ float inverseNorm(float m, float t) {
 } // namespace
 
 template <class Live>
-FlatBaseline<Live>::FlatBaseline(const GridGeometry& geometry,
-                                 const std::vector<index::MissingCells>& missingCells,
+FlatBaseline<Live>::FlatBaseline(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells,
                                  std::uint64_t expectedEdges)
     : grid_(geometry.dims), edgeTable_(2 * expectedEdges, 1), cellTable_(2 * expectedEdges, 2) {
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -92,8 +91,7 @@ void FlatBaseline<Live>::add(const ActivatedEdge<Live>& change) {
 }
 
 template <class Live>
-typename FlatBaseline<Live>::Edge FlatBaseline<Live>::makeEdge(
-    const ActivatedEdge<Live>& change) const {
+typename FlatBaseline<Live>::Edge FlatBaseline<Live>::makeEdge(const ActivatedEdge<Live>& change) const {
     const std::size_t axis = change.edge >> 9;
     const auto point = grid_.pointCoords(PointId{change.brick} * kBrickPoints + (change.edge & 511));
     Edge edge{};
@@ -126,8 +124,7 @@ template <class Visit>
 void FlatBaseline<Live>::forEachCellAt(EdgeId edge, const Visit& visit) const {
     const std::size_t axis = edge & 3;
     const std::uint64_t linear = edge >> 2;
-    const std::array<std::uint64_t, 3> point{linear % dims_[0], linear / dims_[0] % dims_[1],
-                                             linear / strides_[2]};
+    const std::array<std::uint64_t, 3> point{linear % dims_[0], linear / dims_[0] % dims_[1], linear / strides_[2]};
     const std::size_t u = axis == 0 ? 1 : 0;
     const std::size_t v = axis == 2 ? 1 : 2;
     for (std::uint64_t offset = 0; offset < 4; ++offset) {
@@ -241,8 +238,7 @@ void FlatBaseline<Live>::compact(Bucket& bucket, std::uint32_t triangles) {
     for (const std::uint32_t hole : bucket.holes) {
         const std::size_t last = bucket.owners.size() - 1;
         if (hole != last) {
-            std::copy_n(bucket.indices.data() + runLength * last, runLength,
-                        bucket.indices.data() + runLength * hole);
+            std::copy_n(bucket.indices.data() + runLength * last, runLength, bucket.indices.data() + runLength * hole);
             bucket.owners[hole] = bucket.owners[last];
             cellTable_.find(bucket.owners[hole])->start = hole;
         }
@@ -256,9 +252,9 @@ template <class Live>
 bool FlatBaseline<Live>::isMissingCell(CellId cell) const {
     if (missingCells_.empty())
         return false;
-    const PointId point = grid_.pointId(static_cast<std::int64_t>(cell % dims_[0]),
-                                        static_cast<std::int64_t>(cell / dims_[0] % dims_[1]),
-                                        static_cast<std::int64_t>(cell / strides_[2]));
+    const PointId point =
+        grid_.pointId(static_cast<std::int64_t>(cell % dims_[0]), static_cast<std::int64_t>(cell / dims_[0] % dims_[1]),
+                      static_cast<std::int64_t>(cell / strides_[2]));
     const auto found = missingCells_.find(static_cast<BrickIndex>(point / kBrickPoints));
     const std::uint64_t local = point % kBrickPoints;
     return found != missingCells_.end() && (found->second->cells[local >> 6] >> (local & 63) & 1);

@@ -24,8 +24,7 @@ struct Options {
 };
 
 // One slide; false where baseline and product disagree.
-Result<bool> runSlide(const BenchVolume& volume, const std::filesystem::path& index, double percent,
-                      int steps) {
+Result<bool> runSlide(const BenchVolume& volume, const std::filesystem::path& index, double percent, int steps) {
     auto flat = FlatRunner::open(index);
     if (!flat.isOk())
         return std::move(flat).error();
@@ -44,8 +43,7 @@ Result<bool> runSlide(const BenchVolume& volume, const std::filesystem::path& in
         if (!step.isOk())
             return step.error();
         const FlatStep& ours = flatStep.value();
-        agrees = agrees && ours.activeEdges == step.value().activeEdges &&
-                 ours.triangles == step.value().triangles;
+        agrees = agrees && ours.activeEdges == step.value().activeEdges && ours.triangles == step.value().triangles;
         mostBytes = std::max(mostBytes, ours.memoryBytes);
         mostEdges = std::max(mostEdges, ours.activeEdges);
         updates.push_back(ours.updateMs);
@@ -58,9 +56,9 @@ Result<bool> runSlide(const BenchVolume& volume, const std::filesystem::path& in
         times->erase(times->begin());
     fmt::print(
         "{:<14} {:>6} %  update {:8.2f}  interpolate {:7.2f}  product {:7.2f} ms  {:7.0f} edges changed  {:4.0f} B/edge  {}\n",
-        volume.name, percent, spreadOf(updates).median, spreadOf(interpolations).median,
-        spreadOf(engineTimes).median, static_cast<double>(changed) / steps,
-        static_cast<double>(mostBytes) / static_cast<double>(mostEdges), agrees ? "agrees" : "DISAGREES");
+        volume.name, percent, spreadOf(updates).median, spreadOf(interpolations).median, spreadOf(engineTimes).median,
+        static_cast<double>(changed) / steps, static_cast<double>(mostBytes) / static_cast<double>(mostEdges),
+        agrees ? "agrees" : "DISAGREES");
     std::fflush(stdout);
     return agrees;
 }

@@ -37,8 +37,8 @@ struct EdgeChanges {
 
 /// Takes the net changes between two thresholds from the edge blocks of an index.
 template <class Sample>
-Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGrid& grid, KeyThreshold from, KeyThreshold to,
-                          EdgeChanges<extract::LiveOf<Sample>>& changes) {
+Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGrid& grid, KeyThreshold from,
+                          KeyThreshold to, EdgeChanges<extract::LiveOf<Sample>>& changes) {
     using Live = extract::LiveOf<Sample>;
     changes.activated.clear();
     changes.deactivated.clear();
@@ -73,9 +73,11 @@ Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGr
                 }
                 const Live far = static_cast<Live>(sampleOfKey<Sample>(farKey));
                 if (isUpward)
-                    changes.activated.push_back({near, far, brick, edge, part.page.normals[i], part.page.farNormals[entry]});
+                    changes.activated.push_back(
+                        {near, far, brick, edge, part.page.normals[i], part.page.farNormals[entry]});
                 else
-                    changes.activated.push_back({far, near, brick, edge, part.page.farNormals[entry], part.page.normals[i]});
+                    changes.activated.push_back(
+                        {far, near, brick, edge, part.page.farNormals[entry], part.page.normals[i]});
             }
         }
         return entry;

@@ -26,8 +26,7 @@ public:
     explicit Runner(std::unique_ptr<index::IndexReader> reader)
         : reader_(std::move(reader)),
           walk_(*reader_, kCacheBytes),
-          surface_(reader_->info().geometry, reader_->meta().missingCells,
-                   averageActiveEdges(reader_->info())) {}
+          surface_(reader_->info().geometry, reader_->meta().missingCells, averageActiveEdges(reader_->info())) {}
 
     Result<FlatStep> slideTo(double isovalue) override {
         FlatStep step;
@@ -72,8 +71,7 @@ Result<std::unique_ptr<FlatRunner>> FlatRunner::open(const std::filesystem::path
         return std::move(reader).error();
     const ScalarType type = reader.value()->info().type;
     return visitScalarType(type, [&](auto sample) -> Result<std::unique_ptr<FlatRunner>> {
-        return std::unique_ptr<FlatRunner>(
-            std::make_unique<Runner<decltype(sample)>>(std::move(reader).value()));
+        return std::unique_ptr<FlatRunner>(std::make_unique<Runner<decltype(sample)>>(std::move(reader).value()));
     });
 }
 

@@ -35,9 +35,7 @@ std::string argumentsFor(const VolumeFile& volume) {
 }
 
 double perEdge(std::uint64_t bytes, std::uint64_t emptyBytes, std::uint64_t edges) {
-    return bytes > emptyBytes && edges > 0
-               ? static_cast<double>(bytes - emptyBytes) / static_cast<double>(edges)
-               : 0.0;
+    return bytes > emptyBytes && edges > 0 ? static_cast<double>(bytes - emptyBytes) / static_cast<double>(edges) : 0.0;
 }
 
 } // namespace
@@ -47,8 +45,8 @@ double ProbeResult::bytesPerEdgeAfterSlide() const { return perEdge(slideBytes, 
 
 Result<ProbeResult> probeSlide(const ProbeRequest& request) {
     std::string arguments = request.volume ? "--memory " + argumentsFor(*request.volume) : quoted(request.index);
-    arguments += fmt::format(" {} {}", request.threads,
-                             request.cacheBytes ? static_cast<long long>(*request.cacheBytes) : -1LL);
+    arguments +=
+        fmt::format(" {} {}", request.threads, request.cacheBytes ? static_cast<long long>(*request.cacheBytes) : -1LL);
     for (const double isovalue : request.isovalues)
         arguments += fmt::format(" {}", isovalue);
     const auto output = outputOf("slide_probe", arguments);
@@ -56,9 +54,9 @@ Result<ProbeResult> probeSlide(const ProbeRequest& request) {
         return output.error();
     ProbeResult result;
     unsigned long long bytes[4] = {}, edges[2] = {};
-    const int fields = std::sscanf(output.value().c_str(), "%lf %lf %llu %llu %llu %llu %llu %llu", &result.openMs,
-                                   &result.firstSurfaceMs, &bytes[0], &bytes[1], &bytes[2], &bytes[3], &edges[0],
-                                   &edges[1]);
+    const int fields =
+        std::sscanf(output.value().c_str(), "%lf %lf %llu %llu %llu %llu %llu %llu", &result.openMs,
+                    &result.firstSurfaceMs, &bytes[0], &bytes[1], &bytes[2], &bytes[3], &edges[0], &edges[1]);
     if (fields != 8)
         return makeError(ErrorCode::IoError, "did not answer", "slide_probe");
     result.emptyBytes = bytes[0];
@@ -71,9 +69,9 @@ Result<ProbeResult> probeSlide(const ProbeRequest& request) {
 }
 
 Result<BuildProbeResult> probeBuild(const BuildProbeRequest& request) {
-    const auto output = outputOf("build_probe", fmt::format("{} {} {} {} {}", argumentsFor(request.volume),
-                                                            quoted(request.index), index::indexKindName(request.kind),
-                                                            request.threads, request.memoryBytes));
+    const auto output =
+        outputOf("build_probe", fmt::format("{} {} {} {} {}", argumentsFor(request.volume), quoted(request.index),
+                                            index::indexKindName(request.kind), request.threads, request.memoryBytes));
     if (!output.isOk())
         return output.error();
     BuildProbeResult result;

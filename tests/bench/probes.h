@@ -42,9 +42,9 @@ Result<ProbeResult> probeSlide(const ProbeRequest& request);
 
 /// A build in a process of its own (build_probe).
 struct BuildProbeResult {
-    double seconds = 0.0;       ///< opening the volume's file included
+    double seconds = 0.0; ///< opening the volume's file included
     std::uint64_t emptyBytes = 0; ///< resident before
-    std::uint64_t peakBytes = 0;  ///< resident at most, the program itself included
+    std::uint64_t peakBytes = 0; ///< resident at most, the program itself included
 };
 
 struct BuildProbeRequest {

@@ -92,14 +92,15 @@ void printStepFigures(const std::vector<VolumeReport>& reports, bool isCold, Fig
         for (const auto& [percent, target] : figures.least)
             if (const auto found = ratios.find(percent); !isCold && found != ratios.end())
                 table.atLeast(fmt::format(fmt::runtime(figures.name), percent) + ", times the peer's speed", target,
-                              geometricMean(found->second), fmt::format("geometric mean of {} volumes", found->second.size()));
+                              geometricMean(found->second),
+                              fmt::format("geometric mean of {} volumes", found->second.size()));
         Extreme worst;
         for (const VolumeReport& report : reports)
             for (const SlideRow& row : report.rows)
                 worst.takeSmaller(ratioOf(row, figures.end), placeOf(row));
         const char* const kind = figures.end == StepEnd::Picture ? "worst row" : "worst row with V and N as floats";
-        table.atLeast(fmt::format("{}{}, times the peer's speed", kind, isCold ? ", cold" : ""), isCold ? 1.0 : figures.worst, worst.value,
-                      worst.where);
+        table.atLeast(fmt::format("{}{}, times the peer's speed", kind, isCold ? ", cold" : ""),
+                      isCold ? 1.0 : figures.worst, worst.value, worst.where);
     }
     std::vector<double> updates, interpolations;
     for (const VolumeReport& report : reports)
@@ -113,9 +114,8 @@ void printStepFigures(const std::vector<VolumeReport>& reports, bool isCold, Fig
         }
     if (isCold)
         return;
-    table.atMost(
-        "update, ns per changed edge", 100, geometricMean(updates),
-        fmt::format("geometric mean of rows; worst {:.0f}, {}", slowestUpdate.value, slowestUpdate.where));
+    table.atMost("update, ns per changed edge", 100, geometricMean(updates),
+                 fmt::format("geometric mean of rows; worst {:.0f}, {}", slowestUpdate.value, slowestUpdate.where));
     table.atMost("interpolation, times a copy of what it touches", 2, geometricMean(interpolations),
                  fmt::format("geometric mean of rows; worst {:.1f}, {}", slowestInterpolation.value,
                              slowestInterpolation.where));
@@ -147,9 +147,9 @@ void printVolumeFigures(const std::vector<VolumeReport>& reports, FigureTable& t
 void printVolume(const VolumeReport& report) {
     const auto& dims = report.volume.grid->dims();
     const PreparedIndex& index = report.index;
-    fmt::print("\n{}: {} x {} x {} {}, {} distinct values, range [{:g}, {:g}], slides round {:g}\n",
-               report.volume.name, dims[0], dims[1], dims[2], scalarTypeName(report.volume.grid->type()),
-               index.info.distinctValues, report.volume.min, report.volume.max, report.volume.centre);
+    fmt::print("\n{}: {} x {} x {} {}, {} distinct values, range [{:g}, {:g}], slides round {:g}\n", report.volume.name,
+               dims[0], dims[1], dims[2], scalarTypeName(report.volume.grid->type()), index.info.distinctValues,
+               report.volume.min, report.volume.max, report.volume.centre);
     if (index.wasBuilt)
         fmt::print("  build {:.2f} s, std::sort of (value, id) {:.2f} s, ratio {:.2f}; ", index.buildSeconds,
                    index.sortSeconds, index.buildSeconds / index.sortSeconds);
@@ -158,9 +158,8 @@ void printVolume(const VolumeReport& report) {
     fmt::print("{}: {:.1f} MB, {:.1f} bytes per voxel\n", index::indexKindName(index.info.kind),
                static_cast<double>(index.info.indexBytes) / kMega, index.bytesPerVoxel());
     const ProbeResult& probe = report.probe;
-    fmt::print(
-        "  open {:.1f} ms, first surface {:.1f} ms after start; first picture of the raw volume {:.2f} s\n",
-        probe.openMs, probe.firstSurfaceMs, report.firstPictureSeconds);
+    fmt::print("  open {:.1f} ms, first surface {:.1f} ms after start; first picture of the raw volume {:.2f} s\n",
+               probe.openMs, probe.firstSurfaceMs, report.firstPictureSeconds);
     fmt::print(
         "  memory over the empty program: {:.0f} bytes per active edge at the first surface ({} edges), {:.0f} after a slide "
         "of 1 % steps (most: {} edges), {:.0f} and {:.0f} without page cache; peak {:.0f} MB\n",
@@ -172,8 +171,8 @@ void printVolume(const VolumeReport& report) {
 void printRowHeading() {
     fmt::print(
         "\n{:<16} {:>6} {:>9} {:>9} {:>7} {:>8} {:>7} {:>7} {:>9} {:>9} {:>7} {:>10} {:>8} {:>6} {:>4} {:>9} {:>8} {:>8}\n",
-        "volume", "step %", "ours ms", "peer ms", "ratio", "V+N ms", "ratio", "ns/chg", "K", "changed", "tch/chg", "bytes", "sent KB", "/copy",
-        "new", "flat ms", "ambig", "decided");
+        "volume", "step %", "ours ms", "peer ms", "ratio", "V+N ms", "ratio", "ns/chg", "K", "changed", "tch/chg",
+        "bytes", "sent KB", "/copy", "new", "flat ms", "ambig", "decided");
 }
 
 void printRow(const SlideRow& row) {
@@ -185,13 +184,13 @@ void printRow(const SlideRow& row) {
         "{:<16} {:>6g} {:>9.2f} {:>9} {:>7} {:>8.2f} {:>7} {:>7} {:>9.0f} {:>9.0f} {:>7} {:>10.0f} {:>8.0f} {:>6.2f} {:>4} {:>9} {:>8.0f} {:>8.0f}{}\n",
         shortName(row.volume), row.percent, ours.times.median,
         orDash(row.peer.has_value(), row.peer ? row.peer->times.median : 0, 2),
-        orDash(row.peer.has_value(), row.ratio(), 2), ours.times.median + ours.arraysMs, orDash(row.peer.has_value(), row.arraysRatio(), 2),
-        orDash(ours.nsPerChange > 0, ours.nsPerChange, 0), ours.activeEdges, ours.edgesChanged,
+        orDash(row.peer.has_value(), row.ratio(), 2), ours.times.median + ours.arraysMs,
+        orDash(row.peer.has_value(), row.arraysRatio(), 2), orDash(ours.nsPerChange > 0, ours.nsPerChange, 0),
+        ours.activeEdges, ours.edgesChanged,
         orDash(ours.edgesChanged > 0, ours.edgesTouched / std::max(1.0, ours.edgesChanged), 2), ours.bytesRead,
         ours.sentBytes / 1024.0, ours.copyRatio(), ours.rebuilds,
         orDash(row.baseline.has_value(), row.baseline ? row.baseline->median : 0, 2), ours.ambiguousCells,
-        ours.cellsResolved,
-        row.disagreements > 0 ? fmt::format("  DISAGREES at {} steps", row.disagreements) : "");
+        ours.cellsResolved, row.disagreements > 0 ? fmt::format("  DISAGREES at {} steps", row.disagreements) : "");
     std::fflush(stdout);
 }
 
@@ -215,19 +214,18 @@ std::string productCsv(const SlideRow& row, const VolumeReport& report, int thre
     const EngineRow& ours = row.ours();
     const Spread& t = ours.times;
     return fmt::format(
-        "isoslider,TBB,{},{},{:g},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.0f},{:.0f},1,0.0,{:.1f},{},{}",
-        threads, row.volume, row.percent, row.steps, t.median, t.p95, t.max, t.min, ours.firstMs,
-        ours.triangles, ours.activeEdges, 1e3 * report.index.buildSeconds, report.probe.emptyBytes >> 20,
-        report.probe.peakBytes >> 20);
+        "isoslider,TBB,{},{},{:g},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.0f},{:.0f},1,0.0,{:.1f},{},{}", threads,
+        row.volume, row.percent, row.steps, t.median, t.p95, t.max, t.min, ours.firstMs, ours.triangles,
+        ours.activeEdges, 1e3 * report.index.buildSeconds, report.probe.emptyBytes >> 20, report.probe.peakBytes >> 20);
 }
 
 std::string peerCsv(const SlideRow& row, int threads, std::uint64_t baseBytes) {
     const SlideRow::Peer& peer = *row.peer;
     const Spread& t = peer.times;
-    return fmt::format(
-        "fe,{},{},{},{:g},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.0f},{:.0f},{},0.0,0.0,{},{}", peer.backend,
-        threads, row.volume, row.percent, row.steps, t.median, t.p95, t.max, t.min, peer.firstMs,
-        peer.triangles, peer.vertices, peer.hasNormals ? 1 : 0, baseBytes >> 20, peakResidentBytes() >> 20);
+    return fmt::format("fe,{},{},{},{:g},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.0f},{:.0f},{},0.0,0.0,{},{}",
+                       peer.backend, threads, row.volume, row.percent, row.steps, t.median, t.p95, t.max, t.min,
+                       peer.firstMs, peer.triangles, peer.vertices, peer.hasNormals ? 1 : 0, baseBytes >> 20,
+                       peakResidentBytes() >> 20);
 }
 
 } // namespace isoslider::bench

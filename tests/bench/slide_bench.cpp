@@ -33,8 +33,7 @@ Result<VolumeReport> runVolume(const std::string& spec, const Options& options, 
     if (!volume.isOk())
         return std::move(volume).error();
     report.volume = std::move(volume).value();
-    auto index =
-        prepareIndex(report.volume, {options.folder, options.kind, options.reusesIndex, options.row.threads});
+    auto index = prepareIndex(report.volume, {options.folder, options.kind, options.reusesIndex, options.row.threads});
     if (!index.isOk())
         return std::move(index).error();
     report.index = std::move(index).value();
@@ -83,12 +82,10 @@ void addOptions(CLI::App& app, Options& options) {
         ->delimiter(',');
     app.add_option("--pct", options.percents, "step sizes, % of the range")->delimiter(',');
     app.add_option("--steps", options.row.steps, "steps per slide")->check(CLI::Range(1, 10000));
-    app.add_option("--threads", options.row.threads, "threads of every contestant")
-        ->check(CLI::Range(1, 1024));
+    app.add_option("--threads", options.row.threads, "threads of every contestant")->check(CLI::Range(1, 1024));
     app.add_option("--folder", options.folder, "where indexes are kept");
     app.add_option("--csv", options.csv, "append a row per volume and step size to this file");
-    app.add_option("--peer-backend", options.row.peerBackend,
-                   "threads of the peer: STDThread, TBB or Sequential");
+    app.add_option("--peer-backend", options.row.peerBackend, "threads of the peer: STDThread, TBB or Sequential");
     const std::map<std::string, index::IndexKind> kinds{{"edges", index::IndexKind::Edges},
                                                         {"metacells", index::IndexKind::Metacells}};
     app.add_option("--index", options.kind, "kind of index: edges or metacells")

@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
             firstEdges = step.value().activeEdges;
         }
     }
-    fmt::print("{} {} {} {} {} {} {} {}\n", openMs, firstMs, empty, firstBytes, residentBytes(),
-               peakResidentBytes(), firstEdges, mostEdges);
+    fmt::print("{} {} {} {} {} {} {} {}\n", openMs, firstMs, empty, firstBytes, residentBytes(), peakResidentBytes(),
+               firstEdges, mostEdges);
     return 0;
 }

@@ -120,9 +120,9 @@ public:
         row_.arraysMs = spreadOf(arrayTimes_).median;
         row_.copyMs = spreadOf(copies_).median;
         row_.nsPerChange = spreadOf(nsPerChange_).median;
-        for (double* sum : {&row_.activeEdges, &row_.triangles, &row_.edgesChanged, &row_.edgesTouched,
-                            &row_.bytesRead, &row_.bytesAhead, &row_.bricksRead, &row_.chunksRead,
-                            &row_.ambiguousCells, &row_.cellsResolved, &row_.sentBytes})
+        for (double* sum : {&row_.activeEdges, &row_.triangles, &row_.edgesChanged, &row_.edgesTouched, &row_.bytesRead,
+                            &row_.bytesAhead, &row_.bricksRead, &row_.chunksRead, &row_.ambiguousCells,
+                            &row_.cellsResolved, &row_.sentBytes})
             *sum /= steps;
         return row_;
     }
@@ -130,8 +130,9 @@ public:
 private:
     double sentBytes(const extract::BrickPicture<float>& picture) const {
         const auto now = picture.bricks();
-        const auto before = frame_.bricks && frame_.bricks->series() == picture.series() ? frame_.bricks->bricks()
-                                                                                         : std::span<const extract::PictureBrick>();
+        const auto before = frame_.bricks && frame_.bricks->series() == picture.series()
+                                ? frame_.bricks->bricks()
+                                : std::span<const extract::PictureBrick>();
         double bytes = 0.0;
         for (std::size_t slot = 0; slot < now.size(); ++slot)
             if (now[slot].indexCount > 0 && (slot >= before.size() || now[slot] != before[slot]))
@@ -162,7 +163,7 @@ private:
     const Contestant& contestant_;
     EngineRow row_;
     std::unique_ptr<extract::SlideEngine> engine_;
-    extract::SurfaceFrame frame_;  ///< the last one
+    extract::SurfaceFrame frame_; ///< the last one
     std::vector<glm::vec3> positions_, normals_; ///< the same as floats
     std::vector<double> times_, updates_, arrayTimes_, copies_, nsPerChange_;
 };
@@ -258,8 +259,8 @@ private:
         const double start = nowMs();
         const FlyingEdges::Surface surface = peer_->extract(isovalue);
         const double elapsed = nowMs() - start;
-        const bool agrees = volume_.hasMissing ? surface.vertices >= stats.activeEdges
-                                               : surface.vertices == stats.activeEdges;
+        const bool agrees =
+            volume_.hasMissing ? surface.vertices >= stats.activeEdges : surface.vertices == stats.activeEdges;
         row_.disagreements += agrees ? 0 : 1;
         if (isFirst) {
             row_.peer->firstMs = elapsed;
@@ -279,8 +280,7 @@ private:
         if (!moved.isOk())
             return moved.error();
         const FlatStep& flat = moved.value();
-        row_.disagreements +=
-            flat.activeEdges == stats.activeEdges && flat.triangles == stats.triangles ? 0 : 1;
+        row_.disagreements += flat.activeEdges == stats.activeEdges && flat.triangles == stats.triangles ? 0 : 1;
         if (!isFirst)
             flats_.push_back(flat.updateMs + flat.interpolateMs);
         return {};

@@ -28,7 +28,7 @@ Contestant contestantOnIndex(std::string name, const std::filesystem::path& path
 enum class CacheState {
     AsLeft, ///< what the steps before have left
     OnDisk, ///< what was decoded before, within its bound; of the file nothing
-    Empty,  ///< nothing decoded, nothing of the file
+    Empty, ///< nothing decoded, nothing of the file
 };
 
 struct RowOptions {
@@ -37,9 +37,9 @@ struct RowOptions {
     bool isSecondSlide = false; ///< measure where the product has slid before
     int threads = 2;
     CacheState caches = CacheState::AsLeft;
-    int pauseMs = 0;       ///< after each contestant's step: time to read ahead, where that is on
-    bool withCopy = true;  ///< a copy of what interpolation touches, after each contestant
-    bool withPeer = true;  ///< ignored in a build without VTK
+    int pauseMs = 0; ///< after each contestant's step: time to read ahead, where that is on
+    bool withCopy = true; ///< a copy of what interpolation touches, after each contestant
+    bool withPeer = true; ///< ignored in a build without VTK
     bool withBaseline = false; ///< REQUIRES: the first contestant has an index of edges
     std::string peerBackend = "STDThread";
 };
@@ -66,7 +66,7 @@ struct EngineRow {
     double bricksRead = 0.0;
     double chunksRead = 0.0;
     double ambiguousCells = 0.0; ///< active cells whose signs do not tell their surface
-    double cellsResolved = 0.0;  ///< of them decided in the step, by their corner scalars
+    double cellsResolved = 0.0; ///< of them decided in the step, by their corner scalars
 
     double copyRatio() const { return copyMs > 0.0 ? arraysMs / copyMs : 0.0; }
 };

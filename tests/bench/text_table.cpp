@@ -53,8 +53,6 @@ std::string TextTable::asMarkdown() const {
     return out;
 }
 
-std::string numberOrDash(double value, int digits) {
-    return value > 0.0 ? fmt::format("{:.{}f}", value, digits) : "-";
-}
+std::string numberOrDash(double value, int digits) { return value > 0.0 ? fmt::format("{:.{}f}", value, digits) : "-"; }
 
 } // namespace isoslider::bench

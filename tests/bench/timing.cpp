@@ -51,8 +51,7 @@ double ownSeconds() {
 } // namespace
 
 double nowMs() {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 Spread spreadOf(std::vector<double> values) {

@@ -15,7 +15,7 @@ struct TradeOptions {
     std::vector<std::uint64_t> caches; ///< none: as the product has it
     RowOptions row;
     std::uint64_t maxEdgesBytes = std::uint64_t{8} << 30; ///< larger indexes of edges are predicted, not built
-    std::uint64_t peerBytes = std::uint64_t{4} << 30;     ///< larger volumes are not given to the peer
+    std::uint64_t peerBytes = std::uint64_t{4} << 30; ///< larger volumes are not given to the peer
     std::uint64_t memoryBytes = std::uint64_t{512} << 20; ///< the builds' budget
     std::filesystem::path folder = std::filesystem::temp_directory_path() / "isoslider_bench";
     bool keepsFiles = false;

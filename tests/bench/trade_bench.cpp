@@ -44,7 +44,8 @@ void addOptions(CLI::App& app, Options& options) {
     app.add_flag("--cold", trade.isCold, "steps with nothing of the index in memory, in columns of their own");
     app.add_flag("--ahead", trade.measuresAhead, "steps with reading ahead, without the peer");
     app.add_option("--pause", trade.pauseMs, "ms after each step of --ahead")->check(CLI::Range(0, 10000));
-    app.add_flag_callback("--no-peer", [&trade] { trade.row.withPeer = false; }, "the product alone");
+    app.add_flag_callback(
+        "--no-peer", [&trade] { trade.row.withPeer = false; }, "the product alone");
     app.add_option("--folder", trade.folder, "where volumes and indexes are written");
     app.add_flag("--keep", trade.keepsFiles, "leave them there");
     app.add_option("--csv", options.csv, "append rows to this file");

@@ -96,8 +96,7 @@ std::string stepTable(const TradeReport& report, TextForm form) {
                        fmt::format("{:.0f}", engine.activeEdges), fmt::format("{:.0f}", engine.edgesChanged),
                        numberOrDash(engine.times.median, 2), numberOrDash(peerMs(row.warm), 2),
                        numberOrDash(ratioOf(row.warm, engine.name), 2), numberOrDash(medianOf(cold), 2),
-                       numberOrDash(cold ? peerMs(*row.cold) : 0.0, 2),
-                       numberOrDash(coldRatioOf(row, engine.name), 2),
+                       numberOrDash(cold ? peerMs(*row.cold) : 0.0, 2), numberOrDash(coldRatioOf(row, engine.name), 2),
                        numberOrDash(cold ? cold->bytesRead / 1024 : 0.0, 0),
                        numberOrDash(medianOf(find(row.onDisk, engine.name)), 2), numberOrDash(medianOf(ahead), 2),
                        numberOrDash(ahead ? ahead->bytesAhead / 1024 : 0.0, 0)});
@@ -177,11 +176,11 @@ std::string tradeCsv(const TradeReport& report, int threads) {
     const auto& dims = report.file.dims;
     const Yardstick& yard = report.yardstick;
     for (const WayCost& way : report.ways) {
-        const std::string cost = fmt::format(
-            "{},{:.0f},{:.3f},{:.4f},{:.4f},{:.4f},{},{},{:.2f},{:.2f},{:.2f},{},{},{}", way.indexBytes,
-            way.predictedBytes, way.build.seconds, yard.copy, yard.copySynced, yard.pass, way.build.peakBytes,
-            report.memoryBytes, way.probe.openMs, way.probe.firstSurfaceMs, way.firstColdMs, way.probe.grownBytes(),
-            way.cacheBytes, way.probe.mostEdges);
+        const std::string cost =
+            fmt::format("{},{:.0f},{:.3f},{:.4f},{:.4f},{:.4f},{},{},{:.2f},{:.2f},{:.2f},{},{},{}", way.indexBytes,
+                        way.predictedBytes, way.build.seconds, yard.copy, yard.copySynced, yard.pass,
+                        way.build.peakBytes, report.memoryBytes, way.probe.openMs, way.probe.firstSurfaceMs,
+                        way.firstColdMs, way.probe.grownBytes(), way.cacheBytes, way.probe.mostEdges);
         for (const TradeRow& row : report.rows) {
             const EngineRow* warm = find(row.warm.engines, way.name);
             const EngineRow none;

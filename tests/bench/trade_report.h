@@ -12,15 +12,15 @@ namespace isoslider::bench {
 
 /// What one way to slide costs before a step is made.
 struct WayCost {
-    std::string name;             ///< "edges", "metacells", "memory", with the cache where there are several
+    std::string name; ///< "edges", "metacells", "memory", with the cache where there are several
     bool isInMemory = false;
-    bool isSkipped = false;       ///< its index would be too large: only predictedBytes is set
-    double predictedBytes = 0.0;  ///< of the index, from that of the same field at a smaller size; 0: not asked for
+    bool isSkipped = false; ///< its index would be too large: only predictedBytes is set
+    double predictedBytes = 0.0; ///< of the index, from that of the same field at a smaller size; 0: not asked for
     std::uint64_t indexBytes = 0;
     std::uint64_t cacheBytes = 0; ///< bound on what is kept of the index; in memory the volume
-    BuildProbeResult build;       ///< zeros in memory
+    BuildProbeResult build; ///< zeros in memory
     ProbeResult probe;
-    double firstColdMs = 0.0;     ///< the first surface with nothing of the file in memory; 0: not measured
+    double firstColdMs = 0.0; ///< the first surface with nothing of the file in memory; 0: not measured
 };
 
 /// One step size.
@@ -39,7 +39,7 @@ struct TradeReport {
     std::vector<WayCost> ways;
     std::vector<TradeRow> rows;
     bool peerIsLeftOut = false; ///< the volume is too large for it
-    double othersBusy = 0.0;    ///< processors that other programs used meanwhile
+    double othersBusy = 0.0; ///< processors that other programs used meanwhile
 
     bool agrees() const;
 };

@@ -32,9 +32,9 @@ ScalarGrid sampledCoarser(const ScalarGrid& grid, std::int64_t stride);
 
 /// What a build is measured by: reading and writing as much, without doing anything. Seconds.
 struct Yardstick {
-    double copy = 0.0;       ///< the volume's file copied within its folder
+    double copy = 0.0; ///< the volume's file copied within its folder
     double copySynced = 0.0; ///< the same, until the copy would survive a power loss, as an index does
-    double pass = 0.0;       ///< the file read in slabs, least and greatest of its samples found
+    double pass = 0.0; ///< the file read in slabs, least and greatest of its samples found
 
     double reference() const { return 2 * copy + pass; }
     double referenceSynced() const { return 2 * copySynced + pass; }
@@ -43,7 +43,8 @@ struct Yardstick {
 /// The mean of the first and the second.
 Yardstick meanOf(const Yardstick& first, const Yardstick& second);
 
-/// Medians of three to seven, on the threads allowed (the pass; a copy has one). Leaves no file behind. Errors: those of reading and writing.
+/// Medians of three to seven, on the threads allowed (the pass; a copy has one). Leaves no file behind. Errors: those
+/// of reading and writing.
 Result<Yardstick> measureYardstick(const VolumeFile& file);
 
 /// Asks the system to forget what it keeps of a file in memory.

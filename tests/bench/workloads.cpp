@@ -8,8 +8,8 @@
 #include <limits>
 #include <mutex>
 #include <numbers>
-#include <random>
 #include <optional>
+#include <random>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -44,8 +44,7 @@ ScalarGrid makeCube(int size, ScalarType type, const Plane& plane) {
 
 // A number in [-1, 1) for a lattice point of an octave: a 32-bit mix of its coordinates.
 float latticeValue(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t octave) {
-    std::uint32_t hash =
-        (x * 0x8da6b343u) ^ (y * 0xd8163841u) ^ (z * 0xcb1ab31fu) ^ ((octave + 1) * 0x9e3779b9u);
+    std::uint32_t hash = (x * 0x8da6b343u) ^ (y * 0xd8163841u) ^ (z * 0xcb1ab31fu) ^ ((octave + 1) * 0x9e3779b9u);
     hash = (hash ^ (hash >> 16)) * 0x7feb352du;
     hash = (hash ^ (hash >> 15)) * 0x846ca68bu;
     hash ^= hash >> 16;
@@ -57,8 +56,7 @@ float fade(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 // Place of a grid coordinate on a lattice: cell and faded offset in it.
 struct LatticePlace {
     LatticePlace(int coordinate, int cells, int size) {
-        const float at =
-            static_cast<float>(coordinate) * static_cast<float>(cells) / static_cast<float>(size);
+        const float at = static_cast<float>(coordinate) * static_cast<float>(cells) / static_cast<float>(size);
         cell = static_cast<std::uint32_t>(at);
         weight = fade(at - static_cast<float>(cell));
     }
@@ -301,10 +299,8 @@ ScalarGrid makeMarschnerLobb(int size) {
         for (int y = 0; y < size; ++y)
             for (int x = 0; x < size; ++x) {
                 const double px = onAxis(x), py = onAxis(y), pz = onAxis(z);
-                const double wave =
-                    std::cos(2 * kPi * kFrequency * std::cos(kPi * std::sqrt(px * px + py * py) / 2));
-                *out++ = static_cast<float>((1 - std::sin(kPi * pz / 2) + kAlpha * (1 + wave)) /
-                                            (2 * (1 + kAlpha)));
+                const double wave = std::cos(2 * kPi * kFrequency * std::cos(kPi * std::sqrt(px * px + py * py) / 2));
+                *out++ = static_cast<float>((1 - std::sin(kPi * pz / 2) + kAlpha * (1 + wave)) / (2 * (1 + kAlpha)));
             }
     });
 }
@@ -339,15 +335,19 @@ ScalarGrid makeNoisyScan(int size) {
             const float v = (static_cast<float>(y) / static_cast<float>(size) - cy) / ry;
             return 1.0f - std::sqrt(u * u + v * v); // 0 on it
         };
-        const auto step = [](float from, float to, float t) { return from + (to - from) * std::clamp(30.0f * t + 0.5f, 0.0f, 1.0f); };
+        const auto step = [](float from, float to, float t) {
+            return from + (to - from) * std::clamp(30.0f * t + 0.5f, 0.0f, 1.0f);
+        };
         // Nearly normal, a sum of four; neighbours in a plane have some in common, as reconstruction leaves it.
         constexpr float kShare = 0.6f;
-        std::vector<float> row(static_cast<std::size_t>(size)), noise(row.size()), last(row.size() + 1, 0.0f), next(last);
+        std::vector<float> row(static_cast<std::size_t>(size)), noise(row.size()), last(row.size() + 1, 0.0f),
+            next(last);
         const auto drawRow = [&](int y, std::vector<float>& drawn) {
             for (std::size_t x = 0; x < drawn.size(); ++x) {
                 drawn[x] = 0.0f;
                 for (std::uint32_t k = 0; k < 4; ++k)
-                    drawn[x] += latticeValue(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z), 16 + k);
+                    drawn[x] += latticeValue(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                                             static_cast<std::uint32_t>(z), 16 + k);
             }
         };
         drawRow(0, next);
@@ -355,16 +355,19 @@ ScalarGrid makeNoisyScan(int size) {
             std::swap(last, next);
             drawRow(y + 1, next);
             for (std::size_t x = 0; x < noise.size(); ++x)
-                noise[x] = (last[x] + kShare * (last[x + 1] + next[x]) + kShare * kShare * next[x + 1]) / (1.0f + kShare * kShare);
+                noise[x] = (last[x] + kShare * (last[x + 1] + next[x]) + kShare * kShare * next[x + 1]) /
+                           (1.0f + kShare * kShare);
             std::fill(row.begin(), row.end(), 0.0f);
             for (const std::uint32_t octave : {2u, 3u})
                 addOctave(octave, octave == 2 ? kTissue : kTissue / 2, size, y, z, row.data());
             for (int x = 0; x < size; ++x) {
-                float value = step(-1000.0f, 100.0f + row[static_cast<std::size_t>(x)], inEllipse(x, y, 0.5f, 0.5f, 0.42f, 0.33f));
+                float value = step(-1000.0f, 100.0f + row[static_cast<std::size_t>(x)],
+                                   inEllipse(x, y, 0.5f, 0.5f, 0.42f, 0.33f));
                 value = step(value, -750.0f, inEllipse(x, y, 0.33f, 0.45f, 0.11f, 0.16f)); // lungs
                 value = step(value, -750.0f, inEllipse(x, y, 0.67f, 0.45f, 0.11f, 0.16f));
                 value = step(value, 900.0f, inEllipse(x, y, 0.5f, 0.72f, 0.06f, 0.05f)); // spine
-                *out++ = static_cast<std::int16_t>(std::lround(std::clamp(value + kNoise * noise[static_cast<std::size_t>(x)], -1024.0f, 3000.0f)));
+                *out++ = static_cast<std::int16_t>(
+                    std::lround(std::clamp(value + kNoise * noise[static_cast<std::size_t>(x)], -1024.0f, 3000.0f)));
             }
         }
     });

@@ -42,8 +42,8 @@ bool isFurtherVolume(const std::string& spec);
 ScalarGrid makeShell(int size);
 ScalarGrid makeMarschnerLobb(int size);
 ScalarGrid makeNoise(int size);
-/// size x size x 275/512 size: smooth shapes with noise on every sample, as a CT of a body. One active cell in four or so is
-/// ambiguous.
+/// size x size x 275/512 size: smooth shapes with noise on every sample, as a CT of a body. One active cell in four or
+/// so is ambiguous.
 ScalarGrid makeNoisyScan(int size);
 /// Every sample on its own: half of the active cells are ambiguous, as in no real volume.
 ScalarGrid makeWhiteNoise(int size);

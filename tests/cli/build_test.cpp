@@ -166,8 +166,8 @@ TEST_F(CliStats, TellsOfTheIndexAndItsLevels) {
                             "average_change", "redundancy", "index_bytes", "bytes_per_voxel", "sample_bytes",
                             "merge_error_bytes", "hidden_corners", "hidden_corner_bytes", "levels"));
     EXPECT_EQ(json["source_name"], "sphere.mha");
-    EXPECT_THAT(keysOf(json["levels"][0]), ElementsAre("level", "blocks", "points", "edges",
-                                                       "activated_edges", "bytes", "redundant_removed"));
+    EXPECT_THAT(keysOf(json["levels"][0]),
+                ElementsAre("level", "blocks", "points", "edges", "activated_edges", "bytes", "redundant_removed"));
     EXPECT_EQ(json["levels"][0]["points"], 16 * 16 * 16);
     // Every edge comes and goes once; those through the middle have equal ends and are never active.
     EXPECT_EQ(json["levels"][0]["edges"], 2 * (3 * 16 * 16 * 15 - 3 * 16 * 16));
@@ -183,7 +183,8 @@ TEST_F(CliStats, CountsHiddenCorners) {
     const auto json = runJson({"stats", path("two.isx")});
     EXPECT_EQ(json["hidden_corners"], 2);
     EXPECT_EQ(json["hidden_corner_bytes"], 48);
-    EXPECT_THAT(run({"stats", path("two.isx")}).standardOutput, ::testing::HasSubstr("hidden corners        2, 48 bytes\n"));
+    EXPECT_THAT(run({"stats", path("two.isx")}).standardOutput,
+                ::testing::HasSubstr("hidden corners        2, 48 bytes\n"));
 }
 
 TEST_F(CliStats, ShowsBothTables) {

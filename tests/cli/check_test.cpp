@@ -16,9 +16,9 @@ protected:
 TEST_F(CliCheck, AcceptsATetrahedron) {
     const auto file = mesh("good.obj", corners_, "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
     const auto json = runJson({"check", file});
-    EXPECT_THAT(keysOf(json), ElementsAre("manifold", "closed", "oriented", "vertices", "edges", "triangles",
-                                          "components", "euler", "boundary_loops", "genus",
-                                          "degenerate_triangles", "duplicate_triangles"));
+    EXPECT_THAT(keysOf(json),
+                ElementsAre("manifold", "closed", "oriented", "vertices", "edges", "triangles", "components", "euler",
+                            "boundary_loops", "genus", "degenerate_triangles", "duplicate_triangles"));
     EXPECT_EQ(json["closed"], true);
     EXPECT_EQ(json["euler"], 2);
     EXPECT_EQ(json["genus"], 0);

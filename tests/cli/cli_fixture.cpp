@@ -72,8 +72,7 @@ OrderedJson CliTest::runJson(std::vector<std::string> arguments) const {
     return json;
 }
 
-void CliTest::expectRefusal(const std::vector<std::string>& arguments, int exitCode,
-                            std::string_view saying) const {
+void CliTest::expectRefusal(const std::vector<std::string>& arguments, int exitCode, std::string_view saying) const {
     const auto result = run(arguments);
     SCOPED_TRACE(fmt::format("isoslider-cli {}", fmt::join(arguments, " ")));
     EXPECT_EQ(result.exitCode, exitCode) << result.standardError;
@@ -89,9 +88,7 @@ std::string CliTest::sphereVolume(const std::string& name) const {
     return folder_.write(name, metaImage(kSphereSide, "MET_FLOAT", sphereSamples())).string();
 }
 
-std::string CliTest::rawSphere(const std::string& name) const {
-    return folder_.write(name, sphereSamples()).string();
-}
+std::string CliTest::rawSphere(const std::string& name) const { return folder_.write(name, sphereSamples()).string(); }
 
 std::string CliTest::sphereIndex(const std::string& name) const {
     const auto result = run({"build", sphereVolume(), "-o", path(name)});

@@ -25,8 +25,7 @@ protected:
     /// Runs with --json, expects exit 0 and one object on standard output.
     OrderedJson runJson(std::vector<std::string> arguments) const;
     /// Expects the exit code, an empty standard output and one line that begins with the program's name.
-    void expectRefusal(const std::vector<std::string>& arguments, int exitCode,
-                       std::string_view saying = "") const;
+    void expectRefusal(const std::vector<std::string>& arguments, int exitCode, std::string_view saying = "") const;
 
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
 

@@ -31,12 +31,11 @@ protected:
 TEST_F(CliExtract, CountsTheSurfaceOfAVolume) {
     const auto json = runJson({"extract", sphereVolume(), "--isovalue", "5"});
     EXPECT_THAT(keysOf(json),
-                ElementsAre("isovalue", "source", "vertices", "triangles", "active_edges", "components",
-                            "euler", "boundary_loops", "closed", "manifold", "oriented", "genus", "area", "volume",
-                            "degenerate_triangles", "duplicate_triangles", "open_at", "loops_at_several_places", "nudged_vertices",
-                            "largest_nudge", "largest_nudge_world", "inner_vertices", "valid"));
-    EXPECT_THAT(keysOf(json["open_at"]),
-                ElementsAre("x0", "x1", "y0", "y1", "z0", "z1", "missing", "elsewhere"));
+                ElementsAre("isovalue", "source", "vertices", "triangles", "active_edges", "components", "euler",
+                            "boundary_loops", "closed", "manifold", "oriented", "genus", "area", "volume",
+                            "degenerate_triangles", "duplicate_triangles", "open_at", "loops_at_several_places",
+                            "nudged_vertices", "largest_nudge", "largest_nudge_world", "inner_vertices", "valid"));
+    EXPECT_THAT(keysOf(json["open_at"]), ElementsAre("x0", "x1", "y0", "y1", "z0", "z1", "missing", "elsewhere"));
     EXPECT_THAT(keysOf(json["open_at"]["x0"]), ElementsAre("loops", "edges"));
     EXPECT_EQ(json["isovalue"], 5.0);
     EXPECT_EQ(json["source"], "volume");
@@ -86,8 +85,8 @@ TEST_F(CliExtract, TellsWhereTheSurfaceIsOpen) {
 
 TEST_F(CliExtract, TellsHolesAtMissingValues) {
     folder_.write("holed.mha", metaImage(8, "MET_FLOAT", floatSamples(8, [](int x, int y, int z) {
-        return x == 4 && y == 4 && z == 3 ? std::nanf("") : static_cast<float>(z);
-    })));
+                                             return x == 4 && y == 4 && z == 3 ? std::nanf("") : static_cast<float>(z);
+                                         })));
     ASSERT_EQ(run({"build", path("holed.mha"), "-o", path("holed.isx")}).exitCode, 0);
     for (const auto* input : {"holed.mha", "holed.isx"}) {
         const auto json = runJson({"extract", path(input), "--isovalue", "3.5"});
@@ -100,8 +99,8 @@ TEST_F(CliExtract, TellsHolesAtMissingValues) {
 
 TEST_F(CliExtract, NoTriangleWithoutAreaLeavesAtATie) {
     folder_.write("point.mha", metaImage(8, "MET_FLOAT", floatSamples(8, [](int x, int y, int z) {
-        return x == 3 && y == 4 && z == 5 ? 1.0f : 0.0f;
-    })));
+                                             return x == 3 && y == 4 && z == 5 ? 1.0f : 0.0f;
+                                         })));
     for (const auto* name : {"a.ply", "a.obj", "a.stl", "a.off", "a.om"}) {
         const auto json = runJson({"extract", path("point.mha"), "--isovalue", "1", "-o", path(name)});
         EXPECT_EQ(json["nudged_vertices"], 6);
@@ -118,9 +117,10 @@ TEST_F(CliExtract, NoTriangleWithoutAreaLeavesAtATie) {
 TEST_F(CliExtract, WritesTheCertificateIntoTheMesh) {
     const auto json = runJson({"extract", sphereIndex(), "--isovalue", "5", "-o", path("a.ply")});
     const auto bytes = readText(path("a.ply"));
-    for (const auto& line : {std::string("comment source: sphere.mha\n"), std::string("comment isovalue: 5\n"),
-                             "comment vertices: " + json["vertices"].dump() + "\n",
-                             "comment triangles: " + json["triangles"].dump() + "\n", std::string("comment valid: yes\n")})
+    for (const auto& line :
+         {std::string("comment source: sphere.mha\n"), std::string("comment isovalue: 5\n"),
+          "comment vertices: " + json["vertices"].dump() + "\n",
+          "comment triangles: " + json["triangles"].dump() + "\n", std::string("comment valid: yes\n")})
         EXPECT_THAT(bytes, HasSubstr(line));
     ASSERT_EQ(run({"extract", sphereVolume(), "--isovalue", "5", "-o", path("b.ply")}).exitCode, 0);
     const auto header = [](const std::string& ply) { return ply.substr(0, ply.find("end_header")); };
@@ -129,7 +129,8 @@ TEST_F(CliExtract, WritesTheCertificateIntoTheMesh) {
 
 TEST_F(CliExtract, NamesTheUnitOfLength) {
     const auto text = readText(sphereVolume());
-    std::ofstream(path("um.mha"), std::ios::binary) << "ObjectType = Image\nDistanceUnits = um\n" + text.substr(text.find("NDims"));
+    std::ofstream(path("um.mha"), std::ios::binary)
+        << "ObjectType = Image\nDistanceUnits = um\n" + text.substr(text.find("NDims"));
     ASSERT_EQ(run({"build", path("um.mha"), "-o", path("um.isx")}).exitCode, 0);
     for (const char* input : {"um.mha", "um.isx"}) {
         EXPECT_EQ(runJson({"extract", path(input), "--isovalue", "5"})["length_unit"], "µm") << input;
@@ -172,7 +173,8 @@ TEST_F(CliExtract, SkipsTheCheckWhenAsked) {
     EXPECT_THAT(head, HasSubstr("comment Isosurface by ISOSLIDER, not checked\n"));
     EXPECT_THAT(head, HasSubstr("comment checked: no\n"));
     EXPECT_THAT(head, ::testing::Not(HasSubstr("valid")));
-    EXPECT_THAT(run({"extract", sphereVolume(), "--isovalue", "5", "--no-check"}).standardOutput, HasSubstr("checked               no\n"));
+    EXPECT_THAT(run({"extract", sphereVolume(), "--isovalue", "5", "--no-check"}).standardOutput,
+                HasSubstr("checked               no\n"));
     EXPECT_EQ(run({"check", path("a.ply")}).exitCode, 0);
 }
 
@@ -213,8 +215,7 @@ TEST_F(CliExtract, RefusesADamagedIndex) {
         auto bytes = whole;
         bytes[place] = static_cast<char>(bytes[place] ^ 0x10);
         folder_.write("damaged.isx", bytes);
-        const auto result =
-            run({"extract", path("damaged.isx"), "--isovalue", "5", "-o", path("damaged.ply")});
+        const auto result = run({"extract", path("damaged.isx"), "--isovalue", "5", "-o", path("damaged.ply")});
         // Padding and pages that this isovalue does not need may carry the damage unseen.
         EXPECT_TRUE(result.exitCode == 0 || result.exitCode == 3) << place << ": " << result.standardError;
         EXPECT_EQ(std::filesystem::exists(path("damaged.ply")), result.exitCode == 0);

@@ -24,8 +24,8 @@ TEST_F(CliInfo, TellsTheSameOfTheIndex) {
     const auto volume = runJson({"info", sphereVolume()});
     const auto index = runJson({"info", sphereIndex()});
     EXPECT_EQ(keysOf(volume), keysOf(index));
-    for (const auto* key : {"dims", "spacing", "origin", "scalar_type", "min", "max", "distinct_values",
-                            "nan_count", "direction"})
+    for (const auto* key :
+         {"dims", "spacing", "origin", "scalar_type", "min", "max", "distinct_values", "nan_count", "direction"})
         EXPECT_EQ(volume[key], index[key]) << key;
 }
 
@@ -41,10 +41,9 @@ TEST_F(CliInfo, ReadsAHeaderlessVolumeAsTold) {
 }
 
 TEST_F(CliInfo, SkipsBytesAndSwapsThem) {
-    folder_.write("big.raw",
-                  std::string("xx\x01\x02\x00\x03\x00\x04\x00\x05\x00\x06\x00\x07\x00\x08\x00\x09", 18));
-    const auto json = runJson({"info", path("big.raw"), "--raw-dims", "2,2,2", "--raw-type", "u16",
-                               "--raw-skip", "2", "--big-endian"});
+    folder_.write("big.raw", std::string("xx\x01\x02\x00\x03\x00\x04\x00\x05\x00\x06\x00\x07\x00\x08\x00\x09", 18));
+    const auto json = runJson(
+        {"info", path("big.raw"), "--raw-dims", "2,2,2", "--raw-type", "u16", "--raw-skip", "2", "--big-endian"});
     EXPECT_EQ(json["min"], 3.0);
     EXPECT_EQ(json["max"], 258.0);
 }
@@ -82,7 +81,8 @@ TEST_F(CliInfo, ReadsEveryFrameOfASeries) {
     std::string samples(8 * 70, '\5');
     samples[8 * 69] = '\x63'; // in the last frame
     folder_.write("a.nrrd", "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 2 70\n"
-                            "kinds: domain domain domain time\nencoding: raw\n\n" + samples);
+                            "kinds: domain domain domain time\nencoding: raw\n\n" +
+                                samples);
     const auto json = runJson({"info", path("a.nrrd")});
     EXPECT_EQ(json["parts"].size(), 70u);
     EXPECT_EQ(json["parts_in_all"], 70);
@@ -93,7 +93,8 @@ TEST_F(CliInfo, ReadsEveryFrameOfASeries) {
 
 TEST_F(CliInfo, SaysWhichFramesOfVeryManyItRead) {
     folder_.write("a.nrrd", "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 2 5000\n"
-                            "kinds: domain domain domain time\nencoding: raw\n\n" + std::string(8 * 5000, '\5'));
+                            "kinds: domain domain domain time\nencoding: raw\n\n" +
+                                std::string(8 * 5000, '\5'));
     const auto json = runJson({"info", path("a.nrrd")});
     EXPECT_EQ(json["parts"].size(), 4096u);
     EXPECT_EQ(json["parts_in_all"], 5000);
@@ -130,16 +131,15 @@ TEST_F(CliInfo, RefusesWhatIsNotThereOrNoVolume) {
     expectRefusal({"info", folder_.path().string()}, 3);
 }
 
-TEST_F(CliInfo, PrintsOneLineForANameWithALineBreak) {
-    expectRefusal({"info", path("new\nline%s%n.mha")}, 4, "\\x0a");
-}
+TEST_F(CliInfo, PrintsOneLineForANameWithALineBreak) { expectRefusal({"info", path("new\nline%s%n.mha")}, 4, "\\x0a"); }
 
 TEST_F(CliInfo, KeepsAFieldsNameInItsLine) {
-    folder_.write("a.vti", "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\">"
-                           "<ImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\">"
-                           "<Piece Extent=\"0 1 0 1 0 1\"><PointData>"
-                           "<DataArray type=\"UInt8\" Name=\"a&#10;&#127;b\" format=\"ascii\">1 2 3 4 5 6 7 8</DataArray>"
-                           "</PointData></Piece></ImageData></VTKFile>");
+    folder_.write("a.vti",
+                  "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\">"
+                  "<ImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\">"
+                  "<Piece Extent=\"0 1 0 1 0 1\"><PointData>"
+                  "<DataArray type=\"UInt8\" Name=\"a&#10;&#127;b\" format=\"ascii\">1 2 3 4 5 6 7 8</DataArray>"
+                  "</PointData></Piece></ImageData></VTKFile>");
     const auto result = run({"info", path("a.vti")});
     EXPECT_EQ(result.exitCode, 0) << result.standardError;
     EXPECT_THAT(result.standardOutput, HasSubstr("field            a  b\n"));

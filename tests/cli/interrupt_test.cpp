@@ -30,7 +30,8 @@ protected:
         return folder_.write("rough.raw", samples).string();
     }
     std::vector<std::string> extraction(const std::string& volume, const std::vector<std::string>& more) const {
-        std::vector<std::string> words{"extract", volume, "--raw-dims", fmt::format("{0},{0},{0}", kSide), "--raw-type", "u8", "--isovalue", "127.5"};
+        std::vector<std::string> words{"extract",    volume, "--raw-dims", fmt::format("{0},{0},{0}", kSide),
+                                       "--raw-type", "u8",   "--isovalue", "127.5"};
         words.insert(words.end(), more.begin(), more.end());
         return words;
     }
@@ -60,7 +61,8 @@ protected:
     /// what is promised. All is counted in processor time, which other programs and a slow disk change little.
     void expectInterruptible(const std::vector<std::string>& arguments) const {
         const milliseconds whole = timeOf(arguments);
-        const milliseconds soon = std::max(milliseconds(1000) * std::max(std::thread::hardware_concurrency(), 1u), whole / 5);
+        const milliseconds soon =
+            std::max(milliseconds(1000) * std::max(std::thread::hardware_concurrency(), 1u), whole / 5);
         ASSERT_GT(whole, milliseconds(500)) << "too fast to be interrupted";
         const auto names = folder_.names();
         for (int part = 1; part < 8; part += 2) {
@@ -94,8 +96,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, CliInterruptKinds, testing::Values("edges", "met
 TEST_P(CliInterruptKinds, EndASlideThatExports) {
     constexpr int kIndexed = kSide * 4 / 5; // of the samples of a larger volume
     const std::string index = path("rough.isx");
-    const auto built = run({"build", roughVolume(), "--raw-dims", fmt::format("{0},{0},{0}", kIndexed), "--raw-type", "u8",
-                            "--allow-trailing", "--index", GetParam(), "-o", index},
+    const auto built = run({"build", roughVolume(), "--raw-dims", fmt::format("{0},{0},{0}", kIndexed), "--raw-type",
+                            "u8", "--allow-trailing", "--index", GetParam(), "-o", index},
                            {.timeout = std::chrono::seconds(200)});
     ASSERT_EQ(built.exitCode, 0) << built.standardError;
     expectInterruptible({"slide", index, "--path", "127.5", "--export", path("a_%d.stl"), "--json"});

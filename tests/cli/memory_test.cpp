@@ -35,7 +35,8 @@ void writeField(const std::filesystem::path& path, int side, Field field) {
                                          : std::floor(hill(0.3, 0.4, 0.5) + hill(0.7, 0.6, 0.4) + random() % 40);
                 plane[static_cast<std::size_t>(x + side * y)] = static_cast<Sample>(value);
             }
-        file.write(reinterpret_cast<const char*>(plane.data()), static_cast<std::streamsize>(plane.size() * sizeof(Sample)));
+        file.write(reinterpret_cast<const char*>(plane.data()),
+                   static_cast<std::streamsize>(plane.size() * sizeof(Sample)));
     }
 }
 
@@ -46,8 +47,8 @@ protected:
     void expectBudgetKept(const std::string& type, int side, Field field, const std::string& kind) {
         SCOPED_TRACE(fmt::format("{} of {}, {}", kind, type, side));
         writeField<Sample>(path("volume.raw"), side, field);
-        const auto json = runJson({"build", path("volume.raw"), "--raw-dims", fmt::format("{0},{0},{0}", side), "--raw-type",
-                                   type, "-o", path("a.isx"), "--index", kind, "--memory", "64M"});
+        const auto json = runJson({"build", path("volume.raw"), "--raw-dims", fmt::format("{0},{0},{0}", side),
+                                   "--raw-type", type, "-o", path("a.isx"), "--index", kind, "--memory", "64M"});
         EXPECT_LT(json["peak_rss_bytes"].get<std::uint64_t>(), (64 + 64 / 10 + 64) * kMiB);
     }
 
@@ -79,12 +80,13 @@ TEST_F(CliMemory, IndexesAreUsedInEightGigabytesOfAddressSpace) {
     options.addressSpaceBytes = std::uint64_t{8'000'000} * 1024;
     for (const std::string kind : {"edges", "metacells"}) {
         const auto index = path(kind + ".isx");
-        for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-                 {"build", path("volume.raw"), "--raw-dims", "64,64,64", "--raw-type", "i32", "-o", index, "--index", kind},
-                 {"stats", index},
-                 {"info", index},
-                 {"slide", index, "--path", "0,1e9,-1e9,0"},
-                 {"extract", index, "--isovalue", "0"}}) {
+        for (const std::vector<std::string>& arguments :
+             std::vector<std::vector<std::string>>{{"build", path("volume.raw"), "--raw-dims", "64,64,64", "--raw-type",
+                                                    "i32", "-o", index, "--index", kind},
+                                                   {"stats", index},
+                                                   {"info", index},
+                                                   {"slide", index, "--path", "0,1e9,-1e9,0"},
+                                                   {"extract", index, "--isovalue", "0"}}) {
             SCOPED_TRACE(fmt::format("{} {}", arguments.front(), kind));
             const auto result = run(arguments, options);
             EXPECT_EQ(result.exitCode, 0) << result.standardError;

@@ -17,13 +17,14 @@ using Vector = std::array<double, 3>;
 
 // A lump with a different radius along each half axis, and a bump: no turn or mirror image of itself.
 double lump(const Vector& p) {
-    const double x = p[0] / (p[0] > 0 ? 7.0 : 4.0), y = p[1] / (p[1] > 0 ? 5.0 : 3.5), z = p[2] / (p[2] > 0 ? 6.0 : 4.5);
+    const double x = p[0] / (p[0] > 0 ? 7.0 : 4.0), y = p[1] / (p[1] > 0 ? 5.0 : 3.5),
+                 z = p[2] / (p[2] > 0 ? 6.0 : 4.5);
     const double bump = std::exp(-(std::pow(p[0] - 4, 2) + std::pow(p[1] - 3, 2) + std::pow(p[2] + 2, 2)) / 6);
     return 10.0 - 6.0 * std::sqrt(x * x + y * y + z * z) + 4.0 * bump;
 }
 
 struct Axis {
-    int world;   ///< which axis of space it runs along
+    int world; ///< which axis of space it runs along
     bool isDown; ///< against it
 };
 
@@ -58,11 +59,12 @@ protected:
                     const auto value = static_cast<float>(lump(place));
                     samples.append(reinterpret_cast<const char*>(&value), sizeof value);
                 }
-        folder_.write(name, fmt::format("ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
-                                        "CompressedData = False\nTransformMatrix ={}\nOffset = {}\nElementSpacing = {}\n"
-                                        "DimSize = {}\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n",
-                                        matrix, fmt::join(offset, " "), fmt::join(distances, " "), fmt::join(dims, " ")) +
-                                samples);
+        folder_.write(name,
+                      fmt::format("ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
+                                  "CompressedData = False\nTransformMatrix ={}\nOffset = {}\nElementSpacing = {}\n"
+                                  "DimSize = {}\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n",
+                                  matrix, fmt::join(offset, " "), fmt::join(distances, " "), fmt::join(dims, " ")) +
+                          samples);
         return path(name);
     }
 

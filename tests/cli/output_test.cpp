@@ -8,8 +8,8 @@ TEST_F(CliOutput, EndsQuietlyWhenNobodyReads) {
     const auto index = sphereIndex();
     ProcessOptions options;
     options.closesStandardOutput = true;
-    for (const auto& arguments : {std::vector<std::string>{"info", index},
-                                  {"slide", index, "--from", "1", "--to", "9", "--steps", "5000"}}) {
+    for (const auto& arguments :
+         {std::vector<std::string>{"info", index}, {"slide", index, "--from", "1", "--to", "9", "--steps", "5000"}}) {
         const auto result = run(arguments, options);
         EXPECT_EQ(result.exitCode, 0) << result.standardError;
         EXPECT_EQ(result.standardError, "");
@@ -29,8 +29,7 @@ TEST_F(CliOutput, SaysWhenTheDiskBehindItIsFull) {
     options.standardOutputFile = "/dev/full";
     const auto result = run({"info", sphereVolume()}, options);
     EXPECT_EQ(result.exitCode, 4);
-    EXPECT_EQ(result.standardError,
-              "isoslider-cli: standard output: cannot write: No space left on device\n");
+    EXPECT_EQ(result.standardError, "isoslider-cli: standard output: cannot write: No space left on device\n");
 }
 
 TEST_F(CliOutput, IsTheSameInEveryLocale) {

@@ -13,9 +13,10 @@ protected:
     /// x + 2y + 4z at the points of a rectilinear grid whose x axis is not even.
     std::string rectilinear(const std::string& name = "grid.vtk") const {
         const double xs[] = {0, 1, 3, 6, 10}, ys[] = {0, 1, 2, 3}, zs[] = {0, 2, 4};
-        std::string text = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 5 4 3\n"
-                           "X_COORDINATES 5 double\n0 1 3 6 10\nY_COORDINATES 4 double\n0 1 2 3\n"
-                           "Z_COORDINATES 3 double\n0 2 4\nPOINT_DATA 60\nSCALARS ramp double 1\nLOOKUP_TABLE default\n";
+        std::string text =
+            "# vtk DataFile Version 3.0\nt\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 5 4 3\n"
+            "X_COORDINATES 5 double\n0 1 3 6 10\nY_COORDINATES 4 double\n0 1 2 3\n"
+            "Z_COORDINATES 3 double\n0 2 4\nPOINT_DATA 60\nSCALARS ramp double 1\nLOOKUP_TABLE default\n";
         for (const double z : zs)
             for (const double y : ys)
                 for (const double x : xs)
@@ -27,9 +28,9 @@ protected:
 
 TEST_F(CliResample, WritesAUniformVolumeAndTellsWhatWasLost) {
     const auto json = runJson({"resample", rectilinear(), "-o", path("a.mha"), "--size", "21,4,3"});
-    EXPECT_THAT(keysOf(json), ::testing::ElementsAre("dims", "spacing", "origin", "scalar_type", "field", "source_points",
-                                                     "compared_points", "max_difference", "rms_difference",
-                                                     "range_fraction", "outside_points"));
+    EXPECT_THAT(keysOf(json), ::testing::ElementsAre("dims", "spacing", "origin", "scalar_type", "field",
+                                                     "source_points", "compared_points", "max_difference",
+                                                     "rms_difference", "range_fraction", "outside_points"));
     EXPECT_EQ(json["dims"], OrderedJson({21, 4, 3}));
     EXPECT_EQ(json["spacing"], OrderedJson({0.5, 1.0, 2.0}));
     EXPECT_EQ(json["source_points"], 60);
@@ -70,7 +71,8 @@ TEST_F(CliResample, IsReportedByEveryCommandThatResamples) {
     EXPECT_THAT(run({"extract", grid, "--isovalue", "20"}).standardOutput, HasSubstr(kLine));
     EXPECT_THAT(readText(path("a.ply")).substr(0, 1000), HasSubstr(std::string("comment resampled: ") + kLine));
     // The index keeps it for all that is made of it.
-    for (const auto& json : {runJson({"info", path("a.isx")}), runJson({"extract", path("a.isx"), "--isovalue", "20", "-o", path("i.ply")})})
+    for (const auto& json : {runJson({"info", path("a.isx")}),
+                             runJson({"extract", path("a.isx"), "--isovalue", "20", "-o", path("i.ply")})})
         EXPECT_THAT(json["resampled"]["text"].get<std::string>(), HasSubstr(kLine));
     EXPECT_THAT(readText(path("i.ply")).substr(0, 1000), HasSubstr(std::string("comment resampled: ") + kLine));
     // A grid that is uniform is not, and nobody says so.

@@ -14,9 +14,9 @@ TEST_F(CliSlide, RecordsEveryStep) {
     EXPECT_GT(json["peak_rss_bytes"], 0);
     const auto& steps = json["steps"];
     ASSERT_EQ(steps.size(), 5U);
-    EXPECT_THAT(keysOf(steps[0]), ElementsAre("isovalue", "edges_added", "edges_removed", "edges_touched",
-                                              "cells_retriangulated", "active_edges", "triangles",
-                                              "bricks_read", "bytes_read", "update_ms", "interpolate_ms"));
+    EXPECT_THAT(keysOf(steps[0]),
+                ElementsAre("isovalue", "edges_added", "edges_removed", "edges_touched", "cells_retriangulated",
+                            "active_edges", "triangles", "bricks_read", "bytes_read", "update_ms", "interpolate_ms"));
     EXPECT_EQ(steps[0]["isovalue"], 2.0);
     EXPECT_EQ(steps[2]["isovalue"], 5.0);
     EXPECT_EQ(steps[4]["isovalue"], 8.0);
@@ -44,8 +44,7 @@ TEST_F(CliSlide, PrintsALineForEachStep) {
 
 TEST_F(CliSlide, ExportsAMeshForEachStep) {
     const auto index = sphereIndex();
-    ASSERT_EQ(run({"slide", index, "--from", "2", "--to", "8", "--steps", "2", "--export", "out_%04d.ply"})
-                  .exitCode,
+    ASSERT_EQ(run({"slide", index, "--from", "2", "--to", "8", "--steps", "2", "--export", "out_%04d.ply"}).exitCode,
               0);
     EXPECT_THAT(folder_.names(),
                 ElementsAre("out_0000.ply", "out_0001.ply", "out_0002.ply", "sphere.isx", "sphere.mha"));
@@ -65,9 +64,8 @@ TEST_F(CliSlide, WritesTheCertificateOfEachStep) {
 
 TEST_F(CliSlide, RefusesExportNamesWithoutOneNumber) {
     const auto index = sphereIndex();
-    for (const auto* pattern :
-         {"out.ply", "out_%d_%d.ply", "out_%s.ply", "out_%n.ply", "out_%.ply", "out_%%d.ply", "out_%4d.ply",
-          "out_%00d.ply", "out_%012d.ply", "out_%-4d.ply", ""})
+    for (const auto* pattern : {"out.ply", "out_%d_%d.ply", "out_%s.ply", "out_%n.ply", "out_%.ply", "out_%%d.ply",
+                                "out_%4d.ply", "out_%00d.ply", "out_%012d.ply", "out_%-4d.ply", ""})
         expectRefusal({"slide", index, "--path", "5", "--export", pattern}, 2, "--export");
     expectRefusal({"slide", index, "--path", "5", "--export", "out_%d.txt"}, 2, "suffix");
     expectRefusal({"slide", index, "--path", "5", "--export", "missing/out_%d.ply"}, 4, "folder");

@@ -47,18 +47,15 @@ TEST_F(CliUsage, RefusesLaterCommandsByNameAndDoesNotListThem) {
 TEST_F(CliUsage, RefusesLaterOptionsByName) {
     const auto volume = sphereVolume();
     expectRefusal({"build", volume, "-o", "a.isx", "--index", "cells"}, 2, "known: edges, metacells, auto");
-    expectRefusal({"build", volume, "-o", "a.isx", "--lod-error", "0.5%"}, 2,
-                  "not available in this version");
+    expectRefusal({"build", volume, "-o", "a.isx", "--lod-error", "0.5%"}, 2, "not available in this version");
     expectRefusal({"build", volume, "-o", "a.isx", "--resume"}, 2, "not available in this version");
-    expectRefusal({"extract", volume, "--isovalue", "5", "--lod-error", "0.25c"}, 2,
-                  "not available in this version");
+    expectRefusal({"extract", volume, "--isovalue", "5", "--lod-error", "0.25c"}, 2, "not available in this version");
     EXPECT_EQ(run({"extract", volume, "--isovalue", "5", "--lod-error", "0%"}).exitCode, 0);
 }
 
 TEST_F(CliUsage, RefusesTextThatIsNoFiniteNumber) {
     const auto volume = sphereVolume();
-    for (const auto* text :
-         {"nan", "NaN", "inf", "-inf", "1e999", "", "1,5", "0x10", " 5", "5 ", "five", "--"})
+    for (const auto* text : {"nan", "NaN", "inf", "-inf", "1e999", "", "1,5", "0x10", " 5", "5 ", "five", "--"})
         expectRefusal({"extract", volume, "--isovalue", text}, 2);
 }
 
@@ -70,8 +67,7 @@ TEST_F(CliUsage, TakesNumbersInEveryUsualForm) {
 
 TEST_F(CliUsage, RefusesSizesThatAreNone) {
     const auto volume = sphereVolume();
-    for (const auto* text :
-         {"12parsecs", "", "-1", "1.5G", "M", "512 M", "99999999999999999999", "16777216T"})
+    for (const auto* text : {"12parsecs", "", "-1", "1.5G", "M", "512 M", "99999999999999999999", "16777216T"})
         expectRefusal({"build", volume, "-o", "a.isx", "--memory", text}, 2, "at least 64 MiB");
     expectRefusal({"build", volume, "-o", "a.isx", "--memory", "1M"}, 2, "at least 64 MiB");
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"sphere.mha"});

@@ -93,7 +93,8 @@ public:
 
     /// A page of hidden corners.
     std::optional<std::vector<DocumentCorner>> decodeHidden() {
-        const std::uint64_t corners = number(0, 4), firstBrick = number(4, 4), keyBytes = number(8, 4), planes = number(12, 4);
+        const std::uint64_t corners = number(0, 4), firstBrick = number(4, 4), keyBytes = number(8, 4),
+                            planes = number(12, 4);
         if (planes != 4 + keyBytes)
             return std::nullopt;
         tableAt_ = 16;

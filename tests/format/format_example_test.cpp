@@ -21,7 +21,8 @@ using test::IsOk;
 
 // The bytes of a ```hex block of the document, the first or the second; a '#' begins a remark.
 std::vector<std::byte> bytesOfWorkedExample(int wanted = 1) {
-    std::istringstream text(test::readText(std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "core/index/format/FORMAT.md"));
+    std::istringstream text(
+        test::readText(std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "core/index/format/FORMAT.md"));
     std::vector<std::byte> bytes;
     bool isInside = false;
     int block = 0;
@@ -50,7 +51,8 @@ std::shared_ptr<const ScalarGrid> hiddenExampleVolume() {
     static constexpr int kSamples[2][2][3] = {{{0, 1, 2}, {0, 0, 2}}, {{1, 0, 2}, {0, 1, 0}}};
     GridGeometry geometry;
     geometry.dims = {3, 2, 2};
-    return test::makeVolume<std::uint8_t>(ScalarType::U8, geometry, [](auto x, auto y, auto z) { return kSamples[z][y][x]; });
+    return test::makeVolume<std::uint8_t>(ScalarType::U8, geometry,
+                                          [](auto x, auto y, auto z) { return kSamples[z][y][x]; });
 }
 
 // Little-endian numbers, one after the other.
@@ -127,7 +129,8 @@ TEST(FormatDocument, ExampleSaysWhatItsTextSays) {
         std::uint64_t key, id;
         int mask, normal;
     };
-    const Expected expected[] = {{3, 9, 1 << 5, 0x7f7f}, {3, 65, 1 << 3, 0x8100}, {3, 72, 1 << 1, 0x0081}, {9, 73, 21, 0xabab}};
+    const Expected expected[] = {
+        {3, 9, 1 << 5, 0x7f7f}, {3, 65, 1 << 3, 0x8100}, {3, 72, 1 << 1, 0x0081}, {9, 73, 21, 0xabab}};
     for (std::size_t i = 0; i < 4; ++i) {
         EXPECT_EQ((*points)[i].key, expected[i].key);
         EXPECT_EQ((*points)[i].id, expected[i].id);
@@ -197,7 +200,8 @@ TEST(FormatDocument, ReadsHiddenCornersOfRealIndices) {
     test::Random random(8);
     GridGeometry geometry;
     geometry.dims = {50, 44, 37};
-    const auto noise = test::makeVolume<float>(ScalarType::F32, geometry, [&](auto, auto, auto) { return test::unitRandom(random) - 0.5; });
+    const auto noise = test::makeVolume<float>(ScalarType::F32, geometry,
+                                               [&](auto, auto, auto) { return test::unitRandom(random) - 0.5; });
     ASSERT_THAT(test::buildIndexOf(noise, folder / "a.isx"), IsOk());
     const std::string file = test::readText(folder / "a.isx");
     const auto entries = hiddenPagesByDocument(file);

@@ -58,9 +58,9 @@ TEST(GoldenIndex, EarlierVersionsAreRefusedByName) {
         ASSERT_THAT(opened, HasError(ErrorCode::UnsupportedVersion));
         const std::string line = opened.error().line();
         EXPECT_NE(line.find(name), std::string::npos) << line;
-        EXPECT_NE(line.find("format version " + version +
-                            ", this program reads version 3: build it again from its volume"),
-                  std::string::npos)
+        EXPECT_NE(
+            line.find("format version " + version + ", this program reads version 3: build it again from its volume"),
+            std::string::npos)
             << line;
         EXPECT_EQ(line.find('\n'), std::string::npos);
     }
@@ -118,7 +118,8 @@ TEST(GoldenIndex, HasHiddenCorners) {
                     continue;
                 ++found;
                 const auto p = reader.value()->grid().pointCoords(PointId{brick} * kBrickPoints + cell);
-                EXPECT_EQ(*scalar.value(), grid->valueAt(p[0] + (corner & 1), p[1] + (corner >> 1 & 1), p[2] + (corner >> 2)));
+                EXPECT_EQ(*scalar.value(),
+                          grid->valueAt(p[0] + (corner & 1), p[1] + (corner >> 1 & 1), p[2] + (corner >> 2)));
             }
     EXPECT_EQ(found, 2);
 }
@@ -136,9 +137,9 @@ TEST_P(GoldenIndexKind, IsWhatABuildGives) {
     const test::TemporaryFolder folder;
     const std::string built = buildGolden(folder / "golden.isx", GetParam()), wanted = test::readText(golden());
     EXPECT_EQ(built.size(), wanted.size());
-    const auto differs = std::mismatch(
-        built.begin(), built.begin() + static_cast<std::ptrdiff_t>(std::min(built.size(), wanted.size())),
-        wanted.begin());
+    const auto differs =
+        std::mismatch(built.begin(), built.begin() + static_cast<std::ptrdiff_t>(std::min(built.size(), wanted.size())),
+                      wanted.begin());
     EXPECT_TRUE(built == wanted) << "first difference at byte " << differs.first - built.begin();
 }
 

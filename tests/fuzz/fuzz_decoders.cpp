@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "core/base/byte_codec.h"
-#include "core/volume_io/parsing/byte_decoder.h"
 #include "core/volume_io/formats/inflated_file.h"
+#include "core/volume_io/parsing/byte_decoder.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "tests/fuzz/fuzz_support.h"
 #include "tests/fuzz/fuzz_targets.h"
@@ -43,15 +43,17 @@ Decoded decode(std::span<const std::byte> bytes, io::Encoding encoding, io::File
 // However it is cut into pieces, the same comes out.
 void decodeTwice(std::span<const std::byte> bytes, io::Encoding encoding, io::FileType type) {
     const std::size_t sample = fileTypeSizeBytes(type);
-    const Decoded large = decode(bytes, encoding, type, 4096 * sample), small = decode(bytes, encoding, type, 24 * sample);
+    const Decoded large = decode(bytes, encoding, type, 4096 * sample),
+                  small = decode(bytes, encoding, type, 24 * sample);
     ISO_REQUIRE(large.isCut || small.isCut || large.status.isOk() == small.status.isOk(), "");
     const std::size_t both = std::min(large.bytes.size(), small.bytes.size());
-    ISO_REQUIRE(std::equal(large.bytes.begin(), large.bytes.begin() + static_cast<std::ptrdiff_t>(both), small.bytes.begin()),
-                 "");
+    ISO_REQUIRE(
+        std::equal(large.bytes.begin(), large.bytes.begin() + static_cast<std::ptrdiff_t>(both), small.bytes.begin()),
+        "");
     if (large.status.isOk() && !large.isCut)
         ISO_REQUIRE(large.bytes.size() == small.bytes.size() &&
-                         io::leastEncodedBytes(encoding, large.bytes.size(), type) <= bytes.size(),
-                     std::to_string(large.bytes.size()));
+                        io::leastEncodedBytes(encoding, large.bytes.size(), type) <= bytes.size(),
+                    std::to_string(large.bytes.size()));
 }
 
 void readText(std::span<const std::byte> bytes) {

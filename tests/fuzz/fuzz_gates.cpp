@@ -66,7 +66,8 @@ void fuzzVtkLegacy(std::span<const std::byte> bytes) {
     for (const io::LegacyArray& array : whole.value().arrays) {
         ISO_REQUIRE(array.components >= 1 && array.position <= bytes.size(), array.name);
         if (whole.value().isBinary)
-            ISO_REQUIRE(whole.value().points * array.components * fileTypeSizeBytes(array.type) <= bytes.size(), array.name);
+            ISO_REQUIRE(whole.value().points * array.components * fileTypeSizeBytes(array.type) <= bytes.size(),
+                        array.name);
     }
 }
 

@@ -20,7 +20,9 @@ constexpr std::int64_t kMaxSlid = 1 << 14; ///< samples of a volume
 constexpr std::uint64_t kMaxChunks = 64;
 constexpr std::size_t kMaxPages = 64;
 
-bool isWithin(std::uint64_t offset, std::uint64_t size, std::uint64_t end) { return offset <= end && size <= end - offset; }
+bool isWithin(std::uint64_t offset, std::uint64_t size, std::uint64_t end) {
+    return offset <= end && size <= end - offset;
+}
 
 /// Sums over the chunks of a shelf, in its table, and over the table.
 void mendShelf(Bytes& file, index::ShelfEntry& shelf, std::uint64_t chunks, const index::Preamble& preamble) {
@@ -29,7 +31,9 @@ void mendShelf(Bytes& file, index::ShelfEntry& shelf, std::uint64_t chunks, cons
     if (!isWithin(tableAt, chunks * index::kShelfEntryBytes, preamble.metaOffset))
         return;
     const auto sumAt = [&](std::uint64_t offset, std::uint64_t size) {
-        return isWithin(offset, size, bytes.size()) ? index::pageChecksum(bytes.subspan(offset, size), preamble.seed, offset) : 0;
+        return isWithin(offset, size, bytes.size())
+                   ? index::pageChecksum(bytes.subspan(offset, size), preamble.seed, offset)
+                   : 0;
     };
     std::uint64_t at = shelf.offset;
     for (std::uint64_t i = 0; i < chunks; ++i) {
@@ -69,11 +73,13 @@ std::optional<Bytes> withRightChecksums(std::span<const std::byte> input) {
         return file;
     index::IndexMeta& meta = decoded.value();
     const auto mend = [&](auto& part) {
-        part.checksum = index::pageChecksum(std::span(file).subspan(part.offset, part.bytes), preamble.seed, part.offset);
+        part.checksum =
+            index::pageChecksum(std::span(file).subspan(part.offset, part.bytes), preamble.seed, part.offset);
     };
     const std::uint64_t chunks = index::ChunkGrid(meta.info.geometry.dims).chunkCount();
     for (std::size_t i = 0; i < meta.shelves.size(); ++i)
-        mendShelf(file, meta.shelves[i], std::min<std::uint64_t>(index::kShelfChunks, chunks - i * index::kShelfChunks), preamble);
+        mendShelf(file, meta.shelves[i], std::min<std::uint64_t>(index::kShelfChunks, chunks - i * index::kShelfChunks),
+                  preamble);
     for (index::LevelDirectory& level : meta.levels)
         std::ranges::for_each(level.pages, mend);
     std::ranges::for_each(meta.hiddenPages, mend);

@@ -43,7 +43,8 @@ void decodeHidden(ByteReader& in, ScalarType type, const GridDims& dims) {
     });
     const auto bytes = in.getBytes(in.remaining());
     entry.bytes = static_cast<std::uint32_t>(bytes.size());
-    if (entry.lastBrick >= BrickGrid(dims).brickCount() || entry.corners == 0 || entry.corners > index::kMaxHiddenPageCorners)
+    if (entry.lastBrick >= BrickGrid(dims).brickCount() || entry.corners == 0 ||
+        entry.corners > index::kMaxHiddenPageCorners)
         return; // the directory is refused already
     index::HiddenPage page;
     const Status status = index::decodeHiddenPage(bytes, entry, info, page, "input.isx");

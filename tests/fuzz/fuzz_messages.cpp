@@ -22,8 +22,9 @@ void requireRoundTrip(std::span<const std::byte> bytes, const Decode& decode, co
 /// A request of the program or an answer of its reader process.
 void fuzzMessages(std::span<const std::byte> bytes) {
     requireRoundTrip(bytes, io::decodeRequest, io::encodeRequest);
-    requireRoundTrip(bytes, io::decodeProgress,
-                     [](const io::ReaderProgress& progress) { return io::encodeProgress(progress.fraction, progress.stage); });
+    requireRoundTrip(bytes, io::decodeProgress, [](const io::ReaderProgress& progress) {
+        return io::encodeProgress(progress.fraction, progress.stage);
+    });
     requireRoundTrip(bytes, io::decodeError, io::encodeError);
     requireRoundTrip(bytes, io::decodeInfo, io::encodeInfo);
     requireRoundTrip(bytes, io::decodeContents, io::encodeContents);

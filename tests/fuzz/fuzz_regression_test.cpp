@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 std::vector<fs::path> filesIn(const char* kind, std::string_view target) {
     std::vector<fs::path> files;
     std::error_code none;
-    for (const auto& entry : fs::directory_iterator(fs::path(ISOSLIDER_SOURCE_DIR) / "tests/fuzz" / kind / target, none))
+    for (const auto& entry :
+         fs::directory_iterator(fs::path(ISOSLIDER_SOURCE_DIR) / "tests/fuzz" / kind / target, none))
         files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     return files;
@@ -58,7 +59,7 @@ TEST_P(FuzzTargets, KeepPromisesOnSeedsCutShort) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Readers, FuzzTargets, ::testing::ValuesIn(kFuzzTargets),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& target) { return std::string(target.param.name); });
 
 } // namespace
 } // namespace isoslider::fuzz

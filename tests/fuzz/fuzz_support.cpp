@@ -19,7 +19,8 @@ public:
     InputFolder() {
         const fs::path memory = "/dev/shm";
         std::string name =
-            ((::access(memory.c_str(), W_OK) == 0 ? memory : fs::temp_directory_path()) / "isoslider-fuzz-XXXXXX").string();
+            ((::access(memory.c_str(), W_OK) == 0 ? memory : fs::temp_directory_path()) / "isoslider-fuzz-XXXXXX")
+                .string();
         ISO_REQUIRE(::mkdtemp(name.data()) != nullptr, name);
         path_ = name;
     }
@@ -58,7 +59,7 @@ void requireGoodGeometry(const GridGeometry& geometry) {
     for (int axis = 0; axis < 3; ++axis) {
         ISO_REQUIRE(geometry.dims[axis] >= 1, std::to_string(geometry.dims[axis]));
         ISO_REQUIRE(std::isfinite(geometry.spacing[axis]) && geometry.spacing[axis] > 0.0,
-                     std::to_string(geometry.spacing[axis]));
+                    std::to_string(geometry.spacing[axis]));
         ISO_REQUIRE(std::isfinite(geometry.origin[axis]), std::to_string(geometry.origin[axis]));
         for (int row = 0; row < 3; ++row)
             ISO_REQUIRE(std::isfinite(geometry.direction[axis][row]), std::to_string(geometry.direction[axis][row]));

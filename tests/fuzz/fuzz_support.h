@@ -19,10 +19,10 @@ inline constexpr std::int64_t kMaxSamples = std::int64_t{1} << 18;
 [[noreturn]] void broken(const char* promise, std::string_view detail, const char* file, int line);
 
 /// Aborts with the promise that was broken; `detail`, a text, says by what.
-#define ISO_REQUIRE(promise, detail)                            \
-    do {                                                         \
-        if (!(promise))                                          \
-            broken(#promise, detail, __FILE__, __LINE__);        \
+#define ISO_REQUIRE(promise, detail) \
+    do { \
+        if (!(promise)) \
+            broken(#promise, detail, __FILE__, __LINE__); \
     } while (false)
 
 /// Is one line for people: neither empty nor with control characters in it.

@@ -10,8 +10,8 @@ namespace isoslider::fuzz {
 /// each is defined. Keeps nothing from one call to the next.
 using FuzzTarget = void(std::span<const std::byte> bytes);
 
-FuzzTarget fuzzCube, fuzzDecoders, fuzzDicom, fuzzIndex, fuzzIndexParts, fuzzMesh, fuzzMessages, fuzzMetaImage,
-    fuzzMrc, fuzzNetcdf, fuzzNifti, fuzzNrrd, fuzzPlot3d, fuzzRaw, fuzzTiff, fuzzVtkLegacy, fuzzVtkXml;
+FuzzTarget fuzzCube, fuzzDecoders, fuzzDicom, fuzzIndex, fuzzIndexParts, fuzzMesh, fuzzMessages, fuzzMetaImage, fuzzMrc,
+    fuzzNetcdf, fuzzNifti, fuzzNrrd, fuzzPlot3d, fuzzRaw, fuzzTiff, fuzzVtkLegacy, fuzzVtkXml;
 
 struct NamedTarget {
     std::string_view name; ///< of its folders in seeds/ and regressions/, and of its program without "fuzz_"

@@ -6,7 +6,8 @@
 #include "tests/fuzz/fuzz_targets.h"
 #include "tests/fuzz/volume_promises.h"
 
-// Formats of which every byte is ours to read. Each input is a file; those that are read in two have the second beside them.
+// Formats of which every byte is ours to read. Each input is a file; those that are read in two have the second beside
+// them.
 
 namespace isoslider::fuzz {
 namespace {
@@ -45,7 +46,8 @@ void fuzzMrc(std::span<const std::byte> bytes) {
 }
 
 void fuzzCube(std::span<const std::byte> bytes) {
-    requireVolumePromises(io::openCube, io::listCube, writeInput(isGzip(bytes) ? "input.cube.gz" : "input.cube", bytes));
+    requireVolumePromises(io::openCube, io::listCube,
+                          writeInput(isGzip(bytes) ? "input.cube.gz" : "input.cube", bytes));
 }
 
 /// A .nii or .nii.gz. What is not marked as one file is taken for a pair, as Analyze is: the samples follow a header

@@ -33,7 +33,8 @@ void readSlabs(io::VolumeSource& source) {
     ISO_REQUIRE(slab == firstPlane, source.info().format);
 }
 
-void openAndRead(io::OpenFormat* open, const std::filesystem::path& path, const io::ReadOptions& options, const io::VolumeField* listed) {
+void openAndRead(io::OpenFormat* open, const std::filesystem::path& path, const io::ReadOptions& options,
+                 const io::VolumeField* listed) {
     auto opened = open(path, options);
     if (!opened.isOk())
         return requireGoodError(opened.error());
@@ -49,11 +50,14 @@ void openAndRead(io::OpenFormat* open, const std::filesystem::path& path, const 
     readSlabs(*opened.value());
 }
 
-void tryField(io::OpenFormat* open, const std::filesystem::path& path, io::ReadOptions options, const io::VolumeField& field) {
+void tryField(io::OpenFormat* open, const std::filesystem::path& path, io::ReadOptions options,
+              const io::VolumeField& field) {
     ISO_REQUIRE(field.components >= 1 && field.frames >= 1, field.name);
-    ISO_REQUIRE(!field.problem.empty() || std::ranges::all_of(field.dims, [](auto size) { return size >= 1; }), field.name);
-    ISO_REQUIRE(field.componentNames.empty() || field.componentNames.size() == static_cast<std::size_t>(field.components),
-                 field.name);
+    ISO_REQUIRE(!field.problem.empty() || std::ranges::all_of(field.dims, [](auto size) { return size >= 1; }),
+                field.name);
+    ISO_REQUIRE(field.componentNames.empty() ||
+                    field.componentNames.size() == static_cast<std::size_t>(field.components),
+                field.name);
     requireLine(field.typeName);
     for (const std::string* text : {&field.title, &field.problem})
         if (!text->empty())

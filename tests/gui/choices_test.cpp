@@ -12,8 +12,8 @@
 #include "tests/gui/window_fixture.h"
 #include "ui/widgets/opening/field_tree_model.h"
 #include "ui/widgets/opening/field_tree_view.h"
-#include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/opening/preview_pane.h"
+#include "ui/widgets/window/message_bar.h"
 
 namespace isoslider::test {
 namespace {
@@ -34,9 +34,12 @@ protected:
     static io::VolumeContents groupedContents() {
         io::VolumeContents contents;
         contents.format = "HDF5";
-        contents.fields = {fieldOf("/calibration/flat", "", {24, 20, 28}),  fieldOf("/run1/density", "", {24, 20, 28}),
-                           fieldOf("/run1/raw/counts", "", {24, 20, 28}),   fieldOf("/run1/raw/times", "", {1, 1, 1}),
-                           fieldOf("/run2/velocity", "", {24, 20, 28}),     fieldOf("/run2/a_rather_long_name_of_a_data_set", "", {1024, 1024, 1024})};
+        contents.fields = {fieldOf("/calibration/flat", "", {24, 20, 28}),
+                           fieldOf("/run1/density", "", {24, 20, 28}),
+                           fieldOf("/run1/raw/counts", "", {24, 20, 28}),
+                           fieldOf("/run1/raw/times", "", {1, 1, 1}),
+                           fieldOf("/run2/velocity", "", {24, 20, 28}),
+                           fieldOf("/run2/a_rather_long_name_of_a_data_set", "", {1024, 1024, 1024})};
         contents.fields[3].problem = "text is not read";
         contents.fields[3].typeName.clear();
         contents.fields[4].components = 3;
@@ -64,7 +67,8 @@ protected:
     void restart() {
         window_.reset();
         session_.reset();
-        settings_ = std::make_unique<widgets::SettingsStore>(QString::fromStdString((folder_ / "settings.ini").string()));
+        settings_ =
+            std::make_unique<widgets::SettingsStore>(QString::fromStdString((folder_ / "settings.ini").string()));
         makeWindow();
     }
 };
@@ -191,7 +195,10 @@ TEST_F(ChoicesTest, TheOpenFileCanBeOpenedAgainAsItWas) {
 
 TEST_F(ChoicesTest, ChoicesThatAreGoneAreAskedAnew) {
     contents_.format = "NetCDF";
-    settings_->set("files/recent", QStringList{qpath(folder_.write("R&D.nc", "x")) + QStringLiteral("\x1f" R"({"field":"gone"})" "\x1f")});
+    settings_->set("files/recent",
+                   QStringList{qpath(folder_.write("R&D.nc", "x")) + QStringLiteral("\x1f"
+                                                                                    R"({"field":"gone"})"
+                                                                                    "\x1f")});
     restart();
     auto* entry = recent(QStringLiteral("R&&D.nc – gone"));
     ASSERT_NE(entry, nullptr);
@@ -204,7 +211,10 @@ TEST_F(ChoicesTest, ChoicesThatAreGoneAreAskedAnew) {
 
 TEST_F(ChoicesTest, DamagedChoicesAreNoChoices) {
     contents_.fields.pop_back();
-    settings_->set("files/recent", QStringList{qpath(folder_.write("flow.nc", "x")) + QStringLiteral("\x1f" R"({"field":"gone","frame":"many"})" "\x1f")});
+    settings_->set("files/recent", QStringList{qpath(folder_.write("flow.nc", "x")) +
+                                               QStringLiteral("\x1f"
+                                                              R"({"field":"gone","frame":"many"})"
+                                                              "\x1f")});
     restart();
     auto* start = window_->findChild<QWidget*>(QStringLiteral("startPage"));
     QPushButton* button = nullptr;

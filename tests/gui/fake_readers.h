@@ -55,9 +55,7 @@ protected:
         auto* progress = dialog->findChild<QProgressBar*>(QStringLiteral("previewProgress"));
         return waitUntil([&] { return open->isEnabled() && !progress->isVisible(); });
     }
-    static QString status(QDialog* dialog) {
-        return dialog->findChild<widgets::PreviewPane*>()->statusText();
-    }
+    static QString status(QDialog* dialog) { return dialog->findChild<widgets::PreviewPane*>()->statusText(); }
     bool isGone(const char* dialog) {
         return waitUntil([&] { return window_->findChild<QDialog*>(QLatin1String(dialog)) == nullptr; });
     }
@@ -70,8 +68,7 @@ protected:
         for (const auto* label : dialog->findChildren<QLabel*>()) {
             if (!label->isVisible() || label->text().isEmpty())
                 continue;
-            const int needed =
-                label->wordWrap() ? label->heightForWidth(label->width()) : label->sizeHint().height();
+            const int needed = label->wordWrap() ? label->heightForWidth(label->width()) : label->sizeHint().height();
             EXPECT_GE(label->height(), needed) << label->text().toStdString();
             if (!label->wordWrap()) {
                 EXPECT_GE(label->width(), label->sizeHint().width()) << label->text().toStdString();
@@ -79,8 +76,7 @@ protected:
         }
         for (const auto* widget : dialog->findChildren<QWidget*>()) {
             const auto shown = widget->visibleRegion().boundingRect();
-            const bool isSimple =
-                widget->findChildren<QWidget*>().size() <= 3 && widget->parentWidget() != nullptr;
+            const bool isSimple = widget->findChildren<QWidget*>().size() <= 3 && widget->parentWidget() != nullptr;
             EXPECT_TRUE(!isSimple || shown.isEmpty() || shown.width() == widget->width())
                 << widget->objectName().toStdString() << " (" << widget->metaObject()->className() << ")";
         }
@@ -122,25 +118,22 @@ protected:
             const bool mustChoose =
                 contents_.needsChoice() && options.field.empty() && !options.component && !options.frame;
             if (mustChoose)
-                return makeError(ErrorCode::InvalidArgument, "holds several volumes; choose one",
-                                 path.string());
+                return makeError(ErrorCode::InvalidArgument, "holds several volumes; choose one", path.string());
             const io::VolumeField* field = fieldNamed(options.field);
             if (field == nullptr)
                 return makeError(ErrorCode::InvalidArgument, "there is no such field", path.string());
             GridGeometry geometry;
             geometry.dims = options.resampleDims[0] > 0 ? options.resampleDims : contents_.fields[0].dims;
-            const double top = 1000.0 + (options.field == "b" ? 500.0 : 0.0) +
-                               100.0 * options.component.value_or(0) +
+            const double top = 1000.0 + (options.field == "b" ? 500.0 : 0.0) + 100.0 * options.component.value_or(0) +
                                10.0 * static_cast<double>(options.frame.value_or(0));
             io::VolumeInfo info;
             info.format = contents_.format;
             info.fieldName = field->name;
             info.fieldTitle = field->title;
             info.lengthUnit = "mm";
-            return io::makeMemorySource(
-                std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<std::int16_t>(
-                    geometry, ScalarType::I16, ballSamples<std::int16_t>(geometry.dims, top))),
-                std::move(info));
+            return io::makeMemorySource(std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<std::int16_t>(
+                                            geometry, ScalarType::I16, ballSamples<std::int16_t>(geometry.dims, top))),
+                                        std::move(info));
         };
         volumes_.read = [this, read = volumes_.read](io::VolumeSource& source, const fs::path& path,
                                                      const JobControl& job) {

@@ -14,7 +14,8 @@ namespace isoslider::test {
 class FaultyDriver final : public render::GlDriver {
 public:
     std::size_t memoryBytes = std::numeric_limits<std::size_t>::max();
-    int refusedCall = 0;  ///< counting from 1, the allocation that fails, and the next, which may be another try; 0 for none
+    int refusedCall =
+        0; ///< counting from 1, the allocation that fails, and the next, which may be another try; 0 for none
     int lostContexts = 0; ///< so many contexts more will be found lost
 
     int allocations() const { return allocations_; }

@@ -6,8 +6,8 @@
 #include <QTest>
 
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/opening/file_filters.h"
+#include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::test {
 namespace {
@@ -83,15 +83,16 @@ TEST_F(FileDialogsTest, EveryFormatHasAFilter) {
     for (const char* suffix : {"*.ply", "*.obj", "*.stl", "*.off", "*.om"})
         EXPECT_TRUE(widgets::meshFilters().contains(QStringLiteral("(%1)").arg(QLatin1String(suffix)))) << suffix;
     const QString all = widgets::volumeFilters().section(QStringLiteral(";;"), 0, 0);
-    for (const char* suffix : {"*.mha", "*.nrrd", "*.nii.gz", "*.vti", "*.dcm", "*.bin", "*.tiff", "*.nc", "*.mrc", "*.raw", "*.isx"})
+    for (const char* suffix :
+         {"*.mha", "*.nrrd", "*.nii.gz", "*.vti", "*.dcm", "*.bin", "*.tiff", "*.nc", "*.mrc", "*.raw", "*.isx"})
         EXPECT_TRUE(all.contains(QLatin1String(suffix))) << suffix;
 }
 
 TEST_F(FileDialogsTest, TheSuffixFollowsTheFilter) {
     widgets::PlatformFileDialogs platform;
     QString chosen;
-    platform.askSave(window_.get(), QStringLiteral("Export Mesh"), pathText(folder_ / "ball_1.5.ply"), widgets::meshFilters(),
-                     [&chosen](const QString& path) { chosen = path; });
+    platform.askSave(window_.get(), QStringLiteral("Export Mesh"), pathText(folder_ / "ball_1.5.ply"),
+                     widgets::meshFilters(), [&chosen](const QString& path) { chosen = path; });
     auto* dialog = shownDialog();
     ASSERT_NE(dialog, nullptr);
     EXPECT_EQ(dialog->windowTitle(), QStringLiteral("Export Mesh"));

@@ -9,12 +9,12 @@
 
 #include "tests/gui/run_recorder.h"
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_panel.h"
-#include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/message_bar.h"
 
 namespace isoslider::test {
 namespace {
@@ -40,10 +40,9 @@ fs::path writeGyroid(const TemporaryFolder& folder, int n) {
                 const float dx = static_cast<float>(x) - middle, dy = static_cast<float>(y) - middle,
                             dz = static_cast<float>(z) - middle;
                 const float rim = std::clamp(
-                    (0.36f * static_cast<float>(n) - std::sqrt(dx * dx + dy * dy + dz * dz)) / 8.0f, 0.0f,
-                    1.0f);
-                const float wave = at(sines, x) * at(cosines, y) + at(sines, y) * at(cosines, z) +
-                                   at(sines, z) * at(cosines, x);
+                    (0.36f * static_cast<float>(n) - std::sqrt(dx * dx + dy * dy + dz * dz)) / 8.0f, 0.0f, 1.0f);
+                const float wave =
+                    at(sines, x) * at(cosines, y) + at(sines, y) * at(cosines, z) + at(sines, z) * at(cosines, x);
                 samples.push_back(static_cast<std::uint16_t>(rim * (2048.0f + 900.0f * wave)));
             }
     std::ofstream(folder / "gyroid.raw", std::ios::binary)
@@ -52,9 +51,8 @@ fs::path writeGyroid(const TemporaryFolder& folder, int n) {
     const std::string size = std::to_string(n);
     return folder.write(
         "gyroid.mhd",
-        "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nDimSize = " +
-            size + " " + size + " " + size +
-            "\nElementSpacing = 1 1 1\nElementType = MET_USHORT\nElementDataFile = gyroid.raw\n");
+        "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nDimSize = " + size + " " +
+            size + " " + size + "\nElementSpacing = 1 1 1\nElementType = MET_USHORT\nElementDataFile = gyroid.raw\n");
 }
 
 class FirstSecondsTest : public WindowTest {
@@ -81,17 +79,15 @@ protected:
     }
     /// Drags the handle by a share of the range, as a hand does: press, some moves, release.
     void dragHandle(double share) {
-        const auto pixel = [this](double value) {
-            return static_cast<int>(std::lround(plot().pixelOf(value)));
-        };
+        const auto pixel = [this](double value) { return static_cast<int>(std::lround(plot().pixelOf(value))); };
         const int y = plot().axisRect()->center().y();
         const int from = pixel(isovalue().requested());
         const int to = pixel(isovalue().requested() + share * (isovalue().max() - isovalue().min()));
         QTest::mousePress(&plot(), Qt::LeftButton, {}, QPoint(from, y));
         for (int step = 1; step <= 4; ++step) {
             const QPoint point(from + (to - from) * step / 4, y);
-            QMouseEvent move(QEvent::MouseMove, point, plot().mapToGlobal(QPointF(point)), Qt::NoButton,
-                             Qt::LeftButton, Qt::NoModifier);
+            QMouseEvent move(QEvent::MouseMove, point, plot().mapToGlobal(QPointF(point)), Qt::NoButton, Qt::LeftButton,
+                             Qt::NoModifier);
             QApplication::sendEvent(&plot(), &move);
             ASSERT_TRUE(waitUntilDisplayed());
         }
@@ -182,8 +178,7 @@ protected:
 
     PreviewTest() {
         builder_->holds = true;
-        wholeVolumeBytes_ =
-            std::uint64_t{kDim} * kDim * kDim / 8 * sizeof(std::uint16_t) - 1; // one of two is too much
+        wholeVolumeBytes_ = std::uint64_t{kDim} * kDim * kDim / 8 * sizeof(std::uint16_t) - 1; // one of two is too much
         makeWindow();
         drop(writeGyroid(folder_, kDim));
         waitUntil([this] { return session_->frame() != nullptr; });

@@ -11,14 +11,15 @@
 #include "tests/gui/faulty_driver.h"
 #include "tests/gui/image_likeness.h"
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/message_bar.h"
 
 namespace isoslider::test {
 namespace {
 
-constexpr std::size_t kBuffers = 9; // of arrays: positions, normals, indices, changed; of bricks: records, indices, places, changed; box
+constexpr std::size_t kBuffers =
+    9; // of arrays: positions, normals, indices, changed; of bricks: records, indices, places, changed; box
 
 /// The surface, and nothing of the grey background, is warm: clearly more red than blue.
 std::size_t surfacePixels(const QImage& image) {

@@ -35,7 +35,8 @@ double windowSimilarity(const QImage& a, const QImage& b, int left, int top) {
 double structuralSimilarity(const QImage& a, const QImage& b) {
     if (a.size() != b.size() || a.width() < kWindow || a.height() < kWindow)
         return 0.0;
-    const QImage greyA = a.convertToFormat(QImage::Format_Grayscale8), greyB = b.convertToFormat(QImage::Format_Grayscale8);
+    const QImage greyA = a.convertToFormat(QImage::Format_Grayscale8),
+                 greyB = b.convertToFormat(QImage::Format_Grayscale8);
     double sum = 0.0;
     int windows = 0;
     for (int top = 0; top + kWindow <= a.height(); top += kStride)

@@ -7,10 +7,10 @@
 #include <QWheelEvent>
 
 #include "tests/gui/window_fixture.h"
-#include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_edit.h"
 #include "ui/widgets/isovalue/isovalue_panel.h"
+#include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::test {
 namespace {
@@ -26,12 +26,15 @@ protected:
     bool waitUntilDisplayed() {
         return waitUntil([this] { return !isovalue().isLagging(); });
     }
-    QPoint onPlot(double value) { return {static_cast<int>(std::lround(plot().pixelOf(value))), plot().axisRect()->center().y()}; }
+    QPoint onPlot(double value) {
+        return {static_cast<int>(std::lround(plot().pixelOf(value))), plot().axisRect()->center().y()};
+    }
     void drag(QPoint from, QPoint to, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
         QTest::mousePress(&plot(), Qt::LeftButton, modifiers, from);
         for (int step = 1; step <= 10; ++step) {
             const QPoint point = from + (to - from) * step / 10;
-            QMouseEvent move(QEvent::MouseMove, point, plot().mapToGlobal(QPointF(point)), Qt::NoButton, Qt::LeftButton, modifiers);
+            QMouseEvent move(QEvent::MouseMove, point, plot().mapToGlobal(QPointF(point)), Qt::NoButton, Qt::LeftButton,
+                             modifiers);
             QApplication::sendEvent(&plot(), &move);
             QTest::qWait(2);
         }
@@ -138,7 +141,8 @@ TEST_F(IsovaluePanelTest, TheWheelStepsAndControlZooms) {
     wheel(plot(), point, 4, Qt::ControlModifier);
     EXPECT_EQ(isovalue().requested(), requested);
     EXPECT_LT(plot().visibleRange().size(), 0.6 * wholeRange);
-    QTest::mouseDClick(&plot(), Qt::LeftButton, {}, QPoint(plot().axisRect()->center().x(), plot().axisRect()->bottom() + 8));
+    QTest::mouseDClick(&plot(), Qt::LeftButton, {},
+                       QPoint(plot().axisRect()->center().x(), plot().axisRect()->bottom() + 8));
     EXPECT_NEAR(plot().visibleRange().size(), wholeRange, 1e-9);
 }
 

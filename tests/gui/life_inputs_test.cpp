@@ -30,16 +30,14 @@ protected:
     fs::path writeVolume(const char* name, int side, const char* type, const std::string& samples) const {
         const std::string size = std::to_string(side);
         return folder_.write(
-            name,
-            "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nDimSize = " +
-                size + " " + size + " " + size + "\nElementSpacing = 1 1 1\nElementType = " + type +
-                "\nElementDataFile = LOCAL\n" + samples);
+            name, "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nDimSize = " +
+                      size + " " + size + " " + size + "\nElementSpacing = 1 1 1\nElementType = " + type +
+                      "\nElementDataFile = LOCAL\n" + samples);
     }
     /// u8 noise: a surface of a million triangles.
     fs::path writeNoise(int side) const {
-        std::string samples(static_cast<std::size_t>(side) * static_cast<std::size_t>(side) *
-                                static_cast<std::size_t>(side),
-                            '\0');
+        std::string samples(
+            static_cast<std::size_t>(side) * static_cast<std::size_t>(side) * static_cast<std::size_t>(side), '\0');
         std::minstd_rand random(5);
         for (char& sample : samples)
             sample = static_cast<char>(random() >> 8);
@@ -85,11 +83,9 @@ TEST_F(WindowLife, B108_ClosedWhileAVolumeIsRead) {
 
 TEST_F(WindowLife, B108_ClosedWhileAnIndexIsBuilt) {
     const auto ball = writeBall(folder_, "ball.mha", 128); // much to index, little to draw
-    expectClosesSoon([&] { window_->openFile(qpath(ball)); },
-                     [this] {
-                         return session_->dataset() != nullptr &&
-                                session_->indexState() == model::IndexState::Building;
-                     });
+    expectClosesSoon(
+        [&] { window_->openFile(qpath(ball)); },
+        [this] { return session_->dataset() != nullptr && session_->indexState() == model::IndexState::Building; });
     EXPECT_TRUE(!fs::exists(folder_ / "indexes") || fs::is_empty(folder_ / "indexes")) << "half an index";
 }
 
@@ -129,9 +125,8 @@ TEST_F(WindowLife, B109_NoBadFileTakesThePlaceOfTheGoodOne) {
     folder_.write("image.tif", "II*");
     folder_.write("mesh.vti", "<VTKFile");
     double isovalue = -5.0;
-    for (const char* name :
-         {"cut.mha", "nan.mha", "text.nrrd", "zero.nii", "flipped.isx", "later.isx", "cut.isx", "text.isx",
-          "image.tif", "mesh.vti", "pipe.mha", "empty folder", "none.mha"}) {
+    for (const char* name : {"cut.mha", "nan.mha", "text.nrrd", "zero.nii", "flipped.isx", "later.isx", "cut.isx",
+                             "text.isx", "image.tif", "mesh.vti", "pipe.mha", "empty folder", "none.mha"}) {
         SCOPED_TRACE(name);
         window_->messageBar().hide();
         window_->openFile(qpath(folder_ / name));
@@ -161,13 +156,12 @@ TEST_F(WindowLife, B110_SessionsOfAGigabyteOrOfAnotherVersion) {
     EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("larger than a session")))
         << window_->messageBar().text().toStdString();
     const auto ball = writeBall(folder_, "ball.mha", 24).string();
-    for (const auto& [version, isovalue] :
-         {std::pair("7", -6.5), std::pair("0", -6.0), std::pair("-1", -5.5)}) {
+    for (const auto& [version, isovalue] : {std::pair("7", -6.5), std::pair("0", -6.0), std::pair("-1", -5.5)}) {
         SCOPED_TRACE(version);
         trigger(session_->dataset() != nullptr ? "file.close" : "view.resetLayout");
-        window_->openFile(qpath(folder_.write(
-            "other.isosession", std::string(R"({"isosliderSession": )") + version + R"(, "isovalue": )" +
-                                    std::to_string(isovalue) + R"(, "volume": {"path": ")" + ball + "\"}}")));
+        window_->openFile(qpath(folder_.write("other.isosession", std::string(R"({"isosliderSession": )") + version +
+                                                                      R"(, "isovalue": )" + std::to_string(isovalue) +
+                                                                      R"(, "volume": {"path": ")" + ball + "\"}}")));
         EXPECT_TRUE(window_->messageBar().isVisible());
         if (std::string_view(version) != "7") // no version that there was
             continue;
@@ -180,8 +174,7 @@ TEST_F(WindowLife, B110_SessionsOfAGigabyteOrOfAnotherVersion) {
 
 TEST_F(WindowLife, B112_AWindowLeftOnAMonitorThatIsGoneComesBack) {
     const QRect screen = QGuiApplication::primaryScreen()->availableGeometry();
-    for (const QPoint place :
-         {QPoint(20'000, 9'000), QPoint(-20'000, -9'000), QPoint(screen.right() + 50, 100)}) {
+    for (const QPoint place : {QPoint(20'000, 9'000), QPoint(-20'000, -9'000), QPoint(screen.right() + 50, 100)}) {
         window_->showNormal();
         window_->resize(800, 600);
         window_->move(place);

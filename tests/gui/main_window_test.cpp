@@ -16,11 +16,11 @@
 #include "preprocess/build_index.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/session/saved_session.h"
-#include "ui/widgets/window/action_registry.h"
-#include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/opening/start_page.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/message_bar.h"
 
 namespace isoslider::test {
 namespace {
@@ -105,7 +105,8 @@ TEST_F(MainWindowTest, TheLevelsPanelIsFilledFromTheIndex) {
     EXPECT_EQ(levels->model()->rowCount(), static_cast<int>(session_->dataset()->index->levels.size()) + 1);
     session_->isovalue().request(-3.0);
     ASSERT_TRUE(waitUntilSettled());
-    EXPECT_TRUE(waitUntil([&] { return walk->model()->rowCount() == static_cast<int>(session_->frame()->stats.walk.size()); }));
+    EXPECT_TRUE(
+        waitUntil([&] { return walk->model()->rowCount() == static_cast<int>(session_->frame()->stats.walk.size()); }));
 }
 
 TEST_F(MainWindowTest, AnIndexOfMetacellsIsShownInTheSameTerms) {
@@ -199,7 +200,8 @@ TEST_F(MainWindowTest, CutsNothingOffTheCertificate) {
             continue;
         const int width = label->wordWrap() ? label->width() : label->sizeHint().width();
         EXPECT_GE(label->width(), width) << label->text().toStdString();
-        EXPECT_GE(label->height(), label->wordWrap() ? label->heightForWidth(label->width()) : label->sizeHint().height())
+        EXPECT_GE(label->height(),
+                  label->wordWrap() ? label->heightForWidth(label->width()) : label->sizeHint().height())
             << label->text().toStdString();
         EXPECT_TRUE(form->rect().contains(label->geometry())) << label->text().toStdString();
         if (!label->accessibleName().isEmpty()) { // a value, not a name
@@ -217,8 +219,8 @@ TEST_F(MainWindowTest, ExportsTheCertificateWithTheMesh) {
     ASSERT_TRUE(waitUntilSettled());
     const auto bytes = readText(folder_ / "a.ply");
     const auto triangles = "comment triangles: " + std::to_string(session_->frame()->stats.triangles) + "\n";
-    for (const auto& line : {std::string("comment source: ball.mha\n"), std::string("comment isovalue: -6\n"), triangles,
-                             std::string("comment boundary: closed\n"), std::string("comment valid: yes\n")})
+    for (const auto& line : {std::string("comment source: ball.mha\n"), std::string("comment isovalue: -6\n"),
+                             triangles, std::string("comment boundary: closed\n"), std::string("comment valid: yes\n")})
         EXPECT_NE(bytes.find(line), std::string::npos) << line;
     // One check for the file and the panel.
     EXPECT_EQ(factTextOf(*child<QWidget>("certificateForm"), "Surface"), "closed");

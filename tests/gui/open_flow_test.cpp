@@ -11,9 +11,9 @@
 #include <QTreeView>
 
 #include "tests/gui/fake_readers.h"
+#include "ui/widgets/opening/preview_pane.h"
 #include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/window/message_bar.h"
-#include "ui/widgets/opening/preview_pane.h"
 
 namespace isoslider::test {
 namespace {
@@ -24,10 +24,8 @@ TEST_F(OpenFlowTest, AFileIsShownBeforeItIsOpened) {
     auto* shown = dialog("volumeDialog");
     ASSERT_TRUE(waitForPreview(shown));
     EXPECT_EQ(session_->dataset(), nullptr);
-    EXPECT_TRUE(status(shown).startsWith(QStringLiteral("All samples: values -33")))
-        << status(shown).toStdString();
-    EXPECT_FALSE(shown->findChild<QTreeView*>(QStringLiteral("volumeFields"))->isVisible())
-        << "one field is no choice";
+    EXPECT_TRUE(status(shown).startsWith(QStringLiteral("All samples: values -33"))) << status(shown).toStdString();
+    EXPECT_FALSE(shown->findChild<QTreeView*>(QStringLiteral("volumeFields"))->isVisible()) << "one field is no choice";
     expectLegible(shown);
     expectNamed(shown);
     keepPicture(*shown, "open-volume");
@@ -43,8 +41,7 @@ TEST_F(OpenFlowTest, PreviewsCanBeTurnedOffAndOnAgain) {
     dialogs_.answers.push_back(qpath(ball));
     trigger("file.open");
     auto* shown = dialog("volumeDialog");
-    QTest::mouseClick(shown->findChild<QCheckBox*>(QStringLiteral("previewsFirst")), Qt::LeftButton, {},
-                      QPoint(8, 8));
+    QTest::mouseClick(shown->findChild<QCheckBox*>(QStringLiteral("previewsFirst")), Qt::LeftButton, {}, QPoint(8, 8));
     EXPECT_FALSE(window_->actions().action("file.previewsFirst")->isChecked());
     QTest::keyClick(shown, Qt::Key_Escape);
     ASSERT_TRUE(isGone("volumeDialog"));
@@ -157,8 +154,7 @@ TEST_F(FakeReadersTest, AGridThatIsNotUniformIsOfferedASize) {
     QTest::keyClicks(size, QStringLiteral("50"));
     QTest::keyClick(size, Qt::Key_Tab);
     ASSERT_TRUE(waitForPreview(shown));
-    EXPECT_TRUE(status(shown).startsWith(QStringLiteral("Resampled to 64 × 51 × 26")))
-        << status(shown).toStdString();
+    EXPECT_TRUE(status(shown).startsWith(QStringLiteral("Resampled to 64 × 51 × 26"))) << status(shown).toStdString();
     expectLegible(shown);
     expectNamed(shown);
     keepPicture(*shown, "open-resampled");
@@ -255,9 +251,8 @@ TEST_F(RawImportTest, TypedDimsAreShownLiveAndTheFitIsTold) {
 
 TEST_F(RawImportTest, SwappedBytesAreWarnedOf) {
     auto* shown = openRaw("scan.raw", raw(ballSamples<std::uint16_t>({40, 36, 28}, 3000.0), true));
-    ASSERT_TRUE(waitUntil([&] {
-        return shown->findChild<QTableView*>(QStringLiteral("rawGuesses"))->model()->rowCount() > 0;
-    }));
+    ASSERT_TRUE(waitUntil(
+        [&] { return shown->findChild<QTableView*>(QStringLiteral("rawGuesses"))->model()->rowCount() > 0; }));
     auto* bigEndian = shown->findChild<QCheckBox*>(QStringLiteral("rawBigEndian"));
     QTest::mouseClick(bigEndian, Qt::LeftButton, {}, QPoint(8, bigEndian->height() / 2));
     ASSERT_FALSE(bigEndian->isChecked());

@@ -13,7 +13,8 @@ protected:
     void SetUp() override { ball_ = writeBall(folder_, "ball.mha", 24).string(); }
 
     static bool hasScreen() {
-        return qEnvironmentVariable("QT_QPA_PLATFORM") != QLatin1String("offscreen") && qEnvironmentVariableIsSet("DISPLAY");
+        return qEnvironmentVariable("QT_QPA_PLATFORM") != QLatin1String("offscreen") &&
+               qEnvironmentVariableIsSet("DISPLAY");
     }
     ProcessResult takePicture(const std::string& size, const Environment& environment = {}) {
         std::filesystem::remove(picture_);
@@ -38,13 +39,16 @@ TEST_F(ProgramInputs, B104_ADriverThatCannotDrawIsNamedAndThePanelsStay) {
         Environment environment;
         const char* saying;
     };
-    std::vector<Driver> drivers{{{{"QT_QPA_PLATFORM", "offscreen"}, {"DISPLAY", ""}}, "the display (offscreen) shows none"},
-                                {{{"QT_QPA_PLATFORM", "minimal"}, {"DISPLAY", ""}}, "the display (minimal) shows none"}};
+    std::vector<Driver> drivers{
+        {{{"QT_QPA_PLATFORM", "offscreen"}, {"DISPLAY", ""}}, "the display (offscreen) shows none"},
+        {{{"QT_QPA_PLATFORM", "minimal"}, {"DISPLAY", ""}}, "the display (minimal) shows none"}};
     if (hasScreen()) {
-        drivers.push_back({{{"QT_QPA_PLATFORM", "offscreen"}}, "the display (offscreen) shows none"}); // with a display at hand
+        drivers.push_back(
+            {{{"QT_QPA_PLATFORM", "offscreen"}}, "the display (offscreen) shows none"}); // with a display at hand
         drivers.push_back({{{"MESA_GL_VERSION_OVERRIDE", "2.1"}}, "has only OpenGL 2.1"});
         drivers.push_back({{{"LIBGL_ALWAYS_INDIRECT", "1"}}, "gives no OpenGL context"});
-        drivers.push_back({{{"MESA_GLSL_VERSION_OVERRIDE", "120"}, {"MESA_GL_VERSION_OVERRIDE", "3.2"}}, "has only OpenGL 3.2"});
+        drivers.push_back(
+            {{{"MESA_GLSL_VERSION_OVERRIDE", "120"}, {"MESA_GL_VERSION_OVERRIDE", "3.2"}}, "has only OpenGL 3.2"});
     }
     for (const auto& driver : drivers) {
         const auto result = takePicture("1100x700", driver.environment);
@@ -60,7 +64,8 @@ TEST_F(ProgramInputs, B104_ADriverThatCannotDrawIsNamedAndThePanelsStay) {
 TEST_F(ProgramInputs, B104_ADriverInSoftwareDraws) {
     if (!hasScreen())
         GTEST_SKIP() << "no display here";
-    for (const Environment& environment : {Environment{{"LIBGL_ALWAYS_SOFTWARE", "1"}}, Environment{{"MESA_GL_VERSION_OVERRIDE", "3.3"}}}) {
+    for (const Environment& environment :
+         {Environment{{"LIBGL_ALWAYS_SOFTWARE", "1"}}, Environment{{"MESA_GL_VERSION_OVERRIDE", "3.3"}}}) {
         const auto result = takePicture("1100x700", environment);
         EXPECT_EQ(result.exitCode, 0) << result.standardError;
         EXPECT_EQ(result.standardError, "");
@@ -100,7 +105,8 @@ TEST_F(ProgramInputs, B112_ScaledScreensAndSmallWindows) {
         double scale;
         QSize window;
     };
-    for (const auto& [scale, window] : {Screen{1.0, {320, 240}}, Screen{1.25, {1000, 700}}, Screen{2.0, {1000, 700}}, Screen{3.0, {320, 240}}}) {
+    for (const auto& [scale, window] :
+         {Screen{1.0, {320, 240}}, Screen{1.25, {1000, 700}}, Screen{2.0, {1000, 700}}, Screen{3.0, {320, 240}}}) {
         SCOPED_TRACE(scale);
         const auto size = std::to_string(window.width()) + "x" + std::to_string(window.height());
         const auto result = takePicture(size, {{"QT_SCALE_FACTOR", std::to_string(scale)}});

@@ -31,8 +31,8 @@ TEST_F(ProgramTest, TellsItsVersionAndHelp) {
 
 TEST_F(ProgramTest, RefusesWrongUsageWithTwo) {
     const std::vector<std::vector<std::string>> wrong{
-        {"--bogus"}, {"--isovalue", "bone"}, {"--isovalue", "nan"}, {"--size", "10"}, {"--size", "0x0"}, {"--screenshot"},
-        {"--sample", "shell", "a.mha"}};
+        {"--bogus"},       {"--isovalue", "bone"}, {"--isovalue", "nan"},         {"--size", "10"},
+        {"--size", "0x0"}, {"--screenshot"},       {"--sample", "shell", "a.mha"}};
     for (const auto& arguments : wrong) {
         const auto result = run(arguments);
         EXPECT_EQ(result.exitCode, 2) << arguments[0];

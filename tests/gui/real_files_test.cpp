@@ -26,9 +26,8 @@ protected:
         QDialog* found = nullptr;
         const auto isReady = [&] {
             found = window_->findChild<QDialog*>(QLatin1String(name));
-            const auto* progress = found != nullptr
-                                       ? found->findChild<QProgressBar*>(QStringLiteral("previewProgress"))
-                                       : nullptr;
+            const auto* progress =
+                found != nullptr ? found->findChild<QProgressBar*>(QStringLiteral("previewProgress")) : nullptr;
             const auto* pane = found != nullptr ? found->findChild<widgets::PreviewPane*>() : nullptr;
             return progress != nullptr && !progress->isVisible() && !pane->statusText().isEmpty();
         };

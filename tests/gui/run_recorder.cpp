@@ -64,9 +64,8 @@ void RunRecorder::noteFrame() {
         return;
     noted_ = frame;
     char text[160];
-    std::snprintf(text, sizeof text, "%-12s %12.7g %10llu %10.1f",
-                  sourceOf(*frame, session_.shownStep()).c_str(), frame->isovalue,
-                  static_cast<unsigned long long>(frame->stats.triangles),
+    std::snprintf(text, sizeof text, "%-12s %12.7g %10llu %10.1f", sourceOf(*frame, session_.shownStep()).c_str(),
+                  frame->isovalue, static_cast<unsigned long long>(frame->stats.triangles),
                   frame->stats.updateMs + frame->stats.interpolateMs);
     rows_.push_back({step_, seconds(), -1.0, text});
 }
@@ -74,8 +73,8 @@ void RunRecorder::noteFrame() {
 std::string RunRecorder::table() const {
     std::string text = name_ + "\n";
     char line[320];
-    std::snprintf(line, sizeof line, "%-20s %9s %9s  %-12s %12s %10s %10s\n", "for", "arrived s", "painted s",
-                  "from", "isovalue", "triangles", "update ms");
+    std::snprintf(line, sizeof line, "%-20s %9s %9s  %-12s %12s %10s %10s\n", "for", "arrived s", "painted s", "from",
+                  "isovalue", "triangles", "update ms");
     text += line;
     for (const auto& row : rows_) {
         char painted[16] = "-";

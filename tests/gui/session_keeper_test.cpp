@@ -8,11 +8,11 @@
 #include "tests/gui/window_fixture.h"
 #include "ui/model/session/saved_session.h"
 #include "ui/model/session/session_slot.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/window/session_keeper.h"
-#include "ui/widgets/viewport/viewport_host.h"
-#include "ui/widgets/viewport/viewport_widget.h"
 
 namespace isoslider::test {
 namespace {
@@ -86,11 +86,12 @@ TEST_F(SessionKeeperTest, ShowsAgainWhatWasSaved) {
 
 TEST_F(SessionKeeperTest, B110_ADamagedFileOpensWithDefaultsAndListsWhatIsWrong) {
     const auto ball = writeBall(folder_, "ball.mha", 24).string();
-    const auto path = folder_.write("ball.isosession", R"({"isosliderSession": 1, "colour": 3, "volume": {"path": ")" + ball +
-                                                           R"("}, "camera": {"distance": "NaN", "length": 1}})");
+    const auto path = folder_.write("ball.isosession", R"({"isosliderSession": 1, "colour": 3, "volume": {"path": ")" +
+                                                           ball + R"("}, "camera": {"distance": "NaN", "length": 1}})");
     openAndWait(path);
     EXPECT_TRUE(window_->messageBar().isVisible());
-    for (const char* says : {"Not all of ball.isosession", "camera, distance", "'length' is not known", "'colour' is not known"})
+    for (const char* says :
+         {"Not all of ball.isosession", "camera, distance", "'length' is not known", "'colour' is not known"})
         EXPECT_NE(message().find(says), std::string::npos) << says << " in " << message();
     keepPicture(*window_, "session_problems");
 

@@ -12,8 +12,8 @@
 #include <QUrl>
 
 #include "core/volume_io/sources/volume_source.h"
-#include "preprocess/metacells/brick_list.h"
 #include "preprocess/build_index.h"
+#include "preprocess/metacells/brick_list.h"
 #include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::test {
@@ -46,8 +46,8 @@ Status HoldableBuilder::buildFrom(io::VolumeSource& source, const std::string& s
     return report.isOk() ? Status{} : Status{report.error()};
 }
 
-Result<std::unique_ptr<extract::SlideEngine>> HoldableBuilder::engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,
-                                                                             const JobControl& job) {
+Result<std::unique_ptr<extract::SlideEngine>> HoldableBuilder::engineInMemory(
+    const std::shared_ptr<const ScalarGrid>& grid, const JobControl& job) {
     return preprocess::makeMemoryEngine(grid, job);
 }
 
@@ -89,7 +89,8 @@ void WindowTest::makeWindow() {
     services.volumes = volumes_;
     services.cacheFolder = folder_ / "indexes";
     services.wholeVolumeBytes = wholeVolumeBytes_;
-    services.sampleLoader = [](const std::string& name, const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
+    services.sampleLoader = [](const std::string& name,
+                               const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
         return makeError(ErrorCode::NotFound, "no such sample", name);
     };
     session_ = std::make_unique<model::Session>(std::move(services));

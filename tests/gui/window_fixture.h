@@ -34,13 +34,15 @@ public:
         QString filters;
     } asked;
 
-    void askOpen(QWidget*, const QString& title, const QString& folder, const QString& filters, Chosen chosen) override {
+    void askOpen(QWidget*, const QString& title, const QString& folder, const QString& filters,
+                 Chosen chosen) override {
         answer({title, folder, filters}, chosen);
     }
     void askFolder(QWidget*, const QString& title, const QString& folder, Chosen chosen) override {
         answer({title, folder, {}}, chosen);
     }
-    void askSave(QWidget*, const QString& title, const QString& suggestion, const QString& filters, Chosen chosen) override {
+    void askSave(QWidget*, const QString& title, const QString& suggestion, const QString& filters,
+                 Chosen chosen) override {
         answer({title, suggestion, filters}, chosen);
     }
 
@@ -60,17 +62,17 @@ private:
 class HoldableBuilder final : public model::IndexBuilder {
 public:
     Status build(const std::shared_ptr<const ScalarGrid>& grid, const std::string& sourceName,
-                 const io::VolumeInfo& about, const std::filesystem::path& indexPath,
-                 const JobControl& job) override;
+                 const io::VolumeInfo& about, const std::filesystem::path& indexPath, const JobControl& job) override;
     Status buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
                          const std::string& sourceName, const std::filesystem::path& indexPath,
                          const JobControl& job) override;
-    Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& grid, const JobControl& job) override;
+    Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,
+                                                                 const JobControl& job) override;
     std::atomic<bool> holds{false};
 
 private:
-    Status buildFrom(io::VolumeSource& source, const std::string& sourceName,
-                     const std::filesystem::path& indexPath, const JobControl& job);
+    Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const std::filesystem::path& indexPath,
+                     const JobControl& job);
 };
 
 /// -distance from the middle of an n^3 grid as a MetaImage file of floats: the isosurface at -r is
@@ -104,8 +106,7 @@ protected:
     AnsweringDialogs dialogs_;
     std::shared_ptr<HoldableBuilder> builder_ = std::make_shared<HoldableBuilder>();
     model::VolumeAccess volumes_; ///< for the next makeWindow()
-    std::uint64_t wholeVolumeBytes_ =
-        std::numeric_limits<std::uint64_t>::max(); ///< for the next makeWindow()
+    std::uint64_t wholeVolumeBytes_ = std::numeric_limits<std::uint64_t>::max(); ///< for the next makeWindow()
     std::unique_ptr<widgets::SettingsStore> settings_;
     std::unique_ptr<model::Session> session_;
     std::unique_ptr<widgets::MainWindow> window_;

@@ -55,7 +55,8 @@ public:
     /// Of the time that passed.
     double processorShare() const {
         const double sum = std::accumulate(processorMs_.begin(), processorMs_.end(), 0.0);
-        return sum / (std::accumulate(stallsMs_.begin(), stallsMs_.end(), 0.0) + kIntervalMs * static_cast<double>(count()));
+        return sum /
+               (std::accumulate(stallsMs_.begin(), stallsMs_.end(), 0.0) + kIntervalMs * static_cast<double>(count()));
     }
     double processorMs(double quantile) const { return quantileOf(processorMs_, quantile); }
 
@@ -71,7 +72,8 @@ private:
     static double quantileOf(std::vector<double> values, double quantile) {
         if (values.empty())
             return 0.0;
-        const auto place = values.begin() + static_cast<std::ptrdiff_t>(quantile * static_cast<double>(values.size() - 1));
+        const auto place =
+            values.begin() + static_cast<std::ptrdiff_t>(quantile * static_cast<double>(values.size() - 1));
         std::nth_element(values.begin(), place, values.end());
         return *place;
     }
@@ -114,7 +116,8 @@ private:
     }
     void moveOn() {
         const QPoint point = pointAt(++moves_);
-        QMouseEvent event(QEvent::MouseMove, point, plot_.mapToGlobal(QPointF(point)), Qt::NoButton, Qt::LeftButton, Qt::NoModifier);
+        QMouseEvent event(QEvent::MouseMove, point, plot_.mapToGlobal(QPointF(point)), Qt::NoButton, Qt::LeftButton,
+                          Qt::NoModifier);
         QApplication::sendEvent(&plot_, &event);
     }
 
@@ -181,10 +184,13 @@ TEST_F(WindowInputs, B107_TheHandleIsDragged1000TimesASecondWhileAVolumeIsOpened
     bool wasBuilding = false;
     std::int64_t lastMove = 1000 * seconds; // some of them when nothing but the handle moves the surface any more
     const auto key = session_->datasetGeneration();
-    const auto isReady = [&] { return session_->datasetGeneration() != key && session_->indexState() == model::IndexState::Ready; };
+    const auto isReady = [&] {
+        return session_->datasetGeneration() != key && session_->indexState() == model::IndexState::Ready;
+    };
     EXPECT_TRUE(waitUntil(
         [&] {
-            wasBuilding = wasBuilding || (session_->datasetGeneration() != key && session_->indexState() == model::IndexState::Building);
+            wasBuilding = wasBuilding || (session_->datasetGeneration() != key &&
+                                          session_->indexState() == model::IndexState::Building);
             if (!isReady())
                 lastMove = std::max(lastMove, dragger.moves() + 500);
             return dragger.moves() >= lastMove;
@@ -192,9 +198,10 @@ TEST_F(WindowInputs, B107_TheHandleIsDragged1000TimesASecondWhileAVolumeIsOpened
         std::chrono::seconds(seconds + 60)));
     dragger.release();
     EXPECT_TRUE(wasBuilding);
-    std::printf("%lld moves, %zu ticks; stalls p50 %.1f ms, p99 %.1f ms, longest %.1f ms; processor p99 %.1f ms, longest %.1f ms, %.0f %% busy\n",
-                static_cast<long long>(dragger.moves()), probe.count(), probe.stallMs(0.5), probe.stallMs(0.99), probe.stallMs(1.0),
-                probe.processorMs(0.99), probe.processorMs(1.0), 100.0 * probe.processorShare());
+    std::printf(
+        "%lld moves, %zu ticks; stalls p50 %.1f ms, p99 %.1f ms, longest %.1f ms; processor p99 %.1f ms, longest %.1f ms, %.0f %% busy\n",
+        static_cast<long long>(dragger.moves()), probe.count(), probe.stallMs(0.5), probe.stallMs(0.99),
+        probe.stallMs(1.0), probe.processorMs(0.99), probe.processorMs(1.0), 100.0 * probe.processorShare());
     EXPECT_LE(probe.processorMs(0.99), 100.0);
     // A driver that draws in software takes the processors that read, build and slide, and the window waits for it.
     if (!isDrawnInSoftware()) {
@@ -212,14 +219,17 @@ TEST_F(WindowInputs, B112_AViewWithoutWidthOrHeight) {
     openBall();
     viewport->setMinimumSize(0, 0);
     const auto before = viewport->paintedFrames();
-    for (const QSize size : {QSize(0, 0), QSize(1, 0), QSize(0, 1), QSize(1, 1), QSize(1, 4000), QSize(4000, 1), QSize(320, 240)}) {
+    for (const QSize size :
+         {QSize(0, 0), QSize(1, 0), QSize(0, 1), QSize(1, 1), QSize(1, 4000), QSize(4000, 1), QSize(320, 240)}) {
         viewport->resize(size);
         QTest::mousePress(viewport, Qt::LeftButton, {}, QPoint(0, 0));
         for (const auto button : {Qt::LeftButton, Qt::MiddleButton, Qt::RightButton}) {
             const QPointF point(3, 5);
-            QMouseEvent move(QEvent::MouseMove, point, viewport->mapToGlobal(point), Qt::NoButton, button, Qt::NoModifier);
+            QMouseEvent move(QEvent::MouseMove, point, viewport->mapToGlobal(point), Qt::NoButton, button,
+                             Qt::NoModifier);
             QApplication::sendEvent(viewport, &move);
-            QWheelEvent wheel(point, viewport->mapToGlobal(point), {}, QPoint(0, 120), Qt::NoButton, Qt::NoModifier, Qt::NoScrollPhase, false);
+            QWheelEvent wheel(point, viewport->mapToGlobal(point), {}, QPoint(0, 120), Qt::NoButton, Qt::NoModifier,
+                              Qt::NoScrollPhase, false);
             QApplication::sendEvent(viewport, &wheel);
         }
         QTest::mouseRelease(viewport, Qt::LeftButton, {}, QPoint(0, 0));
@@ -235,7 +245,8 @@ TEST_F(WindowInputs, B112_AViewWithoutWidthOrHeight) {
 
 TEST_F(WindowInputs, B112_TheWindowTakesAnySize) {
     openBall();
-    for (const QSize size : {QSize(1, 1), QSize(320, 240), QSize(3000, 240), QSize(320, 2000), QSize(2600, 1600), QSize(1000, 700)}) {
+    for (const QSize size :
+         {QSize(1, 1), QSize(320, 240), QSize(3000, 240), QSize(320, 2000), QSize(2600, 1600), QSize(1000, 700)}) {
         window_->resize(size);
         QTest::qWait(30);
         const QSize expected = size.expandedTo(QSize(320, 240));

@@ -18,14 +18,14 @@
 #include "preprocess/build_index.h"
 #include "tests/gui/window_fixture.h"
 #include "tests/support/process_runner.h"
-#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_edit.h"
 #include "ui/widgets/isovalue/isovalue_panel.h"
-#include "ui/widgets/window/message_bar.h"
-#include "ui/widgets/common/small_widgets.h"
-#include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/message_bar.h"
 
 namespace isoslider::test {
 namespace {
@@ -42,7 +42,8 @@ protected:
         const QPoint edge = dock->mapTo(window_.get(), QPoint(0, 0)) + QPoint(-2, 100);
         QTest::mousePress(window_.get(), Qt::LeftButton, {}, edge);
         const QPoint end = edge + QPoint(right, 0);
-        QMouseEvent move(QEvent::MouseMove, end, window_->mapToGlobal(QPointF(end)), Qt::NoButton, Qt::LeftButton, Qt::NoModifier);
+        QMouseEvent move(QEvent::MouseMove, end, window_->mapToGlobal(QPointF(end)), Qt::NoButton, Qt::LeftButton,
+                         Qt::NoModifier);
         QApplication::sendEvent(window_.get(), &move);
         QTest::qWait(30);
         QTest::mouseRelease(window_.get(), Qt::LeftButton, {}, end);
@@ -119,7 +120,8 @@ TEST_F(WindowLayoutTest, EachLetterOfAMenuIsOneCommand) {
     ASSERT_GT(menus.size(), 6);
     std::set<QString> bar;
     for (const QAction* action : window_->menuBar()->actions())
-        EXPECT_TRUE(bar.insert(QKeySequence::mnemonic(action->text()).toString()).second) << action->text().toStdString();
+        EXPECT_TRUE(bar.insert(QKeySequence::mnemonic(action->text()).toString()).second)
+            << action->text().toStdString();
     for (const QMenu* menu : menus) {
         std::set<QString> letters;
         for (const QAction* action : menu->actions()) {
@@ -174,7 +176,8 @@ TEST_F(WindowLayoutTest, NamesInTheTableOfLevelsAreShownWhole) {
     ASSERT_GT(table->model()->rowCount(), 3);
     for (int row = 0; row < table->model()->rowCount(); ++row) {
         const auto index = table->model()->index(row, 0);
-        EXPECT_GE(table->visualRect(index).width(), table->sizeHintForIndex(index).width()) << index.data().toString().toStdString();
+        EXPECT_GE(table->visualRect(index).width(), table->sizeHintForIndex(index).width())
+            << index.data().toString().toStdString();
     }
 }
 
@@ -192,7 +195,8 @@ TEST_F(WindowLayoutTest, FactsAreReadWithTheirValues) {
     EXPECT_GT(facts, 10);
     for (const char* name : {"requestedReadout", "displayedReadout", "elapsedReadout"}) {
         auto* label = child<QLabel>(name);
-        EXPECT_TRUE(QAccessible::queryAccessibleInterface(label)->text(QAccessible::Name).contains(label->text())) << name;
+        EXPECT_TRUE(QAccessible::queryAccessibleInterface(label)->text(QAccessible::Name).contains(label->text()))
+            << name;
     }
 }
 
@@ -207,10 +211,12 @@ protected:
                 return source;
             io::VolumeInfo info = source.value()->info();
             info.fieldTitle = "STD BRAIN 1MM, iDose, CT, 140 axial slices of 512 x 512, 2015-02-06, of a phantom";
-            info.notes = {"140 slices in the order of their positions, spacing from these, which differ by 0.01 mm at most",
-                          "slope and intercept applied, as the files say; rescaled values are stored as 16 bits"};
+            info.notes = {
+                "140 slices in the order of their positions, spacing from these, which differ by 0.01 mm at most",
+                "slope and intercept applied, as the files say; rescaled values are stored as 16 bits"};
             auto grid = io::readVolume(*source.value(), path, JobControl());
-            return Result<std::unique_ptr<io::VolumeSource>>(io::makeMemorySource(std::move(grid).value(), std::move(info)));
+            return Result<std::unique_ptr<io::VolumeSource>>(
+                io::makeMemorySource(std::move(grid).value(), std::move(info)));
         };
         makeWindow();
     }
@@ -225,7 +231,8 @@ protected:
             for (const auto* label : form->findChildren<QLabel*>()) {
                 if (label->isHidden() || label->text().isEmpty())
                     continue;
-                const int needed = label->wordWrap() ? label->heightForWidth(label->width()) : label->sizeHint().height();
+                const int needed =
+                    label->wordWrap() ? label->heightForWidth(label->width()) : label->sizeHint().height();
                 EXPECT_GE(label->height(), needed) << label->text().toStdString();
                 EXPECT_TRUE(form->rect().contains(label->geometry())) << label->text().toStdString();
                 lines += label->wordWrap() && needed > 2 * label->fontMetrics().height() - 4 ? 1 : 0;

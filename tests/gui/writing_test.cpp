@@ -6,11 +6,11 @@
 #include "tests/gui/sync_watch.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/session/saved_session.h"
+#include "ui/widgets/viewport/picture_file.h"
+#include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/window/message_bar.h"
-#include "ui/widgets/viewport/picture_file.h"
 #include "ui/widgets/window/session_keeper.h"
-#include "ui/widgets/viewport/viewport_host.h"
 
 namespace isoslider::test {
 namespace {

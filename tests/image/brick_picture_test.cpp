@@ -38,7 +38,8 @@ std::shared_ptr<const ScalarGrid> roughWaves(double noise) {
         for (int y = 0; y < kPoints; ++y)
             for (int x = 0; x < kPoints; ++x)
                 values.push_back(std::sin(0.31f * static_cast<float>(x)) * std::cos(0.27f * static_cast<float>(y)) +
-                                 0.4f * std::sin(0.22f * static_cast<float>(z)) + static_cast<float>(noise) * chance(random));
+                                 0.4f * std::sin(0.22f * static_cast<float>(z)) +
+                                 static_cast<float>(noise) * chance(random));
     return std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values));
 }
 
@@ -80,7 +81,8 @@ protected:
         for (int y = 0; y < a.height(); ++y)
             for (int x = 0; x < a.width(); ++x) {
                 const QRgb p = a.pixel(x, y), q = b.pixel(x, y);
-                largest = std::max({largest, std::abs(qRed(p) - qRed(q)), std::abs(qGreen(p) - qGreen(q)), std::abs(qBlue(p) - qBlue(q))});
+                largest = std::max({largest, std::abs(qRed(p) - qRed(q)), std::abs(qGreen(p) - qGreen(q)),
+                                    std::abs(qBlue(p) - qBlue(q))});
             }
         return largest;
     }
@@ -146,7 +148,8 @@ TEST_F(BrickPictureTest, FollowsASlide) {
         std::mt19937 random(11);
         double isovalue = 0.0;
         for (int step = 0; step < 30; ++step) {
-            isovalue += step % 10 == 9 ? 0.5 * (isovalue > 0 ? -1 : 1) : 0.01 * (static_cast<double>(random() % 9) - 4.0);
+            isovalue +=
+                step % 10 == 9 ? 0.5 * (isovalue > 0 ? -1 : 1) : 0.01 * (static_cast<double>(random() % 9) - 4.0);
             const auto frame = slideTo(isovalue);
             const QImage slid = grab(*viewport_, frame);
             if (step % 6 != 0)
@@ -186,8 +189,10 @@ TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
     auto* gl = QOpenGLVersionFunctionsFactory::get<render::Gl>(viewport_->context());
     ASSERT_NE(gl, nullptr);
     QOpenGLShaderProgram program;
-    ASSERT_TRUE(program.addShaderFromSourceFile(QOpenGLShader::Vertex, QStringLiteral(":/isoslider/shaders/surface_records.vert")));
-    ASSERT_TRUE(program.addShaderFromSourceCode(QOpenGLShader::Fragment, "#version 330 core\nout vec4 colour;\nvoid main() { colour = vec4(1.0); }\n"));
+    ASSERT_TRUE(program.addShaderFromSourceFile(QOpenGLShader::Vertex,
+                                                QStringLiteral(":/isoslider/shaders/surface_records.vert")));
+    ASSERT_TRUE(program.addShaderFromSourceCode(
+        QOpenGLShader::Fragment, "#version 330 core\nout vec4 colour;\nvoid main() { colour = vec4(1.0); }\n"));
     const char* outputs[] = {"gridPosition", "gridNormal"};
     gl->glTransformFeedbackVaryings(program.programId(), 2, outputs, GL_INTERLEAVED_ATTRIBS);
     ASSERT_TRUE(program.link()) << program.log().toStdString();
@@ -213,20 +218,23 @@ TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
         gl->glVertexAttribIPointer(0, 4, GL_UNSIGNED_SHORT, sizeof records[0], nullptr);
         gl->glEnableVertexAttribArray(1);
         gl->glVertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, sizeof records[0], reinterpret_cast<const void*>(8));
-        const std::vector<std::array<std::uint16_t, 4>> places((count + 15) / 16, {brick.place[0], brick.place[1], brick.place[2], 0});
+        const std::vector<std::array<std::uint16_t, 4>> places((count + 15) / 16,
+                                                               {brick.place[0], brick.place[1], brick.place[2], 0});
         gl->glBindBuffer(GL_TEXTURE_BUFFER, buffers[1]);
         gl->glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(places.size() * 8), places.data(), GL_STREAM_DRAW);
         gl->glBindTexture(GL_TEXTURE_BUFFER, texture);
         gl->glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA16UI, buffers[1]);
         std::vector<glm::vec3> out(2 * count);
         gl->glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffers[2]);
-        gl->glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(out.size() * sizeof(glm::vec3)), nullptr, GL_STREAM_READ);
+        gl->glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(out.size() * sizeof(glm::vec3)), nullptr,
+                         GL_STREAM_READ);
         gl->glEnable(GL_RASTERIZER_DISCARD);
         gl->glBeginTransformFeedback(GL_POINTS);
         gl->glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count));
         gl->glEndTransformFeedback();
         gl->glDisable(GL_RASTERIZER_DISCARD);
-        gl->glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, static_cast<GLsizeiptr>(out.size() * sizeof(glm::vec3)), out.data());
+        gl->glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, static_cast<GLsizeiptr>(out.size() * sizeof(glm::vec3)),
+                               out.data());
         for (std::size_t k = 0; k < count; ++k) {
             const auto vertex = extract::vertexOf(records[k], brick.origin(), static_cast<float>(frame->isovalue));
             (records[k].isInside() ? inside : onEdges)++;

@@ -185,7 +185,8 @@ TEST_F(ViewportImageTest, WhatChangedGlowsRedWhereItIs) {
     // The half nearer to the default camera's right: every triangle with x beyond the middle.
     for (std::size_t i = 0; i + 2 < frame->indices.size(); i += 3)
         if (frame->positions[frame->indices[i]].x > (kPoints - 1) / 2.0f)
-            frame->changedIndices.insert(frame->changedIndices.end(), frame->indices.begin() + static_cast<std::ptrdiff_t>(i),
+            frame->changedIndices.insert(frame->changedIndices.end(),
+                                         frame->indices.begin() + static_cast<std::ptrdiff_t>(i),
                                          frame->indices.begin() + static_cast<std::ptrdiff_t>(i) + 3);
     show(frame);
     viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
@@ -233,8 +234,7 @@ double meanX(const QImage& image) {
 TEST_F(ViewportImageTest, APartOfTheVolumeIsDrawnAtItsPlace) {
     auto frame = sphereFrame(cubeGeometry());
     show(frame);
-    viewport_->changeCamera(
-        [](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
+    viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
     const double middle = meanX(grab());
     GridGeometry volume = frame->geometry;
     volume.dims[0] += 6; // its centre is three cells further

@@ -69,7 +69,8 @@ public:
         using Limits = std::numeric_limits<Sample>;
         constexpr bool isFloat = std::is_floating_point_v<Sample>;
         switch (field_) {
-            case Field::Noise: return static_cast<Sample>(intRandom(random_, 0, levels_) - (Limits::is_signed ? levels_ / 2 : 0));
+            case Field::Noise:
+                return static_cast<Sample>(intRandom(random_, 0, levels_) - (Limits::is_signed ? levels_ / 2 : 0));
             case Field::Smooth: return smooth(x, y, z);
             case Field::Checkerboard: return static_cast<Sample>((x + y + z) % 2 == 0 ? 3 : 7);
             case Field::Constant: return Sample(5);
@@ -85,7 +86,8 @@ public:
                     return static_cast<Sample>(intRandom(random_, -50, 50)) * Limits::denorm_min();
                 return static_cast<Sample>(intRandom(random_, 0, 2));
             case Field::Extreme: {
-                constexpr Sample kValues[5] = {Limits::lowest(), Limits::max(), Sample(0), Sample(1), static_cast<Sample>(Limits::max() / 2)};
+                constexpr Sample kValues[5] = {Limits::lowest(), Limits::max(), Sample(0), Sample(1),
+                                               static_cast<Sample>(Limits::max() / 2)};
                 return kValues[intRandom(random_, 0, 4)];
             }
             case Field::Zeros:
@@ -98,7 +100,8 @@ public:
 
 private:
     Sample smooth(std::int64_t x, std::int64_t y, std::int64_t z) const {
-        const double wave = std::sin(frequency_[0] * static_cast<double>(x)) + std::sin(frequency_[1] * static_cast<double>(y)) +
+        const double wave = std::sin(frequency_[0] * static_cast<double>(x)) +
+                            std::sin(frequency_[1] * static_cast<double>(y)) +
                             std::sin(frequency_[2] * static_cast<double>(z) + 0.3 * static_cast<double>(x));
         return static_cast<Sample>(std::is_signed_v<Sample> ? 40.0 * wave : 128.0 + 40.0 * wave);
     }
@@ -111,7 +114,8 @@ private:
 };
 
 inline RandomVolume randomVolume(Random& random, std::int64_t longest) {
-    static constexpr const char* kFieldNames[kFieldCount] = {"noise", "smooth", "checkerboard", "constant", "holes", "denormal", "extreme", "zeros"};
+    static constexpr const char* kFieldNames[kFieldCount] = {"noise", "smooth",   "checkerboard", "constant",
+                                                             "holes", "denormal", "extreme",      "zeros"};
     const ScalarType type = kAllScalarTypes[static_cast<std::size_t>(intRandom(random, 0, 6))];
     const GridGeometry geometry = randomGeometry(random, longest);
     const int field = static_cast<int>(intRandom(random, 0, kFieldCount - 1));
@@ -137,7 +141,8 @@ inline RandomVolume randomVolume(Random& random, std::int64_t longest) {
     if (!volume.hasFinite)
         volume.min = volume.max = 0.0;
     std::ostringstream text;
-    text << scalarTypeName(type) << " " << kFieldNames[field] << " " << geometry.dims[0] << "x" << geometry.dims[1] << "x" << geometry.dims[2];
+    text << scalarTypeName(type) << " " << kFieldNames[field] << " " << geometry.dims[0] << "x" << geometry.dims[1]
+         << "x" << geometry.dims[2];
     volume.description = text.str();
     return volume;
 }
@@ -151,7 +156,9 @@ inline double nextIsovalue(const RandomVolume& volume, double current, Random& r
         case 1: return volume.max + 1.0 + std::abs(volume.max);
         case 2: return intRandom(random, 0, 1) ? volume.min : volume.max;
         case 3: return std::nextafter(volume.max, std::numeric_limits<double>::infinity());
-        case 4: return (intRandom(random, 0, 1) ? 1.0 : -1.0) * (intRandom(random, 0, 1) ? 1e305 : std::numeric_limits<double>::infinity());
+        case 4:
+            return (intRandom(random, 0, 1) ? 1.0 : -1.0) *
+                   (intRandom(random, 0, 1) ? 1e305 : std::numeric_limits<double>::infinity());
         case 5:
         case 6: return inside;
         case 7: {
@@ -162,7 +169,8 @@ inline double nextIsovalue(const RandomVolume& volume, double current, Random& r
     }
     if (volume.samples.empty())
         return inside;
-    const double sample = volume.samples[static_cast<std::size_t>(intRandom(random, 0, static_cast<std::int64_t>(volume.samples.size()) - 1))];
+    const double sample = volume.samples[static_cast<std::size_t>(
+        intRandom(random, 0, static_cast<std::int64_t>(volume.samples.size()) - 1))];
     switch (intRandom(random, 0, 3)) {
         case 0: return std::nextafter(sample, std::numeric_limits<double>::infinity());
         case 1: return std::nextafter(sample, -std::numeric_limits<double>::infinity());

@@ -20,11 +20,12 @@ using test::IsOk;
 // (10 * 8 - 0) / (10 + 8) = 4.44.
 std::shared_ptr<const ScalarGrid> oneSaddle(std::int64_t side) {
     const std::int64_t m = side / 2;
-    return test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(side), [m](std::int64_t x, std::int64_t y, std::int64_t z) {
-        if (x != m)
-            return 0.0;
-        return y == m && z == m ? 10.0 : y == m + 1 && z == m + 1 ? 8.0 : 0.0;
-    });
+    return test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(side),
+                                   [m](std::int64_t x, std::int64_t y, std::int64_t z) {
+                                       if (x != m)
+                                           return 0.0;
+                                       return y == m && z == m ? 10.0 : y == m + 1 && z == m + 1 ? 8.0 : 0.0;
+                                   });
 }
 
 TEST(SaddleCrossing, ChangesBothCellsOfTheFaceInOneMoveAndNothingElse) {

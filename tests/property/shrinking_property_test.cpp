@@ -93,11 +93,11 @@ RC_GTEST_PROP(SlideProperty, EqualsTheFreshExtraction, ()) {
     GridGeometry geometry;
     for (int a = 0; a < 3; ++a)
         geometry.dims[a] = *rc::gen::inRange<std::int64_t>(1, 12);
-    const auto samples = *rc::gen::container<std::vector<std::uint8_t>>(static_cast<std::size_t>(pointCount(geometry.dims)),
-                                                                       rc::gen::inRange<std::uint8_t>(0, 9));
+    const auto samples = *rc::gen::container<std::vector<std::uint8_t>>(
+        static_cast<std::size_t>(pointCount(geometry.dims)), rc::gen::inRange<std::uint8_t>(0, 9));
     const auto isovalues = *rc::gen::container<std::vector<int>>(6, rc::gen::inRange(-2, 22));
-    const auto grid = std::make_shared<const ScalarGrid>(
-        ScalarGrid::fromValues<std::uint8_t>(geometry, ScalarType::U8, samples));
+    const auto grid =
+        std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<std::uint8_t>(geometry, ScalarType::U8, samples));
     const test::TemporaryFolder folder;
     preprocess::BuildOptions options;
     options.skipLevels = *rc::gen::inRange(1, 6);

@@ -30,7 +30,9 @@ std::shared_ptr<const ScalarGrid> waves(ScalarType type, const GridDims& dims, d
     GridGeometry geometry;
     geometry.dims = dims;
     return test::makeVolume<Sample>(type, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-        const auto wave = [](std::int64_t i, double period) { return std::sin(6.2831853 * static_cast<double>(i) / period); };
+        const auto wave = [](std::int64_t i, double period) {
+            return std::sin(6.2831853 * static_cast<double>(i) / period);
+        };
         return std::floor(scale * (3.0 + wave(x, 11.3) + wave(y, 9.1) * wave(z, 13.7) + wave(x + y + z, 17.9)));
     });
 }
@@ -79,12 +81,24 @@ void stepThroughEveryValue(const NamedVolume& volume) {
         visit(values[i]);
 }
 
-TEST(SlideEveryValue, OfNoiseInBricksWithOneMorePoint) { stepThroughEveryValue({"noise 17^3", test::noiseVolume({17, 17, 17}, 7, 120)}); }
-TEST(SlideEveryValue, OfNoiseInUnevenBricks) { stepThroughEveryValue({"noise 25 x 18 x 33", test::noiseVolume({25, 18, 33}, 8, 24)}); }
-TEST(SlideEveryValue, OfSmoothIntegers) { stepThroughEveryValue({"waves u16 33^3", waves<std::uint16_t>(ScalarType::U16, {33, 33, 33}, 14.0)}); }
-TEST(SlideEveryValue, OfSmoothReals) { stepThroughEveryValue({"waves f32 17 x 33 x 24", waves<float>(ScalarType::F32, {17, 33, 24}, 20.0)}); }
-TEST(SlideEveryValue, OfSmoothDoubles) { stepThroughEveryValue({"waves f64 18^3", waves<double>(ScalarType::F64, {18, 18, 18}, 20.0)}); }
-TEST(SlideEveryValue, OfNoiseWithMissingValues) { stepThroughEveryValue({"noise with holes 18 x 17 x 20", noiseWithHoles({18, 17, 20}, 9)}); }
+TEST(SlideEveryValue, OfNoiseInBricksWithOneMorePoint) {
+    stepThroughEveryValue({"noise 17^3", test::noiseVolume({17, 17, 17}, 7, 120)});
+}
+TEST(SlideEveryValue, OfNoiseInUnevenBricks) {
+    stepThroughEveryValue({"noise 25 x 18 x 33", test::noiseVolume({25, 18, 33}, 8, 24)});
+}
+TEST(SlideEveryValue, OfSmoothIntegers) {
+    stepThroughEveryValue({"waves u16 33^3", waves<std::uint16_t>(ScalarType::U16, {33, 33, 33}, 14.0)});
+}
+TEST(SlideEveryValue, OfSmoothReals) {
+    stepThroughEveryValue({"waves f32 17 x 33 x 24", waves<float>(ScalarType::F32, {17, 33, 24}, 20.0)});
+}
+TEST(SlideEveryValue, OfSmoothDoubles) {
+    stepThroughEveryValue({"waves f64 18^3", waves<double>(ScalarType::F64, {18, 18, 18}, 20.0)});
+}
+TEST(SlideEveryValue, OfNoiseWithMissingValues) {
+    stepThroughEveryValue({"noise with holes 18 x 17 x 20", noiseWithHoles({18, 17, 20}, 9)});
+}
 
 // An oriented 2-manifold at every value, open only at the box and at what is missing.
 TEST(SlideEveryValue, IsAManifoldBesideMissingValues) {

@@ -24,7 +24,8 @@ constexpr std::int64_t kLongest = 40;
 // An engine on its own index, and the surface it showed last.
 class Walker {
 public:
-    Walker(const RandomVolume& volume, const std::filesystem::path& path, const preprocess::BuildOptions& options, std::uint64_t cacheBytes)
+    Walker(const RandomVolume& volume, const std::filesystem::path& path, const preprocess::BuildOptions& options,
+           std::uint64_t cacheBytes)
         : volume_(volume) {
         EXPECT_THAT(test::buildIndexOf(volume.grid, path, options), IsOk());
         auto engine = SlideEngine::open(path, {cacheBytes});
@@ -108,7 +109,8 @@ private:
         for (std::size_t i = 0; i < slid.triangles.size(); i += 3) {
             const auto isNew = [&](std::size_t k) {
                 const std::uint32_t vertex = slid.triangles[i + k];
-                return vertex < slid.edgeIds.size() && !std::binary_search(edges_.begin(), edges_.end(), slid.edgeIds[vertex]);
+                return vertex < slid.edgeIds.size() &&
+                       !std::binary_search(edges_.begin(), edges_.end(), slid.edgeIds[vertex]);
             };
             if (isNew(0) || isNew(1) || isNew(2))
                 mustGlow.insert(mustGlow.end(), slid.triangles.begin() + static_cast<std::ptrdiff_t>(i),
@@ -132,7 +134,8 @@ void walkOneVolume(std::uint64_t seed, std::int64_t longest, int stops) {
     preprocess::BuildOptions options;
     options.skipLevels = static_cast<int>(test::intRandom(random, 1, 8));
     options.redundancyThreshold = std::exp(6.0 * test::unitRandom(random) - 4.0);
-    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description + ", " + std::to_string(options.skipLevels) +
+    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description + ", " +
+                 std::to_string(options.skipLevels) +
                  " skip levels, k = " + std::to_string(options.redundancyThreshold));
     const test::TemporaryFolder folder;
     if (!volume.hasFinite) {

@@ -47,7 +47,8 @@ TEST_P(SharedSlide, SlidingGivesTheFreshSurface) {
     std::mt19937 random(11);
     const double middle = min + range * std::uniform_real_distribution<double>(0.3, 0.7)(random);
     const double sample = grid_->valueAt(grid_->dims()[0] / 2, grid_->dims()[1] / 2, grid_->dims()[2] / 2);
-    for (const double isovalue : {middle, middle + 0.01 * range, middle + 0.009 * range, middle - 0.2 * range, sample, min + 0.97 * range}) {
+    for (const double isovalue :
+         {middle, middle + 0.01 * range, middle + 0.009 * range, middle - 0.2 * range, sample, min + 0.97 * range}) {
         SCOPED_TRACE(isovalue);
         const auto fresh = extractFull(*grid_, isovalue);
         ASSERT_THAT(fresh, IsOk());
@@ -94,12 +95,13 @@ TEST_P(SharedBytes, EveryIsovalueHasAValidSurface) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Volumes, SharedBytes,
-                         testing::Values("mha/fuel.mha", "mha/hydrogenAtom.mha", "mha/marschnerlobb.mha", "mha/neghip.mha",
-                                         "mha/nucleon.mha", "mha/silicium.mha"));
+                         testing::Values("mha/fuel.mha", "mha/hydrogenAtom.mha", "mha/marschnerlobb.mha",
+                                         "mha/neghip.mha", "mha/nucleon.mha", "mha/silicium.mha"));
 
 INSTANTIATE_TEST_SUITE_P(Volumes, SharedSlide,
-                         testing::Values("mhd/cranium.mhd", "mha/fuel.mha", "mha/hydrogenAtom.mha", "mha/marschnerlobb.mha",
-                                         "mha/neghip.mha", "mha/nucleon.mha", "mha/silicium.mha"));
+                         testing::Values("mhd/cranium.mhd", "mha/fuel.mha", "mha/hydrogenAtom.mha",
+                                         "mha/marschnerlobb.mha", "mha/neghip.mha", "mha/nucleon.mha",
+                                         "mha/silicium.mha"));
 
 } // namespace
 } // namespace isoslider::extract

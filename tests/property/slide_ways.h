@@ -24,8 +24,7 @@ struct Way {
 
 /// Builds the index first if it is not there.
 inline std::unique_ptr<extract::SlideEngine> openIndex(const std::shared_ptr<const ScalarGrid>& grid,
-                                                       const std::filesystem::path& path,
-                                                       index::IndexKind kind,
+                                                       const std::filesystem::path& path, index::IndexKind kind,
                                                        std::optional<std::uint64_t> cacheBytes = {}) {
     preprocess::BuildOptions build;
     build.kind = kind;

@@ -7,8 +7,8 @@
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
-#include "preprocess/metacells/brick_list.h"
 #include "preprocess/build_index.h"
+#include "preprocess/metacells/brick_list.h"
 #include "tests/property/random_volumes.h"
 #include "tests/property/slide_ways.h"
 #include "tests/property/surface_comparison.h"
@@ -28,8 +28,7 @@ class SlideWays : public testing::TestWithParam<int> {};
 
 // Active edges, cells, triangles and positions are those of a fresh extraction, whatever the source.
 TEST_P(SlideWays, GiveTheFreshSurfaceAtEveryStop) {
-    for (std::uint64_t seed = test::testSeed(5000) + 100 * static_cast<std::uint64_t>(GetParam()),
-                       last = seed + 8;
+    for (std::uint64_t seed = test::testSeed(5000) + 100 * static_cast<std::uint64_t>(GetParam()), last = seed + 8;
          seed < last && !HasFatalFailure(); ++seed) {
         test::Random random(seed);
         const test::RandomVolume volume = test::randomVolume(random, 40);
@@ -259,9 +258,9 @@ TEST(SlideWays, ReadAnewWhatTheyForgot) {
 
 TEST(SlideWays, DoNotReadBricksThatAreOnOneSideAtBothEnds) {
     const test::TemporaryFolder folder;
-    const auto grid = test::makeVolume<float>(
-        ScalarType::F32, test::cubeGeometry(64),
-        [](std::int64_t x, std::int64_t, std::int64_t) { return static_cast<float>(x); });
+    const auto grid =
+        test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(64),
+                                [](std::int64_t x, std::int64_t, std::int64_t) { return static_cast<float>(x); });
     const auto inMemory = preprocess::makeMemoryEngine(grid);
     ASSERT_THAT(inMemory, IsOk());
     const auto stored = openIndex(grid, folder / "m.isx", index::IndexKind::Metacells, 0);

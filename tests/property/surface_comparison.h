@@ -19,20 +19,23 @@ namespace isoslider::test {
 /// Same vertices at the same places with the same normals, and the same triangles, in the same order, bit for bit.
 inline testing::AssertionResult isSameSurface(const extract::SurfaceMesh& slid, const extract::SurfaceMesh& fresh) {
     if (slid.edgeIds != fresh.edgeIds)
-        return testing::AssertionFailure() << "active edges differ: " << slid.edgeIds.size() << " slid, " << fresh.edgeIds.size() << " fresh";
+        return testing::AssertionFailure()
+               << "active edges differ: " << slid.edgeIds.size() << " slid, " << fresh.edgeIds.size() << " fresh";
     if (slid.triangles != fresh.triangles)
-        return testing::AssertionFailure() << "triangles differ: " << slid.triangleCount() << " slid, " << fresh.triangleCount() << " fresh";
+        return testing::AssertionFailure()
+               << "triangles differ: " << slid.triangleCount() << " slid, " << fresh.triangleCount() << " fresh";
     if (slid.positions.size() != fresh.positions.size() || slid.normals.size() != slid.positions.size())
         return testing::AssertionFailure() << "array lengths differ";
     for (std::size_t i = 0; i < slid.positions.size(); ++i)
         if (slid.positions[i] != fresh.positions[i])
-            return testing::AssertionFailure() << "position " << i << " differs by "
-                                               << glm::length(slid.positions[i] - fresh.positions[i])
-                                               << (i < slid.edgeIds.size() ? ", on an edge" : ", inside a cell");
+            return testing::AssertionFailure()
+                   << "position " << i << " differs by " << glm::length(slid.positions[i] - fresh.positions[i])
+                   << (i < slid.edgeIds.size() ? ", on an edge" : ", inside a cell");
     for (std::size_t i = 0; i < slid.normals.size(); ++i)
         if (slid.normals[i] != fresh.normals[i])
-            return testing::AssertionFailure() << "normal " << i << " differs by " << glm::length(slid.normals[i] - fresh.normals[i])
-                                               << (i < slid.edgeIds.size() ? ", on an edge" : ", inside a cell");
+            return testing::AssertionFailure()
+                   << "normal " << i << " differs by " << glm::length(slid.normals[i] - fresh.normals[i])
+                   << (i < slid.edgeIds.size() ? ", on an edge" : ", inside a cell");
     return testing::AssertionSuccess();
 }
 
@@ -76,7 +79,8 @@ inline testing::AssertionResult hasExpectedNormals(const extract::SurfaceMesh& m
             continue; // inside a cell
         const glm::vec3 expected = expectedNormal(grid, mesh.edgeIds[i], mesh.positions[i]);
         if (expected != glm::vec3(0.0f) && !(glm::length(normal - expected) < 2e-3f))
-            return testing::AssertionFailure() << "normal of edge " << mesh.edgeIds[i] << " is off by " << glm::length(normal - expected);
+            return testing::AssertionFailure()
+                   << "normal of edge " << mesh.edgeIds[i] << " is off by " << glm::length(normal - expected);
     }
     return testing::AssertionSuccess();
 }
@@ -93,7 +97,8 @@ inline PlacedTriangle placed(const std::vector<glm::vec3>& positions, const std:
 }
 
 /// Sorted; triples that repeat an index are room between the runs and left out.
-inline std::vector<PlacedTriangle> placedTriangles(const std::vector<glm::vec3>& positions, const std::vector<std::uint32_t>& indices) {
+inline std::vector<PlacedTriangle> placedTriangles(const std::vector<glm::vec3>& positions,
+                                                   const std::vector<std::uint32_t>& indices) {
     std::vector<PlacedTriangle> triangles;
     for (std::size_t i = 0; i + 3 <= indices.size(); i += 3) {
         const std::uint32_t* t = indices.data() + i;

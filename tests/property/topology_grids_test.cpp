@@ -61,8 +61,7 @@ TEST_P(TopologyGrids, HaveTheInterpolantsSurfaceWhereTheyAreThin) {
 // From below everything and from above everything, then at random; a stop at a saddle is the usual one.
 TEST_P(TopologyGrids, AreTheSameAfterSliding) {
     const TemporaryFolder folder;
-    const int judgedStops =
-        GetParam() == GridKind::Extreme ? 40 : 4; // the judge is slow there, the slide is not
+    const int judgedStops = GetParam() == GridKind::Extreme ? 40 : 4; // the judge is slow there, the slide is not
     std::int64_t patched = 0;
     for (int i = 0; i < 20; ++i) {
         const TopologyGrid grid = randomTopologyGrid(GetParam(), 2, i % 2 == 0 ? 6 : 14, random_);
@@ -149,8 +148,8 @@ TEST_P(TiedGrids, HaveTheSurfaceOfTheLimitFromBelow) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, TiedGrids,
-                         testing::Values(GridKind::TinyIntegers, GridKind::SmallIntegers,
-                                         GridKind::PlusMinusOne, GridKind::Plane, GridKind::Saddles),
+                         testing::Values(GridKind::TinyIntegers, GridKind::SmallIntegers, GridKind::PlusMinusOne,
+                                         GridKind::Plane, GridKind::Saddles),
                          testName);
 
 TEST(TiedGrids, HoldForCheckerboardsAndConstants) {
@@ -172,8 +171,7 @@ TEST(SaddleWalk, KeepsBothCellsOfAFaceTogether) {
     const TemporaryFolder folder;
     std::size_t moves = 0;
     for (int i = 0; i < 20; ++i) {
-        const TopologyGrid grid =
-            randomTopologyGrid(i % 2 == 0 ? GridKind::Saddles : GridKind::Doubles, 4, 5, random);
+        const TopologyGrid grid = randomTopologyGrid(i % 2 == 0 ? GridKind::Saddles : GridKind::Doubles, 4, 5, random);
         std::vector<double> stops;
         for (std::int64_t z = 0; z + 1 < grid.dims[2]; ++z)
             for (std::int64_t y = 0; y + 1 < grid.dims[1]; ++y)
@@ -190,8 +188,7 @@ TEST(SaddleWalk, KeepsBothCellsOfAFaceTogether) {
             ASSERT_EQ(walker.slideFault(stops[k], k % 8 == 0), "")
                 << at(grid, stops[k]) << ", grid " << i << " upwards";
         for (auto stop = stops.rbegin(); stop != stops.rend(); ++stop)
-            ASSERT_EQ(walker.slideFault(*stop, false), "")
-                << at(grid, *stop) << ", grid " << i << " downwards";
+            ASSERT_EQ(walker.slideFault(*stop, false), "") << at(grid, *stop) << ", grid " << i << " downwards";
         moves += 2 * stops.size();
     }
     RecordProperty("moves", static_cast<int>(moves));

@@ -21,8 +21,7 @@ std::string vertexFault(const SurfaceMesh& mesh, const TopologyGrid& grid) {
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
         for (int axis = 0; axis < 3; ++axis) {
             const float place = mesh.positions[i][axis];
-            if (!(place >= 0.0F &&
-                  place <= static_cast<float>(grid.dims[static_cast<std::size_t>(axis)] - 1)))
+            if (!(place >= 0.0F && place <= static_cast<float>(grid.dims[static_cast<std::size_t>(axis)] - 1)))
                 return "vertex " + std::to_string(i) + " is outside the box";
             if (!std::isfinite(mesh.normals[i][axis]))
                 return "the normal of vertex " + std::to_string(i) + " is not finite";
@@ -69,8 +68,7 @@ std::string triangleFault(const SurfaceMesh& mesh, const TopologyGrid& grid) {
     return {};
 }
 
-std::string countFault(const mesh::MeshReport& report, const SurfaceMesh& mesh,
-                       const GridTopology& expected) {
+std::string countFault(const mesh::MeshReport& report, const SurfaceMesh& mesh, const GridTopology& expected) {
     const auto differs = [](const char* what, std::int64_t is, std::int64_t should) {
         return std::string(what) + " " + std::to_string(is) + ", should be " + std::to_string(should);
     };
@@ -101,8 +99,8 @@ std::string surfaceFault(const SurfaceMesh& mesh, const TopologyGrid& grid, cons
     if (!isEmpty && (!report.isManifold || !report.isOriented || report.nonManifoldEdges != 0 ||
                      report.nonManifoldVertices != 0 || report.refusedByOpenMesh != 0))
         return "not an oriented manifold: " + std::to_string(report.nonManifoldEdges) + " edges, " +
-               std::to_string(report.nonManifoldVertices) + " vertices, " +
-               std::to_string(report.refusedByOpenMesh) + " triangles refused by OpenMesh";
+               std::to_string(report.nonManifoldVertices) + " vertices, " + std::to_string(report.refusedByOpenMesh) +
+               " triangles refused by OpenMesh";
     return countFault(report, mesh, expected);
 }
 

@@ -16,8 +16,7 @@ namespace isoslider::test {
 /// a triangle twice or with a vertex twice, a border off the box, a vertex outside it or not finite.
 std::string surfaceFault(const extract::SurfaceMesh& mesh, const TopologyGrid& grid);
 /// The same with the counts known beforehand.
-std::string surfaceFault(const extract::SurfaceMesh& mesh, const TopologyGrid& grid,
-                         const GridTopology& expected);
+std::string surfaceFault(const extract::SurfaceMesh& mesh, const TopologyGrid& grid, const GridTopology& expected);
 
 /// Extracts the grid afresh and judges it.
 std::string freshFault(const TopologyGrid& grid, double isovalue);
@@ -26,8 +25,7 @@ std::string freshFault(const TopologyGrid& grid, double isovalue);
 class TopologyWalker {
 public:
     /// `skipLevels` and `threshold` as in preprocess::BuildOptions.
-    TopologyWalker(const TopologyGrid& grid, const std::filesystem::path& path, int skipLevels,
-                   double threshold);
+    TopologyWalker(const TopologyGrid& grid, const std::filesystem::path& path, int skipLevels, double threshold);
 
     /// Empty when the engine is open.
     const std::string& fault() const { return fault_; }

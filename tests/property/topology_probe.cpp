@@ -35,11 +35,11 @@ TopologyGrid seededGrid(Random& random, std::int64_t longest) {
     return randomTopologyGrid(kind, shortest, longest, random);
 }
 
-void report(const char* what, std::uint64_t seed, const TopologyGrid& grid, double isovalue,
-            const std::string& fault, Tally& tally) {
+void report(const char* what, std::uint64_t seed, const TopologyGrid& grid, double isovalue, const std::string& fault,
+            Tally& tally) {
     ++tally.faults;
-    std::printf("%s seed %" PRIu64 ", %s, isovalue %.17g: %s\n", what, seed, grid.description.c_str(),
-                isovalue, fault.c_str());
+    std::printf("%s seed %" PRIu64 ", %s, isovalue %.17g: %s\n", what, seed, grid.description.c_str(), isovalue,
+                fault.c_str());
     std::fflush(stdout);
 }
 
@@ -59,8 +59,7 @@ void probeGrid(std::uint64_t seed, Tally& tally) {
 
 void probeWalk(std::uint64_t seed, const std::filesystem::path& path, Tally& tally) {
     Random random(seed);
-    const TopologyGrid grid =
-        seededGrid(random, pickInt(random, 0, 3) == 0 ? 20 : 10); // up to three bricks along
+    const TopologyGrid grid = seededGrid(random, pickInt(random, 0, 3) == 0 ? 20 : 10); // up to three bricks along
     TopologyWalker walker(grid, path, static_cast<int>(pickInt(random, 1, 6)), 0.05 + pickUnit(random));
     if (!walker.fault().empty())
         return report("walk", seed, grid, 0.0, walker.fault(), tally);
@@ -102,8 +101,8 @@ int run(const ProbeOptions& options) {
     const TemporaryFolder folder;
     for (std::int64_t i = 0; i * kMovesPerWalk < options.moves && !isTimeUp(); ++i)
         probeWalk(options.seed + static_cast<std::uint64_t>(i), folder / "a.isx", tally);
-    std::printf("%" PRId64 " grids, %" PRId64 " surfaces, %" PRId64 " tunnels at zero, ", tally.grids,
-                tally.surfaces, tally.tunnels);
+    std::printf("%" PRId64 " grids, %" PRId64 " surfaces, %" PRId64 " tunnels at zero, ", tally.grids, tally.surfaces,
+                tally.tunnels);
     std::printf("%" PRId64 " moves (%" PRId64 " patched): %" PRId64 " faults\n", tally.moves, tally.patched,
                 tally.faults);
     return tally.faults == 0 ? EXIT_SUCCESS : EXIT_FAILURE;

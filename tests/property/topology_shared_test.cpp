@@ -59,8 +59,8 @@ TEST_P(ListedGrids, HaveTheListedCounts) {
         const TopologyGrid grid = gridOfRow(rows[i], 5);
         ASSERT_EQ(grid.scalars.size(), 125u);
         const GridTopology found = sweepGrid(grid.scalars, grid.dims, 0.0, static_cast<int>(i % 3));
-        const GridTopology expected{std::llround(rows[i][5]), std::llround(rows[i][4]),
-                                    std::llround(rows[i][6]), std::llround(rows[i][8]), found.tunnels};
+        const GridTopology expected{std::llround(rows[i][5]), std::llround(rows[i][4]), std::llround(rows[i][6]),
+                                    std::llround(rows[i][8]), found.tunnels};
         ASSERT_EQ(toString(found), toString(expected)) << grid.description;
         const auto fresh = extract::extractFull(*grid.grid, 0.0);
         ASSERT_TRUE(fresh.isOk());
@@ -92,16 +92,14 @@ TEST(ListedEvents, ChangeTheCountsAsListed) {
         const bool isAtSample = event[1] == std::round(event[1]);
         const double below = isAtSample ? event[1] : event[1] - 2e-6,
                      above = isAtSample ? std::nextafter(event[1], 1e9) : event[1] + 2e-6;
-        for (const auto& [isovalue, first] :
-             {std::pair(below, std::size_t{3}), std::pair(above, std::size_t{6})}) {
+        for (const auto& [isovalue, first] : {std::pair(below, std::size_t{3}), std::pair(above, std::size_t{6})}) {
             GridTopology expected = sweepGrid(grid.scalars, grid.dims, isovalue);
             ASSERT_EQ(expected.euler, std::llround(event[first])) << grid.description << " at " << isovalue;
             ASSERT_EQ(expected.components, std::llround(event[first + 1]));
             ASSERT_EQ(expected.loops, std::llround(event[first + 2]));
             const auto fresh = extract::extractFull(*grid.grid, isovalue);
             ASSERT_TRUE(fresh.isOk());
-            ASSERT_EQ(surfaceFault(fresh.value(), grid, expected), "")
-                << grid.description << " at " << isovalue;
+            ASSERT_EQ(surfaceFault(fresh.value(), grid, expected), "") << grid.description << " at " << isovalue;
         }
     }
 }

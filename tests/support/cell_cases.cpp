@@ -38,10 +38,10 @@ CellScalars turned(const CellScalars& scalars, int symmetry) {
 }
 
 const char* cellKindName(CellKind kind) {
-    static constexpr const char* kNames[kCellKinds] = {
-        "uniform", "tiny integers", "small integers", "saddle",      "decades",
-        "plane",   "near plane",    "degenerate",     "body ties",   "powers of two",
-        "scaled",  "signed zeros",  "denormal",       "huge floats", "huge doubles"};
+    static constexpr const char* kNames[kCellKinds] = {"uniform",   "tiny integers", "small integers", "saddle",
+                                                       "decades",   "plane",         "near plane",     "degenerate",
+                                                       "body ties", "powers of two", "scaled",         "signed zeros",
+                                                       "denormal",  "huge floats",   "huge doubles"};
     return kNames[static_cast<int>(kind)];
 }
 
@@ -70,8 +70,7 @@ CellScalars saddleCell(Random& random, double greatestSpread) {
 
 CellScalars planeCell(Random& random) {
     const auto term = [&] { return static_cast<double>(pickInt(random, -3, 3)); };
-    const double x = term(), y = term(), z = term(), xy = pickInt(random, 0, 2) == 0 ? term() : 0.0,
-                 constant = term();
+    const double x = term(), y = term(), z = term(), xy = pickInt(random, 0, 2) == 0 ? term() : 0.0, constant = term();
     return eachCorner(
         [&](unsigned i, unsigned j, unsigned k) { return constant + x * i + y * j + z * k + xy * i * j; });
 }
@@ -82,8 +81,7 @@ CellScalars nearPlaneCell(Random& random) {
     for (double& scalar : scalars) {
         scalar *= scale;
         if (pickInt(random, 0, 2) == 0)
-            scalar +=
-                static_cast<double>(pickInt(random, -2, 2)) * DBL_EPSILON * std::max(std::abs(scalar), 0.25);
+            scalar += static_cast<double>(pickInt(random, -2, 2)) * DBL_EPSILON * std::max(std::abs(scalar), 0.25);
     }
     return scalars;
 }
@@ -92,14 +90,12 @@ CellScalars degenerateCell(Random& random) {
     const auto digit = [&] { return static_cast<double>(pickInt(random, -1, 1)); };
     if (pickInt(random, 0, 1) != 0) {
         const double low = digit(), high = digit();
-        return eachCorner(
-            [&](unsigned, unsigned, unsigned) { return pickInt(random, 0, 1) != 0 ? low : high; });
+        return eachCorner([&](unsigned, unsigned, unsigned) { return pickInt(random, 0, 1) != 0 ? low : high; });
     }
     std::array<double, 6> factor;
     for (double& f : factor)
         f = static_cast<double>(pickInt(random, -2, 2));
-    return eachCorner(
-        [&](unsigned i, unsigned j, unsigned k) { return factor[i] * factor[2 + j] * factor[4 + k]; });
+    return eachCorner([&](unsigned i, unsigned j, unsigned k) { return factor[i] * factor[2 + j] * factor[4 + k]; });
 }
 
 // XYZ - Y0 Z0 X - X0 Z0 Y - X0 Y0 Z + 2 X0 Y0 Z0 vanishes with its gradient at (X0, Y0, Z0); X = x - u and so
@@ -111,10 +107,9 @@ CellScalars bodyTieCell(Random& random) {
         critical[a] = static_cast<double>(pickInt(random, 1, 12) * (pickInt(random, 0, 1) != 0 ? 1 : -1));
         origin[a] = static_cast<double>(place) - critical[a];
     }
-    const double factor =
-        static_cast<double>(pickInt(random, 1, 3) * (std::int64_t{1} << pickInt(random, 0, 25)) +
-                            pickInt(random, 0, 5)) *
-        (pickInt(random, 0, 1) != 0 ? 1.0 : -1.0);
+    const double factor = static_cast<double>(pickInt(random, 1, 3) * (std::int64_t{1} << pickInt(random, 0, 25)) +
+                                              pickInt(random, 0, 5)) *
+                          (pickInt(random, 0, 1) != 0 ? 1.0 : -1.0);
     return eachCorner([&](unsigned i, unsigned j, unsigned k) {
         const double x = 8.0 * i - origin[0], y = 8.0 * j - origin[1], z = 8.0 * k - origin[2];
         const auto& [x0, y0, z0] = critical;
@@ -159,14 +154,11 @@ double hugeDouble(Random& random) {
 } // namespace
 
 CellScalars randomCell(CellKind kind, Random& random) {
-    const auto each = [&](auto&& draw) {
-        return eachCorner([&](unsigned, unsigned, unsigned) { return draw(); });
-    };
+    const auto each = [&](auto&& draw) { return eachCorner([&](unsigned, unsigned, unsigned) { return draw(); }); };
     switch (kind) {
         case CellKind::Uniform: return each([&] { return 2.0 * pickUnit(random) - 1.0; });
         case CellKind::TinyIntegers: return each([&] { return static_cast<double>(pickInt(random, -2, 2)); });
-        case CellKind::SmallIntegers:
-            return each([&] { return static_cast<double>(pickInt(random, -9, 9)); });
+        case CellKind::SmallIntegers: return each([&] { return static_cast<double>(pickInt(random, -9, 9)); });
         case CellKind::Saddle: return saddleCell(random, 4.0);
         case CellKind::Decades: return saddleCell(random, 80.0);
         case CellKind::Plane: return planeCell(random);
@@ -176,9 +168,8 @@ CellScalars randomCell(CellKind kind, Random& random) {
         case CellKind::PowersOfTwo: return powersOfTwoCell(random);
         case CellKind::Scaled: return scaledCell(random);
         case CellKind::SignedZeros:
-            return each([&] {
-                return std::copysign(static_cast<double>(pickInt(random, 0, 2) / 2), pickUnit(random) - 0.5);
-            });
+            return each(
+                [&] { return std::copysign(static_cast<double>(pickInt(random, 0, 2) / 2), pickUnit(random) - 0.5); });
         case CellKind::Denormal:
             return each([&] { return static_cast<double>(pickInt(random, -9, 9)) * DBL_TRUE_MIN; });
         case CellKind::HugeFloats: return each([&] { return hugeFloat(random); });
@@ -225,8 +216,7 @@ std::vector<double> faceSaddleValues(const CellScalars& scalars) {
     for (unsigned axis = 0; axis < 3; ++axis)
         for (unsigned side = 0; side < 2; ++side) {
             const unsigned base = side << axis, b = 1u << (axis + 1) % 3, c = 1u << (axis + 2) % 3;
-            const double p = scalars[base], q = scalars[base | b], r = scalars[base | b | c],
-                         s = scalars[base | c];
+            const double p = scalars[base], q = scalars[base | b], r = scalars[base | b | c], s = scalars[base | c];
             const double value = (p * r - q * s) / (p + r - q - s);
             const bool isSaddle = std::min(p, r) > std::max(q, s) || std::max(p, r) < std::min(q, s);
             if (isSaddle && std::isfinite(value))

@@ -61,8 +61,7 @@ bool fails(const char* group) {
         errno = EINTR;
         return call % 2 == 0;
     }
-    if (is("ISO_FAIL_HOW", "short") || is("ISO_FAIL_HOW", "full") ||
-        call != std::atol(setting("ISO_FAIL_AT")))
+    if (is("ISO_FAIL_HOW", "short") || is("ISO_FAIL_HOW", "full") || call != std::atol(setting("ISO_FAIL_AT")))
         return false;
     if (is("ISO_FAIL_HOW", "kill"))
         ::kill(::getpid(), SIGKILL);
@@ -118,8 +117,7 @@ int open64(const char* path, int flags, ...) {
 }
 ssize_t pwrite(int descriptor, const void* bytes, size_t count, off_t offset) {
     const ssize_t room = allowed("write", descriptor, count);
-    return room < 0 ? -1
-                    : next<decltype(pwrite)>("pwrite")(descriptor, bytes, static_cast<size_t>(room), offset);
+    return room < 0 ? -1 : next<decltype(pwrite)>("pwrite")(descriptor, bytes, static_cast<size_t>(room), offset);
 }
 ssize_t write(int descriptor, const void* bytes, size_t count) {
     const ssize_t room = allowed("write", descriptor, count);
@@ -127,8 +125,7 @@ ssize_t write(int descriptor, const void* bytes, size_t count) {
 }
 ssize_t pread(int descriptor, void* bytes, size_t count, off_t offset) {
     const ssize_t room = allowed("read", descriptor, count);
-    return room < 0 ? -1
-                    : next<decltype(pread)>("pread")(descriptor, bytes, static_cast<size_t>(room), offset);
+    return room < 0 ? -1 : next<decltype(pread)>("pread")(descriptor, bytes, static_cast<size_t>(room), offset);
 }
 ssize_t read(int descriptor, void* bytes, size_t count) {
     const ssize_t room = allowed("read", descriptor, count);
@@ -138,8 +135,7 @@ int fsync(int descriptor) {
     return isBelow(descriptor) && fails("write") ? -1 : next<decltype(fsync)>("fsync")(descriptor);
 }
 int ftruncate(int descriptor, off_t size) {
-    return isBelow(descriptor) && fails("write") ? -1
-                                                 : next<decltype(ftruncate)>("ftruncate")(descriptor, size);
+    return isBelow(descriptor) && fails("write") ? -1 : next<decltype(ftruncate)>("ftruncate")(descriptor, size);
 }
 int rename(const char* from, const char* to) noexcept { // which no signal interrupts
     return isBelow(to) && !is("ISO_FAIL_HOW", "interrupted") && fails("write")

@@ -12,7 +12,8 @@ namespace isoslider::test {
 /// write, sync, close, rename and removal) fails with `errorNumber`. -1: none fails.
 class FaultyFileSystem final : public FileSystem {
 public:
-    explicit FaultyFileSystem(int failingCall, int errorNumber) : failingCall_(failingCall), errorNumber_(errorNumber) {}
+    explicit FaultyFileSystem(int failingCall, int errorNumber)
+        : failingCall_(failingCall), errorNumber_(errorNumber) {}
 
     int calls() const { return *calls_; }
 

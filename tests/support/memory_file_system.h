@@ -18,9 +18,7 @@ public:
     Result<std::unique_ptr<RandomAccessFile>> openForReading(const std::filesystem::path& path) override {
         return std::unique_ptr<RandomAccessFile>(std::make_unique<File>(path, bytes_));
     }
-    Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) override {
-        return noWriting(path);
-    }
+    Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) override { return noWriting(path); }
     Status renameDurably(const std::filesystem::path& from, const std::filesystem::path&) override {
         return noWriting(from);
     }

@@ -157,7 +157,9 @@ void collect(pid_t child, const ProcessOptions& options, Pipe& out, Pipe& err, P
         if (!hasEnded)
             watch.tick(result);
     }
-    const auto inMs = [](const timeval& time) { return std::chrono::milliseconds(time.tv_sec * 1000 + time.tv_usec / 1000); };
+    const auto inMs = [](const timeval& time) {
+        return std::chrono::milliseconds(time.tv_sec * 1000 + time.tv_usec / 1000);
+    };
     result.processorTime = inMs(used.ru_utime) + inMs(used.ru_stime);
     result.peakRssBytes = static_cast<std::uint64_t>(used.ru_maxrss) * 1024; // which Linux counts in KiB
     if (WIFEXITED(status))

@@ -13,9 +13,7 @@ namespace {
 
 class DisjointSets {
 public:
-    explicit DisjointSets(std::size_t count) : parent_(count) {
-        std::iota(parent_.begin(), parent_.end(), 0u);
-    }
+    explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
     std::uint32_t find(std::size_t i) {
         auto root = static_cast<std::uint32_t>(i);
         while (parent_[root] != root)
@@ -96,8 +94,7 @@ struct Lattice {
         const auto at = [&](const Binary& binary) {
             Integer value = binary.mantissa;
             if (binary.mantissa != 0)
-                value *=
-                    Integer(1) << (binary.exponent - lowest); // a shift of a negative number is not defined
+                value *= Integer(1) << (binary.exponent - lowest); // a shift of a negative number is not defined
             return value;
         };
         const Integer isovalue = at(numbers[8]);
@@ -130,8 +127,7 @@ unsigned pickSigns(std::uint8_t signs, const std::array<int, 4>& corners) {
 
 // Segments on a face whose first and third corner are joined, or the other two, as pairs of edge keys.
 template <class Visit>
-void forEachSegment(unsigned signs4, bool isFirstPairJoined, const std::array<int, 4>& corners,
-                    Visit&& visit) {
+void forEachSegment(unsigned signs4, bool isFirstPairJoined, const std::array<int, 4>& corners, Visit&& visit) {
     const auto edge = [&](unsigned k) { return edgeKey(corners[k % 4], corners[(k + 1) % 4]); };
     if (isAmbiguous(signs4)) {
         const unsigned cutOff = isFirstPairJoined ? 1 : 0; // segments go round this corner and the one across
@@ -229,8 +225,7 @@ private:
             else
                 places.push_back({u_[k], 1, -d_[k], 1u << k});
         }
-        std::sort(places.begin(), places.end(),
-                  [](const auto& a, const auto& b) { return compare(a, b) < 0; });
+        std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return compare(a, b) < 0; });
         std::vector<Place<Integer>> merged;
         for (const Place<Integer>& place : places) {
             if (!merged.empty() && compare(merged.back(), place) == 0)
@@ -289,9 +284,7 @@ private:
         return signOf(e0, e1, Integer(0));
     }
 
-    static int arcs(unsigned signs4) {
-        return std::popcount(signs4 ^ ((signs4 >> 1 | signs4 << 3) & 15u)) / 2;
-    }
+    static int arcs(unsigned signs4) { return std::popcount(signs4 ^ ((signs4 >> 1 | signs4 << 3) & 15u)) / 2; }
 
     // Euler number of the slice's curve where the corners `zero` are crossed; of the others only the signs
     // matter. Corners crossed together go the same way.
@@ -359,9 +352,8 @@ void decideFaces(const std::array<Integer, 8>& g, CellTopology& topology) {
         for (unsigned k = 0; k < 4; ++k)
             if ((signs4 >> k & 1u) == (signs4 >> (k + 1) % 4 & 1u))
                 corners.unite(static_cast<std::size_t>(c[k]), static_cast<std::size_t>(c[(k + 1) % 4]));
-        forEachSegment(signs4, isFirstPairJoined, c, [&](int e, int f) {
-            edges.unite(static_cast<std::size_t>(e), static_cast<std::size_t>(f));
-        });
+        forEachSegment(signs4, isFirstPairJoined, c,
+                       [&](int e, int f) { edges.unite(static_cast<std::size_t>(e), static_cast<std::size_t>(f)); });
     }
     int apart[2] = {0, 0};
     for (unsigned i = 0; i < 8; ++i) {
@@ -405,8 +397,7 @@ std::string oracleFault(const std::array<double, 8>& scalars, double isovalue) {
     const CellTopology z = sweepCell(scalars, isovalue, 2);
     for (int axis = 0; axis < 2; ++axis)
         if (const CellTopology other = sweepCell(scalars, isovalue, axis); other != z)
-            return "swept along axis " + std::to_string(axis) + ": " + toString(other) +
-                   ", along z: " + toString(z);
+            return "swept along axis " + std::to_string(axis) + ": " + toString(other) + ", along z: " + toString(z);
     if (z.euler != 2 * z.components - z.loops)
         return "Euler number is not 2 components - loops: " + toString(z);
     if (z.aboveJoinsInside < 0 || z.belowJoinsInside < 0 || z.aboveJoinsInside + z.belowJoinsInside > 1 ||
@@ -421,8 +412,7 @@ namespace {
 
 class GridSweep {
 public:
-    GridSweep(std::span<const double> scalars, const std::array<std::int64_t, 3>& dims, double isovalue,
-              int axis)
+    GridSweep(std::span<const double> scalars, const std::array<std::int64_t, 3>& dims, double isovalue, int axis)
         : scalars_(scalars),
           dims_(dims),
           isovalue_(isovalue),
@@ -452,14 +442,12 @@ public:
 
 private:
     std::size_t point(const std::array<std::int64_t, 3>& cell, int corner) const {
-        const std::int64_t x = cell[0] + (corner & 1), y = cell[1] + (corner >> 1 & 1),
-                           z = cell[2] + (corner >> 2);
+        const std::int64_t x = cell[0] + (corner & 1), y = cell[1] + (corner >> 1 & 1), z = cell[2] + (corner >> 2);
         return static_cast<std::size_t>(x + dims_[0] * (y + dims_[1] * z));
     }
 
     std::size_t gridEdge(const std::array<std::int64_t, 3>& cell, int edgeKey) const {
-        const int lower = edgeKey / 8,
-                  axis = std::countr_zero(static_cast<unsigned>(edgeKey / 8 ^ edgeKey % 8));
+        const int lower = edgeKey / 8, axis = std::countr_zero(static_cast<unsigned>(edgeKey / 8 ^ edgeKey % 8));
         return 3 * point(cell, lower) + static_cast<std::size_t>(axis);
     }
 
@@ -491,8 +479,7 @@ private:
                 isActive_[edge] = std::max<std::uint8_t>(isActive_[edge], 1);
                 const int a = topology.region[static_cast<std::size_t>(i)],
                           b = topology.region[static_cast<std::size_t>(j)];
-                std::int64_t& first =
-                    firstEdge[static_cast<std::size_t>(8 * std::min(a, b) + std::max(a, b))];
+                std::int64_t& first = firstEdge[static_cast<std::size_t>(8 * std::min(a, b) + std::max(a, b))];
                 if (first >= 0)
                     pieces_.unite(static_cast<std::size_t>(first), edge);
                 first = static_cast<std::int64_t>(edge);
@@ -527,17 +514,17 @@ private:
 
 } // namespace
 
-GridTopology sweepGrid(std::span<const double> scalars, const std::array<std::int64_t, 3>& dims,
-                       double isovalue, int axis) {
+GridTopology sweepGrid(std::span<const double> scalars, const std::array<std::int64_t, 3>& dims, double isovalue,
+                       int axis) {
     return GridSweep(scalars, dims, isovalue, axis).run();
 }
 
 std::string toString(const CellTopology& t) {
-    std::string text = "signs " + std::to_string(t.signs) + " joined faces " + std::to_string(t.joinedFaces) +
-                       " of " + std::to_string(t.ambiguousFaces) + " loops " + std::to_string(t.loops) +
-                       " components " + std::to_string(t.components) + " Euler " + std::to_string(t.euler) +
-                       " joins inside " + std::to_string(t.aboveJoinsInside) + " above " +
-                       std::to_string(t.belowJoinsInside) + " below, regions ";
+    std::string text = "signs " + std::to_string(t.signs) + " joined faces " + std::to_string(t.joinedFaces) + " of " +
+                       std::to_string(t.ambiguousFaces) + " loops " + std::to_string(t.loops) + " components " +
+                       std::to_string(t.components) + " Euler " + std::to_string(t.euler) + " joins inside " +
+                       std::to_string(t.aboveJoinsInside) + " above " + std::to_string(t.belowJoinsInside) +
+                       " below, regions ";
     for (const std::uint8_t region : t.region)
         text += std::to_string(region);
     return text;

@@ -53,8 +53,8 @@ struct GridTopology {
 };
 
 /// Scalars x fastest. REQUIRES: all finite, dims at least 1.
-GridTopology sweepGrid(std::span<const double> scalars, const std::array<std::int64_t, 3>& dims,
-                       double isovalue, int axis = 2);
+GridTopology sweepGrid(std::span<const double> scalars, const std::array<std::int64_t, 3>& dims, double isovalue,
+                       int axis = 2);
 
 std::string toString(const CellTopology& topology);
 std::string toString(const GridTopology& topology);

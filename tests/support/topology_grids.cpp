@@ -51,8 +51,7 @@ private:
     }
     double linear(std::size_t first, std::int64_t x, std::int64_t y, std::int64_t z) const {
         return terms_[first] + terms_[first + 1] * static_cast<double>(x - 2) +
-               terms_[first + 2] * static_cast<double>(y - 2) +
-               terms_[first + 3] * static_cast<double>(z - 2);
+               terms_[first + 2] * static_cast<double>(y - 2) + terms_[first + 3] * static_cast<double>(z - 2);
     }
     double disturbed(double value) {
         if (pickInt(random_, 0, 3) != 0)
@@ -101,9 +100,9 @@ double TopologyGrid::min() const { return *std::min_element(scalars.begin(), sca
 double TopologyGrid::max() const { return *std::max_element(scalars.begin(), scalars.end()); }
 
 const char* gridKindName(GridKind kind) {
-    static constexpr const char* kNames[kGridKinds] = {
-        "open",           "tiny integers", "small integers", "closed",  "saddles", "checkerboard",
-        "plus minus one", "plane",         "near ties",      "doubles", "extreme"};
+    static constexpr const char* kNames[kGridKinds] = {"open",      "tiny integers", "small integers", "closed",
+                                                       "saddles",   "checkerboard",  "plus minus one", "plane",
+                                                       "near ties", "doubles",       "extreme"};
     return kNames[static_cast<int>(kind)];
 }
 
@@ -143,9 +142,7 @@ namespace {
 
 double anyIsovalue(const TopologyGrid& grid, Random& random) {
     const auto last = [](const auto& list) { return static_cast<std::int64_t>(list.size()) - 1; };
-    const auto sample = [&] {
-        return grid.scalars[static_cast<std::size_t>(pickInt(random, 0, last(grid.scalars)))];
-    };
+    const auto sample = [&] { return grid.scalars[static_cast<std::size_t>(pickInt(random, 0, last(grid.scalars)))]; };
     double target = sample();
     std::array<std::int64_t, 3> p;
     for (std::size_t axis = 0; axis < 3; ++axis)

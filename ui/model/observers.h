@@ -11,9 +11,7 @@ class Subscription {
 public:
     Subscription() = default;
     explicit Subscription(std::function<void()> release) : release_(std::move(release)) {}
-    Subscription(Subscription&& other) noexcept : release_(std::move(other.release_)) {
-        other.release_ = nullptr;
-    }
+    Subscription(Subscription&& other) noexcept : release_(std::move(other.release_)) { other.release_ = nullptr; }
     Subscription& operator=(Subscription&& other) noexcept {
         if (this != &other) {
             reset();

@@ -13,12 +13,14 @@ namespace {
 using extract::PictureBrick;
 using Record = BrickBuffers::Picture::Record;
 
-constexpr std::size_t kPage = 512;                           // places that are sent together
-constexpr std::size_t kMostTogether = std::size_t{4} << 20;  // bytes of a fresh buffer that are sent together
+constexpr std::size_t kPage = 512; // places that are sent together
+constexpr std::size_t kMostTogether = std::size_t{4} << 20; // bytes of a fresh buffer that are sent together
 
 /// The planes of the view: what is in it is on the positive side of each.
 std::array<glm::dvec4, 6> viewPlanes(const glm::dmat4& modelToClip) {
-    const auto row = [&](int i) { return glm::dvec4(modelToClip[0][i], modelToClip[1][i], modelToClip[2][i], modelToClip[3][i]); };
+    const auto row = [&](int i) {
+        return glm::dvec4(modelToClip[0][i], modelToClip[1][i], modelToClip[2][i], modelToClip[3][i]);
+    };
     return {row(3) + row(0), row(3) - row(0), row(3) + row(1), row(3) - row(1), row(3) + row(2), row(3) - row(2)};
 }
 
@@ -27,7 +29,8 @@ bool isInView(const PictureBrick& brick, const std::array<glm::dvec4, 6>& planes
     const glm::dvec3 low(origin[0], origin[1], origin[2]);
     return std::all_of(planes.begin(), planes.end(), [&](const glm::dvec4& plane) {
         // The corner that lies farthest along the plane's normal.
-        const glm::dvec3 corner = low + glm::dvec3(extract::kCellSide) * glm::dvec3(plane.x > 0.0, plane.y > 0.0, plane.z > 0.0);
+        const glm::dvec3 corner =
+            low + glm::dvec3(extract::kCellSide) * glm::dvec3(plane.x > 0.0, plane.y > 0.0, plane.z > 0.0);
         return glm::dot(glm::dvec3(plane), corner) + plane.w >= 0.0;
     });
 }
@@ -47,7 +50,8 @@ BrickBuffers::BrickBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) 
     gl_.glEnableVertexAttribArray(0);
     gl_.glVertexAttribIPointer(0, 4, GL_UNSIGNED_SHORT, sizeof(Record), nullptr);
     gl_.glEnableVertexAttribArray(1);
-    gl_.glVertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, sizeof(Record), reinterpret_cast<const void*>(offsetof(Record, scalar1)));
+    gl_.glVertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, sizeof(Record),
+                              reinterpret_cast<const void*>(offsetof(Record, scalar1)));
     gl_.glBindVertexArray(0);
 }
 
@@ -160,7 +164,8 @@ void BrickBuffers::sendBytes(GLenum target, std::uint64_t at, std::size_t bytes,
 }
 
 // Into a buffer that holds nothing yet many stretches go at once, with what lies between them.
-void BrickBuffers::send(GLenum target, const Buffer& buffer, std::size_t elementBytes, std::vector<Stretch>& stretches) {
+void BrickBuffers::send(GLenum target, const Buffer& buffer, std::size_t elementBytes,
+                        std::vector<Stretch>& stretches) {
     gl_.glBindBuffer(target, buffer.name);
     if (!isFresh_) {
         for (const Stretch& stretch : stretches)
@@ -180,7 +185,8 @@ void BrickBuffers::send(GLenum target, const Buffer& buffer, std::size_t element
         }
         together.resize((last - first) * elementBytes);
         for (std::size_t i = begin; i < end; ++i)
-            std::memcpy(&together[(stretches[i].first - first) * elementBytes], stretches[i].data, stretches[i].count * elementBytes);
+            std::memcpy(&together[(stretches[i].first - first) * elementBytes], stretches[i].data,
+                        stretches[i].count * elementBytes);
         sendBytes(target, first * elementBytes, together.size(), together.data());
     }
 }
@@ -193,7 +199,8 @@ void BrickBuffers::sendPlaces(std::vector<std::uint64_t>& pages) {
         end = begin + 1;
         while (end < pages.size() && pages[end] == pages[end - 1] + 1)
             ++end;
-        const std::size_t first = pages[begin] * kPage, last = std::min(placeTable_.size(), (pages[end - 1] + 1) * kPage);
+        const std::size_t first = pages[begin] * kPage,
+                          last = std::min(placeTable_.size(), (pages[end - 1] + 1) * kPage);
         sendBytes(GL_COPY_WRITE_BUFFER, first * sizeof(Place), (last - first) * sizeof(Place), &placeTable_[first]);
     }
     gl_.glBindTexture(GL_TEXTURE_BUFFER, placesTexture_);

@@ -27,7 +27,8 @@ public:
 
     /// Whether the card can look up that many places at all.
     bool canHold(const Picture& picture) const { return picture.recordEnd() / kRecordsPerPlace <= mostPlaces_; }
-    /// False if the card has no memory for it: then nothing is drawn, and no memory is kept. REQUIRES: canHold(picture).
+    /// False if the card has no memory for it: then nothing is drawn, and no memory is kept. REQUIRES:
+    /// canHold(picture).
     bool upload(const Picture& picture);
     void clear();
     /// Clears, and gives the memory on the card back.

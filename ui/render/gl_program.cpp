@@ -13,10 +13,11 @@ void initializeResources() { initializeIsosliderResources(); }
 std::unique_ptr<QOpenGLShaderProgram> loadProgram(const char* vertex, const char* fragment) {
     auto program = std::make_unique<QOpenGLShaderProgram>();
     const QString folder = QStringLiteral(":/isoslider/shaders/");
-    const bool isBuilt =
-        program->addShaderFromSourceFile(QOpenGLShader::Vertex, folder + QLatin1String(vertex) + QStringLiteral(".vert")) &&
-        program->addShaderFromSourceFile(QOpenGLShader::Fragment, folder + QLatin1String(fragment) + QStringLiteral(".frag")) &&
-        program->link();
+    const bool isBuilt = program->addShaderFromSourceFile(QOpenGLShader::Vertex,
+                                                          folder + QLatin1String(vertex) + QStringLiteral(".vert")) &&
+                         program->addShaderFromSourceFile(QOpenGLShader::Fragment,
+                                                          folder + QLatin1String(fragment) + QStringLiteral(".frag")) &&
+                         program->link();
     if (!isBuilt) {
         qWarning("shader %s: %s", vertex, qPrintable(program->log()));
         return nullptr;

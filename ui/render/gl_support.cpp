@@ -21,8 +21,8 @@ QString driverName(QOpenGLContext& context) {
 
 /// Platforms without windows that OpenGL can be composed into. Some give contexts all the same, by way of a display.
 bool isPictureless(const QString& platform) {
-    static const QStringList kPictureless{QStringLiteral("offscreen"), QStringLiteral("minimal"), QStringLiteral("linuxfb"),
-                                          QStringLiteral("vnc")};
+    static const QStringList kPictureless{QStringLiteral("offscreen"), QStringLiteral("minimal"),
+                                          QStringLiteral("linuxfb"), QStringLiteral("vnc")};
     return kPictureless.contains(platform);
 }
 
@@ -42,11 +42,9 @@ QString tryContext() {
     const auto version = context.format().version();
     const bool isUsable = version >= qMakePair(3, 3) &&
                           QOpenGLVersionFunctionsFactory::get<QOpenGLFunctions_3_3_Core>(&context) != nullptr;
-    const QString problem = isUsable ? QString()
-                                     : tr("%1 has only OpenGL %2.%3")
-                                           .arg(driverName(context))
-                                           .arg(version.first)
-                                           .arg(version.second);
+    const QString problem =
+        isUsable ? QString()
+                 : tr("%1 has only OpenGL %2.%3").arg(driverName(context)).arg(version.first).arg(version.second);
     context.doneCurrent();
     return problem;
 }

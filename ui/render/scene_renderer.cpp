@@ -69,7 +69,8 @@ struct SceneRenderer::Matrices {
 };
 
 struct SceneRenderer::Resources {
-    Resources(Gl& functions, GlDriver& usedDriver) : gl(functions), driver(usedDriver), arrays(functions, usedDriver), bricks(functions, usedDriver) {
+    Resources(Gl& functions, GlDriver& usedDriver)
+        : gl(functions), driver(usedDriver), arrays(functions, usedDriver), bricks(functions, usedDriver) {
         gl.glGenVertexArrays(1, &emptyArray);
         gl.glGenVertexArrays(1, &boxArray);
         boxBuffer = driver.makeBuffer(gl);
@@ -125,7 +126,8 @@ bool SceneRenderer::initialize() {
     resources_->arraysProgram = loadProgram("surface");
     resources_->bricksProgram = loadProgram("surface_records", "surface");
     isFrameNew_ = true;
-    if (resources_->backgroundProgram && resources_->lineProgram && resources_->arraysProgram && resources_->bricksProgram)
+    if (resources_->backgroundProgram && resources_->lineProgram && resources_->arraysProgram &&
+        resources_->bricksProgram)
         return true;
     resources_.reset();
     return false;
@@ -292,9 +294,10 @@ void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, bo
 // Where all of the surface is new, red on all of it would say nothing.
 bool SceneRenderer::hasFewChanges() const {
     constexpr double kLargestGlow = 0.95;
-    const auto& [changed, all] = resources_->bricks.isEmpty()
-                                     ? std::pair(resources_->arrays.changedIndices(), resources_->arrays.surfaceIndices())
-                                     : std::pair(frame_->bricks->changedIndices().size(), 3 * frame_->stats.triangles);
+    const auto& [changed, all] =
+        resources_->bricks.isEmpty()
+            ? std::pair(resources_->arrays.changedIndices(), resources_->arrays.surfaceIndices())
+            : std::pair(frame_->bricks->changedIndices().size(), 3 * frame_->stats.triangles);
     return changed > 0 && static_cast<double>(changed) < kLargestGlow * static_cast<double>(all);
 }
 

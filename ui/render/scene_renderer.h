@@ -47,8 +47,7 @@ public:
     /// The surface to draw from now on; null for none. Uploaded at the next draw, once. `volume` is what its
     /// grid is of, if that is larger: a preview does not reach all the ends. Its box is drawn, its centre is
     /// the origin.
-    void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
-                  const std::optional<GridGeometry>& volume = {});
+    void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame, const std::optional<GridGeometry>& volume = {});
 
     void draw(const model::Camera& camera, const model::ViewOptions& options, glm::ivec2 pixels);
 

@@ -40,7 +40,8 @@ HWY_INLINE std::uint16_t* listBits(const BitString& bits, std::uint16_t offset, 
         out += std::popcount(word);
         do {
             for (int k = 0; k < 4; ++k) {
-                at[k] = static_cast<std::uint16_t>(Scale * (64 * i + std::countr_zero(word | std::uint64_t{1} << 63)) + offset);
+                at[k] = static_cast<std::uint16_t>(Scale * (64 * i + std::countr_zero(word | std::uint64_t{1} << 63)) +
+                                                   offset);
                 word &= word - 1;
             }
             at += 4;

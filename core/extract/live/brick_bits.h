@@ -20,7 +20,7 @@ inline constexpr int kPointSide = 9;
 inline constexpr int kClosedPoints = kPointSide * kPointSide * kPointSide;
 inline constexpr int kBitWords = (kClosedPoints + 63) / 64;
 inline constexpr int kPaddedPoints = 64 * kBitWords;
-inline constexpr std::array<int, 3> kPointStride{1, kPointSide, kPointSide * kPointSide};
+inline constexpr std::array<int, 3> kPointStride{1, kPointSide, kPointSide* kPointSide};
 
 /// Bricks that a thread takes at once from a move's list: few enough to share out evenly, enough to fetch ahead.
 inline constexpr std::size_t kBricksTogether = 16;
@@ -120,7 +120,7 @@ struct ActiveBits {
 
 /// Which cells, edges and points of a closed brick exist, and which of its edges it counts as its own.
 struct BrickMasks {
-    BitString cells;                ///< in the box, all corners finite
+    BitString cells; ///< in the box, all corners finite
     std::array<BitString, 3> edges; ///< of such a cell of this brick
     std::array<BitString, 3> owned; ///< of `edges`: each edge is owned by one of the bricks that hold it
 };

@@ -39,13 +39,13 @@ struct RetiredRuns {
 /// What is made of a brick before it takes its place in the live surface: scratch memory of one thread.
 template <class Live>
 struct BrickDraft {
-    BitString above;   ///< points at or above the isovalue
+    BitString above; ///< points at or above the isovalue
     ActiveBits active;
     BitString changed; ///< cells to point out as changed; a superset of the active ones will do
     std::uint32_t ownedEdges = 0;
     std::uint32_t edgeVertices = 0;
     std::array<EdgeRecord<Live>, kMaxBrickEdges + 16> records; ///< of the active edges, in their order
-    VertexTable vertices;                                     ///< their numbers
+    VertexTable vertices; ///< their numbers
 
     // Filled by the surface from what stands above.
     CellList cells;
@@ -53,9 +53,9 @@ struct BrickDraft {
     std::uint32_t indexCount = 0;
     std::vector<AmbiguousCell> ambiguous;
     std::vector<EdgeRecord<Live>> inner;
-    std::vector<std::uint32_t> replaced;            ///< slots, since the move began
-    std::vector<RetiredRuns> retired;               ///< likewise: what pictures still refer to
-    struct Counts {                                 ///< since the move began
+    std::vector<std::uint32_t> replaced; ///< slots, since the move began
+    std::vector<RetiredRuns> retired; ///< likewise: what pictures still refer to
+    struct Counts { ///< since the move began
         std::int64_t activeEdges = 0, triangles = 0, ambiguousCells = 0; ///< differences
         std::uint64_t cellsDecided = 0, cellsChanged = 0;
     } counts;

@@ -10,8 +10,8 @@ namespace {
 
 // Records inside cells are few, and stand behind those on edges.
 template <class Live>
-void expandRecords(const EdgeRecord<Live>* records, std::uint32_t count, const std::array<std::int32_t, 3>& origin, Live isovalue,
-                   glm::vec3* positions, glm::vec3* normals) {
+void expandRecords(const EdgeRecord<Live>* records, std::uint32_t count, const std::array<std::int32_t, 3>& origin,
+                   Live isovalue, glm::vec3* positions, glm::vec3* normals) {
     std::uint32_t onEdges = count;
     while (onEdges > 0 && records[onEdges - 1].isInside())
         --onEdges;
@@ -34,21 +34,22 @@ std::vector<std::uint64_t> firstVertices(const BrickPicture<Live>& picture) {
 }
 
 template <class Live>
-void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t> first, double isovalue, std::vector<glm::vec3>& positions,
-                std::vector<glm::vec3>& normals) {
+void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t> first, double isovalue,
+                std::vector<glm::vec3>& positions, std::vector<glm::vec3>& normals) {
     positions.resize(first.back());
     normals.resize(first.back());
     forEachIndex(picture.bricks().size(), kBricksTogether, [&](std::size_t slot) {
         if (const PictureBrick& brick = picture.bricks()[slot]; brick.indexCount > 0)
-            expandRecords(picture.records(brick), brick.recordCount, brick.origin(), static_cast<Live>(isovalue), &positions[first[slot]],
-                          &normals[first[slot]]);
+            expandRecords(picture.records(brick), brick.recordCount, brick.origin(), static_cast<Live>(isovalue),
+                          &positions[first[slot]], &normals[first[slot]]);
     });
 }
 
 } // namespace
 
 template <class Live>
-void expandVertices(const BrickPicture<Live>& picture, double isovalue, std::vector<glm::vec3>& positions, std::vector<glm::vec3>& normals) {
+void expandVertices(const BrickPicture<Live>& picture, double isovalue, std::vector<glm::vec3>& positions,
+                    std::vector<glm::vec3>& normals) {
     expandFrom(picture, firstVertices(picture), isovalue, positions, normals);
 }
 

@@ -39,7 +39,9 @@ struct PictureBrick {
     std::uint32_t indexCount = 0; ///< 0: nothing is drawn of it
     std::uint32_t version = 0;
 
-    std::array<std::int32_t, 3> origin() const { return {kCellSide * place[0], kCellSide * place[1], kCellSide * place[2]}; }
+    std::array<std::int32_t, 3> origin() const {
+        return {kCellSide * place[0], kCellSide * place[1], kCellSide * place[2]};
+    }
     friend bool operator==(const PictureBrick&, const PictureBrick&) = default;
 };
 
@@ -80,8 +82,8 @@ class BrickPicture {
 public:
     using Record = EdgeRecord<Live>;
 
-    BrickPicture(std::shared_ptr<const BrickArenas<Live>> arenas, std::shared_ptr<PictureLeases> leases, std::uint32_t version,
-                 std::vector<PictureBrick> bricks)
+    BrickPicture(std::shared_ptr<const BrickArenas<Live>> arenas, std::shared_ptr<PictureLeases> leases,
+                 std::uint32_t version, std::vector<PictureBrick> bricks)
         : arenas_(std::move(arenas)), leases_(std::move(leases)), version_(version), bricks_(std::move(bricks)) {
         leases_->take(version_);
     }
@@ -123,10 +125,11 @@ private:
     std::vector<std::uint16_t> changedIndices_;
 };
 
-/// Positions and normals of all vertices as floats, brick by brick in the order of the table (those without triangles left out): a
-/// brick's indices count from its first. O(vertices), several threads.
+/// Positions and normals of all vertices as floats, brick by brick in the order of the table (those without triangles
+/// left out): a brick's indices count from its first. O(vertices), several threads.
 template <class Live>
-void expandVertices(const BrickPicture<Live>& picture, double isovalue, std::vector<glm::vec3>& positions, std::vector<glm::vec3>& normals);
+void expandVertices(const BrickPicture<Live>& picture, double isovalue, std::vector<glm::vec3>& positions,
+                    std::vector<glm::vec3>& normals);
 /// Fills the arrays of `frame` from the picture at the frame's isovalue. O(vertices + triangles), several threads.
 template <class Live>
 void expandPicture(const BrickPicture<Live>& picture, SurfaceFrame& frame);

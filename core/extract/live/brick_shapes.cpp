@@ -30,12 +30,15 @@ struct RowOfEdges {
 };
 
 BrickMasks makeMasks(const ValidCells& valid) {
-    constexpr unsigned kPoints = (1u << kPointSide) - 1, kOwnCells = (1u << kCellSide) - 1, kCellsBefore = kOwnCells << 1;
+    constexpr unsigned kPoints = (1u << kPointSide) - 1, kOwnCells = (1u << kCellSide) - 1,
+                       kCellsBefore = kOwnCells << 1;
     BrickMasks masks;
     for (int z = 0; z < kPointSide; ++z)
         for (int y = 0; y < kPointSide; ++y) {
             // Row (j, k) of cells is that at y - 1 + j, z - 1 + k. At point x it has the cells x - 1 and x.
-            const auto row = [&](int j, int k) { return unsigned{valid[static_cast<std::size_t>(z + k)][static_cast<std::size_t>(y + j)]}; };
+            const auto row = [&](int j, int k) {
+                return unsigned{valid[static_cast<std::size_t>(z + k)][static_cast<std::size_t>(y + j)]};
+            };
             const auto before = [&](int j, int k) { return row(j, k) & kPoints; };
             const auto at = [&](int j, int k) { return row(j, k) >> 1 & kPoints; };
             const auto isOwn = [](int place) { return place >= 0 && place < kCellSide; };
@@ -82,7 +85,8 @@ BrickShapes::BrickShapes(const GridDims& dims, const std::vector<index::MissingC
         for (std::int64_t z = begin[2]; z < end[2]; ++z)
             for (std::int64_t y = begin[1]; y < end[1]; ++y)
                 for (std::int64_t x = begin[0]; x < end[0]; ++x)
-                    valid[static_cast<std::size_t>(z + 1)][static_cast<std::size_t>(y + 1)] |= static_cast<std::uint16_t>(1u << (x + 1));
+                    valid[static_cast<std::size_t>(z + 1)][static_cast<std::size_t>(y + 1)] |=
+                        static_cast<std::uint16_t>(1u << (x + 1));
         byPlace_[place] = makeMasks(valid);
     }
     if (missing.empty())
@@ -98,7 +102,8 @@ void BrickShapes::forEachAround(BrickIndex brick, const Visit& visit) const {
     const auto c = grid_.brickCoords(brick);
     for (std::int64_t z = std::max<std::int64_t>(0, c[2] - 1); z <= std::min(grid_.bricks()[2] - 1, c[2] + 1); ++z)
         for (std::int64_t y = std::max<std::int64_t>(0, c[1] - 1); y <= std::min(grid_.bricks()[1] - 1, c[1] + 1); ++y)
-            for (std::int64_t x = std::max<std::int64_t>(0, c[0] - 1); x <= std::min(grid_.bricks()[0] - 1, c[0] + 1); ++x)
+            for (std::int64_t x = std::max<std::int64_t>(0, c[0] - 1); x <= std::min(grid_.bricks()[0] - 1, c[0] + 1);
+                 ++x)
                 visit(grid_.brickAt(x, y, z), std::array<std::int64_t, 3>{x - c[0], y - c[1], z - c[2]});
 }
 
@@ -143,7 +148,8 @@ BrickMasks BrickShapes::masksNearMissing(BrickIndex brick) const {
             for (std::int64_t y = from(1); y < to(1); ++y)
                 for (std::int64_t x = from(0); x < to(0); ++x)
                     if (!missing || !(missing->cells[z & 7] >> ((x & 7) + 8 * (y & 7)) & 1))
-                        valid[static_cast<std::size_t>(z + 1)][static_cast<std::size_t>(y + 1)] |= static_cast<std::uint16_t>(1u << (x + 1));
+                        valid[static_cast<std::size_t>(z + 1)][static_cast<std::size_t>(y + 1)] |=
+                            static_cast<std::uint16_t>(1u << (x + 1));
     });
     return makeMasks(valid);
 }

@@ -40,21 +40,23 @@ struct StateCorners {
 };
 const std::vector<StateCorners>& stateCorners();
 
-/// The triangles of a state as lanes of 64: 8 for each of the pieces of the vertex table that begin 0, 9, 81 and 90 points
-/// further on (two points of four places each), then inner vertices.
+/// The triangles of a state as lanes of 64: 8 for each of the pieces of the vertex table that begin 0, 9, 81 and 90
+/// points further on (two points of four places each), then inner vertices.
 struct StateLanes {
     static constexpr std::size_t kAtOnce = 32;
     static constexpr std::uint16_t kFirstInner = 32;
     using Group = std::array<std::uint16_t, kAtOnce>;
     struct alignas(64) Aligned : Group {};
 
-    std::vector<Aligned> first;                ///< by state
-    std::vector<Aligned> others;               ///< of the few states with more corners
-    std::vector<std::uint16_t> firstOther;     ///< by state
+    std::vector<Aligned> first; ///< by state
+    std::vector<Aligned> others; ///< of the few states with more corners
+    std::vector<std::uint16_t> firstOther; ///< by state
     std::vector<std::uint8_t> counts, innerVertices;
-    static const Aligned kUpwards;             ///< 0 to 31
+    static const Aligned kUpwards; ///< 0 to 31
 
-    const std::uint16_t* rest(cell::StateId state, std::size_t from) const { return others[firstOther[state] + from / kAtOnce - 1].data(); }
+    const std::uint16_t* rest(cell::StateId state, std::size_t from) const {
+        return others[firstOther[state] + from / kAtOnce - 1].data();
+    }
 };
 const StateLanes& stateLanes();
 
@@ -111,17 +113,21 @@ void listCellsHere(const BitString& active, const BitString& above, CellList& li
 }
 
 #if HWY_TARGET <= HWY_AVX3
-// Of all states alike: the edges of a cell are in 32 lanes, four pieces of the vertex table, its inner vertices in others, and one
-// permutation brings them into the order of its triangles.
-std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
+// Of all states alike: the edges of a cell are in 32 lanes, four pieces of the vertex table, its inner vertices in
+// others, and one permutation brings them into the order of its triangles.
+std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
+                                 std::uint16_t* out) {
     const StateLanes& lanes = stateLanes();
     std::uint16_t* const begin = out;
     const __m512i upwards = _mm512_load_si512(StateLanes::kUpwards.data());
     for (std::uint32_t k = 0; k < list.count; ++k) {
         const std::uint16_t* const at = vertices.numbers.data() + 4 * std::size_t{list.cells[k]};
-        const auto piece = [](const std::uint16_t* from) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from)); };
+        const auto piece = [](const std::uint16_t* from) {
+            return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+        };
         const __m256i lower = _mm256_inserti128_si256(_mm256_castsi128_si256(piece(at)), piece(at + 4 * 9), 1);
-        const __m256i upper = _mm256_inserti128_si256(_mm256_castsi128_si256(piece(at + 4 * 81)), piece(at + 4 * 90), 1);
+        const __m256i upper =
+            _mm256_inserti128_si256(_mm256_castsi128_si256(piece(at + 4 * 81)), piece(at + 4 * 90), 1);
         const __m512i edges = _mm512_inserti64x4(_mm512_castsi256_si512(lower), upper, 1);
         const __m512i inner = _mm512_add_epi16(upwards, _mm512_set1_epi16(static_cast<short>(firstInner)));
         const cell::StateId state = list.states[k];
@@ -129,14 +135,16 @@ std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner,
         _mm512_storeu_si512(out, _mm512_permutex2var_epi16(edges, _mm512_load_si512(lanes.first[state].data()), inner));
         if (HWY_UNLIKELY(count > StateLanes::kAtOnce))
             for (std::size_t i = StateLanes::kAtOnce; i < count; i += StateLanes::kAtOnce)
-                _mm512_storeu_si512(out + i, _mm512_permutex2var_epi16(edges, _mm512_load_si512(lanes.rest(state, i)), inner));
+                _mm512_storeu_si512(out + i,
+                                    _mm512_permutex2var_epi16(edges, _mm512_load_si512(lanes.rest(state, i)), inner));
         out += count;
         firstInner += lanes.innerVertices[state];
     }
     return static_cast<std::uint32_t>(out - begin);
 }
 #else
-std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
+std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
+                                 std::uint16_t* out) {
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
     return writeTrianglesReference(list, firstInner, vertices, out);
 #else
@@ -146,13 +154,17 @@ std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner,
     const StateCorners* const corners = stateCorners().data();
     std::uint16_t* const begin = out;
     // Lanes of the second piece, (x9 . z9 . | . . z10 .), that go to lanes 3, 4 and 7 of the first.
-    alignas(16) static constexpr std::uint8_t kSpread[16] = {0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0, 1, 4, 5, 0x80, 0x80, 0x80, 0x80, 12, 13};
-    alignas(16) static constexpr std::uint8_t kOwnLanes[16] = {255, 255, 255, 255, 255, 255, 0, 0, 0, 0, 255, 255, 255, 255, 0, 0};
-    alignas(16) static constexpr std::uint8_t kNotLane3[16] = {255, 255, 255, 255, 255, 255, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255};
+    alignas(16) static constexpr std::uint8_t kSpread[16] = {0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0,  1,
+                                                             4,    5,    0x80, 0x80, 0x80, 0x80, 12, 13};
+    alignas(16) static constexpr std::uint8_t kOwnLanes[16] = {255, 255, 255, 255, 255, 255, 0, 0,
+                                                               0,   0,   255, 255, 255, 255, 0, 0};
+    alignas(16) static constexpr std::uint8_t kNotLane3[16] = {255, 255, 255, 255, 255, 255, 0,   0,
+                                                               255, 255, 255, 255, 255, 255, 255, 255};
     // x90 goes to lane 3 of the second vector.
-    alignas(16) static constexpr std::uint8_t kToLane3[16] = {0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0, 1, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80};
-    const auto spread = hn::Load(bytes, kSpread), ownLanes = hn::Load(bytes, kOwnLanes), notLane3 = hn::Load(bytes, kNotLane3),
-               toLane3 = hn::Load(bytes, kToLane3);
+    alignas(16) static constexpr std::uint8_t kToLane3[16] = {0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0,    1,
+                                                              0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80};
+    const auto spread = hn::Load(bytes, kSpread), ownLanes = hn::Load(bytes, kOwnLanes),
+               notLane3 = hn::Load(bytes, kNotLane3), toLane3 = hn::Load(bytes, kToLane3);
     for (std::uint32_t k = 0; k < list.count; ++k) {
         const std::uint16_t* const at = vertices.numbers.data() + 4 * std::size_t{list.cells[k]};
         // Pieces of the table: points p and p + 1 (x y z . | . y z .), then those 9, 81 and 90 further on.
@@ -202,7 +214,8 @@ const std::array<std::uint16_t, 12> kPlaceOfCellEdge = [] {
     std::array<std::uint16_t, 12> places{};
     for (std::size_t e = 0; e < places.size(); ++e) {
         // As kCellEdges, which another source file initialises: edge e lies along axis e / 4.
-        const int axis = static_cast<int>(e) / 4, first = static_cast<int>(e) & 1, second = static_cast<int>(e) >> 1 & 1;
+        const int axis = static_cast<int>(e) / 4, first = static_cast<int>(e) & 1,
+                  second = static_cast<int>(e) >> 1 & 1;
         const int x = axis == 0 ? 0 : first, y = axis == 1 ? 0 : axis == 0 ? first : second, z = axis == 2 ? 0 : second;
         places[e] = static_cast<std::uint16_t>(4 * closedPoint(x, y, z) + axis);
     }
@@ -224,7 +237,8 @@ const PlainCells& plainCells() {
         PlainCells made;
         for (std::size_t signs = 0; signs < 256; ++signs) {
             CellShuffle& shuffle = made.shuffles[signs];
-            for (auto* part : {&shuffle.lowFromFirst, &shuffle.lowFromSecond, &shuffle.highFromFirst, &shuffle.highFromSecond})
+            for (auto* part :
+                 {&shuffle.lowFromFirst, &shuffle.lowFromSecond, &shuffle.highFromFirst, &shuffle.highFromSecond})
                 part->fill(0x80);
             made.corners[signs] = 0;
             if (cell::isAmbiguous(static_cast<std::uint8_t>(signs)))
@@ -253,8 +267,9 @@ const std::vector<StateCorners>& stateCorners() {
             its.count = static_cast<std::uint8_t>(state.triangles.size());
             its.innerVertices = state.innerVertices;
             std::transform(state.triangles.begin(), state.triangles.end(), its.lanes.begin(), [](std::uint8_t corner) {
-                return static_cast<std::uint8_t>(corner < cell::kInnerVertex ? kLaneOfCellEdge[corner]
-                                                                            : StateCorners::kFirstInner + corner - cell::kInnerVertex);
+                return static_cast<std::uint8_t>(corner < cell::kInnerVertex
+                                                     ? kLaneOfCellEdge[corner]
+                                                     : StateCorners::kFirstInner + corner - cell::kInnerVertex);
             });
         }
         return made;
@@ -287,7 +302,8 @@ const StateLanes& stateLanes() {
             for (std::size_t i = 0; i < count; ++i) {
                 if (i >= StateLanes::kAtOnce && i % StateLanes::kAtOnce == 0)
                     made.others.emplace_back();
-                (i < StateLanes::kAtOnce ? made.first : made.others).back()[i % StateLanes::kAtOnce] = laneOf(state.triangles[i]);
+                (i < StateLanes::kAtOnce ? made.first : made.others).back()[i % StateLanes::kAtOnce] =
+                    laneOf(state.triangles[i]);
             }
         }
         return made;
@@ -302,17 +318,20 @@ void listCells(const BitString& active, const BitString& above, CellList& list) 
     HWY_DYNAMIC_DISPATCH(listCellsHere)(active, above, list);
 }
 
-std::uint32_t writeTriangles(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
+std::uint32_t writeTriangles(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
+                             std::uint16_t* out) {
     return HWY_DYNAMIC_DISPATCH(writeTrianglesHere)(list, firstInner, vertices, out);
 }
 
-std::uint32_t writeTrianglesReference(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out) {
+std::uint32_t writeTrianglesReference(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
+                                      std::uint16_t* out) {
     std::uint16_t* const begin = out;
     for (std::uint32_t k = 0; k < list.count; ++k) {
         const cell::CellState& state = cell::cellStates()[list.states[k]];
         for (const std::uint8_t corner : state.triangles)
-            *out++ = corner < cell::kInnerVertex ? vertices.numbers[4 * std::size_t{list.cells[k]} + kPlaceOfCellEdge[corner]]
-                                                 : static_cast<std::uint16_t>(firstInner + corner - cell::kInnerVertex);
+            *out++ = corner < cell::kInnerVertex
+                         ? vertices.numbers[4 * std::size_t{list.cells[k]} + kPlaceOfCellEdge[corner]]
+                         : static_cast<std::uint16_t>(firstInner + corner - cell::kInnerVertex);
         firstInner += state.innerVertices;
     }
     return static_cast<std::uint32_t>(out - begin);

@@ -15,7 +15,9 @@ struct VertexTable {
     alignas(64) std::array<std::uint16_t, 4 * (kPaddedPoints + 96)> numbers;
 
     std::uint16_t& of(ClosedEdge edge) { return numbers[placeOf(edge)]; }
-    static std::size_t placeOf(ClosedEdge edge) { return 4 * static_cast<std::size_t>(edge & kEdgePointMask) + (edge >> kEdgeAxisShift); }
+    static std::size_t placeOf(ClosedEdge edge) {
+        return 4 * static_cast<std::size_t>(edge & kEdgePointMask) + (edge >> kEdgeAxisShift);
+    }
 };
 
 /// Place in the vertex table, relative to 4 * the cell's point, of each of a cell's twelve edges (cell_numbering.h).
@@ -24,7 +26,8 @@ extern const std::array<std::uint16_t, 12> kPlaceOfCellEdge;
 /// By signs: isAmbiguous() as a table at hand.
 const std::array<bool, 256>& ambiguousSignTable();
 
-/// The active cells of a brick in order, with their signs and states: those of ambiguous cells are for others to fill in.
+/// The active cells of a brick in order, with their signs and states: those of ambiguous cells are for others to fill
+/// in.
 struct CellList {
     static constexpr std::size_t kMost = std::size_t{kCellSide} * kCellSide * kCellSide;
     std::uint32_t count = 0;
@@ -37,12 +40,14 @@ struct CellList {
 void listCells(const BitString& active, const BitString& above, CellList& list);
 
 /// Triangles of the cells, three vertex numbers each, in the list's order; returns how many numbers. Inner vertices of
-/// cells are numbered from `firstInner` on. `out` has room for kMaxCellIndices per ambiguous cell, 15 per other cell, and
-/// kIndexOverrun more.
+/// cells are numbered from `firstInner` on. `out` has room for kMaxCellIndices per ambiguous cell, 15 per other cell,
+/// and kIndexOverrun more.
 inline constexpr std::size_t kMaxCellIndices = 3 * cell::kMaxStateTriangles;
 inline constexpr std::size_t kIndexOverrun = 32;
-std::uint32_t writeTriangles(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out);
+std::uint32_t writeTriangles(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
+                             std::uint16_t* out);
 /// The same without vectors: what the one above is tested against.
-std::uint32_t writeTrianglesReference(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices, std::uint16_t* out);
+std::uint32_t writeTrianglesReference(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
+                                      std::uint16_t* out);
 
 } // namespace isoslider::extract

@@ -38,14 +38,17 @@ public:
         }
     }
     /// REQUIRES: below grow()'s count, and a run from there stays inside the chunk.
-    T* at(std::uint64_t index) { return chunks_[index >> ChunkBits].load(std::memory_order_acquire) + (index & (kChunk - 1)); }
+    T* at(std::uint64_t index) {
+        return chunks_[index >> ChunkBits].load(std::memory_order_acquire) + (index & (kChunk - 1));
+    }
     const T* at(std::uint64_t index) const {
         return chunks_[index >> ChunkBits].load(std::memory_order_acquire) + (index & (kChunk - 1));
     }
     T& operator[](std::uint64_t index) { return *at(index); }
     const T& operator[](std::uint64_t index) const { return *at(index); }
 
-    /// Gives memory back that elements below `count` do not need; the others are kept. No other thread may use the array.
+    /// Gives memory back that elements below `count` do not need; the others are kept. No other thread may use the
+    /// array.
     void shrink(std::uint64_t count) {
         const std::size_t needed = static_cast<std::size_t>((count + kChunk - 1) >> ChunkBits);
         if (needed >= owned_.size())

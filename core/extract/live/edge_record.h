@@ -20,18 +20,22 @@ namespace isoslider::extract {
 /// cell_states.h; few cells have such vertices): the position itself, in cells from the brick's first grid point.
 template <class Live>
 struct EdgeRecord {
-    ClosedEdge edge = 0;        ///< kInside for a vertex inside a cell
-    std::uint16_t upperZ = 0;   ///< inside: upper half of z as bits of a float
-    NormalCode normal1 = 0;     ///< at the edge's lower grid point; inside: the normal
-    NormalCode normal2 = 0;     ///< at its upper one; inside: lower half of z
-    Live scalar1{}, scalar2{};  ///< at the lower and upper grid point; inside: x and y
+    ClosedEdge edge = 0; ///< kInside for a vertex inside a cell
+    std::uint16_t upperZ = 0; ///< inside: upper half of z as bits of a float
+    NormalCode normal1 = 0; ///< at the edge's lower grid point; inside: the normal
+    NormalCode normal2 = 0; ///< at its upper one; inside: lower half of z
+    Live scalar1{}, scalar2{}; ///< at the lower and upper grid point; inside: x and y
 
     static constexpr ClosedEdge kInside = 3 << kEdgeAxisShift;
 
     bool isInside() const { return edge >= kInside; }
     static EdgeRecord inside(const glm::vec3& place, NormalCode normal) {
         const auto z = std::bit_cast<std::uint32_t>(place.z);
-        return {kInside, static_cast<std::uint16_t>(z >> 16), normal, static_cast<NormalCode>(z & 0xffff), static_cast<Live>(place.x),
+        return {kInside,
+                static_cast<std::uint16_t>(z >> 16),
+                normal,
+                static_cast<NormalCode>(z & 0xffff),
+                static_cast<Live>(place.x),
                 static_cast<Live>(place.y)};
     }
     glm::vec3 insidePlace() const {
@@ -44,7 +48,7 @@ static_assert(sizeof(EdgeRecord<float>) == 16 && sizeof(EdgeRecord<double>) == 2
 
 struct MeshVertex {
     glm::vec3 position; ///< grid index units
-    glm::vec3 normal;   ///< unit, along the grid's axes, towards lower scalars
+    glm::vec3 normal; ///< unit, along the grid's axes, towards lower scalars
 };
 
 /// `origin`: grid coordinates of the brick's first point.
@@ -56,7 +60,8 @@ inline MeshVertex vertexOf(const EdgeRecord<Live>& record, const std::array<std:
     const int axis = record.edge >> kEdgeAxisShift;
     const auto place = coordsOf(record.edge & kEdgePointMask);
     const float t = static_cast<float>(edgeFraction<Live>(record.scalar1, record.scalar2, isovalue));
-    glm::vec3 position(first.x + static_cast<float>(place[0]), first.y + static_cast<float>(place[1]), first.z + static_cast<float>(place[2]));
+    glm::vec3 position(first.x + static_cast<float>(place[0]), first.y + static_cast<float>(place[1]),
+                       first.z + static_cast<float>(place[2]));
     position[axis] += t;
     return {position, edgeNormal(record.normal1, record.normal2, t, axis, record.scalar1 < record.scalar2)};
 }

@@ -15,14 +15,18 @@
 namespace isoslider::extract {
 namespace {
 
-constexpr cell::StateInterval kAlways{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+constexpr cell::StateInterval kAlways{-std::numeric_limits<double>::infinity(),
+                                      std::numeric_limits<double>::infinity()};
 
 } // namespace
 
 template <class Live>
 LiveSurface<Live>::LiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells)
-    : geometry_(geometry), inverseSpacing_(1.0 / glm::abs(geometry.spacing)), shapes_(geometry.dims, missingCells),
-      hasMissing_(!missingCells.empty()), bricks_(shapes_.grid().brickCount()) {
+    : geometry_(geometry),
+      inverseSpacing_(1.0 / glm::abs(geometry.spacing)),
+      shapes_(geometry.dims, missingCells),
+      hasMissing_(!missingCells.empty()),
+      bricks_(shapes_.grid().brickCount()) {
     for (const cell::CellState& state : cell::cellStates())
         ISO_CHECK(state.innerVertices <= cell::kMaxInnerVertices && state.triangles.size() <= kMaxCellIndices);
 }
@@ -171,8 +175,9 @@ void LiveSurface<Live>::finishMove(const BrickDraft<Live>& draft) {
         retired_.push_back({version_, runs});
 }
 
-// Memory, here and on the card, follows the highest run: where most of what is below it is free, all runs move into arenas
-// that hold nothing else. The surface has lost half of what it had since the last time, so moves pay little for it.
+// Memory, here and on the card, follows the highest run: where most of what is below it is free, all runs move into
+// arenas that hold nothing else. The surface has lost half of what it had since the last time, so moves pay little for
+// it.
 template <class Live>
 void LiveSurface<Live>::compact() {
     if (hasCleared_)
@@ -184,8 +189,10 @@ void LiveSurface<Live>::compact() {
         Brick& brick = bricks_[slot];
         if (!brick.isLive || brick.vertices.capacity == 0)
             continue;
-        const ArenaRun vertices = compacted->vertices.alike(brick.vertices), indices = compacted->indices.alike(brick.indices);
-        std::memcpy(compacted->vertices.at(vertices.begin), arenas_->vertices.at(brick.vertices.begin), vertices.capacity * sizeof(Record));
+        const ArenaRun vertices = compacted->vertices.alike(brick.vertices),
+                       indices = compacted->indices.alike(brick.indices);
+        std::memcpy(compacted->vertices.at(vertices.begin), arenas_->vertices.at(brick.vertices.begin),
+                    vertices.capacity * sizeof(Record));
         if (indices.capacity > 0)
             std::memcpy(compacted->indices.at(indices.begin), arenas_->indices.at(brick.indices.begin),
                         indices.capacity * sizeof(std::uint16_t));
@@ -198,7 +205,8 @@ void LiveSurface<Live>::compact() {
 }
 
 template <class Live>
-void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) {
+void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+                                double isovalue) {
     Brick& brick = bricks_[slot];
     for (std::size_t w = 0; w < kBitWords; ++w)
         draft.counts.cellsChanged += static_cast<std::uint64_t>(
@@ -248,13 +256,17 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     arenas_->indices.resize(brick.indices, draft.indexCount);
     ambiguous_.resize(brick.ambiguous, static_cast<std::uint32_t>(draft.ambiguous.size()));
     if (draft.edgeVertices > 0)
-        streamCopy(arenas_->vertices.at(brick.vertices.begin), draft.records.data(), draft.edgeVertices * sizeof(Record));
+        streamCopy(arenas_->vertices.at(brick.vertices.begin), draft.records.data(),
+                   draft.edgeVertices * sizeof(Record));
     if (inner > 0)
-        std::memcpy(arenas_->vertices.at(brick.vertices.begin + draft.edgeVertices), draft.inner.data(), inner * sizeof(Record));
+        std::memcpy(arenas_->vertices.at(brick.vertices.begin + draft.edgeVertices), draft.inner.data(),
+                    inner * sizeof(Record));
     if (draft.indexCount > 0)
-        streamCopy(arenas_->indices.at(brick.indices.begin), draft.indices.data(), draft.indexCount * sizeof(std::uint16_t));
+        streamCopy(arenas_->indices.at(brick.indices.begin), draft.indices.data(),
+                   draft.indexCount * sizeof(std::uint16_t));
     if (!draft.ambiguous.empty())
-        std::memcpy(ambiguous_.at(brick.ambiguous.begin), draft.ambiguous.data(), draft.ambiguous.size() * sizeof(AmbiguousCell));
+        std::memcpy(ambiguous_.at(brick.ambiguous.begin), draft.ambiguous.data(),
+                    draft.ambiguous.size() * sizeof(AmbiguousCell));
     brick.edgeVertices = static_cast<std::uint16_t>(draft.edgeVertices);
     brick.innerVertices = static_cast<std::uint16_t>(inner);
     brick.indexCount = draft.indexCount;
@@ -293,7 +305,8 @@ cell::StateId LiveSurface<Live>::stateOfAmbiguous(BrickDraft<Live>& draft, Close
 
 // Indices of the active cells' triangles, in cell order; states of ambiguous cells first.
 template <class Live>
-void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) {
+void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+                                    double isovalue) {
     const Brick& brick = bricks_[slot];
     CellList& list = draft.cells;
     listCells(draft.active.cells, draft.above, list);
@@ -304,7 +317,8 @@ void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, Cor
     const AmbiguousCell* const knownEnd = known + brick.ambiguousCells;
     for (std::uint32_t k = 0; k < list.ambiguousCount; ++k) {
         const std::uint16_t at = list.ambiguous[k];
-        const cell::StateId state = stateOfAmbiguous(draft, list.cells[at], list.signs[at], known, knownEnd, corners, isovalue);
+        const cell::StateId state =
+            stateOfAmbiguous(draft, list.cells[at], list.signs[at], known, knownEnd, corners, isovalue);
         const cell::StateInterval& its = draft.ambiguous.back().interval;
         interval = {std::max(interval.below, its.below), std::min(interval.above, its.above)};
         innerVertices += states_[state].innerVertices;
@@ -322,8 +336,8 @@ void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, Cor
 // Appends the vertices inside the listed cells to draft.inner. REQUIRES: draft.vertices is that of `records`.
 template <class Live>
 void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, const Record* records,
-                                   std::span<const AmbiguousCell> ambiguous, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
-                                   double isovalue) const {
+                                   std::span<const AmbiguousCell> ambiguous, BrickDraft<Live>& draft,
+                                   CornerScalarsOfBrick& corners, double isovalue) const {
     InnerVertexCell placed;
     std::array<InnerVertex, cell::kMaxInnerVertices> inside;
     for (const AmbiguousCell& listed : ambiguous) {
@@ -350,14 +364,16 @@ void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, co
 }
 
 template <class Live>
-void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) {
+void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+                                             double isovalue) {
     Brick& brick = bricks_[slot];
     if (brick.innerVertices == 0)
         return;
     Record* stored = arenas_->vertices.at(brick.vertices.begin);
     draft.numberVertices(stored, brick.edgeVertices);
     draft.inner.clear();
-    placeInner(shapes_.origin(brick.index), stored, {ambiguous_.at(brick.ambiguous.begin), brick.ambiguousCells}, draft, corners, isovalue);
+    placeInner(shapes_.origin(brick.index), stored, {ambiguous_.at(brick.ambiguous.begin), brick.ambiguousCells}, draft,
+               corners, isovalue);
     if (isWatched_) {
         ArenaRun noIndices;
         retire(brick.vertices, noIndices, draft);
@@ -370,7 +386,8 @@ void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& d
 }
 
 template <class Live>
-void LiveSurface<Live>::listChanges(std::vector<ChangedTriangles>& triangles, std::vector<std::uint16_t>& indices) const {
+void LiveSurface<Live>::listChanges(std::vector<ChangedTriangles>& triangles,
+                                    std::vector<std::uint16_t>& indices) const {
     constexpr std::size_t kTogether = 64;
     std::vector<std::vector<std::uint16_t>> parts((replaced_.size() + kTogether - 1) / kTogether);
     triangles.resize(replaced_.size());

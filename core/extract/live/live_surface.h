@@ -65,18 +65,19 @@ public:
     BrickSlot add(BrickIndex brick);
     void remove(BrickSlot slot);
 
-    /// Starts a move: what has changed is counted from here. What only pictures that are gone refer to becomes free. Throws
-    /// std::bad_alloc.
+    /// Starts a move: what has changed is counted from here. What only pictures that are gone refer to becomes free.
+    /// Throws std::bad_alloc.
     void beginMove();
     /// Triangulates the draft and puts it in the place of what the brick was. `corners` is asked about ambiguous
     /// cells whose state is not known any more. O(active edges and cells of the brick).
     void replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
     /// Moves the vertices inside the brick's cells to `isovalue`, which crosses nothing in the brick.
     void refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
-    /// Takes over what a thread's draft has counted since beginMove(). The threads that have replaced bricks must have called
-    /// finishStreams() since.
+    /// Takes over what a thread's draft has counted since beginMove(). The threads that have replaced bricks must have
+    /// called finishStreams() since.
     void finishMove(const BrickDraft<Live>& draft);
-    /// After all drafts, or a clear(): gives memory back where the surface has become much smaller. Throws std::bad_alloc.
+    /// After all drafts, or a clear(): gives memory back where the surface has become much smaller. Throws
+    /// std::bad_alloc.
     void compact();
 
     const BrickShapes& shapes() const { return shapes_; }
@@ -85,8 +86,8 @@ public:
     }
     std::uint32_t slotCount() const { return static_cast<std::uint32_t>(intervals_.size()); }
     const Brick& brick(BrickSlot slot) const { return bricks_[slot]; }
-    /// Asks for the memory that replace() will read and write, so that it comes while another brick is made. The head, which
-    /// says where the rest is, must have come before.
+    /// Asks for the memory that replace() will read and write, so that it comes while another brick is made. The head,
+    /// which says where the rest is, must have come before.
     void prefetchHead(BrickSlot slot) const { __builtin_prefetch(&bricks_[slot]); }
     void prefetch(BrickSlot slot) const;
     const Record* records(BrickSlot slot) const { return arenas_->vertices.at(bricks_[slot].vertices.begin); }
@@ -99,18 +100,20 @@ public:
     std::uint64_t triangles() const { return triangles_; }
     std::uint64_t ambiguousCells() const { return ambiguousCells_; }
 
-    /// The surface as it is now, for other threads to draw; `pointsOutChanges`: with the triangles that the last move has
-    /// changed. O(live bricks + what has changed).
+    /// The surface as it is now, for other threads to draw; `pointsOutChanges`: with the triangles that the last move
+    /// has changed. O(live bricks + what has changed).
     std::shared_ptr<const BrickPicture<Live>> picture(bool pointsOutChanges) const;
     /// Welded by edge id, in grid order: as extractFull() gives it. Errors: Cancelled, OutOfSpace (too many vertices).
     Result<SurfaceMesh> mesh(double isovalue, const JobControl& job) const;
 
 private:
     void triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
-    cell::StateId stateOfAmbiguous(BrickDraft<Live>& draft, ClosedPoint cell, std::uint8_t signs, const AmbiguousCell*& known,
-                                   const AmbiguousCell* knownEnd, CornerScalarsOfBrick& corners, double isovalue) const;
-    void placeInner(const std::array<std::int32_t, 3>& origin, const Record* records, std::span<const AmbiguousCell> ambiguous,
-                    BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) const;
+    cell::StateId stateOfAmbiguous(BrickDraft<Live>& draft, ClosedPoint cell, std::uint8_t signs,
+                                   const AmbiguousCell*& known, const AmbiguousCell* knownEnd,
+                                   CornerScalarsOfBrick& corners, double isovalue) const;
+    void placeInner(const std::array<std::int32_t, 3>& origin, const Record* records,
+                    std::span<const AmbiguousCell> ambiguous, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+                    double isovalue) const;
     void commit(BrickSlot slot, BrickDraft<Live>& draft);
     void forgetBricks() noexcept;
     void trim() noexcept;
@@ -129,10 +132,10 @@ private:
     bool hasMissing_;
     ChunkedArray<Brick, 14> bricks_; ///< by slot
     std::vector<std::unique_ptr<BrickMasks>> nearMissing_; ///< by slot
-    std::vector<cell::StateInterval> intervals_;           ///< by slot: read for every brick at every move
-    std::vector<std::uint8_t> hasInner_;                   ///< by slot, likewise
+    std::vector<cell::StateInterval> intervals_; ///< by slot: read for every brick at every move
+    std::vector<std::uint8_t> hasInner_; ///< by slot, likewise
     std::vector<BrickSlot> free_;
-    std::vector<PictureBrick> shown_;                      ///< by slot: the table of the next picture
+    std::vector<PictureBrick> shown_; ///< by slot: the table of the next picture
     std::shared_ptr<BrickArenas<Live>> arenas_ = std::make_shared<BrickArenas<Live>>();
     std::shared_ptr<BrickArenas<Live>> spare_; ///< empty; for drop(), which cannot make any
     RunArena<AmbiguousCell, 4, 16> ambiguous_;
@@ -144,8 +147,8 @@ private:
     std::vector<Retired> retired_;
     std::shared_ptr<PictureLeases> leases_ = std::make_shared<PictureLeases>();
     std::uint32_t version_ = 0; ///< counts moves
-    bool hasCleared_ = false;   ///< since compact()
-    bool isWatched_ = false;    ///< in this move: there are pictures, and nothing of them may be written to
+    bool hasCleared_ = false; ///< since compact()
+    bool isWatched_ = false; ///< in this move: there are pictures, and nothing of them may be written to
     std::vector<BrickSlot> replaced_; ///< in the last move
     std::uint64_t liveBricks_ = 0;
     std::uint64_t activeEdges_ = 0;

@@ -18,8 +18,12 @@ template <class Live>
 class LiveSurface<Live>::Welding {
 public:
     Welding(const LiveSurface& surface, double isovalue, const JobControl& job)
-        : surface_(surface), isovalue_(static_cast<Live>(isovalue)), job_(job), dims_(surface.geometry_.dims),
-          planes_(static_cast<std::size_t>(dims_[2])), bricksByLayer_(planes_.size() / kCellSide + 1) {
+        : surface_(surface),
+          isovalue_(static_cast<Live>(isovalue)),
+          job_(job),
+          dims_(surface.geometry_.dims),
+          planes_(static_cast<std::size_t>(dims_[2])),
+          bricksByLayer_(planes_.size() / kCellSide + 1) {
         mesh_.geometry = surface.geometry_;
         mesh_.isovalue = isovalue;
     }
@@ -54,7 +58,7 @@ private:
     };
     struct Plane {
         std::vector<Vertex> vertices; ///< one for each edge that starts in it, in order
-        std::vector<Cell> cells;      ///< that start in it, in order
+        std::vector<Cell> cells; ///< that start in it, in order
         std::uint64_t innerVertices = 0, indices = 0;
         std::uint64_t firstVertex = 0, firstInner = 0, firstIndex = 0; ///< in the mesh
     };
@@ -85,14 +89,16 @@ private:
             const Brick& brick = surface_.bricks_[slot];
             firstVertex_[slot + 1] = firstVertex_[slot] + brick.edgeVertices + brick.innerVertices;
             if (brick.indexCount > 0)
-                bricksByLayer_[static_cast<std::size_t>(surface_.shapes_.origin(brick.index)[2] / kCellSide)].push_back(slot);
+                bricksByLayer_[static_cast<std::size_t>(surface_.shapes_.origin(brick.index)[2] / kCellSide)].push_back(
+                    slot);
         }
         newNumbers_.resize(firstVertex_.back());
     }
 
     std::uint64_t placeOf(const std::array<std::int32_t, 3>& origin, ClosedPoint p) const {
         const auto c = coordsOf(p);
-        return static_cast<std::uint64_t>(origin[0] + c[0] + dims_[0] * (origin[1] + c[1] + dims_[1] * std::int64_t{origin[2] + c[2]}));
+        return static_cast<std::uint64_t>(origin[0] + c[0] +
+                                          dims_[0] * (origin[1] + c[1] + dims_[1] * std::int64_t{origin[2] + c[2]}));
     }
 
     // A brick's records that start in one of its planes: a stretch for each axis.
@@ -115,14 +121,18 @@ private:
             for (const BrickSlot slot : bricksByLayer_[layer]) {
                 const auto origin = surface_.shapes_.origin(surface_.bricks_[slot].index);
                 forEachRecordIn(slot, local, [&](const Record& record, std::uint32_t number) {
-                    copies.push_back({4 * placeOf(origin, record.edge & kEdgePointMask) + (record.edge >> kEdgeAxisShift), slot, number});
+                    copies.push_back(
+                        {4 * placeOf(origin, record.edge & kEdgePointMask) + (record.edge >> kEdgeAxisShift), slot,
+                         number});
                 });
             }
         };
         if (z % kCellSide == 0 && z > 0)
             take(z / kCellSide - 1, kCellSide);
         take(z / kCellSide, static_cast<int>(z % kCellSide));
-        std::sort(copies.begin(), copies.end(), [](const Vertex& a, const Vertex& b) { return a.edge != b.edge ? a.edge < b.edge : a.slot < b.slot; });
+        std::sort(copies.begin(), copies.end(), [](const Vertex& a, const Vertex& b) {
+            return a.edge != b.edge ? a.edge < b.edge : a.slot < b.slot;
+        });
         std::size_t kept = 0;
         for (const Vertex& copy : copies) {
             if (kept == 0 || copies[kept - 1].edge != copy.edge)
@@ -148,8 +158,10 @@ private:
                 inner = static_cast<std::uint16_t>(inner + its.innerVertices);
             });
         }
-        for (std::size_t z = firstPlane; z < std::min(firstPlane + kCellSide, planes_.size()) && !job_.isStopRequested(); ++z)
-            std::sort(planes_[z].cells.begin(), planes_[z].cells.end(), [](const Cell& a, const Cell& b) { return a.place < b.place; });
+        for (std::size_t z = firstPlane;
+             z < std::min(firstPlane + kCellSide, planes_.size()) && !job_.isStopRequested(); ++z)
+            std::sort(planes_[z].cells.begin(), planes_[z].cells.end(),
+                      [](const Cell& a, const Cell& b) { return a.place < b.place; });
     }
 
     Status makeRoom() {
@@ -171,7 +183,8 @@ private:
     }
 
     void writeVertex(std::uint64_t at, BrickSlot slot, std::uint32_t number) {
-        const MeshVertex vertex = vertexOf(surface_.records(slot)[number], surface_.shapes_.origin(surface_.bricks_[slot].index), isovalue_);
+        const MeshVertex vertex =
+            vertexOf(surface_.records(slot)[number], surface_.shapes_.origin(surface_.bricks_[slot].index), isovalue_);
         mesh_.positions[at] = vertex.position;
         mesh_.normals[at] = vertex.normal;
     }
@@ -206,7 +219,8 @@ private:
                 mesh_.triangles[index++] = static_cast<std::uint32_t>(
                     number >= brick.edgeVertices
                         ? ownInner + (number - cell.firstInner)
-                        : firstVertex[(records[number].edge & kEdgePointMask) / kPointStride[2]] + newNumbers_[firstVertex_[cell.slot] + number]);
+                        : firstVertex[(records[number].edge & kEdgePointMask) / kPointStride[2]] +
+                              newNumbers_[firstVertex_[cell.slot] + number]);
             }
         }
         plane.cells = {};
@@ -220,7 +234,7 @@ private:
     std::vector<Plane> planes_;
     std::vector<std::vector<BrickSlot>> bricksByLayer_;
     std::vector<std::uint64_t> firstVertex_; ///< by slot: where its vertices' numbers begin in newNumbers_
-    std::vector<std::uint32_t> newNumbers_;  ///< within the plane; of vertices on edges only
+    std::vector<std::uint32_t> newNumbers_; ///< within the plane; of vertices on edges only
 };
 
 template <class Live>

@@ -109,7 +109,8 @@ private:
     std::size_t smallestFree(std::size_t granules) const {
         const std::size_t first = granules / 64;
         for (std::size_t word = first; word < hasFree_.size() && word <= first + 1; ++word) {
-            const std::uint64_t bits = hasFree_[word] & (word == first ? ~std::uint64_t{0} << (granules % 64) : ~std::uint64_t{0});
+            const std::uint64_t bits =
+                hasFree_[word] & (word == first ? ~std::uint64_t{0} << (granules % 64) : ~std::uint64_t{0});
             if (bits != 0)
                 return 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
         }

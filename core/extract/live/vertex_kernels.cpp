@@ -24,8 +24,9 @@ struct VertexColumns {
     alignas(64) std::int32_t axis[kMost], u1[kMost], v1[kMost], u2[kMost], v2[kMost], rises[kMost];
 };
 
-inline __attribute__((always_inline)) void takeApart(const EdgeRecord<double>* records, std::uint32_t count, std::size_t lanes,
-                                                     const glm::vec3& first, double isovalue, VertexColumns& out) {
+inline __attribute__((always_inline)) void takeApart(const EdgeRecord<double>* records, std::uint32_t count,
+                                                     std::size_t lanes, const glm::vec3& first, double isovalue,
+                                                     VertexColumns& out) {
     for (std::size_t k = 0; k < lanes; ++k) {
         const EdgeRecord<double>& record = records[std::min<std::size_t>(k, count - 1)];
         const auto place = coordsOf(record.edge & kEdgePointMask);
@@ -60,7 +61,8 @@ HWY_INLINE void decode(D d, I bytesU, I bytesV, V& x, V& y, V& z) {
     const auto fold = hn::Max(hn::Neg(z), zero);
     x = hn::Add(u, hn::IfThenElse(hn::Ge(u, zero), hn::Neg(fold), fold));
     y = hn::Add(v, hn::IfThenElse(hn::Ge(v, zero), hn::Neg(fold), fold));
-    const auto isNone = hn::RebindMask(d, hn::And(hn::Eq(bytesU, hn::Set(ints, -128)), hn::Eq(bytesV, hn::Set(ints, -128))));
+    const auto isNone =
+        hn::RebindMask(d, hn::And(hn::Eq(bytesU, hn::Set(ints, -128)), hn::Eq(bytesV, hn::Set(ints, -128))));
     x = hn::IfThenZeroElse(isNone, x);
     y = hn::IfThenZeroElse(isNone, y);
     z = hn::IfThenZeroElse(isNone, z);
@@ -75,8 +77,9 @@ static_assert([] {
 }());
 
 template <class Live>
-void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t count, const std::array<std::int32_t, 3>& origin,
-                 Live isovalue, glm::vec3* HWY_RESTRICT positions, glm::vec3* HWY_RESTRICT normals) {
+void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t count,
+                 const std::array<std::int32_t, 3>& origin, Live isovalue, glm::vec3* HWY_RESTRICT positions,
+                 glm::vec3* HWY_RESTRICT normals) {
     const hn::CappedTag<float, VertexColumns::kMost> d;
     const hn::RebindToSigned<decltype(d)> ints;
     const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
@@ -93,11 +96,13 @@ void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t cou
             hn::StoreInterleaved3(x, y, z, d, group);
             std::copy_n(group, 3 * here, &out[at].x);
         };
-        const auto place = [&](auto x, auto y, auto z, auto t, auto axis, auto rises, auto u1, auto v1, auto u2, auto v2) HWY_ATTR {
-            const auto alongX = hn::RebindMask(d, hn::Eq(axis, hn::Zero(ints))), alongY = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 1))),
+        const auto place = [&](auto x, auto y, auto z, auto t, auto axis, auto rises, auto u1, auto v1, auto u2,
+                               auto v2) HWY_ATTR {
+            const auto alongX = hn::RebindMask(d, hn::Eq(axis, hn::Zero(ints))),
+                       alongY = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 1))),
                        alongZ = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 2)));
-            store(hn::Add(x, hn::IfThenElseZero(alongX, t)), hn::Add(y, hn::IfThenElseZero(alongY, t)), hn::Add(z, hn::IfThenElseZero(alongZ, t)),
-                  positions);
+            store(hn::Add(x, hn::IfThenElseZero(alongX, t)), hn::Add(y, hn::IfThenElseZero(alongY, t)),
+                  hn::Add(z, hn::IfThenElseZero(alongZ, t)), positions);
             auto x1 = zero, y1 = zero, z1 = zero, x2 = zero, y2 = zero, z2 = zero;
             decode(d, u1, v1, x1, y1, z1);
             decode(d, u2, v2, x2, y2, z2);
@@ -123,8 +128,10 @@ void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t cou
             hn::Vec<decltype(ints)> edge, codes, bits1, bits2;
             hn::LoadInterleaved4(ints, reinterpret_cast<const std::int32_t*>(from), edge, codes, bits1, bits2);
             const auto axis = hn::ShiftRight<kEdgeAxisShift>(edge), p = hn::And(edge, hn::Set(ints, kEdgePointMask));
-            const auto ninth = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 7282))), z = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 810)));
-            const auto y = hn::Sub(ninth, hn::Mul(z, hn::Set(ints, 9))), x = hn::Sub(p, hn::Mul(ninth, hn::Set(ints, 9)));
+            const auto ninth = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 7282))),
+                       z = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 810)));
+            const auto y = hn::Sub(ninth, hn::Mul(z, hn::Set(ints, 9))),
+                       x = hn::Sub(p, hn::Mul(ninth, hn::Set(ints, 9)));
             const auto s1 = hn::BitCast(d, bits1), s2 = hn::BitCast(d, bits2), half = hn::Set(d, 0.5f);
             // edgeFraction() of edge_interpolation.h, lane by lane.
             const auto halfS1 = hn::Mul(s1, half);
@@ -139,16 +146,19 @@ void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t cou
             VertexColumns columns;
             takeApart(records + at, here, lanes, first, isovalue, columns);
             const auto rises = hn::RebindMask(d, hn::Ne(hn::Load(ints, columns.rises), hn::Zero(ints)));
-            place(hn::Load(d, columns.x), hn::Load(d, columns.y), hn::Load(d, columns.z), hn::Load(d, columns.t), hn::Load(ints, columns.axis),
-                  rises, hn::Load(ints, columns.u1), hn::Load(ints, columns.v1), hn::Load(ints, columns.u2), hn::Load(ints, columns.v2));
+            place(hn::Load(d, columns.x), hn::Load(d, columns.y), hn::Load(d, columns.z), hn::Load(d, columns.t),
+                  hn::Load(ints, columns.axis), rises, hn::Load(ints, columns.u1), hn::Load(ints, columns.v1),
+                  hn::Load(ints, columns.u2), hn::Load(ints, columns.v2));
         }
     }
 }
 
-void interpolateF32(const EdgeRecord<float>* r, std::uint32_t n, const std::array<std::int32_t, 3>& o, float i, glm::vec3* p, glm::vec3* q) {
+void interpolateF32(const EdgeRecord<float>* r, std::uint32_t n, const std::array<std::int32_t, 3>& o, float i,
+                    glm::vec3* p, glm::vec3* q) {
     interpolate(r, n, o, i, p, q);
 }
-void interpolateF64(const EdgeRecord<double>* r, std::uint32_t n, const std::array<std::int32_t, 3>& o, double i, glm::vec3* p, glm::vec3* q) {
+void interpolateF64(const EdgeRecord<double>* r, std::uint32_t n, const std::array<std::int32_t, 3>& o, double i,
+                    glm::vec3* p, glm::vec3* q) {
     interpolate(r, n, o, i, p, q);
 }
 
@@ -162,13 +172,15 @@ HWY_EXPORT(interpolateF32);
 HWY_EXPORT(interpolateF64);
 
 template <>
-void interpolateVertices(const EdgeRecord<float>* records, std::uint32_t count, const std::array<std::int32_t, 3>& origin, float isovalue,
-                         glm::vec3* positions, glm::vec3* normals) {
+void interpolateVertices(const EdgeRecord<float>* records, std::uint32_t count,
+                         const std::array<std::int32_t, 3>& origin, float isovalue, glm::vec3* positions,
+                         glm::vec3* normals) {
     HWY_DYNAMIC_DISPATCH(interpolateF32)(records, count, origin, isovalue, positions, normals);
 }
 template <>
-void interpolateVertices(const EdgeRecord<double>* records, std::uint32_t count, const std::array<std::int32_t, 3>& origin, double isovalue,
-                         glm::vec3* positions, glm::vec3* normals) {
+void interpolateVertices(const EdgeRecord<double>* records, std::uint32_t count,
+                         const std::array<std::int32_t, 3>& origin, double isovalue, glm::vec3* positions,
+                         glm::vec3* normals) {
     HWY_DYNAMIC_DISPATCH(interpolateF64)(records, count, origin, isovalue, positions, normals);
 }
 

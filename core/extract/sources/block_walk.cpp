@@ -32,7 +32,7 @@ BlockWalk<Key>::BlockWalk(const index::IndexReader& reader, std::uint64_t cacheB
 
 template <class Key>
 Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(const std::vector<WalkSegment>& segments,
-                                                                              SlideStats& stats) {
+                                                                             SlideStats& stats) {
     using Lazy = index::LazyLevels<Key>;
     const int top = skipList_.levelCount() - 1;
     typename Lazy::Below below;
@@ -66,7 +66,8 @@ Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(con
         } else if (segment.level < top) {
             addBlocks(segment, segment.firstBlock, segment.firstBlock + segment.blocks);
         } else {
-            for (const typename Lazy::Group& group : Lazy::groupsOf(segment.firstBlock, segment.firstBlock + segment.blocks)) {
+            for (const typename Lazy::Group& group :
+                 Lazy::groupsOf(segment.firstBlock, segment.firstBlock + segment.blocks)) {
                 typename Lazy::Page merged;
                 if (group.level > 0) {
                     auto made = lazyLevels_.get(group, below);
@@ -91,9 +92,11 @@ typename BlockWalk<Key>::Part BlockWalk<Key>::partOf(const DecodedPage<Key>& pag
     if (task.level > 0)
         return {page, 0, page.pointCount(), 0};
     const WalkSegment& segment = *task.segment;
-    const auto low = std::partition_point(page.keys.begin(), page.keys.end(), [&](Key k) { return k < segment.beginKey; });
+    const auto low =
+        std::partition_point(page.keys.begin(), page.keys.end(), [&](Key k) { return k < segment.beginKey; });
     const auto high = std::partition_point(low, page.keys.end(), [&](Key k) { return k < segment.endKey; });
-    const auto begin = static_cast<std::size_t>(low - page.keys.begin()), end = static_cast<std::size_t>(high - page.keys.begin());
+    const auto begin = static_cast<std::size_t>(low - page.keys.begin()),
+               end = static_cast<std::size_t>(high - page.keys.begin());
     std::size_t entry = 0;
     for (std::size_t i = 0; i < begin; ++i)
         entry += static_cast<std::size_t>(std::popcount(page.masks[i]));
@@ -103,7 +106,8 @@ typename BlockWalk<Key>::Part BlockWalk<Key>::partOf(const DecodedPage<Key>& pag
 }
 
 template <class Key>
-Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats& stats, std::stop_token stop, const Visit& visit) {
+Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats& stats, std::stop_token stop,
+                             const Visit& visit) {
     const std::vector<WalkSegment> segments = skipList_.plan(lower, upper);
     auto madeTasks = makeTasks(segments, stats);
     if (!madeTasks.isOk())

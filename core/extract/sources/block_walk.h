@@ -34,11 +34,14 @@ public:
     using Visit = std::function<std::size_t(const Part&)>;
 
     /// Visits every record of net changes in [lower, upper), each once, from several threads. Fills
-    /// `stats` with what was read (edgesTouched, bytesRead, walk). O(log N + K). Errors: IoError, Corruption, Cancelled.
+    /// `stats` with what was read (edgesTouched, bytesRead, walk). O(log N + K). Errors: IoError, Corruption,
+    /// Cancelled.
     Status visit(KeyThreshold lower, KeyThreshold upper, SlideStats& stats, std::stop_token stop, const Visit& visit);
 
     /// Entries that visit() would look at, about.
-    std::uint64_t estimate(KeyThreshold lower, KeyThreshold upper) const { return skipList_.estimateEdges(lower, upper); }
+    std::uint64_t estimate(KeyThreshold lower, KeyThreshold upper) const {
+        return skipList_.estimateEdges(lower, upper);
+    }
 
     void dropCaches() {
         cache_.clear();

@@ -53,7 +53,7 @@ struct BrickSource<Sample>::Scratch {
     LiveSamples arriving;
     ClassifiedBrick<Stored> found;
     BrickDraft<Live> draft;
-    std::vector<Job> pending;     ///< jobs that want samples which are not ready yet
+    std::vector<Job> pending; ///< jobs that want samples which are not ready yet
     std::vector<BrickIndex> read; ///< bricks whose samples were
     std::uint64_t bricks = 0, edgesAdded = 0, edgesRemoved = 0;
 };
@@ -65,7 +65,8 @@ public:
     explicit Corners(const LiveSamples& kept) : kept_(kept) {}
     bool cornerScalars(ClosedPoint cell, std::uint8_t /*signs*/, cell::CornerScalars& scalars) override {
         for (unsigned c = 0; c < 8; ++c)
-            scalars[c] = static_cast<double>(sampleOf<Sample>(kept_.samples[cell + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
+            scalars[c] =
+                static_cast<double>(sampleOf<Sample>(kept_.samples[cell + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
         return true;
     }
 
@@ -74,8 +75,12 @@ private:
 };
 
 template <class Sample>
-BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples, std::uint64_t cacheBytes)
-    : WalkedSource<Sample>(bricks, cacheBytes), samples_(samples), slotOf_(bricks.grid().brickCount()), kept_(bricks.grid().brickCount()),
+BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples,
+                                 std::uint64_t cacheBytes)
+    : WalkedSource<Sample>(bricks, cacheBytes),
+      samples_(samples),
+      slotOf_(bricks.grid().brickCount()),
+      kept_(bricks.grid().brickCount()),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     slotOf_.grow(bricks.grid().brickCount());
     for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
@@ -119,10 +124,11 @@ Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bo
 }
 
 template <class Sample>
-Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
-                                            std::vector<Job>& jobs) {
+Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats,
+                                            std::stop_token stop, std::vector<Job>& jobs) {
     NetBricks net;
-    ISO_TRY(netBricks(std::min(move.from, move.to), std::max(move.from, move.to), move.from < move.to, stats, stop, net));
+    ISO_TRY(
+        netBricks(std::min(move.from, move.to), std::max(move.from, move.to), move.from < move.to, stats, stop, net));
     constexpr std::size_t kAhead = 8;
     for (std::size_t i = 0; i < net.leave.size(); ++i) {
         if (i + 2 * kAhead < net.leave.size())
@@ -144,7 +150,8 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         if (!surface.shapes().hasCells(brick))
             continue;
         if (slotOf_[brick] != 0)
-            return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice", reader_.pathString());
+            return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice",
+                             reader_.pathString());
         const BrickSlot slot = surface.add(brick);
         kept_.grow(slot + std::uint64_t{1});
         if (slot >= watch_.size()) {
@@ -172,7 +179,8 @@ void BrickSource<Sample>::listCrossed(const Move& move, const LiveSurface<Live>&
 }
 
 template <class Sample>
-Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) {
+Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats,
+                                 std::stop_token stop) {
     ahead_ = {}; // stops it
     stats.bytesAhead += std::exchange(bytesAhead_, 0);
     if (move.from == lowest() || move.from == highest()) // nothing is active there; perhaps a move was broken off
@@ -245,11 +253,13 @@ void BrickSource<Sample>::prefetchKept(const Job& job) const {
     }
 }
 
-// First what needs nothing but what is in memory; then, in batches and in the order in which samples lie, what must be read.
+// First what needs nothing but what is in memory; then, in batches and in the order in which samples lie, what must be
+// read.
 template <class Sample>
-Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
-                                    std::stop_token stop) {
-    constexpr std::size_t kAhead = 2; // bricks; one is too few where other programs have been in the caches, three are no better
+Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
+                                    SlideStats& stats, std::stop_token stop) {
+    constexpr std::size_t kAhead =
+        2; // bricks; one is too few where other programs have been in the caches, three are no better
     const auto run = [&](std::span<const Job> some) {
         forRanges(some.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
             Scratch& scratch = scratches_->local();
@@ -283,7 +293,8 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
     }
     if (bricks.empty())
         return {};
-    // Alternately forwards and backwards: what a cache smaller than the surface still holds is used before it is evicted.
+    // Alternately forwards and backwards: what a cache smaller than the surface still holds is used before it is
+    // evicted.
     readsBackwards_ = !readsBackwards_;
     sortForReading(bricks, readsBackwards_);
     for (std::span<const BrickIndex> rest(bricks); !rest.empty();) {
@@ -344,12 +355,13 @@ void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, LiveSamples
     std::fill(out, kept.samples + kPaddedPoints, any);
 }
 
-// The normals that edges need, a whole row at a time: when the brick arrives those of its active edges, and all others when it
-// changes for the first time. A jump pays for no more than it shows; a handle that moves on goes through the brick, and
-// finding row after row would cost more than half as much again as a move, most of it waiting for samples.
+// The normals that edges need, a whole row at a time: when the brick arrives those of its active edges, and all others
+// when it changes for the first time. A jump pays for no more than it shows; a handle that moves on goes through the
+// brick, and finding row after row would cost more than half as much again as a move, most of it waiting for samples.
 template <class Sample>
-bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job, const std::array<BitString, 3>& edges,
-                                          LiveSamples& kept, Scratch& scratch) const {
+bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job,
+                                          const std::array<BitString, 3>& edges, LiveSamples& kept,
+                                          Scratch& scratch) const {
     if (kept.hasAllNormals)
         return true;
     const BrickIndex brick = brickOf_[job.slot];
@@ -392,7 +404,8 @@ bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, 
         take(brick, surface.brick(job.slot).isNearMissing, kept, scratch);
     }
     ClassifiedBrick<Stored>& found = scratch.found;
-    classify(kept.samples, storedThreshold<Sample>(move.to), surface.masks(job.slot), job.isNew ? nullptr : &surface.brick(job.slot).above, found);
+    classify(kept.samples, storedThreshold<Sample>(move.to), surface.masks(job.slot),
+             job.isNew ? nullptr : &surface.brick(job.slot).above, found);
 
     if (!completeNormals(surface, job, found.active.edges, kept, scratch))
         return false;
@@ -402,7 +415,8 @@ bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, 
     draft.active = found.active;
     draft.changed = found.changed;
     draft.ownedEdges = found.ownedEdges;
-    draft.edgeVertices = gatherRecords<Sample>(kept.samples, kept.normals, found.active, draft.records.data(), draft.vertices);
+    draft.edgeVertices =
+        gatherRecords<Sample>(kept.samples, kept.normals, found.active, draft.records.data(), draft.vertices);
     Corners corners(kept);
     surface.replace(job.slot, draft, corners, move.isovalue);
     if (job.isNew)
@@ -425,11 +439,9 @@ void BrickSource<Sample>::prefetch(KeyThreshold from, KeyThreshold to) {
         ahead_ = std::jthread([this, from, to](std::stop_token stop) {
             try {
                 (void)readAhead(from, to, stop);
-            } catch (const std::exception&) {
-            }
+            } catch (const std::exception&) {}
         });
-    } catch (const std::system_error&) {
-    }
+    } catch (const std::system_error&) {}
 }
 
 template <class Sample>
@@ -451,12 +463,8 @@ Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::s
     });
 }
 
-template class BrickSource<std::uint8_t>;
-template class BrickSource<std::int8_t>;
-template class BrickSource<std::uint16_t>;
-template class BrickSource<std::int16_t>;
-template class BrickSource<std::int32_t>;
-template class BrickSource<float>;
-template class BrickSource<double>;
+#define ISO_INSTANTIATE(Sample, Name) template class BrickSource<Sample>;
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
 
 } // namespace isoslider::extract

@@ -89,24 +89,28 @@ private:
     class Corners;
 
     void reset();
-    Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats, std::stop_token stop, NetBricks& net);
-    Status changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop, std::vector<Job>& jobs);
-    void listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs, std::vector<BrickSlot>& refreshed) const;
-    Status runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats, std::stop_token stop);
+    Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats, std::stop_token stop,
+                     NetBricks& net);
+    Status changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
+                           std::vector<Job>& jobs);
+    void listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs,
+                     std::vector<BrickSlot>& refreshed) const;
+    Status runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
+                   std::stop_token stop);
     void prefetchKept(const Job& job) const;
     bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void take(BrickIndex brick, bool isNearMissing, LiveSamples& kept, Scratch& scratch) const;
-    bool completeNormals(const LiveSurface<Live>& surface, const Job& job, const std::array<BitString, 3>& edges, LiveSamples& kept,
-                         Scratch& scratch) const;
+    bool completeNormals(const LiveSurface<Live>& surface, const Job& job, const std::array<BitString, 3>& edges,
+                         LiveSamples& kept, Scratch& scratch) const;
     void sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const;
     Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
 
     SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;
-    ChunkedArray<std::uint32_t, 16> slotOf_;     ///< by brick; one more than the slot, 0 for none
-    ChunkedArray<LiveSamples, 13> kept_;         ///< by slot; chunks of many large pages
-    std::vector<Watch> watch_;                   ///< by slot
-    std::vector<BrickIndex> brickOf_;            ///< by slot, where there is a brick
+    ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
+    ChunkedArray<LiveSamples, 13> kept_; ///< by slot; chunks of many large pages
+    std::vector<Watch> watch_; ///< by slot
+    std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;

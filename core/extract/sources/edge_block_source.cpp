@@ -45,7 +45,8 @@ struct EdgeBlockSource<Sample>::Scratch {
 template <class Sample>
 class EdgeBlockSource<Sample>::Corners final : public CornerScalarsOfBrick {
 public:
-    Corners(index::HiddenCorners& hidden, BrickIndex brick, const BrickDraft<Live>& draft, const Record* records, std::optional<Error>& error)
+    Corners(index::HiddenCorners& hidden, BrickIndex brick, const BrickDraft<Live>& draft, const Record* records,
+            std::optional<Error>& error)
         : hidden_(hidden), brick_(brick), draft_(draft), records_(records), error_(error) {}
 
     bool cornerScalars(ClosedPoint cell, std::uint8_t signs, cell::CornerScalars& scalars) override {
@@ -90,7 +91,10 @@ void EdgeBlockSource<Sample>::Lists::clear() {
 
 template <class Sample>
 EdgeBlockSource<Sample>::EdgeBlockSource(const index::IndexReader& reader, std::uint64_t cacheBytes)
-    : WalkedSource<Sample>(reader, cacheBytes), hiddenCorners_(reader), slotOf_(reader.grid().brickCount()), edges_(reader.grid().brickCount()),
+    : WalkedSource<Sample>(reader, cacheBytes),
+      hiddenCorners_(reader),
+      slotOf_(reader.grid().brickCount()),
+      edges_(reader.grid().brickCount()),
       lists_(std::make_unique<tbb::enumerable_thread_specific<Lists>>()),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     const std::uint64_t bricks = reader.grid().brickCount();
@@ -132,12 +136,14 @@ void EdgeBlockSource<Sample>::forEachHolder(PointId start, int axis, const Visit
         const bool isBelowU = k & 1, isBelowV = k >> 1;
         if ((isBelowU && (c[u] > 0 || at[u] == 0)) || (isBelowV && (c[v] > 0 || at[v] == 0)))
             continue;
-        const bool hasCells = at[u] - isBelowU < cellBricks_[static_cast<int>(u)] && at[v] - isBelowV < cellBricks_[static_cast<int>(v)];
+        const bool hasCells =
+            at[u] - isBelowU < cellBricks_[static_cast<int>(u)] && at[v] - isBelowV < cellBricks_[static_cast<int>(v)];
         if (!hasCells)
             continue;
         const std::int64_t holder = std::int64_t{brick} - (isBelowU ? grid.brickStride(static_cast<int>(u)) : 0) -
                                     (isBelowV ? grid.brickStride(static_cast<int>(v)) : 0);
-        const int edge = base + (isBelowU ? kCellSide * kPointStride[u] : 0) + (isBelowV ? kCellSide * kPointStride[v] : 0);
+        const int edge =
+            base + (isBelowU ? kCellSide * kPointStride[u] : 0) + (isBelowV ? kCellSide * kPointStride[v] : 0);
         visit(static_cast<BrickIndex>(holder), static_cast<ClosedEdge>(edge));
     }
 }
@@ -164,7 +170,8 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
             if (!isUpward) { // the edge starts at the far end
                 const int local = static_cast<int>(id % kBrickPoints);
                 const bool leaves = (local / kLocalStride[axis] & 7) == 0;
-                start = leaves ? id - static_cast<PointId>(grid.brickStride(axis)) * kBrickPoints + static_cast<PointId>(7 * kLocalStride[axis])
+                start = leaves ? id - static_cast<PointId>(grid.brickStride(axis)) * kBrickPoints +
+                                     static_cast<PointId>(7 * kLocalStride[axis])
                                : id - static_cast<PointId>(kLocalStride[axis]);
             }
             if ((farKey > key) != goesUp) {
@@ -214,7 +221,8 @@ Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface) {
         }
     chains_.resize(surface.slotCount(), {kEndOfChain, kEndOfChain});
     if (!isConsistent)
-        return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice", reader_.pathString());
+        return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice",
+                         reader_.pathString());
     return {};
 }
 
@@ -252,7 +260,8 @@ void EdgeBlockSource<Sample>::chainChanges(std::size_t partition, Scratch& scrat
 
 // Bricks in which a cell changes though none of its edges does, and those whose vertices inside cells move.
 template <class Sample>
-void EdgeBlockSource<Sample>::listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface, std::vector<BrickSlot>& crossed,
+void EdgeBlockSource<Sample>::listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface,
+                                                 std::vector<BrickSlot>& crossed,
                                                  std::vector<BrickSlot>& refreshed) const {
     for (BrickSlot slot = 0; slot < chains_.size(); ++slot) {
         const Chain& chain = chains_[slot];
@@ -266,7 +275,8 @@ void EdgeBlockSource<Sample>::listCrossedSaddles(const Move& move, const LiveSur
 }
 
 template <class Sample>
-Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) {
+Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats,
+                                     std::stop_token stop) {
     if (move.from == lowest() || move.from == highest())
         reset();
     const KeyThreshold lower = std::min(move.from, move.to), upper = std::max(move.from, move.to);
@@ -277,7 +287,8 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
         lists.clear();
     for (Scratch& scratch : *scratches_)
         scratch.beginMove();
-    ISO_TRY(walk_.visit(lower, upper, stats, stop, [&](const Part& part) { return collect(part, lower, upper, move.from < move.to); }));
+    ISO_TRY(walk_.visit(lower, upper, stats, stop,
+                        [&](const Part& part) { return collect(part, lower, upper, move.from < move.to); }));
     lastCollected_ = 0;
     for (const Lists& lists : *lists_) {
         stats.edgesAdded += lists.edgesAdded;
@@ -320,7 +331,8 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
         if (stop.stop_requested())
             return;
         Scratch& scratch = scratches_->local();
-        Corners corners(hiddenCorners_, surface.brick(refreshed[i]).index, scratch.draft, surface.records(refreshed[i]), scratch.error);
+        Corners corners(hiddenCorners_, surface.brick(refreshed[i]).index, scratch.draft, surface.records(refreshed[i]),
+                        scratch.error);
         surface.refreshInnerVertices(refreshed[i], scratch.draft, corners, move.isovalue);
     });
     if (stop.stop_requested())
@@ -330,7 +342,8 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
         if (scratch.error)
             return std::move(*scratch.error);
         if (!scratch.isConsistent)
-            return makeError(ErrorCode::Corruption, "index contradicts itself: its edges are those of no scalars", reader_.pathString());
+            return makeError(ErrorCode::Corruption, "index contradicts itself: its edges are those of no scalars",
+                             reader_.pathString());
         surface.finishMove(scratch.draft);
         stats.cellsResolved += scratch.draft.counts.cellsDecided;
         stats.cellsRetriangulated += scratch.draft.counts.cellsChanged;
@@ -374,7 +387,9 @@ void EdgeBlockSource<Sample>::mergeRecords(BrickSlot slot, const LiveSurface<Liv
     BrickDraft<Live>& draft = scratch.draft;
     draft.active.edges = edges_[slot];
     draft.edgeVertices = numberEdges(draft.active, draft.vertices);
-    const auto isActive = [&](ClosedEdge edge) { return draft.active.edges[edge >> kEdgeAxisShift].test(edge & kEdgePointMask); };
+    const auto isActive = [&](ClosedEdge edge) {
+        return draft.active.edges[edge >> kEdgeAxisShift].test(edge & kEdgePointMask);
+    };
     const std::uint32_t had = surface.brick(slot).edgeVertices;
     const Record* const old = had > 0 ? surface.records(slot) : nullptr;
     for (std::uint32_t k = 0; k < had; ++k)
@@ -404,9 +419,12 @@ bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>&
     BitString cells;
     for (int i = 0; i < kBitWords; ++i) {
         const auto w = static_cast<std::size_t>(i);
-        const std::uint64_t x = edges[0].words[w] | shiftedDown<9>(edges[0], i) | shiftedDown<81>(edges[0], i) | shiftedDown<90>(edges[0], i);
-        const std::uint64_t y = edges[1].words[w] | shiftedDown<1>(edges[1], i) | shiftedDown<81>(edges[1], i) | shiftedDown<82>(edges[1], i);
-        const std::uint64_t z = edges[2].words[w] | shiftedDown<1>(edges[2], i) | shiftedDown<9>(edges[2], i) | shiftedDown<10>(edges[2], i);
+        const std::uint64_t x = edges[0].words[w] | shiftedDown<9>(edges[0], i) | shiftedDown<81>(edges[0], i) |
+                                shiftedDown<90>(edges[0], i);
+        const std::uint64_t y = edges[1].words[w] | shiftedDown<1>(edges[1], i) | shiftedDown<81>(edges[1], i) |
+                                shiftedDown<82>(edges[1], i);
+        const std::uint64_t z = edges[2].words[w] | shiftedDown<1>(edges[2], i) | shiftedDown<9>(edges[2], i) |
+                                shiftedDown<10>(edges[2], i);
         cells.words[w] = (x | y | z) & masks.cells.words[w];
     }
     draft.active.cells = cells;
@@ -426,7 +444,8 @@ bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>&
             for (int i = 0; i < kBitWords; ++i) {
                 const auto w = static_cast<std::size_t>(i);
                 to.words[w] |= shiftedUp<1>(up0, i) | shiftedUp<9>(up1, i) | shiftedUp<81>(up2, i);
-                to.words[w] |= (shiftedDown<1>(from, i) & still[0].words[w]) | (shiftedDown<9>(from, i) & still[1].words[w]) |
+                to.words[w] |= (shiftedDown<1>(from, i) & still[0].words[w]) |
+                               (shiftedDown<9>(from, i) & still[1].words[w]) |
                                (shiftedDown<81>(from, i) & still[2].words[w]);
             }
             return to;
@@ -437,9 +456,12 @@ bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>&
     // No active cell without a sign at each corner, and no edge of one but as the signs say.
     for (int i = 0; i < kBitWords; ++i) {
         const auto w = static_cast<std::size_t>(i);
-        const std::uint64_t x = cells.words[w] | shiftedUp<9>(cells, i) | shiftedUp<81>(cells, i) | shiftedUp<90>(cells, i);
-        const std::uint64_t y = cells.words[w] | shiftedUp<1>(cells, i) | shiftedUp<81>(cells, i) | shiftedUp<82>(cells, i);
-        const std::uint64_t z = cells.words[w] | shiftedUp<1>(cells, i) | shiftedUp<9>(cells, i) | shiftedUp<10>(cells, i);
+        const std::uint64_t x =
+            cells.words[w] | shiftedUp<9>(cells, i) | shiftedUp<81>(cells, i) | shiftedUp<90>(cells, i);
+        const std::uint64_t y =
+            cells.words[w] | shiftedUp<1>(cells, i) | shiftedUp<81>(cells, i) | shiftedUp<82>(cells, i);
+        const std::uint64_t z =
+            cells.words[w] | shiftedUp<1>(cells, i) | shiftedUp<9>(cells, i) | shiftedUp<10>(cells, i);
         const std::uint64_t wrong = (((above.words[w] ^ shiftedDown<1>(above, i)) ^ edges[0].words[w]) & x) |
                                     (((above.words[w] ^ shiftedDown<9>(above, i)) ^ edges[1].words[w]) & y) |
                                     (((above.words[w] ^ shiftedDown<81>(above, i)) ^ edges[2].words[w]) & z);
@@ -450,7 +472,8 @@ bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>&
 }
 
 template <class Sample>
-void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, LiveSurface<Live>& surface, Scratch& scratch) {
+void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, LiveSurface<Live>& surface,
+                                          Scratch& scratch) {
     BrickDraft<Live>& draft = scratch.draft;
     const bool isNew = surface.brick(slot).edgeVertices == 0;
     const std::array<BitString, 3> before = edges_[slot];
@@ -486,12 +509,8 @@ void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, Live
     surface.replace(slot, draft, corners, move.isovalue);
 }
 
-template class EdgeBlockSource<std::uint8_t>;
-template class EdgeBlockSource<std::int8_t>;
-template class EdgeBlockSource<std::uint16_t>;
-template class EdgeBlockSource<std::int16_t>;
-template class EdgeBlockSource<std::int32_t>;
-template class EdgeBlockSource<float>;
-template class EdgeBlockSource<double>;
+#define ISO_INSTANTIATE(Sample, Name) template class EdgeBlockSource<Sample>;
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
 
 } // namespace isoslider::extract

@@ -88,9 +88,9 @@ private:
     bool allHaveCells_ = false;
     std::uint64_t partitionScale_;
     index::HiddenCorners hiddenCorners_;
-    ChunkedArray<std::uint32_t, 16> slotOf_;               ///< by brick; one more than the slot, 0 for none
-    ChunkedArray<std::array<BitString, 3>, 8> edges_;      ///< active ones, by slot
-    std::vector<Chain> chains_;                            ///< by slot, during a move
+    ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
+    ChunkedArray<std::array<BitString, 3>, 8> edges_; ///< active ones, by slot
+    std::vector<Chain> chains_; ///< by slot, during a move
     std::unique_ptr<tbb::enumerable_thread_specific<Lists>> lists_;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;
     std::uint64_t lastCollected_ = 0;

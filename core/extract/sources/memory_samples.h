@@ -30,7 +30,8 @@ public:
 
     SampleRows<Sample> rows(BrickIndex brick) const override {
         const auto coords = bricks_.brickCoords(brick);
-        const std::array<std::int64_t, 3> origin{coords[0] * kBrickSide, coords[1] * kBrickSide, coords[2] * kBrickSide};
+        const std::array<std::int64_t, 3> origin{coords[0] * kBrickSide, coords[1] * kBrickSide,
+                                                 coords[2] * kBrickSide};
         SampleRows<Sample> rows;
         placeInBox(view_.dims, origin, rows.begin, rows.end);
         rows.rowStride = view_.stride(1);

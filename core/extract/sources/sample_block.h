@@ -26,8 +26,10 @@ inline BlockRows rowsForGradients(const PointRows& rows) {
     return wanted;
 }
 
-/// First and one past the last local coordinate from -1 to 9 that lie inside the box, for a brick that begins at `origin`.
-inline void placeInBox(const GridDims& dims, const std::array<std::int64_t, 3>& origin, std::array<int, 3>& begin, std::array<int, 3>& end) {
+/// First and one past the last local coordinate from -1 to 9 that lie inside the box, for a brick that begins at
+/// `origin`.
+inline void placeInBox(const GridDims& dims, const std::array<std::int64_t, 3>& origin, std::array<int, 3>& begin,
+                       std::array<int, 3>& end) {
     for (std::size_t a = 0; a < 3; ++a) {
         begin[a] = origin[a] > 0 ? -1 : 0;
         end[a] = static_cast<int>(std::min<std::int64_t>(10, dims[a] - origin[a]));

@@ -18,12 +18,17 @@
 #define ISO_FINISH_CLASSIFICATION
 namespace isoslider::extract {
 
+/// Do(Stored, Name) for every StoredSample: signed integers of 8 and 16 bits are stored as unsigned ones.
+#define ISO_FOR_EACH_STORED_TYPE(Do) \
+    Do(std::uint8_t, U8) Do(std::uint16_t, U16) Do(std::int32_t, I32) Do(float, F32) Do(double, F64)
+
 /// Room for the most edges of a brick, and for what listBits() and whole vectors write behind them.
 inline constexpr std::size_t kMaxEdgeList = 3 * kCellSide * kPointSide * kPointSide + 64;
 
 // What follows from the signs, for every instruction set that this is inlined into.
 template <class T>
-inline __attribute__((always_inline)) void finishClassification(const BrickMasks& masks, const BitString* before, ClassifiedBrick<T>& out) {
+inline __attribute__((always_inline)) void finishClassification(const BrickMasks& masks, const BitString* before,
+                                                                ClassifiedBrick<T>& out) {
     findActive(out.above, masks, out.active);
     std::uint32_t owned = 0, added = 0, removed = 0;
     const auto count = [&](std::size_t axis, int i, std::uint64_t was) {
@@ -69,11 +74,13 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, BitString& above, T& 
     const hn::CappedTag<T, 64> d;
     constexpr std::size_t lanes = hn::MaxLanes(d); // no instruction set of unknown length has less than one word's
     // As wide as a mask is stored: reading it wider than it was written would wait until it is in the cache.
-    using Mask = std::conditional_t<lanes <= 8, std::uint8_t, std::conditional_t<lanes <= 16, std::uint16_t,
-                                    std::conditional_t<lanes <= 32, std::uint32_t, std::uint64_t>>>;
+    using Mask = std::conditional_t<
+        lanes <= 8, std::uint8_t,
+        std::conditional_t<lanes <= 16, std::uint16_t, std::conditional_t<lanes <= 32, std::uint32_t, std::uint64_t>>>;
     static_assert(lanes <= 64);
     const auto limit = hn::Set(d, threshold);
-    const auto greatest = hn::Set(d, std::numeric_limits<T>::max()), least = hn::Set(d, std::numeric_limits<T>::lowest());
+    const auto greatest = hn::Set(d, std::numeric_limits<T>::max()),
+               least = hn::Set(d, std::numeric_limits<T>::lowest());
     auto up = greatest, down = least;
     for (std::size_t w = 0; w < kBitWords; ++w) {
         std::uint64_t word = 0;
@@ -104,20 +111,18 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, BitString& above, T& 
 }
 
 template <class T>
-void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMasks& masks, const BitString* before, ClassifiedBrick<T>& out) {
+void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMasks& masks, const BitString* before,
+                       ClassifiedBrick<T>& out) {
     findSigns(samples, threshold, out.above, out.up, out.down);
     finishClassification(masks, before, out);
 }
 
-#define ISO_CLASSIFY(Name, Stored)                                                                                  \
-    void Name(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) { \
-        classifyInVectors(s, t, m, b, out);                                                                         \
+#define ISO_CLASSIFY(Stored, Name) \
+    void classify##Name(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, \
+                        ClassifiedBrick<Stored>& out) { \
+        classifyInVectors(s, t, m, b, out); \
     }
-ISO_CLASSIFY(classifyU8, std::uint8_t)
-ISO_CLASSIFY(classifyU16, std::uint16_t)
-ISO_CLASSIFY(classifyI32, std::int32_t)
-ISO_CLASSIFY(classifyF32, float)
-ISO_CLASSIFY(classifyF64, double)
+ISO_FOR_EACH_STORED_TYPE(ISO_CLASSIFY)
 #undef ISO_CLASSIFY
 
 // Of n active edges the places in the vertex table, 4 * point + axis, in the order of the edges.
@@ -130,7 +135,8 @@ HWY_INLINE std::uint32_t listEdges(const ActiveBits& active, std::uint16_t* HWY_
 }
 
 // The same and their numbers.
-HWY_INLINE std::uint32_t numberPlaces(const ActiveBits& active, std::uint16_t* HWY_RESTRICT places, VertexTable& vertices) {
+HWY_INLINE std::uint32_t numberPlaces(const ActiveBits& active, std::uint16_t* HWY_RESTRICT places,
+                                      VertexTable& vertices) {
     const std::uint32_t count = listEdges(active, places);
     for (std::uint32_t k = 0; k < count; ++k)
         vertices.numbers[places[k]] = static_cast<std::uint16_t>(k);
@@ -143,11 +149,16 @@ std::uint32_t numberEdgesHere(const ActiveBits& active, VertexTable& vertices) {
 }
 
 template <class Sample>
-HWY_INLINE void gatherRecord(const StoredSample<Sample>* samples, const NormalCode* normals, std::uint16_t place, EdgeRecord<LiveOf<Sample>>& record) {
+HWY_INLINE void gatherRecord(const StoredSample<Sample>* samples, const NormalCode* normals, std::uint16_t place,
+                             EdgeRecord<LiveOf<Sample>>& record) {
     using Live = LiveOf<Sample>;
     const unsigned axis = place & 3u, p = place >> 2, q = p + static_cast<unsigned>(kPointStride[axis]);
-    record = {static_cast<ClosedEdge>(axis << kEdgeAxisShift | p), 0, normals[p], normals[q],
-              static_cast<Live>(sampleOf<Sample>(samples[p])), static_cast<Live>(sampleOf<Sample>(samples[q]))};
+    record = {static_cast<ClosedEdge>(axis << kEdgeAxisShift | p),
+              0,
+              normals[p],
+              normals[q],
+              static_cast<Live>(sampleOf<Sample>(samples[p])),
+              static_cast<Live>(sampleOf<Sample>(samples[q]))};
 }
 
 #if HWY_TARGET <= HWY_AVX2
@@ -172,8 +183,9 @@ HWY_INLINE hn::Vec<D> gatherScalars(D d, const StoredSample<Sample>* samples, hn
 #endif
 
 template <class Sample>
-std::uint32_t gatherRecordsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const NormalCode* HWY_RESTRICT normals,
-                            const ActiveBits& active, EdgeRecord<LiveOf<Sample>>* HWY_RESTRICT records, VertexTable& vertices) {
+std::uint32_t gatherRecordsHere(const StoredSample<Sample>* HWY_RESTRICT samples,
+                                const NormalCode* HWY_RESTRICT normals, const ActiveBits& active,
+                                EdgeRecord<LiveOf<Sample>>* HWY_RESTRICT records, VertexTable& vertices) {
     alignas(64) std::array<std::uint16_t, kMaxEdgeList> places;
     const std::uint32_t count = numberPlaces(active, places.data(), vertices);
 #if HWY_TARGET <= HWY_AVX2
@@ -186,11 +198,13 @@ std::uint32_t gatherRecordsHere(const StoredSample<Sample>* HWY_RESTRICT samples
         for (std::uint32_t k = 0; k < count; k += lanes) {
             const auto place = hn::PromoteTo(d, hn::LoadU(narrow, places.data() + k));
             const auto axis = hn::And(place, hn::Set(d, 3)), p = hn::ShiftRight<2>(place);
-            const auto stride = hn::IfThenElse(hn::Eq(axis, hn::Zero(d)), one, hn::IfThenElse(hn::Eq(axis, one), nine, eightyOne));
+            const auto stride =
+                hn::IfThenElse(hn::Eq(axis, hn::Zero(d)), one, hn::IfThenElse(hn::Eq(axis, one), nine, eightyOne));
             const auto q = hn::Add(p, stride);
             const auto edge = hn::Or(hn::ShiftLeft<kEdgeAxisShift>(axis), p);
             const auto codes = hn::Or(gatherNarrow(d, normals, p), hn::ShiftLeft<16>(gatherNarrow(d, normals, q)));
-            hn::StoreInterleaved4(edge, codes, gatherScalars<Sample>(d, samples, p), gatherScalars<Sample>(d, samples, q), d,
+            hn::StoreInterleaved4(edge, codes, gatherScalars<Sample>(d, samples, p),
+                                  gatherScalars<Sample>(d, samples, q), d,
                                   reinterpret_cast<std::int32_t*>(records + k));
         }
         return count;
@@ -250,13 +264,14 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> codesOf(D d, V gx, V gy, V gz, hn::Mas
     const auto foldedU = hn::Mul(hn::Sub(one, hn::Abs(v)), signOf(u));
     const auto foldedV = hn::Mul(hn::Sub(one, hn::Abs(u)), signOf(v));
     const auto folds = hn::Gt(gz, hn::Zero(d));
-    const auto low = quantise(d, hn::IfThenElse(folds, foldedU, u)), high = quantise(d, hn::IfThenElse(folds, foldedV, v));
+    const auto low = quantise(d, hn::IfThenElse(folds, foldedU, u)),
+               high = quantise(d, hn::IfThenElse(folds, foldedV, v));
     return hn::Or(low, hn::ShiftLeft<8>(high));
 }
 
 template <class Sample>
-void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const SampleBlock<Sample>& apron, const PointRows& rows,
-                     const glm::vec3& inverseSpacing, NormalCode* HWY_RESTRICT codes) {
+void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const SampleBlock<Sample>& apron,
+                     const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* HWY_RESTRICT codes) {
     using Block = SampleBlock<Sample>;
     using Stored = StoredSample<Sample>;
     const hn::CappedTag<float, 16> d;
@@ -287,7 +302,8 @@ void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const Sam
             const Sample behind = isAtEnd ? sampleOf<Sample>(row[end - 1]) : beside[kPointSide];
             const bool hasBehind = y > apron.begin[1], hasAhead = y + 1 < apron.end[1];
             const bool hasBelow = z > apron.begin[2], hasOver = z + 1 < apron.end[2];
-            const auto scaleY = hn::Set(d, hasBehind && hasAhead ? 0.5f : 1.0f), scaleZ = hn::Set(d, hasBelow && hasOver ? 0.5f : 1.0f);
+            const auto scaleY = hn::Set(d, hasBehind && hasAhead ? 0.5f : 1.0f),
+                       scaleZ = hn::Set(d, hasBelow && hasOver ? 0.5f : 1.0f);
             for (std::size_t i = 0; i < end; i += lanes) {
                 const auto place = hn::Iota(d, static_cast<float>(i));
                 const auto difference = [&](auto upper, auto lower, auto scale, float inverse) HWY_ATTR {
@@ -300,11 +316,14 @@ void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const Sam
                 };
                 const auto smaller = hn::IfThenElse(hn::Eq(place, hn::Zero(d)), hn::Set(d, static_cast<float>(before)),
                                                     loadStored<Sample>(d, rowBefore + i));
-                const auto larger = hn::IfThenElse(hn::Eq(place, hn::Set(d, static_cast<float>(end - 1))), hn::Set(d, static_cast<float>(behind)),
-                                                   loadStored<Sample>(d, row + 1 + i));
+                const auto larger =
+                    hn::IfThenElse(hn::Eq(place, hn::Set(d, static_cast<float>(end - 1))),
+                                   hn::Set(d, static_cast<float>(behind)), loadStored<Sample>(d, row + 1 + i));
                 const auto gx = difference(larger, smaller, hn::Load(d, scaleX + i), inverseSpacing.x);
-                const auto gy = difference(rowAt(hasAhead ? y + 1 : y, z), rowAt(hasBehind ? y - 1 : y, z), scaleY, inverseSpacing.y);
-                const auto gz = difference(rowAt(y, hasOver ? z + 1 : z), rowAt(y, hasBelow ? z - 1 : z), scaleZ, inverseSpacing.z);
+                const auto gy = difference(rowAt(hasAhead ? y + 1 : y, z), rowAt(hasBehind ? y - 1 : y, z), scaleY,
+                                           inverseSpacing.y);
+                const auto gz =
+                    difference(rowAt(y, hasOver ? z + 1 : z), rowAt(y, hasBelow ? z - 1 : z), scaleZ, inverseSpacing.z);
                 hn::Mask<decltype(d)> isPlain;
                 const auto code = codesOf(d, gx, gy, gz, isPlain);
                 const hn::Rebind<NormalCode, decltype(d)> narrow;
@@ -323,9 +342,10 @@ void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const Sam
         }
 }
 
-#define ISO_NORMALS(Name, Sample)                                                                          \
-    void Name(const StoredSample<Sample>* s, const SampleBlock<Sample>& a, const PointRows& r, const glm::vec3& i, NormalCode* c) { \
-        findNormalsHere<Sample>(s, a, r, i, c);                                                            \
+#define ISO_NORMALS(Name, Sample) \
+    void Name(const StoredSample<Sample>* s, const SampleBlock<Sample>& a, const PointRows& r, const glm::vec3& i, \
+              NormalCode* c) { \
+        findNormalsHere<Sample>(s, a, r, i, c); \
     }
 ISO_NORMALS(normalsU8, std::uint8_t)
 ISO_NORMALS(normalsI8, std::int8_t)
@@ -334,18 +354,12 @@ ISO_NORMALS(normalsI16, std::int16_t)
 ISO_NORMALS(normalsF32, float)
 #undef ISO_NORMALS
 
-#define ISO_GATHER(Name, Sample)                                                                                        \
-    std::uint32_t Name(const StoredSample<Sample>* s, const NormalCode* n, const ActiveBits& a, EdgeRecord<LiveOf<Sample>>* r, \
-                       VertexTable& v) {                                                                                \
-        return gatherRecordsHere<Sample>(s, n, a, r, v);                                                                    \
+#define ISO_GATHER(Sample, Name) \
+    std::uint32_t gather##Name(const StoredSample<Sample>* s, const NormalCode* n, const ActiveBits& a, \
+                               EdgeRecord<LiveOf<Sample>>* r, VertexTable& v) { \
+        return gatherRecordsHere<Sample>(s, n, a, r, v); \
     }
-ISO_GATHER(gatherU8, std::uint8_t)
-ISO_GATHER(gatherI8, std::int8_t)
-ISO_GATHER(gatherU16, std::uint16_t)
-ISO_GATHER(gatherI16, std::int16_t)
-ISO_GATHER(gatherI32, std::int32_t)
-ISO_GATHER(gatherF32, float)
-ISO_GATHER(gatherF64, double)
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_GATHER)
 #undef ISO_GATHER
 
 } // namespace isoslider::extract::HWY_NAMESPACE
@@ -354,44 +368,36 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace isoslider::extract {
 
-#define ISO_CLASSIFY(Name, Stored)                                                                                          \
-    HWY_EXPORT(Name);                                                                                                       \
-    template <>                                                                                                             \
-    void classify(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) {     \
-        HWY_DYNAMIC_DISPATCH(Name)(s, t, m, b, out);                                                                        \
+#define ISO_CLASSIFY(Stored, Name) \
+    HWY_EXPORT(classify##Name); \
+    template <> \
+    void classify(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) { \
+        HWY_DYNAMIC_DISPATCH(classify##Name)(s, t, m, b, out); \
     }
-ISO_CLASSIFY(classifyU8, std::uint8_t)
-ISO_CLASSIFY(classifyU16, std::uint16_t)
-ISO_CLASSIFY(classifyI32, std::int32_t)
-ISO_CLASSIFY(classifyF32, float)
-ISO_CLASSIFY(classifyF64, double)
+ISO_FOR_EACH_STORED_TYPE(ISO_CLASSIFY)
 #undef ISO_CLASSIFY
 
 HWY_EXPORT(numberEdgesHere);
-std::uint32_t numberEdges(const ActiveBits& active, VertexTable& vertices) { return HWY_DYNAMIC_DISPATCH(numberEdgesHere)(active, vertices); }
+std::uint32_t numberEdges(const ActiveBits& active, VertexTable& vertices) {
+    return HWY_DYNAMIC_DISPATCH(numberEdgesHere)(active, vertices);
+}
 
-#define ISO_GATHER(Name, Sample)                                                                                            \
-    HWY_EXPORT(Name);                                                                                                       \
-    template <>                                                                                                             \
-    std::uint32_t gatherRecords<Sample>(const StoredSample<Sample>* s, const NormalCode* n, const ActiveBits& a,            \
-                                        EdgeRecord<LiveOf<Sample>>* r, VertexTable& v) {                                    \
-        return HWY_DYNAMIC_DISPATCH(Name)(s, n, a, r, v);                                                                   \
+#define ISO_GATHER(Sample, Name) \
+    HWY_EXPORT(gather##Name); \
+    template <> \
+    std::uint32_t gatherRecords<Sample>(const StoredSample<Sample>* s, const NormalCode* n, const ActiveBits& a, \
+                                        EdgeRecord<LiveOf<Sample>>* r, VertexTable& v) { \
+        return HWY_DYNAMIC_DISPATCH(gather##Name)(s, n, a, r, v); \
     }
-ISO_GATHER(gatherU8, std::uint8_t)
-ISO_GATHER(gatherI8, std::int8_t)
-ISO_GATHER(gatherU16, std::uint16_t)
-ISO_GATHER(gatherI16, std::int16_t)
-ISO_GATHER(gatherI32, std::int32_t)
-ISO_GATHER(gatherF32, float)
-ISO_GATHER(gatherF64, double)
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_GATHER)
 #undef ISO_GATHER
 
-#define ISO_NORMALS(Name, Sample)                                                                                           \
-    HWY_EXPORT(Name);                                                                                                       \
-    template <>                                                                                                             \
-    void findNormals<Sample>(const StoredSample<Sample>* s, const SampleBlock<Sample>& a, const PointRows& r,               \
-                             const glm::vec3& i, NormalCode* c) {                                                           \
-        HWY_DYNAMIC_DISPATCH(Name)(s, a, r, i, c);                                                                          \
+#define ISO_NORMALS(Name, Sample) \
+    HWY_EXPORT(Name); \
+    template <> \
+    void findNormals<Sample>(const StoredSample<Sample>* s, const SampleBlock<Sample>& a, const PointRows& r, \
+                             const glm::vec3& i, NormalCode* c) { \
+        HWY_DYNAMIC_DISPATCH(Name)(s, a, r, i, c); \
     }
 ISO_NORMALS(normalsU8, std::uint8_t)
 ISO_NORMALS(normalsI8, std::int8_t)
@@ -401,7 +407,8 @@ ISO_NORMALS(normalsF32, float)
 #undef ISO_NORMALS
 
 template <class Sample>
-void findNormalsReference(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes) {
+void findNormalsReference(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing,
+                          NormalCode* codes) {
     for (int z = 0; z < kPointSide; ++z)
         for (unsigned left = rows[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
             const int y = std::countr_zero(left);
@@ -410,17 +417,14 @@ void findNormalsReference(const SampleBlock<Sample>& block, const PointRows& row
                     codes[closedPoint(x, y, z)] = normalOfGradient(block.gradient(x, y, z, inverseSpacing));
         }
 }
-template void findNormalsReference(const SampleBlock<std::uint8_t>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsReference(const SampleBlock<std::int8_t>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsReference(const SampleBlock<std::uint16_t>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsReference(const SampleBlock<std::int16_t>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsReference(const SampleBlock<std::int32_t>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsReference(const SampleBlock<float>&, const PointRows&, const glm::vec3&, NormalCode*);
-template void findNormalsReference(const SampleBlock<double>&, const PointRows&, const glm::vec3&, NormalCode*);
+#define ISO_INSTANTIATE(Sample, Name) \
+    template void findNormalsReference(const SampleBlock<Sample>&, const PointRows&, const glm::vec3&, NormalCode*);
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
 
 template <class Stored>
 void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
-                     ClassifiedBrick<Stored>& out) {
+                       ClassifiedBrick<Stored>& out) {
     out.above = {};
     out.up = std::numeric_limits<Stored>::max();
     out.down = std::numeric_limits<Stored>::lowest();
@@ -434,11 +438,11 @@ void classifyReference(const Stored* samples, Stored threshold, const BrickMasks
     }
     finishClassification(masks, before, out);
 }
-template void classifyReference(const std::uint8_t*, std::uint8_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::uint8_t>&);
-template void classifyReference(const std::uint16_t*, std::uint16_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::uint16_t>&);
-template void classifyReference(const std::int32_t*, std::int32_t, const BrickMasks&, const BitString*, ClassifiedBrick<std::int32_t>&);
-template void classifyReference(const float*, float, const BrickMasks&, const BitString*, ClassifiedBrick<float>&);
-template void classifyReference(const double*, double, const BrickMasks&, const BitString*, ClassifiedBrick<double>&);
+#define ISO_INSTANTIATE(Stored, Name) \
+    template void classifyReference(const Stored*, Stored, const BrickMasks&, const BitString*, \
+                                    ClassifiedBrick<Stored>&);
+ISO_FOR_EACH_STORED_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
 
 namespace {
 std::vector<std::int64_t> supportedTargets() {

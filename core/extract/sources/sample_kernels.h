@@ -17,7 +17,8 @@ namespace isoslider::extract {
 /// What samples of live bricks are kept as: in the order of their keys, as small as the type allows, with comparisons
 /// that vector units have. Integers of up to 16 bits are their keys, others are themselves.
 template <class Sample>
-using StoredSample = std::conditional_t<sizeof(Sample) == 1, std::uint8_t, std::conditional_t<sizeof(Sample) == 2, std::uint16_t, Sample>>;
+using StoredSample = std::conditional_t<sizeof(Sample) == 1, std::uint8_t,
+                                        std::conditional_t<sizeof(Sample) == 2, std::uint16_t, Sample>>;
 
 template <class Sample>
 inline StoredSample<Sample> storedOf(Sample sample) {
@@ -47,22 +48,23 @@ inline StoredSample<Sample> storedThreshold(KeyThreshold threshold) {
 /// What a threshold makes of a brick's samples.
 template <class Stored>
 struct ClassifiedBrick {
-    BitString above;      ///< bits behind the last point hold anything
+    BitString above; ///< bits behind the last point hold anything
     ActiveBits active;
-    BitString changed;    ///< cells with a corner that changed sides
+    BitString changed; ///< cells with a corner that changed sides
     std::uint32_t ownedEdges = 0, edgesAdded = 0, edgesRemoved = 0; ///< of the edges that the brick owns
     Stored up, down; ///< the least sample above, and the greatest below; the type's greatest and least without one
 };
 
-/// One pass over the samples, some over the bits. `before`: the signs that the brick had; null for a brick that had none,
-/// of which every cell has changed. `samples`: kPaddedPoints of them, those behind the last point repeat one of
+/// One pass over the samples, some over the bits. `before`: the signs that the brick had; null for a brick that had
+/// none, of which every cell has changed. `samples`: kPaddedPoints of them, those behind the last point repeat one of
 /// the brick; 64-byte aligned.
 template <class Stored>
-void classify(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before, ClassifiedBrick<Stored>& out);
+void classify(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
+              ClassifiedBrick<Stored>& out);
 /// The same, sample by sample: what the one above is tested against.
 template <class Stored>
 void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
-                     ClassifiedBrick<Stored>& out);
+                       ClassifiedBrick<Stored>& out);
 
 /// Numbers of a brick's active edges, in their order, in the vertex table; returns how many there are.
 std::uint32_t numberEdges(const ActiveBits& active, VertexTable& vertices);
@@ -76,14 +78,17 @@ std::uint32_t gatherRecords(const StoredSample<Sample>* samples, const NormalCod
 template <class Sample>
 inline constexpr bool kHasNormalKernel = sizeof(Sample) <= 2 || std::is_same_v<Sample, float>;
 
-/// Quantised normals at the points of whole rows of a brick, several points at a time. `samples`: kPaddedPoints of the brick;
-/// `apron`: what readApron() has filled in. `codes` of all points of the brick. REQUIRES: no missing sample among them.
+/// Quantised normals at the points of whole rows of a brick, several points at a time. `samples`: kPaddedPoints of the
+/// brick; `apron`: what readApron() has filled in. `codes` of all points of the brick. REQUIRES: no missing sample
+/// among them.
 template <class Sample>
-void findNormals(const StoredSample<Sample>* samples, const SampleBlock<Sample>& apron, const PointRows& rows, const glm::vec3& inverseSpacing,
-                 NormalCode* codes);
-/// The same from a whole block, point by point: normalOfGradient() of block.gradient(). Missing samples and all types are allowed.
+void findNormals(const StoredSample<Sample>* samples, const SampleBlock<Sample>& apron, const PointRows& rows,
+                 const glm::vec3& inverseSpacing, NormalCode* codes);
+/// The same from a whole block, point by point: normalOfGradient() of block.gradient(). Missing samples and all types
+/// are allowed.
 template <class Sample>
-void findNormalsReference(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* codes);
+void findNormalsReference(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing,
+                          NormalCode* codes);
 
 /// Names of the instruction sets that the kernels can run with here, the best first; and, for tests, a way to
 /// restrict it to one of them (0: the best again).

@@ -24,9 +24,11 @@ public:
     /// Adds to `stats` what was read. Errors: IoError, Corruption, Cancelled.
     virtual Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats& stats,
                                         std::stop_token stop) = 0;
-    /// Where a brick's samples and those around it lie. REQUIRES: the brick is ready; it stays so while they are read. Any thread.
+    /// Where a brick's samples and those around it lie. REQUIRES: the brick is ready; it stays so while they are read.
+    /// Any thread.
     virtual SampleRows<Sample> rows(BrickIndex brick) const = 0;
-    /// Whether the brick may be read now; it stays so until the next call of prepare(), fetch() or dropCaches(). Any thread.
+    /// Whether the brick may be read now; it stays so until the next call of prepare(), fetch() or dropCaches(). Any
+    /// thread.
     virtual bool isReady(BrickIndex /*brick*/) const { return true; }
     /// Tells that bricks were read without prepare(), so that they are kept as if they had been prepared.
     virtual void touch(std::span<const BrickIndex> /*bricks*/) {}
@@ -35,8 +37,7 @@ public:
     /// Whether fetching ahead of need is of any use.
     virtual bool fetchesAhead() const { return false; }
     /// As prepare(), but with low priority: fetches what the first of `bricks` miss, up to a part of the room.
-    virtual Status fetch(std::span<const BrickIndex> /*bricks*/, SlideStats& /*stats*/,
-                         std::stop_token /*stop*/) {
+    virtual Status fetch(std::span<const BrickIndex> /*bricks*/, SlideStats& /*stats*/, std::stop_token /*stop*/) {
         return {};
     }
     /// Forgets what is kept: no brick is ready any more.

@@ -12,8 +12,8 @@
 namespace isoslider::extract {
 
 /// Where the samples around a brick lie, local coordinates -1 to 9, without a copy: a brick's row is in up to three
-/// pieces, x = -1, 0 to 7 and 8 to 9, and rows may lie in up to four places: before and from `splitY` on, before and from
-/// `splitZ` on. Pieces outside the box are null and must not be asked for; within the box, only samples may be.
+/// pieces, x = -1, 0 to 7 and 8 to 9, and rows may lie in up to four places: before and from `splitY` on, before and
+/// from `splitZ` on. Pieces outside the box are null and must not be asked for; within the box, only samples may be.
 template <class Sample>
 struct SampleRows {
     struct Piece {
@@ -22,7 +22,7 @@ struct SampleRows {
     };
     struct Row {
         const Sample* before; ///< x = -1
-        const Sample* own;    ///< x = 0 to 7
+        const Sample* own; ///< x = 0 to 7
         const Sample* behind; ///< x = 8 and 9
     };
 
@@ -36,7 +36,9 @@ struct SampleRows {
     Row row(int y, int z) const {
         const auto place = static_cast<std::size_t>((y >= splitY ? 1 : 0) + (z >= splitZ ? 2 : 0));
         const std::ptrdiff_t offset = rowStride * y + planeStride * z;
-        const auto at = [offset](const Piece& piece) { return piece.data ? piece.data + (piece.first + offset) : nullptr; };
+        const auto at = [offset](const Piece& piece) {
+            return piece.data ? piece.data + (piece.first + offset) : nullptr;
+        };
         return {at(before[place]), at(own[place]), at(behind[place])};
     }
 };
@@ -66,8 +68,8 @@ inline void readBlock(const SampleRows<Sample>& from, const BlockRows& rows, Sam
         }
 }
 
-/// Copies what the gradients at the points of `rows` need besides the brick's own samples: x = -1 and 9 of these rows, and
-/// the rows on either side where they lie outside the brick.
+/// Copies what the gradients at the points of `rows` need besides the brick's own samples: x = -1 and 9 of these rows,
+/// and the rows on either side where they lie outside the brick.
 template <class Sample>
 inline void readApron(const SampleRows<Sample>& from, const PointRows& rows, SampleBlock<Sample>& block) {
     BlockRows outside{};
@@ -84,7 +86,7 @@ inline void readApron(const SampleRows<Sample>& from, const PointRows& rows, Sam
         readBlock(from, outside, block);
     block.begin = from.begin;
     block.end = from.end;
-    const bool hasBefore = from.begin[0] < 0, hasBehind = from.end[0] > kPointSide;
+    const bool hasBefore = from.begin[0]<0, hasBehind = from.end[0]> kPointSide;
     for (int z = 0; z < std::min(kPointSide, from.end[2]); ++z)
         for (unsigned left = rows[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
             const int y = std::countr_zero(left);

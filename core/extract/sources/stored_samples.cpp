@@ -24,9 +24,12 @@ std::size_t capacityFor(std::uint64_t cacheBytes, std::size_t chunkBytes, std::u
 
 template <class Sample>
 StoredSamples<Sample>::StoredSamples(const index::IndexReader& reader, std::uint64_t cacheBytes)
-    : store_(reader), dims_(reader.info().geometry.dims), bricks_(dims_),
+    : store_(reader),
+      dims_(reader.info().geometry.dims),
+      bricks_(dims_),
       capacity_(capacityFor(cacheBytes, kSamples * sizeof(Sample), store_.chunks().chunkCount())),
-      samples_(capacity_ * kSamples), slotOf_(store_.chunks().chunkCount()) {}
+      samples_(capacity_ * kSamples),
+      slotOf_(store_.chunks().chunkCount()) {}
 
 template <class Sample>
 std::uint64_t StoredSamples<Sample>::orderOf(BrickIndex brick) const {
@@ -110,7 +113,8 @@ void StoredSamples<Sample>::prefetch(BrickIndex brick) const {
     const Slot slot = slotOf_[store_.chunks().chunkAt(b[0] >> 1, b[1] >> 1, b[2] >> 1)];
     if (slot == 0)
         return;
-    const Sample* const corner = samplesOf(slot) + kBrickSide * ((b[0] & 1) + kSide * ((b[1] & 1) + kSide * (b[2] & 1)));
+    const Sample* const corner =
+        samplesOf(slot) + kBrickSide * ((b[0] & 1) + kSide * ((b[1] & 1) + kSide * (b[2] & 1)));
     constexpr int kRowsPerLine = sizeof(Sample) == 1 ? 4 : sizeof(Sample) == 2 ? 2 : 1;
     for (int z = 0; z < kBrickSide; ++z)
         for (int y = 0; y < kBrickSide; y += kRowsPerLine)
@@ -248,8 +252,8 @@ Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& 
     return stop.stop_requested() && !order.empty() ? Status(cancelledError()) : Status();
 }
 
-// A chunk is two bricks wide. Along each axis a brick's block reaches into the chunk before by one sample where the brick is
-// its chunk's first, and into the one behind by two where it is the second.
+// A chunk is two bricks wide. Along each axis a brick's block reaches into the chunk before by one sample where the
+// brick is its chunk's first, and into the one behind by two where it is the second.
 template <class Sample>
 SampleRows<Sample> StoredSamples<Sample>::rows(BrickIndex brick) const {
     const auto b = bricks_.brickCoords(brick);
@@ -283,12 +287,8 @@ SampleRows<Sample> StoredSamples<Sample>::rows(BrickIndex brick) const {
     return rows;
 }
 
-template class StoredSamples<std::uint8_t>;
-template class StoredSamples<std::int8_t>;
-template class StoredSamples<std::uint16_t>;
-template class StoredSamples<std::int16_t>;
-template class StoredSamples<std::int32_t>;
-template class StoredSamples<float>;
-template class StoredSamples<double>;
+#define ISO_INSTANTIATE(Sample, Name) template class StoredSamples<Sample>;
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
 
 } // namespace isoslider::extract

@@ -51,7 +51,7 @@ private:
     /// The chunks that a brick's block reaches into.
     struct Neighbourhood {
         std::array<std::int64_t, 3> first; ///< chunk coordinates
-        std::array<int, 3> count;          ///< 1 or 2
+        std::array<int, 3> count; ///< 1 or 2
     };
 
     Neighbourhood neighbourhood(BrickIndex brick) const;
@@ -84,12 +84,8 @@ private:
     std::uint64_t batch_ = 0;
 };
 
-extern template class StoredSamples<std::uint8_t>;
-extern template class StoredSamples<std::int8_t>;
-extern template class StoredSamples<std::uint16_t>;
-extern template class StoredSamples<std::int16_t>;
-extern template class StoredSamples<std::int32_t>;
-extern template class StoredSamples<float>;
-extern template class StoredSamples<double>;
+#define ISO_DECLARE(Sample, Name) extern template class StoredSamples<Sample>;
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_DECLARE)
+#undef ISO_DECLARE
 
 } // namespace isoslider::extract

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "core/extract/edge_interpolation.h"
 #include "core/extract/sources/block_walk.h"
 #include "core/extract/sources/change_source.h"
-#include "core/extract/edge_interpolation.h"
 
 namespace isoslider::extract {
 
@@ -28,7 +28,8 @@ protected:
     using Part = typename BlockWalk<Key>::Part;
 
     /// `reader` must outlive the source.
-    WalkedSource(const index::IndexReader& reader, std::uint64_t cacheBytes) : reader_(reader), walk_(reader, cacheBytes) {}
+    WalkedSource(const index::IndexReader& reader, std::uint64_t cacheBytes)
+        : reader_(reader), walk_(reader, cacheBytes) {}
 
     const index::IndexReader& reader_;
     BlockWalk<Key> walk_;

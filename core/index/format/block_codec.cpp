@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/index/format/byte_planes.h"
+#include "core/index/format/zigzag.h"
 
 namespace isoslider::index {
 namespace {
@@ -18,17 +19,6 @@ enum PageFlag : std::uint8_t { kSecondDifferences = 1, kMirroredNormals = 2 };
 constexpr std::uint8_t kKnownFlags = kSecondDifferences | kMirroredNormals;
 
 int bytesFor(std::uint64_t largest) { return std::max(1, (static_cast<int>(std::bit_width(largest)) + 7) / 8); }
-
-template <class Key>
-Key zigzag(Key difference) {
-    constexpr int kTop = 8 * sizeof(Key) - 1;
-    return static_cast<Key>(static_cast<Key>(difference << 1) ^ static_cast<Key>(Key(0) - (difference >> kTop)));
-}
-
-template <class Key>
-Key unzigzag(Key code) {
-    return static_cast<Key>((code >> 1) ^ static_cast<Key>(Key(0) - (code & 1)));
-}
 
 // What the far scalar across the edge's axis suggests: the field goes on in a straight line.
 template <class Key>
@@ -72,8 +62,8 @@ constexpr auto kByteBits = [] {
 }();
 int bitsOf(NormalCode residual) { return kByteBits[residual & 0xff] + kByteBits[residual >> 8]; }
 
-// Residuals of what stands across the edges, against the point itself, and where both edges of an axis are there also the lower
-// one's against what the upper one suggests. Upward edges have odd numbers.
+// Residuals of what stands across the edges, against the point itself, and where both edges of an axis are there also
+// the lower one's against what the upper one suggests. Upward edges have odd numbers.
 template <class Key>
 void findFarResiduals(std::span<const PointRecord<Key>> records, PageColumns<Key>& columns) {
     const std::size_t most = records.size() * kPointEdges;
@@ -93,10 +83,12 @@ void findFarResiduals(std::span<const PointRecord<Key>> records, PageColumns<Key
             if (e & 1 || !(mask >> (e + 1) & 1))
                 continue;
             const Key mirroredKey = zigzag(static_cast<Key>(r.farKeys[e] - mirrored(r.key, r.farKeys[e + 1])));
-            const NormalCode mirroredCode = subtractNormal(r.farNormals[e], mirroredNormal(r.normal, r.farNormals[e + 1]));
+            const NormalCode mirroredCode =
+                subtractNormal(r.farNormals[e], mirroredNormal(r.normal, r.farNormals[e + 1]));
             columns.farKeysMirrored[n] = mirroredKey;
             columns.farNormalsMirrored[n] = mirroredCode;
-            columns.keyBitsSaved += static_cast<int>(std::bit_width(key)) - static_cast<int>(std::bit_width(mirroredKey));
+            columns.keyBitsSaved +=
+                static_cast<int>(std::bit_width(key)) - static_cast<int>(std::bit_width(mirroredKey));
             columns.normalBitsSaved += bitsOf(normal) - bitsOf(mirroredCode);
         }
     for (auto* column : {&columns.farKeys, &columns.farKeysMirrored})
@@ -133,7 +125,8 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     }
     findFarResiduals(records, columns);
     const bool mirrorsKeys = columns.keyBitsSaved > 0, mirrorsNormals = columns.normalBitsSaved > 0;
-    const auto flags = static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) | (mirrorsNormals ? kMirroredNormals : 0));
+    const auto flags =
+        static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) | (mirrorsNormals ? kMirroredNormals : 0));
 
     constexpr int kKeyBytes = sizeof(Key);
     const int idBytes = bytesFor(idCount);
@@ -167,7 +160,8 @@ namespace {
 
 // Residuals back to ids, keys and normals, checking every id and edge against the grid.
 template <class Key>
-Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const BrickGrid& grid, const PlaneReader& reader) {
+Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const BrickGrid& grid,
+                     const PlaneReader& reader) {
     const std::uint64_t idCount = grid.idCount();
     Key previousKey = base;
     PointId previousId = 0;
@@ -223,7 +217,8 @@ void restoreEdges(DecodedPage<Key>& page, std::uint8_t flags) {
             const Key upper = static_cast<Key>(unzigzag(page.farKeys[at + 1]) + key);
             const NormalCode upperNormal = addNormal(page.farNormals[at + 1], normal);
             page.farKeys[at] = static_cast<Key>(first + (mirrorsKeys ? mirrored(key, upper) : key));
-            page.farNormals[at] = addNormal(page.farNormals[at], mirrorsNormals ? mirroredNormal(normal, upperNormal) : normal);
+            page.farNormals[at] =
+                addNormal(page.farNormals[at], mirrorsNormals ? mirroredNormal(normal, upperNormal) : normal);
             page.farKeys[at + 1] = upper;
             page.farNormals[at + 1] = upperNormal;
             at += 2;
@@ -235,7 +230,8 @@ void restoreEdges(DecodedPage<Key>& page, std::uint8_t flags) {
 } // namespace
 
 template <class Key>
-Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, DecodedPage<Key>& page, const std::string& path) {
+Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, DecodedPage<Key>& page,
+                  const std::string& path) {
     PlaneReader reader(bytes, path);
     if (bytes.size() < kPageHeaderBytes)
         return reader.corrupt("header is cut off");
@@ -270,8 +266,11 @@ Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, Decod
 template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint16_t>>, PageOrder, const BrickGrid&);
 template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint32_t>>, PageOrder, const BrickGrid&);
 template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint64_t>>, PageOrder, const BrickGrid&);
-template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint16_t>&, const std::string&);
-template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint32_t>&, const std::string&);
-template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint64_t>&, const std::string&);
+template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint16_t>&,
+                           const std::string&);
+template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint32_t>&,
+                           const std::string&);
+template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint64_t>&,
+                           const std::string&);
 
 } // namespace isoslider::index

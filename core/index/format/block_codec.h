@@ -53,11 +53,17 @@ template <class Key>
 Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, DecodedPage<Key>& page,
                   const std::string& path);
 
-extern template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint16_t>>, PageOrder, const BrickGrid&);
-extern template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint32_t>>, PageOrder, const BrickGrid&);
-extern template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint64_t>>, PageOrder, const BrickGrid&);
-extern template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint16_t>&, const std::string&);
-extern template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint32_t>&, const std::string&);
-extern template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint64_t>&, const std::string&);
+extern template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint16_t>>, PageOrder,
+                                                  const BrickGrid&);
+extern template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint32_t>>, PageOrder,
+                                                  const BrickGrid&);
+extern template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint64_t>>, PageOrder,
+                                                  const BrickGrid&);
+extern template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint16_t>&,
+                                  const std::string&);
+extern template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint32_t>&,
+                                  const std::string&);
+extern template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint64_t>&,
+                                  const std::string&);
 
 } // namespace isoslider::index

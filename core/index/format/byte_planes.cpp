@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "core/index/format/zstd_memory.h"
+#include "core/index/format/zstd_contexts.h"
 
 namespace isoslider::index {
 namespace {
@@ -18,9 +18,7 @@ enum PlaneMode : std::uint32_t { kConstant = 0, kRaw = 1, kZstd = 2 };
 constexpr std::uint32_t kPlaneModeShift = 30;
 constexpr std::uint32_t kPlaneLengthMask = (1u << kPlaneModeShift) - 1;
 
-struct CompressionContext {
-    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{orOutOfMemory(ZSTD_createCCtx()), &ZSTD_freeCCtx};
-    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{orOutOfMemory(ZSTD_createDCtx()), &ZSTD_freeDCtx};
+struct CompressionContext : ZstdContexts {
     std::vector<std::uint8_t> plane;
     std::vector<std::byte> packed;
 };
@@ -32,7 +30,8 @@ CompressionContext& compressionContext() {
 
 } // namespace
 
-PlaneWriter::PlaneWriter(std::vector<std::byte>& page, int planes) : page_(page), tableAt_(page.size()), planes_(planes) {
+PlaneWriter::PlaneWriter(std::vector<std::byte>& page, int planes)
+    : page_(page), tableAt_(page.size()), planes_(planes) {
     page_.resize(page_.size() + 4 * static_cast<std::size_t>(planes));
 }
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/result.h"
 #include "core/base/byte_codec.h"
+#include "core/base/result.h"
 
 namespace isoslider::index {
 
@@ -49,7 +49,8 @@ private:
 class PlaneReader {
 public:
     /// `path` (which must outlive this) and `offset` are only for messages.
-    PlaneReader(std::span<const std::byte> page, const std::string& path, std::optional<std::uint64_t> offset = std::nullopt)
+    PlaneReader(std::span<const std::byte> page, const std::string& path,
+                std::optional<std::uint64_t> offset = std::nullopt)
         : page_(page), path_(path), offset_(offset) {}
 
     Error corrupt(const char* field) const {

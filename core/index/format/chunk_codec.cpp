@@ -12,9 +12,10 @@
 
 #include <zstd.h>
 
-#include "core/base/check.h"
 #include "core/base/byte_codec.h"
-#include "core/index/format/zstd_memory.h"
+#include "core/base/check.h"
+#include "core/index/format/zigzag.h"
+#include "core/index/format/zstd_contexts.h"
 
 namespace isoslider::index {
 namespace {
@@ -57,12 +58,12 @@ static_assert(kMaxSamples <= kPlaneLengthMask);
 constexpr std::size_t minGain(std::size_t planeBytes) { return planeBytes / 16 + 1; }
 
 template <class Sample>
-using BitsOf = std::conditional_t<
-    sizeof(Sample) == 1, std::uint8_t,
-    std::conditional_t<sizeof(Sample) == 2, std::uint16_t,
-                       std::conditional_t<sizeof(Sample) == 4, std::uint32_t, std::uint64_t>>>;
+using BitsOf =
+    std::conditional_t<sizeof(Sample) == 1, std::uint8_t,
+                       std::conditional_t<sizeof(Sample) == 2, std::uint16_t,
+                                          std::conditional_t<sizeof(Sample) == 4, std::uint32_t, std::uint64_t>>>;
 
-struct Scratch {
+struct Scratch : ZstdContexts {
     Scratch() {
         // In effect Huffman coding: matches of seven bytes or more are rare, but long runs are found.
         ISO_CHECK(!ZSTD_isError(ZSTD_CCtx_setParameter(compress.get(), ZSTD_c_strategy, ZSTD_fast)));
@@ -70,8 +71,6 @@ struct Scratch {
         ISO_CHECK(!ZSTD_isError(ZSTD_CCtx_setParameter(compress.get(), ZSTD_c_hashLog, 6)));
         ISO_CHECK(!ZSTD_isError(ZSTD_CCtx_setParameter(compress.get(), ZSTD_c_minMatch, 7)));
     }
-    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{orOutOfMemory(ZSTD_createCCtx()), &ZSTD_freeCCtx};
-    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{orOutOfMemory(ZSTD_createDCtx()), &ZSTD_freeDCtx};
     std::array<std::array<std::uint8_t, kMaxSamples>, 8> planes;
     std::array<std::byte, ZSTD_COMPRESSBOUND(kMaxSamples)> packed;
     alignas(64) std::array<std::byte, 8 * kMaxSamples> bits, residuals;
@@ -91,8 +90,7 @@ struct Shape {
         return static_cast<std::size_t>(x) * static_cast<std::size_t>(y) * static_cast<std::size_t>(z);
     }
     std::uint16_t code(ChunkMode mode) const {
-        return static_cast<std::uint16_t>(mode |
-                                          static_cast<unsigned>((x - 1) << 4 | (y - 1) << 8 | (z - 1) << 12));
+        return static_cast<std::uint16_t>(mode | static_cast<unsigned>((x - 1) << 4 | (y - 1) << 8 | (z - 1) << 12));
     }
     int x, y, z;
 };
@@ -106,24 +104,11 @@ void withWidth(int width, const Function& function) {
         function(width);
 }
 
-template <class Bits>
-Bits zigzag(Bits difference) {
-    constexpr int kTop = 8 * sizeof(Bits) - 1;
-    return static_cast<Bits>(static_cast<Bits>(difference << 1) ^
-                             static_cast<Bits>(Bits(0) - (difference >> kTop)));
-}
-
-template <class Bits>
-Bits unzigzag(Bits code) {
-    return static_cast<Bits>((code >> 1) ^ static_cast<Bits>(Bits(0) - (code & 1)));
-}
-
 // ---- writing
 
 // Of the row (y, z) of `chunk`, as `mode` says.
 template <class Bits, class Width>
-void residualsOfRow(ChunkMode mode, const Bits* chunk, const Shape& shape, Width width, int y, int z,
-                    Bits* out) {
+void residualsOfRow(ChunkMode mode, const Bits* chunk, const Shape& shape, Width width, int y, int z, Bits* out) {
     const std::ptrdiff_t toPlane = std::ptrdiff_t{width} * shape.y;
     const Bits* row = chunk + width * y + toPlane * z;
     if (mode == kPlain) {
@@ -181,8 +166,7 @@ public:
                     residualsOfRow(mode, chunk, shape, width, y, z, row.data());
                     for (int x = 0; x < width; ++x)
                         for (std::size_t p = 0; p < sizeof(Bits); ++p)
-                            ++counts_[p][x & 1]
-                                     [static_cast<std::uint8_t>(row[static_cast<std::size_t>(x)] >> (8 * p))];
+                            ++counts_[p][x & 1][static_cast<std::uint8_t>(row[static_cast<std::size_t>(x)] >> (8 * p))];
                     sampled_ += static_cast<std::size_t>(width);
                 }
         });
@@ -198,8 +182,7 @@ public:
 
     // Less than minGain in sight. So few bytes never look quite random: 1024 random ones cost 7.8 bits each.
     bool looksRandom(std::size_t plane) const {
-        return planeCost_[plane] >
-               static_cast<std::uint32_t>(sampled_) * static_cast<std::uint32_t>(7.65 * 256);
+        return planeCost_[plane] > static_cast<std::uint32_t>(sampled_) * static_cast<std::uint32_t>(7.65 * 256);
     }
 
 private:
@@ -336,8 +319,7 @@ void undoLorenzo(Bits* bits, const Shape& shape, Width width) {
 
 // Where the bytes of each plane lie, `count` of each; false when a plane is malformed.
 template <std::size_t kPlanes>
-bool readPlanes(std::span<const std::byte> data, std::size_t count,
-                std::array<const std::uint8_t*, kPlanes>& planes) {
+bool readPlanes(std::span<const std::byte> data, std::size_t count, std::array<const std::uint8_t*, kPlanes>& planes) {
     if (data.size() < 2 * kPlanes)
         return false;
     Scratch& s = scratch();
@@ -382,8 +364,7 @@ bool decodePlanes(ChunkMode mode, std::span<const std::byte> data, const Shape& 
         for (std::size_t i = 0; i < count; ++i) {
             Bits value = 0;
             for (std::size_t p = 0; p < sizeof(Bits); ++p)
-                value =
-                    static_cast<Bits>(value | static_cast<Bits>(static_cast<Bits>(planes[p][i]) << (8 * p)));
+                value = static_cast<Bits>(value | static_cast<Bits>(static_cast<Bits>(planes[p][i]) << (8 * p)));
             bits[i] = undo(value);
         }
     };
@@ -392,9 +373,8 @@ bool decodePlanes(ChunkMode mode, std::span<const std::byte> data, const Shape& 
         return true;
     }
     join([](Bits value) { return unzigzag(value); });
-    withWidth(shape.x, [&](auto width) {
-        mode == kAlongX ? undoAlongX(bits, shape, width) : undoLorenzo(bits, shape, width);
-    });
+    withWidth(shape.x,
+              [&](auto width) { mode == kAlongX ? undoAlongX(bits, shape, width) : undoLorenzo(bits, shape, width); });
     return true;
 }
 

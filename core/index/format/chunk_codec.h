@@ -25,8 +25,7 @@ std::vector<std::byte> encodeChunk(std::span<const Sample> samples, const ChunkE
 /// nothing but its working memory, once per thread.
 /// REQUIRES: each extent is 1 to kChunkSide; out.size() is their product.
 template <class Sample>
-[[nodiscard]] bool decodeChunk(std::span<const std::byte> bytes, const ChunkExtent& extent,
-                               std::span<Sample> out);
+[[nodiscard]] bool decodeChunk(std::span<const std::byte> bytes, const ChunkExtent& extent, std::span<Sample> out);
 
 inline constexpr std::size_t kChunkHeaderBytes = 2;
 

@@ -9,11 +9,11 @@
 #include <zstd.h>
 
 #include "core/base/byte_codec.h"
-#include "core/base/plain_text.h"
 #include "core/base/check.h"
+#include "core/base/plain_text.h"
 #include "core/grid/length_unit.h"
+#include "core/index/format/zstd_contexts.h"
 #include "core/index/sample_store.h"
-#include "core/index/format/zstd_memory.h"
 
 namespace isoslider::index {
 namespace {
@@ -68,7 +68,8 @@ bool isRangeOf(ScalarType type, double min, double max) {
 }
 
 void putLevel(ByteWriter& out, const SkipLevelInfo& info, const LevelDirectory& level) {
-    for (const std::uint64_t value : {info.blocks, info.points, info.edges, info.activatedEdges, info.bytes, info.redundantRemoved})
+    for (const std::uint64_t value :
+         {info.blocks, info.points, info.edges, info.activatedEdges, info.bytes, info.redundantRemoved})
         out.put<std::uint64_t>(value);
     out.put<std::uint64_t>(level.pages.size());
     out.put<std::uint64_t>(level.blocks.size());
@@ -89,8 +90,10 @@ constexpr std::size_t kHiddenPageEntryBytes = 32;
 constexpr std::size_t kShelfBytes = 24;
 
 // Says what is wrong, or nothing.
-const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDirectory& level, const Preamble& preamble) {
-    for (std::uint64_t* value : {&info.blocks, &info.points, &info.edges, &info.activatedEdges, &info.bytes, &info.redundantRemoved})
+const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDirectory& level,
+                     const Preamble& preamble) {
+    for (std::uint64_t* value :
+         {&info.blocks, &info.points, &info.edges, &info.activatedEdges, &info.bytes, &info.redundantRemoved})
         *value = in.get<std::uint64_t>();
     const std::uint64_t pages = in.get<std::uint64_t>();
     const std::uint64_t blocks = in.get<std::uint64_t>();
@@ -147,9 +150,8 @@ bool getHiddenPages(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
         page.checksum = in.get<std::uint64_t>();
         if (page.firstBrick < nextBrick || page.lastBrick < page.firstBrick ||
             page.lastBrick - page.firstBrick >= kMaxHiddenPageBricks || page.corners == 0 ||
-            page.corners > kMaxHiddenPageCorners || page.bytes > kMaxHiddenPageBytes ||
-            page.offset < kPreambleBytes || page.offset > preamble.metaOffset ||
-            page.bytes > preamble.metaOffset - page.offset)
+            page.corners > kMaxHiddenPageCorners || page.bytes > kMaxHiddenPageBytes || page.offset < kPreambleBytes ||
+            page.offset > preamble.metaOffset || page.bytes > preamble.metaOffset - page.offset)
             return false;
         nextBrick = std::uint64_t{page.lastBrick} + 1;
     }
@@ -235,7 +237,8 @@ bool getMissingCells(ByteReader& in, std::vector<MissingCells>& bricks, const Br
 const char* indexKindName(IndexKind kind) { return kind == IndexKind::Edges ? "edges" : "metacells"; }
 
 bool hasIndexMagic(std::span<const std::byte> firstBytes) {
-    return firstBytes.size() >= sizeof kIndexMagic && std::memcmp(firstBytes.data(), kIndexMagic, sizeof kIndexMagic) == 0;
+    return firstBytes.size() >= sizeof kIndexMagic &&
+           std::memcmp(firstBytes.data(), kIndexMagic, sizeof kIndexMagic) == 0;
 }
 
 void countHiddenCorners(IndexMeta& meta) {
@@ -258,7 +261,8 @@ std::vector<std::byte> encodePreamble(const Preamble& preamble) {
     out.putBytes(std::as_bytes(std::span(kIndexMagic)));
     out.put<std::uint16_t>(preamble.major);
     out.put<std::uint16_t>(preamble.minor);
-    for (const std::uint64_t value : {preamble.metaOffset, preamble.metaBytes, preamble.metaChecksum, preamble.fileBytes, preamble.seed})
+    for (const std::uint64_t value :
+         {preamble.metaOffset, preamble.metaBytes, preamble.metaChecksum, preamble.fileBytes, preamble.seed})
         out.put<std::uint64_t>(value);
     out.put<std::uint64_t>(hashBytes(bytes, 0));
     ISO_CHECK(bytes.size() == kPreambleBytes);
@@ -267,7 +271,8 @@ std::vector<std::byte> encodePreamble(const Preamble& preamble) {
 
 Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t fileBytes, const std::string& path) {
     if (!hasIndexMagic(bytes))
-        return makeError(ErrorCode::InvalidArgument, "not an ISOSLIDER index: it does not begin with \"ISOSLIDE\"", path, 0);
+        return makeError(ErrorCode::InvalidArgument, "not an ISOSLIDER index: it does not begin with \"ISOSLIDE\"",
+                         path, 0);
     ByteReader in(bytes);
     in.getBytes(sizeof kIndexMagic);
     Preamble preamble;
@@ -277,22 +282,29 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
         return makeError(ErrorCode::Corruption, "index ends inside its header", path, bytes.size());
     if (preamble.major != kFormatMajor)
         return makeError(ErrorCode::UnsupportedVersion,
-                         "index has format version " + std::to_string(preamble.major) + ", this program reads version " +
-                             std::to_string(kFormatMajor) + ": build it again from its volume",
+                         "index has format version " + std::to_string(preamble.major) +
+                             ", this program reads version " + std::to_string(kFormatMajor) +
+                             ": build it again from its volume",
                          path, sizeof kIndexMagic);
-    for (std::uint64_t* value : {&preamble.metaOffset, &preamble.metaBytes, &preamble.metaChecksum, &preamble.fileBytes, &preamble.seed})
+    for (std::uint64_t* value :
+         {&preamble.metaOffset, &preamble.metaBytes, &preamble.metaChecksum, &preamble.fileBytes, &preamble.seed})
         *value = in.get<std::uint64_t>();
     if (in.get<std::uint64_t>() != hashBytes(bytes.first(kPreambleBytes - 8), 0))
         return makeError(ErrorCode::Corruption, "index header fails its checksum", path, 0);
     if (preamble.fileBytes != fileBytes)
-        return makeError(ErrorCode::Corruption, "index should have " + std::to_string(preamble.fileBytes) + " bytes, the file has " + std::to_string(fileBytes), path);
-    if (preamble.metaOffset < kPreambleBytes || preamble.metaOffset > fileBytes || preamble.metaBytes > fileBytes - preamble.metaOffset ||
-        preamble.metaBytes > kMaxMetaBytes)
+        return makeError(ErrorCode::Corruption,
+                         "index should have " + std::to_string(preamble.fileBytes) + " bytes, the file has " +
+                             std::to_string(fileBytes),
+                         path);
+    if (preamble.metaOffset < kPreambleBytes || preamble.metaOffset > fileBytes ||
+        preamble.metaBytes > fileBytes - preamble.metaOffset || preamble.metaBytes > kMaxMetaBytes)
         return makeError(ErrorCode::Corruption, "index header points outside the file", path, 16);
     return preamble;
 }
 
-std::uint16_t minorOf(const IndexMeta& meta) { return !meta.info.resampling.empty() ? 2 : meta.info.lengthUnit.empty() ? 0 : 1; }
+std::uint16_t minorOf(const IndexMeta& meta) {
+    return !meta.info.resampling.empty() ? 2 : meta.info.lengthUnit.empty() ? 0 : 1;
+}
 
 std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     std::vector<std::byte> bytes;
@@ -329,7 +341,8 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
 
 Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& preamble, const std::string& path) {
     const auto corrupt = [&](const char* what) {
-        return makeError(ErrorCode::Corruption, std::string("index directory is damaged: ") + what, path, preamble.metaOffset);
+        return makeError(ErrorCode::Corruption, std::string("index directory is damaged: ") + what, path,
+                         preamble.metaOffset);
     };
     IndexMeta meta;
     IndexInfo& info = meta.info;

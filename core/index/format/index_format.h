@@ -42,7 +42,7 @@ struct Preamble {
 /// One encoded page and the keys of its points.
 struct PageEntry {
     std::uint64_t firstKey = 0; ///< smallest key of a point in the page
-    std::uint64_t lastKey = 0;  ///< largest
+    std::uint64_t lastKey = 0; ///< largest
     std::uint64_t offset = 0;
     std::uint64_t checksum = 0;
     std::uint32_t bytes = 0;
@@ -80,7 +80,7 @@ struct HiddenPageEntry {
 struct ShelfEntry {
     std::uint64_t offset = 0;
     std::uint64_t chunkBytes = 0; ///< of its chunks; the table begins there
-    std::uint64_t checksum = 0;   ///< of the table
+    std::uint64_t checksum = 0; ///< of the table
 };
 
 /// Cells of a brick that have a missing corner: bit x + 8 y + 64 z.
@@ -94,7 +94,7 @@ struct IndexMeta {
     IndexInfo info;
     std::vector<LevelDirectory> levels;
     std::vector<HiddenPageEntry> hiddenPages; ///< ascending, no brick in two
-    std::vector<ShelfEntry> shelves;           ///< with metacells, as many as the grid needs
+    std::vector<ShelfEntry> shelves; ///< with metacells, as many as the grid needs
     std::vector<MissingCells> missingCells; ///< sorted by brick
 };
 

@@ -11,7 +11,7 @@ namespace isoslider::index {
 
 /// What becomes active and inactive along the skip list.
 enum class IndexKind : std::uint8_t {
-    Edges,     ///< grid edges, with all that the surface needs
+    Edges, ///< grid edges, with all that the surface needs
     Metacells, ///< bricks; what they hold is read from the samples, which the index keeps compressed
 };
 
@@ -22,10 +22,10 @@ const char* indexKindName(IndexKind kind);
 /// active or inactive, and has one entry.
 struct SkipLevelInfo {
     std::uint64_t blocks = 0;
-    std::uint64_t points = 0;         ///< records: of points, or of bricks
-    std::uint64_t edges = 0;          ///< entries: of edges, E+ and E- together, or of bricks
+    std::uint64_t points = 0; ///< records: of points, or of bricks
+    std::uint64_t edges = 0; ///< entries: of edges, E+ and E- together, or of bricks
     std::uint64_t activatedEdges = 0; ///< those that become active upwards: E+
-    std::uint64_t bytes = 0;          ///< encoded bytes of its pages
+    std::uint64_t bytes = 0; ///< encoded bytes of its pages
     std::uint64_t redundantRemoved = 0; ///< entries of the level below that cancelled out here
 };
 
@@ -44,16 +44,16 @@ struct IndexInfo {
     double min = 0.0;
     double max = 0.0;
     std::uint64_t distinctValues = 0;
-    std::uint64_t nanCount = 0;    ///< missing samples: NaN and Inf
+    std::uint64_t nanCount = 0; ///< missing samples: NaN and Inf
     std::uint64_t indexBytes = 0;
-    std::uint64_t hiddenCorners = 0;     ///< samples stored because sliding cannot learn them from active edges
+    std::uint64_t hiddenCorners = 0; ///< samples stored because sliding cannot learn them from active edges
     std::uint64_t hiddenCornerBytes = 0; ///< encoded bytes of their pages
-    std::uint64_t sampleBytes = 0;       ///< encoded bytes of the samples; 0 with edges
-    std::uint64_t mergeErrorBytes = 0;   ///< encoded bytes of the merged cells' errors; 0 with edges
+    std::uint64_t sampleBytes = 0; ///< encoded bytes of the samples; 0 with edges
+    std::uint64_t mergeErrorBytes = 0; ///< encoded bytes of the merged cells' errors; 0 with edges
     double redundancyThreshold = 0.0; ///< k of the paper, section 2.1
-    std::string sourceName;        ///< file name of the volume, without its folder
-    std::string lengthUnit;        ///< of spacing and origin (core/grid/length_unit.h); empty: unknown
-    std::string resampling;        ///< what resampling the volume onto a uniform grid lost, in one line; empty: it was not
+    std::string sourceName; ///< file name of the volume, without its folder
+    std::string lengthUnit; ///< of spacing and origin (core/grid/length_unit.h); empty: unknown
+    std::string resampling; ///< what resampling the volume onto a uniform grid lost, in one line; empty: it was not
     std::vector<SkipLevelInfo> levels;
     Histogram histogram;
     /// Active edges at the lower end of each histogram bin: the cost of an isovalue before a visit.

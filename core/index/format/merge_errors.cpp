@@ -9,10 +9,10 @@
 
 #include <zstd.h>
 
+#include "core/base/byte_codec.h"
 #include "core/base/check.h"
 #include "core/grid/classification.h"
-#include "core/base/byte_codec.h"
-#include "core/index/format/zstd_memory.h"
+#include "core/index/format/zstd_contexts.h"
 
 namespace isoslider::index {
 
@@ -145,8 +145,8 @@ void addChildren(const PerCell<Real, 2 * cells>& children, PerCell<Real, cells>&
             for (int x = 0; x < cells; ++x) {
                 Real most = 0;
                 for (int c = 0; c < 8; ++c)
-                    most = larger(most, children[((2 * z + (c >> 2)) * kFine + 2 * y + (c >> 1 & 1)) * kFine +
-                                                 2 * x + (c & 1)]);
+                    most = larger(
+                        most, children[((2 * z + (c >> 2)) * kFine + 2 * y + (c >> 1 & 1)) * kFine + 2 * x + (c & 1)]);
                 errors[(z * cells + y) * cells + x] += most;
             }
 }
@@ -193,13 +193,8 @@ int exponentAbove(Real error) {
 }
 constexpr int kExponentBeyond = 2047;
 
-struct Scratch {
-    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{orOutOfMemory(ZSTD_createCCtx()), &ZSTD_freeCCtx};
-    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{orOutOfMemory(ZSTD_createDCtx()), &ZSTD_freeDCtx};
-};
-
-Scratch& scratch() {
-    thread_local Scratch kept;
+ZstdContexts& contexts() {
+    thread_local ZstdContexts kept;
     return kept;
 }
 
@@ -274,9 +269,7 @@ public:
         for (std::size_t i = 0; i < count_; ++i) {
             const int exponent = exponents_[i];
             const int octave = std::max(1, MergeErrors::kTopCode - top + exponent);
-            const int code = exponent == 0                 ? 0
-                             : exponent == kExponentBeyond ? MergeErrors::kInfinite
-                                                           : octave;
+            const int code = exponent == 0 ? 0 : exponent == kExponentBeyond ? MergeErrors::kInfinite : octave;
             errors_.codes_[i] = static_cast<std::uint8_t>(code);
         }
         errors_.topExponent_ = top;
@@ -346,8 +339,7 @@ std::vector<std::byte> MergeErrorCodec::encode(const MergeErrors& errors) {
     const std::size_t count = errors.count();
     const std::span<const std::uint8_t> codes(errors.codes_.data(), count);
     std::vector<std::byte> bytes(kHeaderBytes);
-    const bool isConstant =
-        std::all_of(codes.begin(), codes.end(), [&](int code) { return code == codes[0]; });
+    const bool isConstant = std::all_of(codes.begin(), codes.end(), [&](int code) { return code == codes[0]; });
     if (isConstant) {
         const unsigned code = count > 0 ? codes[0] : 0u;
         bytes[0] = static_cast<std::byte>(kConstant | code << 4);
@@ -358,8 +350,8 @@ std::vector<std::byte> MergeErrorCodec::encode(const MergeErrors& errors) {
     storeLittle<std::uint16_t>(&bytes[1], static_cast<std::uint16_t>(errors.topExponent_));
     const std::size_t rawBytes = (count + 1) / 2;
     bytes.resize(kHeaderBytes + rawBytes);
-    const std::size_t packed =
-        orOutOfMemory(ZSTD_compressCCtx(scratch().compress.get(), &bytes[kHeaderBytes], rawBytes, codes.data(), count, 1));
+    const std::size_t packed = orOutOfMemory(
+        ZSTD_compressCCtx(contexts().compress.get(), &bytes[kHeaderBytes], rawBytes, codes.data(), count, 1));
     if (!ZSTD_isError(packed) && packed < rawBytes - rawBytes / 8) {
         bytes[0] = std::byte{kZstd};
         bytes.resize(kHeaderBytes + packed);
@@ -397,20 +389,17 @@ bool MergeErrorCodec::decode(std::span<const std::byte> bytes, MergeErrors& out)
         if (data.size() != (count + 1) / 2)
             return false;
         for (std::size_t i = 0; i < count; ++i)
-            out.codes_[i] =
-                static_cast<std::uint8_t>(static_cast<unsigned>(data[i / 2]) >> 4 * (i % 2) & 0xf);
+            out.codes_[i] = static_cast<std::uint8_t>(static_cast<unsigned>(data[i / 2]) >> 4 * (i % 2) & 0xf);
         return count % 2 == 0 || static_cast<unsigned>(data[count / 2]) >> 4 == 0;
     }
-    if (mode != kZstd || ZSTD_decompressDCtx(scratch().decompress.get(), out.codes_.data(), count,
-                                             data.data(), data.size()) != count)
+    if (mode != kZstd ||
+        ZSTD_decompressDCtx(contexts().decompress.get(), out.codes_.data(), count, data.data(), data.size()) != count)
         return false; // an error is a number larger than any count
     return std::all_of(out.codes_.begin(), out.codes_.begin() + static_cast<std::ptrdiff_t>(count),
                        [](int code) { return code <= MergeErrors::kInfinite; });
 }
 
-std::vector<std::byte> encodeMergeErrors(const MergeErrors& errors) {
-    return MergeErrorCodec::encode(errors);
-}
+std::vector<std::byte> encodeMergeErrors(const MergeErrors& errors) { return MergeErrorCodec::encode(errors); }
 
 bool decodeMergeErrors(std::span<const std::byte> bytes, const MergeExtent& points, MergeErrors& out) {
     out = MergeErrors(points);

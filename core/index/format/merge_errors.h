@@ -73,8 +73,7 @@ std::vector<std::byte> encodeMergeErrors(const MergeErrors& errors);
 
 /// False when `bytes` are not the errors of a chunk of so many points; `out` is unspecified then. Believes
 /// nothing, but does not see every damage. Any thread. REQUIRES: each extent is 1 to kChunkSide + 1.
-[[nodiscard]] bool decodeMergeErrors(std::span<const std::byte> bytes, const MergeExtent& points,
-                                     MergeErrors& out);
+[[nodiscard]] bool decodeMergeErrors(std::span<const std::byte> bytes, const MergeExtent& points, MergeErrors& out);
 
 extern template MergeErrors measureMergeErrors(const SampleBox<std::uint8_t>&);
 extern template MergeErrors measureMergeErrors(const SampleBox<std::int8_t>&);

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "core/base/folders.h"
 #include "core/volume_io/parsing/header_checks.h"
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
 
-Result<std::vector<std::string>> expandPattern(std::string_view value, std::string_view field,
-                                               const fs::path& header) {
+Result<std::vector<std::string>> expandPattern(std::string_view value, std::string_view field, const fs::path& header) {
     const auto parts = words(value);
     if (parts.size() != 4)
         return refuseField(field, "a pattern takes first, last and step, found " + inQuotes(value), header);
@@ -24,20 +24,17 @@ Result<std::vector<std::string>> expandPattern(std::string_view value, std::stri
     if (!digits || *digits < 0 || *digits > 20 || pattern.find('%', percent + 1) != std::string_view::npos)
         return refuseField(field, inQuotes(pattern) + " is not a pattern with one %d", header);
     constexpr std::int64_t kBound = std::int64_t{1} << 40;
-    const auto isBounded = [](const auto& number) {
-        return number && *number >= -kBound && *number <= kBound;
-    };
-    if (!isBounded(first) || !isBounded(last) || !isBounded(step) || *step == 0 ||
-        (*last - *first) / *step < 0 || (*last - *first) / *step >= static_cast<std::int64_t>(kMaxDataFiles))
-        return refuseField(
-            field, "the range " + inQuotes(trimmed(value.substr(pattern.size()))) + " is not usable", header);
+    const auto isBounded = [](const auto& number) { return number && *number >= -kBound && *number <= kBound; };
+    if (!isBounded(first) || !isBounded(last) || !isBounded(step) || *step == 0 || (*last - *first) / *step < 0 ||
+        (*last - *first) / *step >= static_cast<std::int64_t>(kMaxDataFiles))
+        return refuseField(field, "the range " + inQuotes(trimmed(value.substr(pattern.size()))) + " is not usable",
+                           header);
     std::vector<std::string> names;
     for (std::int64_t i = 0; i <= (*last - *first) / *step; ++i) {
         std::string number = std::to_string(*first + i * *step);
         if (number.size() < static_cast<std::size_t>(*digits))
             number.insert(0, static_cast<std::size_t>(*digits) - number.size(), width[0] == '0' ? '0' : ' ');
-        names.push_back(std::string(pattern.substr(0, percent)) + number +
-                        std::string(pattern.substr(conversion + 1)));
+        names.push_back(std::string(pattern.substr(0, percent)) + number + std::string(pattern.substr(conversion + 1)));
     }
     return names;
 }
@@ -51,12 +48,10 @@ Result<std::vector<FilePart>> locateDataFiles(const std::vector<std::string>& na
     std::vector<FilePart> parts;
     parts.reserve(names.size());
     for (const std::string& name : names) {
-        std::error_code ignored;
         fs::path beside = header.parent_path() / name;
         // A file beside the header, under its own name, needs no links followed: lists are long.
-        const bool isBeside = name.find('/') == std::string::npos && name != ".." &&
-                              name != header.filename() &&
-                              fs::symlink_status(beside, ignored).type() == fs::file_type::regular;
+        const bool isBeside =
+            name.find('/') == std::string::npos && name != ".." && name != header.filename() && isPlainFile(beside);
         if (isBeside) {
             parts.push_back({std::move(beside), 0});
             continue;
@@ -64,7 +59,7 @@ Result<std::vector<FilePart>> locateDataFiles(const std::vector<std::string>& na
         auto file = resolveDataFile(header, name, field, allowsExternal);
         if (!file.isOk())
             return std::move(file).error();
-        if (fs::equivalent(file.value(), header, ignored))
+        if (isSameFile(file.value(), header))
             return refuseField(field, inQuotes(name) + " is the header itself", header);
         parts.push_back({std::move(file).value(), 0});
     }

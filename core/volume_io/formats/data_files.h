@@ -25,8 +25,8 @@ Result<std::vector<FilePart>> locateDataFiles(const std::vector<std::string>& na
 /// The files of `parts` but `opened` itself, for VolumeInfo::dataFiles.
 std::vector<std::filesystem::path> filesBeside(const std::filesystem::path& opened, const std::vector<FilePart>& parts);
 
-/// The same of slices in a folder. None when their names would be too long for a reader process to say: then every file in
-/// the folder counts as one of them.
+/// The same of slices in a folder. None when their names would be too long for a reader process to say: then every file
+/// in the folder counts as one of them.
 std::vector<std::filesystem::path> filesInFolder(std::vector<std::filesystem::path> slices);
 
 } // namespace isoslider::io

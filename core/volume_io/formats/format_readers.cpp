@@ -30,8 +30,8 @@ Status WholeGridSource::readSlab(std::int64_t zBegin, std::int64_t zEnd, std::sp
     if (!made.isOk())
         return made.error();
     const ScalarGrid& whole = *made.value();
-    const auto planeBytes = static_cast<std::size_t>(whole.dims()[0] * whole.dims()[1]) *
-                            scalarTypeSizeBytes(whole.type());
+    const auto planeBytes =
+        static_cast<std::size_t>(whole.dims()[0] * whole.dims()[1]) * scalarTypeSizeBytes(whole.type());
     const auto bytes = whole.bytes().subspan(static_cast<std::size_t>(zBegin) * planeBytes,
                                              static_cast<std::size_t>(zEnd - zBegin) * planeBytes);
     ISO_CHECK(bytes.size() == out.size());

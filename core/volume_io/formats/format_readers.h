@@ -50,10 +50,10 @@ Result<VolumeContents> listByOpening(OpenFormat open, const std::filesystem::pat
 
 /// A family of formats.
 struct Format {
-    std::string_view name;                       ///< for people
-    std::span<const std::string_view> suffixes;  ///< lower case, with the point; of the whole file name
+    std::string_view name; ///< for people
+    std::span<const std::string_view> suffixes; ///< lower case, with the point; of the whole file name
     OpenFormat* open = nullptr;
-    ListFormat* list = nullptr;                  ///< null: listByOpening
+    ListFormat* list = nullptr; ///< null: listByOpening
     /// True if a file of whatever name, or a folder, is of this format. Null: known by its suffix only.
     bool (*recognises)(const std::filesystem::path& path, std::span<const std::byte> start) = nullptr;
     bool readsFolders = false;

@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "core/base/file_system.h"
+#include "core/base/folders.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/parsing/header_checks.h"
 
@@ -67,11 +68,10 @@ const Format kFormats[] = {
 std::span<const Format> knownFormats() { return kFormats; }
 
 Result<const Format*> findFormat(const fs::path& path) {
-    std::error_code ignored;
-    const bool isFolder = fs::is_directory(path, ignored);
+    const bool isSeries = isFolder(path);
     std::array<std::byte, kStartBytes> buffer;
     std::span<const std::byte> start;
-    if (!isFolder) {
+    if (!isSeries) {
         const std::string name = lowerCase(path.filename().string());
         for (const Format& format : kFormats)
             if (std::any_of(format.suffixes.begin(), format.suffixes.end(),
@@ -86,11 +86,12 @@ Result<const Format*> findFormat(const fs::path& path) {
         start = std::span(buffer).first(count.value());
     }
     for (const Format& format : kFormats)
-        if (format.recognises != nullptr && format.readsFolders >= isFolder && format.recognises(path, start))
+        if (format.recognises != nullptr && format.readsFolders >= isSeries && format.recognises(path, start))
             return &format;
     return makeError(ErrorCode::InvalidArgument,
-                     isFolder ? "is a folder without slices of a volume"
-                              : "is of no volume format that is known by name or content; raw samples need dims and type",
+                     isSeries
+                         ? "is a folder without slices of a volume"
+                         : "is of no volume format that is known by name or content; raw samples need dims and type",
                      path);
 }
 

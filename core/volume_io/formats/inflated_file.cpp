@@ -22,8 +22,7 @@ InflatedFile::~InflatedFile() {
 }
 
 std::uint64_t InflatedFile::sizeBytes() const {
-    return std::min(kMaxBytes,
-                    (packed_->sizeBytes() - std::min(begin_, packed_->sizeBytes())) * kMostPerByte);
+    return std::min(kMaxBytes, (packed_->sizeBytes() - std::min(begin_, packed_->sizeBytes())) * kMostPerByte);
 }
 
 void InflatedFile::allow(std::uint64_t bytes) const {

@@ -32,7 +32,8 @@ double roughness(std::span<const std::byte> bytes, bool isSwapped) {
 }
 
 /// A note where the other byte order makes the samples far smoother. Looks at the middle of the file.
-std::optional<std::string> byteOrderDoubt(const RandomAccessFile& file, const RawLayout& layout, std::uint64_t samples) {
+std::optional<std::string> byteOrderDoubt(const RandomAccessFile& file, const RawLayout& layout,
+                                          std::uint64_t samples) {
     constexpr std::uint64_t kBytes = std::uint64_t{1} << 16;
     constexpr double kFarSmoother = 10.0;
     const std::size_t size = scalarTypeSizeBytes(layout.type);
@@ -68,13 +69,15 @@ Result<std::unique_ptr<VolumeSource>> openRaw(const std::filesystem::path& path,
     auto file = defaultFileSystem().openForReading(path);
     if (!file.isOk())
         return std::move(file).error();
-    const std::uint64_t samples = static_cast<std::uint64_t>(pointCount(dims.value())) * scalarTypeSizeBytes(layout.type);
+    const std::uint64_t samples =
+        static_cast<std::uint64_t>(pointCount(dims.value())) * scalarTypeSizeBytes(layout.type);
     const std::uint64_t size = file.value()->sizeBytes();
     const bool isShort = layout.skipBytes > size || size - layout.skipBytes < samples;
     if (isShort || (!options.allowsTrailing && size - layout.skipBytes > samples))
         return makeError(isShort ? ErrorCode::Corruption : ErrorCode::InvalidArgument,
                          "has " + std::to_string(size) + " bytes; dims, type and skipped bytes ask for " +
-                             std::to_string(samples) + (layout.skipBytes > 0 ? " after " + std::to_string(layout.skipBytes) : "") +
+                             std::to_string(samples) +
+                             (layout.skipBytes > 0 ? " after " + std::to_string(layout.skipBytes) : "") +
                              (isShort ? "" : " (trailing bytes have to be allowed)"),
                          path);
     if (const std::uint64_t trailing = size - layout.skipBytes - samples; trailing > 0)

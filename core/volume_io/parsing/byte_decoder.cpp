@@ -106,8 +106,7 @@ public:
             if (outcome == Z_STREAM_END)
                 ISO_TRY(nextMember());
             else if (outcome != Z_OK && outcome != Z_BUF_ERROR)
-                return input_.damaged(stream_.msg != nullptr ? stream_.msg : "unknown reason",
-                                      stream_.avail_in);
+                return input_.damaged(stream_.msg != nullptr ? stream_.msg : "unknown reason", stream_.avail_in);
         }
         return done;
     }
@@ -164,8 +163,7 @@ public:
             if (outcome == BZ_STREAM_END)
                 ISO_TRY(nextMember());
             else if (outcome != BZ_OK)
-                return input_.damaged(outcome == BZ_DATA_ERROR_MAGIC ? "is not bzip2"
-                                                                     : "a checksum or code is wrong",
+                return input_.damaged(outcome == BZ_DATA_ERROR_MAGIC ? "is not bzip2" : "a checksum or code is wrong",
                                       stream_.avail_in);
         }
         return done;
@@ -224,8 +222,7 @@ public:
                 if (!bytes.isOk())
                     return bytes.error();
                 if (bytes.value().empty() && high_)
-                    return makeError(ErrorCode::Corruption, "hexadecimal data ends within a byte",
-                                     input_.path());
+                    return makeError(ErrorCode::Corruption, "hexadecimal data ends within a byte", input_.path());
                 if (bytes.value().empty())
                     return done;
                 rest_ = bytes.value();
@@ -239,9 +236,8 @@ public:
                               : c >= 'A' && c <= 'F' ? c - 'A' + 10
                                                      : -1;
             if (digit < 0)
-                return makeError(ErrorCode::InvalidArgument,
-                                 inQuotes({&c, 1}) + " is not a hexadecimal digit", input_.path(),
-                                 input_.position() - rest_.size() - 1);
+                return makeError(ErrorCode::InvalidArgument, inQuotes({&c, 1}) + " is not a hexadecimal digit",
+                                 input_.path(), input_.position() - rest_.size() - 1);
             if (high_)
                 out[done++] = static_cast<std::byte>(*high_ * 16 + digit);
             high_ = high_ ? std::nullopt : std::optional<int>(digit);
@@ -400,8 +396,7 @@ std::optional<double> parseFortranReal(std::string_view word) {
         text.begin(), text.end(), [](char c) { return c == 'D' || c == 'd'; }, 'e');
     const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
     const auto sign = text.size() > 4 ? text.size() - 4 : 0; // of an exponent of three digits
-    if (sign > 0 && (text[sign] == '+' || text[sign] == '-') &&
-        (isDigit(text[sign - 1]) || text[sign - 1] == '.') &&
+    if (sign > 0 && (text[sign] == '+' || text[sign] == '-') && (isDigit(text[sign - 1]) || text[sign - 1] == '.') &&
         std::all_of(text.begin() + static_cast<std::ptrdiff_t>(sign) + 1, text.end(), isDigit))
         text.insert(sign, 1, 'e');
     double value = 0.0;

@@ -18,8 +18,7 @@ public:
         while (!out.empty()) {
             const auto part = static_cast<std::size_t>(offset / partBytes_);
             const std::uint64_t within = offset % partBytes_;
-            const auto count =
-                static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), partBytes_ - within));
+            const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), partBytes_ - within));
             ISO_TRY(open(part));
             ISO_TRY(file_->readExactlyAt(parts_[part].offset + within, out.first(count)));
             out = out.subspan(count);
@@ -40,8 +39,8 @@ public:
         if (size < parts_[part].offset || size - parts_[part].offset < partBytes_)
             return makeError(ErrorCode::Corruption,
                              "data ends early: the header asks for " + std::to_string(partBytes_) +
-                                 " bytes from byte " + std::to_string(parts_[part].offset) +
-                                 ", the file has " + std::to_string(size) + " bytes",
+                                 " bytes from byte " + std::to_string(parts_[part].offset) + ", the file has " +
+                                 std::to_string(size) + " bytes",
                              parts_[part].path);
         return {};
     }
@@ -63,8 +62,7 @@ public:
     Status readAt(std::uint64_t offset, std::span<std::byte> out) override {
         while (!out.empty()) {
             const std::uint64_t within = offset % partBytes_;
-            const auto count =
-                static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), partBytes_ - within));
+            const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), partBytes_ - within));
             ISO_TRY(moveTo(static_cast<std::size_t>(offset / partBytes_), how_.skipBytes + within));
             ISO_TRY(unpack(out.first(count)));
             if (position_ == how_.skipBytes + partBytes_)
@@ -96,9 +94,8 @@ public:
         const std::uint64_t encoded = fileSize > offset ? fileSize - offset : 0;
         if (leastEncodedBytes(how_.encoding, how_.skipBytes + partBytes_, how_.textType) > encoded)
             return makeError(ErrorCode::Corruption,
-                             "the header asks for " + std::to_string(partBytes_) +
-                                 " bytes of samples, which " + std::to_string(encoded) + " bytes " +
-                                 contentName() + " cannot hold",
+                             "the header asks for " + std::to_string(partBytes_) + " bytes of samples, which " +
+                                 std::to_string(encoded) + " bytes " + contentName() + " cannot hold",
                              parts_[part].path, offset);
         decoder_ = makeDecoder(std::move(file).value(), offset, how_.encoding, how_.textType);
         openPart_ = part;
@@ -112,8 +109,7 @@ private:
             ISO_TRY(open(part));
         std::vector<std::byte> ignored(std::min<std::uint64_t>(wanted - position_, std::uint64_t{1} << 18));
         while (position_ < wanted)
-            ISO_TRY(unpack(
-                std::span(ignored).first(std::min<std::uint64_t>(ignored.size(), wanted - position_))));
+            ISO_TRY(unpack(std::span(ignored).first(std::min<std::uint64_t>(ignored.size(), wanted - position_))));
         return {};
     }
 
@@ -161,15 +157,12 @@ class RunsStream final : public ByteStream {
 public:
     RunsStream(std::unique_ptr<ByteStream> bytes, Runs runs) : bytes_(std::move(bytes)), runs_(runs) {}
 
-    std::uint64_t sizeBytes() const override {
-        return bytes_->sizeBytes() / runs_.strideBytes * runs_.runBytes;
-    }
+    std::uint64_t sizeBytes() const override { return bytes_->sizeBytes() / runs_.strideBytes * runs_.runBytes; }
 
     Status readAt(std::uint64_t offset, std::span<std::byte> out) override {
         while (!out.empty()) {
             const std::uint64_t within = offset % runs_.runBytes;
-            const auto count =
-                static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), runs_.runBytes - within));
+            const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), runs_.runBytes - within));
             ISO_TRY(bytes_->readAt(runs_.firstByte + offset / runs_.runBytes * runs_.strideBytes + within,
                                    out.first(count)));
             out = out.subspan(count);
@@ -194,8 +187,7 @@ Result<std::unique_ptr<ByteStream>> openParts(std::vector<FilePart> parts, std::
     return std::unique_ptr<ByteStream>(std::move(stream));
 }
 
-Result<std::unique_ptr<ByteStream>> openEncoded(std::vector<FilePart> parts, std::uint64_t partBytes,
-                                                Encoded how) {
+Result<std::unique_ptr<ByteStream>> openEncoded(std::vector<FilePart> parts, std::uint64_t partBytes, Encoded how) {
     ISO_CHECK(!parts.empty() && partBytes > 0);
     if (how.encoding == Encoding::Plain) {
         for (FilePart& part : parts)
@@ -210,8 +202,8 @@ Result<std::unique_ptr<ByteStream>> openEncoded(std::vector<FilePart> parts, std
     return std::unique_ptr<ByteStream>(std::move(stream));
 }
 
-Result<std::unique_ptr<ByteStream>> openDeflated(const fs::path& path, std::uint64_t offset,
-                                                 std::uint64_t skipBytes, std::uint64_t sizeBytes) {
+Result<std::unique_ptr<ByteStream>> openDeflated(const fs::path& path, std::uint64_t offset, std::uint64_t skipBytes,
+                                                 std::uint64_t sizeBytes) {
     return openEncoded({{path, offset}}, sizeBytes, {Encoding::Deflate, FileType::U8, skipBytes, false});
 }
 

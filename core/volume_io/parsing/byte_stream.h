@@ -42,8 +42,7 @@ struct Encoded {
 };
 
 /// Parts that decode to `partBytes` each, one after the other; decoded as they are read: see openDeflated.
-Result<std::unique_ptr<ByteStream>> openEncoded(std::vector<FilePart> parts, std::uint64_t partBytes,
-                                                Encoded how);
+Result<std::unique_ptr<ByteStream>> openEncoded(std::vector<FilePart> parts, std::uint64_t partBytes, Encoded how);
 
 /// A part of every `strideBytes`: what is left of an array when one of its axes is held.
 struct Runs {

@@ -7,6 +7,7 @@
 #include <glm/matrix.hpp>
 
 #include "core/base/file_system.h"
+#include "core/base/folders.h"
 #include "core/base/machine.h"
 
 namespace isoslider::io {
@@ -79,8 +80,10 @@ Status checkExtents(std::span<const std::int64_t> sizes, std::string_view field,
     std::int64_t values = 1;
     for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
         if (sizes[axis] < 1 || sizes[axis] > kMaxDim)
-            return refuseField(field, "extent " + std::to_string(sizes[axis]) + " of axis " + std::to_string(axis + 1) +
-                                          " is not within 1.." + std::to_string(kMaxDim), path);
+            return refuseField(field,
+                               "extent " + std::to_string(sizes[axis]) + " of axis " + std::to_string(axis + 1) +
+                                   " is not within 1.." + std::to_string(kMaxDim),
+                               path);
         values *= sizes[axis]; // both factors are below 2^41: no overflow before the next test
         if (values > kMaxPoints)
             return refuseField(field, "more than 2^40 grid points in all", path);
@@ -93,8 +96,10 @@ Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view
     GridDims dims{1, 1, 1};
     for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
         if (axis >= 3 && sizes[axis] != 1)
-            return refuseField(field, "the data has " + std::to_string(sizes.size()) +
-                                          " dimensions, a series or several components; save one volume of it", path);
+            return refuseField(field,
+                               "the data has " + std::to_string(sizes.size()) +
+                                   " dimensions, a series or several components; save one volume of it",
+                               path);
         if (axis < 3)
             dims[axis] = sizes[axis];
     }
@@ -104,8 +109,10 @@ Result<GridDims> checkDims(std::span<const std::int64_t> sizes, std::string_view
 Status checkGeometry(const GridGeometry& geometry, std::string_view field, const fs::path& path) {
     for (int axis = 0; axis < 3; ++axis) {
         if (!std::isfinite(geometry.spacing[axis]) || !(geometry.spacing[axis] > 0.0))
-            return refuseField(field, "spacing " + std::to_string(geometry.spacing[axis]) + " of axis " +
-                                          std::to_string(axis + 1) + " is not a positive number", path);
+            return refuseField(field,
+                               "spacing " + std::to_string(geometry.spacing[axis]) + " of axis " +
+                                   std::to_string(axis + 1) + " is not a positive number",
+                               path);
         if (!std::isfinite(geometry.origin[axis]))
             return refuseField(field, "the origin is not finite", path);
     }
@@ -117,20 +124,21 @@ Status checkGeometry(const GridGeometry& geometry, std::string_view field, const
 
 Result<fs::path> resolveDataFile(const fs::path& header, std::string_view name, std::string_view field,
                                  bool allowsExternal) {
-    std::error_code problem;
-    const fs::path folder = fs::canonical(header.parent_path().empty() ? fs::path(".") : header.parent_path(), problem);
-    if (problem)
-        return makeError(ErrorCode::IoError, "cannot resolve its folder: " + problem.message(), header);
-    const fs::path file = fs::weakly_canonical(folder / fs::path(name), problem);
-    if (problem)
-        return refuseField(field, "cannot resolve " + inQuotes(name) + ": " + problem.message(), header);
-    const auto mismatch = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
-    if (!allowsExternal && mismatch.first != folder.end())
+    const auto folder = canonicalPath(header.parent_path());
+    if (!folder.isOk())
+        return folder.error();
+    auto resolved = canonicalPath(folder.value() / fs::path(name));
+    if (!resolved.isOk())
+        return refuseField(field, inQuotes(name) + ": " + resolved.error().message, header);
+    const fs::path& file = resolved.value();
+    const auto mismatch = std::mismatch(folder.value().begin(), folder.value().end(), file.begin(), file.end());
+    if (!allowsExternal && mismatch.first != folder.value().end())
         return refuseField(
-            field, inQuotes(name) + " lies outside the folder of the header (data outside it has to be allowed)", header);
-    if (!fs::exists(file, problem))
+            field, inQuotes(name) + " lies outside the folder of the header (data outside it has to be allowed)",
+            header);
+    if (!isPresent(file))
         return refuseField(field, "there is no file " + inQuotes(name) + " beside the header", header);
-    return file;
+    return resolved;
 }
 
 Result<std::string> readStart(const fs::path& path, std::uint64_t maxBytes) {
@@ -145,8 +153,10 @@ Result<std::string> readStart(const fs::path& path, std::uint64_t maxBytes) {
 Status checkFitsMemory(std::uint64_t sizeBytes, const fs::path& path) {
     const auto memory = physicalMemoryBytes();
     if (sizeBytes > memory)
-        return makeError(ErrorCode::OutOfSpace, "needs " + std::to_string(sizeBytes >> 20) +
-                             " MiB in memory, this machine has " + std::to_string(memory >> 20), path);
+        return makeError(ErrorCode::OutOfSpace,
+                         "needs " + std::to_string(sizeBytes >> 20) + " MiB in memory, this machine has " +
+                             std::to_string(memory >> 20),
+                         path);
     return {};
 }
 

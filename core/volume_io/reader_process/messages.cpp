@@ -16,11 +16,15 @@ class Encoder {
 public:
     explicit Encoder(std::vector<std::byte>& out) : out_(out) {}
     template <class Value>
-    void number(const Value& value) { out_.put<Value>(value); }
+    void number(const Value& value) {
+        out_.put<Value>(value);
+    }
     void text(const std::string& value) { out_.putString(value.substr(0, kMaxText)); }
     void path(const std::filesystem::path& value) { text(value.string()); }
     template <class Enum>
-    void choice(const Enum& value, Enum /*last*/) { out_.put<std::uint8_t>(static_cast<std::uint8_t>(value)); }
+    void choice(const Enum& value, Enum /*last*/) {
+        out_.put<std::uint8_t>(static_cast<std::uint8_t>(value));
+    }
     void flag(const bool& value) { out_.put<std::uint8_t>(value ? 1 : 0); }
     template <class Item, class Function>
     void list(const std::vector<Item>& items, const Function& each) {
@@ -44,7 +48,9 @@ class Decoder {
 public:
     explicit Decoder(std::span<const std::byte> in) : in_(in) {}
     template <class Value>
-    void number(Value& value) { value = in_.get<Value>(); }
+    void number(Value& value) {
+        value = in_.get<Value>();
+    }
     void text(std::string& value) { value = in_.getString(kMaxText); }
     void path(std::filesystem::path& value) {
         std::string name;
@@ -275,8 +281,8 @@ std::optional<VolumeInfo> decodeInfo(std::span<const std::byte> bytes) {
 }
 
 std::optional<VolumeContents> decodeContents(std::span<const std::byte> bytes) {
-    auto value = decodedReply<VolumeContents>(
-        bytes, [](Decoder& codec, VolumeContents& volumes) { contents(codec, volumes); });
+    auto value =
+        decodedReply<VolumeContents>(bytes, [](Decoder& codec, VolumeContents& volumes) { contents(codec, volumes); });
     if (!value || value->fields.empty() || value->preferred >= value->fields.size())
         return std::nullopt;
     for (VolumeField& field : value->fields) {

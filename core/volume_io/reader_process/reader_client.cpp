@@ -15,6 +15,7 @@
 #include <system_error>
 #include <thread>
 
+#include "core/base/folders.h"
 #include "core/volume_io/reader_process/activity_watch.h"
 #include "core/volume_io/reader_process/message_channel.h"
 #include "core/volume_io/reader_process/messages.h"
@@ -26,12 +27,11 @@ namespace {
 constexpr const char* kProgram = "isoslider-reader";
 
 Result<fs::path> findReaderProgram() {
-    std::error_code ignored;
     if (const char* given = std::getenv("ISOSLIDER_READER"); given != nullptr && *given != '\0')
         return fs::path(given);
-    const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+    const fs::path folder = programFolder();
     for (const fs::path& candidate : {folder / kProgram, folder / "../libexec/isoslider" / kProgram})
-        if (fs::exists(candidate, ignored))
+        if (isPresent(candidate))
             return candidate;
     return makeError(ErrorCode::IoError,
                      std::string(kProgram) + ", which reads this format, is not installed beside the program");
@@ -149,8 +149,7 @@ private:
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
         if (ended == 0) {
             ::kill(process_, SIGKILL);
-            while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-            }
+            while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {}
             hasBeenKilled_ = true;
         }
         process_ = -1;

@@ -17,8 +17,8 @@ namespace isoslider::io {
 
 /// As openInProcess, in a reader process. Further errors: Corruption (the reader died of the file),
 /// IoError (there is no reader program; it has hung), Cancelled. A stop request of `job` is also heeded by the source.
-Result<std::unique_ptr<VolumeSource>> openInReaderProcess(const std::filesystem::path& path,
-                                                          const ReadOptions& options, const JobControl& job = {});
+Result<std::unique_ptr<VolumeSource>> openInReaderProcess(const std::filesystem::path& path, const ReadOptions& options,
+                                                          const JobControl& job = {});
 /// As listInProcess, likewise.
 Result<VolumeContents> listInReaderProcess(const std::filesystem::path& path, const ReadOptions& options,
                                            const JobControl& job = {});

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <csignal>
-#include <system_error>
 
+#include "core/base/file_system.h"
+#include "core/base/guarded.h"
 #include "core/base/machine.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/reader_process/message_channel.h"
@@ -33,10 +34,8 @@ void setLimit(__rlimit_resource resource, rlim_t value) {
 rlim_t memoryAllowance(const std::filesystem::path& path, const ReadOptions& options) {
     constexpr std::uint64_t kFactor = 1100, kBase = std::uint64_t{512} << 20;
     const std::uint64_t most = physicalMemoryBytes();
-    std::error_code problem;
-    const std::uint64_t bytes = std::filesystem::is_regular_file(path, problem)
-                                    ? std::filesystem::file_size(path, problem)
-                                    : most;
+    const auto file = defaultFileSystem().openForReading(path);
+    const std::uint64_t bytes = file.isOk() ? file.value()->sizeBytes() : most;
     double allowance = static_cast<double>(kBase) + static_cast<double>(kFactor) * static_cast<double>(bytes);
     if (options.resampleDims[0] > 0)
         allowance += 32.0 * static_cast<double>(options.resampleDims[0]) *
@@ -121,13 +120,7 @@ private:
 
     template <class Function>
     static Status guardedRead(const Function& read) {
-        try {
-            return read();
-        } catch (const std::bad_alloc&) {
-            return makeError(ErrorCode::OutOfSpace, "not enough memory to read the volume");
-        } catch (const std::exception& problem) {
-            return makeError(ErrorCode::Corruption, std::string("cannot be read: ") + problem.what());
-        }
+        return guarded({"not enough memory to read the volume", ErrorCode::Corruption, "cannot be read"}, read);
     }
 
     MessageChannel channel_;

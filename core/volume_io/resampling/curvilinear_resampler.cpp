@@ -116,8 +116,7 @@ private:
         Cell cell;
         cell.low = cell.high = points_[static_cast<std::size_t>(first)];
         for (std::int64_t c = 0; c < 8; ++c) {
-            const std::int64_t corner =
-                first + (c & 1) + grid_.dims[0] * ((c >> 1 & 1) + grid_.dims[1] * (c >> 2 & 1));
+            const std::int64_t corner = first + (c & 1) + grid_.dims[0] * ((c >> 1 & 1) + grid_.dims[1] * (c >> 2 & 1));
             cell.corners[static_cast<std::size_t>(c)] = corner;
             cell.low = glm::min(cell.low, points_[static_cast<std::size_t>(corner)]);
             cell.high = glm::max(cell.high, points_[static_cast<std::size_t>(corner)]);
@@ -131,8 +130,8 @@ private:
     static Range indexRange(double low, double high, std::int64_t begin, std::int64_t end) {
         const double first = std::max(std::ceil(low - kTolerance), static_cast<double>(begin));
         const double last = std::min(std::floor(high + kTolerance), static_cast<double>(end - 1));
-        return {static_cast<std::int64_t>(first), last < first ? static_cast<std::int64_t>(first)
-                                                               : static_cast<std::int64_t>(last) + 1};
+        return {static_cast<std::int64_t>(first),
+                last < first ? static_cast<std::int64_t>(first) : static_cast<std::int64_t>(last) + 1};
     }
 
     void fillSlab(std::int64_t zBegin, std::int64_t zEnd) {

@@ -11,7 +11,7 @@ namespace isoslider::io {
 struct CurvilinearGrid {
     GridDims dims{0, 0, 0};
     std::vector<glm::dvec3> points; ///< one per grid point
-    std::vector<float> values;      ///< one per grid point
+    std::vector<float> values; ///< one per grid point
 };
 
 /// The uniform grid of `dims` points that spans the bounding box of `points`, spaced axis by axis.

@@ -52,7 +52,8 @@ std::optional<GridGeometry> latticeOf(std::span<const glm::dvec3> points, const 
     const double longest = static_cast<double>(std::max({dims[0], dims[1], dims[2]}) - 1);
     for (int axis = 0; axis < 3; ++axis) // a shear may not move the far side by more than a point may be off
         if (std::abs(glm::dot(geometry.direction[axis], geometry.direction[(axis + 1) % 3])) * longest *
-                std::max({geometry.spacing.x, geometry.spacing.y, geometry.spacing.z}) > tolerance)
+                std::max({geometry.spacing.x, geometry.spacing.y, geometry.spacing.z}) >
+            tolerance)
             return std::nullopt;
     std::size_t at = 0;
     for (std::int64_t k = 0; k < dims[2]; ++k)

@@ -124,8 +124,10 @@ Result<GridAxis> makeAxis(std::vector<double> coordinates, std::string_view fiel
     axis.at = std::move(coordinates);
     for (std::size_t i = 0; i < axis.at.size(); ++i)
         if (!std::isfinite(axis.at[i]) || (i > 0 && !(axis.at[i] > axis.at[i - 1])))
-            return refuseField(field, "the coordinates neither ascend nor descend from one point to the next (at " +
-                                          std::to_string(i) + " of " + std::to_string(axis.at.size()) + ")", path);
+            return refuseField(field,
+                               "the coordinates neither ascend nor descend from one point to the next (at " +
+                                   std::to_string(i) + " of " + std::to_string(axis.at.size()) + ")",
+                               path);
     const double spacing = axis.spacing(axis.at.size());
     if (!std::isfinite(spacing))
         return refuseField(field, "the coordinates span more than a number can hold", path);
@@ -206,8 +208,9 @@ Result<std::unique_ptr<VolumeSource>> placeOnAxes(std::unique_ptr<VolumeSource> 
         return dims.error();
     for (std::size_t axis = 0; axis < 3; ++axis) // a plane stays one, and a box is no plane
         if ((own[axis] > 1) != (dims.value()[axis] > 1))
-            return refuseField("size", own[axis] > 1 ? "two points or more are needed along each axis"
-                                                     : "the data is one plane", path);
+            return refuseField(
+                "size", own[axis] > 1 ? "two points or more are needed along each axis" : "the data is one plane",
+                path);
     ISO_TRY(checkFitsMemory(sizeof(float) * static_cast<std::uint64_t>(pointCount(own)), path));
     VolumeInfo info = source->info();
     info.geometry = axesGeometry(axes, dims.value());

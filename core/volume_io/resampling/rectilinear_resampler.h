@@ -16,9 +16,9 @@ inline constexpr double kEvenTolerance = 1e-4;
 
 /// Coordinates along one axis of a grid.
 struct GridAxis {
-    std::vector<double> at;    ///< ascending
+    std::vector<double> at; ///< ascending
     bool isDescending = false; ///< in the file: `at` has been turned round
-    bool isEven = true;        ///< within latticeTolerance
+    bool isEven = true; ///< within latticeTolerance
 
     double origin() const { return at.front(); }
     /// Of even axes, and of those made even by resampling to `count` points. 1 if there is one point.

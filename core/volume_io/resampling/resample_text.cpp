@@ -17,8 +17,8 @@ std::string lossText(const ResampleReport& report, const GridDims& dims) {
     std::string text = "onto " + std::to_string(dims[0]) + " x " + std::to_string(dims[1]) + " x " +
                        std::to_string(dims[2]) + " points, off by up to " + threeDigits(100.0 * report.rangeFraction) +
                        " % of the range (" + threeDigits(report.maxDifference) + "), root mean square " +
-                       threeDigits(report.rmsDifference) + ", compared at " + std::to_string(report.comparedPoints) + " of " +
-                       std::to_string(report.sourcePoints) + " points of the file";
+                       threeDigits(report.rmsDifference) + ", compared at " + std::to_string(report.comparedPoints) +
+                       " of " + std::to_string(report.sourcePoints) + " points of the file";
     if (report.outsidePoints > 0)
         text += "; " + std::to_string(report.outsidePoints) + " points outside, missing";
     return text;

@@ -123,8 +123,8 @@ ResampleReport compareWithSource(const ScalarGrid& grid, const SourceMesh& mesh)
             continue;
         low = std::min(low, value);
         high = std::max(high, value);
-        const double there = interpolated(samples, geometry.dims,
-                                          toIndex * (mesh.point(i) - geometry.origin) / geometry.spacing);
+        const double there =
+            interpolated(samples, geometry.dims, toIndex * (mesh.point(i) - geometry.origin) / geometry.spacing);
         if (!std::isfinite(there))
             continue;
         const double difference = std::abs(there - value);
@@ -145,8 +145,8 @@ GridDims evenDims(const glm::dvec3& low, const glm::dvec3& high, std::int64_t co
         GridDims dims{2, 2, 2};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const double cells = std::round(size[static_cast<int>(axis)] / spacing);
-            dims[axis] = 1 + std::clamp<std::int64_t>(std::isfinite(cells) && cells < 1e6 ? std::llround(cells) : kMaxDim,
-                                                      1, kMaxDim - 1);
+            dims[axis] = 1 + std::clamp<std::int64_t>(
+                                 std::isfinite(cells) && cells < 1e6 ? std::llround(cells) : kMaxDim, 1, kMaxDim - 1);
         }
         return dims;
     };

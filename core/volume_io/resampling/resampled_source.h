@@ -3,8 +3,8 @@
 #include <memory>
 #include <span>
 
-#include "core/volume_io/resampling/curvilinear_resampler.h"
 #include "core/volume_io/formats/format_readers.h"
+#include "core/volume_io/resampling/curvilinear_resampler.h"
 
 namespace isoslider::io {
 

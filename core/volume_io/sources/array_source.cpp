@@ -16,7 +16,10 @@ class ArraySource final : public VolumeSource {
 public:
     ArraySource(VolumeInfo info, ArrayView view, ArrayMeaning meaning, std::unique_ptr<ArrayReader> reader,
                 std::filesystem::path path)
-        : info_(std::move(info)), view_(std::move(view)), meaning_(std::move(meaning)), reader_(std::move(reader)),
+        : info_(std::move(info)),
+          view_(std::move(view)),
+          meaning_(std::move(meaning)),
+          reader_(std::move(reader)),
           path_(std::move(path)) {
         info_.type = arrayType(view_.type, meaning_);
         const GridDims& dims = info_.geometry.dims;
@@ -42,8 +45,9 @@ public:
                 ISO_TRY(loadBlock(z, std::min(z + blockPlanes_, wanted)));
             }
             const std::int64_t end = std::min(zEnd, blockEnd_);
-            ISO_TRY(convert(z, end, out.subspan(static_cast<std::size_t>(z - zBegin) * planeBytes,
-                                                static_cast<std::size_t>(end - z) * planeBytes)));
+            ISO_TRY(convert(z, end,
+                            out.subspan(static_cast<std::size_t>(z - zBegin) * planeBytes,
+                                        static_cast<std::size_t>(end - z) * planeBytes)));
             z = end;
         }
         return {};
@@ -86,9 +90,8 @@ private:
 
     Status convert(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) const {
         return visitFileType(view_.type, [&](auto in) {
-            return visitScalarType(info_.type, [&](auto sample) {
-                return convertAs<decltype(in), decltype(sample)>(zBegin, zEnd, out);
-            });
+            return visitScalarType(
+                info_.type, [&](auto sample) { return convertAs<decltype(in), decltype(sample)>(zBegin, zEnd, out); });
         });
     }
 

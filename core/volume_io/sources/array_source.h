@@ -23,18 +23,18 @@ public:
 
 /// Which part of an array is the volume.
 struct ArrayView {
-    FileType type = FileType::F32;       ///< as the reader gives samples
-    std::vector<std::uint64_t> start;    ///< one per axis of the file: the place on the axes that are none of x, y, z
+    FileType type = FileType::F32; ///< as the reader gives samples
+    std::vector<std::uint64_t> start; ///< one per axis of the file: the place on the axes that are none of x, y, z
     std::array<int, 3> axisOf{-1, -1, -1}; ///< the file's axis that is x, y, z; -1: none, one sample
-    std::array<bool, 3> isFlipped{};     ///< the file runs the other way
+    std::array<bool, 3> isFlipped{}; ///< the file runs the other way
 };
 
 /// Which samples are missing, and what the others mean.
 struct ArrayMeaning {
-    std::vector<double> missing;       ///< stored values that stand for none; NaN always does
-    std::optional<double> low, high;   ///< stored values beyond are missing
-    std::optional<Rescale> rescale;    ///< of stored values
-    bool isRescaleWide = false;        ///< the rescaled values are f64, else f32
+    std::vector<double> missing; ///< stored values that stand for none; NaN always does
+    std::optional<double> low, high; ///< stored values beyond are missing
+    std::optional<Rescale> rescale; ///< of stored values
+    bool isRescaleWide = false; ///< the rescaled values are f64, else f32
 
     bool hasMissing() const { return !missing.empty() || low || high; }
 };

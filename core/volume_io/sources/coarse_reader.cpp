@@ -13,8 +13,7 @@ std::uint64_t planeBytes(const VolumeInfo& info) {
 }
 
 /// The samples of one plane that stay, at `out`. Returns the end of what was written.
-std::byte* thinPlane(std::span<const std::byte> plane, const VolumeInfo& info, std::int64_t step,
-                     std::byte* out) {
+std::byte* thinPlane(std::span<const std::byte> plane, const VolumeInfo& info, std::int64_t step, std::byte* out) {
     const auto& dims = info.geometry.dims;
     return visitScalarType(info.type, [&](auto sample) {
         constexpr std::int64_t kSize = sizeof sample; // a constant, or every copy is a call
@@ -29,17 +28,15 @@ Result<std::vector<std::byte>> readThinned(VolumeSource& source, std::int64_t st
     const VolumeInfo& info = source.info();
     const std::int64_t depth = info.geometry.dims[2];
     std::vector<std::byte> plane(planeBytes(info));
-    std::vector<std::byte> samples(
-        static_cast<std::size_t>(pointCount(coarseDims(info.geometry.dims, step))) *
-        scalarTypeSizeBytes(info.type));
+    std::vector<std::byte> samples(static_cast<std::size_t>(pointCount(coarseDims(info.geometry.dims, step))) *
+                                   scalarTypeSizeBytes(info.type));
     std::byte* next = samples.data();
     for (std::int64_t z = 0; z < depth; z += step) {
         if (job.isStopRequested())
             return cancelledError();
         ISO_TRY(source.readSlab(z, z + 1, plane));
         next = thinPlane(plane, info, step, next);
-        job.report(static_cast<double>(std::min(z + step, depth)) / static_cast<double>(depth),
-                   "reading a preview");
+        job.report(static_cast<double>(std::min(z + step, depth)) / static_cast<double>(depth), "reading a preview");
     }
     return samples;
 }
@@ -48,8 +45,7 @@ Result<std::vector<std::byte>> readThinned(VolumeSource& source, std::int64_t st
 
 GridDims coarseDims(const GridDims& dims, std::int64_t step) {
     GridDims coarse{};
-    std::transform(dims.begin(), dims.end(), coarse.begin(),
-                   [step](std::int64_t n) { return (n + step - 1) / step; });
+    std::transform(dims.begin(), dims.end(), coarse.begin(), [step](std::int64_t n) { return (n + step - 1) / step; });
     return coarse;
 }
 
@@ -73,8 +69,7 @@ std::optional<std::int64_t> coarseStep(const GridDims& dims, std::uint64_t maxSa
     }
 }
 
-Result<std::shared_ptr<const ScalarGrid>> readCoarse(VolumeSource& source, std::int64_t step,
-                                                     const JobControl& job) {
+Result<std::shared_ptr<const ScalarGrid>> readCoarse(VolumeSource& source, std::int64_t step, const JobControl& job) {
     try {
         auto samples = readThinned(source, step, job);
         if (!samples.isOk())

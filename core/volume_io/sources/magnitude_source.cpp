@@ -16,12 +16,10 @@ public:
         ISO_CHECK(!components_.empty() && components_.size() <= kMaxMagnitudeParts);
         info_ = components_.front()->info();
         partType_ = info_.type;
-        info_.type =
-            partType_ == ScalarType::I32 || partType_ == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
+        info_.type = partType_ == ScalarType::I32 || partType_ == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
         planeSamples_ = static_cast<std::size_t>(info_.geometry.dims[0] * info_.geometry.dims[1]);
         for (const auto& component : components_)
-            ISO_CHECK(component->info().type == partType_ &&
-                      component->info().geometry.dims == info_.geometry.dims);
+            ISO_CHECK(component->info().type == partType_ && component->info().geometry.dims == info_.geometry.dims);
     }
 
     const VolumeInfo& info() const override { return info_; }
@@ -36,8 +34,7 @@ public:
             std::fill(squares.begin(), squares.end(), 0.0);
             for (const auto& component : components_) {
                 ISO_TRY(component->readSlab(z, z + 1, plane));
-                visitScalarType(partType_,
-                                [&](auto sample) { addSquares<decltype(sample)>(plane, squares); });
+                visitScalarType(partType_, [&](auto sample) { addSquares<decltype(sample)>(plane, squares); });
             }
             std::byte* target = out.data() + static_cast<std::size_t>(z - zBegin) * planeBytes;
             visitScalarType(info_.type, [&](auto sample) { storeRoots<decltype(sample)>(squares, target); });

@@ -16,8 +16,8 @@ public:
     const VolumeInfo& info() const override { return info_; }
 
     Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) override {
-        const auto plane = static_cast<std::size_t>(grid_->dims()[0] * grid_->dims()[1]) *
-                           scalarTypeSizeBytes(grid_->type());
+        const auto plane =
+            static_cast<std::size_t>(grid_->dims()[0] * grid_->dims()[1]) * scalarTypeSizeBytes(grid_->type());
         const auto bytes = grid_->bytes().subspan(static_cast<std::size_t>(zBegin) * plane,
                                                   static_cast<std::size_t>(zEnd - zBegin) * plane);
         ISO_CHECK(bytes.size() == out.size());

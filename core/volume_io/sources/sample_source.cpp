@@ -21,14 +21,15 @@ public:
         : info_(std::move(info)), layout_(layout), bytes_(std::move(bytes)), path_(std::move(path)) {
         info_.type = memoryType(layout_.type);
         if (layout_.component == kMagnitude)
-            info_.type = info_.type == ScalarType::I32 || info_.type == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
+            info_.type =
+                info_.type == ScalarType::I32 || info_.type == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
         else if (layout_.rescale && !isFloatType(info_.type))
             info_.type = info_.type == ScalarType::I32 ? ScalarType::F64 : ScalarType::F32;
         const GridDims& dims = info_.geometry.dims;
         planeSamples_ = static_cast<std::size_t>(dims[0] * dims[1]);
         ISO_CHECK(layout_.components >= 1 && layout_.component >= kMagnitude && layout_.component < layout_.components);
-        const std::uint64_t values =
-            layout_.firstValue + static_cast<std::uint64_t>(pointCount(dims)) * static_cast<std::uint64_t>(layout_.components);
+        const std::uint64_t values = layout_.firstValue + static_cast<std::uint64_t>(pointCount(dims)) *
+                                                              static_cast<std::uint64_t>(layout_.components);
         ISO_CHECK(bytes_->sizeBytes() >= values * fileTypeSizeBytes(layout_.type));
     }
 
@@ -39,8 +40,8 @@ public:
         const std::size_t count = planeSamples_ * static_cast<std::size_t>(zEnd - zBegin);
         ISO_CHECK(out.size() == count * scalarTypeSizeBytes(info_.type));
         const std::size_t first = planeSamples_ * static_cast<std::size_t>(zBegin);
-        const bool isAsInFile =
-            !layout_.rescale && layout_.components == 1 && layout_.component == 0 && fileTypeOf(info_.type) == layout_.type;
+        const bool isAsInFile = !layout_.rescale && layout_.components == 1 && layout_.component == 0 &&
+                                fileTypeOf(info_.type) == layout_.type;
         return isAsInFile ? readAsIs(first, out) : readConverted(first, count, out);
     }
 

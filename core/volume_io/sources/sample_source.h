@@ -22,9 +22,9 @@ struct SampleLayout {
     FileType type = FileType::U8;
     bool isBigEndian = false;
     std::optional<Rescale> rescale; ///< makes integers f32, those of 32 bits f64
-    int components = 1;             ///< values per sample
-    int component = 0;              ///< the one to take, or kMagnitude: f32, or f64 of values beyond 16 bits or f32
-    std::uint64_t firstValue = 0;   ///< values in the stream before the first sample
+    int components = 1; ///< values per sample
+    int component = 0; ///< the one to take, or kMagnitude: f32, or f64 of values beyond 16 bits or f32
+    std::uint64_t firstValue = 0; ///< values in the stream before the first sample
 };
 
 /// Bytes of a plane of samples in a file, all components of them.
@@ -32,7 +32,7 @@ std::uint64_t planeBytes(const VolumeField& field, FileType type);
 
 /// Samples of a byte stream, swapped, widened and rescaled slab by slab. `info.type` is set here.
 /// REQUIRES: the stream holds that many values; component is one of those, or kMagnitude.
-std::unique_ptr<VolumeSource> makeSampleSource(VolumeInfo info, SampleLayout layout,
-                                               std::unique_ptr<ByteStream> bytes, std::filesystem::path path);
+std::unique_ptr<VolumeSource> makeSampleSource(VolumeInfo info, SampleLayout layout, std::unique_ptr<ByteStream> bytes,
+                                               std::filesystem::path path);
 
 } // namespace isoslider::io

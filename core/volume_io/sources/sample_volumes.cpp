@@ -8,6 +8,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "core/base/folders.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "core/volume_io/volume_reader.h"
 #include "core/volume_io/volume_writer.h"
@@ -55,9 +56,8 @@ std::shared_ptr<const ScalarGrid> readCache(const fs::path& file, const GridDims
 void keep(const ScalarGrid& grid, const fs::path& file) {
     if (file.empty())
         return;
-    std::error_code ignored;
-    fs::create_directories(file.parent_path(), ignored);
-    static_cast<void>(writeVolume(grid, file)); // next time it is resampled again
+    if (makeFolders(file.parent_path()).isOk())
+        static_cast<void>(writeVolume(grid, file)); // or it is resampled again the next time
 }
 
 Result<std::shared_ptr<const ScalarGrid>> loadBluntFin(const GridDims& dims, const fs::path& resourcesDir,
@@ -94,8 +94,8 @@ Result<std::shared_ptr<const ScalarGrid>> loadSample(std::string_view name, cons
             return std::move(grid).error();
         return std::make_shared<const ScalarGrid>(std::move(grid).value());
     }
-    return makeError(ErrorCode::InvalidArgument, "there is no sample volume " + inQuotes(name) +
-                                                     "; bluntfin and shell are known");
+    return makeError(ErrorCode::InvalidArgument,
+                     "there is no sample volume " + inQuotes(name) + "; bluntfin and shell are known");
 }
 
 Result<ScalarGrid> makeSphericalShell(const GridDims& wanted, const JobControl& job) {

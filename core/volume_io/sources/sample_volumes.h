@@ -13,8 +13,8 @@ namespace isoslider::io {
 
 /// A volume that comes with the program.
 struct SampleVolume {
-    std::string name;        ///< "bluntfin", for loadSample and command lines
-    std::string title;       ///< "Blunt Fin"
+    std::string name; ///< "bluntfin", for loadSample and command lines
+    std::string title; ///< "Blunt Fin"
     std::string description; ///< one sentence
 };
 

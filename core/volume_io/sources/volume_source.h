@@ -18,12 +18,12 @@ namespace isoslider::io {
 /// How well a uniform grid stands for the grid it was made from. At each point of that grid which has a value, the
 /// resampled grid is interpolated (trilinear) and compared. Differences in units of the samples.
 struct ResampleReport {
-    std::int64_t sourcePoints = 0;   ///< of the file's own grid
+    std::int64_t sourcePoints = 0; ///< of the file's own grid
     std::int64_t comparedPoints = 0; ///< of those, with a value of their own and in the resampled grid
-    double maxDifference = 0.0;      ///< the largest, without sign
-    double rmsDifference = 0.0;      ///< root of the mean square
-    double rangeFraction = 0.0;      ///< maxDifference as part of the range of the source's values; 0 if that is 0
-    std::int64_t outsidePoints = 0;  ///< of the resampled grid: in no cell, or in one that lacks a value; missing
+    double maxDifference = 0.0; ///< the largest, without sign
+    double rmsDifference = 0.0; ///< root of the mean square
+    double rangeFraction = 0.0; ///< maxDifference as part of the range of the source's values; 0 if that is 0
+    std::int64_t outsidePoints = 0; ///< of the resampled grid: in no cell, or in one that lacks a value; missing
 };
 
 /// The same in one line for people: "onto 10 x 10 x 10 points, off by up to 26 % of the range ...".
@@ -33,7 +33,7 @@ std::string lossText(const ResampleReport& report, const GridDims& dims);
 struct VolumeInfo {
     GridGeometry geometry;
     ScalarType type = ScalarType::U8;
-    std::string format;    ///< "MetaImage", "NRRD", "NIfTI", "DICOM", "TIFF", "VTK image", "NetCDF", "raw", ...
+    std::string format; ///< "MetaImage", "NRRD", "NIfTI", "DICOM", "TIFF", "VTK image", "NetCDF", "raw", ...
     std::string fieldName; ///< the scalar field, where the format names it
     std::vector<std::filesystem::path> dataFiles; ///< that are read beside the file that was opened; of a folder, in it
     std::string fieldTitle; ///< the same for people; empty: the name will do

@@ -60,8 +60,7 @@ TEST_P(BuildFailure, CancellingAtAnyReportLeavesTheEarlierIndex) {
             if (seen++ == at)
                 stop.request_stop();
         };
-        ASSERT_THAT(test::buildIndexOf(grid_, folder_ / "a.isx", options(), job),
-                    HasError(ErrorCode::Cancelled))
+        ASSERT_THAT(test::buildIndexOf(grid_, folder_ / "a.isx", options(), job), HasError(ErrorCode::Cancelled))
             << "report " << at;
         expectEarlierIndexOnly();
     }
@@ -115,7 +114,8 @@ TEST_P(BuildFailure, SoDoesEveryFailingCallAmongHiddenCornersAndChunks) {
 // A source whose nth slab cannot be read.
 class FailingSource final : public io::VolumeSource {
 public:
-    FailingSource(std::unique_ptr<io::VolumeSource> source, int failing) : source_(std::move(source)), failing_(failing) {}
+    FailingSource(std::unique_ptr<io::VolumeSource> source, int failing)
+        : source_(std::move(source)), failing_(failing) {}
     const io::VolumeInfo& info() const override { return source_->info(); }
     Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) override {
         if (reads_++ == failing_)

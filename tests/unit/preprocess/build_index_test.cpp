@@ -73,7 +73,8 @@ TEST(BuildIndex, GivesTheSameBytesForAnyMemoryBudget) {
     test::Random random(1);
     const auto grid = test::makeVolume<double>(ScalarType::F64, geometry, [&](auto x, auto y, auto z) {
         const double noise = static_cast<double>(random() % 1000); // strong in the lower half: hidden corners
-        return std::sin(0.1 * static_cast<double>(x + y)) + 0.01 * static_cast<double>(z) + (z < 46 ? 1e-2 : 1e-6) * noise;
+        return std::sin(0.1 * static_cast<double>(x + y)) + 0.01 * static_cast<double>(z) +
+               (z < 46 ? 1e-2 : 1e-6) * noise;
     });
     const auto build = [&](const char* name, std::uint64_t memory, const std::filesystem::path& temporaryFolder) {
         WatchedFileSystem disk;
@@ -110,7 +111,8 @@ std::vector<std::array<std::uint64_t, 5>> levelsOf(ScalarType type, const BuildO
     const test::TemporaryFolder folder;
     GridGeometry geometry;
     geometry.dims = {110, 100, values > 1000.0 ? 97 : 40}; // 97: more points than are sampled
-    const auto grid = test::makeVolume<Sample>(type, geometry, [&](auto x, auto y, auto z) { return steppedField(x, y, z, values); });
+    const auto grid =
+        test::makeVolume<Sample>(type, geometry, [&](auto x, auto y, auto z) { return steppedField(x, y, z, values); });
     const auto built = test::buildIndexOf(grid, folder / "a.isx", options);
     EXPECT_THAT(built, IsOk());
     std::vector<std::array<std::uint64_t, 5>> levels;
@@ -153,7 +155,8 @@ TEST(BuildEdges, RefuseABudgetWithoutRoomForTheirPlanes) {
     const test::TemporaryFolder folder;
     GridGeometry geometry;
     geometry.dims = {700, 400, 2};
-    const auto grid = test::makeVolume<double>(ScalarType::F64, geometry, [](auto x, auto, auto) { return static_cast<double>(x); });
+    const auto grid =
+        test::makeVolume<double>(ScalarType::F64, geometry, [](auto x, auto, auto) { return static_cast<double>(x); });
     BuildOptions options;
     options.kind = index::IndexKind::Edges;
     options.memoryBytes = kMinBuildMemoryBytes;
@@ -215,7 +218,8 @@ TEST_P(BuildIndexKind, PutsEverySampleIntoTheBinThatStatisticsPutItInto) {
 }
 
 TEST_P(BuildIndexKind, TakesConstantAndSmallestVolumes) {
-    for (const GridDims& dims : {GridDims{1, 1, 1}, GridDims{5, 5, 5}, GridDims{1, 9, 9}, GridDims{2, 2, 2}, GridDims{9, 1, 1}}) {
+    for (const GridDims& dims :
+         {GridDims{1, 1, 1}, GridDims{5, 5, 5}, GridDims{1, 9, 9}, GridDims{2, 2, 2}, GridDims{9, 1, 1}}) {
         const test::TemporaryFolder folder;
         GridGeometry geometry;
         geometry.dims = dims;
@@ -257,7 +261,8 @@ TEST(BuildIndex, RefusesOptionsThatCannotBe) {
 
 TEST_P(BuildIndexKind, RefusesAVolumeWithoutAFiniteSample) {
     const test::TemporaryFolder folder;
-    const auto missing = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(3), [](auto, auto, auto) { return std::nanf(""); });
+    const auto missing =
+        test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(3), [](auto, auto, auto) { return std::nanf(""); });
     EXPECT_THAT(test::buildIndexOf(missing, folder / "a.isx", options()), HasError(ErrorCode::InvalidArgument));
     EXPECT_TRUE(folder.names().empty());
 }
@@ -267,9 +272,11 @@ TEST(BuildMetacells, RefuseABudgetWithoutRoomForTheirPlanes) {
     const test::TemporaryFolder folder;
     GridGeometry geometry;
     geometry.dims = {1200, 1000, 2};
-    const auto grid = test::makeVolume<double>(ScalarType::F64, geometry, [](auto x, auto, auto) { return static_cast<double>(x); });
+    const auto grid =
+        test::makeVolume<double>(ScalarType::F64, geometry, [](auto x, auto, auto) { return static_cast<double>(x); });
     geometry.dims = {1200, 1000, 18};
-    const auto thick = test::makeVolume<double>(ScalarType::F64, geometry, [](auto x, auto, auto) { return static_cast<double>(x); });
+    const auto thick =
+        test::makeVolume<double>(ScalarType::F64, geometry, [](auto x, auto, auto) { return static_cast<double>(x); });
     BuildOptions options;
     options.kind = index::IndexKind::Metacells;
     options.memoryBytes = kMinBuildMemoryBytes;

@@ -56,7 +56,9 @@ private:
             owner_.write(bytes.size());
             return file_->writeAll(bytes);
         }
-        Status writeAt(std::uint64_t offset, std::span<const std::byte> bytes) override { return file_->writeAt(offset, bytes); }
+        Status writeAt(std::uint64_t offset, std::span<const std::byte> bytes) override {
+            return file_->writeAt(offset, bytes);
+        }
         Status sync() override { return file_->sync(); }
         Status close() override { return file_->close(); }
 

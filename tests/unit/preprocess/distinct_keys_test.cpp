@@ -92,8 +92,7 @@ protected:
     }
 };
 
-using SampleTypes =
-    testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::int32_t, float, double>;
+using SampleTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::int32_t, float, double>;
 TYPED_TEST_SUITE(DistinctKeysOf, SampleTypes);
 
 TYPED_TEST(DistinctKeysOf, CountsNothing) {
@@ -106,17 +105,15 @@ TYPED_TEST(DistinctKeysOf, CountsAsASetDoes) {
         for (const auto& samples : {this->patterns(count), this->walk(count)})
             for (const int threads : {1, 4}) {
                 const Outcome outcome = countDistinct(samples, kPlenty, threads);
-                EXPECT_EQ(outcome.count, expectedCount(samples))
-                    << count << " samples, " << threads << " threads";
+                EXPECT_EQ(outcome.count, expectedCount(samples)) << count << " samples, " << threads << " threads";
                 EXPECT_EQ(outcome.passes, 1);
             }
 }
 
 TYPED_TEST(DistinctKeysOf, CountsTheEndsOfTheRange) {
     using Limits = std::numeric_limits<TypeParam>;
-    EXPECT_EQ(countDistinct<TypeParam>({Limits::lowest(), Limits::max(), Limits::max(), TypeParam(0),
-                                        Limits::min(), Limits::lowest()},
-                                       0)
+    EXPECT_EQ(countDistinct<TypeParam>(
+                  {Limits::lowest(), Limits::max(), Limits::max(), TypeParam(0), Limits::min(), Limits::lowest()}, 0)
                   .count,
               std::set<TypeParam>({Limits::lowest(), Limits::max(), TypeParam(0), Limits::min()}).size());
 }
@@ -134,15 +131,9 @@ TYPED_TEST(DistinctKeysOf, NeedsNoMoreThanOnePassForFewValues) {
 template <class Float>
 void expectOddFloats() {
     using Limits = std::numeric_limits<Float>;
-    const Float odd[] = {Float(-0.0),
-                         Float(0.0),
-                         Limits::quiet_NaN(),
-                         -Limits::quiet_NaN(),
-                         Limits::infinity(),
-                         -Limits::infinity(),
-                         Limits::denorm_min(),
-                         -Limits::denorm_min(),
-                         Limits::signaling_NaN()};
+    const Float odd[] = {
+        Float(-0.0),         Float(0.0),           Limits::quiet_NaN(),   -Limits::quiet_NaN(),   Limits::infinity(),
+        -Limits::infinity(), Limits::denorm_min(), -Limits::denorm_min(), Limits::signaling_NaN()};
     std::vector<Float> samples(odd, odd + std::size(odd));
     EXPECT_EQ(countDistinct(samples, kPlenty).count, 3u);
     EXPECT_EQ(countDistinct(samples, 0).count, 3u);

@@ -33,14 +33,16 @@ Corners neededCorners(const ScalarGrid& grid) {
             for (std::int64_t x = 0; x + 1 < dims[0]; ++x) {
                 cell::CornerScalars scalars;
                 for (std::size_t c = 0; c < 8; ++c)
-                    scalars[c] = grid.valueAt(x + static_cast<int>(c & 1), y + static_cast<int>(c >> 1 & 1), z + static_cast<int>(c >> 2));
+                    scalars[c] = grid.valueAt(x + static_cast<int>(c & 1), y + static_cast<int>(c >> 1 & 1),
+                                              z + static_cast<int>(c >> 2));
                 if (std::any_of(scalars.begin(), scalars.end(), [](double s) { return isMissing(s); }))
                     continue;
                 const unsigned needed = cell::hiddenCornersNeeded(scalars);
                 const PointId id = bricks.pointId(x, y, z);
                 for (std::uint32_t c = 0; c < 8; ++c)
                     if (needed >> c & 1)
-                        corners[{static_cast<BrickIndex>(id / kBrickPoints), static_cast<std::uint32_t>(id % kBrickPoints) * 8 + c}] = scalars[c];
+                        corners[{static_cast<BrickIndex>(id / kBrickPoints),
+                                 static_cast<std::uint32_t>(id % kBrickPoints) * 8 + c}] = scalars[c];
             }
     return corners;
 }
@@ -54,7 +56,8 @@ Corners listedCorners(const index::IndexReader& reader) {
         EXPECT_THAT(reader.readPage(entry, encoded), IsOk());
         EXPECT_THAT(index::decodeHiddenPage(encoded, entry, reader.info(), page, "p"), IsOk());
         for (std::size_t i = 0; i < page.places.size(); ++i)
-            corners[{entry.firstBrick + page.places[i] / index::kHiddenPlacesPerBrick, page.places[i] % index::kHiddenPlacesPerBrick}] = page.scalars[i];
+            corners[{entry.firstBrick + page.places[i] / index::kHiddenPlacesPerBrick,
+                     page.places[i] % index::kHiddenPlacesPerBrick}] = page.scalars[i];
         count += page.places.size();
         bytes += encoded.size();
     }
@@ -74,7 +77,8 @@ std::size_t expectThoseThatAreNeeded(const std::shared_ptr<const ScalarGrid>& gr
     EXPECT_TRUE(listedCorners(*reader.value()) == needed);
     const index::HiddenCorners hidden(*reader.value());
     for (const auto& [place, scalar] : needed) {
-        const auto found = hidden.find(place.first, static_cast<LocalPoint>(place.second / 8), static_cast<int>(place.second % 8));
+        const auto found =
+            hidden.find(place.first, static_cast<LocalPoint>(place.second / 8), static_cast<int>(place.second % 8));
         EXPECT_THAT(found, IsOk());
         EXPECT_EQ(found.value(), scalar);
     }
@@ -83,7 +87,8 @@ std::size_t expectThoseThatAreNeeded(const std::shared_ptr<const ScalarGrid>& gr
 
 TEST(HiddenCorners, AreThoseOfRandomVolumes) {
     std::size_t count = 0;
-    for (std::uint64_t seed = test::testSeed(4100), last = seed + 200; seed < last && !testing::Test::HasFailure(); ++seed) {
+    for (std::uint64_t seed = test::testSeed(4100), last = seed + 200; seed < last && !testing::Test::HasFailure();
+         ++seed) {
         test::Random random(seed);
         const test::RandomVolume volume = test::randomVolume(random, 20);
         SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description);
@@ -104,14 +109,15 @@ TEST(HiddenCorners, AreThoseOfNoiseOfEachType) {
                 SCOPED_TRACE(scalarTypeName(type));
                 test::Random random(static_cast<std::uint64_t>(type));
                 for (const bool isCoarse : {false, true}) {
-                    const auto count = expectThoseThatAreNeeded(test::makeVolume<Sample>(type, geometry, [&](auto, auto, auto) {
-                        if (isCoarse)
-                            return static_cast<Sample>(random() % 5);
-                        if constexpr (std::is_floating_point_v<Sample>)
-                            return static_cast<Sample>(test::unitRandom(random) * 2e3 - 1e3);
-                        else
-                            return static_cast<Sample>(random());
-                    }));
+                    const auto count =
+                        expectThoseThatAreNeeded(test::makeVolume<Sample>(type, geometry, [&](auto, auto, auto) {
+                            if (isCoarse)
+                                return static_cast<Sample>(random() % 5);
+                            if constexpr (std::is_floating_point_v<Sample>)
+                                return static_cast<Sample>(test::unitRandom(random) * 2e3 - 1e3);
+                            else
+                                return static_cast<Sample>(random());
+                        }));
                     EXPECT_TRUE(count > 10 || dims[0] == 2);
                 }
             });
@@ -197,7 +203,10 @@ protected:
         EXPECT_TRUE(listedCorners(*reader_) == expected_);
         const index::HiddenCorners hidden(*reader_);
         for (const auto& [place, scalar] : expected_)
-            ASSERT_EQ(hidden.find(place.first, static_cast<LocalPoint>(place.second / 8), static_cast<int>(place.second % 8)).value(), scalar);
+            ASSERT_EQ(
+                hidden.find(place.first, static_cast<LocalPoint>(place.second / 8), static_cast<int>(place.second % 8))
+                    .value(),
+                scalar);
         EXPECT_EQ(hidden.find(expected_.rbegin()->first.first + 1, 0, 0).value(), std::nullopt);
     }
 
@@ -210,15 +219,34 @@ using Pages = std::vector<std::array<std::uint64_t, 3>>;
 
 TEST_F(LargeGrid, PagesTakeFullBricksAndEndBeforeTheyAreTooLong) {
     const BrickIndex far = 6 + (1u << 20);
-    build({kMaxDim, 8 * 90, 8 * 180}, {{0, 1}, {1, 4096}, {2, 4096}, {3, 0}, {4, 100}, {5, 3996}, {6, 1}, {7, 3}, {far - 1, 1}, {far, 1}, {2100000000, 4096}});
-    EXPECT_EQ(pages(), (Pages{{0, 0, 1}, {1, 1, 4096}, {2, 2, 4096}, {4, 5, 4096}, {6, far - 1, 5}, {far, far, 1}, {2100000000, 2100000000, 4096}}));
+    build({kMaxDim, 8 * 90, 8 * 180}, {{0, 1},
+                                       {1, 4096},
+                                       {2, 4096},
+                                       {3, 0},
+                                       {4, 100},
+                                       {5, 3996},
+                                       {6, 1},
+                                       {7, 3},
+                                       {far - 1, 1},
+                                       {far, 1},
+                                       {2100000000, 4096}});
+    EXPECT_EQ(pages(), (Pages{{0, 0, 1},
+                              {1, 1, 4096},
+                              {2, 2, 4096},
+                              {4, 5, 4096},
+                              {6, far - 1, 5},
+                              {far, far, 1},
+                              {2100000000, 2100000000, 4096}}));
     expectAllFound();
 }
 
 TEST_F(LargeGrid, BricksHaveAll32Bits) {
     const BrickIndex last = 131072u * 32767u - 131072u - 2; // its upper neighbours exist
-    build({kMaxDim, 8 * 32767, 2}, {{0x7fffffff, 2}, {0x80000000, 512}, {0x80000000 + (1u << 20), 2}, {last - 1, 9}, {last, 512}});
-    EXPECT_EQ(pages(), (Pages{{0x7fffffff, 0x80000000, 514}, {0x80000000 + (1u << 20), 0x80000000 + (1u << 20), 2}, {last - 1, last, 521}}));
+    build({kMaxDim, 8 * 32767, 2},
+          {{0x7fffffff, 2}, {0x80000000, 512}, {0x80000000 + (1u << 20), 2}, {last - 1, 9}, {last, 512}});
+    EXPECT_EQ(pages(), (Pages{{0x7fffffff, 0x80000000, 514},
+                              {0x80000000 + (1u << 20), 0x80000000 + (1u << 20), 2},
+                              {last - 1, last, 521}}));
     expectAllFound();
 }
 
@@ -242,7 +270,8 @@ TEST(HiddenCornerFilter, NeverMissesACaseSeven) {
                 for (int c = 0; c < 8; ++c) {
                     const bool isNeighbour = std::popcount(static_cast<unsigned>(c ^ centre)) == 1;
                     (isNeighbour ? least : leastOther) = std::min<int>(isNeighbour ? least : leastOther, at(c));
-                    (isNeighbour ? greatest : greatestOther) = std::max<int>(isNeighbour ? greatest : greatestOther, at(c));
+                    (isNeighbour ? greatest : greatestOther) =
+                        std::max<int>(isNeighbour ? greatest : greatestOther, at(c));
                 }
                 hasCaseSeven = hasCaseSeven || least > greatestOther || greatest < leastOther;
             }

@@ -34,13 +34,14 @@ TEST_P(PowerLoss, B090_LeavesTheEarlierIndexOrTheNewOne) {
     for (std::size_t moment = 0; moment <= disk.calls().size(); ++moment)
         for (int chance = 0; chance < 6; ++chance) {
             // None of the unsynced writes survives, all do, or every second one at random.
-            auto files = test::LostPower::after(disk.calls(), moment, [&] { return chance == 0   ? false
-                                                                                  : chance == 1 ? true
-                                                                                                : random() % 2 == 0; });
+            auto files = test::LostPower::after(disk.calls(), moment, [&] {
+                return chance == 0 ? false : chance == 1 ? true : random() % 2 == 0;
+            });
             const auto found = files.find(path);
             const std::string there =
-                found == files.end() ? earlier
-                                     : std::string(reinterpret_cast<const char*>(found->second.data()), found->second.size());
+                found == files.end()
+                    ? earlier
+                    : std::string(reinterpret_cast<const char*>(found->second.data()), found->second.size());
             ASSERT_TRUE(there == earlier || there == later) << "after call " << moment;
             (there == later ? withLater : withEarlier)++;
             // What lies beside it cannot be taken for an index, and is in nobody's way.

@@ -34,12 +34,18 @@ void expectFactsOf(const std::shared_ptr<const ScalarGrid>& grid, std::uint64_t 
 
 TEST(VolumeFacts, AreThoseOfTheWholeGrid) {
     std::mt19937_64 random(3);
-    expectFactsOf(volumeOf<std::uint8_t>(ScalarType::U8, {70, 61, 53}, [&] { return static_cast<std::uint8_t>(random()); }), 1 << 20);
-    expectFactsOf(volumeOf<std::int16_t>(ScalarType::I16, {70, 61, 53}, [&] { return static_cast<std::int16_t>(random()); }), 1 << 20);
-    expectFactsOf(volumeOf<std::int32_t>(ScalarType::I32, {70, 61, 53}, [&] { return static_cast<std::int32_t>(random()); }), 64 << 20);
+    expectFactsOf(
+        volumeOf<std::uint8_t>(ScalarType::U8, {70, 61, 53}, [&] { return static_cast<std::uint8_t>(random()); }),
+        1 << 20);
+    expectFactsOf(
+        volumeOf<std::int16_t>(ScalarType::I16, {70, 61, 53}, [&] { return static_cast<std::int16_t>(random()); }),
+        1 << 20);
+    expectFactsOf(
+        volumeOf<std::int32_t>(ScalarType::I32, {70, 61, 53}, [&] { return static_cast<std::int32_t>(random()); }),
+        64 << 20);
     const auto real = [&] {
         const auto bits = random();
-        return bits % 97 == 0 ? std::numeric_limits<double>::infinity()
+        return bits % 97 == 0   ? std::numeric_limits<double>::infinity()
                : bits % 89 == 0 ? std::nan("")
                : bits % 83 == 0 ? (bits & 1024 ? 0.0 : -0.0)
                                 : std::ldexp(static_cast<double>(bits >> 11), -60);

@@ -25,7 +25,8 @@ public:
     }
 
     void runAll() {
-        for (auto function = take(std::chrono::milliseconds(0)); function; function = take(std::chrono::milliseconds(0)))
+        for (auto function = take(std::chrono::milliseconds(0)); function;
+             function = take(std::chrono::milliseconds(0)))
             function();
     }
 

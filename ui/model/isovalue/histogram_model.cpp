@@ -53,8 +53,7 @@ double binLowerEnd(const index::Histogram& histogram, std::size_t bin) {
 double suggestIsovalue(const index::Histogram& histogram) {
     if (histogram.counts.empty())
         return std::midpoint(histogram.min, histogram.max);
-    const double share =
-        otsuBoundary(dampedWeights(histogram)) / static_cast<double>(histogram.counts.size());
+    const double share = otsuBoundary(dampedWeights(histogram)) / static_cast<double>(histogram.counts.size());
     return std::lerp(histogram.min, histogram.max, share);
 }
 

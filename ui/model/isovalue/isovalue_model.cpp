@@ -78,9 +78,7 @@ double IsovalueModel::atFraction(double fraction) const {
     return std::lerp(min_, max_, std::clamp(fraction, 0.0, 1.0));
 }
 
-Subscription IsovalueModel::observe(std::function<void()> function) {
-    return changed_.observe(std::move(function));
-}
+Subscription IsovalueModel::observe(std::function<void()> function) { return changed_.observe(std::move(function)); }
 
 Subscription IsovalueModel::observeRequest(std::function<void(double)> function) {
     return requestChanged_.observe(std::move(function));

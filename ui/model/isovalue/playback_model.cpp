@@ -27,12 +27,8 @@ double PlaybackModel::advance(double seconds) {
             position_ = std::min(position_ + travelled, 1.0);
             isPlaying_ = position_ < 1.0;
             break;
-        case PlaybackMode::Loop:
-            position_ = std::fmod(position_ + travelled, 1.0);
-            break;
-        case PlaybackMode::PingPong:
-            position_ = advancePingPong(travelled);
-            break;
+        case PlaybackMode::Loop: position_ = std::fmod(position_ + travelled, 1.0); break;
+        case PlaybackMode::PingPong: position_ = advancePingPong(travelled); break;
     }
     return position_;
 }

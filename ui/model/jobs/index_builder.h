@@ -31,8 +31,8 @@ public:
 
     /// An engine on the volume itself, for the time until its index is there. Null: none, then every move
     /// extracts the whole surface. Runs on the thread that slides. Errors: Cancelled, OutOfSpace.
-    virtual Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& /*grid*/,
-                                                                         const JobControl& /*job*/) {
+    virtual Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(
+        const std::shared_ptr<const ScalarGrid>& /*grid*/, const JobControl& /*job*/) {
         return std::unique_ptr<extract::SlideEngine>();
     }
 };

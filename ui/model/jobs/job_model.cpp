@@ -5,8 +5,8 @@
 namespace isoslider::model {
 
 const JobEntry* JobModel::find(JobId id) const {
-    const auto found = std::find_if(entries_.begin(), entries_.end(),
-                                    [id](const JobEntry& entry) { return entry.id == id; });
+    const auto found =
+        std::find_if(entries_.begin(), entries_.end(), [id](const JobEntry& entry) { return entry.id == id; });
     return found == entries_.end() ? nullptr : &*found;
 }
 
@@ -16,9 +16,8 @@ JobEntry* JobModel::findRunning(JobId id) {
 }
 
 std::size_t JobModel::runningCount() const {
-    return static_cast<std::size_t>(
-        std::count_if(entries_.begin(), entries_.end(),
-                      [](const JobEntry& entry) { return entry.state == JobState::Running; }));
+    return static_cast<std::size_t>(std::count_if(
+        entries_.begin(), entries_.end(), [](const JobEntry& entry) { return entry.state == JobState::Running; }));
 }
 
 JobId JobModel::add(std::string title) {
@@ -71,8 +70,6 @@ void JobModel::clearFinished() {
         changed_.notify();
 }
 
-Subscription JobModel::observe(std::function<void()> function) {
-    return changed_.observe(std::move(function));
-}
+Subscription JobModel::observe(std::function<void()> function) { return changed_.observe(std::move(function)); }
 
 } // namespace isoslider::model

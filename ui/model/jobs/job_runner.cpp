@@ -1,4 +1,5 @@
 #include "ui/model/jobs/job_runner.h"
+#include "core/base/guarded.h"
 
 #include <chrono>
 #include <exception>
@@ -16,13 +17,8 @@ double millisecondsSince(Clock::time_point begin) {
 }
 
 Status runGuarded(const std::function<Status(const JobControl&)>& work, const JobControl& job) {
-    try {
-        return work(job);
-    } catch (const std::bad_alloc&) {
-        return makeError(ErrorCode::OutOfSpace, "not enough memory; close other programs or use a smaller volume");
-    } catch (const std::exception& exception) {
-        return makeError(ErrorCode::IoError, std::string("unexpected failure: ") + exception.what());
-    }
+    const ThrownErrors errors{"not enough memory; close other programs or use a smaller volume"};
+    return guarded(errors, [&] { return work(job); });
 }
 
 } // namespace
@@ -58,8 +54,8 @@ JobId JobRunner::start(const std::string& title, Work work, Done done) {
                 model_.setProgress(id, fraction, stage, millisecondsSince(begin));
         });
     };
-    job->thread = std::jthread([this, id, alive, post = postToMain_, work = std::move(work),
-                                done = std::move(done), reportProgress](std::stop_token stop) {
+    job->thread = std::jthread([this, id, alive, post = postToMain_, work = std::move(work), done = std::move(done),
+                                reportProgress](std::stop_token stop) {
         JobControl control;
         control.stop = stop;
         control.progress = reportProgress;

@@ -14,9 +14,9 @@ namespace isoslider::model {
 class FieldTree {
 public:
     struct Node {
-        std::string name;                 ///< of a group, or the last part of a field's; of a list, the whole name
-        std::size_t parent = 0;           ///< 0: the root
-        std::size_t row = 0;              ///< among the parent's children
+        std::string name; ///< of a group, or the last part of a field's; of a list, the whole name
+        std::size_t parent = 0; ///< 0: the root
+        std::size_t row = 0; ///< among the parent's children
         std::optional<std::size_t> field; ///< in VolumeContents::fields; none: a group
         std::vector<std::size_t> children; ///< of a group, as they come in the file
     };

@@ -11,8 +11,8 @@ OpenModel::OpenModel(std::filesystem::path path, std::shared_ptr<BackgroundJobs>
         [this](Result<io::VolumeContents> contents) { onListed(std::move(contents)); });
 }
 
-OpenModel::OpenModel(std::filesystem::path path, io::VolumeContents contents,
-                     std::shared_ptr<BackgroundJobs> jobs, VolumeAccess volumes)
+OpenModel::OpenModel(std::filesystem::path path, io::VolumeContents contents, std::shared_ptr<BackgroundJobs> jobs,
+                     VolumeAccess volumes)
     : path_(std::move(path)), preview_(jobs, std::move(volumes)), listing_(jobs) {
     previewSubscription_ = preview_.changed().observe([this] { changed_.notify(); });
     onListed(std::move(contents));

@@ -15,15 +15,24 @@ struct TypeWord {
     ScalarType type;
 };
 // Longer words first: "uint8" holds "int8".
-constexpr std::array<TypeWord, 19> kTypeWords{{{"uint16", ScalarType::U16}, {"float64", ScalarType::F64},
-                                               {"float32", ScalarType::F32}, {"ushort", ScalarType::U16},
-                                               {"uchar", ScalarType::U8},   {"uint8", ScalarType::U8},
-                                               {"int16", ScalarType::I16},  {"int32", ScalarType::I32},
-                                               {"int8", ScalarType::I8},    {"double", ScalarType::F64},
-                                               {"float", ScalarType::F32},  {"short", ScalarType::I16},
-                                               {"f32", ScalarType::F32},    {"f64", ScalarType::F64},
-                                               {"u16", ScalarType::U16},    {"i16", ScalarType::I16},
-                                               {"i32", ScalarType::I32},    {"u8", ScalarType::U8},
+constexpr std::array<TypeWord, 19> kTypeWords{{{"uint16", ScalarType::U16},
+                                               {"float64", ScalarType::F64},
+                                               {"float32", ScalarType::F32},
+                                               {"ushort", ScalarType::U16},
+                                               {"uchar", ScalarType::U8},
+                                               {"uint8", ScalarType::U8},
+                                               {"int16", ScalarType::I16},
+                                               {"int32", ScalarType::I32},
+                                               {"int8", ScalarType::I8},
+                                               {"double", ScalarType::F64},
+                                               {"float", ScalarType::F32},
+                                               {"short", ScalarType::I16},
+                                               {"f32", ScalarType::F32},
+                                               {"f64", ScalarType::F64},
+                                               {"u16", ScalarType::U16},
+                                               {"i16", ScalarType::I16},
+                                               {"i32", ScalarType::I32},
+                                               {"u8", ScalarType::U8},
                                                {"i8", ScalarType::I8}}};
 /// Without a word for it, types are tried in the order of how often they are met.
 constexpr std::array<ScalarType, 4> kUsualTypes{ScalarType::U8, ScalarType::U16, ScalarType::F32, ScalarType::F64};

@@ -53,9 +53,8 @@ io::ReadOptions RawImportModel::options() const {
 }
 
 std::optional<std::size_t> RawImportModel::chosenGuess() const {
-    const auto found = std::find_if(guesses_.begin(), guesses_.end(), [this](const RawGuess& guess) {
-        return isSameReading(guess.layout, layout_);
-    });
+    const auto found = std::find_if(guesses_.begin(), guesses_.end(),
+                                    [this](const RawGuess& guess) { return isSameReading(guess.layout, layout_); });
     return found == guesses_.end() ? std::nullopt : std::optional<std::size_t>(found - guesses_.begin());
 }
 
@@ -103,9 +102,7 @@ RawImportModel::Fit RawImportModel::fit() const {
 
 std::uint64_t RawImportModel::neededBytes() const { return layoutBytes(layout_); }
 
-bool RawImportModel::canOpen() const {
-    return fit() == Fit::Exact || (fit() == Fit::FileLonger && allowsTrailing_);
-}
+bool RawImportModel::canOpen() const { return fit() == Fit::Exact || (fit() == Fit::FileLonger && allowsTrailing_); }
 
 void RawImportModel::showPreview() {
     check_.reset();

@@ -43,9 +43,7 @@ public:
     std::uint64_t neededBytes() const;
     bool canOpen() const;
     /// Null unless the other byte order looks right.
-    const ByteOrderCheck* swapWarning() const {
-        return check_ && check_->looksSwapped() ? &*check_ : nullptr;
-    }
+    const ByteOrderCheck* swapWarning() const { return check_ && check_->looksSwapped() ? &*check_ : nullptr; }
     const PreviewModel& preview() const { return preview_; }
 
     ObserverList<>& changed() { return changed_; }

@@ -50,8 +50,7 @@ double formatCost(RawSmoothness& samples, const NamedLayout& named) {
 double shapeCost(const GridDims& dims) {
     const auto [least, most] = std::minmax_element(dims.begin(), dims.end());
     const double ratio = static_cast<double>(*most) / static_cast<double>(*least);
-    return kPerDoublingOfSides * std::max(0.0, std::log2(ratio) - 2.0) +
-           (dims[0] != dims[1] ? kUnequalSides : 0.0);
+    return kPerDoublingOfSides * std::max(0.0, std::log2(ratio) - 2.0) + (dims[0] != dims[1] ? kUnequalSides : 0.0);
 }
 
 bool hasUsualSides(const GridDims& dims) {
@@ -120,8 +119,7 @@ bool fitsExactly(const GridDims& dims, const SampleFormat& format, std::uint64_t
     layout.dims = dims;
     layout.type = format.type;
     layout.skipBytes = format.skipBytes;
-    return dims[0] > 0 &&
-           std::all_of(dims.begin(), dims.end(), [](auto n) { return n >= 2 && n <= kMaxDim; }) &&
+    return dims[0] > 0 && std::all_of(dims.begin(), dims.end(), [](auto n) { return n >= 2 && n <= kMaxDim; }) &&
            static_cast<double>(dims[0]) * static_cast<double>(dims[1]) * static_cast<double>(dims[2]) <=
                static_cast<double>(kMaxPoints) &&
            layoutBytes(layout) == fileBytes;
@@ -132,8 +130,8 @@ bool fitsExactly(const GridDims& dims, const SampleFormat& format, std::uint64_t
 std::set<std::uint64_t> skipsFor(ScalarType type, std::uint64_t fileBytes, const NamedLayout& named) {
     std::set<std::uint64_t> skips{0};
     const auto size = scalarTypeSizeBytes(type);
-    const double namedPoints = static_cast<double>(named.dims[0]) * static_cast<double>(named.dims[1]) *
-                               static_cast<double>(named.dims[2]);
+    const double namedPoints =
+        static_cast<double>(named.dims[0]) * static_cast<double>(named.dims[1]) * static_cast<double>(named.dims[2]);
     const double left = static_cast<double>(fileBytes) - namedPoints * static_cast<double>(size);
     if (namedPoints > 0.0 && left > 0.0 && left <= kMostNamedSkip)
         skips.insert(fileBytes - static_cast<std::uint64_t>(pointCount(named.dims)) * size);
@@ -163,33 +161,28 @@ bool isJumpingTwin(const Candidate& candidate, const std::vector<Candidate>& all
     const auto& format = candidate.samples->format();
     return std::any_of(all.begin(), all.end(), [&](const Candidate& other) {
         SampleFormat twin = other.samples->format();
-        const bool isTwin = twin.type != format.type && !isFloatType(twin.type) &&
-                            !isFloatType(format.type) &&
+        const bool isTwin = twin.type != format.type && !isFloatType(twin.type) && !isFloatType(format.type) &&
                             scalarTypeSizeBytes(twin.type) == scalarTypeSizeBytes(format.type);
         twin.type = format.type;
         return isTwin && twin == format && candidate.samples->range() > kFarMore * other.samples->range();
     });
 }
 
-std::vector<Candidate> candidatesOf(const RandomAccessFile& file, const NamedLayout& named,
-                                    const JobControl& job) {
+std::vector<Candidate> candidatesOf(const RandomAccessFile& file, const NamedLayout& named, const JobControl& job) {
     std::vector<Candidate> candidates;
     for (const ScalarType type : kAllScalarTypes)
         for (const std::uint64_t skip : skipsFor(type, file.sizeBytes(), named))
             for (const bool isBigEndian : {false, true}) {
                 const auto size = scalarTypeSizeBytes(type);
-                if ((isBigEndian && size == 1) || (file.sizeBytes() - skip) % size != 0 ||
-                    job.isStopRequested())
+                if ((isBigEndian && size == 1) || (file.sizeBytes() - skip) % size != 0 || job.isStopRequested())
                     continue;
                 Candidate candidate;
-                candidate.samples =
-                    std::make_unique<RawSmoothness>(file, SampleFormat{type, isBigEndian, skip});
+                candidate.samples = std::make_unique<RawSmoothness>(file, SampleFormat{type, isBigEndian, skip});
                 candidate.cost = formatCost(*candidate.samples, named);
                 candidates.push_back(std::move(candidate));
             }
     for (auto& candidate : candidates)
-        candidate.isJumping =
-            named.type != candidate.samples->format().type && isJumpingTwin(candidate, candidates);
+        candidate.isJumping = named.type != candidate.samples->format().type && isJumpingTwin(candidate, candidates);
     std::erase_if(candidates, [](const Candidate& candidate) { return candidate.isJumping; });
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const auto& a, const auto& b) { return a.cost < b.cost; });
@@ -207,13 +200,11 @@ bool areTwins(const RawGuess& a, const RawGuess& b) {
 /// Other types and byte orders look as smooth now and then: a few readings of each dims, and no twins.
 void keepBest(std::vector<RawGuess>& guesses) {
     constexpr std::ptrdiff_t kMostAlike = 2;
-    std::stable_sort(guesses.begin(), guesses.end(),
-                     [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    std::stable_sort(guesses.begin(), guesses.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
     std::vector<RawGuess> best;
     for (const auto& guess : guesses) {
-        const auto alike = std::count_if(best.begin(), best.end(), [&](const auto& other) {
-            return other.layout.dims == guess.layout.dims;
-        });
+        const auto alike = std::count_if(best.begin(), best.end(),
+                                         [&](const auto& other) { return other.layout.dims == guess.layout.dims; });
         const bool isTwin =
             std::any_of(best.begin(), best.end(), [&](const auto& other) { return areTwins(other, guess); });
         if (!isTwin && alike < kMostAlike && best.size() < kMostRawGuesses)
@@ -239,8 +230,7 @@ Result<std::vector<RawGuess>> rankRawLayouts(const std::filesystem::path& path, 
             guesses.push_back(judged(*samples, named.dims, cost, named));
         if (searched++ < kMostFormats)
             addShapes(*samples, cost, named, job, guesses);
-        job.report(static_cast<double>(i + 1) / static_cast<double>(candidates.size()),
-                   "comparing ways to read it");
+        job.report(static_cast<double>(i + 1) / static_cast<double>(candidates.size()), "comparing ways to read it");
     }
     if (job.isStopRequested())
         return cancelledError();

@@ -43,8 +43,7 @@ struct RawSmoothness::MeanDifference {
     Place mean() const { return count > 0.0 ? Place{sum.rank / count, sum.value / count} : Place(); }
 };
 
-RawSmoothness::RawSmoothness(const RandomAccessFile& file, const SampleFormat& format)
-    : file_(file), format_(format) {
+RawSmoothness::RawSmoothness(const RandomAccessFile& file, const SampleFormat& format) : file_(file), format_(format) {
     const auto size = scalarTypeSizeBytes(format.type);
     samples_ = file.sizeBytes() > format.skipBytes ? (file.sizeBytes() - format.skipBytes) / size : 0;
     if (samples_ < 8)
@@ -99,8 +98,7 @@ void RawSmoothness::measure(const std::vector<double>& values) {
     range_ = most - least;
     if (!sorted_.empty()) {
         low_ = sorted_[static_cast<std::size_t>(kOutliers * static_cast<double>(sorted_.size()))];
-        high_ = sorted_[sorted_.size() - 1 -
-                        static_cast<std::size_t>(kOutliers * static_cast<double>(sorted_.size()))];
+        high_ = sorted_[sorted_.size() - 1 - static_cast<std::size_t>(kOutliers * static_cast<double>(sorted_.size()))];
     }
     if (low_ == high_) { // all but a few are one value
         low_ = least;
@@ -149,16 +147,14 @@ double RawSmoothness::roughness(std::uint64_t lag) {
             difference.add(run[k], run[k + lag]);
         if (isWithin || places_[i] + lag >= samples_)
             continue;
-        const auto further =
-            read(places_[i] + lag, std::min<std::uint64_t>(run.size(), samples_ - places_[i] - lag));
+        const auto further = read(places_[i] + lag, std::min<std::uint64_t>(run.size(), samples_ - places_[i] - lag));
         for (std::size_t k = 0; k < further.size(); ++k)
             difference.add(run[k], placeOf(further[k]));
     }
     const Place mean = difference.mean();
-    const double rough =
-        difference.count > 0.0
-            ? std::min(2.0, std::sqrt(mean.rank / spread_.rank * (mean.value / spread_.value)))
-            : 1.0;
+    const double rough = difference.count > 0.0
+                             ? std::min(2.0, std::sqrt(mean.rank / spread_.rank * (mean.value / spread_.value)))
+                             : 1.0;
     known_.emplace(lag, rough);
     return rough;
 }

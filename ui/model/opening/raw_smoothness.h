@@ -23,8 +23,9 @@ struct SampleFormat {
 /// whatever its size. Samples are compared by rank, where wild values decide nothing, and by value, where the
 /// noise of a background decides nothing. Worker thread.
 ///
-/// Not the measure that the reader's doubt of a byte order rests on (core/volume_io/formats/raw_reader.cpp): that one has
-/// no scale, looks at neighbours only and at one place. It costs a read of 64 KiB, and no file is opened without it.
+/// Not the measure that the reader's doubt of a byte order rests on (core/volume_io/formats/raw_reader.cpp): that one
+/// has no scale, looks at neighbours only and at one place. It costs a read of 64 KiB, and no file is opened without
+/// it.
 class RawSmoothness {
 public:
     /// `file` must outlive this.

@@ -23,8 +23,7 @@ GridDims shrunkTo(const GridDims& dims, std::int64_t longest) {
     GridDims small{};
     std::transform(dims.begin(), dims.end(), small.begin(), [&](std::int64_t n) {
         const double share = static_cast<double>(n) / static_cast<double>(extent);
-        return std::max(kLeastExtent,
-                        static_cast<std::int64_t>(std::llround(share * static_cast<double>(longest))));
+        return std::max(kLeastExtent, static_cast<std::int64_t>(std::llround(share * static_cast<double>(longest))));
     });
     return small;
 }
@@ -45,8 +44,8 @@ void VolumeChoice::setField(std::size_t index) {
 }
 
 void VolumeChoice::setComponent(int component) {
-    component_ = component == io::kMagnitude ? component
-                                             : std::clamp(component, 0, std::max(0, field().components - 1));
+    component_ =
+        component == io::kMagnitude ? component : std::clamp(component, 0, std::max(0, field().components - 1));
 }
 
 void VolumeChoice::setFrame(std::int64_t frame) {
@@ -99,9 +98,8 @@ io::ReadOptions VolumeChoice::previewOptions() const {
 }
 
 bool isWorthAsking(const io::VolumeContents& contents) {
-    return contents.needsChoice() &&
-           std::any_of(contents.fields.begin(), contents.fields.end(),
-                       [](const io::VolumeField& field) { return field.problem.empty(); });
+    return contents.needsChoice() && std::any_of(contents.fields.begin(), contents.fields.end(),
+                                                 [](const io::VolumeField& field) { return field.problem.empty(); });
 }
 
 } // namespace isoslider::model

@@ -86,8 +86,7 @@ Result<std::int64_t> previewStep(const io::VolumeInfo& info, std::uint64_t mostS
 } // namespace
 
 Result<VolumePreview> readVolumePreview(const std::filesystem::path& path, const io::ReadOptions& options,
-                                        const VolumeAccess& volumes, const JobControl& job,
-                                        std::uint64_t mostSamples) {
+                                        const VolumeAccess& volumes, const JobControl& job, std::uint64_t mostSamples) {
     const auto source = volumes.open(path, options);
     if (!source.isOk())
         return source.error();
@@ -120,8 +119,7 @@ Result<VolumePreview> readVolumePreview(const std::filesystem::path& path, const
     }
     const ShadeRange range = shadeRangeOf(preview.histogram);
     for (int i = 0; i < 3; ++i) {
-        auto& slice = preview.slices[static_cast<std::size_t>(i)] =
-            middleSlice(grid, 2 - i, step.value(), range);
+        auto& slice = preview.slices[static_cast<std::size_t>(i)] = middleSlice(grid, 2 - i, step.value(), range);
         if (preview.isResampled)
             slice.position = -1;
     }

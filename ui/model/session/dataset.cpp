@@ -4,6 +4,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "core/base/folders.h"
 #include "core/grid/volume_statistics.h"
 #include "core/volume_io/sources/coarse_reader.h"
 #include "core/volume_io/sources/sample_volumes.h"
@@ -19,8 +20,7 @@ fs::path cachedIndexPath(const OpenRequest& request, const IndexCache& cache) {
     return cache.pathForFile(request.path, layoutText(request.readOptions));
 }
 
-LoadedDataset fromEngine(Dataset dataset, std::unique_ptr<extract::SlideEngine> engine,
-                         const OpenRequest& request) {
+LoadedDataset fromEngine(Dataset dataset, std::unique_ptr<extract::SlideEngine> engine, const OpenRequest& request) {
     LoadedDataset loaded;
     adoptIndex(dataset, engine->info());
     loaded.isovalue = request.isovalue.value_or(suggestIsovalue(dataset.histogram));
@@ -43,8 +43,7 @@ Result<LoadedDataset> loadIndexFile(const OpenRequest& request) {
 
 /// The cached index, if there is a whole one that is of this volume's shape.
 std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
-    std::error_code ignored;
-    if (!fs::exists(dataset.indexPath, ignored))
+    if (!isPresent(dataset.indexPath))
         return nullptr;
     auto engine = extract::SlideEngine::open(dataset.indexPath);
     if (engine.isOk() && engine.value()->info().geometry == dataset.geometry &&
@@ -73,8 +72,7 @@ Status takeGrid(Result<std::shared_ptr<const ScalarGrid>> grid, LoadedDataset& l
     return {};
 }
 
-Status readPreview(io::VolumeSource& source, std::uint64_t mostBytes, const JobControl& job,
-                   LoadedDataset& loaded) {
+Status readPreview(io::VolumeSource& source, std::uint64_t mostBytes, const JobControl& job, LoadedDataset& loaded) {
     auto& dataset = loaded.dataset;
     const auto& dims = dataset.geometry.dims;
     const auto sampleBytes = scalarTypeSizeBytes(dataset.type);
@@ -82,11 +80,10 @@ Status readPreview(io::VolumeSource& source, std::uint64_t mostBytes, const JobC
     const auto mostSamples = mostBytes / sampleBytes;
     const auto step = io::coarseStep(dims, std::min(kMostPreviewSamples, mostSamples));
     if (!step || planeSamples > mostSamples)
-        return makeError(
-            ErrorCode::OutOfSpace,
-            "does not fit in memory, and is too flat for a preview; build its index with isoslider-cli "
-            "build, and open that",
-            dataset.path.string());
+        return makeError(ErrorCode::OutOfSpace,
+                         "does not fit in memory, and is too flat for a preview; build its index with isoslider-cli "
+                         "build, and open that",
+                         dataset.path.string());
     ISO_TRY(source.prepare(job.part(0.0, 0.35)));
     auto grid = io::readCoarse(source, *step, job.part(0.35, 0.7));
     if (!grid.isOk())
@@ -134,7 +131,8 @@ std::string layoutText(const io::ReadOptions& options) {
     if (options.frame)
         text << ",frame " << *options.frame;
     if (options.resampleDims[0] > 0)
-        text << ",resampled " << options.resampleDims[0] << 'x' << options.resampleDims[1] << 'x' << options.resampleDims[2];
+        text << ",resampled " << options.resampleDims[0] << 'x' << options.resampleDims[1] << 'x'
+             << options.resampleDims[2];
     if (options.raw) {
         const auto& raw = *options.raw;
         for (int axis = 0; axis < 3; ++axis)
@@ -179,9 +177,8 @@ std::string displayName(const OpenRequest& request) {
     return name.empty() ? request.path.parent_path().filename().string() : name;
 }
 
-Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache,
-                                  const SampleLoader& samples, std::uint64_t wholeVolumeBytes,
-                                  const JobControl& job, const VolumeAccess& volumes) {
+Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache, const SampleLoader& samples,
+                                  std::uint64_t wholeVolumeBytes, const JobControl& job, const VolumeAccess& volumes) {
     if (request.sampleName.empty() && isIndexFile(request.path))
         return loadIndexFile(request);
     LoadedDataset loaded;
@@ -200,8 +197,9 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
         auto stamp = VolumeStamp::of(request.path, source.value()->info().dataFiles);
         if (stamp.isOk()) // without one, the index serves this run only
             dataset.stamp = std::move(stamp).value();
-        const auto finding = dataset.stamp ? cache.find(*dataset.stamp, layoutText(dataset.readOptions), job.part(0.0, 0.1))
-                                           : IndexCache::Finding::None;
+        const auto finding = dataset.stamp
+                                 ? cache.find(*dataset.stamp, layoutText(dataset.readOptions), job.part(0.0, 0.1))
+                                 : IndexCache::Finding::None;
         if (auto engine = finding == IndexCache::Finding::Fresh ? openCached(dataset) : nullptr)
             return fromEngine(std::move(dataset), std::move(engine), request);
         if (dataset.sampleBytes() > wholeVolumeBytes)

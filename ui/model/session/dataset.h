@@ -13,8 +13,8 @@
 #include "core/grid/scalar_grid.h"
 #include "core/index/format/index_info.h"
 #include "core/volume_io/volume_reader.h"
-#include "ui/model/session/index_cache.h"
 #include "ui/model/opening/volume_access.h"
+#include "ui/model/session/index_cache.h"
 
 namespace isoslider::model {
 
@@ -23,9 +23,9 @@ enum class DatasetGeneration : std::uint64_t {};
 
 /// What the window knows of the volume that is open.
 struct Dataset {
-    std::string name;                 ///< file name or sample title
-    std::filesystem::path path;       ///< empty for samples
-    std::string sampleName;           ///< of a built-in sample
+    std::string name; ///< file name or sample title
+    std::filesystem::path path; ///< empty for samples
+    std::string sampleName; ///< of a built-in sample
     io::ReadOptions readOptions; ///< what `path` was opened with
     std::string format;
     std::string fieldName;
@@ -43,12 +43,12 @@ struct Dataset {
     std::uint64_t distinctValues = 0; ///< 0: not counted yet
     std::uint64_t missingSamples = 0;
     index::Histogram histogram;
-    std::filesystem::path indexPath;  ///< where the index is or will be
+    std::filesystem::path indexPath; ///< where the index is or will be
     std::optional<VolumeStamp> stamp; ///< of the volume's files before they were read; none of samples and indexes
     std::optional<index::IndexInfo> index;
 
     std::uint64_t sampleBytes() const;
-    double bytesPerVoxel() const;     ///< of the index; 0 without one
+    double bytesPerVoxel() const; ///< of the index; 0 without one
 };
 
 /// What to open: a file (a volume or an index), or a built-in sample by name.
@@ -56,7 +56,7 @@ struct OpenRequest {
     std::filesystem::path path;
     std::string sampleName;
     io::ReadOptions readOptions;
-    std::optional<double> isovalue;   ///< the first isovalue; otherwise a suggested one
+    std::optional<double> isovalue; ///< the first isovalue; otherwise a suggested one
     /// A file of several volumes is not an error: Session::choiceNeeded tells what it holds.
     bool asksForChoice = false;
 };
@@ -91,8 +91,8 @@ void adoptIndex(Dataset& dataset, const index::IndexInfo& info);
 /// whose samples take more than `wholeVolumeBytes`, and that has no index yet, a preview is read: the finest
 /// of at most kMostPreviewSamples that fits in `wholeVolumeBytes`. Errors: whatever reading reports;
 /// InvalidArgument if no sample is finite; OutOfSpace if no preview fits.
-Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache,
-                                  const SampleLoader& samples, std::uint64_t wholeVolumeBytes,
-                                  const JobControl& job, const VolumeAccess& volumes = {});
+Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache, const SampleLoader& samples,
+                                  std::uint64_t wholeVolumeBytes, const JobControl& job,
+                                  const VolumeAccess& volumes = {});
 
 } // namespace isoslider::model

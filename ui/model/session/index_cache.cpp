@@ -6,6 +6,7 @@
 
 #include "core/base/content_hash.h"
 #include "core/base/file_system.h"
+#include "core/base/folders.h"
 
 namespace isoslider::model {
 namespace fs = std::filesystem;
@@ -36,10 +37,8 @@ Status writeRecord(const fs::path& index, const VolumeStamp& stamp, std::string_
 } // namespace
 
 fs::path IndexCache::pathForFile(const fs::path& volume, std::string_view layout) const {
-    std::error_code error;
-    auto absolute = fs::weakly_canonical(volume, error);
-    if (error)
-        absolute = volume;
+    const auto resolved = canonicalPath(volume);
+    const fs::path& absolute = resolved.isOk() ? resolved.value() : volume;
     std::string key = absolute.string() + "|";
     key += layout;
     return pathForKey(absolute.stem().string(), std::move(key));
@@ -60,8 +59,7 @@ fs::path IndexCache::pathForKey(std::string_view stem, std::string key) const {
 
 IndexCache::Finding IndexCache::find(const VolumeStamp& volume, std::string_view layout, const JobControl& job) const {
     const fs::path index = pathForFile(volume.volume(), layout);
-    std::error_code error;
-    if (!fs::exists(index, error))
+    if (!isPresent(index))
         return takeMoved(volume, layout, job) ? Finding::Fresh : Finding::None;
     const auto recorded = readRecord(index, layout);
     if (!recorded)
@@ -80,17 +78,18 @@ IndexCache::Finding IndexCache::find(const VolumeStamp& volume, std::string_view
 }
 
 bool IndexCache::takeMoved(const VolumeStamp& volume, std::string_view layout, const JobControl& job) const {
-    std::error_code error, ignored;
+    const auto indexes = listFiles(folder_);
+    if (!indexes.isOk())
+        return false;
     std::size_t seen = 0;
     std::optional<VolumeStamp> present; // with hashes, once they are needed
-    for (fs::directory_iterator entry(folder_, error), end; !error && entry != end && seen < kMostRecords;
-         entry.increment(error)) {
-        const fs::path& index = entry->path();
+    for (const fs::path& index : indexes.value()) {
         if (index.extension() != ".isx")
             continue;
-        ++seen;
+        if (++seen > kMostRecords)
+            break;
         const auto recorded = readRecord(index, layout);
-        if (!recorded || !recorded->couldBe(volume) || fs::exists(recorded->volume(), ignored))
+        if (!recorded || !recorded->couldBe(volume) || isPresent(recorded->volume()))
             continue;
         if (!present) {
             present = volume;
@@ -100,19 +99,15 @@ bool IndexCache::takeMoved(const VolumeStamp& volume, std::string_view layout, c
         const fs::path here = pathForFile(volume.volume(), layout);
         if (!present->hasContentOf(*recorded) || !writeRecord(here, *present, layout).isOk())
             continue;
-        fs::rename(index, here, error);
-        if (error)
+        if (!defaultFileSystem().renameDurably(index, here).isOk())
             return false;
-        fs::remove(recordOf(index), ignored);
+        forget(index);
         return true;
     }
     return false;
 }
 
-void IndexCache::forget(const fs::path& index) {
-    std::error_code ignored;
-    fs::remove(recordOf(index), ignored);
-}
+void IndexCache::forget(const fs::path& index) { static_cast<void>(defaultFileSystem().removeFile(recordOf(index))); }
 
 Status IndexCache::record(const fs::path& index, VolumeStamp volume, std::string_view layout, const JobControl& job) {
     ISO_TRY(volume.hash(job));

@@ -11,7 +11,7 @@ namespace isoslider::model {
 struct RecentFile {
     std::filesystem::path path;
     io::ReadOptions options; ///< field, component, frame, size and raw layout; the rest is not remembered
-    std::string fieldTitle;  ///< what people call the field; empty: its name will do
+    std::string fieldTitle; ///< what people call the field; empty: its name will do
 
     bool hasChoices() const { return options != io::ReadOptions(); }
     /// The same choices of the same file.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file_system.h"
+#include "core/base/folders.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "ui/model/path_text.h"
 
@@ -174,7 +175,8 @@ std::optional<io::RawLayout> rawFrom(const Json& json, std::vector<std::string>&
     std::string type;
     const bool hasDims = members.dims("dims", raw.dims, 1), hasType = members.text("type", type);
     const auto scalar = hasType ? scalarTypeFromName(type) : std::nullopt;
-    if (members.numbers("spacing", raw.spacing, 3) && !(raw.spacing.x > 0.0 && raw.spacing.y > 0.0 && raw.spacing.z > 0.0)) {
+    if (members.numbers("spacing", raw.spacing, 3) &&
+        !(raw.spacing.x > 0.0 && raw.spacing.y > 0.0 && raw.spacing.z > 0.0)) {
         members.tellOf("spacing", "is not positive and ignored");
         raw.spacing = glm::dvec3(1.0);
     }
@@ -261,9 +263,8 @@ fs::path volumeFrom(Members& volume, const fs::path& folder) {
     const auto absolute = bytesFromText(path), below = bytesFromText(relative);
     if (!absolute || !below)
         volume.tellOf("path", "is misspelt and ignored");
-    std::error_code ignored;
     // What lies beside the session has moved along with it.
-    if (below && !below->empty() && fs::exists(folder / *below, ignored))
+    if (below && !below->empty() && isPresent(folder / *below))
         return (folder / *below).lexically_normal();
     return absolute ? fs::path(*absolute) : fs::path();
 }

@@ -2,6 +2,7 @@
 
 #include <system_error>
 
+#include "core/base/folders.h"
 #include "core/mesh/mesh_export.h"
 #include "ui/model/isovalue/histogram_model.h"
 #include "ui/model/opening/volume_choice.h"
@@ -25,13 +26,16 @@ mesh::SurfaceSource sourceOf(const Dataset& dataset) {
     std::string lost = dataset.index ? dataset.index->resampling : std::string();
     if (dataset.resampling)
         lost = io::lossText(*dataset.resampling, dataset.geometry.dims);
-    return {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples, dataset.lengthUnit, std::move(lost)};
+    return {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples, dataset.lengthUnit,
+            std::move(lost)};
 }
 
 } // namespace
 
 Session::Session(SessionServices services)
-    : services_(std::move(services)), cache_(services_.cacheFolder), slot_(std::make_shared<FrameSlot>()),
+    : services_(std::move(services)),
+      cache_(services_.cacheFolder),
+      slot_(std::make_shared<FrameSlot>()),
       worker_(std::make_unique<SlideWorker>(workerCallbacks())),
       runner_(std::make_unique<JobRunner>(jobs_, services_.postToMain)) {
     requestSubscription_ = isovalue_.observeRequest([this](double isovalue) {
@@ -61,7 +65,8 @@ SlideWorker::Callbacks Session::workerCallbacks() {
                 takeFrame();
         });
     };
-    callbacks.onError = [this, weakSlot, post = services_.postToMain](Error error, double isovalue, SourceGeneration generation) {
+    callbacks.onError = [this, weakSlot, post = services_.postToMain](Error error, double isovalue,
+                                                                      SourceGeneration generation) {
         post([this, weakSlot, error = std::move(error), isovalue, generation] {
             if (weakSlot.lock())
                 onSlideError(error, isovalue, generation);
@@ -226,14 +231,9 @@ void Session::startIndexBuild() {
     if (!grid_ || !services_.indexBuilder)
         return;
     indexState_ = IndexState::Building;
-    auto work = [builder = services_.indexBuilder, grid = grid_,
-                 volume = *dataset_](const JobControl& job) -> Status {
+    auto work = [builder = services_.indexBuilder, grid = grid_, volume = *dataset_](const JobControl& job) -> Status {
         const auto& path = volume.indexPath;
-        std::error_code error;
-        fs::create_directories(path.parent_path(), error);
-        if (error)
-            return makeError(ErrorCode::IoError, "the folder for indexes cannot be made: " + error.message(),
-                             path.parent_path().string());
+        ISO_TRY(makeFolders(path.parent_path()));
         IndexCache::forget(path);
         io::VolumeInfo about;
         about.lengthUnit = volume.lengthUnit;
@@ -303,9 +303,7 @@ void Session::useIndex(OpenedIndex opened) {
     datasetChanged_.notify();
 }
 
-bool Session::isPreview() const {
-    return dataset_ && dataset_->coarseStep > 1 && indexState_ != IndexState::Ready;
-}
+bool Session::isPreview() const { return dataset_ && dataset_->coarseStep > 1 && indexState_ != IndexState::Ready; }
 
 std::int64_t Session::shownStep() const { return frame_ && !frame_->isFromIndex ? dataset_->coarseStep : 1; }
 
@@ -329,7 +327,8 @@ void Session::checkMesh() {
     isCheckingMesh_ = true;
     runner_->run<mesh::Certificate>(
         "Check mesh",
-        [worker = worker_.get(), of = datasetGeneration_, source = sourceOf(*dataset_)](const JobControl& job) -> Result<mesh::Certificate> {
+        [worker = worker_.get(), of = datasetGeneration_,
+         source = sourceOf(*dataset_)](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
             auto surface = worker->takeMesh(of, job);
             if (!surface.isOk())
@@ -359,11 +358,12 @@ void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
         return;
     if (!mesh::isExportSuffix(path))
         return fail("The mesh was not exported",
-                    makeError(ErrorCode::InvalidArgument,
-                              "the file name must end in .ply, .obj, .stl, .off or .om", path.string()));
+                    makeError(ErrorCode::InvalidArgument, "the file name must end in .ply, .obj, .stl, .off or .om",
+                              path.string()));
     runner_->run<mesh::Certificate>(
         "Export " + path.filename().string(),
-        [worker = worker_.get(), of, source = sourceOf(*dataset_), path](const JobControl& job) -> Result<mesh::Certificate> {
+        [worker = worker_.get(), of, source = sourceOf(*dataset_),
+         path](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
             auto surface = worker->takeMesh(of, job);
             if (!surface.isOk())

@@ -8,11 +8,11 @@
 
 #include "core/extract/surface_frame.h"
 #include "core/mesh/certificate.h"
-#include "ui/model/session/dataset.h"
-#include "ui/model/jobs/index_builder.h"
 #include "ui/model/isovalue/isovalue_model.h"
+#include "ui/model/jobs/index_builder.h"
 #include "ui/model/jobs/job_model.h"
 #include "ui/model/jobs/job_runner.h"
+#include "ui/model/session/dataset.h"
 #include "ui/model/surface/slide_worker.h"
 
 namespace isoslider::model {
@@ -144,7 +144,7 @@ private:
     std::optional<mesh::Certificate> certificate_;
     bool isCheckingMesh_ = false;
     bool isPictureComing_ = false; ///< another one of the same surface was asked for
-    std::uint64_t loadTicket_ = 0;    ///< tells a superseded load from the present one
+    std::uint64_t loadTicket_ = 0; ///< tells a superseded load from the present one
     DatasetGeneration datasetGeneration_{}; ///< tells results about an earlier volume from present ones
     ObserverList<> datasetChanged_;
     ObserverList<> frameChanged_;

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <system_error>
 
+#include "core/base/folders.h"
+
 namespace isoslider::model {
 namespace fs = std::filesystem;
 namespace {
@@ -18,29 +20,25 @@ fs::path lockOf(fs::path session) { return session.replace_extension(".lock"); }
 
 void removeOrphan(const fs::path& lock) {
     const fs::path session = fs::path(lock).replace_extension(kSessionSuffix);
-    std::error_code ignored;
-    if (lock.extension() != ".lock" || fs::exists(session, ignored) ||
-        fs::last_write_time(lock, ignored) > fs::file_time_type::clock::now() - kOrphanAge)
+    if (lock.extension() != ".lock" || isPresent(session) ||
+        modifiedAt(lock) > fs::file_time_type::clock::now() - kOrphanAge)
         return;
     if (!defaultFileSystem().create(lock).isOk()) // somebody holds it
         return;
-    fs::remove(partialPath(session), ignored);
-    fs::remove(lock, ignored);
+    for (const fs::path& file : {partialPath(session), lock})
+        static_cast<void>(defaultFileSystem().removeFile(file));
 }
 
 } // namespace
 
 Result<std::unique_ptr<SessionSlot>> SessionSlot::create(const fs::path& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error)
-        return systemError(error.value(), "cannot make the folder", folder);
+    ISO_TRY(makeFolders(folder));
     const auto start = std::chrono::system_clock::now().time_since_epoch().count();
     for (int attempt = 0;; ++attempt) {
         const std::string name =
             std::to_string(::getpid()) + "-" + std::to_string(start) + "-" + std::to_string(attempt);
         const fs::path path = folder / (name + std::string(kSessionSuffix));
-        if (fs::exists(lockOf(path), error) && attempt < kMostTries)
+        if (isPresent(lockOf(path)) && attempt < kMostTries)
             continue; // another slot of this very program and moment
         auto lock = defaultFileSystem().create(lockOf(path));
         if (lock.isOk())
@@ -52,16 +50,15 @@ Result<std::unique_ptr<SessionSlot>> SessionSlot::create(const fs::path& folder)
 
 std::vector<std::unique_ptr<SessionSlot>> SessionSlot::findLost(const fs::path& folder) {
     std::vector<std::pair<fs::file_time_type, std::unique_ptr<SessionSlot>>> found;
-    std::error_code error, ignored;
-    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-        const fs::path& file = entry->path();
+    const auto files = listFiles(folder);
+    for (const fs::path& file : files.isOk() ? files.value() : std::vector<fs::path>()) {
         if (!isSessionFile(file)) {
             removeOrphan(file);
             continue;
         }
         auto lock = defaultFileSystem().create(lockOf(file));
         if (lock.isOk())
-            found.emplace_back(fs::last_write_time(file, ignored),
+            found.emplace_back(modifiedAt(file),
                                std::unique_ptr<SessionSlot>(new SessionSlot(file, std::move(lock).value())));
     }
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });

@@ -7,6 +7,7 @@
 #include "core/base/content_hash.h"
 #include "core/base/file_stamp.h"
 #include "core/base/file_system.h"
+#include "core/base/folders.h"
 #include "ui/model/path_text.h"
 
 namespace isoslider::model {
@@ -29,17 +30,17 @@ Result<VolumeStamp> VolumeStamp::of(const fs::path& volume, const std::vector<fs
     if (error)
         return systemError(error.value(), "cannot look at", volume);
     std::vector<fs::path> files{stamp.volume_};
-    const bool isFolder = fs::is_directory(volume, error);
-    if (isFolder) {
+    const bool isSeries = isFolder(volume);
+    if (isSeries) {
         auto found = filesBelow(stamp.volume_);
         if (!found.isOk())
             return std::move(found).error();
         files = std::move(found).value();
     }
     for (const fs::path& file : dataFiles)
-        if (!isFolder) // whose files are all there already
+        if (!isSeries) // whose files are all there already
             files.push_back(fs::absolute(file, error).lexically_normal());
-    stamp.root_ = isFolder ? stamp.volume_ : stamp.volume_.parent_path();
+    stamp.root_ = isSeries ? stamp.volume_ : stamp.volume_.parent_path();
     for (const fs::path& file : files) {
         auto one = stampOf(file, file.lexically_relative(stamp.root_));
         if (!one.isOk())
@@ -52,21 +53,23 @@ Result<VolumeStamp> VolumeStamp::of(const fs::path& volume, const std::vector<fs
 bool VolumeStamp::looksLike(const VolumeStamp& other) const {
     return std::equal(files_.begin(), files_.end(), other.files_.begin(), other.files_.end(),
                       [](const StampedFile& a, const StampedFile& b) {
-                          return a.path == b.path && isUntouched(a.stamp, b.stamp) && a.stamp.isSettled && b.stamp.isSettled;
+                          return a.path == b.path && isUntouched(a.stamp, b.stamp) && a.stamp.isSettled &&
+                                 b.stamp.isSettled;
                       });
 }
 
 bool VolumeStamp::couldBe(const VolumeStamp& other) const {
-    return std::equal(files_.begin(), files_.end(), other.files_.begin(), other.files_.end(),
-                      [](const StampedFile& a, const StampedFile& b) { return a.path == b.path && a.stamp.size == b.stamp.size; });
+    return std::equal(
+        files_.begin(), files_.end(), other.files_.begin(), other.files_.end(),
+        [](const StampedFile& a, const StampedFile& b) { return a.path == b.path && a.stamp.size == b.stamp.size; });
 }
 
 Status VolumeStamp::hash(const JobControl& job) {
     for (std::size_t i = 0; i < files_.size(); ++i) {
         StampedFile& file = files_[i];
         const double share = 1.0 / static_cast<double>(files_.size());
-        const auto found = hashFile(root_ / file.path,
-                                    job.part(static_cast<double>(i) * share, static_cast<double>(i + 1) * share));
+        const auto found =
+            hashFile(root_ / file.path, job.part(static_cast<double>(i) * share, static_cast<double>(i + 1) * share));
         if (!found.isOk())
             return found.error();
         const auto after = stampOf(root_ / file.path, file.path);

@@ -32,7 +32,8 @@ public:
     bool looksLike(const VolumeStamp& other) const;
     /// The same names and sizes, wherever the volume lies: worth comparing bytes.
     bool couldBe(const VolumeStamp& other) const;
-    /// Reads all bytes. REQUIRES: the stamp was taken, not read from a text. Errors: Cancelled; those of reading; InvalidArgument (a file changed meanwhile).
+    /// Reads all bytes. REQUIRES: the stamp was taken, not read from a text. Errors: Cancelled; those of reading;
+    /// InvalidArgument (a file changed meanwhile).
     Status hash(const JobControl& job);
     /// REQUIRES: both have hashes.
     bool hasContentOf(const VolumeStamp& other) const;
@@ -43,7 +44,7 @@ public:
 
 private:
     std::filesystem::path volume_; ///< absolute
-    std::filesystem::path root_;   ///< what the files' paths are relative to; of one that was just taken
+    std::filesystem::path root_; ///< what the files' paths are relative to; of one that was just taken
     std::vector<StampedFile> files_; ///< in the order of their paths, but the volume's own first
 };
 

@@ -9,7 +9,7 @@ namespace isoslider::model {
 namespace {
 
 constexpr double kHalfFieldOfView = 0.5 * 0.6108652381980153; // 35 degrees
-constexpr double kNearestDistance = 1e-4;                     // of the scene radius
+constexpr double kNearestDistance = 1e-4; // of the scene radius
 constexpr double kFarthestDistance = 1e3;
 constexpr double kLargestAspect = 1e6; // of views of one row of pixels
 
@@ -61,8 +61,7 @@ void Camera::zoom(double factor, glm::dvec2 screen, double aspect) {
     if (!std::isfinite(factor) || factor <= 0.0)
         return;
     const double before = halfHeight();
-    distance_ = std::clamp(distance_ / factor, sceneRadius_ * kNearestDistance,
-                           sceneRadius_ * kFarthestDistance);
+    distance_ = std::clamp(distance_ / factor, sceneRadius_ * kNearestDistance, sceneRadius_ * kFarthestDistance);
     const double moved = before - halfHeight();
     target_ += (right() * (screen.x * aspect) + up() * screen.y) * moved;
 }
@@ -87,8 +86,7 @@ glm::dvec3 Camera::backward() const { return orientation_ * glm::dvec3(0.0, 0.0,
 
 glm::dmat4 Camera::viewMatrix() const {
     const glm::dmat4 rotation = glm::mat4_cast(glm::conjugate(orientation_));
-    return glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, -distance_)) *
-           glm::translate(rotation, -target_);
+    return glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, -distance_)) * glm::translate(rotation, -target_);
 }
 
 glm::dmat4 Camera::projectionMatrix(double aspect) const {

@@ -1,4 +1,5 @@
 #include "ui/model/surface/slide_worker.h"
+#include "core/base/guarded.h"
 
 #include <chrono>
 #include <exception>
@@ -11,16 +12,7 @@ namespace {
 
 constexpr auto kStopPollInterval = std::chrono::milliseconds(10);
 
-template <class Function>
-auto guarded(Function&& function) -> decltype(function()) {
-    try {
-        return function();
-    } catch (const std::bad_alloc&) {
-        return makeError(ErrorCode::OutOfSpace, "not enough memory for this surface; choose another isovalue");
-    } catch (const std::exception& exception) {
-        return makeError(ErrorCode::IoError, std::string("unexpected failure: ") + exception.what());
-    }
-}
+const ThrownErrors kMoveErrors{"not enough memory for this surface; choose another isovalue"};
 
 } // namespace
 
@@ -116,13 +108,13 @@ Result<extract::SurfaceMesh> SlideWorker::meshOf(const Work& work) const {
         return makeError(ErrorCode::InvalidArgument, "the volume that it is of was closed or replaced meanwhile");
     if (moved_ != work.generation)
         return makeError(ErrorCode::InvalidArgument, "there is no surface at this isovalue; choose another one");
-    return guarded([&] { return work.source->mesh(work.order->job); });
+    return guarded(kMoveErrors, [&] { return work.source->mesh(work.order->job); });
 }
 
 void SlideWorker::move(const Work& work) {
     auto frame = pool_.take();
     frame->marksChanges = marksChanges_;
-    const Status status = guarded([&]() -> Status {
+    const Status status = guarded(kMoveErrors, [&]() -> Status {
         ISO_TRY(work.source->moveTo(*work.isovalue, work.stop, *frame));
         frame->mergedCells = 1;
         fitPicture(*frame, pictureLimit_);

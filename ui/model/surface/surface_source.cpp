@@ -65,9 +65,7 @@ public:
         return {};
     }
 
-    Result<extract::SurfaceMesh> mesh(const JobControl& job) override {
-        return engine_->mesh(job);
-    }
+    Result<extract::SurfaceMesh> mesh(const JobControl& job) override { return engine_->mesh(job); }
 
 private:
     std::unique_ptr<extract::SlideEngine> engine_;
@@ -109,7 +107,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<SurfaceSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid, std::shared_ptr<IndexBuilder> builder) {
+std::unique_ptr<SurfaceSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid,
+                                                std::shared_ptr<IndexBuilder> builder) {
     if (!builder)
         return makeFullExtractionSource(std::move(grid));
     return std::make_unique<MemorySource>(std::move(grid), std::move(builder));

@@ -18,8 +18,8 @@ public:
     virtual ~SurfaceSource() = default;
 
     /// Moves to `isovalue` and fills `frame`, whose buffers may hold an older picture to be
-    /// overwritten, and whose `marksChanges` says whether the changed triangles are wanted. On failure the frame's content is unspecified. Errors: Cancelled, IoError,
-    /// Corruption, InvalidArgument, OutOfSpace.
+    /// overwritten, and whose `marksChanges` says whether the changed triangles are wanted. On failure the frame's
+    /// content is unspecified. Errors: Cancelled, IoError, Corruption, InvalidArgument, OutOfSpace.
     virtual Status moveTo(double isovalue, std::stop_token stop, extract::SurfaceFrame& frame) = 0;
     /// The whole surface at the isovalue of the last move, welded.
     virtual Result<extract::SurfaceMesh> mesh(const JobControl& job) = 0;
@@ -29,7 +29,8 @@ public:
 std::unique_ptr<SurfaceSource> makeFullExtractionSource(std::shared_ptr<const ScalarGrid> grid);
 /// Slides on the volume in memory, with an engine that is made at the first move; extracts the whole surface
 /// where `builder` is null or has none.
-std::unique_ptr<SurfaceSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid, std::shared_ptr<IndexBuilder> builder);
+std::unique_ptr<SurfaceSource> makeMemorySource(std::shared_ptr<const ScalarGrid> grid,
+                                                std::shared_ptr<IndexBuilder> builder);
 /// Slides along an index.
 std::unique_ptr<SurfaceSource> makeIndexSource(std::unique_ptr<extract::SlideEngine> engine);
 

@@ -23,9 +23,7 @@ public:
         options_ = options;
         changed_.notify();
     }
-    [[nodiscard]] Subscription observe(std::function<void()> function) {
-        return changed_.observe(std::move(function));
-    }
+    [[nodiscard]] Subscription observe(std::function<void()> function) { return changed_.observe(std::move(function)); }
 
 private:
     ViewOptions options_;

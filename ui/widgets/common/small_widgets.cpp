@@ -103,7 +103,8 @@ ScrollPage fillWithScrollPage(QWidget* panel) {
     return made;
 }
 
-QWidget* makeAxisRow(const std::array<QWidget*, 3>& boxes, const char* objectName, const QString& name, QWidget* parent) {
+QWidget* makeAxisRow(const std::array<QWidget*, 3>& boxes, const char* objectName, const QString& name,
+                     QWidget* parent) {
     auto* row = new QWidget(parent);
     auto* layout = new QHBoxLayout(row);
     layout->setContentsMargins(0, 0, 0, 0);

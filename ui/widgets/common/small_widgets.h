@@ -45,13 +45,14 @@ ScrollPage fillWithScrollPage(QWidget* panel);
 
 /// Boxes for x, y and z side by side. They get the object name with that letter behind it, and accessible names
 /// such as "Spacing along X".
-QWidget* makeAxisRow(const std::array<QWidget*, 3>& boxes, const char* objectName, const QString& name, QWidget* parent);
+QWidget* makeAxisRow(const std::array<QWidget*, 3>& boxes, const char* objectName, const QString& name,
+                     QWidget* parent);
 
 /// How dialogs that show a file before it is opened are laid out.
 struct FileDialogFrame {
-    QVBoxLayout* top;    ///< the file's name; more may follow
+    QVBoxLayout* top; ///< the file's name; more may follow
     QHBoxLayout* bottom; ///< the buttons; more may come before them
-    QPushButton* open;   ///< the default; accepts nothing by itself
+    QPushButton* open; ///< the default; accepts nothing by itself
 };
 /// Lays out a dialog: the file's name, `left` and `right` side by side, buttons to open and to cancel.
 FileDialogFrame layOutFileDialog(QDialog* dialog, const QString& fileName, QWidget* left, QWidget* right);

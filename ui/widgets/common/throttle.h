@@ -10,8 +10,7 @@ namespace isoslider::widgets {
 /// Calls a function at most once per interval, and at least once after the last trigger.
 class Throttle {
 public:
-    Throttle(int intervalMs, std::function<void()> function)
-        : intervalMs_(intervalMs), function_(std::move(function)) {
+    Throttle(int intervalMs, std::function<void()> function) : intervalMs_(intervalMs), function_(std::move(function)) {
         timer_.setSingleShot(true);
         QObject::connect(&timer_, &QTimer::timeout, &timer_, [this] { fire(); });
     }

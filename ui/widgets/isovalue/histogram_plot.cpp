@@ -9,9 +9,9 @@
 #include "ui/model/isovalue/histogram_model.h"
 #include "ui/model/isovalue/isovalue_model.h"
 #include "ui/model/isovalue/number_text.h"
+#include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/isovalue/isovalue_accessible.h"
 #include "ui/widgets/isovalue/plot_style.h"
-#include "ui/widgets/common/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -195,17 +195,15 @@ void HistogramPlot::placeHandle() {
     // Near an end the tag leans inwards instead of being cut off.
     const double place = hasHistogram_ ? pixelOf(requested_) : 0.0;
     const double half = fontMetrics().horizontalAdvance(text) / 2.0 + 10.0;
-    const Qt::AlignmentFlag lean = place - half < 0           ? Qt::AlignLeft
-                                   : place + half > width()   ? Qt::AlignRight
-                                                              : Qt::AlignHCenter;
+    const Qt::AlignmentFlag lean = place - half < 0         ? Qt::AlignLeft
+                                   : place + half > width() ? Qt::AlignRight
+                                                            : Qt::AlignHCenter;
     tag_->setPositionAlignment(lean | Qt::AlignBottom);
     setAccessibleDescription(hasHistogram_ ? text : tr("no volume"));
     announceValue(*this);
 }
 
-double HistogramPlot::valuePerPixel() const {
-    return xAxis->range().size() / std::max(1, axisRect()->width());
-}
+double HistogramPlot::valuePerPixel() const { return xAxis->range().size() / std::max(1, axisRect()->width()); }
 
 void HistogramPlot::zoomAt(double pixel, double factor) {
     const QCPRange range = xAxis->range();

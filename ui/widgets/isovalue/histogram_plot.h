@@ -12,9 +12,8 @@ namespace isoslider::widgets {
 
 /// The histogram with the isovalue handle on it. The whole plot is the slider: press anywhere and
 /// drag; Shift makes a drag 10 times finer; the wheel and the keys step. Ctrl+wheel zooms about the
-/// pointer, dragging the axis or the middle button pans, a double click shows the whole range and leaves the isovalue where
-/// it was before its first click.
-/// Shows values only; whoever listens decides what becomes of a request.
+/// pointer, dragging the axis or the middle button pans, a double click shows the whole range and leaves the isovalue
+/// where it was before its first click. Shows values only; whoever listens decides what becomes of a request.
 class HistogramPlot : public QCustomPlot {
     Q_OBJECT
 public:

@@ -40,7 +40,8 @@ IsovalueEdit::IsovalueEdit(QWidget* parent) : QLineEdit(parent) {
     setAlignment(Qt::AlignRight);
     setMaxLength(kMostCharacters);
     connect(this, &QLineEdit::inputRejected, this, [this] { isCut_ = true; });
-    connect(this, &QLineEdit::textEdited, this, [this](const QString& text) { isCut_ = isCut_ && text.size() == kMostCharacters; });
+    connect(this, &QLineEdit::textEdited, this,
+            [this](const QString& text) { isCut_ = isCut_ && text.size() == kMostCharacters; });
     connect(this, &QLineEdit::editingFinished, this, &IsovalueEdit::commit);
 }
 
@@ -85,7 +86,8 @@ void IsovalueEdit::commit() {
 void IsovalueEdit::refuse(const QString& reason) {
     restore();
     // Escaped: tool tips take text with tags for a page.
-    QToolTip::showText(mapToGlobal(QPoint(0, height())), QStringLiteral("<qt>%1</qt>").arg(reason.toHtmlEscaped()), this);
+    QToolTip::showText(mapToGlobal(QPoint(0, height())), QStringLiteral("<qt>%1</qt>").arg(reason.toHtmlEscaped()),
+                       this);
 }
 
 void IsovalueEdit::keyPressEvent(QKeyEvent* event) {

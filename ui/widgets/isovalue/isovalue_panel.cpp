@@ -13,13 +13,13 @@
 
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
-#include "ui/widgets/window/action_registry.h"
-#include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/common/icon_loader.h"
-#include "ui/widgets/isovalue/isovalue_edit.h"
-#include "ui/widgets/window/settings_store.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/isovalue/isovalue_edit.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/settings_store.h"
 
 namespace isoslider::widgets {
 namespace {

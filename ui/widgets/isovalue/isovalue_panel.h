@@ -4,9 +4,9 @@
 #include <QTimer>
 #include <QWidget>
 
-#include "ui/model/session/dataset.h"
-#include "ui/model/observers.h"
 #include "ui/model/isovalue/playback_model.h"
+#include "ui/model/observers.h"
+#include "ui/model/session/dataset.h"
 
 class QComboBox;
 class QDoubleSpinBox;

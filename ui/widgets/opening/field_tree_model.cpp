@@ -5,8 +5,8 @@
 #include <QGuiApplication>
 #include <QPalette>
 
-#include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/panels/fact_texts.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -27,9 +27,7 @@ QString partsText(const io::VolumeField& field) {
 
 } // namespace
 
-QString titleOf(const io::VolumeField& field) {
-    return fromStd(field.title.empty() ? field.name : field.title);
-}
+QString titleOf(const io::VolumeField& field) { return fromStd(field.title.empty() ? field.name : field.title); }
 
 FieldTreeModel::FieldTreeModel(QString nameHeading, QObject* parent)
     : QAbstractItemModel(parent), nameHeading_(std::move(nameHeading)) {}
@@ -116,8 +114,9 @@ QVariant FieldTreeModel::data(const QModelIndex& index, int role) const {
         case Qt::ToolTipRole: return tipOf(shown);
         case Qt::AccessibleDescriptionRole: return shown.problem.empty() ? QVariant() : QVariant(tipOf(shown));
         case Qt::ForegroundRole:
-            return shown.problem.empty() ? QVariant()
-                                         : QVariant(quietTextColour(QGuiApplication::palette(), QPalette::Text, QPalette::Base));
+            return shown.problem.empty()
+                       ? QVariant()
+                       : QVariant(quietTextColour(QGuiApplication::palette(), QPalette::Text, QPalette::Base));
         default: return {};
     }
 }

@@ -92,7 +92,8 @@ void FieldTreeView::selectionChanged(const QItemSelection& selected, const QItem
     const auto field = rows.isEmpty() ? std::nullopt : model_->fieldAt(rows.first());
     if (!field) { // the keys or the mouse came to a group
         isShowing_ = true;
-        selectionModel()->select(model_->indexOf(field_), QItemSelectionModel::ClearAndSelect | QItemSelectionModel::Rows);
+        selectionModel()->select(model_->indexOf(field_),
+                                 QItemSelectionModel::ClearAndSelect | QItemSelectionModel::Rows);
         isShowing_ = false;
     } else if (*field != field_) {
         field_ = *field;

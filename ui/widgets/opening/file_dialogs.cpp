@@ -15,8 +15,8 @@ QString firstSuffix(const QString& filter) {
 
 } // namespace
 
-void PlatformFileDialogs::askOpen(QWidget* parent, const QString& title, const QString& folder,
-                                  const QString& filters, Chosen chosen) {
+void PlatformFileDialogs::askOpen(QWidget* parent, const QString& title, const QString& folder, const QString& filters,
+                                  Chosen chosen) {
     auto* dialog = new QFileDialog(parent, title, folder, filters);
     dialog->setAttribute(Qt::WA_DeleteOnClose);
     dialog->setFileMode(QFileDialog::ExistingFile);
@@ -41,9 +41,7 @@ void PlatformFileDialogs::askSave(QWidget* parent, const QString& title, const Q
     dialog->setAcceptMode(QFileDialog::AcceptSave);
     dialog->setFileMode(QFileDialog::AnyFile);
     dialog->selectFile(suggested.fileName());
-    const auto followFilter = [dialog](const QString& filter) {
-        dialog->setDefaultSuffix(firstSuffix(filter).mid(1));
-    };
+    const auto followFilter = [dialog](const QString& filter) { dialog->setDefaultSuffix(firstSuffix(filter).mid(1)); };
     followFilter(dialog->selectedNameFilter());
     QObject::connect(dialog, &QFileDialog::filterSelected, dialog, followFilter);
     QObject::connect(dialog, &QFileDialog::fileSelected, parent, std::move(chosen));

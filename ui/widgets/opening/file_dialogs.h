@@ -15,12 +15,12 @@ public:
     using Chosen = std::function<void(const QString& path)>;
 
     virtual ~FileDialogs() = default;
-    virtual void askOpen(QWidget* parent, const QString& title, const QString& folder,
-                         const QString& filters, Chosen chosen) = 0;
+    virtual void askOpen(QWidget* parent, const QString& title, const QString& folder, const QString& filters,
+                         Chosen chosen) = 0;
     virtual void askFolder(QWidget* parent, const QString& title, const QString& folder, Chosen chosen) = 0;
     /// `suggestion` is a whole path. A name without suffix gets the one of the chosen filter.
-    virtual void askSave(QWidget* parent, const QString& title, const QString& suggestion,
-                         const QString& filters, Chosen chosen) = 0;
+    virtual void askSave(QWidget* parent, const QString& title, const QString& suggestion, const QString& filters,
+                         Chosen chosen) = 0;
 };
 
 /// The platform's dialogs, without a nested event loop.

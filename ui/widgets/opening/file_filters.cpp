@@ -12,21 +12,18 @@ namespace {
 using Filter = std::pair<const char*, const char*>;
 
 constexpr std::array<Filter, 11> kVolumes{{{"MetaImage", "*.mha *.mhd"},
-                                          {"NRRD", "*.nrrd *.nhdr"},
-                                          {"NIfTI", "*.nii *.nii.gz *.hdr"},
-                                          {"VTK", "*.vti *.vts *.vtu *.vtr *.vtk"},
-                                          {"DICOM", "*.dcm"},
-                                          {"PLOT3D", "*.xyz *.x *.q *.bin"},
-                                          {"TIFF", "*.tif *.tiff"},
-                                          {"HDF5 / NetCDF", "*.h5 *.hdf5 *.nc"},
-                                          {"Density maps", "*.mrc *.map *.ccp4 *.cube"},
-                                          {"Raw samples", "*.raw *.dat"},
-                                          {"ISOSLIDER", "*.isx"}}};
-constexpr std::array<Filter, 5> kMeshes{{{"Stanford PLY", "*.ply"},
-                                        {"Wavefront OBJ", "*.obj"},
-                                        {"STL", "*.stl"},
-                                        {"OFF", "*.off"},
-                                        {"OpenMesh", "*.om"}}};
+                                           {"NRRD", "*.nrrd *.nhdr"},
+                                           {"NIfTI", "*.nii *.nii.gz *.hdr"},
+                                           {"VTK", "*.vti *.vts *.vtu *.vtr *.vtk"},
+                                           {"DICOM", "*.dcm"},
+                                           {"PLOT3D", "*.xyz *.x *.q *.bin"},
+                                           {"TIFF", "*.tif *.tiff"},
+                                           {"HDF5 / NetCDF", "*.h5 *.hdf5 *.nc"},
+                                           {"Density maps", "*.mrc *.map *.ccp4 *.cube"},
+                                           {"Raw samples", "*.raw *.dat"},
+                                           {"ISOSLIDER", "*.isx"}}};
+constexpr std::array<Filter, 5> kMeshes{
+    {{"Stanford PLY", "*.ply"}, {"Wavefront OBJ", "*.obj"}, {"STL", "*.stl"}, {"OFF", "*.off"}, {"OpenMesh", "*.om"}}};
 
 } // namespace
 
@@ -36,7 +33,8 @@ QString volumeFilters() {
         all << QLatin1String(patterns);
         each << QStringLiteral("%1 (%2)").arg(QLatin1String(name), QLatin1String(patterns));
     }
-    each.prepend(QCoreApplication::translate("FileFilters", "Volumes and indexes (%1)").arg(all.join(QLatin1Char(' '))));
+    each.prepend(
+        QCoreApplication::translate("FileFilters", "Volumes and indexes (%1)").arg(all.join(QLatin1Char(' '))));
     each.append(QCoreApplication::translate("FileFilters", "All files (*)"));
     return each.join(QStringLiteral(";;"));
 }

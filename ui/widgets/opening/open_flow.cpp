@@ -7,8 +7,8 @@
 #include "ui/widgets/opening/file_dialogs.h"
 #include "ui/widgets/opening/file_filters.h"
 #include "ui/widgets/opening/raw_import_dialog.h"
-#include "ui/widgets/window/settings_store.h"
 #include "ui/widgets/opening/volume_dialog.h"
+#include "ui/widgets/window/settings_store.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -33,8 +33,8 @@ OpenFlow::OpenFlow(model::Session& session, SettingsStore& settings, FileDialogs
       dialogs_(dialogs),
       window_(window),
       jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
-    subscription_ = session_.choiceNeeded().observe(
-        [this](const model::OpenRequest& request, const io::VolumeContents& contents) {
+    subscription_ =
+        session_.choiceNeeded().observe([this](const model::OpenRequest& request, const io::VolumeContents& contents) {
             askChoice(request, contents);
         });
 }
@@ -69,8 +69,8 @@ void OpenFlow::preview(const QString& path) {
     const auto file = absolutePath(path);
     if (model::isIndexFile(file) || isHeaderlessFile(path) || !settings_.boolean(kPreviewSetting))
         return openPath(path);
-    auto* dialog = showDialog(std::make_unique<model::OpenModel>(file, jobs_, session_.services().volumes),
-                              std::nullopt);
+    auto* dialog =
+        showDialog(std::make_unique<model::OpenModel>(file, jobs_, session_.services().volumes), std::nullopt);
     dialog->offerPreviewsFirst(true);
     connect(dialog, &VolumeDialog::previewsFirstToggled, this, &OpenFlow::setPreviewsFirst);
 }
@@ -115,10 +115,10 @@ void OpenFlow::open(model::OpenRequest request) {
 
 void OpenFlow::askRawLayout(const QString& path) {
     const QFileInfo file(path);
-    auto* dialog = new RawImportDialog(
-        std::make_unique<model::RawImportModel>(absolutePath(path), static_cast<std::uint64_t>(file.size()),
-                                                jobs_, session_.services().volumes),
-        window_);
+    auto* dialog = new RawImportDialog(std::make_unique<model::RawImportModel>(absolutePath(path),
+                                                                               static_cast<std::uint64_t>(file.size()),
+                                                                               jobs_, session_.services().volumes),
+                                       window_);
     connect(dialog, &RawImportDialog::openRequested, this,
             [this](const QString& chosen, const io::ReadOptions& options) {
                 model::OpenRequest request;

@@ -11,9 +11,9 @@
 
 #include "ui/model/isovalue/histogram_model.h"
 #include "ui/model/isovalue/number_text.h"
-#include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/isovalue/plot_style.h"
 #include "ui/widgets/opening/slice_view.h"
+#include "ui/widgets/panels/fact_texts.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -21,15 +21,13 @@ namespace {
 constexpr std::size_t kMostBins = 256;
 
 QString describe(const model::VolumePreview& volume) {
-    const QString range =
-        volume.missingSamples == volume.samples
-            ? PreviewPane::tr("every sample is missing")
-            : PreviewPane::tr("values %1 … %2")
-                  .arg(fromStd(model::valueText(volume.min, 8)), fromStd(model::valueText(volume.max, 8)));
+    const QString range = volume.missingSamples == volume.samples ? PreviewPane::tr("every sample is missing")
+                                                                  : PreviewPane::tr("values %1 … %2")
+                                                                        .arg(fromStd(model::valueText(volume.min, 8)),
+                                                                             fromStd(model::valueText(volume.max, 8)));
     QString text = PreviewPane::tr("All samples: %1").arg(range);
     if (volume.isResampled)
-        text = PreviewPane::tr("Resampled to %1 for this preview: %2")
-                   .arg(dimsText(volume.info.geometry.dims), range);
+        text = PreviewPane::tr("Resampled to %1 for this preview: %2").arg(dimsText(volume.info.geometry.dims), range);
     else if (volume.coarseStep > 1)
         text = PreviewPane::tr("One of %1 samples along each axis: %2").arg(volume.coarseStep).arg(range);
     if (volume.missingSamples > 0 && volume.missingSamples < volume.samples)

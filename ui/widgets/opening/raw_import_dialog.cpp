@@ -15,9 +15,9 @@
 #include <QVBoxLayout>
 
 #include "ui/model/isovalue/number_text.h"
-#include "ui/widgets/panels/fact_texts.h"
-#include "ui/widgets/opening/preview_pane.h"
 #include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/opening/preview_pane.h"
+#include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/panels/text_table_model.h"
 
 namespace isoslider::widgets {
@@ -109,11 +109,10 @@ void RawImportDialog::makeGuesses(QVBoxLayout* rows, QWidget* page) {
                              2 * guesses_->frameWidth());
     rows->addWidget(guessHint_);
     rows->addWidget(guesses_);
-    connect(guesses_->selectionModel(), &QItemSelectionModel::currentRowChanged, this,
-            [this](const QModelIndex& row) {
-                if (row.isValid() && !isShowing_)
-                    model_->takeGuess(static_cast<std::size_t>(row.row()));
-            });
+    connect(guesses_->selectionModel(), &QItemSelectionModel::currentRowChanged, this, [this](const QModelIndex& row) {
+        if (row.isValid() && !isShowing_)
+            model_->takeGuess(static_cast<std::size_t>(row.row()));
+    });
     connect(guesses_, &QTableView::doubleClicked, this, [this] { open_->click(); });
 }
 
@@ -149,11 +148,13 @@ void RawImportDialog::makeForm(QVBoxLayout* rows, QWidget* page) {
     fit_ = new QLabel(page);
     fit_->setObjectName(QStringLiteral("rawFit"));
     fit_->setWordWrap(true);
-    form->addRow(tr("&Grid points X, Y, Z"), makeAxisRow({dims_[0], dims_[1], dims_[2]}, "rawDim", tr("Grid points"), page));
+    form->addRow(tr("&Grid points X, Y, Z"),
+                 makeAxisRow({dims_[0], dims_[1], dims_[2]}, "rawDim", tr("Grid points"), page));
     form->addRow(tr("&Sample type"), type_);
     form->addRow(QString(), bigEndian_);
     form->addRow(tr("S&kip at the start"), skip_);
-    form->addRow(tr("S&pacing X, Y, Z"), makeAxisRow({spacing_[0], spacing_[1], spacing_[2]}, "rawSpacing", tr("Spacing"), page));
+    form->addRow(tr("S&pacing X, Y, Z"),
+                 makeAxisRow({spacing_[0], spacing_[1], spacing_[2]}, "rawSpacing", tr("Spacing"), page));
     form->addRow(QString(), trailing_);
     form->addRow(QString(), fit_);
     rows->addLayout(form);
@@ -239,17 +240,14 @@ void RawImportDialog::showFit() {
     const auto needed = model_->neededBytes(), there = model_->fileBytes();
     switch (model_->fit()) {
         case Fit::NoVolume: fit_->setText(tr("Each axis needs at least 2 grid points.")); break;
-        case Fit::Exact:
-            fit_->setText(tr("✓ %1 bytes needed, all that are in the file").arg(grouped(needed)));
-            break;
+        case Fit::Exact: fit_->setText(tr("✓ %1 bytes needed, all that are in the file").arg(grouped(needed))); break;
         case Fit::FileLonger:
             fit_->setText(tr("%1 %2 bytes needed; the file has %3 more")
                               .arg(model_->allowsTrailing() ? QStringLiteral("✓") : QStringLiteral("✗"),
                                    grouped(needed), grouped(there - needed)));
             break;
         case Fit::FileShorter:
-            fit_->setText(
-                tr("✗ %1 bytes needed; the file is %2 short").arg(grouped(needed), grouped(needed - there)));
+            fit_->setText(tr("✗ %1 bytes needed; the file is %2 short").arg(grouped(needed), grouped(needed - there)));
             break;
     }
     const auto* swap = model_->swapWarning();

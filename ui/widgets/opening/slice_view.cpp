@@ -25,8 +25,7 @@ QImage pictureOf(const model::SliceImage& slice) {
         const int line = slice.axis == 2 ? row : slice.height - 1 - row;
         auto* pixels = reinterpret_cast<QRgb*>(image.scanLine(line));
         for (int column = 0; column < slice.width; ++column, ++shade)
-            pixels[column] =
-                *shade == model::SliceImage::kMissing ? kMissing.rgb() : qRgb(*shade, *shade, *shade);
+            pixels[column] = *shade == model::SliceImage::kMissing ? kMissing.rgb() : qRgb(*shade, *shade, *shade);
     }
     return image;
 }
@@ -48,14 +47,12 @@ void SliceView::setSlice(const model::SliceImage& slice) {
     static constexpr std::array<const char*, 3> kWays{QT_TR_NOOP("y → z ↑"), QT_TR_NOOP("x → z ↑"),
                                                       QT_TR_NOOP("x → y ↓")};
     const bool isKnown = slice.position >= 0;
-    const QString plane = isKnown ? tr("%1 = %2").arg(nameOf(axis_)).arg(slice.position)
-                                  : tr("middle of %1").arg(nameOf(axis_));
+    const QString plane =
+        isKnown ? tr("%1 = %2").arg(nameOf(axis_)).arg(slice.position) : tr("middle of %1").arg(nameOf(axis_));
     caption_ = QStringLiteral("%1    %2").arg(plane, tr(kWays[static_cast<std::size_t>(axis_)]));
     setAccessibleName(tr("Middle slice, %1").arg(plane));
-    setToolTip(
-        isKnown
-            ? tr("Slice through the middle: grid point %1 along %2").arg(slice.position).arg(nameOf(axis_))
-            : QString());
+    setToolTip(isKnown ? tr("Slice through the middle: grid point %1 along %2").arg(slice.position).arg(nameOf(axis_))
+                       : QString());
     update();
 }
 
@@ -86,8 +83,7 @@ void SliceView::paintEvent(QPaintEvent*) {
     QPainter painter(this);
     painter.setRenderHint(QPainter::Antialiasing);
     painter.setPen(quietTextColour(palette()));
-    painter.drawText(QRect(0, 0, width(), fontMetrics().height()), Qt::AlignHCenter | Qt::AlignVCenter,
-                     caption_);
+    painter.drawText(QRect(0, 0, width(), fontMetrics().height()), Qt::AlignHCenter | Qt::AlignVCenter, caption_);
     const QRectF ground = QRectF(rect()).adjusted(0, fontMetrics().height() + kCaptionSpace, 0, 0);
     painter.setPen(Qt::NoPen);
     painter.setBrush(kGround);

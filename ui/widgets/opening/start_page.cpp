@@ -12,9 +12,9 @@
 #include <QPushButton>
 #include <QVBoxLayout>
 
-#include "ui/widgets/window/action_registry.h"
-#include "ui/widgets/opening/recent_files.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/opening/recent_files.h"
+#include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -37,7 +37,9 @@ QPushButton* actionButton(QAction* action, const QString& text, QWidget* parent)
 } // namespace
 
 StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
-    : QFrame(parent), scroll_(fillWithScrollPage(this)), recentLayout_(new QVBoxLayout),
+    : QFrame(parent),
+      scroll_(fillWithScrollPage(this)),
+      recentLayout_(new QVBoxLayout),
       recentHeading_(new QLabel(tr("Recent files"), scroll_.page)) {
     setObjectName(QStringLiteral("startPage"));
     setFrameShape(QFrame::NoFrame);
@@ -48,7 +50,8 @@ StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
     layout->setContentsMargins(34, 28, 34, 26);
     layout->setSpacing(8);
     auto* logo = new QLabel(scroll_.page);
-    logo->setPixmap(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")).pixmap(QSize(72, 72), devicePixelRatioF()));
+    logo->setPixmap(
+        QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")).pixmap(QSize(72, 72), devicePixelRatioF()));
     auto* name = new QLabel(QStringLiteral("ISOSLIDER"), scroll_.page);
     QFont font = name->font();
     font.setPointSizeF(font.pointSizeF() * 1.9);
@@ -65,7 +68,8 @@ StartPage::StartPage(const ActionRegistry& actions, QWidget* parent)
     open->setDefault(true);
     layout->addWidget(open);
     layout->addWidget(actionButton(actions.action("file.sampleBluntFin"), tr("Open sample: Blunt Fin"), scroll_.page));
-    layout->addWidget(actionButton(actions.action("file.sampleShell"), tr("Open sample: Spherical Shell"), scroll_.page));
+    layout->addWidget(
+        actionButton(actions.action("file.sampleShell"), tr("Open sample: Spherical Shell"), scroll_.page));
     auto* drop = new QLabel(tr("or drop a file or folder here"), scroll_.page);
     makeQuiet(drop);
     layout->addWidget(drop, 0, Qt::AlignHCenter);
@@ -94,9 +98,9 @@ void StartPage::setRecentFiles(const std::vector<model::RecentFile>& files) {
         const QString folder = QDir::toNativeSeparators(QString::fromStdU16String(file.path.parent_path().u16string()));
         const QString title = fontMetrics().elidedText(recentTitle(file), Qt::ElideMiddle, kWidth - kRecentMargin);
         const int room = kWidth - kRecentMargin - fontMetrics().horizontalAdvance(title + QStringLiteral("   "));
-        button->setText(room < kLeastFolderWidth
-                            ? title
-                            : QStringLiteral("%1   %2").arg(title, fontMetrics().elidedText(folder, Qt::ElideMiddle, room)));
+        button->setText(room < kLeastFolderWidth ? title
+                                                 : QStringLiteral("%1   %2").arg(
+                                                       title, fontMetrics().elidedText(folder, Qt::ElideMiddle, room)));
         button->setToolTip(recentTip(file));
         connect(button, &QPushButton::clicked, this, [this, file] { Q_EMIT openRequested(file); });
         recentLayout_->addWidget(button);

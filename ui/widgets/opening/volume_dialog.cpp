@@ -16,11 +16,12 @@
 #include <QSpinBox>
 #include <QVBoxLayout>
 
+#include "core/base/folders.h"
 #include "ui/model/isovalue/number_text.h"
-#include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/opening/field_tree_model.h"
 #include "ui/widgets/opening/field_tree_view.h"
 #include "ui/widgets/opening/preview_pane.h"
+#include "ui/widgets/panels/fact_texts.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -28,11 +29,6 @@ namespace {
 constexpr int kLeftWidth = 440;
 constexpr int kFolderWidth = 300; // of it, for the longest value
 constexpr int kLeastNumberWidth = 68;
-
-bool isFolder(const std::filesystem::path& path) {
-    std::error_code ignored;
-    return std::filesystem::is_directory(path, ignored);
-}
 
 /// "int16" and "i16" are one type.
 bool isNameOf(ScalarType type, const std::string& name) {
@@ -63,10 +59,9 @@ std::vector<Fact> factsOf(const model::OpenModel& model, const model::VolumeChoi
                          titleOf(choice.field()), fromStd(choice.field().name)});
     if (!choice.field().problem.empty()) // which is said beside
         return facts;
-    facts.push_back(
-        {VolumeDialog::tr("Grid points"),
-         QStringLiteral("%1 = %2").arg(dimsText(dims), fromStd(model::groupedText(pointCount(dims)))),
-         {}});
+    facts.push_back({VolumeDialog::tr("Grid points"),
+                     QStringLiteral("%1 = %2").arg(dimsText(dims), fromStd(model::groupedText(pointCount(dims)))),
+                     {}});
     if (preview == nullptr) {
         facts.push_back({VolumeDialog::tr("In the file"), fromStd(choice.field().typeName), {}});
         return facts;
@@ -75,9 +70,8 @@ std::vector<Fact> factsOf(const model::OpenModel& model, const model::VolumeChoi
     if (!isNameOf(info.type, choice.field().typeName))
         facts.push_back({VolumeDialog::tr("In the file"), fromStd(choice.field().typeName), {}});
     facts.push_back({VolumeDialog::tr("Sample type"), typeText(info.type), {}});
-    facts.push_back(
-        {VolumeDialog::tr("Sample data"), fromStd(model::bytesText(bytesOf(dims, info.type))),
-         VolumeDialog::tr("%1 bytes").arg(fromStd(model::groupedText(bytesOf(dims, info.type))))});
+    facts.push_back({VolumeDialog::tr("Sample data"), fromStd(model::bytesText(bytesOf(dims, info.type))),
+                     VolumeDialog::tr("%1 bytes").arg(fromStd(model::groupedText(bytesOf(dims, info.type))))});
     auto place = placeFactsOf(info.geometry, info.lengthUnit);
     if (choice.hasSize())
         place.erase(place.begin()); // the spacing is the preview's
@@ -114,8 +108,7 @@ VolumeDialog::VolumeDialog(std::unique_ptr<model::OpenModel> model, QWidget* par
     connect(open_, &QPushButton::clicked, this, [this] {
         if (!model_->canOpen())
             return;
-        Q_EMIT openRequested(QString::fromStdU16String(model_->path().u16string()),
-                             model_->choice()->options());
+        Q_EMIT openRequested(QString::fromStdU16String(model_->path().u16string()), model_->choice()->options());
         accept();
     });
     resize(1100, 640);
@@ -155,8 +148,9 @@ void VolumeDialog::makeFields(QVBoxLayout* rows, QWidget* page) {
     fields_->setAccessibleName(isSeries ? tr("Series in this folder") : tr("Fields in this file"));
     rows->addWidget(fieldsHeading_);
     rows->addWidget(fields_);
-    connect(fields_, &FieldTreeView::fieldChosen, this,
-            [this](int field) { change([=](model::VolumeChoice& choice) { choice.setField(static_cast<std::size_t>(field)); }); });
+    connect(fields_, &FieldTreeView::fieldChosen, this, [this](int field) {
+        change([=](model::VolumeChoice& choice) { choice.setField(static_cast<std::size_t>(field)); });
+    });
     connect(fields_, &FieldTreeView::fieldOpened, this, [this] { open_->click(); });
 }
 
@@ -212,8 +206,7 @@ void VolumeDialog::makeSizeRow(QWidget* page) {
     }
     sizeRow_ = makeAxisRow({size_[0], size_[1], size_[2]}, "volumeSize", tr("Grid points"), page);
     sizeName_ = caption(tr("Resample &to X, Y, Z"), size_[0], page);
-    const QString tip =
-        tr("The grid of the file is not uniform: so many grid points along x, y and z take its place");
+    const QString tip = tr("The grid of the file is not uniform: so many grid points along x, y and z take its place");
     sizeName_->setToolTip(tip);
     sizeRow_->setToolTip(tip);
 }
@@ -228,8 +221,7 @@ void VolumeDialog::showState() {
     const auto* choice = model_->choice();
     for (QWidget* widget : {static_cast<QWidget*>(fieldsHeading_), static_cast<QWidget*>(fields_)})
         widget->setVisible(choice != nullptr && choice->hasFields());
-    choices_->setVisible(choice != nullptr &&
-                         (choice->hasComponents() || choice->hasFrames() || choice->hasSize()));
+    choices_->setVisible(choice != nullptr && (choice->hasComponents() || choice->hasFrames() || choice->hasSize()));
     open_->setEnabled(model_->canOpen());
     if (choice != nullptr) {
         isShowing_ = true;
@@ -282,8 +274,6 @@ void VolumeDialog::showChoices(const model::VolumeChoice& choice) {
         size_[axis]->setValue(static_cast<int>(choice.size()[axis]));
 }
 
-void VolumeDialog::showFacts(const model::VolumeChoice& choice) {
-    facts_->setFacts(factsOf(*model_, choice));
-}
+void VolumeDialog::showFacts(const model::VolumeChoice& choice) { facts_->setFacts(factsOf(*model_, choice)); }
 
 } // namespace isoslider::widgets

@@ -11,10 +11,10 @@
 #include "core/volume_io/sources/coarse_reader.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
-#include "ui/widgets/window/action_registry.h"
-#include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/panels/fact_texts.h"
+#include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -37,18 +37,16 @@ std::vector<Fact> sampleFactsOf(const model::Dataset& dataset, bool isPreview, b
                                                         fromStd(model::valueText(dataset.max, 8)))),
                      {}});
     if (dataset.distinctValues > 0)
-        facts.push_back(
-            {DatasetPanel::tr("Distinct values"), fromStd(groupedText(dataset.distinctValues)), {}});
-    facts.push_back({DatasetPanel::tr("Missing samples"),
-                     seen(dataset.missingSamples == 0 ? DatasetPanel::tr("none")
-                                                      : fromStd(groupedText(dataset.missingSamples))),
-                     DatasetPanel::tr("NaN and infinite samples make no surface")});
+        facts.push_back({DatasetPanel::tr("Distinct values"), fromStd(groupedText(dataset.distinctValues)), {}});
     facts.push_back(
-        {DatasetPanel::tr("Sample data"),
-         QStringLiteral("%1, %2").arg(fromStd(model::bytesText(dataset.sampleBytes())),
-                                      isInMemory && !isPreview ? DatasetPanel::tr("in memory")
-                                                               : DatasetPanel::tr("not in memory")),
-         {}});
+        {DatasetPanel::tr("Missing samples"),
+         seen(dataset.missingSamples == 0 ? DatasetPanel::tr("none") : fromStd(groupedText(dataset.missingSamples))),
+         DatasetPanel::tr("NaN and infinite samples make no surface")});
+    facts.push_back({DatasetPanel::tr("Sample data"),
+                     QStringLiteral("%1, %2").arg(fromStd(model::bytesText(dataset.sampleBytes())),
+                                                  isInMemory && !isPreview ? DatasetPanel::tr("in memory")
+                                                                           : DatasetPanel::tr("not in memory")),
+                     {}});
     return facts;
 }
 
@@ -71,10 +69,10 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, b
     facts.push_back({DatasetPanel::tr("Format"), fromStd(dataset.format), {}});
     if (const auto fact = fieldFactOf(dataset))
         facts.push_back(*fact);
-    facts.push_back({DatasetPanel::tr("Grid points"),
-                     QStringLiteral("%1 = %2").arg(dimsText(geometry.dims),
-                                                   fromStd(groupedText(pointCount(geometry.dims)))),
-                     {}});
+    facts.push_back(
+        {DatasetPanel::tr("Grid points"),
+         QStringLiteral("%1 = %2").arg(dimsText(geometry.dims), fromStd(groupedText(pointCount(geometry.dims)))),
+         {}});
     if (isPreview)
         facts.push_back({DatasetPanel::tr("Preview"),
                          DatasetPanel::tr("%1, at 1:%2")
@@ -97,14 +95,15 @@ std::vector<Fact> indexFactsOf(const model::Dataset& dataset) {
     const auto& info = *dataset.index;
     const QString path = fromStd(dataset.indexPath.string());
     const bool isEdges = info.kind == index::IndexKind::Edges;
-    return {{DatasetPanel::tr("File"), fromStd(dataset.indexPath.filename().string()), QDir::toNativeSeparators(path)},
-            {DatasetPanel::tr("Kind"), isEdges ? DatasetPanel::tr("edges") : DatasetPanel::tr("metacells"),
-             isEdges ? DatasetPanel::tr("The changes of every grid edge, by value")
-                     : DatasetPanel::tr("The samples, compressed, and when each brick of them is active")},
-            {DatasetPanel::tr("Size"),
-             DatasetPanel::tr("%1, %2 bytes per voxel").arg(fromStd(model::bytesText(info.indexBytes)),
-                                                            fromStd(model::valueText(dataset.bytesPerVoxel(), 4))),
-             DatasetPanel::tr("%1 bytes").arg(fromStd(model::groupedText(info.indexBytes)))}};
+    return {
+        {DatasetPanel::tr("File"), fromStd(dataset.indexPath.filename().string()), QDir::toNativeSeparators(path)},
+        {DatasetPanel::tr("Kind"), isEdges ? DatasetPanel::tr("edges") : DatasetPanel::tr("metacells"),
+         isEdges ? DatasetPanel::tr("The changes of every grid edge, by value")
+                 : DatasetPanel::tr("The samples, compressed, and when each brick of them is active")},
+        {DatasetPanel::tr("Size"),
+         DatasetPanel::tr("%1, %2 bytes per voxel")
+             .arg(fromStd(model::bytesText(info.indexBytes)), fromStd(model::valueText(dataset.bytesPerVoxel(), 4))),
+         DatasetPanel::tr("%1 bytes").arg(fromStd(model::groupedText(info.indexBytes)))}};
 }
 
 QString indexStateText(model::IndexState state, bool isPreview) {

@@ -20,9 +20,7 @@ QString joined(const glm::dvec3& v, const QString& pattern) {
 
 QString fromStd(const std::string& text) { return QString::fromStdString(text); }
 
-QString dimsText(const GridDims& dims) {
-    return QStringLiteral("%1 × %2 × %3").arg(dims[0]).arg(dims[1]).arg(dims[2]);
-}
+QString dimsText(const GridDims& dims) { return QStringLiteral("%1 × %2 × %3").arg(dims[0]).arg(dims[1]).arg(dims[2]); }
 
 QString valueTriple(const glm::dvec3& v) { return joined(v, QStringLiteral("%1 × %2 × %3")); }
 
@@ -70,7 +68,8 @@ std::vector<Fact> resamplingFactsOf(const std::optional<io::ResampleReport>& rep
                                  .arg(fromStd(model::groupedText(report->comparedPoints)),
                                       fromStd(model::valueText(report->rmsDifference, 3)))}};
     if (report->outsidePoints > 0)
-        facts.push_back({tr("Outside the grid"), tr("%1 grid points").arg(fromStd(model::groupedText(report->outsidePoints))),
+        facts.push_back({tr("Outside the grid"),
+                         tr("%1 grid points").arg(fromStd(model::groupedText(report->outsidePoints))),
                          tr("Of the resampled grid, in no cell of the file's own: they are missing")});
     return facts;
 }

@@ -26,8 +26,9 @@ QString detailOf(const model::JobEntry& job) {
         case model::JobState::Running:
             if (job.isCancelling)
                 return JobRow::tr("Cancelling…");
-            return job.stage.empty() ? JobRow::tr("Starting…")
-                                     : QStringLiteral("%1 · %2 %").arg(sentence(job.stage)).arg(qRound(job.fraction * 100.0));
+            return job.stage.empty()
+                       ? JobRow::tr("Starting…")
+                       : QStringLiteral("%1 · %2 %").arg(sentence(job.stage)).arg(qRound(job.fraction * 100.0));
         case model::JobState::Finished: return JobRow::tr("Done in %1").arg(elapsed);
         case model::JobState::Failed: return JobRow::tr("Failed: %1").arg(QString::fromStdString(job.errorText));
         case model::JobState::Cancelled: return JobRow::tr("Cancelled after %1").arg(elapsed);
@@ -38,7 +39,10 @@ QString detailOf(const model::JobEntry& job) {
 } // namespace
 
 JobRow::JobRow(QWidget* parent)
-    : QFrame(parent), title_(new QLabel(this)), detail_(new QLabel(this)), bar_(new QProgressBar(this)),
+    : QFrame(parent),
+      title_(new QLabel(this)),
+      detail_(new QLabel(this)),
+      bar_(new QProgressBar(this)),
       cancel_(new QToolButton(this)) {
     auto* layout = new QGridLayout(this);
     layout->setContentsMargins(0, 4, 0, 4);

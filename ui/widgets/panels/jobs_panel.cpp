@@ -5,14 +5,17 @@
 #include <QVBoxLayout>
 
 #include "ui/model/session/session.h"
-#include "ui/widgets/panels/job_row.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/panels/job_row.h"
 
 namespace isoslider::widgets {
 
 JobsPanel::JobsPanel(model::Session& session, QWidget* parent)
-    : QWidget(parent), session_(session), rowsLayout_(nullptr), empty_(new QLabel(tr("No jobs."), this)),
+    : QWidget(parent),
+      session_(session),
+      rowsLayout_(nullptr),
+      empty_(new QLabel(tr("No jobs."), this)),
       clear_(new QPushButton(tr("Clear Finished"), this)) {
     QVBoxLayout* layout = fillWithScrollPage(this).rows;
     rowsLayout_ = new QVBoxLayout;

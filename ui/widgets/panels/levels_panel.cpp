@@ -22,13 +22,14 @@ QString bytes(std::uint64_t value) { return QString::fromStdString(model::bytesT
 QString grouped(std::uint64_t value) { return QString::fromStdString(model::groupedText(value)); }
 
 std::vector<TextTableModel::Column> levelColumns() {
-    return {{LevelsPanel::tr("Level"), LevelsPanel::tr("Skip level; 0 has one block per distinct value")},
-            {LevelsPanel::tr("Blocks"), {}},
-            {LevelsPanel::tr("Records"), LevelsPanel::tr("Grid points with edges; in an index of metacells, bricks")},
-            {LevelsPanel::tr("Entries"), LevelsPanel::tr("Edges, or bricks, that become active or inactive")},
-            {LevelsPanel::tr("Bytes"), LevelsPanel::tr("Encoded size")},
-            {LevelsPanel::tr("B/voxel"), LevelsPanel::tr("Encoded bytes per grid point of the volume")},
-            {LevelsPanel::tr("Removed"), LevelsPanel::tr("Share of the level below's entries that were redundant here")}};
+    return {
+        {LevelsPanel::tr("Level"), LevelsPanel::tr("Skip level; 0 has one block per distinct value")},
+        {LevelsPanel::tr("Blocks"), {}},
+        {LevelsPanel::tr("Records"), LevelsPanel::tr("Grid points with edges; in an index of metacells, bricks")},
+        {LevelsPanel::tr("Entries"), LevelsPanel::tr("Edges, or bricks, that become active or inactive")},
+        {LevelsPanel::tr("Bytes"), LevelsPanel::tr("Encoded size")},
+        {LevelsPanel::tr("B/voxel"), LevelsPanel::tr("Encoded bytes per grid point of the volume")},
+        {LevelsPanel::tr("Removed"), LevelsPanel::tr("Share of the level below's entries that were redundant here")}};
 }
 
 std::vector<TextTableModel::Column> walkColumns() {
@@ -47,11 +48,13 @@ std::vector<QStringList> levelRows(const model::Dataset& dataset) {
         const auto& counts = info.levels[level];
         const auto below = level > 0 ? info.levels[level - 1].edges : 0;
         const QString removed =
-            below == 0 ? QStringLiteral("–")
-                       : QStringLiteral("%1 %").arg(100.0 * static_cast<double>(counts.redundantRemoved) /
-                                                        static_cast<double>(below), 0, 'f', 1);
+            below == 0
+                ? QStringLiteral("–")
+                : QStringLiteral("%1 %").arg(
+                      100.0 * static_cast<double>(counts.redundantRemoved) / static_cast<double>(below), 0, 'f', 1);
         rows.push_back({QString::number(level), compact(counts.blocks), compact(counts.points), compact(counts.edges),
-                        bytes(counts.bytes), QString::number(static_cast<double>(counts.bytes) / points, 'f', 2), removed});
+                        bytes(counts.bytes), QString::number(static_cast<double>(counts.bytes) / points, 'f', 2),
+                        removed});
         all.blocks += counts.blocks;
         all.points += counts.points;
         all.edges += counts.edges;
@@ -59,14 +62,20 @@ std::vector<QStringList> levelRows(const model::Dataset& dataset) {
     }
     const auto addPart = [&](const QString& name, std::uint64_t size) {
         if (size > 0)
-            rows.push_back({name, {}, {}, {}, bytes(size), QString::number(static_cast<double>(size) / points, 'f', 2), {}});
+            rows.push_back(
+                {name, {}, {}, {}, bytes(size), QString::number(static_cast<double>(size) / points, 'f', 2), {}});
         all.bytes += size;
     };
     addPart(LevelsPanel::tr("Samples"), info.sampleBytes);
     addPart(LevelsPanel::tr("Merge errors"), info.mergeErrorBytes);
     addPart(LevelsPanel::tr("Hidden corners"), info.hiddenCornerBytes);
-    rows.push_back({LevelsPanel::tr("All"), compact(all.blocks), compact(all.points), compact(all.edges),
-                    bytes(all.bytes), QString::number(static_cast<double>(all.bytes) / points, 'f', 2), {}});
+    rows.push_back({LevelsPanel::tr("All"),
+                    compact(all.blocks),
+                    compact(all.points),
+                    compact(all.edges),
+                    bytes(all.bytes),
+                    QString::number(static_cast<double>(all.bytes) / points, 'f', 2),
+                    {}});
     return rows;
 }
 
@@ -76,29 +85,39 @@ std::vector<Fact> factsOfMove(const extract::SurfaceFrame& frame, const model::I
     const auto time = [](double ms) { return QString::fromStdString(model::millisecondsText(ms)); };
     std::vector<Fact> facts{
         {LevelsPanel::tr("Isovalue"),
-         LevelsPanel::tr("%1 requested, %2 displayed").arg(value(isovalue.requested()), value(isovalue.displayed())), {}},
+         LevelsPanel::tr("%1 requested, %2 displayed").arg(value(isovalue.requested()), value(isovalue.displayed())),
+         {}},
         {LevelsPanel::tr("Update"),
-         frame.isWholeExtraction ? LevelsPanel::tr("whole extraction, %1").arg(time(stats.updateMs))
-                            : LevelsPanel::tr("%1, %2").arg(
-                                  stats.hasRebuilt ? LevelsPanel::tr("rebuilt") : LevelsPanel::tr("patched"), time(stats.updateMs)),
+         frame.isWholeExtraction
+             ? LevelsPanel::tr("whole extraction, %1").arg(time(stats.updateMs))
+             : LevelsPanel::tr("%1, %2").arg(stats.hasRebuilt ? LevelsPanel::tr("rebuilt") : LevelsPanel::tr("patched"),
+                                             time(stats.updateMs)),
          LevelsPanel::tr("A surface that mostly changes is rebuilt; otherwise only what changes is patched")}};
     if (!frame.isWholeExtraction) {
         facts.push_back({LevelsPanel::tr("Edges"),
                          LevelsPanel::tr("%1 added, %2 removed, %3 touched")
                              .arg(grouped(stats.edgesAdded), grouped(stats.edgesRemoved), grouped(stats.edgesTouched)),
                          LevelsPanel::tr("Touched counts every entry looked at, redundant ones included")});
-        facts.push_back({LevelsPanel::tr("Retriangulated"), LevelsPanel::tr("%1 cells").arg(grouped(stats.cellsRetriangulated)), {}});
+        facts.push_back({LevelsPanel::tr("Retriangulated"),
+                         LevelsPanel::tr("%1 cells").arg(grouped(stats.cellsRetriangulated)),
+                         {}});
         if (stats.bricksRead > 0 || !frame.isFromIndex)
-            facts.push_back({LevelsPanel::tr("Looked into"), LevelsPanel::tr("%1 bricks of samples").arg(grouped(stats.bricksRead)),
+            facts.push_back({LevelsPanel::tr("Looked into"),
+                             LevelsPanel::tr("%1 bricks of samples").arg(grouped(stats.bricksRead)),
                              LevelsPanel::tr("Bricks of 8 x 8 x 8 grid points that a sample on the way lies in")});
         if (frame.isFromIndex)
-            facts.push_back({LevelsPanel::tr("Read from disk"),
-                             stats.bytesAhead > 0 ? LevelsPanel::tr("%1, %2 ahead of the move").arg(bytes(stats.bytesRead), bytes(stats.bytesAhead))
-                                                  : bytes(stats.bytesRead), {}});
+            facts.push_back(
+                {LevelsPanel::tr("Read from disk"),
+                 stats.bytesAhead > 0
+                     ? LevelsPanel::tr("%1, %2 ahead of the move").arg(bytes(stats.bytesRead), bytes(stats.bytesAhead))
+                     : bytes(stats.bytesRead),
+                 {}});
     }
     if (frame.bricks)
-        facts.push_back({LevelsPanel::tr("To the card"), bytes(frame.bricks->newBytes()),
-                         LevelsPanel::tr("Edges and triangles of the bricks that this move has changed: what is sent to the graphics card")});
+        facts.push_back(
+            {LevelsPanel::tr("To the card"), bytes(frame.bricks->newBytes()),
+             LevelsPanel::tr(
+                 "Edges and triangles of the bricks that this move has changed: what is sent to the graphics card")});
     facts.push_back({LevelsPanel::tr("Active edges"), grouped(stats.activeEdges), {}});
     return facts;
 }
@@ -120,10 +139,15 @@ void spanNames(QTableView& table) {
 } // namespace
 
 LevelsPanel::LevelsPanel(model::Session& session, QWidget* parent)
-    : QWidget(parent), session_(session), levels_(new TextTableModel(levelColumns(), this)),
-      walk_(new TextTableModel(walkColumns(), this)), levelsHint_(new QLabel(this)), walkHint_(new QLabel(this)),
+    : QWidget(parent),
+      session_(session),
+      levels_(new TextTableModel(levelColumns(), this)),
+      walk_(new TextTableModel(walkColumns(), this)),
+      levelsHint_(new QLabel(this)),
+      walkHint_(new QLabel(this)),
       levelsTable_(makeTable(levels_, QStringLiteral("levelsTable"))),
-      walkTable_(makeTable(walk_, QStringLiteral("walkTable"))), moveFacts_(new FactForm(this)),
+      walkTable_(makeTable(walk_, QStringLiteral("walkTable"))),
+      moveFacts_(new FactForm(this)),
       moveThrottle_(kMoveIntervalMs, [this] { showMove(); }) {
     const auto [scroll, page, layout] = fillWithScrollPage(this);
     layout->setSpacing(6);
@@ -166,7 +190,8 @@ QTableView* LevelsPanel::makeTable(TextTableModel* model, const QString& name) {
     const auto fit = [table, model] {
         const int rows = model->rowCount();
         spanNames(*table);
-        table->setFixedHeight(table->horizontalHeader()->sizeHint().height() + rows * table->verticalHeader()->defaultSectionSize() + 4);
+        table->setFixedHeight(table->horizontalHeader()->sizeHint().height() +
+                              rows * table->verticalHeader()->defaultSectionSize() + 4);
         table->setVisible(rows > 0);
     };
     connect(model, &QAbstractItemModel::modelReset, table, fit);
@@ -192,7 +217,8 @@ void LevelsPanel::showMove() {
     std::vector<QStringList> rows;
     if (frame)
         for (const auto& step : frame->stats.walk)
-            rows.push_back({QString::number(step.skipLevel), grouped(step.blocks), grouped(step.edges), bytes(step.bytes)});
+            rows.push_back(
+                {QString::number(step.skipLevel), grouped(step.blocks), grouped(step.edges), bytes(step.bytes)});
     walk_->setRows(std::move(rows));
     moveFacts_->setFacts(frame ? factsOfMove(*frame, session_.isovalue()) : std::vector<Fact>{});
 }

@@ -8,10 +8,10 @@
 
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
-#include "ui/widgets/window/action_registry.h"
-#include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/panels/fact_texts.h"
+#include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -21,7 +21,9 @@ constexpr int kCountsIntervalMs = 60;
 QString grouped(std::uint64_t value) { return QString::fromStdString(model::groupedText(value)); }
 QString number(double value) { return QString::fromStdString(model::valueText(value, 7)); }
 // Words, not colour, carry the verdict.
-QString yesNo(bool isTrue) { return isTrue ? QStringLiteral("✓ ") + MeshPanel::tr("yes") : QStringLiteral("✗ ") + MeshPanel::tr("no"); }
+QString yesNo(bool isTrue) {
+    return isTrue ? QStringLiteral("✓ ") + MeshPanel::tr("yes") : QStringLiteral("✗ ") + MeshPanel::tr("no");
+}
 
 QString number(std::int64_t value) { return QString::fromStdString(model::groupedText(value)); }
 
@@ -73,45 +75,53 @@ QString verdict(const mesh::Certificate& certificate) {
     QStringList faults;
     for (const auto& fault : mesh::faultsOf(certificate))
         faults << QString::fromStdString(fault);
-    return faults.isEmpty() ? yesNo(true) : MeshPanel::tr("%1: %2").arg(yesNo(false), faults.join(QStringLiteral(", ")));
+    return faults.isEmpty() ? yesNo(true)
+                            : MeshPanel::tr("%1: %2").arg(yesNo(false), faults.join(QStringLiteral(", ")));
 }
 
 std::vector<Fact> factsOf(const mesh::Certificate& certificate, const std::string& unit) {
     const auto tr = [](const char* text) { return MeshPanel::tr(text); };
     const mesh::MeshReport& report = certificate.report;
-    const QString unitTip = unit.empty() ? tr("In the units of the volume's spacing, which its file does not name") : QString();
+    const QString unitTip =
+        unit.empty() ? tr("In the units of the volume's spacing, which its file does not name") : QString();
     const bool hasGenus = report.isManifold && report.isOriented;
-    return {
-        {tr("Sound"), verdict(certificate), tr("An oriented manifold, open only where it meets the box or a missing value")},
-        {tr("Surface"), surfaceText(certificate), tr("x0 is the box's face of the first grid points along x, x1 that of the last")},
-        {tr("Manifold"), yesNo(report.isManifold), tr("Every edge has one or two triangles, every vertex one fan")},
-        {tr("Oriented"), yesNo(report.isOriented),
-         tr("Neighbouring triangles agree; all are counter-clockwise seen from the side below the isovalue")},
-        {tr("Vertices"), grouped(report.vertices), {}},
-        {tr("Inner vertices"), grouped(certificate.innerVertices), tr("Vertices inside cells, on no grid edge")},
-        {tr("Edges"), grouped(report.edges), {}},
-        {tr("Triangles"), grouped(report.triangles), {}},
-        {tr("Components"), grouped(report.components), {}},
-        {tr("Euler number"), number(report.euler), tr("Vertices − edges + triangles")},
-        {tr("Boundary loops"), grouped(report.boundaryLoops), {}},
-        {tr("Genus"), hasGenus ? number(report.genus) : QStringLiteral("–"), tr("Tunnels, summed over components")},
-        {tr("Area"), inLengthUnit(number(report.area), unit, 2), unitTip},
-        {tr("Enclosed volume"), report.isClosed ? inLengthUnit(number(report.enclosedVolume), unit, 3) : tr("– (open)"),
-         unitTip},
-        {tr("Degenerate triangles"), grouped(report.degenerateTriangles), tr("Zero area or a repeated vertex")},
-        {tr("Duplicate triangles"), grouped(report.duplicateTriangles), {}},
-        {tr("Nudged vertices"), nudgeText(certificate.nudge, unit),
-         tr("Held off grid points that have the isovalue, along their edges, so that no triangle has zero area")},
-        {tr("Grid"), certificate.geometry.isLeftHanded() ? tr("left-handed") : tr("right-handed"),
-         tr("Triangles of a left-handed grid are turned, so that they face the same side in space")}};
+    return {{tr("Sound"), verdict(certificate),
+             tr("An oriented manifold, open only where it meets the box or a missing value")},
+            {tr("Surface"), surfaceText(certificate),
+             tr("x0 is the box's face of the first grid points along x, x1 that of the last")},
+            {tr("Manifold"), yesNo(report.isManifold), tr("Every edge has one or two triangles, every vertex one fan")},
+            {tr("Oriented"), yesNo(report.isOriented),
+             tr("Neighbouring triangles agree; all are counter-clockwise seen from the side below the isovalue")},
+            {tr("Vertices"), grouped(report.vertices), {}},
+            {tr("Inner vertices"), grouped(certificate.innerVertices), tr("Vertices inside cells, on no grid edge")},
+            {tr("Edges"), grouped(report.edges), {}},
+            {tr("Triangles"), grouped(report.triangles), {}},
+            {tr("Components"), grouped(report.components), {}},
+            {tr("Euler number"), number(report.euler), tr("Vertices − edges + triangles")},
+            {tr("Boundary loops"), grouped(report.boundaryLoops), {}},
+            {tr("Genus"), hasGenus ? number(report.genus) : QStringLiteral("–"), tr("Tunnels, summed over components")},
+            {tr("Area"), inLengthUnit(number(report.area), unit, 2), unitTip},
+            {tr("Enclosed volume"),
+             report.isClosed ? inLengthUnit(number(report.enclosedVolume), unit, 3) : tr("– (open)"), unitTip},
+            {tr("Degenerate triangles"), grouped(report.degenerateTriangles), tr("Zero area or a repeated vertex")},
+            {tr("Duplicate triangles"), grouped(report.duplicateTriangles), {}},
+            {tr("Nudged vertices"), nudgeText(certificate.nudge, unit),
+             tr("Held off grid points that have the isovalue, along their edges, so that no triangle has zero area")},
+            {tr("Grid"), certificate.geometry.isLeftHanded() ? tr("left-handed") : tr("right-handed"),
+             tr("Triangles of a left-handed grid are turned, so that they face the same side in space")}};
 }
 
 } // namespace
 
 MeshPanel::MeshPanel(model::Session& session, const ActionRegistry& actions, QWidget* parent)
-    : QWidget(parent), session_(session), counts_(new FactForm(this)), state_(new QLabel(this)),
-      report_(new FactForm(this)), check_(new QPushButton(tr("Check Mesh"), this)),
-      export_(new QPushButton(tr("Export…"), this)), countsThrottle_(kCountsIntervalMs, [this] { showCounts(); }) {
+    : QWidget(parent),
+      session_(session),
+      counts_(new FactForm(this)),
+      state_(new QLabel(this)),
+      report_(new FactForm(this)),
+      check_(new QPushButton(tr("Check Mesh"), this)),
+      export_(new QPushButton(tr("Export…"), this)),
+      countsThrottle_(kCountsIntervalMs, [this] { showCounts(); }) {
     const auto [scroll, page, layout] = fillWithScrollPage(this);
     layout->setSpacing(6);
     auto* buttons = new QHBoxLayout;

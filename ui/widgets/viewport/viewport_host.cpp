@@ -9,12 +9,12 @@
 #include "ui/model/session/session.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
-#include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/opening/loading_card.h"
-#include "ui/widgets/window/settings_store.h"
 #include "ui/widgets/opening/start_page.h"
 #include "ui/widgets/viewport/viewport_overlay.h"
 #include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/settings_store.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -131,11 +131,9 @@ void ViewportHost::connectViews(const ActionRegistry& actions) {
         return;
     connect(viewport_, &ViewportWidget::cameraChanged, this,
             [this] { axes_->setOrientation(viewport_->camera().orientation()); });
-    connect(viewport_, &ViewportWidget::stepRequested, this,
-            [this](double step) { session_.isovalue().step(step); });
-    connect(actions.action("view.reset"), &QAction::triggered, this, [this] {
-        viewport_->changeCamera([](model::Camera& camera) { camera.reset(camera.sceneRadius()); });
-    });
+    connect(viewport_, &ViewportWidget::stepRequested, this, [this](double step) { session_.isovalue().step(step); });
+    connect(actions.action("view.reset"), &QAction::triggered, this,
+            [this] { viewport_->changeCamera([](model::Camera& camera) { camera.reset(camera.sceneRadius()); }); });
     connect(actions.action("view.perspective"), &QAction::toggled, this, [this](bool isPerspective) {
         viewport_->changeCamera([isPerspective](model::Camera& camera) { camera.setPerspective(isPerspective); });
     });
@@ -168,10 +166,9 @@ void ViewportHost::showCoarser(std::uint64_t refusedBytes) {
         return; // another one is on its way already
     if (refusedBytes >= kLeastPictureBytes)
         return session_.limitPicture(refusedBytes / 2);
-    session_.noticePosted().notify({model::Notice::Severity::Error,
-                                    tr("The graphics card has no memory for any surface").toStdString(),
-                                    tr("The panels still work. Close other programs that draw").toStdString(),
-                                    ErrorCode::OutOfSpace});
+    session_.noticePosted().notify(
+        {model::Notice::Severity::Error, tr("The graphics card has no memory for any surface").toStdString(),
+         tr("The panels still work. Close other programs that draw").toStdString(), ErrorCode::OutOfSpace});
 }
 
 void ViewportHost::tellWhatIsDrawn() {
@@ -189,17 +186,21 @@ void ViewportHost::tellWhatIsDrawn() {
                  .toStdString(),
              ErrorCode::OutOfSpace});
     else if (frame && merged == 1 && told > 1)
-        session_.noticePosted().notify({model::Notice::Severity::Information, tr("The surface is drawn whole again").toStdString(), {}});
+        session_.noticePosted().notify(
+            {model::Notice::Severity::Information, tr("The surface is drawn whole again").toStdString(), {}});
 }
 
 QString ViewportHost::standInText() const {
     QStringList lines;
     const auto step = session_.shownStep();
     if (step > 1)
-        lines << tr("preview at 1:%1\none of %1 samples along each axis\n%2").arg(step).arg(indexText(session_.indexState()));
+        lines << tr("preview at 1:%1\none of %1 samples along each axis\n%2")
+                     .arg(step)
+                     .arg(indexText(session_.indexState()));
     if (const auto frame = session_.frame(); frame && frame->mergedCells > 1)
-        lines << tr("coarser surface: vertices merged in blocks of %1 cells\nthe graphics card has no memory for the whole one")
-                     .arg(frame->mergedCells);
+        lines
+            << tr("coarser surface: vertices merged in blocks of %1 cells\nthe graphics card has no memory for the whole one")
+                   .arg(frame->mergedCells);
     return lines.join(QLatin1Char('\n'));
 }
 
@@ -207,14 +208,17 @@ void ViewportHost::showFrame() {
     const auto frame = session_.frame();
     if (viewport_ != nullptr) {
         const auto* dataset = session_.dataset();
-        if (dataset != nullptr && std::exchange(framedDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
-            viewport_->changeCamera([dataset](model::Camera& camera) { camera.reset(render::sceneRadius(dataset->geometry)); });
+        if (dataset != nullptr &&
+            std::exchange(framedDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
+            viewport_->changeCamera(
+                [dataset](model::Camera& camera) { camera.reset(render::sceneRadius(dataset->geometry)); });
         viewport_->setFrame(frame, dataset != nullptr ? std::optional(dataset->geometry) : std::nullopt);
     }
     if (frame) {
         const auto text = [](const std::string& s) { return QString::fromStdString(s); };
         readout_->setText(tr("isovalue %1\n%2 triangles\n%3")
-                              .arg(text(model::valueText(frame->isovalue, 7)), text(model::groupedText(frame->stats.triangles)),
+                              .arg(text(model::valueText(frame->isovalue, 7)),
+                                   text(model::groupedText(frame->stats.triangles)),
                                    text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs))));
         readout_->adjustSize();
     }

@@ -2,8 +2,8 @@
 
 #include <QWidget>
 
-#include "ui/model/session/dataset.h"
 #include "ui/model/observers.h"
+#include "ui/model/session/dataset.h"
 #include "ui/model/surface/view_state.h"
 
 namespace isoslider::model {

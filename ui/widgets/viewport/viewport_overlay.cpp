@@ -59,9 +59,8 @@ ViewReadout::ViewReadout(QWidget* parent, const QColor& colour) : QLabel(parent)
     setObjectName(QStringLiteral("viewReadout"));
     setMargin(7);
     setAutoFillBackground(false);
-    setStyleSheet(
-        QStringLiteral("QLabel { color: %1; background: rgba(20, 22, 26, 150); border-radius: 5px; }")
-            .arg(colour.name()));
+    setStyleSheet(QStringLiteral("QLabel { color: %1; background: rgba(20, 22, 26, 150); border-radius: 5px; }")
+                      .arg(colour.name()));
 }
 
 } // namespace isoslider::widgets

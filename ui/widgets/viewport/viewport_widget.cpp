@@ -16,15 +16,16 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr double kOrbitPerHeight = 3.4; // radians for a drag over the view's height
-constexpr double kZoomPerHeight = 3.0;  // powers of e
+constexpr double kZoomPerHeight = 3.0; // powers of e
 constexpr double kZoomPerNotch = 1.15;
 constexpr int kFirstRebuildMs = 50; // then twice as long each time
-constexpr int kSlowestRebuild = 6;  // powers of two: 3.2 s
+constexpr int kSlowestRebuild = 6; // powers of two: 3.2 s
 
 } // namespace
 
 ViewportWidget::ViewportWidget(QWidget* parent)
-    : QOpenGLWidget(parent), driver_(std::make_shared<render::GlDriver>()),
+    : QOpenGLWidget(parent),
+      driver_(std::make_shared<render::GlDriver>()),
       renderer_(std::make_unique<render::SceneRenderer>(driver_)) {
     setObjectName(QStringLiteral("viewport"));
     setFormat(render::viewportFormat());

@@ -14,7 +14,7 @@
 namespace isoslider::render {
 class GlDriver;
 class SceneRenderer;
-}
+} // namespace isoslider::render
 
 namespace isoslider::widgets {
 
@@ -28,8 +28,7 @@ public:
     ~ViewportWidget() override;
 
     /// See render::SceneRenderer.
-    void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
-                  const std::optional<GridGeometry>& volume = {});
+    void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame, const std::optional<GridGeometry>& volume = {});
     void setOptions(const model::ViewOptions& options);
     const model::Camera& camera() const { return camera_; }
     /// Changes the camera and draws again.

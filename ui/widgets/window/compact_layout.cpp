@@ -83,7 +83,8 @@ void CompactLayout::noteWidths() {
 
 bool CompactLayout::isBesideView(QDockWidget& panel) const {
     const auto area = window_.dockWidgetArea(&panel);
-    return !panel.isHidden() && !panel.isFloating() && (area == Qt::LeftDockWidgetArea || area == Qt::RightDockWidgetArea);
+    return !panel.isHidden() && !panel.isFloating() &&
+           (area == Qt::LeftDockWidgetArea || area == Qt::RightDockWidgetArea);
 }
 
 void CompactLayout::restoreWidths() {

@@ -12,10 +12,10 @@ class QMainWindow;
 
 namespace isoslider::widgets {
 
-/// In a window too small for all of its panels, leaves the view and the isovalue: hides the panels beside them, lets the
-/// histogram become low, and brings all back when there is room or the window is closed. A panel that is shown while
-/// the window is small is left alone. Panels that a narrow window squeezes get the width back that they had, or were
-/// given since, as soon as there is room for it.
+/// In a window too small for all of its panels, leaves the view and the isovalue: hides the panels beside them, lets
+/// the histogram become low, and brings all back when there is room or the window is closed. A panel that is shown
+/// while the window is small is left alone. Panels that a narrow window squeezes get the width back that they had, or
+/// were given since, as soon as there is room for it.
 class CompactLayout : public QObject {
     Q_OBJECT
 public:

@@ -13,9 +13,9 @@
 #include <QScrollArea>
 #include <QVBoxLayout>
 
-#include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -124,7 +124,8 @@ void showAbout(QWidget* parent) {
     layout->setContentsMargins(28, 22, 28, 18);
     layout->setSpacing(8);
     auto* logo = new QLabel(dialog);
-    logo->setPixmap(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")).pixmap(QSize(72, 72), dialog->devicePixelRatioF()));
+    logo->setPixmap(
+        QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")).pixmap(QSize(72, 72), dialog->devicePixelRatioF()));
     auto* text = new QLabel(
         tr("<h3>ISOSLIDER %1</h3>"
            "<p>Slides isosurfaces through large volumes: an index of edge changes, built once,<br>"

@@ -12,25 +12,25 @@
 
 #include "ui/model/jobs/latest_job.h"
 #include "ui/model/session/session.h"
-#include "ui/widgets/window/action_registry.h"
-#include "ui/widgets/window/compact_layout.h"
-#include "ui/widgets/panels/dataset_panel.h"
-#include "ui/widgets/opening/file_dialogs.h"
-#include "ui/widgets/opening/file_filters.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_panel.h"
+#include "ui/widgets/opening/file_dialogs.h"
+#include "ui/widgets/opening/file_filters.h"
+#include "ui/widgets/opening/open_flow.h"
+#include "ui/widgets/opening/recent_files.h"
+#include "ui/widgets/opening/start_page.h"
+#include "ui/widgets/panels/dataset_panel.h"
 #include "ui/widgets/panels/jobs_panel.h"
 #include "ui/widgets/panels/levels_panel.h"
 #include "ui/widgets/panels/mesh_panel.h"
-#include "ui/widgets/window/message_bar.h"
-#include "ui/widgets/opening/open_flow.h"
 #include "ui/widgets/viewport/picture_file.h"
-#include "ui/widgets/opening/recent_files.h"
-#include "ui/widgets/window/session_keeper.h"
-#include "ui/widgets/window/settings_store.h"
-#include "ui/widgets/opening/start_page.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/compact_layout.h"
+#include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/window/session_keeper.h"
+#include "ui/widgets/window/settings_store.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -43,8 +43,13 @@ constexpr QSize kSmallestWindow(320, 240); // smaller than all panels together, 
 } // namespace
 
 MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs, QWidget* parent)
-    : QMainWindow(parent), session_(session), settings_(settings), dialogs_(dialogs),
-      recentFiles_(std::make_unique<RecentFiles>(settings)), actions_(new ActionRegistry(this)), openFlow_(new OpenFlow(session, settings, dialogs, this)),
+    : QMainWindow(parent),
+      session_(session),
+      settings_(settings),
+      dialogs_(dialogs),
+      recentFiles_(std::make_unique<RecentFiles>(settings)),
+      actions_(new ActionRegistry(this)),
+      openFlow_(new OpenFlow(session, settings, dialogs, this)),
       jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
     setObjectName(QStringLiteral("mainWindow"));
     setWindowTitle(QStringLiteral("ISOSLIDER"));
@@ -153,8 +158,9 @@ void MainWindow::askExport() {
     const QString stem = QFileInfo(QString::fromStdString(dataset->name)).completeBaseName();
     const QString name = QStringLiteral("%1_%2.ply").arg(stem).arg(session_.isovalue().requested(), 0, 'g', 6);
     const QString folder = settings_.text("files/exportFolder");
-    dialogs_.askSave(this, tr("Export Mesh"), folder.isEmpty() ? QDir::home().filePath(name) : QDir(folder).filePath(name),
-                     meshFilters(), [this, of = session_.datasetGeneration()](const QString& path) {
+    dialogs_.askSave(this, tr("Export Mesh"),
+                     folder.isEmpty() ? QDir::home().filePath(name) : QDir(folder).filePath(name), meshFilters(),
+                     [this, of = session_.datasetGeneration()](const QString& path) {
                          settings_.set("files/exportFolder", QFileInfo(path).path());
                          session_.exportMesh(std::filesystem::path(path.toStdU16String()), of);
                      });
@@ -204,7 +210,8 @@ void MainWindow::updateActions() {
     actions_->action("mesh.export")->setEnabled(hasSurface);
     actions_->action("file.saveImage")->setEnabled(hasSurface && host_->viewport() != nullptr);
     actions_->action("mesh.check")->setEnabled(hasSurface && !session_.isCheckingMesh());
-    actions_->action("index.build")->setEnabled(state == model::IndexState::Failed || state == model::IndexState::Cancelled);
+    actions_->action("index.build")
+        ->setEnabled(state == model::IndexState::Failed || state == model::IndexState::Cancelled);
 }
 
 void MainWindow::dragEnterEvent(QDragEnterEvent* event) {

@@ -35,12 +35,11 @@ class ViewportHost;
 class MainWindow : public QMainWindow {
     Q_OBJECT
 public:
-    MainWindow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs,
-               QWidget* parent = nullptr);
+    MainWindow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs, QWidget* parent = nullptr);
     ~MainWindow() override;
 
-    /// Opens a volume, a folder, an index or a session file, and remembers it among the recent files once it is open. Asks
-    /// what has to be known of it first. `isovalue`: the first one; otherwise a suggested one.
+    /// Opens a volume, a folder, an index or a session file, and remembers it among the recent files once it is open.
+    /// Asks what has to be known of it first. `isovalue`: the first one; otherwise a suggested one.
     void openFile(const QString& path, std::optional<double> isovalue = std::nullopt);
     /// Says that these were given, and that one volume is shown at a time.
     void tellNotOpened(const QStringList& files);
@@ -94,7 +93,8 @@ private:
     QDockWidget* meshDock_ = nullptr;
     QDockWidget* jobsDock_ = nullptr;
     std::vector<model::Subscription> subscriptions_;
-    std::shared_ptr<model::BackgroundJobs> jobs_; ///< not shown among the session's; last: waits for what is being written
+    std::shared_ptr<model::BackgroundJobs>
+        jobs_; ///< not shown among the session's; last: waits for what is being written
 };
 
 } // namespace isoslider::widgets

@@ -5,15 +5,15 @@
 #include <QToolBar>
 
 #include "ui/model/session/session.h"
+#include "ui/widgets/opening/open_flow.h"
+#include "ui/widgets/opening/recent_files.h"
+#include "ui/widgets/opening/start_page.h"
+#include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/window/help_dialogs.h"
 #include "ui/widgets/window/main_window.h"
-#include "ui/widgets/opening/open_flow.h"
-#include "ui/widgets/opening/recent_files.h"
 #include "ui/widgets/window/session_keeper.h"
 #include "ui/widgets/window/settings_store.h"
-#include "ui/widgets/opening/start_page.h"
-#include "ui/widgets/viewport/viewport_host.h"
 
 namespace isoslider::widgets {
 

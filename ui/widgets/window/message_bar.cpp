@@ -17,7 +17,10 @@ constexpr int kInformationMs = 6000;
 } // namespace
 
 MessageBar::MessageBar(QWidget* parent)
-    : QFrame(parent), icon_(new QLabel(this)), title_(new QLabel(this)), detail_(new QLabel(this)),
+    : QFrame(parent),
+      icon_(new QLabel(this)),
+      title_(new QLabel(this)),
+      detail_(new QLabel(this)),
       close_(new QToolButton(this)) {
     setObjectName(QStringLiteral("messageBar"));
     setAutoFillBackground(true);
@@ -85,7 +88,8 @@ void MessageBar::showNotice(const model::Notice& notice) {
                                                : (isDark ? QColor(32, 48, 68) : QColor(226, 239, 253)));
     setPalette(colours);
     close_->setIcon(themedIcon(QStringLiteral("close"), colours));
-    icon_->setPixmap(themedPixmap(isError ? QStringLiteral("error") : QStringLiteral("info"), accent, 22, devicePixelRatioF()));
+    icon_->setPixmap(
+        themedPixmap(isError ? QStringLiteral("error") : QStringLiteral("info"), accent, 22, devicePixelRatioF()));
     if (isError)
         hideTimer_.stop();
     else

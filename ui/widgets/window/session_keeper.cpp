@@ -8,14 +8,15 @@
 #include <QFileInfo>
 #include <QLocale>
 
+#include "core/base/folders.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
-#include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/opening/file_dialogs.h"
 #include "ui/widgets/opening/file_filters.h"
-#include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/message_bar.h"
 
 namespace isoslider::widgets {
 namespace fs = std::filesystem;
@@ -36,9 +37,16 @@ QString nameOf(const model::SavedSession& saved) {
 
 SessionKeeper::SessionKeeper(model::Session& session, ViewportHost& host, const ActionRegistry& actions,
                              FileDialogs& dialogs, MessageBar& messageBar, MessageBar& recoveryBar, QWidget* window)
-    : QObject(window), session_(session), host_(host), actions_(actions), dialogs_(dialogs), messageBar_(messageBar),
-      recoveryBar_(recoveryBar), window_(window),
-      jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)), saving_(jobs_) {
+    : QObject(window),
+      session_(session),
+      host_(host),
+      actions_(actions),
+      dialogs_(dialogs),
+      messageBar_(messageBar),
+      recoveryBar_(recoveryBar),
+      window_(window),
+      jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)),
+      saving_(jobs_) {
     timer_.setSingleShot(true);
     connect(&timer_, &QTimer::timeout, this, &SessionKeeper::autosave);
     subscriptions_.push_back(session_.datasetChanged().observe([this] { noteChange(); }));
@@ -110,10 +118,8 @@ void SessionKeeper::open(const QString& path) {
     restore(read.value().session, std::move(read.value().problems), QFileInfo(path).fileName());
 }
 
-void SessionKeeper::restore(const model::SavedSession& saved, std::vector<std::string> problems,
-                            const QString& name) {
-    std::error_code ignored;
-    if (!saved.volume.empty() && !fs::exists(saved.volume, ignored))
+void SessionKeeper::restore(const model::SavedSession& saved, std::vector<std::string> problems, const QString& name) {
+    if (!saved.volume.empty() && !isPresent(saved.volume))
         return askWhereVolumeIs(saved, problems, name);
     Q_EMIT opening();
     if (saved.hasVolume()) {
@@ -146,7 +152,8 @@ void SessionKeeper::askWhereVolumeIs(const model::SavedSession& saved, const std
     messageBar_.showOffer(notice, {{tr("Locate…"), locate}});
 }
 
-// The view has been set for a volume that is new by now: it hears of frames before this. Then the one that was kept takes its place.
+// The view has been set for a volume that is new by now: it hears of frames before this. Then the one that was kept
+// takes its place.
 void SessionKeeper::showView() {
     const bool isNew = session_.dataset() != nullptr &&
                        std::exchange(shownDataset_, session_.datasetGeneration()) != session_.datasetGeneration();
@@ -227,21 +234,24 @@ void SessionKeeper::offerLost() {
     if (lost_.empty())
         return;
     const QDateTime time = QFileInfo(textOf(lost_.front()->path())).lastModified();
-    const QString isovalue =
-        saved.isovalue ? tr(", isovalue %1").arg(QString::fromStdString(model::valueText(*saved.isovalue, 6))) : QString();
+    const QString isovalue = saved.isovalue
+                                 ? tr(", isovalue %1").arg(QString::fromStdString(model::valueText(*saved.isovalue, 6)))
+                                 : QString();
     const auto forget = [this] {
         lost_.front()->discard();
         lost_.erase(lost_.begin());
         offerLost();
     };
-    recoveryBar_.showOffer(
-        {Severity::Information, tr("ISOSLIDER did not end properly").toStdString(),
-         tr("%1%2, as of %3").arg(nameOf(saved), isovalue, QLocale().toString(time, QLocale::ShortFormat)).toStdString()},
-        {{tr("Restore"), [this, saved, forget] {
-              restore(saved, {}, tr("the session"));
-              forget();
-          }},
-         {tr("Discard"), forget}});
+    recoveryBar_.showOffer({Severity::Information, tr("ISOSLIDER did not end properly").toStdString(),
+                            tr("%1%2, as of %3")
+                                .arg(nameOf(saved), isovalue, QLocale().toString(time, QLocale::ShortFormat))
+                                .toStdString()},
+                           {{tr("Restore"),
+                             [this, saved, forget] {
+                                 restore(saved, {}, tr("the session"));
+                                 forget();
+                             }},
+                            {tr("Discard"), forget}});
 }
 
 } // namespace isoslider::widgets

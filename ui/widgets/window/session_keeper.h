@@ -10,9 +10,9 @@
 #include <QString>
 #include <QTimer>
 
-#include "ui/model/session/dataset.h"
 #include "ui/model/jobs/latest_job.h"
 #include "ui/model/observers.h"
+#include "ui/model/session/dataset.h"
 #include "ui/model/session/saved_session.h"
 #include "ui/model/session/session_slot.h"
 

@@ -40,7 +40,8 @@ struct SettingsStore::Declarations {
 class SettingsStore::Writer {
 public:
     /// `filePath` empty: the user's own file.
-    explicit Writer(QString filePath) : filePath_(std::move(filePath)), thread_([this](std::stop_token stop) { loop(stop); }) {}
+    explicit Writer(QString filePath)
+        : filePath_(std::move(filePath)), thread_([this](std::stop_token stop) { loop(stop); }) {}
 
     void write(const QString& key, const QVariant& value) {
         {

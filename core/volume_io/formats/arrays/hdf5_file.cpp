@@ -145,8 +145,13 @@ class StorageCheck {
 public:
     StorageCheck(const Hdf5Session& session, hid_t dataset, std::string_view name, const std::filesystem::path& path,
                  std::uint64_t fileBytes)
-        : session_(session), dataset_(dataset), name_(inQuotes(name)), path_(path), fileBytes_(fileBytes),
-          space_(H5Dget_space(dataset), H5Sclose), type_(H5Dget_type(dataset), H5Tclose),
+        : session_(session),
+          dataset_(dataset),
+          name_(inQuotes(name)),
+          path_(path),
+          fileBytes_(fileBytes),
+          space_(H5Dget_space(dataset), H5Sclose),
+          type_(H5Dget_type(dataset), H5Tclose),
           settings_(H5Dget_create_plist(dataset), H5Pclose) {}
 
     Status run() const {
@@ -168,11 +173,13 @@ private:
             unsigned flags = 0, config = 0;
             std::size_t count = 0;
             char filterName[64] = "";
-            const H5Z_filter_t filter = H5Pget_filter2(settings_.id(), static_cast<unsigned>(i), &flags, &count, nullptr,
-                                                       sizeof filterName - 1, filterName, &config);
+            const H5Z_filter_t filter = H5Pget_filter2(settings_.id(), static_cast<unsigned>(i), &flags, &count,
+                                                       nullptr, sizeof filterName - 1, filterName, &config);
             if (H5Zfilter_avail(filter) <= 0)
-                return refuseField(name_, "it is packed with filter " + std::to_string(filter) + " " +
-                                              inQuotes(filterName) + ", which is not installed", path_);
+                return refuseField(name_,
+                                   "it is packed with filter " + std::to_string(filter) + " " + inQuotes(filterName) +
+                                       ", which is not installed",
+                                   path_);
         }
         return {};
     }
@@ -192,7 +199,8 @@ private:
         if (expected != stored || offset > fileBytes_ || stored > fileBytes_ - offset)
             return makeError(ErrorCode::Corruption,
                              name_ + ": needs " + std::to_string(expected) + " bytes from " + std::to_string(offset) +
-                                 " on, the file has only " + std::to_string(fileBytes_), path_, offset);
+                                 " on, the file has only " + std::to_string(fileBytes_),
+                             path_, offset);
         return {};
     }
 
@@ -203,8 +211,10 @@ private:
         for (int i = 0; i < rank; ++i)
             chunkBytes *= std::min<hsize_t>(sizes[static_cast<std::size_t>(i)], std::uint64_t{1} << 32);
         if (rank < 1 || chunkBytes == 0 || chunkBytes > kMaxChunkBytes)
-            return refuseField(name_, "its chunks are of " + std::to_string(chunkBytes >> 20) + " MiB each; up to " +
-                                          std::to_string(kMaxChunkBytes >> 20) + " are read", path_);
+            return refuseField(name_,
+                               "its chunks are of " + std::to_string(chunkBytes >> 20) + " MiB each; up to " +
+                                   std::to_string(kMaxChunkBytes >> 20) + " are read",
+                               path_);
         hsize_t chunks = 0;
         if (H5Dget_num_chunks(dataset_, space_.id(), &chunks) < 0)
             return session_.error(name_ + ": its list of chunks is damaged", path_);
@@ -214,7 +224,8 @@ private:
         if (stored > fileBytes_ || chunks > kMaxPacking * (stored / chunkBytes + 1))
             return makeError(ErrorCode::Corruption,
                              name_ + ": " + std::to_string(chunks) + " chunks of " + std::to_string(chunkBytes) +
-                                 " bytes cannot be packed in " + std::to_string(std::min(stored, fileBytes_)), path_);
+                                 " bytes cannot be packed in " + std::to_string(std::min(stored, fileBytes_)),
+                             path_);
         return {};
     }
 
@@ -273,8 +284,8 @@ Result<Hdf5Handle> openHdf5File(const Hdf5Session& session, const std::filesyste
 
 Hdf5Tree walkHdf5(hid_t file) { return TreeWalk().run(file); }
 
-Status checkStorage(const Hdf5Session& session, hid_t dataset, std::string_view name,
-                    const std::filesystem::path& path, std::uint64_t fileBytes) {
+Status checkStorage(const Hdf5Session& session, hid_t dataset, std::string_view name, const std::filesystem::path& path,
+                    std::uint64_t fileBytes) {
     return StorageCheck(session, dataset, name, path, fileBytes).run();
 }
 

@@ -80,8 +80,8 @@ Hdf5Tree walkHdf5(hid_t file);
 
 /// Proves that the file holds the samples of a data set and that no part of it unpacks to more than a share of
 /// memory. Refuses samples in other files. `name` is for messages. Errors: InvalidArgument, Corruption.
-Status checkStorage(const Hdf5Session& session, hid_t dataset, std::string_view name,
-                    const std::filesystem::path& path, std::uint64_t fileBytes);
+Status checkStorage(const Hdf5Session& session, hid_t dataset, std::string_view name, const std::filesystem::path& path,
+                    std::uint64_t fileBytes);
 
 /// Samples of a whole row of chunks stay in memory, if they are few: planes are read one after the other.
 Hdf5Handle openDataset(hid_t file, const std::string& name);

@@ -62,8 +62,8 @@ public:
         : placement_(usualPlacement(dataset.extents)), file_(file), path_(dataset.path) {
         const std::size_t slash = dataset.path.rfind('/');
         dataset_ = Hdf5Handle(H5Oopen(file, dataset.path.c_str(), H5P_DEFAULT), H5Oclose);
-        parent_ = Hdf5Handle(H5Oopen(file, slash == 0 ? "/" : dataset.path.substr(0, slash).c_str(), H5P_DEFAULT),
-                             H5Oclose);
+        parent_ =
+            Hdf5Handle(H5Oopen(file, slash == 0 ? "/" : dataset.path.substr(0, slash).c_str(), H5P_DEFAULT), H5Oclose);
         rank_ = dataset.extents.size();
     }
 
@@ -181,7 +181,8 @@ private:
             if (axis < 0 || axis > 2 || axisOf[static_cast<std::size_t>(axis)] >= 0 || names.size() != rank_)
                 return false;
             axisOf[static_cast<std::size_t>(axis)] = static_cast<int>(i);
-            const Hdf5Handle variable(H5Oopen(file_, ("/minc-2.0/dimensions/" + names[i]).c_str(), H5P_DEFAULT), H5Oclose);
+            const Hdf5Handle variable(H5Oopen(file_, ("/minc-2.0/dimensions/" + names[i]).c_str(), H5P_DEFAULT),
+                                      H5Oclose);
             const auto step = attributeNumbers(variable.id(), "step"), start = attributeNumbers(variable.id(), "start"),
                        cosines = attributeNumbers(variable.id(), "direction_cosines");
             if (step.size() != 1 || !std::isfinite(step[0]) || step[0] == 0.0)
@@ -199,14 +200,16 @@ private:
         placement_.axisOf = axisOf;
         placement_.geometry = geometry;
         placement_.lengthUnit = units.size() == 1 ? *units.begin() : std::string();
-        placement_.notes.push_back("MINC: samples are taken as they are stored; its ranges of real values are not applied");
+        placement_.notes.push_back(
+            "MINC: samples are taken as they are stored; its ranges of real values are not applied");
         return true;
     }
 
     // What a file says of distances in a way that is not known here is not kept quiet about.
     void noteUnknown() {
-        constexpr std::string_view kWords[] = {"spacing", "voxel",   "resolution",     "pixel_size", "pixelsize",  "step",
-                                               "scale",   "element", "dimension_list", "dimorder",   "voxel_size", "delta"};
+        constexpr std::string_view kWords[] = {"spacing",        "voxel",    "resolution", "pixel_size",
+                                               "pixelsize",      "step",     "scale",      "element",
+                                               "dimension_list", "dimorder", "voxel_size", "delta"};
         const Hdf5Handle root(H5Oopen(file_, "/", H5P_DEFAULT), H5Oclose);
         std::set<std::string> found;
         for (const hid_t object : {dataset_.id(), parent_.id(), root.id()})
@@ -221,7 +224,8 @@ private:
         std::string names;
         for (const std::string& name : found)
             names += (names.empty() ? "" : ", ") + name;
-        placement_.notes.push_back("what the file says of distances is not understood (" + names + "): spacing 1 is taken");
+        placement_.notes.push_back("what the file says of distances is not understood (" + names +
+                                   "): spacing 1 is taken");
     }
 
     Placement placement_;

@@ -2,11 +2,11 @@
 #include <cmath>
 
 #include "core/base/file_system.h"
-#include "core/volume_io/sources/array_source.h"
-#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/arrays/hdf5_file.h"
 #include "core/volume_io/formats/arrays/hdf5_placement.h"
+#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/parsing/header_checks.h"
+#include "core/volume_io/sources/array_source.h"
 #include "core/volume_io/volume_choice.h"
 
 // HDF5 says nothing of space: the last axis of a data set is taken for x, as NumPy users write z, y, x. Where the file
@@ -58,7 +58,10 @@ hid_t memoryTypeId(FileType type) {
 class Hdf5ArrayReader final : public ArrayReader {
 public:
     Hdf5ArrayReader(Hdf5Handle file, Hdf5Handle dataset, std::string name, FileType type, fs::path path)
-        : file_(std::move(file)), dataset_(std::move(dataset)), name_(std::move(name)), type_(type),
+        : file_(std::move(file)),
+          dataset_(std::move(dataset)),
+          name_(std::move(name)),
+          type_(type),
           path_(std::move(path)) {}
     ~Hdf5ArrayReader() override {
         const Hdf5Session session;
@@ -161,8 +164,8 @@ Result<Prepared> prepare(const fs::path& path, ReadOptions options, std::uint64_
     prepared.view.start.assign(dataset.extents.size(), 0);
     if (dataset.extents.size() == 4)
         prepared.view.start[0] = static_cast<std::uint64_t>(choice.value().frame);
-    prepared.reader = std::make_unique<Hdf5ArrayReader>(std::move(tree.file), std::move(handle), dataset.path,
-                                                        dataset.type, path);
+    prepared.reader =
+        std::make_unique<Hdf5ArrayReader>(std::move(tree.file), std::move(handle), dataset.path, dataset.type, path);
     return prepared;
 }
 

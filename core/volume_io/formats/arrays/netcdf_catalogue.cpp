@@ -20,7 +20,7 @@ constexpr std::size_t kMaxAttributeValues = 64;
 bool isNumeric(nc_type type) { return type == NC_BYTE || (type >= NC_SHORT && type <= NC_UINT64); }
 
 const char* typeNameOf(nc_type type) {
-    constexpr const char* kNames[] = {"",        "int8",   "char",   "int16", "int32",  "float32",
+    constexpr const char* kNames[] = {"",        "int8",  "char",   "int16",  "int32", "float32",
                                       "float64", "uint8", "uint16", "uint32", "int64", "uint64"};
     return isNumeric(type) ? kNames[type] : "";
 }
@@ -37,7 +37,8 @@ NetcdfRole roleOf(const NetcdfAxis& axis) {
     if (axis.variable >= 0) {
         const auto text = [&](const char* key) { return lowerCase(netcdfText(axis.group, axis.variable, key)); };
         const std::string letter = text("axis"), standard = text("standard_name"), units = text("units");
-        const std::map<std::string, NetcdfRole> letters{{"x", NetcdfRole::X}, {"y", NetcdfRole::Y}, {"z", NetcdfRole::Z}, {"t", NetcdfRole::Time}};
+        const std::map<std::string, NetcdfRole> letters{
+            {"x", NetcdfRole::X}, {"y", NetcdfRole::Y}, {"z", NetcdfRole::Z}, {"t", NetcdfRole::Time}};
         if (const auto found = letters.find(letter); found != letters.end())
             return found->second;
         if (standard == "time" || units.find(" since ") != std::string::npos)
@@ -53,9 +54,10 @@ NetcdfRole roleOf(const NetcdfAxis& axis) {
             return NetcdfRole::Z;
     }
     const std::map<std::string, NetcdfRole> names{
-        {"x", NetcdfRole::X}, {"lon", NetcdfRole::X}, {"longitude", NetcdfRole::X}, {"y", NetcdfRole::Y}, {"lat", NetcdfRole::Y},
-        {"latitude", NetcdfRole::Y}, {"z", NetcdfRole::Z}, {"lev", NetcdfRole::Z}, {"level", NetcdfRole::Z}, {"depth", NetcdfRole::Z},
-        {"height", NetcdfRole::Z}, {"plev", NetcdfRole::Z}, {"time", NetcdfRole::Time}, {"t", NetcdfRole::Time}};
+        {"x", NetcdfRole::X},       {"lon", NetcdfRole::X},      {"longitude", NetcdfRole::X}, {"y", NetcdfRole::Y},
+        {"lat", NetcdfRole::Y},     {"latitude", NetcdfRole::Y}, {"z", NetcdfRole::Z},         {"lev", NetcdfRole::Z},
+        {"level", NetcdfRole::Z},   {"depth", NetcdfRole::Z},    {"height", NetcdfRole::Z},    {"plev", NetcdfRole::Z},
+        {"time", NetcdfRole::Time}, {"t", NetcdfRole::Time}};
     const auto found = names.find(name);
     return found == names.end() ? NetcdfRole::Unknown : found->second;
 }
@@ -160,7 +162,8 @@ private:
         known.erase(NetcdfRole::Unknown);
         if (known.size() == spatial.size()) {
             for (const auto& [role, i] : known)
-                variable.axisOf[static_cast<std::size_t>(role) - static_cast<std::size_t>(NetcdfRole::X)] = static_cast<int>(i);
+                variable.axisOf[static_cast<std::size_t>(role) - static_cast<std::size_t>(NetcdfRole::X)] =
+                    static_cast<int>(i);
         } else {
             for (std::size_t i = 0; i < spatial.size(); ++i)
                 variable.axisOf[i] = static_cast<int>(spatial[spatial.size() - 1 - i]);
@@ -201,8 +204,8 @@ std::string netcdfText(int group, int variable, const char* name) {
 std::vector<double> netcdfNumbers(int group, int variable, const char* name, int* typeOut) {
     nc_type type = NC_NAT;
     std::size_t size = 0;
-    if (nc_inq_att(group, variable, name, &type, &size) != NC_NOERR || size == 0 || size > kMaxAttributeValues || type == NC_CHAR ||
-        type > NC_UINT64)
+    if (nc_inq_att(group, variable, name, &type, &size) != NC_NOERR || size == 0 || size > kMaxAttributeValues ||
+        type == NC_CHAR || type > NC_UINT64)
         return {};
     std::vector<double> values(size);
     if (nc_get_att_double(group, variable, name, values.data()) != NC_NOERR)

@@ -27,11 +27,11 @@ struct NetcdfAxis {
 struct NetcdfVariable {
     int group = -1, id = -1;
     std::string name; ///< with its groups: "group/name"
-    int type = 0;     ///< nc_type
-    std::vector<NetcdfAxis> axes;          ///< slowest first
+    int type = 0; ///< nc_type
+    std::vector<NetcdfAxis> axes; ///< slowest first
     std::array<int, 3> axisOf{-1, -1, -1}; ///< which of `axes` is x, y, z; -1: none
-    std::vector<std::size_t> others;       ///< those that are none of them: their extents make the frames
-    std::string problem;                   ///< why it cannot be read
+    std::vector<std::size_t> others; ///< those that are none of them: their extents make the frames
+    std::string problem; ///< why it cannot be read
 
     GridDims dims() const;
 };

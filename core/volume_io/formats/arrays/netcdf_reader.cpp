@@ -9,13 +9,13 @@
 
 #include "core/base/file_system.h"
 #include "core/grid/length_unit.h"
-#include "core/volume_io/sources/array_source.h"
-#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/arrays/hdf5_file.h"
 #include "core/volume_io/formats/arrays/netcdf_catalogue.h"
 #include "core/volume_io/formats/arrays/netcdf_classic_header.h"
+#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "core/volume_io/resampling/rectilinear_resampler.h"
+#include "core/volume_io/sources/array_source.h"
 #include "core/volume_io/volume_choice.h"
 
 // Classic and NetCDF-4 files by the NetCDF library. What variables mean is read by the CF conventions: coordinate
@@ -66,13 +66,18 @@ Result<NetcdfFile> openFile(const fs::path& path) {
 
 bool isHdf5Based(int file) {
     int format = 0;
-    return nc_inq_format(file, &format) == NC_NOERR && (format == NC_FORMAT_NETCDF4 || format == NC_FORMAT_NETCDF4_CLASSIC);
+    return nc_inq_format(file, &format) == NC_NOERR &&
+           (format == NC_FORMAT_NETCDF4 || format == NC_FORMAT_NETCDF4_CLASSIC);
 }
 
 class NetcdfArrayReader final : public ArrayReader {
 public:
     NetcdfArrayReader(NetcdfFile file, const NetcdfVariable& variable, fs::path path)
-        : file_(std::move(file)), group_(variable.group), id_(variable.id), name_(variable.name), path_(std::move(path)) {}
+        : file_(std::move(file)),
+          group_(variable.group),
+          id_(variable.id),
+          name_(variable.name),
+          path_(std::move(path)) {}
     ~NetcdfArrayReader() override {
         const Hdf5Session session;
         file_.close();
@@ -127,7 +132,8 @@ private:
 
     /// As the samples come: unsigned ones are stored under signed types in classic files.
     double asStored(double value) const {
-        return isUnsigned_ && value < 0 ? value + std::ldexp(1.0, 8 * static_cast<int>(fileTypeSizeBytes(type_))) : value;
+        return isUnsigned_ && value < 0 ? value + std::ldexp(1.0, 8 * static_cast<int>(fileTypeSizeBytes(type_)))
+                                        : value;
     }
 
     void readMissing(std::vector<std::string>& notes) {
@@ -271,8 +277,8 @@ Status checkHdf5Storage(const Hdf5Session& session, const NetcdfVariable& variab
     const std::size_t leaf = slash == std::string::npos ? 0 : slash + 1;
     Hdf5Handle dataset = openDataset(hdf5.value().id(), "/" + variable.name);
     if (!dataset.isOpen()) // that of a variable named as a dimension that is not its own
-        dataset = openDataset(hdf5.value().id(), "/" + variable.name.substr(0, leaf) + "_nc4_non_coord_" +
-                                                     variable.name.substr(leaf));
+        dataset = openDataset(hdf5.value().id(),
+                              "/" + variable.name.substr(0, leaf) + "_nc4_non_coord_" + variable.name.substr(leaf));
     if (!dataset.isOpen())
         return session.error(inQuotes(variable.name) + " cannot be opened", path);
     return checkStorage(session, dataset.id(), variable.name, path, fileBytes);
@@ -323,8 +329,9 @@ Result<Prepared> prepare(const fs::path& path, const ReadOptions& options) {
     prepared.view.start = startOf(variable, choice.value().frame);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const int own = variable.axisOf[axis];
-        prepared.axes[axis] = own < 0 ? indexAxis(1)
-                                      : coordinatesOf(variable.axes[static_cast<std::size_t>(own)], prepared.info.notes, path);
+        prepared.axes[axis] =
+            own < 0 ? indexAxis(1)
+                    : coordinatesOf(variable.axes[static_cast<std::size_t>(own)], prepared.info.notes, path);
         prepared.view.isFlipped[axis] = prepared.axes[axis].isDescending;
     }
     prepared.info.lengthUnit = lengthUnitOf(variable, prepared.info.notes);

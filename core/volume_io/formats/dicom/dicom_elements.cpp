@@ -25,9 +25,9 @@ constexpr std::size_t kMaxFragments = 1'000'000;
 constexpr std::string_view kDeflated = "1.2.840.10008.1.2.1.99";
 constexpr std::string_view kExplicitBig = "1.2.840.10008.1.2.2";
 
-constexpr std::string_view kRepresentations[] = {
-    "AE", "AS", "AT", "CS", "DA", "DS", "DT", "FL", "FD", "IS", "LO", "LT", "OB", "OD", "OF", "OL", "OV",
-    "OW", "PN", "SH", "SL", "SQ", "SS", "ST", "SV", "TM", "UC", "UI", "UL", "UN", "UR", "US", "UT", "UV"};
+constexpr std::string_view kRepresentations[] = {"AE", "AS", "AT", "CS", "DA", "DS", "DT", "FL", "FD", "IS", "LO", "LT",
+                                                 "OB", "OD", "OF", "OL", "OV", "OW", "PN", "SH", "SL", "SQ", "SS", "ST",
+                                                 "SV", "TM", "UC", "UI", "UL", "UN", "UR", "US", "UT", "UV"};
 constexpr std::string_view kLongRepresentations[] = {"OB", "OD", "OF", "OL", "OV", "OW", "SQ",
                                                      "SV", "UC", "UN", "UR", "UT", "UV"};
 
@@ -48,8 +48,7 @@ T load(const std::byte* bytes, bool isBigEndian) {
 }
 
 DicomTag loadTag(const std::byte* bytes, bool isBigEndian) {
-    return DicomTag{load<std::uint16_t>(bytes, isBigEndian)} << 16 |
-           load<std::uint16_t>(bytes + 2, isBigEndian);
+    return DicomTag{load<std::uint16_t>(bytes, isBigEndian)} << 16 | load<std::uint16_t>(bytes + 2, isBigEndian);
 }
 
 std::string_view asText(std::span<const std::byte> bytes) {
@@ -92,8 +91,7 @@ struct Element {
     std::uint32_t length = 0;
 };
 
-DicomValue decode(DicomKind kind, std::span<const std::byte> bytes, const Element& element,
-                  bool isBigEndian) {
+DicomValue decode(DicomKind kind, std::span<const std::byte> bytes, const Element& element, bool isBigEndian) {
     DicomValue value;
     const auto numbers = [&](auto sample) {
         using T = decltype(sample);
@@ -135,18 +133,15 @@ DicomValue decode(DicomKind kind, std::span<const std::byte> bytes, const Elemen
 class Walker {
 public:
     Walker(const DicomDataSet& dataSet, DicomSink& sink)
-        : window_(*dataSet.bytes),
-          path_(dataSet.bytes->path()),
-          size_(dataSet.bytes->sizeBytes()),
-          sink_(sink) {}
+        : window_(*dataSet.bytes), path_(dataSet.bytes->path()), size_(dataSet.bytes->sizeBytes()), sink_(sink) {}
 
     /// Elements of [begin, end), or up to the mark that ends an item. Returns where the next thing begins.
     Result<std::uint64_t> elements(std::uint64_t begin, std::uint64_t end, Writing writing) {
         std::uint64_t at = begin;
         while (end - at >= 8) {
             if (++elements_ > kMaxElements)
-                return makeError(ErrorCode::Corruption,
-                                 "has more than " + std::to_string(kMaxElements) + " elements", path_, at);
+                return makeError(ErrorCode::Corruption, "has more than " + std::to_string(kMaxElements) + " elements",
+                                 path_, at);
             auto read = header(at, writing);
             if (!read.isOk())
                 return std::move(read).error();
@@ -242,12 +237,10 @@ private:
         return next;
     }
 
-    Result<std::uint64_t> sequence(const Element& element, std::uint64_t end, Writing writing,
-                                   bool isOpenEnded) {
+    Result<std::uint64_t> sequence(const Element& element, std::uint64_t end, Writing writing, bool isOpenEnded) {
         if (place_.size() >= kMaxDepth)
-            return makeError(ErrorCode::Corruption,
-                             "sequences lie more than " + std::to_string(kMaxDepth) + " deep", path_,
-                             element.offset);
+            return makeError(ErrorCode::Corruption, "sequences lie more than " + std::to_string(kMaxDepth) + " deep",
+                             path_, element.offset);
         place_.push_back({element.tag, 0});
         std::uint64_t at = element.offset;
         while (end - at >= 8) {
@@ -264,9 +257,8 @@ private:
             const std::uint32_t length = item.value().length;
             if (item.value().tag != kItem || (length != kUndefined && length > end - at))
                 return makeError(ErrorCode::Corruption,
-                                 "sequence " + dicomTagText(element.tag) +
-                                     ": an item of it was expected, found " + dicomTagText(item.value().tag) +
-                                     " with " + std::to_string(length) + " bytes",
+                                 "sequence " + dicomTagText(element.tag) + ": an item of it was expected, found " +
+                                     dicomTagText(item.value().tag) + " with " + std::to_string(length) + " bytes",
                                  path_, at);
             const auto walked = elements(at, length == kUndefined ? end : at + length, writing);
             if (!walked.isOk())
@@ -276,8 +268,8 @@ private:
         }
         place_.pop_back();
         if (isOpenEnded)
-            return makeError(ErrorCode::Corruption, "sequence " + dicomTagText(element.tag) + " does not end",
-                             path_, at);
+            return makeError(ErrorCode::Corruption, "sequence " + dicomTagText(element.tag) + " does not end", path_,
+                             at);
         return end;
     }
 
@@ -306,9 +298,7 @@ public:
         static constexpr DicomKind kText = DicomKind::Text;
         return tag == kTransferSyntax ? &kText : nullptr;
     }
-    void take(std::span<const DicomItem>, DicomTag, DicomValue value) override {
-        transferSyntax = value.text;
-    }
+    void take(std::span<const DicomItem>, DicomTag, DicomValue value) override { transferSyntax = value.text; }
     std::string transferSyntax;
 };
 
@@ -321,8 +311,7 @@ bool beginsWithElements(std::span<const std::byte> start, bool isBigEndian) {
         const std::byte* bytes = start.data() + at;
         const DicomTag tag = loadTag(bytes, isBigEndian);
         const DicomTag group = tag >> 16;
-        const bool isPossible =
-            count == 0 ? group == 8 || group == 2 : group >= 2 && group <= 0x30 && group % 2 == 0;
+        const bool isPossible = count == 0 ? group == 8 || group == 2 : group >= 2 && group <= 0x30 && group % 2 == 0;
         if (!isPossible || tag <= last)
             return false;
         const std::string_view vr = asText(start.subspan(at + 4, 2));
@@ -415,8 +404,7 @@ Result<DicomPixelData> walkDicomElements(const DicomDataSet& dataSet, DicomSink&
     return *walker.pixels();
 }
 
-Result<std::vector<DicomFragment>> findDicomFragments(const DicomDataSet& dataSet,
-                                                      const DicomPixelData& samples) {
+Result<std::vector<DicomFragment>> findDicomFragments(const DicomDataSet& dataSet, const DicomPixelData& samples) {
     const fs::path& path = dataSet.bytes->path();
     const std::uint64_t end = dataSet.bytes->sizeBytes();
     std::vector<DicomFragment> fragments;
@@ -430,9 +418,8 @@ Result<std::vector<DicomFragment>> findDicomFragments(const DicomDataSet& dataSe
             return fragments;
         if (tag != kItem || size > end - at || fragments.size() == kMaxFragments)
             return makeError(ErrorCode::Corruption,
-                             "pixel data: fragment " + std::to_string(fragments.size()) + " " +
-                                 dicomTagText(tag) + " of " + std::to_string(size) +
-                                 " bytes does not lie within the file",
+                             "pixel data: fragment " + std::to_string(fragments.size()) + " " + dicomTagText(tag) +
+                                 " of " + std::to_string(size) + " bytes does not lie within the file",
                              path, at);
         fragments.push_back({at, size});
         at += size;

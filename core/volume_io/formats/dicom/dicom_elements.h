@@ -90,7 +90,6 @@ struct DicomFragment {
 };
 
 /// Fragments of encapsulated samples; the first is the table of offsets. Errors: Corruption, IoError.
-Result<std::vector<DicomFragment>> findDicomFragments(const DicomDataSet& dataSet,
-                                                      const DicomPixelData& samples);
+Result<std::vector<DicomFragment>> findDicomFragments(const DicomDataSet& dataSet, const DicomPixelData& samples);
 
 } // namespace isoslider::io

@@ -215,9 +215,7 @@ public:
         return found == values_.end() ? kNone : found->second;
     }
     std::string text(DicomTag tag) const { return (*this)[tag].text; }
-    double number(DicomTag tag, double otherwise) const {
-        return firstOf((*this)[tag].numbers).value_or(otherwise);
-    }
+    double number(DicomTag tag, double otherwise) const { return firstOf((*this)[tag].numbers).value_or(otherwise); }
     bool hasLookupTable() const { return hasLookupTable_; }
     bool has(DicomTag tag) const { return values_.contains(tag); }
 
@@ -239,8 +237,7 @@ std::int64_t wholeNumber(double number) {
     return std::abs(number) < 1e15 ? static_cast<std::int64_t>(std::llround(number)) : 0;
 }
 
-Result<FileType> sampleType(const ImageSink& sink, DicomPixels& pixels, DicomTag samples,
-                            const fs::path& path) {
+Result<FileType> sampleType(const ImageSink& sink, DicomPixels& pixels, DicomTag samples, const fs::path& path) {
     if (samples == 0x7fe00008 || samples == 0x7fe00009) {
         pixels.bitsAllocated = samples == 0x7fe00008 ? 32 : 64;
         pixels.bitsStored = pixels.bitsAllocated;
@@ -260,16 +257,14 @@ Result<FileType> sampleType(const ImageSink& sink, DicomPixels& pixels, DicomTag
 }
 
 Result<DicomCoding> codingOf(const DicomDataSet& dataSet, bool isEncapsulated) {
-    constexpr std::string_view kJpeg[] = {"50", "51", "57", "70"}, kJpegLs[] = {"80", "81"},
-                               kJpeg2000[] = {"90", "91"};
+    constexpr std::string_view kJpeg[] = {"50", "51", "57", "70"}, kJpegLs[] = {"80", "81"}, kJpeg2000[] = {"90", "91"};
     const std::string& syntax = dataSet.transferSyntax;
     if (!isEncapsulated)
         return DicomCoding::Native;
     if (syntax == "1.2.840.10008.1.2.5")
         return DicomCoding::Rle;
     const std::string prefix = "1.2.840.10008.1.2.4.";
-    const std::string_view number =
-        syntax.starts_with(prefix) ? std::string_view(syntax).substr(prefix.size()) : "";
+    const std::string_view number = syntax.starts_with(prefix) ? std::string_view(syntax).substr(prefix.size()) : "";
     const auto isOf = [&](const auto& list) { return std::ranges::find(list, number) != std::end(list); };
     if (isOf(kJpeg))
         return DicomCoding::Jpeg;
@@ -277,12 +272,10 @@ Result<DicomCoding> codingOf(const DicomDataSet& dataSet, bool isEncapsulated) {
         return DicomCoding::JpegLs;
     if (isOf(kJpeg2000))
         return DicomCoding::Jpeg2000;
-    return refuseField("transfer syntax (0002,0010)", inQuotes(syntax) + " is not read",
-                       dataSet.bytes->path());
+    return refuseField("transfer syntax (0002,0010)", inQuotes(syntax) + " is not read", dataSet.bytes->path());
 }
 
-Result<DicomPixels> readPixelLayout(const ImageSink& sink, const DicomDataSet& dataSet,
-                                    const DicomPixelData& samples) {
+Result<DicomPixels> readPixelLayout(const ImageSink& sink, const DicomDataSet& dataSet, const DicomPixelData& samples) {
     const fs::path& path = dataSet.bytes->path();
     DicomPixels pixels;
     pixels.rows = wholeNumber(sink.number(0x00280010, 0));
@@ -299,21 +292,18 @@ Result<DicomPixels> readPixelLayout(const ImageSink& sink, const DicomDataSet& d
         return type.error();
     pixels.type = type.value();
     if (pixels.rows < 1 || pixels.columns < 1)
-        return refuseField(
-            "rows, columns (0028,0010)",
-            std::to_string(pixels.rows) + " x " + std::to_string(pixels.columns) + " is no image", path);
+        return refuseField("rows, columns (0028,0010)",
+                           std::to_string(pixels.rows) + " x " + std::to_string(pixels.columns) + " is no image", path);
     if (pixels.components < 1 || pixels.components > 4)
-        return refuseField("samples per pixel (0028,0002)",
-                           std::to_string(pixels.components) + " is not within 1..4", path);
+        return refuseField("samples per pixel (0028,0002)", std::to_string(pixels.components) + " is not within 1..4",
+                           path);
     if (samples.isEncapsulated && pixels.components != 1 && pixels.components != 3)
         return refuseField("samples per pixel (0028,0002)",
                            std::to_string(pixels.components) + " are not read of compressed images", path);
-    if (pixels.bitsStored < 1 || pixels.highBit < pixels.bitsStored - 1 ||
-        pixels.highBit >= pixels.bitsAllocated)
+    if (pixels.bitsStored < 1 || pixels.highBit < pixels.bitsStored - 1 || pixels.highBit >= pixels.bitsAllocated)
         return refuseField("bits stored (0028,0101)",
-                           std::to_string(pixels.bitsStored) + " bits up to bit " +
-                               std::to_string(pixels.highBit) + " do not fit " +
-                               std::to_string(pixels.bitsAllocated) + " allocated",
+                           std::to_string(pixels.bitsStored) + " bits up to bit " + std::to_string(pixels.highBit) +
+                               " do not fit " + std::to_string(pixels.bitsAllocated) + " allocated",
                            path);
     const auto coding = codingOf(dataSet, samples.isEncapsulated);
     if (!coding.isOk())
@@ -324,9 +314,8 @@ Result<DicomPixels> readPixelLayout(const ImageSink& sink, const DicomDataSet& d
     pixels.isBigEndian = pixels.coding == DicomCoding::Native && (dataSet.isBigEndian || isGe);
     pixels.isPairSwapped = pixels.isBigEndian && pixels.bitsAllocated <= 8 && samples.isWords;
     if (pixels.coding == DicomCoding::Native && pixels.photometric.ends_with("_422"))
-        return refuseField(
-            "photometric interpretation (0028,0004)",
-            inQuotes(pixels.photometric) + " shares colours between samples, which is not read", path);
+        return refuseField("photometric interpretation (0028,0004)",
+                           inQuotes(pixels.photometric) + " shares colours between samples, which is not read", path);
     return pixels;
 }
 
@@ -401,8 +390,7 @@ void fillFrames(DicomImage& image, const ImageSink& sink, std::size_t count) {
     if (count > 1 && !image.hasFramePositions && step > 0.0) {
         placeAlongNormal(image, {}, step);
         if (image.hasFramePositions)
-            image.notes.push_back(
-                "only the first frame has a position; the others follow at the stated distance");
+            image.notes.push_back("only the first frame has a position; the others follow at the stated distance");
     }
     const Numbers& imager = sink[0x00181164].numbers;
     if (!first.spacing && imager.size() == 2)
@@ -413,27 +401,22 @@ void fillFrames(DicomImage& image, const ImageSink& sink, std::size_t count) {
 void addNotes(DicomImage& image, const ImageSink& sink) {
     const std::string& photometric = image.pixels.photometric;
     if (photometric == "MONOCHROME1")
-        image.notes.push_back(
-            "MONOCHROME1: the smallest samples are meant to look brightest; they are not inverted");
+        image.notes.push_back("MONOCHROME1: the smallest samples are meant to look brightest; they are not inverted");
     if (photometric == "PALETTE COLOR")
-        image.notes.push_back(
-            "PALETTE COLOR: samples are places in a table of colours, which is not applied");
+        image.notes.push_back("PALETTE COLOR: samples are places in a table of colours, which is not applied");
     if (const auto padding = firstOf(sink[0x00280120].numbers))
-        image.notes.push_back("samples outside the image are filled with " +
-                              std::to_string(wholeNumber(*padding)) +
+        image.notes.push_back("samples outside the image are filled with " + std::to_string(wholeNumber(*padding)) +
                               " (before slope and intercept), which is kept");
     if (image.frames.front().splits[static_cast<std::size_t>(DicomSplit::FrameType)].find("MOSAIC") !=
         std::string::npos)
-        image.notes.push_back(
-            "a mosaic: all slices lie beside each other in one image, and are not taken apart");
+        image.notes.push_back("a mosaic: all slices lie beside each other in one image, and are not taken apart");
 }
 
 } // namespace
 
 std::string_view dicomSplitName(DicomSplit split) {
-    constexpr std::string_view kNames[] = {"times",        "echoes",       "echo times", "b-values",
-                                           "gradients",    "image types",  "segments",   "triggers",
-                                           "acquisitions", "tube voltages"};
+    constexpr std::string_view kNames[] = {"times",       "echoes",   "echo times", "b-values",     "gradients",
+                                           "image types", "segments", "triggers",   "acquisitions", "tube voltages"};
     static_assert(std::size(kNames) == static_cast<std::size_t>(DicomSplit::Count));
     return kNames[static_cast<std::size_t>(split)];
 }
@@ -464,8 +447,7 @@ Result<DicomImage> readDicomImage(const fs::path& path) {
     image.instanceUid = sink.text(0x00080018);
     image.description = sink.text(0x0008103e);
     image.modality = sink.text(0x00080060);
-    image.date = sink.has(0x00080021) && !sink.text(0x00080021).empty() ? sink.text(0x00080021)
-                                                                        : sink.text(0x00080020);
+    image.date = sink.has(0x00080021) && !sink.text(0x00080021).empty() ? sink.text(0x00080021) : sink.text(0x00080020);
     image.seriesNumber = wholeNumber(sink.number(0x00200011, 0));
     image.instance = wholeNumber(sink.number(0x00200013, 0));
     if (sink.hasLookupTable())

@@ -37,8 +37,8 @@ struct DicomPixels {
     std::vector<std::vector<DicomFragment>> fragments; ///< of encapsulated ones: those of each frame
 
     std::uint64_t frameBytes() const {
-        const auto bits = static_cast<std::uint64_t>(rows * columns * components) *
-                          static_cast<std::uint64_t>(bitsAllocated);
+        const auto bits =
+            static_cast<std::uint64_t>(rows * columns * components) * static_cast<std::uint64_t>(bitsAllocated);
         return (bits + 7) / 8;
     }
 };

@@ -26,8 +26,8 @@ constexpr std::uint64_t kMostPerByte = 300'000;
 constexpr std::size_t kMaxMarkerBytes = std::size_t{1} << 20; ///< of a JPEG frame before its extents
 
 Error damaged(const std::string& what, std::size_t frame, const fs::path& path) {
-    return makeError(ErrorCode::Corruption,
-                     "pixel data (7fe0,0010): frame " + std::to_string(frame) + ": " + what, path);
+    return makeError(ErrorCode::Corruption, "pixel data (7fe0,0010): frame " + std::to_string(frame) + ": " + what,
+                     path);
 }
 
 std::uint64_t totalBytes(std::span<const DicomFragment> fragments) {
@@ -86,17 +86,15 @@ Codestream readJpegMarkers(std::span<const std::byte> bytes) {
             continue;
         }
         const std::size_t length = bigEndian(bytes, at + 2, 2);
-        if (marker < 0xc0 || (marker >= 0xd0 && marker <= 0xd9) || length < 2 ||
-            length > bytes.size() - at - 2)
+        if (marker < 0xc0 || (marker >= 0xd0 && marker <= 0xd9) || length < 2 || length > bytes.size() - at - 2)
             return {};
-        const bool isFrame =
-            (marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc) || marker == 0xf7;
+        const bool isFrame = (marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc) || marker == 0xf7;
         if (isFrame && (length < 8 || stream.components != 0))
             return {};
         if (isFrame)
             stream = {bigEndian(bytes, at + 5, 2), bigEndian(bytes, at + 7, 2),
-                      static_cast<int>(bigEndian(bytes, at + 9, 1)),
-                      static_cast<int>(bigEndian(bytes, at + 4, 1)), false};
+                      static_cast<int>(bigEndian(bytes, at + 9, 1)), static_cast<int>(bigEndian(bytes, at + 4, 1)),
+                      false};
         const bool isJfif = marker == 0xe0 && length >= 9 && bigEndian(bytes, at + 4, 4) == 0x4a464946;
         const bool isAdobe = marker == 0xee && length >= 14 && bigEndian(bytes, at + 4, 4) == 0x41646f62;
         if ((isJfif && bigEndian(bytes, at + 9, 1) != 1) || (isAdobe && bigEndian(bytes, at + 15, 1) > 1))
@@ -138,9 +136,7 @@ Codestream readJpeg2000Size(std::span<const std::byte> all) {
     const auto bytes = all.subspan(findJpeg2000(all));
     if (bytes.size() < 45 || !areJpeg2000MarkersWhole(bytes))
         return {};
-    const auto field = [&](std::size_t offset) {
-        return static_cast<std::int64_t>(bigEndian(bytes, offset, 4));
-    };
+    const auto field = [&](std::size_t offset) { return static_cast<std::int64_t>(bigEndian(bytes, offset, 4)); };
     Codestream stream{field(12) - field(20), field(8) - field(16), static_cast<int>(bigEndian(bytes, 40, 2)),
                       static_cast<int>(bigEndian(bytes, 42, 1) & 0x7f) + 1, true};
     for (std::size_t c = 0; c < static_cast<std::size_t>(stream.components); ++c) {
@@ -158,11 +154,9 @@ constexpr std::size_t kRleHeaderBytes = 64;
 /// Segments of a frame: for each component, the most significant bytes of all samples first.
 /// `begins` has the first kRleHeaderBytes of the frame.
 Result<std::vector<DicomFragment>> rleSegments(std::span<const std::byte> begins, std::uint64_t frameBytes,
-                                               const DicomPixels& pixels, std::size_t frame,
-                                               const fs::path& path) {
+                                               const DicomPixels& pixels, std::size_t frame, const fs::path& path) {
     const int expected = pixels.components * pixels.bitsAllocated / 8;
-    if (begins.size() < kRleHeaderBytes || static_cast<int>(littleEndian32(begins, 0)) != expected ||
-        expected > 15)
+    if (begins.size() < kRleHeaderBytes || static_cast<int>(littleEndian32(begins, 0)) != expected || expected > 15)
         return damaged(std::to_string(expected) + " RLE segments expected", frame, path);
     const auto points = static_cast<std::uint64_t>(pixels.rows * pixels.columns);
     std::vector<DicomFragment> segments;
@@ -173,8 +167,7 @@ Result<std::vector<DicomFragment>> rleSegments(std::span<const std::byte> begins
         // Two bytes stand for 128 at most.
         if (begin < kRleHeaderBytes || begin > end || end > frameBytes || (end - begin) * 64 < points)
             return damaged("RLE segment " + std::to_string(i) + " of " + std::to_string(begin) + " to " +
-                               std::to_string(end) + " bytes cannot hold " + std::to_string(points) +
-                               " samples",
+                               std::to_string(end) + " bytes cannot hold " + std::to_string(points) + " samples",
                            frame, path);
         segments.push_back({begin, end - begin});
     }
@@ -208,8 +201,7 @@ void keepStoredBits(std::span<std::byte> bytes, int bitsStored, int highBit) {
         Unsigned raw;
         std::memcpy(&raw, bytes.data() + i, sizeof raw);
         raw = static_cast<Unsigned>(raw << (kBits - 1 - highBit));
-        const T value =
-            static_cast<T>(static_cast<T>(raw) >> (kBits - bitsStored)); // repeats the sign of signed T
+        const T value = static_cast<T>(static_cast<T>(raw) >> (kBits - bitsStored)); // repeats the sign of signed T
         std::memcpy(bytes.data() + i, &value, sizeof value);
     }
 }
@@ -336,8 +328,7 @@ private:
         const QuietStream quietErrors(std::cerr), quietLog(std::clog), quietOutput(std::cout);
         try {
             const std::span<const std::byte> all(packed.value());
-            const bool isJpeg2000 =
-                pixels_.coding == DicomCoding::Jpeg2000; // the box around it is not needed
+            const bool isJpeg2000 = pixels_.coding == DicomCoding::Jpeg2000; // the box around it is not needed
             if (decode(isJpeg2000 ? all.subspan(findJpeg2000(all)) : all, samples))
                 return {};
         } catch (const std::bad_alloc&) {
@@ -348,8 +339,7 @@ private:
 
     bool decode(std::span<const std::byte> packed, std::span<std::byte> samples) const {
         gdcm::Fragment fragment;
-        fragment.SetByteValue(reinterpret_cast<const char*>(packed.data()),
-                              static_cast<std::uint32_t>(packed.size()));
+        fragment.SetByteValue(reinterpret_cast<const char*>(packed.data()), static_cast<std::uint32_t>(packed.size()));
         const gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
         fragments->AddFragment(fragment);
         gdcm::DataElement element(gdcm::Tag(0x7fe0, 0x0010));
@@ -376,9 +366,8 @@ private:
     gdcm::PhotometricInterpretation photometric() const {
         using Photometric = gdcm::PhotometricInterpretation;
         const auto known = Photometric::GetPIType(pixels_.photometric.c_str());
-        constexpr Photometric::PIType kColours[] = {Photometric::RGB, Photometric::YBR_FULL,
-                                                    Photometric::YBR_FULL_422, Photometric::YBR_RCT,
-                                                    Photometric::YBR_ICT};
+        constexpr Photometric::PIType kColours[] = {Photometric::RGB, Photometric::YBR_FULL, Photometric::YBR_FULL_422,
+                                                    Photometric::YBR_RCT, Photometric::YBR_ICT};
         if (pixels_.components == 1)
             return Photometric::MONOCHROME2;
         return std::ranges::find(kColours, known) != std::end(kColours) ? known : Photometric::RGB;
@@ -439,16 +428,15 @@ Status checkDicomCodestream(const RandomAccessFile& bytes, const DicomPixels& pi
     const auto& fragments = pixels.fragments[frame];
     std::uint64_t looked = 4096;
     while (true) {
-        const auto start =
-            gather(bytes, fragments, pixels.coding == DicomCoding::Rle ? kRleHeaderBytes : looked);
+        const auto start = gather(bytes, fragments, pixels.coding == DicomCoding::Rle ? kRleHeaderBytes : looked);
         if (!start.isOk())
             return start.error();
         if (pixels.coding == DicomCoding::Rle) {
             const auto segments = rleSegments(start.value(), totalBytes(fragments), pixels, frame, path);
             return segments.isOk() ? Status() : Status(segments.error());
         }
-        const Codestream stream = pixels.coding == DicomCoding::Jpeg2000 ? readJpeg2000Size(start.value())
-                                                                         : readJpegMarkers(start.value());
+        const Codestream stream =
+            pixels.coding == DicomCoding::Jpeg2000 ? readJpeg2000Size(start.value()) : readJpegMarkers(start.value());
         if (!stream.isFound && start.value().size() == looked && looked < kMaxMarkerBytes) {
             looked *= 16;
             continue;

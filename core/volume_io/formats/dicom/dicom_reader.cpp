@@ -6,6 +6,7 @@
 #include <system_error>
 #include <type_traits>
 
+#include "core/base/folders.h"
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/dicom/dicom_pixels.h"
 #include "core/volume_io/formats/dicom/dicom_stack.h"
@@ -37,38 +38,20 @@ bool beginsAsDicom(const fs::path& path) {
     return count.isOk() && looksLikeDicom(std::span(buffer).first(count.value()));
 }
 
-/// Calls `visit(path)` for the regular files below a folder, until it returns false.
-template <class Visit>
-void visitFiles(const fs::path& folder, const Visit& visit) {
-    std::error_code problem;
-    fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, problem);
-    for (; !problem && entry != fs::recursive_directory_iterator(); entry.increment(problem)) {
-        if (entry.depth() >= kMaxFolderDepth)
-            entry.disable_recursion_pending();
-        std::error_code ignored;
-        if (entry->is_regular_file(ignored) && !visit(entry->path()))
-            return;
-    }
-}
-
 Result<Collection> collectFolder(const fs::path& folder) {
-    std::vector<fs::path> files;
-    visitFiles(folder, [&](const fs::path& path) {
-        files.push_back(path);
-        return files.size() <= kMaxFiles;
-    });
+    auto listed = listFiles(folder, {kMaxFolderDepth, kMaxFiles + 1});
+    if (!listed.isOk())
+        return std::move(listed).error();
+    const std::vector<fs::path>& files = listed.value();
     if (files.size() > kMaxFiles)
         return makeError(ErrorCode::InvalidArgument,
-                         "holds more than " + std::to_string(kMaxFiles) + " files; open a folder of fewer",
-                         folder);
-    std::sort(files.begin(), files.end());
+                         "holds more than " + std::to_string(kMaxFiles) + " files; open a folder of fewer", folder);
     Collection found;
     std::size_t leftOut = 0;
     std::string reason;
     for (const fs::path& path : files) {
-        auto image = beginsAsDicom(path)
-                         ? readDicomImage(path)
-                         : Result<DicomImage>(makeError(ErrorCode::InvalidArgument, "is not DICOM"));
+        auto image = beginsAsDicom(path) ? readDicomImage(path)
+                                         : Result<DicomImage>(makeError(ErrorCode::InvalidArgument, "is not DICOM"));
         if (image.isOk()) {
             found.images.push_back(std::move(image).value());
         } else if (leftOut++ == 0) {
@@ -79,15 +62,13 @@ Result<Collection> collectFolder(const fs::path& folder) {
         found.notes.push_back(std::to_string(leftOut) + (leftOut == 1 ? " file is" : " files are") +
                               " left out; the first: " + reason);
     if (found.images.empty())
-        return makeError(ErrorCode::InvalidArgument, "holds no DICOM image that can be read: " + reason,
-                         folder);
+        return makeError(ErrorCode::InvalidArgument, "holds no DICOM image that can be read: " + reason, folder);
     return found;
 }
 
 Result<Collection> collect(const fs::path& path) {
-    std::error_code ignored;
     Collection found;
-    if (fs::is_directory(path, ignored)) {
+    if (isFolder(path)) {
         auto folder = collectFolder(path);
         if (!folder.isOk())
             return folder;
@@ -109,10 +90,8 @@ VolumeContents contentsOf(const Collection& found) {
     contents.format = "DICOM";
     for (const DicomStack& stack : found.stacks)
         contents.fields.push_back(stack.field);
-    const auto opens =
-        std::ranges::find_if(contents.fields, [](const auto& field) { return field.problem.empty(); });
-    contents.preferred =
-        opens == contents.fields.end() ? 0 : static_cast<std::size_t>(opens - contents.fields.begin());
+    const auto opens = std::ranges::find_if(contents.fields, [](const auto& field) { return field.problem.empty(); });
+    contents.preferred = opens == contents.fields.end() ? 0 : static_cast<std::size_t>(opens - contents.fields.begin());
     return contents;
 }
 
@@ -129,8 +108,8 @@ public:
           heldSlices_{slices_.size(), slices_.size()} {
         info_.type = stack_.type;
         if (component_ == kMagnitude)
-            info_.type = info_.type == ScalarType::I32 || info_.type == ScalarType::F64 ? ScalarType::F64
-                                                                                        : ScalarType::F32;
+            info_.type =
+                info_.type == ScalarType::I32 || info_.type == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
     }
 
     const VolumeInfo& info() const override { return info_; }
@@ -138,8 +117,7 @@ public:
     Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) override {
         const GridDims& dims = info_.geometry.dims;
         ISO_CHECK(zBegin >= 0 && zBegin <= zEnd && zEnd <= dims[2]);
-        const std::size_t planeBytes =
-            static_cast<std::size_t>(dims[0] * dims[1]) * scalarTypeSizeBytes(info_.type);
+        const std::size_t planeBytes = static_cast<std::size_t>(dims[0] * dims[1]) * scalarTypeSizeBytes(info_.type);
         ISO_CHECK(out.size() == planeBytes * static_cast<std::size_t>(zEnd - zBegin));
         for (std::int64_t z = zBegin; z < zEnd; ++z)
             ISO_TRY(readSlice(static_cast<std::size_t>(z),
@@ -155,8 +133,7 @@ private:
             return loadSlice(z, out);
         const DicomPixels& pixels = images_[slices_[z].image].pixels;
         auto& plane = planes_[0];
-        plane.resize(static_cast<std::size_t>(pixels.rows * pixels.columns) *
-                     scalarTypeSizeBytes(info_.type));
+        plane.resize(static_cast<std::size_t>(pixels.rows * pixels.columns) * scalarTypeSizeBytes(info_.type));
         ISO_TRY(loadSlice(z, plane));
         visitFloat([&](auto sample) { moveBack<decltype(sample)>(pixels, static_cast<double>(z), out); });
         return {};
@@ -211,9 +188,7 @@ private:
                 Out a, b;
                 std::memcpy(&a, planes_[(next - 1) % 2].data() + i, sizeof a);
                 std::memcpy(&b, planes_[next % 2].data() + i, sizeof b);
-                const Out value = share == 0.0   ? a
-                                  : share == 1.0 ? b
-                                                 : static_cast<Out>((1.0 - share) * a + share * b);
+                const Out value = share == 0.0 ? a : share == 1.0 ? b : static_cast<Out>((1.0 - share) * a + share * b);
                 std::memcpy(out.data() + i, &value, sizeof value);
             }
         });
@@ -273,12 +248,10 @@ private:
     template <class Out>
     void moveBack(const DicomPixels& pixels, double z, std::span<std::byte> out) const {
         const GridDims& dims = info_.geometry.dims;
-        const double x0 = stack_.firstSample.x - z * stack_.shift.x,
-                     y0 = stack_.firstSample.y - z * stack_.shift.y;
+        const double x0 = stack_.firstSample.x - z * stack_.shift.x, y0 = stack_.firstSample.y - z * stack_.shift.y;
         const auto sample = [&](std::int64_t x, std::int64_t y) {
             Out value;
-            std::memcpy(&value,
-                        planes_[0].data() + static_cast<std::size_t>(x + y * pixels.columns) * sizeof(Out),
+            std::memcpy(&value, planes_[0].data() + static_cast<std::size_t>(x + y * pixels.columns) * sizeof(Out),
                         sizeof value);
             return static_cast<double>(value);
         };
@@ -297,12 +270,10 @@ private:
                     const std::int64_t right = std::min(left + 1, pixels.columns - 1),
                                        below = std::min(top + 1, pixels.rows - 1);
                     const double u = x - static_cast<double>(left), v = y - static_cast<double>(top);
-                    value = static_cast<Out>(
-                        (1.0 - v) * ((1.0 - u) * sample(left, top) + u * sample(right, top)) +
-                        v * ((1.0 - u) * sample(left, below) + u * sample(right, below)));
+                    value = static_cast<Out>((1.0 - v) * ((1.0 - u) * sample(left, top) + u * sample(right, top)) +
+                                             v * ((1.0 - u) * sample(left, below) + u * sample(right, below)));
                 }
-                std::memcpy(out.data() + static_cast<std::size_t>(i + j * dims[0]) * sizeof(Out), &value,
-                            sizeof value);
+                std::memcpy(out.data() + static_cast<std::size_t>(i + j * dims[0]) * sizeof(Out), &value, sizeof value);
             }
     }
 
@@ -328,16 +299,10 @@ std::vector<fs::path> slicesOf(const std::vector<DicomImage>& images, const Dico
 } // namespace
 
 bool isDicom(const fs::path& path, std::span<const std::byte> start) {
-    std::error_code ignored;
-    if (!fs::is_directory(path, ignored))
+    if (!isFolder(path))
         return looksLikeDicom(start);
-    bool isFound = false;
-    std::size_t lookedAt = 0;
-    visitFiles(path, [&](const fs::path& file) {
-        isFound = beginsAsDicom(file);
-        return !isFound && ++lookedAt < kMaxLookedAt;
-    });
-    return isFound;
+    const auto files = listFiles(path, {kMaxFolderDepth, kMaxLookedAt});
+    return files.isOk() && std::ranges::any_of(files.value(), beginsAsDicom);
 }
 
 Result<VolumeContents> listDicom(const fs::path& path, const ReadOptions& /*options*/) {
@@ -360,7 +325,7 @@ Result<std::unique_ptr<VolumeSource>> openDicom(const fs::path& path, const Read
         return choice.error();
     VolumeInfo info;
     info.format = "DICOM";
-    if (std::error_code ignored; fs::is_directory(path, ignored))
+    if (isFolder(path))
         info.dataFiles = slicesOf(found.value().images, stack, choice.value());
     info.fieldName = stack.field.name;
     info.fieldTitle = stack.field.title;

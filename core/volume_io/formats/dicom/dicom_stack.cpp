@@ -63,9 +63,7 @@ public:
 
 private:
     const DicomImage& image(const DicomSlice& slice) const { return images_[slice.image]; }
-    const DicomFrame& frame(const DicomSlice& slice) const {
-        return images_[slice.image].frames[slice.frame];
-    }
+    const DicomFrame& frame(const DicomSlice& slice) const { return images_[slice.image].frames[slice.frame]; }
 
     std::vector<DicomStack> stacksOf(Slices slices) {
         std::vector<std::string> notes = dropCopies(slices);
@@ -74,9 +72,8 @@ private:
         bool isTooMany = false;
         for (const DicomSlice& slice : slices) {
             // Neighbours mostly belong together: the last group first.
-            const auto found = std::find_if(groups.rbegin(), groups.rend(), [&](const Slices& group) {
-                return fitTogether(group.front(), slice);
-            });
+            const auto found = std::find_if(groups.rbegin(), groups.rend(),
+                                            [&](const Slices& group) { return fitTogether(group.front(), slice); });
             if (found != groups.rend())
                 found->push_back(slice);
             else if (groups.size() < kMaxGroups)
@@ -109,8 +106,8 @@ private:
         });
         if (copies == 0)
             return {};
-        return {counted(copies, "slice") +
-                " left out, copies of others by their instance UID, the first in " + inQuotes(first)};
+        return {counted(copies, "slice") + " left out, copies of others by their instance UID, the first in " +
+                inQuotes(first)};
     }
 
     bool fitTogether(const DicomSlice& a, const DicomSlice& b) const {
@@ -121,8 +118,7 @@ private:
             p.photometric != q.photometric)
             return false;
         const DicomFrame &f = frame(a), &g = frame(b);
-        if (f.position.has_value() != g.position.has_value() ||
-            f.directions.has_value() != g.directions.has_value() ||
+        if (f.position.has_value() != g.position.has_value() || f.directions.has_value() != g.directions.has_value() ||
             f.spacing.has_value() != g.spacing.has_value() || f.stack != g.stack)
             return false;
         if (f.directions)
@@ -233,8 +229,7 @@ private:
         const std::size_t firstRun = firstRepeated(slices);
         for (unsigned i = 0; i < kCount; ++i) {
             ways.emplace_back(1u << i, std::string(dicomSplitName(static_cast<DicomSplit>(i))));
-            varying |=
-                frame(slices[firstRun]).splits[i] != frame(slices[firstRun + 1]).splits[i] ? 1u << i : 0u;
+            varying |= frame(slices[firstRun]).splits[i] != frame(slices[firstRun + 1]).splits[i] ? 1u << i : 0u;
         }
         ways.emplace_back(varying, "volumes");
         for (const bool needsAlike : {true, false})
@@ -265,16 +260,14 @@ private:
     // Nothing tells them apart but the order in which they were made.
     DicomStack byOrder(Slices slices) const {
         const auto lengths = runs(slices);
-        const bool isRegular =
-            std::ranges::all_of(lengths, [&](std::size_t n) { return n == lengths.front(); });
+        const bool isRegular = std::ranges::all_of(lengths, [&](std::size_t n) { return n == lengths.front(); });
         if (!isRegular) {
             const std::size_t at = firstRepeated(slices);
             DicomStack made = stack({std::move(slices)}, "");
             const Slices& all = made.frames.front();
-            made.field.problem =
-                "slices " + inQuotes(image(all[at]).path.filename().string()) + " and " +
-                inQuotes(image(all[at + 1]).path.filename().string()) +
-                " lie at the same place, and nothing tells which of them belongs to the volume";
+            made.field.problem = "slices " + inQuotes(image(all[at]).path.filename().string()) + " and " +
+                                 inQuotes(image(all[at + 1]).path.filename().string()) +
+                                 " lie at the same place, and nothing tells which of them belongs to the volume";
             return made;
         }
         std::vector<Slices> parts(lengths.front());
@@ -344,8 +337,7 @@ private:
         if (field.frames > 1)
             title += ", " + std::to_string(field.frames) + ' ' + framesName;
         if (first.date.size() == 8)
-            title +=
-                ", " + first.date.substr(0, 4) + '-' + first.date.substr(4, 2) + '-' + first.date.substr(6);
+            title += ", " + first.date.substr(0, 4) + '-' + first.date.substr(4, 2) + '-' + first.date.substr(6);
         field.title = oneLine(title);
     }
 
@@ -357,13 +349,12 @@ private:
         const ScalarType stored = memoryType(pixels.type);
         for (const Slices& part : made.frames)
             for (const DicomSlice& slice : part) {
-                const double slope = frame(slice).slope.value_or(1.0),
-                             intercept = frame(slice).intercept.value_or(0.0);
+                const double slope = frame(slice).slope.value_or(1.0), intercept = frame(slice).intercept.value_or(0.0);
                 isRescaled = isRescaled || slope != 1.0 || intercept != 0.0;
                 isWhole = isWhole && slope == std::floor(slope) && intercept == std::floor(intercept);
                 const int bits = image(slice).pixels.bitsStored;
-                const bool isSigned = pixels.type == FileType::I8 || pixels.type == FileType::I16 ||
-                                      pixels.type == FileType::I32;
+                const bool isSigned =
+                    pixels.type == FileType::I8 || pixels.type == FileType::I16 || pixels.type == FileType::I32;
                 const double low = isSigned ? -std::ldexp(1.0, bits - 1) : 0.0;
                 const double high = std::ldexp(1.0, isSigned ? bits - 1 : bits) - 1.0;
                 for (const double sample : {low, high}) {
@@ -409,9 +400,8 @@ private:
         setPlane(made);
         const Slices& slices = made.frames.front();
         if (slices.size() > 1)
-            made.notes.push_back(
-                "slices have no position: they follow each other by instance and frame number, at "
-                "the stated distance");
+            made.notes.push_back("slices have no position: they follow each other by instance and frame number, at "
+                                 "the stated distance");
         const DicomFrame& first = frame(slices.front());
         if (first.position)
             made.geometry.origin = *first.position;
@@ -424,8 +414,7 @@ private:
         const Slices& slices = made.frames.front();
         const auto& directions = *frame(slices.front()).directions;
         const auto isUnit = [](const glm::dvec3& v) { return std::abs(glm::length(v) - 1.0) < 1e-2; };
-        if (!isUnit(directions[0]) || !isUnit(directions[1]) ||
-            std::abs(glm::dot(directions[0], directions[1])) > 1e-2)
+        if (!isUnit(directions[0]) || !isUnit(directions[1]) || std::abs(glm::dot(directions[0], directions[1])) > 1e-2)
             return "image orientation (0020,0037): two perpendicular directions of length 1 expected";
         GridGeometry& geometry = made.geometry;
         if (!isDistance(geometry.spacing.x) || !isDistance(geometry.spacing.y))
@@ -445,9 +434,8 @@ private:
             return problem;
         if (!made.places.empty())
             return "";
-        made.notes.push_back(counted(slices.size(), "slice") +
-                             " in the order of their positions, spacing from "
-                             "these");
+        made.notes.push_back(counted(slices.size(), "slice") + " in the order of their positions, spacing from "
+                                                               "these");
         return undoTilt(made, step);
     }
 
@@ -464,7 +452,8 @@ private:
         std::vector<double> gaps;
         for (std::size_t i = 0; i < slices.size(); ++i) {
             const glm::dvec3 place = *frame(slices[i]).position;
-            worst = std::max(worst, std::abs(glm::dot(place - made.geometry.origin - static_cast<double>(i) * step, normal)));
+            worst = std::max(worst,
+                             std::abs(glm::dot(place - made.geometry.origin - static_cast<double>(i) * step, normal)));
             if (i > 0)
                 gaps.push_back(glm::dot(place - *frame(slices[i - 1]).position, normal));
         }
@@ -472,8 +461,8 @@ private:
             return "slice " + nameOf(slices[moved]) + " is moved sideways: the slices do not lie along a line";
         if (worst <= kNearlyEven * spacing) {
             if (worst > kEven * spacing)
-                made.notes.push_back("slices are not quite evenly spaced: positions are up to " +
-                                     shortNumber(worst) + " mm away from those of the grid");
+                made.notes.push_back("slices are not quite evenly spaced: positions are up to " + shortNumber(worst) +
+                                     " mm away from those of the grid");
             return "";
         }
         const double middle = lowerMedian(gaps);
@@ -484,9 +473,9 @@ private:
         for (std::size_t i = 0; i < gaps.size() && std::ranges::all_of(gaps, isMultiple); ++i) {
             const double ratio = gaps[i] / middle;
             if (ratio > 1.5 && runOf(gaps, i) < kIntended)
-                return "slices are missing: " + std::to_string(std::lround(ratio) - 1) + " between " + nameOf(slices[i]) +
-                       " and " + nameOf(slices[i + 1]) + ", " + shortNumber(gaps[i]) + " mm apart where others are " +
-                       shortNumber(middle);
+                return "slices are missing: " + std::to_string(std::lround(ratio) - 1) + " between " +
+                       nameOf(slices[i]) + " and " + nameOf(slices[i + 1]) + ", " + shortNumber(gaps[i]) +
+                       " mm apart where others are " + shortNumber(middle);
         }
         const glm::dvec3 whole = *frame(slices.back()).position - made.geometry.origin;
         if (glm::length(whole - glm::dot(whole, normal) * normal) > kStraight * sampleDistance(slices.front()))
@@ -525,9 +514,8 @@ private:
             made.places.push_back(glm::dot(*frame(slice).position - geometry.origin, geometry.direction[2]) /
                                   geometry.spacing.z);
         made.notes.push_back(counted(slices.size(), "slice") + " in the order of their positions, " +
-                             shortNumber(least) + " to " + shortNumber(most) +
-                             " mm apart: linearly interpolated to " + std::to_string(geometry.dims[2]) +
-                             " of even spacing");
+                             shortNumber(least) + " to " + shortNumber(most) + " mm apart: linearly interpolated to " +
+                             std::to_string(geometry.dims[2]) + " of even spacing");
         made.type = made.type == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
     }
 
@@ -549,8 +537,7 @@ private:
             geometry.dims[axis] = static_cast<std::int64_t>(end - made.firstSample[axis]) + 1;
             geometry.origin += geometry.direction[axis] * (made.firstSample[axis] * geometry.spacing[axis]);
         }
-        const double angle =
-            std::atan2(glm::length(along), geometry.spacing.z) * 180.0 / 3.14159265358979323846;
+        const double angle = std::atan2(glm::length(along), geometry.spacing.z) * 180.0 / 3.14159265358979323846;
         made.notes.push_back("the gantry was tilted by " + shortNumber(angle) +
                              " degrees: slices are moved back in "
                              "their planes, linearly interpolated; what lies outside them is missing");
@@ -563,8 +550,6 @@ private:
 
 } // namespace
 
-std::vector<DicomStack> buildDicomStacks(const std::vector<DicomImage>& images) {
-    return Stacker(images).build();
-}
+std::vector<DicomStack> buildDicomStacks(const std::vector<DicomImage>& images) { return Stacker(images).build(); }
 
 } // namespace isoslider::io

@@ -18,8 +18,7 @@ struct DicomSlice {
 struct DicomStack {
     VolumeField field; ///< with the problem, if the slices make no volume
     std::vector<std::vector<DicomSlice>> frames; ///< slices by rising position, all of the same places
-    GridGeometry
-        geometry; ///< millimetres, left-posterior-superior; of the volume after a gantry tilt is undone
+    GridGeometry geometry; ///< millimetres, left-posterior-superior; of the volume after a gantry tilt is undone
     ScalarType type = ScalarType::U8; ///< of one component, slope and intercept applied
     /// In samples, to the next slice: not zero if the gantry was tilted. `firstSample`: where the grid begins
     /// in the first slice.

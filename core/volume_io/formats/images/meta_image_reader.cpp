@@ -50,12 +50,10 @@ Status readList(std::string_view text, bool isCut, Header& header, const fs::pat
         if (!name.empty())
             header.list.emplace_back(name);
         if (name.size() > kMaxHeaderLine || header.list.size() > kMaxDataFiles)
-            return refuseField("ElementDataFile", "the list names more than 65536 files, or one too long",
-                               path);
+            return refuseField("ElementDataFile", "the list names more than 65536 files, or one too long", path);
     }
     if (isCut)
-        return refuseField("ElementDataFile", "the list does not end within the first MiB of the header",
-                           path);
+        return refuseField("ElementDataFile", "the list does not end within the first MiB of the header", path);
     return {};
 }
 
@@ -76,8 +74,7 @@ Result<Header> readHeader(const fs::path& path) {
             continue;
         if (separator == std::string_view::npos)
             return makeError(ErrorCode::InvalidArgument,
-                             "is not a MetaImage: a line 'name = value' was expected, found " +
-                                 inQuotes(trimmed(line)),
+                             "is not a MetaImage: a line 'name = value' was expected, found " + inQuotes(trimmed(line)),
                              path);
         const std::string key(trimmed(line.substr(0, separator)));
         if (!header.fields.emplace(key, trimmed(line.substr(separator + 1))).second)
@@ -106,14 +103,12 @@ Status checkNumbers(Header& header, const fs::path& path) {
     const Fields& fields = header.fields;
     const auto axes = parseInteger(valueOr(fields, "NDims", ""));
     if (!axes || *axes < 1 || *axes > 9)
-        return refuseField("NDims", inQuotes(valueOr(fields, "NDims", "")) + " is not a number of dimensions",
-                           path);
+        return refuseField("NDims", inQuotes(valueOr(fields, "NDims", "")) + " is not a number of dimensions", path);
     const auto hasCount = [&](std::string_view key, std::size_t count) {
         std::vector<double> numbers;
         return !fields.contains(key) ||
                (parseReals(fields.find(key)->second, numbers) && numbers.size() == count &&
-                std::all_of(numbers.begin(), numbers.end(),
-                            [](double number) { return std::isfinite(number); }));
+                std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); }));
     };
     const auto count = static_cast<std::size_t>(*axes);
     for (const std::string_view key : kPerAxis)
@@ -141,16 +136,15 @@ struct Image {
 Status readSamples(Image& image, const fs::path& path) {
     const Fields& fields = image.header.fields;
     const std::string_view name = valueOr(fields, "ElementType", "");
-    const auto known = std::find_if(std::begin(kTypes), std::end(kTypes),
-                                    [&](const TypeName& type) { return type.name == name; });
+    const auto known =
+        std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypeName& type) { return type.name == name; });
     if (known == std::end(kTypes))
         return refuseField("ElementType", inQuotes(name) + " is not a known type of scalars", path);
     image.type = known->type;
     const std::string_view channels = valueOr(fields, "ElementNumberOfChannels", "1");
     const auto components = parseInteger(channels);
     if (!components || *components < 1 || *components > kMaxChannels)
-        return refuseField("ElementNumberOfChannels", inQuotes(channels) + " is not a number from 1 to 10000",
-                           path);
+        return refuseField("ElementNumberOfChannels", inQuotes(channels) + " is not a number from 1 to 10000", path);
     const auto& sizes = image.header.sizes;
     for (std::size_t axis = 0; axis < sizes.size(); ++axis)
         (axis < 3 ? image.field.dims[axis] : image.field.frames) *= sizes[axis];
@@ -162,10 +156,7 @@ Status readSamples(Image& image, const fs::path& path) {
     const bool isPacked = isTrue(fields, "CompressedData");
     if (isText && isPacked)
         return refuseField("BinaryData", "samples written as text are not compressed", path);
-    image.how = {isText     ? Encoding::Text
-                 : isPacked ? Encoding::Deflate
-                            : Encoding::Plain,
-                 image.type, 0, false};
+    image.how = {isText ? Encoding::Text : isPacked ? Encoding::Deflate : Encoding::Plain, image.type, 0, false};
     return {};
 }
 
@@ -188,8 +179,7 @@ Result<std::vector<std::string>> nameFiles(const Header& header, const fs::path&
         const auto dims = parseInteger(number);
         if (!dims || *dims < 1 || *dims >= static_cast<std::int64_t>(header.sizes.size()))
             return refuseField("ElementDataFile",
-                               inQuotes(value) + "; LIST takes the dimensions of a file, fewer than NDims",
-                               path);
+                               inQuotes(value) + "; LIST takes the dimensions of a file, fewer than NDims", path);
         fileDims = static_cast<std::size_t>(*dims);
     }
     std::int64_t expected = 1;
@@ -198,8 +188,7 @@ Result<std::vector<std::string>> nameFiles(const Header& header, const fs::path&
     auto names = isList(value) ? header.list : expandPattern(value, "ElementDataFile", path);
     if (names.isOk() && static_cast<std::int64_t>(names.value().size()) != expected)
         return refuseField("ElementDataFile",
-                           std::to_string(expected) + " files expected, found " +
-                               std::to_string(names.value().size()),
+                           std::to_string(expected) + " files expected, found " + std::to_string(names.value().size()),
                            path);
     return names;
 }
@@ -222,8 +211,8 @@ Status placeSamples(Image& image, const fs::path& path) {
     const Fields& fields = image.header.fields;
     const auto skipped = parseInteger(valueOr(fields, "HeaderSize", "0"));
     if (!skipped || *skipped < -1)
-        return refuseField("HeaderSize",
-                           inQuotes(valueOr(fields, "HeaderSize", "")) + " is neither a size nor -1", path);
+        return refuseField("HeaderSize", inQuotes(valueOr(fields, "HeaderSize", "")) + " is neither a size nor -1",
+                           path);
     if (*skipped == -1 && image.how.encoding != Encoding::Plain)
         return refuseField("HeaderSize", "-1 has no meaning for compressed data or text", path);
     for (FilePart& part : image.parts) {
@@ -326,12 +315,12 @@ Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const 
     if (image.isLonger)
         info.notes.push_back("the data file is longer than the samples; the rest is ignored");
     const Fields& fields = image.header.fields;
-    const bool isBig = image.how.encoding == Encoding::Text ? std::endian::native == std::endian::big
-                                                            : isTrue(fields, "BinaryDataByteOrderMSB") ||
-                                                                  isTrue(fields, "ElementByteOrderMSB");
+    const bool isBig = image.how.encoding == Encoding::Text
+                           ? std::endian::native == std::endian::big
+                           : isTrue(fields, "BinaryDataByteOrderMSB") || isTrue(fields, "ElementByteOrderMSB");
     SampleLayout layout{image.type, isBig, std::nullopt, image.field.components, choice.value().component, 0};
-    layout.firstValue = static_cast<std::uint64_t>(choice.value().frame * pointCount(image.field.dims) *
-                                                   image.field.components);
+    layout.firstValue =
+        static_cast<std::uint64_t>(choice.value().frame * pointCount(image.field.dims) * image.field.components);
     return makeSampleSource(std::move(info), layout, std::move(bytes).value(), path);
 }
 

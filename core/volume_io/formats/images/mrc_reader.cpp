@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "core/volume_io/parsing/byte_stream.h"
 #include "core/volume_io/formats/format_readers.h"
+#include "core/volume_io/parsing/byte_stream.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "core/volume_io/sources/sample_source.h"
 #include "core/volume_io/volume_choice.h"
@@ -83,8 +83,7 @@ Result<Header> readHeader(const fs::path& path, bool isPacked) {
     if (!text.isOk())
         return std::move(text).error();
     if (text.value().size() < kHeaderBytes)
-        return makeError(ErrorCode::InvalidArgument,
-                         "is not an MRC map: shorter than its header of 1024 bytes", path);
+        return makeError(ErrorCode::InvalidArgument, "is not an MRC map: shorter than its header of 1024 bytes", path);
     Header header;
     std::copy(text.value().begin(), text.value().end(), header.bytes.begin());
     header.isBigEndian = header.bytes[212] == std::byte{0x11};
@@ -130,8 +129,8 @@ Result<std::array<int, 3>> readAxes(const Header& header, const fs::path& path) 
     std::sort(sorted.begin(), sorted.end());
     if (sorted != std::array{1, 2, 3})
         return refuseField("mapc, mapr, maps",
-                           std::to_string(axes[0]) + " " + std::to_string(axes[1]) + " " +
-                               std::to_string(axes[2]) + " are not the axes 1 to 3 in some order",
+                           std::to_string(axes[0]) + " " + std::to_string(axes[1]) + " " + std::to_string(axes[2]) +
+                               " are not the axes 1 to 3 in some order",
                            path);
     return axes;
 }
@@ -159,8 +158,7 @@ Result<glm::dmat3> readCell(const Header& header, std::vector<std::string>& note
     if (angles == glm::dvec3(0.0))
         angles = glm::dvec3(90.0);
     if (angles == glm::dvec3(90.0)) // exactly, without the rounding of cosines
-        return glm::dmat3(glm::dvec3(lengths.x, 0, 0), glm::dvec3(0, lengths.y, 0),
-                          glm::dvec3(0, 0, lengths.z));
+        return glm::dmat3(glm::dvec3(lengths.x, 0, 0), glm::dvec3(0, lengths.y, 0), glm::dvec3(0, 0, lengths.z));
     const glm::dvec3 cosines = glm::cos(glm::radians(angles));
     const double sine = std::sin(glm::radians(angles.z));
     const double y = (cosines.x - cosines.y * cosines.z) / sine;
@@ -182,8 +180,7 @@ Result<GridGeometry> readGeometry(const Map& map, std::vector<std::string>& note
     for (int axis = 0; axis < 3; ++axis) { // from edges of the cell to steps between samples
         std::int32_t intervals = header.word(8 + static_cast<std::size_t>(axis));
         if (intervals < 1) {
-            const auto place =
-                std::find(axes.value().begin(), axes.value().end(), axis + 1) - axes.value().begin();
+            const auto place = std::find(axes.value().begin(), axes.value().end(), axis + 1) - axes.value().begin();
             intervals = static_cast<std::int32_t>(map.field.dims[static_cast<std::size_t>(place)]);
             notes.push_back("the number of intervals along " + std::string(1, static_cast<char>('x' + axis)) +
                             " is missing; that of samples is taken");
@@ -238,13 +235,11 @@ Result<Map> describe(const fs::path& path) {
         map.field.componentNames = {"real", "imaginary"};
     else if (map.mode.values == 3)
         map.field.componentNames = {"red", "green", "blue"};
-    map.field.typeName =
-        map.mode.name != nullptr ? std::string_view(map.mode.name) : fileTypeName(map.mode.type);
+    map.field.typeName = map.mode.name != nullptr ? std::string_view(map.mode.name) : fileTypeName(map.mode.type);
     return map;
 }
 
-Result<std::unique_ptr<ByteStream>> openBytes(const Map& map, const fs::path& path,
-                                              const ReadOptions& options) {
+Result<std::unique_ptr<ByteStream>> openBytes(const Map& map, const fs::path& path, const ReadOptions& options) {
     if (map.isPacked)
         return openEncoded({{path, 0}}, map.sampleBytes,
                            {Encoding::Deflate, FileType::U8, map.dataOffset, options.allowsTrailing,

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "core/base/folders.h"
 #include "core/volume_io/parsing/byte_stream.h"
 #include "core/volume_io/parsing/header_checks.h"
 
@@ -89,10 +90,9 @@ Result<Bytes> readStartOfHeader(const NiftiFiles& files) {
         bytes.isSwapped = swaps;
         const auto size = bytes.at<std::int32_t>(0);
         if (size == static_cast<std::int32_t>(kHeader2Bytes) && bytes.bytes.size() < kHeader2Bytes)
-            return makeError(ErrorCode::InvalidArgument,
-                             "is not NIfTI-2: shorter than its header of 540 bytes", files.header);
-        if (size == static_cast<std::int32_t>(kHeader1Bytes) ||
-            size == static_cast<std::int32_t>(kHeader2Bytes))
+            return makeError(ErrorCode::InvalidArgument, "is not NIfTI-2: shorter than its header of 540 bytes",
+                             files.header);
+        if (size == static_cast<std::int32_t>(kHeader1Bytes) || size == static_cast<std::int32_t>(kHeader2Bytes))
             return bytes;
     }
     return refuseField("sizeof_hdr", "348 or 540 expected: is not NIfTI", files.header);
@@ -111,8 +111,7 @@ Status checkExtensions(Bytes& bytes, const NiftiFiles& files, std::size_t header
         const std::int64_t size = end - at >= 8 ? bytes.at<std::int32_t>(at) : 0;
         if (size < 16 || size % 16 != 0 || static_cast<std::uint64_t>(size) > end - at)
             return makeError(ErrorCode::InvalidArgument,
-                             "extension: its size " + std::to_string(size) + " is not possible", files.header,
-                             at);
+                             "extension: its size " + std::to_string(size) + " is not possible", files.header, at);
         at += static_cast<std::size_t>(size);
     }
     return {};
@@ -120,8 +119,7 @@ Status checkExtensions(Bytes& bytes, const NiftiFiles& files, std::size_t header
 
 bool isUsable(const glm::dmat3& axes, const glm::dvec3& origin) {
     for (int i = 0; i < 3; ++i)
-        if (!std::isfinite(origin[i]) || !(glm::length(axes[i]) > 0.0) ||
-            !std::isfinite(glm::length(axes[i])))
+        if (!std::isfinite(origin[i]) || !(glm::length(axes[i]) > 0.0) || !std::isfinite(glm::length(axes[i])))
             return false;
     const glm::dmat3 unit(glm::normalize(axes[0]), glm::normalize(axes[1]), glm::normalize(axes[2]));
     return std::abs(glm::determinant(unit)) > 1e-6;
@@ -175,14 +173,13 @@ Result<NiftiFiles> findNiftiFiles(const fs::path& path) {
     const fs::path stem =
         endsWith(path, ".gz") ? path.parent_path() / path.stem().stem() : path.parent_path() / path.stem();
     NiftiFiles files{stem, stem, true, false, false};
-    std::error_code ignored;
     const auto find = [&](fs::path& file, const char* suffix, bool& isPacked) {
         file += suffix;
-        if (fs::exists(file, ignored))
+        if (isPresent(file))
             return true;
         isPacked = true;
         file += ".gz";
-        return fs::exists(file, ignored);
+        return isPresent(file);
     };
     if (!find(files.header, ".hdr", files.isHeaderPacked))
         return makeError(ErrorCode::InvalidArgument, "the header of the pair is missing",
@@ -204,13 +201,10 @@ Result<NiftiHeader> readNiftiHeader(const NiftiFiles& files) {
     const bool isOther = isSecond || bytes.has(344, "ni1") || bytes.has(344, "n+1");
     if (!isNifti && (isOther || !files.isPair))
         return makeError(ErrorCode::InvalidArgument,
-                         std::string("magic: '") + (files.isPair ? "ni" : "n+") + (isSecond ? '2' : '1') +
-                             "' expected",
+                         std::string("magic: '") + (files.isPair ? "ni" : "n+") + (isSecond ? '2' : '1') + "' expected",
                          files.header);
     NiftiHeader header;
-    header.version = isSecond  ? NiftiVersion::Nifti2
-                     : isNifti ? NiftiVersion::Nifti1
-                               : NiftiVersion::Analyze75;
+    header.version = isSecond ? NiftiVersion::Nifti2 : isNifti ? NiftiVersion::Nifti1 : NiftiVersion::Analyze75;
     header.isBigEndian = bytes.isSwapped == (std::endian::native == std::endian::little);
     const std::int64_t count = isSecond ? bytes.at<std::int64_t>(16) : bytes.at<std::int16_t>(40);
     if (count < 1 || count > 7)
@@ -229,8 +223,7 @@ Result<NiftiHeader> readNiftiHeader(const NiftiFiles& files) {
     const double least = files.isPair ? 0.0 : static_cast<double>(headerBytes + 4);
     const double offset = header.dataOffset;
     if (!(offset >= least && offset <= kMaxDataOffset) || offset != std::floor(offset))
-        return refuseField("vox_offset", std::to_string(offset) + " is not a place for samples",
-                           files.header);
+        return refuseField("vox_offset", std::to_string(offset) + " is not a place for samples", files.header);
     if (header.version == NiftiVersion::Analyze75) { // the rest of its header means other things
         header.units = header.qformCode = header.sformCode = header.intent = 0;
         return header;
@@ -254,8 +247,7 @@ GridGeometry niftiGeometry(const NiftiHeader& header, const GridDims& dims, std:
         glm::dvec3 place;
         for (int row = 0; row < 3; ++row) {
             for (int column = 0; column < 3; ++column)
-                sform[column][row] =
-                    header.sform[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+                sform[column][row] = header.sform[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
             place[row] = header.sform[static_cast<std::size_t>(row)][3];
         }
         isPlaced = isUsable(sform, place);

@@ -57,17 +57,14 @@ Result<Code> readCode(const NiftiHeader& header, const fs::path& path) {
             continue;
         if (static_cast<std::size_t>(header.bitsPerSample) !=
             8 * fileTypeSizeBytes(known.type) * static_cast<std::size_t>(known.values))
-            return refuseField("bitpix",
-                               std::to_string(header.bitsPerSample) + " does not fit datatype " +
-                                   std::to_string(known.code),
-                               path);
+            return refuseField(
+                "bitpix", std::to_string(header.bitsPerSample) + " does not fit datatype " + std::to_string(known.code),
+                path);
         return known;
     }
-    const char* name = header.dataType == 1536   ? " (float128)"
-                       : header.dataType == 2048 ? " (complex256)"
-                                                 : "";
-    return refuseField(
-        "datatype", std::to_string(header.dataType) + name + " is not a type of samples that is read", path);
+    const char* name = header.dataType == 1536 ? " (float128)" : header.dataType == 2048 ? " (complex256)" : "";
+    return refuseField("datatype", std::to_string(header.dataType) + name + " is not a type of samples that is read",
+                       path);
 }
 
 std::vector<std::string> componentNames(const Volume& volume) {
@@ -103,8 +100,7 @@ Result<Volume> describe(const fs::path& path) {
     Volume volume{std::move(files).value(), std::move(header).value(), code.value(), size(3), size(4), 0, {}};
     volume.field.dims = {size(0), size(1), size(2)};
     if (volume.vectors > 1 && volume.code.values > 1)
-        return refuseField("dim[5]", "vectors of colours or complex numbers are not read",
-                           volume.files.header);
+        return refuseField("dim[5]", "vectors of colours or complex numbers are not read", volume.files.header);
     volume.field.components = static_cast<int>(volume.vectors) * volume.code.values;
     volume.field.componentNames = componentNames(volume);
     volume.field.frames = volume.times * size(5) * size(6);

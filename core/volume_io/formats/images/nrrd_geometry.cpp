@@ -77,8 +77,7 @@ void placeByAxes(const Axes& axes, GridGeometry& geometry) {
         geometry.origin = origin;
 }
 
-Status placeByDirections(const Axes& axes, const World& world, GridGeometry& geometry,
-                         const fs::path& path) {
+Status placeByDirections(const Axes& axes, const World& world, GridGeometry& geometry, const fs::path& path) {
     for (std::size_t i = 0; i < axes.size(); ++i) {
         if (axes[i]->direction->size() != world.dimension)
             return refuseField("space directions",
@@ -99,10 +98,9 @@ Status placeOrigin(const NrrdHeader& header, const World& world, GridGeometry& g
         return {};
     const auto origin = parseNrrdVector(text);
     if (!origin || origin->size() != world.dimension)
-        return refuseField("space origin",
-                           "a vector of " + std::to_string(world.dimension) + " numbers expected, found " +
-                               inQuotes(text),
-                           path);
+        return refuseField(
+            "space origin",
+            "a vector of " + std::to_string(world.dimension) + " numbers expected, found " + inQuotes(text), path);
     if (!std::ranges::all_of(*origin, [](double number) { return std::isnan(number); })) // NaN: unknown
         geometry.origin = toVector(*origin) * world.toLps;
     return {};
@@ -120,7 +118,8 @@ Result<GridGeometry> readNrrdGeometry(const NrrdHeader& header, std::vector<std:
             axes.push_back(&axis);
     GridGeometry geometry;
     geometry.dims = header.dims();
-    const bool hasDirections = std::ranges::all_of(axes, [](const NrrdAxis* axis) { return axis->direction.has_value(); });
+    const bool hasDirections =
+        std::ranges::all_of(axes, [](const NrrdAxis* axis) { return axis->direction.has_value(); });
     if (hasDirections && world.value().dimension == 0)
         return refuseField("space directions", "need a space, or its dimension", path);
     if (world.value().dimension > 0)

@@ -96,20 +96,16 @@ const std::vector<ComponentKind>& componentKinds() {
 }
 const ComponentKind* findComponentKind(std::string_view kind) {
     const auto& kinds = componentKinds();
-    const auto found =
-        std::find_if(kinds.begin(), kinds.end(), [&](const ComponentKind& k) { return k.kind == kind; });
+    const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const ComponentKind& k) { return k.kind == kind; });
     return found == kinds.end() ? nullptr : &*found;
 }
 
 // Spellings with and without the blank are the same field.
 std::string fieldName(std::string_view text) {
     std::string name = lowerCase(trimmed(text));
-    constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {{"datafile", "data file"},
-                                                                            {"lineskip", "line skip"},
-                                                                            {"byteskip", "byte skip"},
-                                                                            {"axismins", "axis mins"},
-                                                                            {"axismaxs", "axis maxs"},
-                                                                            {"centerings", "centers"}};
+    constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
+        {"datafile", "data file"}, {"lineskip", "line skip"}, {"byteskip", "byte skip"},
+        {"axismins", "axis mins"}, {"axismaxs", "axis maxs"}, {"centerings", "centers"}};
     for (const auto& [other, ours] : kSpellings)
         if (name == other)
             name = ours;
@@ -144,14 +140,12 @@ Result<NrrdHeader> readFields(const fs::path& path) {
         const std::string_view line = trimmed(rest.substr(0, lineEnd));
         if (rest.substr(0, lineEnd).size() > kMaxHeaderLine)
             return makeError(ErrorCode::InvalidArgument,
-                             "is not NRRD: line " + std::to_string(number + 1) + " of its header is too long",
-                             path);
+                             "is not NRRD: line " + std::to_string(number + 1) + " of its header is too long", path);
         rest.remove_prefix(lineEnd == std::string_view::npos ? rest.size() : lineEnd + 1);
         if (number == 0) {
             if (line.size() != 8 || !line.starts_with("NRRD000") || line[7] < '1' || line[7] > '5')
                 return makeError(ErrorCode::InvalidArgument,
-                                 "is not NRRD: NRRD0001 to NRRD0005 expected, found " +
-                                     inQuotes(line.substr(0, 12)),
+                                 "is not NRRD: NRRD0001 to NRRD0005 expected, found " + inQuotes(line.substr(0, 12)),
                                  path);
         } else if (isList) {
             if (!line.empty())
@@ -168,8 +162,7 @@ Result<NrrdHeader> readFields(const fs::path& path) {
         }
     }
     if (text.value().size() == kMaxHeaderBytes)
-        return makeError(ErrorCode::InvalidArgument, "is not NRRD: no end of its header in the first MiB",
-                         path);
+        return makeError(ErrorCode::InvalidArgument, "is not NRRD: no end of its header in the first MiB", path);
     return header;
 }
 
@@ -180,8 +173,7 @@ std::vector<std::string> directionsOf(std::string_view text) {
         const auto end = text.front() == '(' ? text.find(')') : text.find_first_of(" \t(", 1);
         const auto size = end == std::string_view::npos ? text.size() : text.front() == '(' ? end + 1 : end;
         std::string word(text.substr(0, size));
-        word.erase(std::remove_if(word.begin(), word.end(), [](char c) { return c == ' ' || c == '\t'; }),
-                   word.end());
+        word.erase(std::remove_if(word.begin(), word.end(), [](char c) { return c == ' ' || c == '\t'; }), word.end());
         out.push_back(std::move(word));
         text.remove_prefix(size);
     }
@@ -259,22 +251,20 @@ Status readDirections(NrrdHeader& header, const fs::path& path) {
 Status readAxes(NrrdHeader& header, const fs::path& path) {
     const auto dimension = parseInteger(header["dimension"]);
     if (!dimension || *dimension < 1 || *dimension > 16)
-        return refuseField("dimension", inQuotes(header["dimension"]) + " is not a number from 1 to 16",
-                           path);
+        return refuseField("dimension", inQuotes(header["dimension"]) + " is not a number from 1 to 16", path);
     std::vector<std::int64_t> sizes;
     const auto count = static_cast<std::size_t>(*dimension);
     if (!parseIntegers(header["sizes"], sizes) || sizes.size() != count)
-        return refuseField(
-            "sizes", std::to_string(count) + " whole numbers expected, found " + inQuotes(header["sizes"]),
-            path);
+        return refuseField("sizes",
+                           std::to_string(count) + " whole numbers expected, found " + inQuotes(header["sizes"]), path);
     ISO_TRY(checkExtents(sizes, "sizes", path));
     for (const std::int64_t size : sizes)
         header.axes.emplace_back().size = size;
     const auto fill = [&](std::string_view field, const std::vector<std::string>& values,
                           std::string NrrdAxis::*member) -> Status {
         if (!values.empty() && values.size() != count)
-            return refuseField(
-                field, std::to_string(count) + " values expected, found " + inQuotes(header[field]), path);
+            return refuseField(field, std::to_string(count) + " values expected, found " + inQuotes(header[field]),
+                               path);
         for (std::size_t i = 0; i < values.size(); ++i)
             header.axes[i].*member = values[i];
         return {};
@@ -331,8 +321,7 @@ Status assignRoles(NrrdHeader& header, const fs::path& path) {
         NrrdAxis& axis = header.axes[i];
         if (isSpace(axis, header.axes.size()))
             axis.role = ++spaces <= 3 ? NrrdRole::Space : NrrdRole::Frame;
-        else if (axis.kind != "time" &&
-                 (findComponentKind(axis.kind) != nullptr || i + 1 < header.axes.size()))
+        else if (axis.kind != "time" && (findComponentKind(axis.kind) != nullptr || i + 1 < header.axes.size()))
             axis.role = NrrdRole::Component;
         else
             axis.role = NrrdRole::Frame;
@@ -343,8 +332,7 @@ Status assignRoles(NrrdHeader& header, const fs::path& path) {
         if (std::count_if(header.axes.begin(), header.axes.end(),
                           [&](const NrrdAxis& axis) { return axis.role == role && axis.size > 1; }) > 1)
             return refuseField("sizes",
-                               std::string("several axes of ") +
-                                   (role == NrrdRole::Frame ? "frames" : "components") +
+                               std::string("several axes of ") + (role == NrrdRole::Frame ? "frames" : "components") +
                                    " are not read; save one volume of it",
                                path);
     return {};
@@ -363,8 +351,8 @@ Status checkSpacings(const NrrdHeader& header, const fs::path& path) {
 
 Status readType(NrrdHeader& header, const fs::path& path) {
     const std::string name = lowerCase(header["type"]);
-    const auto known = std::find_if(std::begin(kTypes), std::end(kTypes),
-                                    [&](const TypeName& type) { return type.name == name; });
+    const auto known =
+        std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypeName& type) { return type.name == name; });
     if (known == std::end(kTypes))
         return refuseField("type", inQuotes(header["type"]) + " is not a known type of scalars", path);
     header.type = known->type;

@@ -31,8 +31,7 @@ struct NrrdHeader {
     std::vector<std::string> dataFiles; ///< after "data file: LIST"
     bool isDetached = false;
     std::uint64_t sizeBytes = 0; ///< where attached data begins
-    std::vector<NrrdAxis>
-        axes; ///< fastest first; at most one of components and one of frames is longer than 1
+    std::vector<NrrdAxis> axes; ///< fastest first; at most one of components and one of frames is longer than 1
     FileType type = FileType::U8;
     bool isBigEndian = false;
 

@@ -36,8 +36,7 @@ Result<Encoding> readEncoding(const NrrdHeader& header, const fs::path& path) {
         return Encoding::Hex;
     if (header.isText())
         return Encoding::Text;
-    return refuseField("encoding", inQuotes(name) + " is not read; raw, gzip, bzip2, hex and ascii are",
-                       path);
+    return refuseField("encoding", inQuotes(name) + " is not read; raw, gzip, bzip2, hex and ascii are", path);
 }
 
 /// Names of data files, and of how many dimensions each is (0: not said).
@@ -49,8 +48,7 @@ struct NamedFiles {
 Result<NamedFiles> nameFiles(const NrrdHeader& header, const fs::path& path) {
     const std::string_view value = header["data file"];
     const auto parts = words(value);
-    const bool isList = value.starts_with("LIST"),
-               isPattern = !isList && value.find('%') != std::string_view::npos;
+    const bool isList = value.starts_with("LIST"), isPattern = !isList && value.find('%') != std::string_view::npos;
     NamedFiles files;
     if (!isList && !isPattern) {
         files.names = {std::string(value)};
@@ -62,16 +60,15 @@ Result<NamedFiles> nameFiles(const NrrdHeader& header, const fs::path& path) {
     if (hasDimension) {
         const auto dimension = parseInteger(parts.back());
         if (!dimension || *dimension < 1 || *dimension > static_cast<std::int64_t>(header.axes.size()))
-            return refuseField("data file",
-                               inQuotes(parts.back()) + " is not the number of dimensions of a file", path);
+            return refuseField("data file", inQuotes(parts.back()) + " is not the number of dimensions of a file",
+                               path);
         files.dimension = *dimension;
     }
     if (isList) {
         files.names = header.dataFiles;
         return files;
     }
-    const auto end =
-        hasDimension ? static_cast<std::size_t>(parts.back().data() - value.data()) : value.size();
+    const auto end = hasDimension ? static_cast<std::size_t>(parts.back().data() - value.data()) : value.size();
     auto names = expandPattern(value.substr(0, end), "data file", path);
     if (!names.isOk())
         return std::move(names).error();
@@ -85,8 +82,7 @@ Status checkFileCount(const NrrdHeader& header, const NamedFiles& files, const f
     for (std::size_t axis = static_cast<std::size_t>(files.dimension); axis < header.axes.size(); ++axis)
         expected *= header.axes[axis].size;
     const auto count = static_cast<std::int64_t>(files.names.size());
-    const bool isSlab =
-        files.dimension == static_cast<std::int64_t>(header.axes.size()); // any number of them
+    const bool isSlab = files.dimension == static_cast<std::int64_t>(header.axes.size()); // any number of them
     if (files.dimension > 0 && !isSlab && count != expected)
         return refuseField("data file",
                            std::to_string(expected) + " files of " + std::to_string(files.dimension) +
@@ -127,8 +123,7 @@ Status applySkips(const NrrdHeader& header, Data& data, const fs::path& path) {
     const bool isPacked = data.how.encoding == Encoding::Deflate || data.how.encoding == Encoding::Bzip2;
     if (!lines || *lines < 0)
         return refuseField("line skip", inQuotes(header["line skip"]) + " is not a number of lines", path);
-    if (!bytes || *bytes < -1 || *bytes > kMaxPoints ||
-        (*bytes == -1 && data.how.encoding != Encoding::Plain))
+    if (!bytes || *bytes < -1 || *bytes > kMaxPoints || (*bytes == -1 && data.how.encoding != Encoding::Plain))
         return refuseField("byte skip", inQuotes(header["byte skip"]) + " is not a number of bytes", path);
     for (FilePart& part : data.parts) {
         ISO_TRY(skipLines(part, *lines, path));
@@ -182,11 +177,10 @@ Result<Data> findData(const NrrdHeader& header, const ReadOptions& options, cons
     for (const NrrdAxis& axis : header.axes)
         values *= static_cast<std::uint64_t>(axis.size);
     if (values % data.parts.size() != 0)
-        return refuseField(
-            "data file", std::to_string(data.parts.size()) + " files do not divide the samples evenly", path);
+        return refuseField("data file", std::to_string(data.parts.size()) + " files do not divide the samples evenly",
+                           path);
     data.partBytes = values / data.parts.size() * fileTypeSizeBytes(header.type);
-    data.how = {encoding.value(), header.type, 0, options.allowsTrailing,
-                planeBytes(fieldOf(header), header.type)};
+    data.how = {encoding.value(), header.type, 0, options.allowsTrailing, planeBytes(fieldOf(header), header.type)};
     ISO_TRY(applySkips(header, data, path));
     return data;
 }
@@ -201,8 +195,8 @@ bool hasInterleavedComponents(const NrrdHeader& header) {
 
 /// The samples of one component and frame, or all those of an interleaved axis. Axes are taken out from the
 /// slowest on, so that those that are left stay where they are.
-Result<std::unique_ptr<ByteStream>> openSamples(const NrrdHeader& header, const Data& data,
-                                                std::int64_t component, std::int64_t frame) {
+Result<std::unique_ptr<ByteStream>> openSamples(const NrrdHeader& header, const Data& data, std::int64_t component,
+                                                std::int64_t frame) {
     auto bytes = openEncoded(data.parts, data.partBytes, data.how);
     if (!bytes.isOk())
         return bytes;
@@ -254,8 +248,7 @@ Result<std::unique_ptr<VolumeSource>> openComponent(const Described& volume, con
     SampleLayout layout{volume.header.type, isBig, std::nullopt};
     if (isInterleaved(volume.header)) {
         layout.components = static_cast<int>(volume.header.axes[0].size);
-        layout.component =
-            hasInterleavedComponents(volume.header) ? choice.component : static_cast<int>(choice.frame);
+        layout.component = hasInterleavedComponents(volume.header) ? choice.component : static_cast<int>(choice.frame);
     }
     return makeSampleSource(info, layout, std::move(bytes).value(), path);
 }

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 
 #include "core/base/plain_text.h"
-#include "core/volume_io/parsing/byte_decoder.h"
 #include "core/volume_io/formats/format_readers.h"
+#include "core/volume_io/parsing/byte_decoder.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "core/volume_io/parsing/text_scanner.h"
 #include "core/volume_io/volume_choice.h"
@@ -102,10 +102,9 @@ Status readOrbitals(TextReader& reader, Header& header, const fs::path& path) {
         header.orbitals.push_back("orbital " + word);
     }
     if (header.values != 1 && header.values != *count)
-        return refuseField("values per point",
-                           std::to_string(header.values) + " for each of " + std::to_string(*count) +
-                               " orbitals are not read",
-                           path);
+        return refuseField(
+            "values per point",
+            std::to_string(header.values) + " for each of " + std::to_string(*count) + " orbitals are not read", path);
     header.values = *count;
     return {};
 }
@@ -125,8 +124,8 @@ Result<Header> readHeader(TextReader& reader, const fs::path& path) {
         return refuseField("atoms", "more than 1000000", path);
     header.values = atoms.value().more;
     if (header.values < 1 || header.values > kMaxValues)
-        return refuseField("values per point",
-                           std::to_string(header.values) + " is not a number from 1 to 10000", path);
+        return refuseField("values per point", std::to_string(header.values) + " is not a number from 1 to 10000",
+                           path);
     header.geometry.origin = atoms.value().vector;
     std::vector<std::int64_t> sizes;
     for (int axis = 0; axis < 3; ++axis) {
@@ -193,10 +192,7 @@ VolumeField fieldOf(const Header& header) {
 class CubeSource final : public WholeGridSource {
 public:
     CubeSource(fs::path path, VolumeInfo info, int component, bool allowsTrailing)
-        : path_(std::move(path)),
-          info_(std::move(info)),
-          component_(component),
-          allowsTrailing_(allowsTrailing) {
+        : path_(std::move(path)), info_(std::move(info)), component_(component), allowsTrailing_(allowsTrailing) {
         info_.type = ScalarType::F64;
     }
 
@@ -206,8 +202,8 @@ public:
         if (grid_)
             return grid_;
         // Twice: as read, and with the first axis fastest.
-        ISO_TRY(checkFitsMemory(
-            2 * sizeof(double) * static_cast<std::uint64_t>(pointCount(info_.geometry.dims)), path_));
+        ISO_TRY(
+            checkFitsMemory(2 * sizeof(double) * static_cast<std::uint64_t>(pointCount(info_.geometry.dims)), path_));
         auto text = openText(path_);
         if (!text.isOk())
             return std::move(text).error();
@@ -247,10 +243,9 @@ private:
                                   reader, path_);
                 const auto number = word.size() <= kMaxScannedWord ? parseFortranReal(word) : std::nullopt;
                 if (!number)
-                    return makeError(ErrorCode::InvalidArgument,
-                                     "number " + std::to_string(i * values + value) + ": " + inQuotes(word) +
-                                         " is not one",
-                                     path_);
+                    return makeError(
+                        ErrorCode::InvalidArgument,
+                        "number " + std::to_string(i * values + value) + ": " + inQuotes(word) + " is not one", path_);
                 if (component_ == kMagnitude)
                     sample += *number * *number;
                 else if (value == component_)
@@ -273,8 +268,7 @@ private:
         for (std::int64_t z = 0; z < nz; ++z)
             for (std::int64_t y = 0; y < ny; ++y)
                 for (std::int64_t x = 0; x < nx; ++x, to += sizeof(double))
-                    std::memcpy(to, &samples[static_cast<std::size_t>((x * ny + y) * nz + z)],
-                                sizeof(double));
+                    std::memcpy(to, &samples[static_cast<std::size_t>((x * ny + y) * nz + z)], sizeof(double));
         return out;
     }
 
@@ -299,8 +293,8 @@ Result<std::unique_ptr<VolumeSource>> openCube(const fs::path& path, const ReadO
     info.geometry = header.value().geometry;
     info.fieldTitle = header.value().title;
     info.lengthUnit = header.value().isInBohr ? "bohr" : "Å";
-    return std::unique_ptr<VolumeSource>(std::make_unique<CubeSource>(
-        path, std::move(info), choice.value().component, options.allowsTrailing));
+    return std::unique_ptr<VolumeSource>(
+        std::make_unique<CubeSource>(path, std::move(info), choice.value().component, options.allowsTrailing));
 }
 
 Result<VolumeContents> listCube(const fs::path& path, const ReadOptions&) {

@@ -120,7 +120,8 @@ Result<Plot3dLayout> detectPlot3dPair(const RandomAccessFile& grid, const Random
     const Plot3dLayout& a = gridLayout.value();
     const Plot3dLayout& b = solutionLayout.value();
     if (a.dims != b.dims)
-        return makeError(ErrorCode::InvalidArgument, "dims: the two files of the PLOT3D pair disagree", solution.path());
+        return makeError(ErrorCode::InvalidArgument, "dims: the two files of the PLOT3D pair disagree",
+                         solution.path());
     if (a.isBigEndian != b.isBigEndian || a.hasMarks != b.hasMarks || a.hasCount != b.hasCount ||
         a.isDouble != b.isDouble)
         return makeError(ErrorCode::InvalidArgument,

@@ -12,8 +12,8 @@ namespace isoslider::io {
 struct Plot3dLayout {
     GridDims dims{0, 0, 0};
     bool isBigEndian = false;
-    bool hasMarks = false;  ///< Fortran's byte counts around each record
-    bool hasCount = false;  ///< the number of blocks, 1, comes first
+    bool hasMarks = false; ///< Fortran's byte counts around each record
+    bool hasCount = false; ///< the number of blocks, 1, comes first
     bool isDouble = false;
     bool hasBlanking = false; ///< an integer per point behind the coordinates
 };

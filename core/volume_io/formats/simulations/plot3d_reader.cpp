@@ -11,12 +11,13 @@
 #include <vtkStructuredGrid.h>
 
 #include "core/base/file_system.h"
-#include "core/volume_io/resampling/curvilinear_resampler.h"
+#include "core/base/folders.h"
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/simulations/plot3d_layout.h"
 #include "core/volume_io/formats/vtk/vtk_bridge.h"
 #include "core/volume_io/parsing/header_checks.h"
+#include "core/volume_io/resampling/curvilinear_resampler.h"
 #include "core/volume_io/resampling/point_lattice.h"
 #include "core/volume_io/resampling/resampled_source.h"
 
@@ -60,15 +61,16 @@ Result<Files> findPair(const fs::path& path) {
     Files files;
     for (const auto& [gridEnd, solutionEnd] : kEndings) {
         if (name.ends_with(gridEnd))
-            files = {path, path.parent_path() / (name.substr(0, name.size() - gridEnd.size()) + std::string(solutionEnd))};
+            files = {path,
+                     path.parent_path() / (name.substr(0, name.size() - gridEnd.size()) + std::string(solutionEnd))};
         else if (name.ends_with(solutionEnd))
-            files = {path.parent_path() / (name.substr(0, name.size() - solutionEnd.size()) + std::string(gridEnd)), path};
+            files = {path.parent_path() / (name.substr(0, name.size() - solutionEnd.size()) + std::string(gridEnd)),
+                     path};
     }
     if (files.grid.empty())
         return makeError(ErrorCode::InvalidArgument, "is not named as one of a PLOT3D pair (xyz.bin and q.bin)", path);
     const fs::path& partner = files.grid == path ? files.solution : files.grid;
-    std::error_code ignored;
-    if (!fs::exists(partner, ignored))
+    if (!isPresent(partner))
         return makeError(ErrorCode::NotFound, "the other file of the PLOT3D pair is missing", partner);
     return files;
 }
@@ -184,7 +186,7 @@ Result<VolumeContents> listPlot3d(const fs::path& path, const ReadOptions& optio
     for (const Field& field : kFields) {
         VolumeField listed;
         listed.name = std::string(field.name);
-        listed.dims = lattice.value()                               ? layout.value().dims
+        listed.dims = lattice.value()                             ? layout.value().dims
                       : options.resampleDims == GridDims{0, 0, 0} ? kDefaultDims
                                                                   : options.resampleDims;
         listed.typeName = layout.value().isDouble ? "float64" : "float32";
@@ -197,8 +199,9 @@ Result<VolumeContents> listPlot3d(const fs::path& path, const ReadOptions& optio
 Result<std::unique_ptr<VolumeSource>> openPlot3d(const fs::path& path, const ReadOptions& options) {
     const Field* field = findField(options.field);
     if (field == nullptr)
-        return refuseField("field", "density, x momentum, y momentum, z momentum or energy expected, found " +
-                                        inQuotes(options.field), path);
+        return refuseField(
+            "field", "density, x momentum, y momentum, z momentum or energy expected, found " + inQuotes(options.field),
+            path);
     const auto files = findPair(path);
     if (!files.isOk())
         return files.error();

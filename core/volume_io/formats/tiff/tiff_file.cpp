@@ -49,9 +49,8 @@ struct TiffFile::Handle {
 
     static tmsize_t read(thandle_t user, void* out, tmsize_t size) {
         auto* self = static_cast<Handle*>(user);
-        const auto count =
-            self->file->readAt(self->position, {static_cast<std::byte*>(out),
-                                                static_cast<std::size_t>(std::max<tmsize_t>(size, 0))});
+        const auto count = self->file->readAt(
+            self->position, {static_cast<std::byte*>(out), static_cast<std::size_t>(std::max<tmsize_t>(size, 0))});
         self->hasFailed = self->hasFailed || !count.isOk();
         if (!count.isOk())
             return -1;
@@ -61,9 +60,7 @@ struct TiffFile::Handle {
     static tmsize_t write(thandle_t, void*, tmsize_t) { return -1; }
     static toff_t seek(thandle_t user, toff_t offset, int from) {
         auto* self = static_cast<Handle*>(user);
-        const std::uint64_t base = from == SEEK_SET   ? 0
-                                   : from == SEEK_CUR ? self->position
-                                                      : self->file->sizeBytes();
+        const std::uint64_t base = from == SEEK_SET ? 0 : from == SEEK_CUR ? self->position : self->file->sizeBytes();
         self->position = base + offset;
         return self->position;
     }
@@ -113,10 +110,9 @@ Result<std::unique_ptr<TiffFile>> TiffFile::open(const fs::path& path) {
     TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
     TIFFOpenOptionsSetErrorHandlerExtR(options, Handle::onError, &self);
     TIFFOpenOptionsSetWarningHandlerExtR(options, Handle::onWarning, &self);
-    TIFFOpenOptionsSetMaxSingleMemAlloc(options,
-                                        kMaxAllocation + static_cast<tmsize_t>(self.file->sizeBytes()));
-    self.tiff = TIFFClientOpenExt("TIFF", "rm", &self, Handle::read, Handle::write, Handle::seek,
-                                  Handle::close, Handle::size, Handle::map, Handle::unmap, options);
+    TIFFOpenOptionsSetMaxSingleMemAlloc(options, kMaxAllocation + static_cast<tmsize_t>(self.file->sizeBytes()));
+    self.tiff = TIFFClientOpenExt("TIFF", "rm", &self, Handle::read, Handle::write, Handle::seek, Handle::close,
+                                  Handle::size, Handle::map, Handle::unmap, options);
     TIFFOpenOptionsFree(options);
     if (self.tiff == nullptr)
         return file->complaint("is not a TIFF file that can be read");
@@ -182,8 +178,7 @@ Result<TiffPage> TiffFile::readDirectory() {
     TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
     TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
     if (components < 1 || components > 64)
-        return refuseField(where + ", samples per pixel", std::to_string(components) + " is not within 1..64",
-                           path);
+        return refuseField(where + ", samples per pixel", std::to_string(components) + " is not within 1..64", path);
     page.components = components;
     page.isPlanar = planar == PLANARCONFIG_SEPARATE && components > 1;
     page.photometric = photometric;
@@ -191,20 +186,18 @@ Result<TiffPage> TiffFile::readDirectory() {
         int bits, format;
         FileType type;
     };
-    constexpr Known kTypes[] = {
-        {8, SAMPLEFORMAT_UINT, FileType::U8},     {8, SAMPLEFORMAT_INT, FileType::I8},
-        {16, SAMPLEFORMAT_UINT, FileType::U16},   {16, SAMPLEFORMAT_INT, FileType::I16},
-        {32, SAMPLEFORMAT_UINT, FileType::U32},   {32, SAMPLEFORMAT_INT, FileType::I32},
-        {64, SAMPLEFORMAT_UINT, FileType::U64},   {64, SAMPLEFORMAT_INT, FileType::I64},
-        {32, SAMPLEFORMAT_IEEEFP, FileType::F32}, {64, SAMPLEFORMAT_IEEEFP, FileType::F64}};
+    constexpr Known kTypes[] = {{8, SAMPLEFORMAT_UINT, FileType::U8},     {8, SAMPLEFORMAT_INT, FileType::I8},
+                                {16, SAMPLEFORMAT_UINT, FileType::U16},   {16, SAMPLEFORMAT_INT, FileType::I16},
+                                {32, SAMPLEFORMAT_UINT, FileType::U32},   {32, SAMPLEFORMAT_INT, FileType::I32},
+                                {64, SAMPLEFORMAT_UINT, FileType::U64},   {64, SAMPLEFORMAT_INT, FileType::I64},
+                                {32, SAMPLEFORMAT_IEEEFP, FileType::F32}, {64, SAMPLEFORMAT_IEEEFP, FileType::F64}};
     if (format == SAMPLEFORMAT_VOID)
         format = SAMPLEFORMAT_UINT;
     page.isBits = bits == 1 && components == 1 && TIFFIsTiled(tiff) == 0;
     if (page.isBits)
         bits = 8;
-    const auto* known = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Known& type) {
-        return type.bits == bits && type.format == format;
-    });
+    const auto* known = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                     [&](const Known& type) { return type.bits == bits && type.format == format; });
     if (known == std::end(kTypes))
         return refuseField(where + ", bits per sample",
                            std::to_string(bits) + " bits of sample format " + std::to_string(format) +
@@ -215,8 +208,7 @@ Result<TiffPage> TiffFile::readDirectory() {
         return refuseField(where + ", compression", std::to_string(compression) + " is not read", path);
     if (photometric == PHOTOMETRIC_YCBCR && compression == COMPRESSION_JPEG)
         TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
-    else if (photometric == PHOTOMETRIC_YCBCR || photometric == PHOTOMETRIC_LOGL ||
-             photometric == PHOTOMETRIC_LOGLUV)
+    else if (photometric == PHOTOMETRIC_YCBCR || photometric == PHOTOMETRIC_LOGL || photometric == PHOTOMETRIC_LOGLUV)
         return refuseField(where + ", photometric interpretation",
                            std::to_string(photometric) + " is coded colour, which is not read", path);
     page.offset = TIFFGetStrileOffset(tiff, 0);
@@ -226,9 +218,9 @@ Result<TiffPage> TiffFile::readDirectory() {
     ISO_TRY(checkStrips(page));
     // libtiff itself reads the first slice of these.
     if (page.depth > 1 && !arePlainStrips(page))
-        return refuseField(where + ", image depth",
-                           std::to_string(depth) + " slices in one page are read only in uncompressed strips, all listed",
-                           path);
+        return refuseField(
+            where + ", image depth",
+            std::to_string(depth) + " slices in one page are read only in uncompressed strips, all listed", path);
     return page;
 }
 
@@ -240,8 +232,7 @@ Status TiffFile::checkStrips(const TiffPage& page) const {
     const std::uint32_t count = isTiled ? TIFFNumberOfTiles(tiff) : TIFFNumberOfStrips(tiff);
     const std::string where = "page " + std::to_string(pages_.size() + 1) + ", strips";
     const auto refuse = [&](const std::string& problem) {
-        return makeError(ErrorCode::Corruption, where + ": " + problem, handle_->file->path(),
-                         page.directory);
+        return makeError(ErrorCode::Corruption, where + ": " + problem, handle_->file->path(), page.directory);
     };
     if (count == 0 || count > fileBytes)
         return refuse(std::to_string(count) + " do not fit the file");
@@ -251,8 +242,7 @@ Status TiffFile::checkStrips(const TiffPage& page) const {
         if (begin == 0 || size == 0 || begin > fileBytes || size > fileBytes - begin)
             return makeError(ErrorCode::Corruption,
                              where + ": number " + std::to_string(i) + " has " + std::to_string(size) +
-                                 " bytes, which do not lie within the " + std::to_string(fileBytes) +
-                                 " of the file",
+                                 " bytes, which do not lie within the " + std::to_string(fileBytes) + " of the file",
                              handle_->file->path(), begin);
         total += size;
     }
@@ -327,8 +317,7 @@ Status TiffFile::readStrips(const TiffPage& page, std::span<std::byte> samples) 
             const std::uint32_t strip =
                 TIFFComputeStrip(tiff, static_cast<std::uint32_t>(y), static_cast<std::uint16_t>(plane));
             const std::size_t size = static_cast<std::size_t>(std::min(rows, page.rows - y)) * rowBytes;
-            const tmsize_t count =
-                TIFFReadEncodedStrip(tiff, strip, buffer.data(), static_cast<tmsize_t>(size));
+            const tmsize_t count = TIFFReadEncodedStrip(tiff, strip, buffer.data(), static_cast<tmsize_t>(size));
             if (count != static_cast<tmsize_t>(size))
                 return complaint("strip " + std::to_string(strip) + " cannot be read");
             std::byte* out = samples.data() + static_cast<std::size_t>(y * page.columns) * sampleBytes +
@@ -386,8 +375,7 @@ Status TiffFile::readTiles(const TiffPage& page, std::span<std::byte> samples) {
                 for (std::int64_t row = 0; row < std::min<std::int64_t>(height, page.rows - y); ++row) {
                     const auto begin = static_cast<std::size_t>(row) * width * valueBytes;
                     copyRow(std::span(buffer).subspan(begin, static_cast<std::size_t>(columns) * valueBytes),
-                            samples.data() +
-                                static_cast<std::size_t>((y + row) * page.columns + x) * sampleBytes +
+                            samples.data() + static_cast<std::size_t>((y + row) * page.columns + x) * sampleBytes +
                                 static_cast<std::size_t>(plane) * typeBytes,
                             valueBytes, sampleBytes);
                 }

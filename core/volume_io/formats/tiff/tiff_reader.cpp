@@ -7,6 +7,7 @@
 
 #include <tiff.h>
 
+#include "core/base/folders.h"
 #include "core/grid/length_unit.h"
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
@@ -80,17 +81,13 @@ bool hasTiffName(const fs::path& path) {
 }
 
 Result<std::vector<fs::path>> filesOf(const fs::path& folder) {
-    std::vector<fs::path> files;
-    std::error_code problem, ignored;
-    for (fs::directory_iterator entry(folder, problem); !problem && entry != fs::directory_iterator();
-         entry.increment(problem))
-        if (hasTiffName(entry->path()) && entry->is_regular_file(ignored))
-            files.push_back(entry->path());
-    if (problem)
-        return makeError(ErrorCode::IoError, "cannot be listed: " + problem.message(), folder);
+    auto listed = listFiles(folder);
+    if (!listed.isOk())
+        return std::move(listed).error();
+    std::vector<fs::path> files = std::move(listed).value();
+    std::erase_if(files, [](const fs::path& file) { return !hasTiffName(file); });
     if (files.size() > kMaxFiles)
-        return makeError(ErrorCode::InvalidArgument,
-                         "holds more than " + std::to_string(kMaxFiles) + " files", folder);
+        return makeError(ErrorCode::InvalidArgument, "holds more than " + std::to_string(kMaxFiles) + " files", folder);
     std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
         return isBefore(a.filename().string(), b.filename().string());
     });
@@ -106,22 +103,19 @@ std::int64_t numberOf(const fs::path& path) {
     std::size_t begin = end;
     while (begin > 0 && isDigit(name[begin - 1]))
         --begin;
-    return end - begin > 15 ? -1
-                            : parseInteger(std::string_view(name).substr(begin, end - begin)).value_or(-1);
+    return end - begin > 15 ? -1 : parseInteger(std::string_view(name).substr(begin, end - begin)).value_or(-1);
 }
 
 void noteOrder(Stack& stack) {
     const auto name = [](const fs::path& path) { return inQuotes(path.filename().string()); };
     const auto& files = stack.files;
-    stack.info.notes.push_back(std::to_string(files.size()) +
-                               " slices in the natural order of their names, from " + name(files.front()) +
-                               " to " + name(files.back()));
+    stack.info.notes.push_back(std::to_string(files.size()) + " slices in the natural order of their names, from " +
+                               name(files.front()) + " to " + name(files.back()));
     for (std::size_t i = 0; i + 1 < files.size(); ++i) {
         const std::int64_t number = numberOf(files[i]), next = numberOf(files[i + 1]);
         if (number >= 0 && next > number + 1) {
-            stack.info.notes.push_back("the numbers of the slices have a gap between " + name(files[i]) +
-                                       " and " + name(files[i + 1]) +
-                                       "; if a slice is missing there, the volume is too short");
+            stack.info.notes.push_back("the numbers of the slices have a gap between " + name(files[i]) + " and " +
+                                       name(files[i + 1]) + "; if a slice is missing there, the volume is too short");
             return;
         }
     }
@@ -245,10 +239,9 @@ Result<Stack> collectFile(const fs::path& path) {
     stack.page = tiff.pages().front();
     for (std::size_t i = 1; i < tiff.pages().size(); ++i)
         if (!tiff.pages()[i].isLike(stack.page))
-            return refuseField("page " + std::to_string(i + 1),
-                               "is " + tiff.pages()[i].description() + ", those before it are " +
-                                   stack.page.description(),
-                               path);
+            return refuseField(
+                "page " + std::to_string(i + 1),
+                "is " + tiff.pages()[i].description() + ", those before it are " + stack.page.description(), path);
     auto pages = static_cast<std::int64_t>(tiff.pages().size());
     const std::string_view text = tiff.imageDescription();
     const bool isImageJ = text.starts_with("ImageJ=");
@@ -276,8 +269,7 @@ Result<Stack> collectFile(const fs::path& path) {
     else if (text.find("<OME") != std::string_view::npos)
         readOme(tiff, stack, pages);
     if (tiff.pagesLeftOut() > 0)
-        stack.info.notes.push_back(std::to_string(tiff.pagesLeftOut()) +
-                                   " reduced images or masks are left out");
+        stack.info.notes.push_back(std::to_string(tiff.pagesLeftOut()) + " reduced images or masks are left out");
     notePhotometric(stack);
     return stack;
 }
@@ -296,10 +288,9 @@ Result<Stack> collectFolder(const fs::path& folder) {
             return file.error();
         const auto& pages = file.value()->pages();
         if (pages.size() != 1)
-            return refuseField("pages",
-                               "has " + std::to_string(pages.size()) +
-                                   "; the slices of a folder are files of one page each",
-                               stack.files[i]);
+            return refuseField(
+                "pages", "has " + std::to_string(pages.size()) + "; the slices of a folder are files of one page each",
+                stack.files[i]);
         if (pages.front().depth > 1)
             return refuseField("image depth", "the slices of a folder are files of one slice each", stack.files[i]);
         if (i == 0)
@@ -316,10 +307,7 @@ Result<Stack> collectFolder(const fs::path& folder) {
     return stack;
 }
 
-Result<Stack> collect(const fs::path& path) {
-    std::error_code ignored;
-    return fs::is_directory(path, ignored) ? collectFolder(path) : collectFile(path);
-}
+Result<Stack> collect(const fs::path& path) { return isFolder(path) ? collectFolder(path) : collectFile(path); }
 
 /// Samples of the chosen pages, one after the other; holds one page at a time.
 class PageStream final : public ByteStream {
@@ -336,8 +324,7 @@ public:
         while (!out.empty()) {
             const auto z = static_cast<std::int64_t>(offset / pageBytes);
             const std::uint64_t within = offset % pageBytes;
-            const auto size =
-                static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), pageBytes - within));
+            const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), pageBytes - within));
             if (within == 0 && size == pageBytes) {
                 ISO_TRY(load(z, out.first(size)));
             } else {
@@ -390,15 +377,14 @@ private:
 
 VolumeField fieldOf(const Stack& stack) {
     VolumeField field;
-    field.title = std::to_string(stack.order.slices) +
-                  (stack.order.slices == 1 ? " slice of " : " slices of ") + stack.page.description();
+    field.title = std::to_string(stack.order.slices) + (stack.order.slices == 1 ? " slice of " : " slices of ") +
+                  stack.page.description();
     field.dims = {stack.page.columns, stack.page.rows, stack.order.slices};
     field.typeName = fileTypeName(stack.page.type);
     field.components = stack.components();
     field.hasMagnitude = stack.order.channels == 1;
     field.frames = stack.order.frames;
-    const bool isColour =
-        stack.page.photometric == PHOTOMETRIC_RGB || stack.page.photometric == PHOTOMETRIC_YCBCR;
+    const bool isColour = stack.page.photometric == PHOTOMETRIC_RGB || stack.page.photometric == PHOTOMETRIC_YCBCR;
     if (isColour && stack.order.channels == 1 && field.components == 3)
         field.componentNames = {"red", "green", "blue"};
     if (isColour && stack.order.channels == 1 && field.components == 4)
@@ -409,14 +395,12 @@ VolumeField fieldOf(const Stack& stack) {
 } // namespace
 
 bool isTiff(const fs::path& path, std::span<const std::byte> start) {
-    std::error_code ignored;
-    if (fs::is_directory(path, ignored)) {
+    if (isFolder(path)) {
         const auto files = filesOf(path);
         return files.isOk() && !files.value().empty();
     }
     constexpr std::string_view kMagics[] = {{"II*\0", 4}, {"MM\0*", 4}, {"II+\0", 4}, {"MM\0+", 4}};
-    const std::string_view text(reinterpret_cast<const char*>(start.data()),
-                                std::min<std::size_t>(4, start.size()));
+    const std::string_view text(reinterpret_cast<const char*>(start.data()), std::min<std::size_t>(4, start.size()));
     return std::ranges::find(kMagics, text) != std::end(kMagics);
 }
 
@@ -445,7 +429,7 @@ Result<std::unique_ptr<VolumeSource>> openTiff(const fs::path& path, const ReadO
     VolumeInfo info = stack.info;
     info.format = "TIFF";
     info.geometry.dims = dims.value();
-    if (std::error_code ignored; fs::is_directory(path, ignored))
+    if (isFolder(path))
         info.dataFiles = filesInFolder(stack.files);
     ISO_TRY(checkGeometry(info.geometry, "spacing", path));
     SampleLayout layout;

@@ -72,8 +72,7 @@ Result<ScalarGrid> widened(const GridGeometry& geometry, const From* values, con
 } // namespace
 
 VtkSession::VtkSession()
-    : lock_(oneAtATime()), before_(vtkOutputWindow::GetInstance()),
-      window_(vtkSmartPointer<QuietWindow>::New()) {
+    : lock_(oneAtATime()), before_(vtkOutputWindow::GetInstance()), window_(vtkSmartPointer<QuietWindow>::New()) {
     vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF); // prints beside the window
     vtkOutputWindow::SetInstance(window_);
 }
@@ -119,8 +118,8 @@ Result<ScalarGrid> componentGrid(const GridGeometry& geometry, vtkDataArray& arr
                                  const std::filesystem::path& path) {
     ISO_CHECK(array.GetNumberOfTuples() == pointCount(geometry.dims) && component < array.GetNumberOfComponents());
     if (component == kMagnitude) {
-        const bool isWide = array.GetDataTypeSize() > 4 || array.GetDataType() == VTK_INT ||
-                            array.GetDataType() == VTK_UNSIGNED_INT;
+        const bool isWide =
+            array.GetDataTypeSize() > 4 || array.GetDataType() == VTK_INT || array.GetDataType() == VTK_UNSIGNED_INT;
         std::vector<double> lengths(static_cast<std::size_t>(array.GetNumberOfTuples()));
         for (std::size_t i = 0; i < lengths.size(); ++i)
             for (int c = 0; c < array.GetNumberOfComponents(); ++c)

@@ -16,9 +16,9 @@ namespace isoslider::io {
 
 /// One component of the point array, or its magnitude, as samples of a uniform grid: those of an image as they are, of
 /// a rectilinear grid too if its axes are even, else resampled. Without options, what is resampled has as many
-/// points as the grid of the file: a rectilinear one the same along each axis, others evenly spaced. A structured grid whose points are
-/// a lattice is one of an image.
-/// REQUIRES: as many tuples as `data` has points, within a session. Errors: InvalidArgument, Corruption, OutOfSpace.
+/// points as the grid of the file: a rectilinear one the same along each axis, others evenly spaced. A structured grid
+/// whose points are a lattice is one of an image. REQUIRES: as many tuples as `data` has points, within a session.
+/// Errors: InvalidArgument, Corruption, OutOfSpace.
 Result<std::unique_ptr<VolumeSource>> sourceOf(vtkDataSet& data, vtkDataArray& array, int component, VolumeInfo info,
                                                const ReadOptions& options, const std::filesystem::path& path);
 

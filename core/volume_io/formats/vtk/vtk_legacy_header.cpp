@@ -21,10 +21,10 @@ struct TypeName {
 };
 /// The first name of each type is the one that VTK is given.
 constexpr TypeName kTypes[] = {
-    {"unsigned_char", FileType::U8}, {"char", FileType::I8},         {"unsigned_short", FileType::U16},
-    {"short", FileType::I16},        {"unsigned_int", FileType::U32}, {"int", FileType::I32},
+    {"unsigned_char", FileType::U8},  {"char", FileType::I8},          {"unsigned_short", FileType::U16},
+    {"short", FileType::I16},         {"unsigned_int", FileType::U32}, {"int", FileType::I32},
     {"vtktypeuint64", FileType::U64}, {"vtktypeint64", FileType::I64}, {"unsigned_long", FileType::U64},
-    {"long", FileType::I64},         {"vtkidtype", FileType::I32},   {"float", FileType::F32},
+    {"long", FileType::I64},          {"vtkidtype", FileType::I32},    {"float", FileType::F32},
     {"double", FileType::F64}};
 
 /// What is below the middle between the largest float and the next step rounds to the former.
@@ -77,7 +77,8 @@ private:
         const auto* found = std::find(std::begin(kKinds), std::end(kKinds), kind);
         if (lowerCase(dataset[0]) != "dataset" || found == std::end(kKinds))
             return refuse("DATASET", "STRUCTURED_POINTS, RECTILINEAR_GRID, STRUCTURED_GRID or UNSTRUCTURED_GRID "
-                                     "expected, found " + inQuotes(trimmed(line)));
+                                     "expected, found " +
+                                         inQuotes(trimmed(line)));
         out_.kind = static_cast<VtkKind>(found - std::begin(kKinds));
         keep(trimmed(line));
         return {};
@@ -117,8 +118,9 @@ private:
         if (key == "dimensions" && out_.kind != VtkKind::Unstructured) {
             keep(trimmed(line));
             const auto tail = trimmed(std::string_view(line)).substr(parts[0].size());
-            return parseIntegers(tail, sizes_) && sizes_.size() == 3 ? Status()
-                                                                     : Status(refuse("'DIMENSIONS'", "three numbers expected"));
+            return parseIntegers(tail, sizes_) && sizes_.size() == 3
+                       ? Status()
+                       : Status(refuse("'DIMENSIONS'", "three numbers expected"));
         }
         if (out_.kind == VtkKind::Image)
             return readImagePlace(key, line, parts);
@@ -161,10 +163,8 @@ private:
             const auto axis = static_cast<std::size_t>(key[0] - 'x');
             if (axis > 2)
                 return refuse(inQuotes(parts[0]), "is not known here");
-            if (sizes_.size() == 3 &&
-                sizes_[axis] != *count) // before its numbers are taken for something else
-                return refuse(inQuotes(parts[0]),
-                              "DIMENSIONS give " + std::to_string(sizes_[axis]) + " coordinates");
+            if (sizes_.size() == 3 && sizes_[axis] != *count) // before its numbers are taken for something else
+                return refuse(inQuotes(parts[0]), "DIMENSIONS give " + std::to_string(sizes_[axis]) + " coordinates");
             axisPoints_[axis] = *count;
         }
         keep(trimmed(line));

@@ -15,19 +15,19 @@ struct LegacyArray {
     FileType type = FileType::F32;
     std::uint64_t components = 1;
     std::uint64_t position = 0; ///< where its samples begin
-    bool isScalars = false;     ///< given as SCALARS: what VTK takes for the active scalars
+    bool isScalars = false; ///< given as SCALARS: what VTK takes for the active scalars
 };
 
 /// A legacy file up to its point arrays.
 struct LegacyFile {
     VtkKind kind = VtkKind::Image;
     bool isBinary = false;
-    GridDims dims{0, 0, 0};   ///< grid points; of unstructured grids, all of them along x
+    GridDims dims{0, 0, 0}; ///< grid points; of unstructured grids, all of them along x
     std::uint64_t points = 0;
     /// The file's own words from DATASET to before POINT_DATA, checked; those of other sections are left out.
     /// Numbers in text are one a line.
     std::string structure;
-    bool hasOffsets = false;         ///< its cells are written as since version 5
+    bool hasOffsets = false; ///< its cells are written as since version 5
     std::vector<LegacyArray> arrays; ///< as far as was asked for
 };
 

@@ -34,12 +34,21 @@ struct CellKind {
     int type;
     vtkIdType points;
 };
-constexpr CellKind kCellKinds[] = {
-    {VTK_TETRA, 4}, {VTK_VOXEL, 8}, {VTK_HEXAHEDRON, 8}, {VTK_WEDGE, 6}, {VTK_PYRAMID, 5},
-    {VTK_PENTAGONAL_PRISM, 10}, {VTK_HEXAGONAL_PRISM, 12}, {VTK_QUADRATIC_TETRA, 10},
-    {VTK_QUADRATIC_HEXAHEDRON, 20}, {VTK_QUADRATIC_WEDGE, 15}, {VTK_QUADRATIC_PYRAMID, 13},
-    {VTK_TRIQUADRATIC_HEXAHEDRON, 27}, {VTK_QUADRATIC_LINEAR_WEDGE, 12},
-    {VTK_BIQUADRATIC_QUADRATIC_WEDGE, 18}, {VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON, 24}};
+constexpr CellKind kCellKinds[] = {{VTK_TETRA, 4},
+                                   {VTK_VOXEL, 8},
+                                   {VTK_HEXAHEDRON, 8},
+                                   {VTK_WEDGE, 6},
+                                   {VTK_PYRAMID, 5},
+                                   {VTK_PENTAGONAL_PRISM, 10},
+                                   {VTK_HEXAGONAL_PRISM, 12},
+                                   {VTK_QUADRATIC_TETRA, 10},
+                                   {VTK_QUADRATIC_HEXAHEDRON, 20},
+                                   {VTK_QUADRATIC_WEDGE, 15},
+                                   {VTK_QUADRATIC_PYRAMID, 13},
+                                   {VTK_TRIQUADRATIC_HEXAHEDRON, 27},
+                                   {VTK_QUADRATIC_LINEAR_WEDGE, 12},
+                                   {VTK_BIQUADRATIC_QUADRATIC_WEDGE, 18},
+                                   {VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON, 24}};
 
 vtkIdType pointsOfKind(int type) {
     const auto* found = std::find_if(std::begin(kCellKinds), std::end(kCellKinds),
@@ -129,8 +138,7 @@ private:
             BoxedCell box{id, glm::dvec3(std::numeric_limits<double>::infinity()),
                           glm::dvec3(-std::numeric_limits<double>::infinity())};
             for (vtkIdType i = 0; i < count; ++i) {
-                const glm::dvec3 at =
-                    (point(static_cast<std::size_t>(points[i])) - geometry.origin) / geometry.spacing;
+                const glm::dvec3 at = (point(static_cast<std::size_t>(points[i])) - geometry.origin) / geometry.spacing;
                 box.low = glm::min(box.low, at);
                 box.high = glm::max(box.high, at);
             }
@@ -226,8 +234,10 @@ Result<std::unique_ptr<SourceMesh>> makeUnstructuredMesh(vtkSmartPointer<vtkUnst
         if (pointsOfKind(grid->GetCellType(id)) > 0)
             cells.push_back(id);
     if (cells.empty())
-        return refuseField("Cells", "none has a volume and a type that is read (tetrahedra, hexahedra, wedges, "
-                                    "pyramids, prisms)", path);
+        return refuseField("Cells",
+                           "none has a volume and a type that is read (tetrahedra, hexahedra, wedges, "
+                           "pyramids, prisms)",
+                           path);
     const auto left = grid->GetNumberOfCells() - static_cast<vtkIdType>(cells.size());
     if (left > 0)
         notes.push_back(std::to_string(left) + " cells without volume, or of a type that is not read, are left out");

@@ -15,15 +15,14 @@ struct TypeSize {
     std::uint64_t sizeBytes;
     const char* listed; ///< as VolumeField says it
 };
-constexpr TypeSize kTypes[] = {{"Int8", 1, "int8"},     {"UInt8", 1, "uint8"},   {"Int16", 2, "int16"},
-                               {"UInt16", 2, "uint16"}, {"Int32", 4, "int32"},   {"UInt32", 4, "uint32"},
-                               {"Int64", 8, "int64"},   {"UInt64", 8, "uint64"}, {"Float32", 4, "float32"},
+constexpr TypeSize kTypes[] = {{"Int8", 1, "int8"},      {"UInt8", 1, "uint8"},   {"Int16", 2, "int16"},
+                               {"UInt16", 2, "uint16"},  {"Int32", 4, "int32"},   {"UInt32", 4, "uint32"},
+                               {"Int64", 8, "int64"},    {"UInt64", 8, "uint64"}, {"Float32", 4, "float32"},
                                {"Float64", 8, "float64"}};
 
 const TypeSize* typeOf(const XmlAttributes& array) {
-    const auto* found = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypeSize& known) {
-        return known.name == xmlValue(array, "type");
-    });
+    const auto* found = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                     [&](const TypeSize& known) { return known.name == xmlValue(array, "type"); });
     return found == std::end(kTypes) ? nullptr : found;
 }
 
@@ -56,11 +55,14 @@ Result<GridDims> readCount(const VtkXmlOutline& outline, const RandomAccessFile&
     // Each cell has a type and an offset; packed, both may take little room, but not none.
     const auto most = static_cast<std::int64_t>(std::min<std::uint64_t>(file.sizeBytes(), 1u << 30) * 1000);
     if (!points || *points < 1 || *points > kMaxPoints)
-        return refuseField("NumberOfPoints", inQuotes(xmlValue(outline.pieces[0], "NumberOfPoints")) +
-                                                 " is not a number of points", file.path());
+        return refuseField("NumberOfPoints",
+                           inQuotes(xmlValue(outline.pieces[0], "NumberOfPoints")) + " is not a number of points",
+                           file.path());
     if (!cells || *cells < 1 || *cells > most)
-        return refuseField("NumberOfCells", inQuotes(xmlValue(outline.pieces[0], "NumberOfCells")) +
-                                                " is not a number of cells that this file can hold", file.path());
+        return refuseField("NumberOfCells",
+                           inQuotes(xmlValue(outline.pieces[0], "NumberOfCells")) +
+                               " is not a number of cells that this file can hold",
+                           file.path());
     return GridDims{*points, 1, 1};
 }
 
@@ -74,9 +76,10 @@ VtkKind kindOf(const VtkXmlOutline& outline) {
 
 Status checkArrays(const VtkXmlOutline& outline, const std::filesystem::path& path) {
     if (outline.pointArrays.empty())
-        return refuseField("PointData", outline.cellArrays > 0
-                                            ? "values belong to cells only; convert them to point data first"
-                                            : "has no array", path);
+        return refuseField("PointData",
+                           outline.cellArrays > 0 ? "values belong to cells only; convert them to point data first"
+                                                  : "has no array",
+                           path);
     for (const XmlAttributes& other : outline.fieldArrays) // VTK reads these whether wanted or not
         for (const char* key : {"NumberOfTuples", "NumberOfComponents"}) {
             const auto count = parseInteger(xmlValue(other, key, "1"));
@@ -108,7 +111,8 @@ public:
             ISO_TRY(isText_ ? decode(end) : fetch(end));
         std::uint64_t value = 0;
         for (std::uint64_t i = 0; i < width_; ++i)
-            value |= std::to_integer<std::uint64_t>(bytes_[end - width_ + i]) << 8 * (isBigEndian_ ? width_ - 1 - i : i);
+            value |= std::to_integer<std::uint64_t>(bytes_[end - width_ + i])
+                     << 8 * (isBigEndian_ ? width_ - 1 - i : i);
         return value;
     }
 
@@ -177,7 +181,9 @@ public:
 
     Status run(const XmlArray& array) const {
         const std::string_view format = xmlValue(array, "format", "ascii");
-        const std::uint64_t least = format == "ascii" ? values_.value_or(0) : isPacked_ ? expected_ / kMaxPacking : expected_;
+        const std::uint64_t least = format == "ascii" ? values_.value_or(0)
+                                    : isPacked_       ? expected_ / kMaxPacking
+                                                      : expected_;
         if (least > file_.sizeBytes())
             return makeError(ErrorCode::Corruption,
                              "data: the extent asks for " + std::to_string(expected_) + " bytes, the file has only " +
@@ -209,7 +215,8 @@ private:
         if ((values_ ? bytes.value() != expected_ : bytes.value() == 0) || bytes.value() > left)
             return blockError(std::to_string(bytes.value()) + " bytes announced, " +
                                   (values_ ? std::to_string(expected_) + " expected, " : "") + std::to_string(left) +
-                                  " left", at);
+                                  " left",
+                              at);
         return {};
     }
 
@@ -223,12 +230,14 @@ private:
             return blockError(std::to_string(blocks) + " blocks cannot be in this file", at);
         if (blocks > 0 && (size.value() == 0 || size.value() > kMaxBlockBytes || last.value() > size.value()))
             return blockError("of " + std::to_string(size.value()) + " bytes, the last one of " +
-                                  std::to_string(last.value()), at); // VTK divides by the size
+                                  std::to_string(last.value()),
+                              at); // VTK divides by the size
         const std::uint64_t whole = last.value() == 0 || blocks == 0 ? blocks : blocks - 1;
         const std::uint64_t total = whole * size.value() + last.value();
         if (values_ ? total != expected_ : total == 0 || total / kMaxPacking > left)
             return blockError("the blocks unpack to " + std::to_string(total) + " bytes" +
-                                  (values_ ? ", expected are " + std::to_string(expected_) : ""), at);
+                                  (values_ ? ", expected are " + std::to_string(expected_) : ""),
+                              at);
         std::uint64_t packedBytes = (3 + blocks) * width_;
         for (std::uint64_t i = 0; i < blocks; ++i) {
             const auto packed = heading.number(3 + i);
@@ -270,8 +279,8 @@ Result<VtkXmlPlace> placeOfData(const RandomAccessFile& file, const VtkXmlOutlin
         const char c = static_cast<char>(b);
         return c != ' ' && c != '\n' && c != '\t' && c != '\r';
     });
-    const std::uint64_t at = *begin + static_cast<std::uint64_t>(mark - start.begin()) + 1 +
-                             static_cast<std::uint64_t>(*offset);
+    const std::uint64_t at =
+        *begin + static_cast<std::uint64_t>(mark - start.begin()) + 1 + static_cast<std::uint64_t>(*offset);
     if (mark == end || *mark != std::byte{'_'} || at >= file.sizeBytes())
         return makeError(ErrorCode::Corruption, "offset: appended data lies beyond the end of the file", file.path(),
                          at);

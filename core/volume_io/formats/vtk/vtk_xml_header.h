@@ -9,7 +9,7 @@ namespace isoslider::io {
 /// What the XML part of a file says of the grid in it.
 struct VtkXmlHeader {
     VtkKind kind = VtkKind::Image;
-    GridDims dims{0, 0, 0};   ///< grid points; of unstructured grids, all of them along x
+    GridDims dims{0, 0, 0}; ///< grid points; of unstructured grids, all of them along x
     std::uint64_t points = 0;
     VtkXmlOutline outline;
 };

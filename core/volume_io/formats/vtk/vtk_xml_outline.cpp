@@ -69,7 +69,8 @@ void XMLCALL onStart(void* data, const XML_Char* rawName, const XML_Char** rawAt
         return gathered.stop("more or deeper elements than any image file has");
     if (gathered.open.size() == 1 && (name != "VTKFile" || !isKnownKind(xmlValue(attributes, "type"))))
         return gathered.stop("VTKFile: type ImageData, RectilinearGrid, StructuredGrid or UnstructuredGrid expected, "
-                             "found " + inQuotes(xmlValue(attributes, "type")));
+                             "found " +
+                             inQuotes(xmlValue(attributes, "type")));
     if (name == "VTKFile") {
         outline.file = attributes;
     } else if (parent == "VTKFile" && isKnownKind(name)) {
@@ -105,7 +106,8 @@ std::string_view xmlValue(const XmlAttributes& attributes, std::string_view key,
 }
 
 Result<VtkXmlOutline> readVtkXmlOutline(const RandomAccessFile& file) {
-    const std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser(XML_ParserCreate(nullptr), XML_ParserFree);
+    const std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser(XML_ParserCreate(nullptr),
+                                                                              XML_ParserFree);
     if (parser == nullptr)
         return makeError(ErrorCode::OutOfSpace, "no memory to read its XML", file.path());
     Gathering gathered;
@@ -120,8 +122,8 @@ Result<VtkXmlOutline> readVtkXmlOutline(const RandomAccessFile& file) {
             return got.error();
         at += got.value();
         const bool isLast = at >= file.sizeBytes() || got.value() == 0;
-        const auto outcome = XML_Parse(parser.get(), reinterpret_cast<const char*>(chunk.data()),
-                                       static_cast<int>(got.value()), isLast);
+        const auto outcome =
+            XML_Parse(parser.get(), reinterpret_cast<const char*>(chunk.data()), static_cast<int>(got.value()), isLast);
         if (outcome == XML_STATUS_ERROR && !gathered.refusal && !gathered.outline.appendedBegin)
             return makeError(ErrorCode::InvalidArgument,
                              std::string("is not a well-formed VTK XML file: ") +

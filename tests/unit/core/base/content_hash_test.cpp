@@ -28,7 +28,8 @@ TEST(ContentHash, OfPiecesIsThatOfTheWhole) {
 
 TEST(ContentHash, OfAFileIsThatOfItsBytesWhateverItsSize) {
     const test::TemporaryFolder folder;
-    for (const std::size_t size : {std::size_t{0}, std::size_t{1}, (std::size_t{1} << 20), (std::size_t{1} << 21) + 1}) {
+    for (const std::size_t size :
+         {std::size_t{0}, std::size_t{1}, (std::size_t{1} << 20), (std::size_t{1} << 21) + 1}) {
         std::string bytes(size, 'a');
         for (std::size_t i = 0; i < size; i += 37)
             bytes[i] = static_cast<char>(i);

@@ -85,7 +85,8 @@ TEST(WorkerTeam, HandsOnWhatAPieceThrows) {
         forEachIndex(1, 1, [&](std::size_t) { ++after; });
         EXPECT_EQ(after, 1);
     }
-    EXPECT_THROW(forEachIndex(1000, 1, [](std::size_t i) { throw std::out_of_range(std::to_string(i)); }), std::out_of_range);
+    EXPECT_THROW(forEachIndex(1000, 1, [](std::size_t i) { throw std::out_of_range(std::to_string(i)); }),
+                 std::out_of_range);
 }
 
 TEST(WorkerTeam, LoopsMayBeNestedAndCalledFromAnyThread) {

@@ -118,11 +118,10 @@ TEST_P(Decisions, HoldThroughoutTheirInterval) {
         if (!(cell.interval.below <= cell.interval.above))
             continue;
         const auto [least, greatest] = std::minmax_element(scalars.begin(), scalars.end());
-        const double low = std::max(cell.interval.below, *least),
-                     high = std::min(cell.interval.above, *greatest);
+        const double low = std::max(cell.interval.below, *least), high = std::min(cell.interval.above, *greatest);
         const double share = test::pickUnit(random);
-        for (const double other : {low, high, std::nextafter(low, kInfinity),
-                                   std::nextafter(high, -kInfinity), (1.0 - share) * low + share * high}) {
+        for (const double other : {low, high, std::nextafter(low, kInfinity), std::nextafter(high, -kInfinity),
+                                   (1.0 - share) * low + share * high}) {
             if (!cell.interval.contains(other) || signsOf(scalars, other) != signsOf(scalars, isovalue))
                 continue;
             ASSERT_EQ(labelOf(test::sweepCell(scalars, other)), labelOf(cellStates()[cell.state]))
@@ -141,10 +140,10 @@ std::string kindName(const testing::TestParamInfo<CellKind>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Decisions,
                          testing::Values(CellKind::Uniform, CellKind::TinyIntegers, CellKind::SmallIntegers,
-                                         CellKind::Saddle, CellKind::Decades, CellKind::Plane,
-                                         CellKind::NearPlane, CellKind::Degenerate, CellKind::BodyTies,
-                                         CellKind::PowersOfTwo, CellKind::Scaled, CellKind::SignedZeros,
-                                         CellKind::Denormal, CellKind::HugeFloats, CellKind::HugeDoubles),
+                                         CellKind::Saddle, CellKind::Decades, CellKind::Plane, CellKind::NearPlane,
+                                         CellKind::Degenerate, CellKind::BodyTies, CellKind::PowersOfTwo,
+                                         CellKind::Scaled, CellKind::SignedZeros, CellKind::Denormal,
+                                         CellKind::HugeFloats, CellKind::HugeDoubles),
                          kindName);
 
 // All cells of values -1, 0, 1 at the isovalues where they are tied, and between.
@@ -210,8 +209,7 @@ TEST(HiddenCorners, AreNamedWhereverATunnelNeedsThem) {
     int needed = 0, named = 0, uniform = 0;
     for (int i = 0; i < 6000; ++i) {
         const bool isUniform = i % 2 == 0;
-        const CellScalars scalars =
-            test::randomCell(isUniform ? CellKind::Uniform : CellKind::Saddle, random);
+        const CellScalars scalars = test::randomCell(isUniform ? CellKind::Uniform : CellKind::Saddle, random);
         const unsigned bits = hiddenCornersNeeded(scalars);
         const auto [least, greatest] = std::minmax_element(scalars.begin(), scalars.end());
         unsigned found = 0;
@@ -241,8 +239,7 @@ TEST(HiddenCorners, AreNamedWhereScalarsDifferByDecades) {
                      spread = std::array{3.0, 10.0, 20.0, 80.0}[i % 4];
         CellScalars scalars;
         for (unsigned k = 0; k < 8; ++k)
-            scalars[k] =
-                (std::popcount(k ^ centre) == 1 ? side : -side) * std::exp(spread * test::pickUnit(random));
+            scalars[k] = (std::popcount(k ^ centre) == 1 ? side : -side) * std::exp(spread * test::pickUnit(random));
         const double isovalue = i % 3 != 0 ? 0.0 : test::randomIsovalue(scalars, random);
         const int corner = hiddenCorner(signsOf(scalars, isovalue));
         if (corner < 0 || labelOf(test::sweepCell(scalars, isovalue)).tunnel == Tunnel::None)

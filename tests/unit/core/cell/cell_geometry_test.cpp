@@ -100,8 +100,7 @@ void countCrossings(const CellState& state, const CellScalars& scalars, Crossing
     const auto pieces = piecesOf(triangles);
     const Places places = placesOf(state, scalars, 0.0);
     const auto pieceOf = [&](const Triangle& t) {
-        return std::find_if(pieces.begin(), pieces.end(),
-                            [&](const auto& piece) { return piece.contains(t[0]); });
+        return std::find_if(pieces.begin(), pieces.end(), [&](const auto& piece) { return piece.contains(t[0]); });
     };
     bool isOfTwo = false, isOfOne = false;
     for (std::size_t i = 0; i < triangles.size(); ++i)
@@ -145,9 +144,8 @@ TEST(CellGeometry, TrianglesOfACellDoNotCross) {
     if (std::getenv("ISOSLIDER_PRINT_CROSSINGS") != nullptr)
         for (const auto& [state, c] : byState)
             if (c.ofTwoPieces + c.ofOnePiece > 0)
-                std::cout << state << ": of " << c.cells << " cells " << c.ofTwoPieces
-                          << " with crossing pieces, " << c.ofOnePiece
-                          << " with a piece that crosses itself\n";
+                std::cout << state << ": of " << c.cells << " cells " << c.ofTwoPieces << " with crossing pieces, "
+                          << c.ofOnePiece << " with a piece that crosses itself\n";
     RecordProperty("cells", all.cells);
     RecordProperty("ofTwoPieces", all.ofTwoPieces);
     RecordProperty("ofOnePiece", all.ofOnePiece);
@@ -171,8 +169,8 @@ TEST(TunnelWaists, LieOnTheSurface) {
         const CellScalars cell = tunnelCell(random);
         const CellState& state = stateAt(cell, 0.0);
         const Places places = placesOf(state, cell, 0.0, 1e-13);
-        const double greatest = std::abs(*std::max_element(
-            cell.begin(), cell.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+        const double greatest = std::abs(
+            *std::max_element(cell.begin(), cell.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
         for (std::size_t k = 0; k < 6; ++k)
             ASSERT_LT(std::abs(interpolate(cell, places[kInnerVertex + k])), 1e-11 * greatest)
                 << test::toString(cell, 0.0);

@@ -51,9 +51,7 @@ protected:
             lowerBorders_.push_back(borderIn(triangles, static_cast<unsigned>(2 * GetParam() + 1)));
             std::vector<DirectedEdge> border = borderIn(triangles, static_cast<unsigned>(2 * GetParam()));
             lower_.push_back(triangles);
-            const auto moved = [&](int vertex) {
-                return common.contains(vertex) ? common.at(vertex) : vertex + 100;
-            };
+            const auto moved = [&](int vertex) { return common.contains(vertex) ? common.at(vertex) : vertex + 100; };
             for (Triangle& t : triangles)
                 t = {moved(t[0]), moved(t[1]), moved(t[2])};
             for (DirectedEdge& edge : border)
@@ -100,8 +98,7 @@ TEST_P(FacePairs, WeldIntoAManifold) {
                 const bool mayClash = key != 0 && key != 15;
                 if (mayClash)
                     expectWelded(below, above);
-                ASSERT_FALSE(HasFatalFailure())
-                    << describe(states[below]) << " | " << describe(states[above]);
+                ASSERT_FALSE(HasFatalFailure()) << describe(states[below]) << " | " << describe(states[above]);
             }
     RecordProperty("pairs", static_cast<int>(pairs));
     EXPECT_GT(pairs, 30000u);

@@ -89,8 +89,8 @@ TEST_F(EveryState, HasTheLoopsPiecesAndEulerNumberItStates) {
         for (const auto& [edge, uses] : directedEdges(triangles))
             edges.insert(std::minmax(edge.first, edge.second));
         const std::set<int> vertices(state.triangles.begin(), state.triangles.end());
-        const int euler = static_cast<int>(vertices.size()) - static_cast<int>(edges.size()) +
-                          static_cast<int>(triangles.size());
+        const int euler =
+            static_cast<int>(vertices.size()) - static_cast<int>(edges.size()) + static_cast<int>(triangles.size());
         const int loops = countCycles(segmentsOf(state));
         EXPECT_EQ(loops, state.loops);
         EXPECT_EQ(static_cast<int>(piecesOf(triangles).size()), state.components);
@@ -154,8 +154,7 @@ TEST_F(EveryState, HasAWaistOfSixPlacesRoundItsDiagonal) {
             if (corner != state.diagonal && corner != 7 - state.diagonal)
                 expected.insert(corner);
         EXPECT_EQ(places, expected);
-        EXPECT_NE(mayHaveTunnel(state.signs, state.joinedFaces) & (state.tunnel == Tunnel::Above ? 1u : 2u),
-                  0u);
+        EXPECT_NE(mayHaveTunnel(state.signs, state.joinedFaces) & (state.tunnel == Tunnel::Above ? 1u : 2u), 0u);
     });
 }
 

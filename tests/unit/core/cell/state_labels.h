@@ -45,8 +45,7 @@ inline const CellState& stateAt(const test::CellScalars& scalars, double isovalu
 /// A random cell without ties at isovalue 0, on a lattice coarse enough for the oracle to be quick.
 inline test::CellScalars untiedCell(test::Random& random) {
     const bool isUniform = test::pickInt(random, 0, 3) == 0;
-    test::CellScalars scalars =
-        test::randomCell(isUniform ? test::CellKind::Uniform : test::CellKind::Saddle, random);
+    test::CellScalars scalars = test::randomCell(isUniform ? test::CellKind::Uniform : test::CellKind::Saddle, random);
     for (double& scalar : scalars)
         scalar = std::ldexp(std::round(std::ldexp(scalar, 20)), -20);
     return scalars;
@@ -64,12 +63,10 @@ inline ClassWitnesses findClasses(unsigned seed, std::size_t perClass = 1, int p
     ClassWitnesses found;
     for (int idle = 0; idle < patience; ++idle) {
         const test::CellScalars scalars = untiedCell(random);
-        const auto [known, isNew] =
-            found.classOf.emplace(labelOf(test::sweepCell(scalars, 0.0)), found.classes.size());
+        const auto [known, isNew] = found.classOf.emplace(labelOf(test::sweepCell(scalars, 0.0)), found.classes.size());
         if (isNew) {
             for (int symmetry = 1; symmetry < 96; ++symmetry)
-                found.classOf[labelOf(test::sweepCell(test::turned(scalars, symmetry), 0.0))] =
-                    found.classes.size();
+                found.classOf[labelOf(test::sweepCell(test::turned(scalars, symmetry), 0.0))] = found.classes.size();
             found.classes.emplace_back();
             idle = 0;
         }

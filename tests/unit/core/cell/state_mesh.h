@@ -19,8 +19,7 @@ using DirectedEdge = std::pair<int, int>;
 inline std::string describe(const CellState& state) {
     static constexpr const char* kTunnels[] = {"none", "above", "below"};
     return "signs " + std::to_string(state.signs) + ", joined faces " + std::to_string(state.joinedFaces) +
-           ", tunnel " + kTunnels[static_cast<int>(state.tunnel)] + ", diagonal " +
-           std::to_string(state.diagonal);
+           ", tunnel " + kTunnels[static_cast<int>(state.tunnel)] + ", diagonal " + std::to_string(state.diagonal);
 }
 
 /// Segments of a face as the border of the cell's surface, from the face's own signs and bit: the corners
@@ -29,8 +28,7 @@ inline std::vector<DirectedEdge> segmentsOf(int face, unsigned signs, bool isJoi
     const auto& corners = kFaceCorners[static_cast<std::size_t>(face)];
     const auto isAbove = [&](int k) { return (signs >> corners[static_cast<std::size_t>(k & 3)] & 1u) != 0; };
     const auto edge = [&](int k) {
-        return edgeBetween(corners[static_cast<std::size_t>(k & 3)],
-                           corners[static_cast<std::size_t>((k + 1) & 3)]);
+        return edgeBetween(corners[static_cast<std::size_t>(k & 3)], corners[static_cast<std::size_t>((k + 1) & 3)]);
     };
     std::vector<DirectedEdge> segments;
     const bool isAmbiguous = isAbove(0) == isAbove(2) && isAbove(1) == isAbove(3) && isAbove(0) != isAbove(1);
@@ -55,8 +53,7 @@ inline std::vector<DirectedEdge> segmentsOf(int face, unsigned signs, bool isJoi
 inline std::vector<DirectedEdge> segmentsOf(const CellState& state) {
     std::vector<DirectedEdge> segments;
     for (int face = 0; face < 6; ++face)
-        for (const DirectedEdge& segment :
-             segmentsOf(face, state.signs, (state.joinedFaces >> face & 1) != 0))
+        for (const DirectedEdge& segment : segmentsOf(face, state.signs, (state.joinedFaces >> face & 1) != 0))
             segments.push_back(segment);
     std::sort(segments.begin(), segments.end());
     return segments;
@@ -126,8 +123,8 @@ inline std::vector<std::set<int>> piecesOf(const std::vector<Triangle>& triangle
     for (std::size_t i = 0; i < piece.size(); ++i)
         piece[i] = static_cast<int>(i);
     const auto shareEdge = [&](const Triangle& a, const Triangle& b) {
-        return std::count_if(a.begin(), a.end(),
-                             [&](int v) { return std::find(b.begin(), b.end(), v) != b.end(); }) > 1;
+        return std::count_if(a.begin(), a.end(), [&](int v) { return std::find(b.begin(), b.end(), v) != b.end(); }) >
+               1;
     };
     for (std::size_t i = 0; i < triangles.size(); ++i)
         for (std::size_t j = i + 1; j < triangles.size(); ++j)

@@ -31,7 +31,8 @@ std::shared_ptr<const ScalarGrid> cubeField(std::int64_t side, const Function& f
     geometry.spacing = glm::dvec3(2.0 / static_cast<double>(side - 1));
     geometry.origin = glm::dvec3(-1.0);
     return test::makeVolume<float>(ScalarType::F32, geometry, [&](auto x, auto y, auto z) {
-        return field(glm::dvec3(-1.0) + geometry.spacing * glm::dvec3(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)));
+        return field(glm::dvec3(-1.0) + geometry.spacing * glm::dvec3(static_cast<double>(x), static_cast<double>(y),
+                                                                      static_cast<double>(z)));
     });
 }
 
@@ -87,7 +88,8 @@ TEST(FullExtraction, MirroredGeometryStillFacesOutwards) {
     GridGeometry geometry = plain->geometry();
     geometry.spacing.y = -geometry.spacing.y;
     const ScalarGrid mirrored(geometry, plain->type(), {plain->bytes().begin(), plain->bytes().end()});
-    EXPECT_EQ(extracted(mirrored, 0.3).triangles, extracted(*plain, 0.3).triangles) << "index space knows no handedness";
+    EXPECT_EQ(extracted(mirrored, 0.3).triangles, extracted(*plain, 0.3).triangles)
+        << "index space knows no handedness";
     EXPECT_GT(mesh::checkMesh(extracted(mirrored, 0.3)).enclosedVolume, 0.0);
 }
 
@@ -96,11 +98,13 @@ std::shared_ptr<const ScalarGrid> closedNoise(unsigned seed, const GridDims& dim
     GridGeometry geometry;
     geometry.dims = dims;
     std::mt19937 random(seed);
-    return test::makeVolume<std::int16_t>(ScalarType::I16, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-        const bool isBorder = x == 0 || y == 0 || z == 0 || x + 1 == dims[0] || y + 1 == dims[1] || z + 1 == dims[2];
-        const int value = static_cast<int>(random() % static_cast<unsigned>(values));
-        return isBorder ? -5 : value;
-    });
+    return test::makeVolume<std::int16_t>(
+        ScalarType::I16, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+            const bool isBorder =
+                x == 0 || y == 0 || z == 0 || x + 1 == dims[0] || y + 1 == dims[1] || z + 1 == dims[2];
+            const int value = static_cast<int>(random() % static_cast<unsigned>(values));
+            return isBorder ? -5 : value;
+        });
 }
 
 TEST(FullExtraction, EveryClosedGridGivesAClosedOrientedManifold) {
@@ -158,16 +162,19 @@ std::vector<std::array<EdgeId, 3>> slowTriangles(const ScalarGrid& grid, double 
                 if (!isWhole)
                     continue;
                 const std::uint8_t signs = cell::signsOf(scalars, isovalue);
-                const cell::CellState& state = cell::cellStates()[cell::resolveCell(signs, scalars, true, isovalue).state];
+                const cell::CellState& state =
+                    cell::cellStates()[cell::resolveCell(signs, scalars, true, isovalue).state];
                 const auto nameOf = [&](std::uint8_t vertex) {
                     if (vertex >= cell::kInnerVertex)
                         return nextInner + vertex - cell::kInnerVertex;
                     const cell::CellEdge& edge = cell::kCellEdges[vertex];
-                    const std::int64_t px = x + (edge.lowerCorner & 1), py = y + (edge.lowerCorner >> 1 & 1), pz = z + (edge.lowerCorner >> 2);
+                    const std::int64_t px = x + (edge.lowerCorner & 1), py = y + (edge.lowerCorner >> 1 & 1),
+                                       pz = z + (edge.lowerCorner >> 2);
                     return static_cast<EdgeId>(4 * (px + n[0] * (py + n[1] * pz)) + edge.axis);
                 };
                 for (std::size_t k = 0; k < state.triangles.size(); k += 3)
-                    triangles.push_back({nameOf(state.triangles[k]), nameOf(state.triangles[k + 1]), nameOf(state.triangles[k + 2])});
+                    triangles.push_back(
+                        {nameOf(state.triangles[k]), nameOf(state.triangles[k + 1]), nameOf(state.triangles[k + 2])});
                 nextInner += state.innerVertices;
             }
     return triangles;
@@ -187,12 +194,14 @@ TEST(FullExtraction, GivesTheTrianglesOfEveryWholeCellAndNoOtherVertex) {
         double isovalue = volume.min;
         for (int k = 0; k < 4; ++k) {
             isovalue = test::nextIsovalue(volume, isovalue, random);
-            SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description + " at " + std::to_string(isovalue));
+            SCOPED_TRACE("seed " + std::to_string(seed) + ": " + volume.description + " at " +
+                         std::to_string(isovalue));
             const SurfaceMesh surface = extracted(*volume.grid, isovalue);
             std::vector<std::array<EdgeId, 3>> triangles;
             std::vector<bool> isUsed(surface.positions.size(), false);
             const auto nameOf = [&](std::uint32_t vertex) {
-                return vertex < surface.edgeIds.size() ? surface.edgeIds[vertex] : kFirstInner + (vertex - surface.edgeIds.size());
+                return vertex < surface.edgeIds.size() ? surface.edgeIds[vertex]
+                                                       : kFirstInner + (vertex - surface.edgeIds.size());
             };
             for (std::size_t i = 0; i < surface.triangles.size(); i += 3) {
                 const std::uint32_t* t = surface.triangles.data() + i;
@@ -200,7 +209,8 @@ TEST(FullExtraction, GivesTheTrianglesOfEveryWholeCellAndNoOtherVertex) {
                 isUsed[t[0]] = isUsed[t[1]] = isUsed[t[2]] = true;
             }
             ASSERT_EQ(triangles, slowTriangles(*volume.grid, isovalue)) << "in grid order too";
-            ASSERT_TRUE(std::all_of(isUsed.begin(), isUsed.end(), [](bool used) { return used; })) << "a vertex without a triangle";
+            ASSERT_TRUE(std::all_of(isUsed.begin(), isUsed.end(), [](bool used) { return used; }))
+                << "a vertex without a triangle";
             ASSERT_TRUE(std::is_sorted(surface.edgeIds.begin(), surface.edgeIds.end()));
             ASSERT_TRUE(isManifold(surface)) << "beside missing values too";
         }

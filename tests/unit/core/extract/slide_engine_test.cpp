@@ -20,7 +20,8 @@ using test::IsOk;
 
 class SlideEngineTest : public testing::Test {
 protected:
-    std::unique_ptr<SlideEngine> openOn(const std::shared_ptr<const ScalarGrid>& grid, int skipLevels = 5, std::uint64_t cacheBytes = 1u << 28) {
+    std::unique_ptr<SlideEngine> openOn(const std::shared_ptr<const ScalarGrid>& grid, int skipLevels = 5,
+                                        std::uint64_t cacheBytes = 1u << 28) {
         preprocess::BuildOptions options;
         options.skipLevels = skipLevels;
         options.sourceName = "hills";
@@ -94,7 +95,8 @@ TEST_F(SlideEngineTest, StandingStillCostsNothing) {
     EXPECT_EQ(moved.value().edgesTouched, 0u);
     EXPECT_EQ(moved.value().bytesRead, 0u);
     EXPECT_EQ(moved.value().cellsRetriangulated, 0u);
-    EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*hills_, 300.75).value())) << "vertices move all the same";
+    EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*hills_, 300.75).value()))
+        << "vertices move all the same";
 }
 
 // L6: work follows the change, counted where it happens.
@@ -124,8 +126,10 @@ TEST_F(SlideEngineTest, SkipLevelsShortenAJump) {
     ASSERT_THAT(far, IsOk());
     ASSERT_THAT(slow, IsOk());
     EXPECT_LT(far.value().edgesTouched, slow.value().edgesTouched);
-    EXPECT_TRUE(std::any_of(far.value().walk.begin(), far.value().walk.end(), [](const WalkStep& s) { return s.skipLevel > 0; }));
-    EXPECT_TRUE(std::all_of(slow.value().walk.begin(), slow.value().walk.end(), [](const WalkStep& s) { return s.skipLevel == 0; }));
+    EXPECT_TRUE(std::any_of(far.value().walk.begin(), far.value().walk.end(),
+                            [](const WalkStep& s) { return s.skipLevel > 0; }));
+    EXPECT_TRUE(std::all_of(slow.value().walk.begin(), slow.value().walk.end(),
+                            [](const WalkStep& s) { return s.skipLevel == 0; }));
     EXPECT_TRUE(test::isSameSurface(leveled->mesh().value(), plain->mesh().value()));
 }
 
@@ -164,7 +168,8 @@ TEST_F(SlideEngineTest, CountsPagesOfHiddenCornersAsReadOnce) {
 
 TEST_F(SlideEngineTest, IsEmptyOutsideTheRangeAndComesBack) {
     const auto engine = openOn(hills_);
-    for (const double outside : {-1e9, 1e9, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()}) {
+    for (const double outside :
+         {-1e9, 1e9, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()}) {
         ASSERT_THAT(engine->slideTo(400.0), IsOk());
         EXPECT_GT(engine->mesh().value().triangleCount(), 0u);
         const auto moved = engine->slideTo(outside);

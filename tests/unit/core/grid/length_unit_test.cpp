@@ -8,7 +8,8 @@ namespace {
 TEST(LengthUnit, OneUnitHasOneSymbol) {
     for (const char* text : {"mm", "MM", "millimeter", "Millimetres", "millimeters"})
         EXPECT_EQ(knownLengthUnit(text), "mm") << text;
-    for (const char* text : {"um", "µm", "\xce\xbcm", "\xb5m", "\\u00B5m", "&#181;m", "micron", "microns", "Micrometers"})
+    for (const char* text :
+         {"um", "µm", "\xce\xbcm", "\xb5m", "\\u00B5m", "&#181;m", "micron", "microns", "Micrometers"})
         EXPECT_EQ(knownLengthUnit(text), "µm") << text;
     for (const char* text : {"angstrom", "Angstroms", "Å", "\xe2\x84\xab"})
         EXPECT_EQ(knownLengthUnit(text), "Å") << text;
@@ -22,8 +23,8 @@ TEST(LengthUnit, UnknownOnesAreKeptWhereTheyCanBeShown) {
     EXPECT_EQ(lengthUnitOf("furlong"), "furlong");
     EXPECT_EQ(lengthUnitOf("micron"), "µm");
     EXPECT_EQ(lengthUnitOf("light-nanosecond"), "light-nanosecond") << "16 characters";
-    for (const char* text : {"pixel", "Pixels", "light-nanoseconds", "a b", "a\nb", "\x1b[2J", "\xff", "\xc3", "\xc0\x80",
-                             "\xed\xa0\x80", "\xe2\x80\xae", "\xc2\x85"})
+    for (const char* text : {"pixel", "Pixels", "light-nanoseconds", "a b", "a\nb", "\x1b[2J", "\xff", "\xc3",
+                             "\xc0\x80", "\xed\xa0\x80", "\xe2\x80\xae", "\xc2\x85"})
         EXPECT_EQ(lengthUnitOf(text), "") << text;
 }
 

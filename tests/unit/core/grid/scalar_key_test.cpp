@@ -23,9 +23,24 @@ std::vector<Sample> orderedSamples() {
     std::vector<Sample> samples;
     if constexpr (std::is_floating_point_v<Sample>) {
         const Sample d = Limits::denorm_min();
-        samples = {Limits::lowest(), std::nextafter(Limits::lowest(), Sample(0)), -1.5f, -1, -Limits::min(), -2 * d, -d, 0, d, 2 * d,
-                   Limits::min(), std::nextafter(Limits::min(), Sample(1)), Sample(0.1), 1, std::nextafter(Sample(1), Sample(2)), 3,
-                   std::nextafter(Limits::max(), Sample(0)), Limits::max()};
+        samples = {Limits::lowest(),
+                   std::nextafter(Limits::lowest(), Sample(0)),
+                   -1.5f,
+                   -1,
+                   -Limits::min(),
+                   -2 * d,
+                   -d,
+                   0,
+                   d,
+                   2 * d,
+                   Limits::min(),
+                   std::nextafter(Limits::min(), Sample(1)),
+                   Sample(0.1),
+                   1,
+                   std::nextafter(Sample(1), Sample(2)),
+                   3,
+                   std::nextafter(Limits::max(), Sample(0)),
+                   Limits::max()};
     } else if constexpr (sizeof(Sample) <= 2) {
         for (std::int64_t v = Limits::min(); v <= Limits::max(); ++v)
             samples.push_back(static_cast<Sample>(v));
@@ -55,7 +70,8 @@ TYPED_TEST(ScalarKey, ThresholdClassifiesAsTheSignConventionSays) {
             samples.push_back(all[i]);
     }
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    std::vector<double> isovalues = {-kInfinity, -DBL_MAX, -1e300, -3e9, -0.0, 0.0, 0.5, -0.5, 1e-320, -1e-320, 3e9, 1e300, DBL_MAX, kInfinity};
+    std::vector<double> isovalues = {-kInfinity, -DBL_MAX, -1e300,  -3e9, -0.0,  0.0,     0.5,
+                                     -0.5,       1e-320,   -1e-320, 3e9,  1e300, DBL_MAX, kInfinity};
     for (const TypeParam sample : samples) {
         const double value = static_cast<double>(sample);
         isovalues.insert(isovalues.end(), {value, std::nextafter(value, kInfinity), std::nextafter(value, -kInfinity)});

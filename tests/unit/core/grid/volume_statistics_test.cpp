@@ -92,7 +92,8 @@ TEST(VolumeStatistics, AgreesWithASet) {
 TEST(VolumeStatistics, StopsOnRequest) {
     std::stop_source stop;
     stop.request_stop();
-    EXPECT_TRUE(computeStatistics(rowOf<float>(ScalarType::F32, {1, 2}), true, 8, {stop.get_token(), {}}).isCancelled());
+    EXPECT_TRUE(
+        computeStatistics(rowOf<float>(ScalarType::F32, {1, 2}), true, 8, {stop.get_token(), {}}).isCancelled());
 }
 
 } // namespace

@@ -125,7 +125,9 @@ TEST_F(DamagedNoise, IsGoodAsItWasBuilt) {
 TEST_F(DamagedNoise, TruncationIsRefused) {
     const HiddenPageEntry& hidden = meta_.hiddenPages[0];
     for (std::size_t length = 0; length < bytes_.size(); length += length < hidden.offset + hidden.bytes + 2 ? 1 : 41)
-        ASSERT_THAT(IndexReader::open(write(bytes_.substr(0, length))), HasError(length < 12 ? ErrorCode::InvalidArgument : ErrorCode::Corruption)) << length;
+        ASSERT_THAT(IndexReader::open(write(bytes_.substr(0, length))),
+                    HasError(length < 12 ? ErrorCode::InvalidArgument : ErrorCode::Corruption))
+            << length;
 }
 
 TEST_F(DamagedNoise, AFlippedBitInAnyByteIsFoundOrHarmless) {
@@ -140,7 +142,9 @@ TEST_F(DamagedNoise, AFlippedBitInAnyByteIsFoundOrHarmless) {
         std::string damaged = bytes_;
         damaged[at] = static_cast<char>(damaged[at] ^ (1 << (random() % 8)));
         const auto path = write(damaged);
-        const ErrorCode code = at < 12 ? ErrorCode::InvalidArgument : at < 14 ? ErrorCode::UnsupportedVersion : ErrorCode::Corruption;
+        const ErrorCode code = at < 12   ? ErrorCode::InvalidArgument
+                               : at < 14 ? ErrorCode::UnsupportedVersion
+                                         : ErrorCode::Corruption;
         if (!isPage) {
             ASSERT_THAT(IndexReader::open(path), HasError(code)) << "byte " << at;
         } else if (isHidden) {
@@ -179,7 +183,9 @@ TEST_F(DamagedNoise, AnIndexThatContradictsItselfIsNamed) {
     const auto reader = IndexReader::open(folder_ / "good.isx");
     ASSERT_THAT(reader, IsOk());
     DecodedPage<Key> page;
-    ASSERT_THAT(decodePage<Key>(std::as_bytes(std::span(bytes_)).subspan(entry.offset, entry.bytes), reader.value()->grid(), page, "p"), IsOk());
+    ASSERT_THAT(decodePage<Key>(std::as_bytes(std::span(bytes_)).subspan(entry.offset, entry.bytes),
+                                reader.value()->grid(), page, "p"),
+                IsOk());
     std::vector<PointRecord<Key>> records;
     for (std::size_t i = 0, far = 0; i < page.pointCount(); ++i) {
         PointRecord<Key> record;
@@ -202,7 +208,8 @@ TEST_F(DamagedNoise, AnIndexThatContradictsItselfIsNamed) {
             break;
         }
     }
-    const auto bytes = encodePage<Key>(std::span<const PointRecord<Key>>(records), PageOrder::Value, reader.value()->grid());
+    const auto bytes =
+        encodePage<Key>(std::span<const PointRecord<Key>>(records), PageOrder::Value, reader.value()->grid());
     entry.offset = preamble_.metaOffset;
     entry.bytes = static_cast<std::uint32_t>(bytes.size());
     entry.checksum = pageChecksum(bytes, preamble_.seed, entry.offset);
@@ -226,7 +233,8 @@ TEST_F(DamagedNoise, ForgedHiddenCornersNeverCrash) {
     std::mt19937 random(7);
     IndexMeta meta = meta_;
     meta.hiddenPages.clear();
-    const auto min = static_cast<std::uint64_t>(meta_.info.min), span = static_cast<std::uint64_t>(meta_.info.max) - min + 1;
+    const auto min = static_cast<std::uint64_t>(meta_.info.min),
+               span = static_cast<std::uint64_t>(meta_.info.max) - min + 1;
     for (int round = 0; round < 60; ++round) {
         std::vector<HiddenCorner> forgedCorners;
         if (round % 2) {
@@ -240,14 +248,16 @@ TEST_F(DamagedNoise, ForgedHiddenCornersNeverCrash) {
                     for (int x = 0; x < 8; ++x)
                         for (int c = 0; c < 8; ++c)
                             if (random() % 8 != 0)
-                                forgedCorners.push_back({0, static_cast<std::uint16_t>(8 * (x + 8 * y + 64 * z) + c), min + random() % span});
+                                forgedCorners.push_back({0, static_cast<std::uint16_t>(8 * (x + 8 * y + 64 * z) + c),
+                                                         min + random() % span});
         }
         const auto engine = extract::SlideEngine::open(write(forged(meta, {forgedCorners})), {1});
         ASSERT_THAT(engine, IsOk());
         for (const auto& fresh : fresh_)
             EXPECT_NO_THROW(static_cast<void>(engine.value()->slideTo(fresh.isovalue).isOk()));
     }
-    EXPECT_NO_THROW(static_cast<void>(extract::SlideEngine::open(write(forged(meta, {}))).value()->slideTo(20.0).isOk()));
+    EXPECT_NO_THROW(
+        static_cast<void>(extract::SlideEngine::open(write(forged(meta, {}))).value()->slideTo(20.0).isOk()));
 }
 
 TEST_F(DamagedNoise, ForgedDirectoriesOfHiddenCornersNeverCrash) {
@@ -264,7 +274,8 @@ TEST_F(DamagedNoise, ForgedDirectoriesOfHiddenCornersNeverCrash) {
                 entry.offset = random() % 3 ? meta_.levels[0].pages[0].offset : ~std::uint64_t{0} - 5;
             // The checksum of whatever lies there.
             if (entry.offset < bytes_.size() && entry.bytes <= bytes_.size() - entry.offset)
-                entry.checksum = pageChecksum(std::as_bytes(std::span(bytes_)).subspan(entry.offset, entry.bytes), preamble_.seed, entry.offset);
+                entry.checksum = pageChecksum(std::as_bytes(std::span(bytes_)).subspan(entry.offset, entry.bytes),
+                                              preamble_.seed, entry.offset);
         }
         const auto engine = extract::SlideEngine::open(write(forged(meta, {})), {1});
         if (!engine.isOk())

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/grid/scalar_key.h"
 #include "core/base/byte_codec.h"
+#include "core/grid/scalar_key.h"
 #include "core/index/index_writer.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
@@ -25,8 +25,10 @@ IndexInfo infoOf(ScalarType type, const GridDims& dims) {
     IndexInfo info;
     info.type = type;
     info.geometry.dims = dims;
-    info.min = visitScalarType(type, [](auto s) { return static_cast<double>(std::numeric_limits<decltype(s)>::lowest()); });
-    info.max = visitScalarType(type, [](auto s) { return static_cast<double>(std::numeric_limits<decltype(s)>::max()); });
+    info.min =
+        visitScalarType(type, [](auto s) { return static_cast<double>(std::numeric_limits<decltype(s)>::lowest()); });
+    info.max =
+        visitScalarType(type, [](auto s) { return static_cast<double>(std::numeric_limits<decltype(s)>::max()); });
     return info;
 }
 
@@ -43,7 +45,8 @@ std::vector<HiddenCorner> someCorners(Random& random, BrickIndex first, BrickInd
                     continue;
                 Sample sample;
                 if constexpr (std::is_floating_point_v<Sample>)
-                    sample = static_cast<Sample>(std::ldexp(static_cast<double>(random()) - 2e9, static_cast<int>(random() % 60) - 30));
+                    sample = static_cast<Sample>(
+                        std::ldexp(static_cast<double>(random()) - 2e9, static_cast<int>(random() % 60) - 30));
                 else
                     sample = static_cast<Sample>(random());
                 corners.push_back({brick, static_cast<std::uint16_t>(8 * cell + corner), keyOf(sample)});
@@ -58,8 +61,12 @@ void expectRoundTrip(ScalarType type) {
     const BrickGrid grid(dims);
     const IndexInfo info = infoOf(type, dims);
     const auto lastBrick = static_cast<BrickIndex>(grid.brickCount() - 1);
-    for (const auto& [first, bricks, oneIn] : {std::array<BrickIndex, 3>{0, 1, 5000}, {7, 3, 5000}, {lastBrick, 1, 5000},
-                                               {lastBrick - 9, 10, 20}, {1000, 30, 400}, {5, 1, 1}}) {
+    for (const auto& [first, bricks, oneIn] : {std::array<BrickIndex, 3>{0, 1, 5000},
+                                               {7, 3, 5000},
+                                               {lastBrick, 1, 5000},
+                                               {lastBrick - 9, 10, 20},
+                                               {1000, 30, 400},
+                                               {5, 1, 1}}) {
         const auto corners = someCorners<Sample>(random, first, bricks, oneIn);
         ASSERT_LE(corners.size(), kMaxHiddenPageCorners);
         const auto bytes = encodeHiddenPage(corners, type);
@@ -74,7 +81,8 @@ void expectRoundTrip(ScalarType type) {
         ASSERT_EQ(page.scalars.size(), corners.size());
         for (std::size_t i = 0; i < corners.size(); ++i) {
             ASSERT_EQ(page.places[i], kHiddenPlacesPerBrick * (corners[i].brick - first) + corners[i].place);
-            ASSERT_EQ(page.scalars[i], static_cast<double>(sampleOfKey<Sample>(static_cast<KeyOf<Sample>>(corners[i].key))));
+            ASSERT_EQ(page.scalars[i],
+                      static_cast<double>(sampleOfKey<Sample>(static_cast<KeyOf<Sample>>(corners[i].key))));
         }
     }
 }
@@ -93,7 +101,9 @@ TEST(HiddenPage, SpansAsManyBricksAsPlacesAllow) {
     const GridDims dims = {8 * 4096, 8 * 1024, 16};
     const std::vector<HiddenCorner> corners = {{3, 7, keyOf(-1.5f)}, {2 + kMaxHiddenPageBricks, 2919, keyOf(2.5f)}};
     HiddenPage page;
-    ASSERT_THAT(decodeHiddenPage(encodeHiddenPage(corners, ScalarType::F32), hiddenPageEntry(corners), infoOf(ScalarType::F32, dims), page, "p"), IsOk());
+    ASSERT_THAT(decodeHiddenPage(encodeHiddenPage(corners, ScalarType::F32), hiddenPageEntry(corners),
+                                 infoOf(ScalarType::F32, dims), page, "p"),
+                IsOk());
     EXPECT_EQ(page.places, (std::vector<std::uint32_t>{7, (kMaxHiddenPageBricks - 1) * kHiddenPlacesPerBrick + 2919}));
     EXPECT_EQ(page.scalars, (std::vector<double>{-1.5, 2.5}));
 }
@@ -169,7 +179,9 @@ TEST_F(HiddenPageDamage, PlacesMustRiseAndNameCells) {
     refuses("a cell that would stick out of the grid along y", {{7, 8 * (7 << 3), one}});
     refuses("a cell in the last plane along z", {{12, 8, one}});
     refuses("a brick outside the grid", {{20, 8, one}});
-    EXPECT_THAT(decode(encodeHiddenPage(std::vector<HiddenCorner>{{2, 9, one}, {2, 10, one}}, kType), {2, 2, 2, 0, 0, 0}), IsOk());
+    EXPECT_THAT(
+        decode(encodeHiddenPage(std::vector<HiddenCorner>{{2, 9, one}, {2, 10, one}}, kType), {2, 2, 2, 0, 0, 0}),
+        IsOk());
 }
 
 TEST_F(HiddenPageDamage, ScalarsMustBeSamplesOfTheVolume) {
@@ -185,7 +197,8 @@ TEST_F(HiddenPageDamage, ScalarsMustBeSamplesOfTheVolume) {
     info_ = infoOf(ScalarType::U8, {40, 16, 9});
     const std::vector<HiddenCorner> wide = {{2, 9, 256}};
     HiddenPage page;
-    EXPECT_THAT(decodeHiddenPage(encodeHiddenPage(wide, ScalarType::U8), hiddenPageEntry(wide), info_, page, "p"), HasError(ErrorCode::Corruption));
+    EXPECT_THAT(decodeHiddenPage(encodeHiddenPage(wide, ScalarType::U8), hiddenPageEntry(wide), info_, page, "p"),
+                HasError(ErrorCode::Corruption));
 }
 
 // An index with nothing but pages of hidden corners.
@@ -198,7 +211,8 @@ protected:
         auto writer = IndexWriter::create(path_, 42);
         ASSERT_THAT(writer, IsOk());
         for (const auto& page : pages_)
-            ASSERT_THAT(writer.value()->addHiddenPage(hiddenPageEntry(page), encodeHiddenPage(page, ScalarType::F32)), IsOk());
+            ASSERT_THAT(writer.value()->addHiddenPage(hiddenPageEntry(page), encodeHiddenPage(page, ScalarType::F32)),
+                        IsOk());
         IndexMeta meta;
         meta.info = infoOf(ScalarType::F32, {8 * 7, 8 * 7, 8 * 7});
         meta.info.levels.resize(1);
@@ -218,7 +232,9 @@ protected:
         folder_.write("a.isx", bytes);
         open();
     }
-    static double scalarOf(const HiddenCorner& corner) { return sampleOfKey<float>(static_cast<std::uint32_t>(corner.key)); }
+    static double scalarOf(const HiddenCorner& corner) {
+        return sampleOfKey<float>(static_cast<std::uint32_t>(corner.key));
+    }
 
     test::TemporaryFolder folder_;
     std::filesystem::path path_ = folder_ / "a.isx";
@@ -288,7 +304,8 @@ TEST_F(HiddenCornersFile, ManyThreadsFindTheSame) {
             threads.emplace_back([&] {
                 for (const auto& page : pages_)
                     for (const HiddenCorner& corner : page) {
-                        const auto found = hidden.find(corner.brick, static_cast<LocalPoint>(corner.place / 8), corner.place % 8);
+                        const auto found =
+                            hidden.find(corner.brick, static_cast<LocalPoint>(corner.place / 8), corner.place % 8);
                         wrong += !found.isOk() || found.value() != scalarOf(corner);
                     }
             });

@@ -51,8 +51,7 @@ protected:
         findParts();
     }
 
-    static std::string bytesOf(const std::shared_ptr<const ScalarGrid>& grid,
-                               double redundancyThreshold = 0.2) {
+    static std::string bytesOf(const std::shared_ptr<const ScalarGrid>& grid, double redundancyThreshold = 0.2) {
         const test::TemporaryFolder folder;
         preprocess::BuildOptions options;
         options.kind = GetParam();
@@ -66,11 +65,9 @@ protected:
     void findParts() {
         for (const auto& level : meta_.levels)
             for (const PageEntry& page : level.pages)
-                parts_.push_back(
-                    {page.offset, page.bytes, [this, page] { return reader_->readPage(page, buffer_); }});
+                parts_.push_back({page.offset, page.bytes, [this, page] { return reader_->readPage(page, buffer_); }});
         for (const HiddenPageEntry& page : meta_.hiddenPages)
-            parts_.push_back(
-                {page.offset, page.bytes, [this, page] { return reader_->readPage(page, buffer_); }});
+            parts_.push_back({page.offset, page.bytes, [this, page] { return reader_->readPage(page, buffer_); }});
         for (const ShelfEntry& shelf : meta_.shelves) // the only one: the grid has fewer than 256 chunks
             findChunks(shelf);
     }
@@ -220,8 +217,7 @@ TEST_P(IndexDamage, B083_PartsOfOtherPlacesAndOtherIndexesAreFound) {
         const auto put = [&](const std::string& from, std::uint64_t offset, std::uint64_t bytes) {
             bytes_.replace(part.offset, bytes, from, offset, bytes);
             if (bytes_ != good_) {
-                EXPECT_THAT(part.read(), HasError(ErrorCode::Corruption))
-                    << part.offset << " from " << offset;
+                EXPECT_THAT(part.read(), HasError(ErrorCode::Corruption)) << part.offset << " from " << offset;
             }
             bytes_.replace(part.offset, part.bytes, good_, part.offset, part.bytes);
         };
@@ -270,8 +266,7 @@ TEST_P(IndexDamage, B084_PlacesOutsideTheFileOrInItsHeaderAreRefusedOnOpening) {
     // Sizes that reach out of it.
     expectRefused([&](IndexMeta& meta) { meta.levels[0].pages[0].bytes = ~std::uint32_t{0}; });
     expectRefused([&](IndexMeta& meta) {
-        meta.levels[0].pages[0].bytes =
-            static_cast<std::uint32_t>(metaOffset_ - meta.levels[0].pages[0].offset) + 1;
+        meta.levels[0].pages[0].bytes = static_cast<std::uint32_t>(metaOffset_ - meta.levels[0].pages[0].offset) + 1;
     });
     if (!meta_.shelves.empty())
         for (const std::uint64_t bytes : places)
@@ -280,8 +275,8 @@ TEST_P(IndexDamage, B084_PlacesOutsideTheFileOrInItsHeaderAreRefusedOnOpening) {
 }
 
 TEST_P(IndexDamage, B084_BlocksThatReachBackOrBeyondAreRefusedOnOpening) {
-    const auto level = std::find_if(meta_.levels.begin() + 1, meta_.levels.end(),
-                                    [](const auto& l) { return l.blocks.size() > 1; });
+    const auto level =
+        std::find_if(meta_.levels.begin() + 1, meta_.levels.end(), [](const auto& l) { return l.blocks.size() > 1; });
     if (level == meta_.levels.end())
         GTEST_SKIP() << "one block";
     const auto number = static_cast<std::size_t>(level - meta_.levels.begin());
@@ -396,8 +391,7 @@ TEST_P(IndexDamage, B086_ChangesThatDoNotFitWhatIsActiveAreErrors) {
         fewer.levels.resize(1);
         fewer.info.levels.resize(1);
         fewer.levels[0].pages.erase(fewer.levels[0].pages.begin() + static_cast<std::ptrdiff_t>(page));
-        auto engine =
-            extract::SlideEngine::open(folder_.write("damaged.isx", test::forgedIndex(good_, fewer)));
+        auto engine = extract::SlideEngine::open(folder_.write("damaged.isx", test::forgedIndex(good_, fewer)));
         ASSERT_THAT(engine, IsOk());
         bool isRefused = false;
         for (double isovalue = -0.5; isovalue < 10.0 && !isRefused; ++isovalue)

@@ -62,7 +62,9 @@ TEST_F(IndexFile, OpensAndSweepsWhole) {
 
 TEST_F(IndexFile, IsRefusedAtEveryTruncation) {
     const std::size_t metaOffset = bytes_.size() - encodeMeta(meta_).size();
-    for (std::size_t length = 0; length < bytes_.size(); length += length < 80 || length + 40 > bytes_.size() ? 1 : length > metaOffset ? 97 : 1009) {
+    for (std::size_t length = 0; length < bytes_.size(); length += length < 80 || length + 40 > bytes_.size() ? 1
+                                                                   : length > metaOffset                      ? 97
+                                                                                                              : 1009) {
         const auto opened = IndexReader::open(write(bytes_.substr(0, length)));
         ASSERT_THAT(opened, HasError(length < 12 ? ErrorCode::InvalidArgument : ErrorCode::Corruption)) << length;
         ASSERT_EQ(opened.error().path, (folder_ / "damaged.isx").string());
@@ -131,7 +133,8 @@ TEST_F(IndexFile, NoDamagedPageEverGivesAWrongSurface) {
             const double isovalue = meta_.info.min + (meta_.info.max - meta_.info.min) * (random() % 1000) / 1000.0;
             const auto moved = engine.value()->slideTo(isovalue);
             if (moved.isOk()) {
-                ASSERT_TRUE(test::isSameSurface(engine.value()->mesh().value(), extract::extractFull(*grid_, isovalue).value()));
+                ASSERT_TRUE(test::isSameSurface(engine.value()->mesh().value(),
+                                                extract::extractFull(*grid_, isovalue).value()));
             } else {
                 ++refused;
                 ASSERT_EQ(moved.error().code, ErrorCode::Corruption);
@@ -162,7 +165,8 @@ TEST_F(IndexFile, B083_APageOfAnotherIndexIsFound) {
     const PageEntry& ours = meta_.levels[0].pages[0];
     std::string mixed = bytes_;
     const std::string otherBytes = test::readText(folder_ / "other.isx");
-    mixed.replace(ours.offset, std::min(ours.bytes, theirs.bytes), otherBytes.substr(theirs.offset, std::min(ours.bytes, theirs.bytes)));
+    mixed.replace(ours.offset, std::min(ours.bytes, theirs.bytes),
+                  otherBytes.substr(theirs.offset, std::min(ours.bytes, theirs.bytes)));
     EXPECT_THAT(sweep(write(mixed)), HasError(ErrorCode::Corruption));
 }
 
@@ -170,7 +174,8 @@ TEST_F(IndexFile, B083_APageOfAnotherIndexIsFound) {
 TEST_F(IndexFile, B084_ForgedDirectoriesNeverCrash) {
     std::mt19937_64 random(2);
     const auto forge = [&](std::uint64_t& value) {
-        const std::uint64_t choices[] = {0, 1, value + 1, value - 1, random() % 2000, ~std::uint64_t{0}, ~std::uint64_t{0} - 1};
+        const std::uint64_t choices[] = {
+            0, 1, value + 1, value - 1, random() % 2000, ~std::uint64_t{0}, ~std::uint64_t{0} - 1};
         value = choices[random() % std::size(choices)];
     };
     for (int round = 0; round < 150; ++round) {
@@ -194,7 +199,9 @@ TEST_F(IndexFile, B084_ForgedDirectoriesNeverCrash) {
 
 // A million empty blocks: more levels could be merged above them than any real index has.
 TEST_F(IndexFile, B085_AForgedTopLevelOfManyBlocksNeverCrashes) {
-    const auto grid = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(6), [](auto x, auto y, auto z) { return 1.0 + 1.0 * x + 0.1 * y + 0.01 * z; });
+    const auto grid = test::makeVolume<float>(ScalarType::F32, test::cubeGeometry(6), [](auto x, auto y, auto z) {
+        return 1.0 + 1.0 * x + 0.1 * y + 0.01 * z;
+    });
     ASSERT_THAT(test::buildIndexOf(grid, folder_ / "float.isx"), IsOk());
     bytes_ = test::readText(folder_ / "float.isx");
     IndexMeta meta = IndexReader::open(folder_ / "float.isx").value()->meta();
@@ -229,8 +236,10 @@ TEST_F(IndexFile, RefusesWhatIsNoIndex) {
     EXPECT_THAT(IndexReader::open(folder_ / "none.isx"), HasError(ErrorCode::NotFound));
     EXPECT_THAT(IndexReader::open(folder_.path()), HasError(ErrorCode::InvalidArgument));
     EXPECT_THAT(IndexReader::open(folder_.write("empty.isx", "")), HasError(ErrorCode::InvalidArgument));
-    EXPECT_THAT(IndexReader::open(folder_.write("text.isx", std::string(5000, 'x'))), HasError(ErrorCode::InvalidArgument));
-    EXPECT_THAT(IndexReader::open(folder_.write("zeros.isx", std::string(5000, '\0'))), HasError(ErrorCode::InvalidArgument));
+    EXPECT_THAT(IndexReader::open(folder_.write("text.isx", std::string(5000, 'x'))),
+                HasError(ErrorCode::InvalidArgument));
+    EXPECT_THAT(IndexReader::open(folder_.write("zeros.isx", std::string(5000, '\0'))),
+                HasError(ErrorCode::InvalidArgument));
     EXPECT_THAT(extract::SlideEngine::open(folder_ / "none.isx"), HasError(ErrorCode::NotFound));
 }
 

@@ -27,7 +27,8 @@ TEST(LazyLevels, CutAnyRunOfBlocksIntoTheLargestAlignedGroups) {
                 ASSERT_LE(at, end);
                 // The group one level up would begin before, or reach beyond.
                 const std::uint64_t size = std::uint64_t{2} << group.level;
-                ASSERT_TRUE(group.firstBlock() % size != 0 || group.firstBlock() + size > end) << begin << " to " << end;
+                ASSERT_TRUE(group.firstBlock() % size != 0 || group.firstBlock() + size > end)
+                    << begin << " to " << end;
             }
             ASSERT_EQ(at, end);
         }
@@ -49,7 +50,9 @@ struct Chain {
                     page->farNormals = {1, 2};
                     return std::vector<Lazy::Page>{page};
                 },
-                [](std::uint64_t begin, std::uint64_t end) { return std::pair{10 * begin, 10 * (end - 1) + 1}; }};
+                [](std::uint64_t begin, std::uint64_t end) {
+                    return std::pair{10 * begin, 10 * (end - 1) + 1};
+                }};
     }
     int reads = 0;
     std::uint64_t failingBlock = ~std::uint64_t{0};
@@ -123,7 +126,8 @@ TEST(LazyLevels, ServeAWalkThatComesAgain) {
         const double isovalue = round % 2 ? 420.0 : 250.0;
         const auto moved = engine.value()->slideTo(isovalue);
         ASSERT_THAT(moved, IsOk());
-        ASSERT_TRUE(test::isSameSurface(engine.value()->mesh().value(), extract::extractFull(*grid, isovalue).value())) << round;
+        ASSERT_TRUE(test::isSameSurface(engine.value()->mesh().value(), extract::extractFull(*grid, isovalue).value()))
+            << round;
         (round == 1 ? firstTouched : lastTouched) = moved.value().edgesTouched;
         for (const auto& step : moved.value().walk)
             hasUsedLazyLevel = hasUsedLazyLevel || step.skipLevel >= 2;

@@ -29,7 +29,9 @@ protected:
             largest_ = std::max<std::uint64_t>(largest_, get(all, 0, i).page->memoryBytes());
         ASSERT_GT(pageCount(0), 40u);
     }
-    std::size_t pageCount(int level) const { return reader_->meta().levels[static_cast<std::size_t>(level)].pages.size(); }
+    std::size_t pageCount(int level) const {
+        return reader_->meta().levels[static_cast<std::size_t>(level)].pages.size();
+    }
     static Cache::Lookup get(Cache& cache, int level, std::size_t page) {
         auto found = cache.get(level, page);
         EXPECT_THAT(found, IsOk());

@@ -145,8 +145,8 @@ TEST_F(SampleStoreFile, ForgedDirectoriesAreRefusedOrRead) {
         IndexMeta meta = meta_;
         ShelfEntry& shelf = meta.shelves[random() % 2];
         std::uint64_t& value = random() % 2 ? shelf.offset : shelf.chunkBytes;
-        const std::uint64_t choices[] = {0, 1, value + 1, value - 1, random() % bytes_.size(),
-                                         ~std::uint64_t{0}, ~std::uint64_t{0} - value};
+        const std::uint64_t choices[] = {
+            0, 1, value + 1, value - 1, random() % bytes_.size(), ~std::uint64_t{0}, ~std::uint64_t{0} - value};
         value = choices[random() % std::size(choices)];
         EXPECT_THAT(readAll(write(forged(meta))), HasError(ErrorCode::Corruption)) << round;
     }

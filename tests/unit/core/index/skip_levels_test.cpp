@@ -33,7 +33,9 @@ template <class Sample>
 std::vector<GridEdge> usableEdges(const ScalarGrid& grid) {
     const auto values = grid.values<Sample>();
     const GridDims& n = grid.dims();
-    const auto at = [&](const std::array<std::int64_t, 3>& p) { return values[static_cast<std::size_t>(p[0] + n[0] * (p[1] + n[1] * p[2]))]; };
+    const auto at = [&](const std::array<std::int64_t, 3>& p) {
+        return values[static_cast<std::size_t>(p[0] + n[0] * (p[1] + n[1] * p[2]))];
+    };
     const auto isWhole = [&](std::array<std::int64_t, 3> cell) {
         for (int a = 0; a < 3; ++a)
             if (cell[a] < 0 || cell[a] + 1 >= n[a])
@@ -60,7 +62,8 @@ std::vector<GridEdge> usableEdges(const ScalarGrid& grid) {
                         isUsable = isUsable || isWhole(cell);
                     }
                     if (isUsable)
-                        edges.push_back({static_cast<EdgeId>(4 * (x + n[0] * (y + n[1] * z)) + axis), keyOf(at(p)), keyOf(at(q))});
+                        edges.push_back(
+                            {static_cast<EdgeId>(4 * (x + n[0] * (y + n[1] * z)) + axis), keyOf(at(p)), keyOf(at(q))});
                 }
     return edges;
 }
@@ -71,7 +74,9 @@ using Switches = std::map<EdgeId, int>;
 Switches netChange(const std::vector<GridEdge>& edges, std::uint64_t from, std::uint64_t to) {
     Switches switches;
     for (const GridEdge& edge : edges) {
-        const auto isActive = [&](std::uint64_t threshold) { return (edge.key1 >= threshold) != (edge.key2 >= threshold); };
+        const auto isActive = [&](std::uint64_t threshold) {
+            return (edge.key1 >= threshold) != (edge.key2 >= threshold);
+        };
         if (isActive(from) != isActive(to))
             switches[edge.id] = isActive(to) ? 1 : -1;
     }
@@ -80,7 +85,8 @@ Switches netChange(const std::vector<GridEdge>& edges, std::uint64_t from, std::
 
 // What the records of a page switch when their points are crossed upwards. Nothing may come twice.
 template <class Key>
-void addSwitches(const DecodedPage<Key>& page, const BrickGrid& grid, std::uint64_t firstKey, std::uint64_t lastKey, Switches& switches) {
+void addSwitches(const DecodedPage<Key>& page, const BrickGrid& grid, std::uint64_t firstKey, std::uint64_t lastKey,
+                 Switches& switches) {
     std::size_t edge = 0;
     for (std::size_t i = 0; i < page.pointCount(); ++i) {
         const auto p = grid.pointCoords(page.ids[i]);
@@ -139,7 +145,8 @@ void expectDefinition(const ScalarGrid& grid, const IndexReader& reader) {
                 addSwitches(pages[l][block.firstPage + p], reader.grid(), block.firstKey, block.lastKey, switches);
             ASSERT_EQ(switches, netChange(edges, block.firstKey, block.lastKey + 1))
                 << "level " << l << ", block of keys " << block.firstKey << " to " << block.lastKey;
-            EXPECT_TRUE(firsts.contains(block.firstKey) && lasts.contains(block.lastKey)) << "cuts a block of the level below";
+            EXPECT_TRUE(firsts.contains(block.firstKey) && lasts.contains(block.lastKey))
+                << "cuts a block of the level below";
             covered.insert(keys.lower_bound(block.firstKey), keys.upper_bound(block.lastKey));
             newFirsts.insert(block.firstKey);
             newLasts.insert(block.lastKey);
@@ -189,7 +196,8 @@ TEST(SkipLevels, EveryBlockIsTheNetChangeOverItsInterval) {
         ASSERT_THAT(reader, IsOk());
         EXPECT_LE(reader.value()->meta().levels.size(), static_cast<std::size_t>(options.skipLevels));
         levelsSeen = std::max(levelsSeen, static_cast<int>(reader.value()->meta().levels.size()));
-        visitScalarType(volume.grid->type(), [&](auto sample) { expectDefinition<decltype(sample)>(*volume.grid, *reader.value()); });
+        visitScalarType(volume.grid->type(),
+                        [&](auto sample) { expectDefinition<decltype(sample)>(*volume.grid, *reader.value()); });
     }
     EXPECT_GE(levelsSeen, 4);
 }

@@ -118,7 +118,8 @@ TEST(Certificate, IsNotOpenAtAFaceThatItRunsAlong) {
         });
         const auto certificate = certify(mesh, {"plane", 0});
         for (std::size_t face = 0; face < 6; ++face)
-            EXPECT_EQ(certificate.openings[face].loops, face / 2 == static_cast<std::size_t>(axis) ? 0u : 1u) << axis << face;
+            EXPECT_EQ(certificate.openings[face].loops, face / 2 == static_cast<std::size_t>(axis) ? 0u : 1u)
+                << axis << face;
         EXPECT_TRUE(isValid(certificate));
     }
 }
@@ -287,9 +288,15 @@ TEST(Certificate, OfNoSurfaceIsValid) {
 
 TEST(Certificate, CleansTheNameOfTheSource) {
     const auto mesh = lonePoint(0.5);
-    EXPECT_EQ(valueOf(certify(mesh, {"a b\nend_header\r\x1b\\c\xc3\xa9\x7f.mha", 0}), "source"), "a b?end_header???c\xc3\xa9?.mha");
+    EXPECT_EQ(valueOf(certify(mesh, {"a b\nend_header\r\x1b\\c\xc3\xa9\x7f.mha", 0}), "source"),
+              "a b?end_header???c\xc3\xa9?.mha");
     // Beyond ASCII only what is no character, and what controls a terminal or ends a line, goes.
-    EXPECT_EQ(valueOf(certify(mesh, {"Sch\xc3\xa4" "del \xe9\xa0\xad\xf0\x9f\xa7\xa0.mha", 0}), "source"), "Sch\xc3\xa4" "del \xe9\xa0\xad\xf0\x9f\xa7\xa0.mha");
+    EXPECT_EQ(valueOf(certify(mesh, {"Sch\xc3\xa4"
+                                     "del \xe9\xa0\xad\xf0\x9f\xa7\xa0.mha",
+                                     0}),
+                      "source"),
+              "Sch\xc3\xa4"
+              "del \xe9\xa0\xad\xf0\x9f\xa7\xa0.mha");
     EXPECT_EQ(valueOf(certify(mesh, {"\xc2\x9b|\xe2\x80\xa8|\xc0\xaf|\xed\xa0\x80|\xf9|\xe9\xa0", 0}), "source"),
               "??|???|??|???|?|??");
     EXPECT_EQ(valueOf(certify(mesh, {std::string(5000, 'n'), 0}), "source").size(), 203u);
@@ -303,10 +310,12 @@ TEST(Certificate, HasAShortFormForEveryLength) {
     mesh.isovalue = -1.2345678901234568e-300;
     const auto certificate = certify(mesh, {"solid", 0});
     const auto whole = shortForm(certificate, 200);
-    EXPECT_EQ(whole, "ISOSLIDER isovalue=-1.2345678901234568e-300 valid closed components=1 euler=2 loops=0 vertices=6");
+    EXPECT_EQ(whole,
+              "ISOSLIDER isovalue=-1.2345678901234568e-300 valid closed components=1 euler=2 loops=0 vertices=6");
     for (std::size_t length = 9; length < whole.size(); ++length)
         EXPECT_LE(shortForm(certificate, length).size(), length);
-    EXPECT_EQ(shortForm(certificate, 80), "ISOSLIDER isovalue=-1.2345678901234568e-300 valid closed components=1 euler=2");
+    EXPECT_EQ(shortForm(certificate, 80),
+              "ISOSLIDER isovalue=-1.2345678901234568e-300 valid closed components=1 euler=2");
 }
 
 } // namespace

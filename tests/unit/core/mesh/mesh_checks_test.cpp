@@ -196,8 +196,8 @@ TEST(CheckMeshFile, CutsPolygonsAndKeepsNonManifoldFaces) {
     ASSERT_TRUE(quad.isOk()) << quad.error().line();
     EXPECT_EQ(quad.value().triangles, 2u);
     EXPECT_DOUBLE_EQ(quad.value().area, 1.0);
-    const auto book = checkMeshFile(folder.write(
-        "b.obj", "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n"));
+    const auto book = checkMeshFile(
+        folder.write("b.obj", "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n"));
     ASSERT_TRUE(book.isOk()) << book.error().line();
     EXPECT_EQ(book.value().triangles, 3u);
     EXPECT_EQ(book.value().nonManifoldEdges, 1u);

@@ -116,8 +116,9 @@ TEST(MeshExport, RefusesUnknownSuffix) {
 TEST(MeshExport, B103_RefusesWhatFormatsCannotNumber) {
     constexpr std::uint64_t kMostVertices = (std::uint64_t{1} << 31) - 1, kMostTriangles = (std::uint64_t{1} << 32) - 1;
     EXPECT_TRUE(checkExportSize(kMostVertices, kMostTriangles, "a.ply").isOk());
-    for (const auto& [vertices, triangles] : {std::pair(kMostVertices + 1, std::uint64_t{1}), std::pair(std::uint64_t{3}, kMostTriangles + 1),
-                                              std::pair(~std::uint64_t{0}, ~std::uint64_t{0})}) {
+    for (const auto& [vertices, triangles] :
+         {std::pair(kMostVertices + 1, std::uint64_t{1}), std::pair(std::uint64_t{3}, kMostTriangles + 1),
+          std::pair(~std::uint64_t{0}, ~std::uint64_t{0})}) {
         const auto refused = checkExportSize(vertices, triangles, "a.ply");
         ASSERT_FALSE(refused.isOk());
         EXPECT_EQ(refused.error().code, ErrorCode::InvalidArgument);

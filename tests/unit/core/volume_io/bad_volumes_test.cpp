@@ -23,7 +23,6 @@ std::uint64_t peakRssBytes() {
     return static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
 }
 
-
 // Of this process and of readers that have ended: other work on the machine does not count.
 double processorSeconds() {
     double seconds = 0.0;
@@ -83,7 +82,8 @@ TEST(BadPath, B034_OfADataFileThroughALinkIsRefusedUnlessAllowed) {
     const test::TemporaryFolder outside, folder;
     outside.write("data.raw", test::ramp<std::int16_t>(24));
     std::filesystem::create_symlink(outside / "data.raw", folder / "data.raw");
-    const auto linked = {folder.write("a.mhd", test::mhaHeader("data.raw")), folder.write("a.nhdr", test::detachedNrrd("data.raw")),
+    const auto linked = {folder.write("a.mhd", test::mhaHeader("data.raw")),
+                         folder.write("a.nhdr", test::detachedNrrd("data.raw")),
                          folder.write("b.mhd", test::mhaHeader((outside / "data.raw").string())),
                          folder.write("b.nhdr", test::detachedNrrd((outside / "data.raw").string()))};
     for (const auto& path : linked) {
@@ -96,7 +96,8 @@ TEST(BadPath, B034_OfADataFileThroughALinkIsRefusedUnlessAllowed) {
 
 class BadRaw : public testing::Test {
 protected:
-    Result<std::shared_ptr<const ScalarGrid>> read(std::uint64_t fileBytes, GridDims dims, ScalarType type = ScalarType::U8) {
+    Result<std::shared_ptr<const ScalarGrid>> read(std::uint64_t fileBytes, GridDims dims,
+                                                   ScalarType type = ScalarType::U8) {
         ReadOptions options;
         options.raw = RawLayout{dims, type};
         options.allowsTrailing = allowsTrailing;

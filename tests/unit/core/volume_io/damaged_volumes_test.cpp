@@ -54,8 +54,8 @@ std::vector<Seed> seeds() {
     vectors = replaced(vectors, "(0,2,0)", "none") + "\n" + plain;
     return {{"a.mha", test::mha()},
             {"a.mha", replaced(test::mhaHeader(), "BinaryData = True", "BinaryData = False") + text(24)},
-            {"a.mha", replaced(test::mhaHeader(), "CompressedData = False", "CompressedData = True") +
-                          test::packed(plain, 15)},
+            {"a.mha",
+             replaced(test::mhaHeader(), "CompressedData = False", "CompressedData = True") + test::packed(plain, 15)},
             {"a.mhd", test::mhaHeader("LIST") + "half\nhalf\n"},
             {"a.mhd", test::mhaHeader("s%d.raw 1 2 1")},
             {"a.nrrd", test::nrrd()},
@@ -104,8 +104,7 @@ TEST(DamagedVolumes, AreReadOrRefusedInOneLine) {
             const std::string bytes = damaged(sound.bytes, random);
             std::filesystem::remove(folder / sound.file); // writing over it would wait for the disk
             const auto path = folder.write(sound.file, bytes);
-            SCOPED_TRACE("seed " + std::to_string(seed) + ", " + sound.file + ", round " +
-                         std::to_string(round));
+            SCOPED_TRACE("seed " + std::to_string(seed) + ", " + sound.file + ", round " + std::to_string(round));
             const auto contents = listVolumes(path);
             ReadOptions options;
             options.allowsTrailing = round % 3 == 0;

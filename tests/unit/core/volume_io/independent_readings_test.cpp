@@ -23,8 +23,7 @@ namespace isoslider::io {
 namespace {
 
 const std::filesystem::path kData = std::filesystem::path(ISOSLIDER_SHARED_DIR) / "data";
-const std::filesystem::path kReadings =
-    std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "tests" / "data" / "readings";
+const std::filesystem::path kReadings = std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "tests" / "data" / "readings";
 constexpr const char* kColumns = "file,field,component,frame,nx,ny,nz,type,min,max,distinct,missing,xxh3";
 
 struct Reading {
@@ -32,9 +31,7 @@ struct Reading {
     std::vector<std::string> cells; ///< in the order of kColumns; empty if its table cannot be read
 };
 
-void PrintTo(const Reading& reading, std::ostream* out) {
-    *out << reading.label;
-} // NOLINT: GoogleTest's name
+void PrintTo(const Reading& reading, std::ostream* out) { *out << reading.label; } // NOLINT: GoogleTest's name
 
 // A cell with a comma stands in double quotes, a quote in it twice.
 std::vector<std::string> cellsOf(const std::string& line) {
@@ -155,8 +152,7 @@ TEST(IndependentPlaces, AreThoseOfOurReaders) {
             const glm::dmat4 world = geometry.indexToWorld();
             for (int row = 0; row < 3; ++row)
                 for (int column = 0; column < 4; ++column)
-                    EXPECT_NEAR(world[column][row],
-                                number(cells[static_cast<std::size_t>(1 + 4 * row + column)]),
+                    EXPECT_NEAR(world[column][row], number(cells[static_cast<std::size_t>(1 + 4 * row + column)]),
                                 1e-5 * geometry.spacing[std::min(column, 2)]);
         }
     }

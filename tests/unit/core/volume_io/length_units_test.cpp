@@ -25,7 +25,9 @@ protected:
 };
 
 TEST_F(LengthUnits, MetaImageSaysItInDistanceUnits) {
-    const auto with = [](const char* line) { return replaced(test::mha(), "NDims = 3\n", std::string("NDims = 3\n") + line); };
+    const auto with = [](const char* line) {
+        return replaced(test::mha(), "NDims = 3\n", std::string("NDims = 3\n") + line);
+    };
     EXPECT_EQ(unit("a.mha", test::mha()), "");
     EXPECT_EQ(unit("a.mha", with("DistanceUnits = mm\n")), "mm");
     EXPECT_EQ(unit("a.mha", with("DistanceUnits = um\n")), "µm");
@@ -41,7 +43,8 @@ TEST_F(LengthUnits, NrrdSaysItOfSpaceOrOfEachAxis) {
     EXPECT_EQ(unit("a.nrrd", with("units: \"mm\" \"mm\" \"m\x1bm\"")), "");
     const auto oriented = [](const std::string& units) {
         return "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\n"
-               "space directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\ncontent: a head\n" + units + "\n\n12345678";
+               "space directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\ncontent: a head\n" +
+               units + "\n\n12345678";
     };
     EXPECT_EQ(unit("b.nrrd", oriented("space units: \"micron\" \"micron\" \"micron\"")), "µm");
     EXPECT_EQ(unit("b.nrrd", oriented("space units: \"\" \"\" \"\"")), "");

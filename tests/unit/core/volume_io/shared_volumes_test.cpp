@@ -70,17 +70,47 @@ INSTANTIATE_TEST_SUITE_P(
         Expected{"awkward/niivue_mha.mha", {64, 64, 37}, "i16", {3.4375, 3.4375, 3.8}, 0, 6690, 4773, "MetaImage"},
         Expected{"nifti/avg152T1_RL_nifti.nii.gz", {91, 109, 91}, "u8", {2, 2, 2}, 0, 255, 256, "NIfTI"},
         Expected{"nifti/mricron_ch2.nii.gz", {181, 217, 181}, "u8", kOnes, 0, 254, 249, "NIfTI"},
-        Expected{"nifti/mricron_inia19-t1-brain.nii.gz", {168, 206, 128}, "f32", {0.5, 0.5, 0.5}, 0, 383.176, 826455, "NIfTI"},
+        Expected{"nifti/mricron_inia19-t1-brain.nii.gz",
+                 {168, 206, 128},
+                 "f32",
+                 {0.5, 0.5, 0.5},
+                 0,
+                 383.176,
+                 826455,
+                 "NIfTI"},
         Expected{"awkward/niivue_minimal.nii.gz", {64, 64, 10}, "u8", {3, 3, 3}, 0, 63, 64, "NIfTI"},
         // Stored as u8 with a slope of 0.36: values are those after it.
-        Expected{"awkward/space_AIL.nii.gz", {79, 67, 64}, "f32", {2.38975, 2.36649, 2.38523}, 0, 92.553886, 251, "NIfTI"},
-        Expected{"awkward/space_RAS.nii.gz", {64, 79, 67}, "f32", {2.38523, 2.38975, 2.36649}, 0, 92.553886, 251, "NIfTI"},
-        Expected{"nrrd/dcmqi_pm-example-float.nrrd", {256, 256, 20}, "f32", {0.7031, 0.7031, 2.9999}, 0, 0.004095, 4046, "NRRD"},
+        Expected{
+            "awkward/space_AIL.nii.gz", {79, 67, 64}, "f32", {2.38975, 2.36649, 2.38523}, 0, 92.553886, 251, "NIfTI"},
+        Expected{
+            "awkward/space_RAS.nii.gz", {64, 79, 67}, "f32", {2.38523, 2.38975, 2.36649}, 0, 92.553886, 251, "NIfTI"},
+        Expected{"nrrd/dcmqi_pm-example-float.nrrd",
+                 {256, 256, 20},
+                 "f32",
+                 {0.7031, 0.7031, 2.9999},
+                 0,
+                 0.004095,
+                 4046,
+                 "NRRD"},
         Expected{"nrrd/headsq/quarter.nhdr", {64, 64, 93}, "i16", {3.2, 3.2, 1.5}, 0, 3926, 2987, "NRRD"},
-        Expected{"nrrd/pyradiomics_brain1_image.nrrd", {256, 256, 25}, "i16", {0.78125, 0.78125, 6.5}, 0, 3057, 2413, "NRRD"},
+        Expected{"nrrd/pyradiomics_brain1_image.nrrd",
+                 {256, 256, 25},
+                 "i16",
+                 {0.78125, 0.78125, 6.5},
+                 0,
+                 3057,
+                 2413,
+                 "NRRD"},
         Expected{"nrrd/tooth/tooth.nhdr", {103, 94, 161}, "u16", kOnes, 0, 1300, 1289, "NRRD"},
         Expected{"vti/heart.vti", {32, 32, 12}, "f32", {1, 1, 4}, 0, 255, 254, "VTK image"},
-        Expected{"vti/isabel_02.vti", {125, 125, 25}, "f64", {4.0080321286, 4.0080321286, 4.0408163266}, 0, 68.2455, 386456, "VTK image"},
+        Expected{"vti/isabel_02.vti",
+                 {125, 125, 25},
+                 "f64",
+                 {4.0080321286, 4.0080321286, 4.0408163266},
+                 0,
+                 68.2455,
+                 386456,
+                 "VTK image"},
         Expected{"vti/vase.vti", {115, 101, 75}, "u8", kOnes, 0, 239, 240, "VTK image"},
         Expected{"vti/viscousfingers_001.vti", {64, 64, 64}, "f32", kOnes, 0, 76.7632, 200633, "VTK image"},
         Expected{"vtk/carotid.vtk", {76, 49, 45}, "f32", kOnes, 0, 580, 490, "VTK image"},
@@ -88,7 +118,8 @@ INSTANTIATE_TEST_SUITE_P(
         Expected{"vtk/ironProt.vtk", {68, 68, 68}, "u8", kOnes, 0, 255, 256, "VTK image"}),
     [](const auto& parameter) {
         std::string name = std::filesystem::path(parameter.param.file).filename().string();
-        std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+        std::replace_if(
+            name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
         return name;
     });
 
@@ -104,7 +135,8 @@ TEST(SharedFiles, ThatAreNoScalarVolumesAreRefused) {
     const Refused files[] = {
         {"awkward/img4d_11f.nii.gz", ErrorCode::InvalidArgument, "has 11 frames: choose one with --frame 0 to 10"},
         {"awkward/example_nifti2.nii.gz", ErrorCode::InvalidArgument, "has 2 frames: choose one with --frame 0 to 1"},
-        {"awkward/tensor_rgb.nii.gz", ErrorCode::InvalidArgument, "has 3 components: choose one with --component 0 to 2"},
+        {"awkward/tensor_rgb.nii.gz", ErrorCode::InvalidArgument,
+         "has 3 components: choose one with --component 0 to 2"},
         {"awkward/no_meta.dcm", ErrorCode::InvalidArgument, "is not DICOM"},
         {"vti/vase_4comp.vti", ErrorCode::InvalidArgument, "--component"},
         {"hdf5/openpmd_femm_3d.h5", ErrorCode::InvalidArgument, "--field"},
@@ -164,7 +196,8 @@ TEST(SharedFiles, OfOtherGridsAreResampled) {
         EXPECT_EQ(source.value()->info().format, mesh.format);
         VolumeSource* whole = source.value().get();
         const GridDims dims = whole->info().geometry.dims;
-        EXPECT_NEAR(static_cast<double>(pointCount(dims)), static_cast<double>(mesh.points), 0.15 * static_cast<double>(mesh.points));
+        EXPECT_NEAR(static_cast<double>(pointCount(dims)), static_cast<double>(mesh.points),
+                    0.15 * static_cast<double>(mesh.points));
         std::vector<float> samples(static_cast<std::size_t>(pointCount(dims)));
         ASSERT_THAT(whole->readSlab(0, dims[2], std::as_writable_bytes(std::span(samples))), test::IsOk());
         const auto report = whole->info().resampling;

@@ -48,7 +48,8 @@ inline std::string packed(const std::string& bytes, int windowBits) {
 inline std::string bzipped(const std::string& bytes) {
     std::string out(bytes.size() + bytes.size() / 100 + 600, '\0');
     auto size = static_cast<unsigned>(out.size());
-    ::BZ2_bzBuffToBuffCompress(out.data(), &size, const_cast<char*>(bytes.data()), static_cast<unsigned>(bytes.size()), 9, 0, 0);
+    ::BZ2_bzBuffToBuffCompress(out.data(), &size, const_cast<char*>(bytes.data()), static_cast<unsigned>(bytes.size()),
+                               9, 0, 0);
     out.resize(size);
     return out;
 }
@@ -66,7 +67,8 @@ inline std::string gzippedRepeats(const std::string& block, int times) {
     ::deflate(&stream, Z_FULL_FLUSH);
     once.resize(stream.total_out);
     ::deflateEnd(&stream);
-    const auto blockChecksum = ::crc32(0, reinterpret_cast<const Bytef*>(block.data()), static_cast<uInt>(block.size()));
+    const auto blockChecksum =
+        ::crc32(0, reinterpret_cast<const Bytef*>(block.data()), static_cast<uInt>(block.size()));
     uLong checksum = 0;
     std::string out("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10);
     for (int i = 0; i < times; ++i) {
@@ -85,7 +87,8 @@ inline std::string gzippedRepeats(const std::string& block, int times) {
 inline std::string mhaHeader(const std::string& dataFile = "LOCAL") {
     return "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"
            "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 10 20 30\nElementSpacing = 1 2 3\nDimSize = 4 3 2\n"
-           "ElementType = MET_SHORT\nElementDataFile = " + dataFile + "\n";
+           "ElementType = MET_SHORT\nElementDataFile = " +
+           dataFile + "\n";
 }
 inline std::string mha() { return mhaHeader() + ramp<std::int16_t>(24); }
 
@@ -128,10 +131,11 @@ std::string niftiWith(std::size_t at, T value) {
 }
 
 inline std::string vti() {
-    std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-                       "<ImageData WholeExtent=\"0 3 0 2 0 1\" Origin=\"10 20 30\" Spacing=\"1 2 3\">\n"
-                       "<Piece Extent=\"0 3 0 2 0 1\">\n<PointData Scalars=\"s\">\n"
-                       "<DataArray type=\"Int16\" Name=\"s\" format=\"ascii\">\n";
+    std::string text =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+        "<ImageData WholeExtent=\"0 3 0 2 0 1\" Origin=\"10 20 30\" Spacing=\"1 2 3\">\n"
+        "<Piece Extent=\"0 3 0 2 0 1\">\n<PointData Scalars=\"s\">\n"
+        "<DataArray type=\"Int16\" Name=\"s\" format=\"ascii\">\n";
     for (int i = 0; i < 24; ++i)
         text += std::to_string(i) + " ";
     return text + "\n</DataArray>\n</PointData>\n</Piece>\n</ImageData>\n</VTKFile>\n";
@@ -144,9 +148,11 @@ inline std::string vtiAppended(const std::string& offset, std::uint32_t announce
     return "<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
            "<ImageData WholeExtent=\"0 3 0 2 0 1\" Origin=\"10 20 30\" Spacing=\"1 2 3\">\n"
            "<Piece Extent=\"0 3 0 2 0 1\"><PointData Scalars=\"s\">"
-           "<DataArray type=\"Int16\" Name=\"s\" format=\"appended\" offset=\"" + offset + "\"/></PointData></Piece>\n"
-           "</ImageData>\n<AppendedData encoding=\"raw\">\n_" + block + ramp<std::int16_t>(24) +
-           "\n</AppendedData>\n</VTKFile>\n";
+           "<DataArray type=\"Int16\" Name=\"s\" format=\"appended\" offset=\"" +
+           offset +
+           "\"/></PointData></Piece>\n"
+           "</ImageData>\n<AppendedData encoding=\"raw\">\n_" +
+           block + ramp<std::int16_t>(24) + "\n</AppendedData>\n</VTKFile>\n";
 }
 
 inline std::string bigEndian16(std::size_t count) {
@@ -159,7 +165,8 @@ inline std::string bigEndian16(std::size_t count) {
 }
 
 inline std::string vtkHeader(const std::string& encoding) {
-    return "# vtk DataFile Version 3.0\ntitle\n" + encoding + "\nDATASET STRUCTURED_POINTS\nDIMENSIONS 4 3 2\n"
+    return "# vtk DataFile Version 3.0\ntitle\n" + encoding +
+           "\nDATASET STRUCTURED_POINTS\nDIMENSIONS 4 3 2\n"
            "SPACING 1 2 3\nORIGIN 10 20 30\nPOINT_DATA 24\n";
 }
 inline std::string vtkBinary() {

@@ -67,9 +67,7 @@ std::string mhaPacked() {
     return replaced(test::mhaHeader(), "CompressedData = False", "CompressedData = True") +
            test::packed(test::ramp<std::int16_t>(24), 15);
 }
-std::string mhaBigEndian() {
-    return replaced(test::mhaHeader(), "MSB = False", "MSB = True") + test::bigEndian16(24);
-}
+std::string mhaBigEndian() { return replaced(test::mhaHeader(), "MSB = False", "MSB = True") + test::bigEndian16(24); }
 std::string nrrdGzip(const std::string& body) {
     return replaced(test::nrrdHeader(), "encoding: raw", "encoding: gzip") + "\n" + body;
 }
@@ -104,9 +102,11 @@ const std::vector<GoodFile>& goodFiles() {
         {"nhdr_pattern", "a.nhdr", test::nrrdHeader() + "data file: slice%02d.raw 7 8 1\n", "NRRD"},
         {"nrrd_gzip", "a.nrrd", nrrdGzip(test::gzipped(test::ramp<std::int16_t>(24))), "NRRD"},
         {"B040_nrrd_two_members", "a.nrrd", nrrdGzip(twoMembers()), "NRRD"},
-        {"B048_nrrd_crlf", "a.nrrd", withCarriageReturns(test::nrrdHeader()) + "\r\n" + test::ramp<std::int16_t>(24), "NRRD"},
+        {"B048_nrrd_crlf", "a.nrrd", withCarriageReturns(test::nrrdHeader()) + "\r\n" + test::ramp<std::int16_t>(24),
+         "NRRD"},
         {"B048_nrrd_byte_order_mark", "a.nrrd", "\xef\xbb\xbf" + test::nrrd(), "NRRD"},
-        {"nrrd_byte_skip", "a.nrrd", test::nrrdHeader() + "byte skip: -1\n\nsomething" + test::ramp<std::int16_t>(24), "NRRD"},
+        {"nrrd_byte_skip", "a.nrrd", test::nrrdHeader() + "byte skip: -1\n\nsomething" + test::ramp<std::int16_t>(24),
+         "NRRD"},
         {"nii", "a.nii", test::nifti(), "NIfTI", true},
         {"nii_gz", "a.nii.gz", test::gzipped(test::nifti()), "NIfTI", true},
         {"nii_four_dimensions", "a.nii", niftiOfFourDimensions(), "NIfTI", true},
@@ -140,10 +140,12 @@ TEST(VolumeReader, ReadsRawOfEveryTypeAndByteOrder) {
 
 TEST(VolumeReader, KeepsNegativeZeroAndMissingValues) {
     const TemporaryFolder folder;
-    const float values[4] = {-0.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e-45f};
+    const float values[4] = {-0.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                             1e-45f};
     std::string bytes(sizeof values, '\0');
     std::memcpy(bytes.data(), values, sizeof values);
-    const std::string header = replaced(replaced(test::mhaHeader(), "DimSize = 4 3 2", "DimSize = 2 2 1"), "MET_SHORT", "MET_FLOAT");
+    const std::string header =
+        replaced(replaced(test::mhaHeader(), "DimSize = 4 3 2", "DimSize = 2 2 1"), "MET_SHORT", "MET_FLOAT");
     const auto grid = readVolume(folder.write("a.mha", header + bytes));
     ASSERT_THAT(grid, test::IsOk());
     const auto read = grid.value()->values<float>();
@@ -192,7 +194,8 @@ TEST(VolumeReader, B063_FallsBackWhereNiftiSaysNothingOfSpace) {
     auto source = openVolume(folder.write("a.nii", bytes));
     ASSERT_THAT(source, test::IsOk());
     EXPECT_EQ(source.value()->info().geometry.spacing, glm::dvec3(1, 1, 3));
-    EXPECT_THAT(source.value()->info().notes, testing::UnorderedElementsAre(testing::HasSubstr("sform"), testing::HasSubstr("pixdim")));
+    EXPECT_THAT(source.value()->info().notes,
+                testing::UnorderedElementsAre(testing::HasSubstr("sform"), testing::HasSubstr("pixdim")));
     test::put<float>(bytes, 84, std::numeric_limits<float>::quiet_NaN());
     source = openVolume(folder.write("a.nii", bytes));
     ASSERT_THAT(source, test::IsOk());

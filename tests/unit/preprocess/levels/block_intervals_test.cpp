@@ -58,10 +58,12 @@ struct Edges {
         }
     }
     std::uint64_t inside(std::uint64_t begin, std::uint64_t end) const {
-        return static_cast<std::uint64_t>(std::count_if(list.begin(), list.end(), [&](auto& e) { return e.first >= begin && e.second < end; }));
+        return static_cast<std::uint64_t>(
+            std::count_if(list.begin(), list.end(), [&](auto& e) { return e.first >= begin && e.second < end; }));
     }
     std::uint64_t activeAt(std::uint64_t at) const {
-        return static_cast<std::uint64_t>(std::count_if(list.begin(), list.end(), [&](auto& e) { return e.first < at && e.second >= at; }));
+        return static_cast<std::uint64_t>(
+            std::count_if(list.begin(), list.end(), [&](auto& e) { return e.first < at && e.second >= at; }));
     }
     std::vector<std::pair<std::uint64_t, std::uint64_t>> list;
     SpanHistogram histogram;
@@ -97,7 +99,8 @@ TEST(BlockIntervals, AreUnionsOfAtLeastTwoBlocksBelow) {
             for (std::size_t i = 0; i + 1 < levels[l].size(); ++i) {
                 const auto begin = std::find(levels[l - 1].begin(), levels[l - 1].end(), levels[l][i]);
                 const auto end = std::find(levels[l - 1].begin(), levels[l - 1].end(), levels[l][i + 1]);
-                ASSERT_TRUE(begin != levels[l - 1].end() && end != levels[l - 1].end()) << "cuts a block of the level below";
+                ASSERT_TRUE(begin != levels[l - 1].end() && end != levels[l - 1].end())
+                    << "cuts a block of the level below";
                 ASSERT_GE(end - begin, 2);
             }
         }

@@ -62,7 +62,8 @@ TYPED_TEST(ExternalSortTest, SortsLikeTheLibraryWithAndWithoutSpilling) {
             const test::TemporaryFolder folder;
             const auto input = randomInput<TypeParam>(20000, values, 5);
             auto expected = input.records;
-            std::stable_sort(expected.begin(), expected.end(), [](const Record& a, const Record& b) { return a.key < b.key; });
+            std::stable_sort(expected.begin(), expected.end(),
+                             [](const Record& a, const Record& b) { return a.key < b.key; });
             {
                 ExternalSort<TypeParam> sort(input.counts, memory, folder / "runs");
                 ASSERT_THAT(addInParts(sort, input.records), IsOk());
@@ -73,8 +74,8 @@ TYPED_TEST(ExternalSortTest, SortsLikeTheLibraryWithAndWithoutSpilling) {
                     [&](std::span<const Record> records) -> Status {
                         for (const Record& r : records) {
                             const Record& e = expected.at(at++);
-                            EXPECT_TRUE(r.key == e.key && r.id() == e.id() && r.edgeMask == e.edgeMask && r.farKeys[5] == e.farKeys[5] &&
-                                        r.farNormals[0] == e.farNormals[0])
+                            EXPECT_TRUE(r.key == e.key && r.id() == e.id() && r.edgeMask == e.edgeMask &&
+                                        r.farKeys[5] == e.farKeys[5] && r.farNormals[0] == e.farNormals[0])
                                 << "record " << at - 1;
                             if (testing::Test::HasFailure())
                                 return makeError(ErrorCode::Corruption, "stop");
@@ -169,7 +170,8 @@ TEST(ExternalSortFaults, StopsOnRequestAndPassesErrorsOn) {
     stop.request_stop();
     JobControl job;
     job.stop = stop.get_token();
-    EXPECT_THAT(sort.drain([](std::span<const Record>) -> Status { return {}; }, job), test::HasError(ErrorCode::Cancelled));
+    EXPECT_THAT(sort.drain([](std::span<const Record>) -> Status { return {}; }, job),
+                test::HasError(ErrorCode::Cancelled));
 
     ExternalSort<std::uint32_t> other(input.counts, 1u << 30, folder / "other");
     ASSERT_THAT(addInParts(other, input.records), IsOk());

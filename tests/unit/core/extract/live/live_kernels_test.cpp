@@ -59,13 +59,15 @@ template <class Stored>
 void expectSameClassification(std::mt19937& random) {
     const BrickMasks& masks = innerMasks();
     for (int kind = 0; kind < 4; ++kind)
-        for (const Stored threshold : {Stored(0), Stored(99), Stored(100), Stored(101), std::numeric_limits<Stored>::max()}) {
+        for (const Stored threshold :
+             {Stored(0), Stored(99), Stored(100), Stored(101), std::numeric_limits<Stored>::max()}) {
             const auto samples = samplesOf<Stored>(kind, random);
             BitString before;
             for (unsigned p = 0; p < kClosedPoints; ++p)
                 if (random() % 3 == 0)
                     before.set(p);
-            for (const BitString* old : {static_cast<const BitString*>(nullptr), static_cast<const BitString*>(&before)}) {
+            for (const BitString* old :
+                 {static_cast<const BitString*>(nullptr), static_cast<const BitString*>(&before)}) {
                 ClassifiedBrick<Stored> plain, fast;
                 classifyReference(samples.values, threshold, masks, old, plain);
                 classify(samples.values, threshold, masks, old, fast);
@@ -127,7 +129,8 @@ void expectRecords(std::mt19937& random) {
     classify(samples.values, Stored(100), innerMasks(), nullptr, found);
     std::vector<EdgeRecord<LiveOf<Sample>>> records(3 * kClosedPoints);
     VertexTable table;
-    const std::uint32_t count = gatherRecords<Sample>(samples.values, normals.data(), found.active, records.data(), table);
+    const std::uint32_t count =
+        gatherRecords<Sample>(samples.values, normals.data(), found.active, records.data(), table);
     std::uint32_t next = 0;
     for (unsigned axis = 0; axis < 3; ++axis)
         forEachSetBit(found.active.edges[axis], [&](ClosedPoint p) {
@@ -180,7 +183,8 @@ OwnSamples<Sample> ownSamples(const SampleBlock<Sample>& block) {
         for (int y = 0; y < kPointSide; ++y)
             for (int x = 0; x < kPointSide; ++x)
                 if (block.isInside(x, y, z))
-                    own[closedPoint(x, y, z)] = storedOf(block.samples[static_cast<std::size_t>(block.offset(x, y, z))]);
+                    own[closedPoint(x, y, z)] =
+                        storedOf(block.samples[static_cast<std::size_t>(block.offset(x, y, z))]);
     return own;
 }
 /// Nothing of a block but its apron may be read.
@@ -197,7 +201,8 @@ void expectNormals(std::mt19937& random) {
     for (const GridDims dims : {GridDims{40, 40, 40}, GridDims{9, 12, 16}, GridDims{8, 8, 2}, GridDims{2, 3, 17}})
         for (int kind = 0; kind < 4; ++kind) {
             const BrickGrid grid(dims);
-            for (const BrickIndex brick : {BrickIndex{0}, static_cast<BrickIndex>(grid.brickCount() / 2), static_cast<BrickIndex>(grid.brickCount() - 1)}) {
+            for (const BrickIndex brick : {BrickIndex{0}, static_cast<BrickIndex>(grid.brickCount() / 2),
+                                           static_cast<BrickIndex>(grid.brickCount() - 1)}) {
                 SampleBlock<Sample> block;
                 for (Sample& sample : block.samples) {
                     const auto r = random();
@@ -221,7 +226,8 @@ void expectNormals(std::mt19937& random) {
                 const OwnSamples<Sample> stored = ownSamples(block);
                 spoilOwnSamples(block);
                 findNormals<Sample>(stored.data(), block, rows, inverse, fast.data());
-                ASSERT_EQ(fast, plain) << "kind " << kind << ", brick " << brick << " of " << dims[0] << " " << dims[1] << " " << dims[2];
+                ASSERT_EQ(fast, plain) << "kind " << kind << ", brick " << brick << " of " << dims[0] << " " << dims[1]
+                                       << " " << dims[2];
             }
         }
 }
@@ -241,15 +247,22 @@ void expectVertices(std::mt19937& random) {
         const auto p = static_cast<unsigned>(random() % kClosedPoints);
         const Live low = k % 7 == 0 ? std::numeric_limits<Live>::lowest() : static_cast<Live>(random() % 100);
         const Live high = k % 11 == 0 ? std::numeric_limits<Live>::max() : static_cast<Live>(100 + random() % 100);
-        const auto code = [&] { return k % 5 == 0 ? kNoNormal : encodeNormal({static_cast<float>(random() % 9) - 4.0f, static_cast<float>(random() % 9) - 4.0f, static_cast<float>(random() % 9) - 4.0f}); };
+        const auto code = [&] {
+            return k % 5 == 0
+                       ? kNoNormal
+                       : encodeNormal({static_cast<float>(random() % 9) - 4.0f, static_cast<float>(random() % 9) - 4.0f,
+                                       static_cast<float>(random() % 9) - 4.0f});
+        };
         const NormalCode first = code(), second = code();
         const auto edge = static_cast<ClosedEdge>((random() % 3) << kEdgeAxisShift | p);
-        records.push_back(random() % 2 ? EdgeRecord<Live>{edge, 0, first, second, low, high} : EdgeRecord<Live>{edge, 0, first, second, high, low});
+        records.push_back(random() % 2 ? EdgeRecord<Live>{edge, 0, first, second, low, high}
+                                       : EdgeRecord<Live>{edge, 0, first, second, high, low});
     }
     const std::array<std::int32_t, 3> origin{8, 1600, 64};
     for (const std::uint32_t count : {0u, 1u, 7u, 16u, 17u, 333u}) {
         std::vector<glm::vec3> positions(count), normals(count);
-        interpolateVertices<Live>(records.data(), count, origin, static_cast<Live>(100), positions.data(), normals.data());
+        interpolateVertices<Live>(records.data(), count, origin, static_cast<Live>(100), positions.data(),
+                                  normals.data());
         for (std::uint32_t k = 0; k < count; ++k) {
             const MeshVertex plain = vertexOf<Live>(records[k], origin, static_cast<Live>(100));
             ASSERT_EQ(positions[k], plain.position) << k;
@@ -299,7 +312,8 @@ TEST_P(LiveKernels, WriteTheTrianglesThatTheStatesHave) {
 // Each edge is owned by one of the bricks that hold it, in boxes of all remainders and beside missing cells.
 TEST(BrickShapes, GiveEveryEdgeOneOwner) {
     std::mt19937 random(3);
-    for (const GridDims dims : {GridDims{17, 16, 9}, GridDims{8, 24, 10}, GridDims{25, 18, 33}, GridDims{2, 2, 2}, GridDims{12, 9, 17}})
+    for (const GridDims dims :
+         {GridDims{17, 16, 9}, GridDims{8, 24, 10}, GridDims{25, 18, 33}, GridDims{2, 2, 2}, GridDims{12, 9, 17}})
         for (const bool hasMissing : {false, true}) {
             const BrickGrid grid(dims);
             std::vector<index::MissingCells> missing;
@@ -321,7 +335,8 @@ TEST(BrickShapes, GiveEveryEdgeOneOwner) {
                 for (int axis = 0; axis < 3; ++axis)
                     forEachSetBit(masks.edges[static_cast<std::size_t>(axis)], [&](ClosedPoint p) {
                         const auto c = coordsOf(p);
-                        const std::array<std::int64_t, 4> edge{origin[0] + c[0], origin[1] + c[1], origin[2] + c[2], axis};
+                        const std::array<std::int64_t, 4> edge{origin[0] + c[0], origin[1] + c[1], origin[2] + c[2],
+                                                               axis};
                         ++holders[edge];
                         owners[edge] += masks.owned[static_cast<std::size_t>(axis)].test(p);
                     });
@@ -330,7 +345,8 @@ TEST(BrickShapes, GiveEveryEdgeOneOwner) {
                 ASSERT_EQ(count, 1) << edge[0] << " " << edge[1] << " " << edge[2] << " axis " << edge[3];
             if (!hasMissing) {
                 EXPECT_EQ(cells, static_cast<std::uint64_t>((dims[0] - 1) * (dims[1] - 1) * (dims[2] - 1)));
-                EXPECT_EQ(holders.size(), static_cast<std::size_t>((dims[0] - 1) * dims[1] * dims[2] + dims[0] * (dims[1] - 1) * dims[2] +
+                EXPECT_EQ(holders.size(), static_cast<std::size_t>((dims[0] - 1) * dims[1] * dims[2] +
+                                                                   dims[0] * (dims[1] - 1) * dims[2] +
                                                                    dims[0] * dims[1] * (dims[2] - 1)));
             }
         }

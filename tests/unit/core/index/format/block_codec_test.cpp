@@ -21,7 +21,9 @@ class BlockCodec : public testing::Test {
 protected:
     std::mt19937_64 random_{41};
 
-    Key randomKey(std::uint64_t spread) { return static_cast<Key>(Key(std::numeric_limits<Key>::max() / 2) + random_() % spread); }
+    Key randomKey(std::uint64_t spread) {
+        return static_cast<Key>(Key(std::numeric_limits<Key>::max() / 2) + random_() % spread);
+    }
 
     // Points of the grid with random edges, in id order. `spread`: how far keys lie apart.
     std::vector<PointRecord<Key>> randomRecords(std::size_t count, std::uint64_t spread) {
@@ -75,7 +77,8 @@ protected:
     // The invariants that block_codec.h promises to those who use a page.
     static void expectInvariants(const DecodedPage<Key>& page, bool isByValue) {
         const BrickGrid grid(kDims);
-        ASSERT_TRUE(page.ids.size() == page.keys.size() && page.masks.size() == page.keys.size() && page.normals.size() == page.keys.size());
+        ASSERT_TRUE(page.ids.size() == page.keys.size() && page.masks.size() == page.keys.size() &&
+                    page.normals.size() == page.keys.size());
         std::size_t edges = 0;
         for (std::size_t i = 0; i < page.pointCount(); ++i) {
             ASSERT_TRUE(grid.contains(page.ids[i]));
@@ -127,7 +130,8 @@ TYPED_TEST(BlockCodec, PredictsAStraightField) {
                 if (up ? p[a] + 1 < kDims[a] : p[a] > 0) {
                     const int e = 2 * a + up;
                     record.edgeMask |= static_cast<std::uint8_t>(1 << e);
-                    record.farKeys[e] = static_cast<TypeParam>(record.key + (up ? 1 : -1) * (500 + static_cast<int>(p[0] * p[0]) + 7 * a));
+                    record.farKeys[e] = static_cast<TypeParam>(
+                        record.key + (up ? 1 : -1) * (500 + static_cast<int>(p[0] * p[0]) + 7 * a));
                     record.farNormals[e] = record.normal;
                 }
         straight.push_back(record);
@@ -141,7 +145,8 @@ TYPED_TEST(BlockCodec, PredictsAStraightField) {
 
 TYPED_TEST(BlockCodec, IsDeterministic) {
     const auto records = this->randomRecords(300, 50);
-    EXPECT_EQ(encodePage<TypeParam>(records, PageOrder::Id, BrickGrid(kDims)), encodePage<TypeParam>(records, PageOrder::Id, BrickGrid(kDims)));
+    EXPECT_EQ(encodePage<TypeParam>(records, PageOrder::Id, BrickGrid(kDims)),
+              encodePage<TypeParam>(records, PageOrder::Id, BrickGrid(kDims)));
 }
 
 TYPED_TEST(BlockCodec, RefusesEveryTruncationAndTrailingBytes) {

@@ -30,8 +30,7 @@ bool decodeExactly(std::span<const std::byte> bytes, const ChunkExtent& extent, 
     const auto input = std::make_unique<std::byte[]>(bytes.size());
     std::copy(bytes.begin(), bytes.end(), input.get());
     const auto output = std::make_unique<Sample[]>(out.size());
-    const bool isDecoded =
-        decodeChunk<Sample>({input.get(), bytes.size()}, extent, {output.get(), out.size()});
+    const bool isDecoded = decodeChunk<Sample>({input.get(), bytes.size()}, extent, {output.get(), out.size()});
     std::memcpy(out.data(), output.get(), out.size_bytes());
     return isDecoded;
 }
@@ -41,8 +40,7 @@ void expectRoundTrip(const std::vector<Sample>& samples, const ChunkExtent& exte
     const std::vector<std::byte> chunk = encodeChunk<Sample>(samples, extent);
     EXPECT_LE(chunk.size(), samples.size() * sizeof(Sample) + kChunkHeaderBytes);
     std::vector<Sample> out(samples.size());
-    ASSERT_TRUE(decodeExactly<Sample>(chunk, extent, out))
-        << extent[0] << 'x' << extent[1] << 'x' << extent[2];
+    ASSERT_TRUE(decodeExactly<Sample>(chunk, extent, out)) << extent[0] << 'x' << extent[1] << 'x' << extent[2];
     ASSERT_EQ(std::memcmp(samples.data(), out.data(), samples.size() * sizeof(Sample)), 0)
         << extent[0] << 'x' << extent[1] << 'x' << extent[2] << ", mode " << modeOf(chunk);
 }
@@ -85,8 +83,7 @@ protected:
     // Each row goes its own way.
     std::vector<Sample> walks(const ChunkExtent& extent) {
         int at = 0;
-        return make(extent,
-                    [&](int x, int, int) { return x == 0 ? at = 20 + below(80) : at += below(3) - 1; });
+        return make(extent, [&](int x, int, int) { return x == 0 ? at = 20 + below(80) : at += below(3) - 1; });
     }
     // Of every mode, if the type has one: all that a decoder can meet.
     std::vector<std::vector<Sample>> kinds(const ChunkExtent& extent) {
@@ -97,8 +94,7 @@ protected:
     ChunkExtent randomExtent() { return {1 + below(16), 1 + below(16), 1 + below(16)}; }
 };
 
-using SampleTypes =
-    testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::int32_t, float, double>;
+using SampleTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::int32_t, float, double>;
 TYPED_TEST_SUITE(ChunkCodec, SampleTypes);
 
 TYPED_TEST(ChunkCodec, RoundTripsEveryKindOfWholeChunk) {
@@ -108,12 +104,8 @@ TYPED_TEST(ChunkCodec, RoundTripsEveryKindOfWholeChunk) {
 
 TYPED_TEST(ChunkCodec, RoundTripsChunksOfEveryExtent) {
     for (int side = 1; side <= kChunkSide; ++side)
-        for (const ChunkExtent& extent : {ChunkExtent{side, 16, 16},
-                                          {16, side, 16},
-                                          {16, 16, side},
-                                          {side, 1, 1},
-                                          {1, side, 1},
-                                          {1, 1, side}})
+        for (const ChunkExtent& extent :
+             {ChunkExtent{side, 16, 16}, {16, side, 16}, {16, 16, side}, {side, 1, 1}, {1, side, 1}, {1, 1, side}})
             for (const auto& samples : this->kinds(extent))
                 expectRoundTrip<TypeParam>(samples, extent);
     for (int i = 0; i < 150; ++i) {
@@ -233,8 +225,7 @@ TYPED_TEST(ChunkCodec, SurvivesDamage) {
             for (int i = 0; i < 667; ++i, ++tried) {
                 auto damaged = chunk;
                 // The first bytes say how to read all others: they get half of the flips.
-                const int reach =
-                    static_cast<int>(i % 2 ? damaged.size() : std::min<std::size_t>(damaged.size(), 40));
+                const int reach = static_cast<int>(i % 2 ? damaged.size() : std::min<std::size_t>(damaged.size(), 40));
                 for (int flips = 1 + this->below(3); flips > 0; --flips)
                     damaged[static_cast<std::size_t>(this->below(reach))] ^=
                         static_cast<std::byte>(1 << this->below(8));
@@ -303,9 +294,8 @@ std::vector<std::uint16_t> decodeByHand(std::initializer_list<int> values) {
 // Extent 3 x 2 x 2: codes 2, 1, 1. Tables: 12 raw bytes (0x400c), then one constant (0x0001).
 TEST(ChunkCodecFormat, IsAsDocumented) {
     using Samples = std::vector<std::uint16_t>;
-    EXPECT_EQ(
-        decodeByHand({0x20, 0x11, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0, 7, 0, 8, 0, 9, 0, 10, 0, 11, 0, 0, 1}),
-        (Samples{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 256}));
+    EXPECT_EQ(decodeByHand({0x20, 0x11, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0, 7, 0, 8, 0, 9, 0, 10, 0, 11, 0, 0, 1}),
+              (Samples{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 256}));
     EXPECT_EQ(decodeByHand({0x21, 0x11, 0x34, 0x12}), Samples(12, 0x1234));
     EXPECT_EQ(decodeByHand({0x22, 0x11, 0x0c, 0x40, 0x01, 0x00, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 2}),
               (Samples{513, 514, 515, 516, 517, 518, 519, 520, 521, 522, 523, 524}));
@@ -366,9 +356,7 @@ bool hasFrame(const std::vector<std::byte>& chunk, std::size_t planes) {
 // Of chunks whose planes zstd leaves alone, or of others; in integers, so there is no rounding anywhere.
 std::uint64_t goldenHash(bool throughZstd) {
     std::uint64_t hash = 0xcbf29ce484222325u, state = 1;
-    const auto next = [&] {
-        return state = state * 6364136223846793005u + 1442695040888963407u, state >> 33;
-    };
+    const auto next = [&] { return state = state * 6364136223846793005u + 1442695040888963407u, state >> 33; };
     const auto add = [&]<class Sample>(const ChunkExtent& extent, const auto& function) {
         std::vector<Sample> samples(countOf(extent));
         for (std::size_t i = 0; i < samples.size(); ++i)

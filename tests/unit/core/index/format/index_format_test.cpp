@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
-#include "core/extract/slide_engine.h"
 #include "core/base/byte_codec.h"
+#include "core/extract/slide_engine.h"
 #include "core/index/index_reader.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"
@@ -46,7 +46,7 @@ TEST(Preamble, RefusesEveryFlippedBit) {
     for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
         auto damaged = bytes;
         damaged[bit / 8] ^= std::byte(1 << (bit % 8));
-        const ErrorCode expected = bit < 8 * 12 ? ErrorCode::InvalidArgument
+        const ErrorCode expected = bit < 8 * 12   ? ErrorCode::InvalidArgument
                                    : bit < 8 * 14 ? ErrorCode::UnsupportedVersion
                                                   : ErrorCode::Corruption;
         ASSERT_THAT(decodePreamble(damaged, 800, "p"), HasError(expected)) << "bit " << bit;
@@ -57,7 +57,9 @@ TEST(Preamble, RefusesEveryTruncation) {
     const auto bytes = encodePreamble(somePreamble());
     for (std::size_t length = 0; length < bytes.size(); ++length) {
         const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
-        ASSERT_THAT(decodePreamble(cut, 800, "p"), HasError(length < 12 ? ErrorCode::InvalidArgument : ErrorCode::Corruption)) << length;
+        ASSERT_THAT(decodePreamble(cut, 800, "p"),
+                    HasError(length < 12 ? ErrorCode::InvalidArgument : ErrorCode::Corruption))
+            << length;
     }
 }
 
@@ -202,7 +204,8 @@ TEST(IndexMeta, HasWhatResamplingLostFromMinorVersion2On) {
     ASSERT_THAT(decoded, IsOk());
     EXPECT_EQ(decoded.value().info.resampling, meta.info.resampling);
     for (std::size_t length = without.size(); length < with.size(); ++length)
-        EXPECT_THAT(decodeMeta(std::span(with).first(length), preamble, "p"), HasError(ErrorCode::Corruption)) << length;
+        EXPECT_THAT(decodeMeta(std::span(with).first(length), preamble, "p"), HasError(ErrorCode::Corruption))
+            << length;
     auto bad = with;
     bad.back() = std::byte{'\n'};
     EXPECT_THAT(decodeMeta(bad, preamble, "p"), HasError(ErrorCode::Corruption)) << "control characters";
@@ -244,27 +247,37 @@ TEST(IndexMeta, RefusesFieldsThatCannotBe) {
     refuses("hidden corners behind the file", [](IndexMeta& m) { m.hiddenPages[1].offset = ~std::uint64_t{0}; });
     refuses("a brick outside the grid", [](IndexMeta& m) { m.missingCells[1].brick = 6; });
     refuses("bricks out of order", [](IndexMeta& m) { m.missingCells[0].brick = 4; });
-    refuses("no level", [](IndexMeta& m) { m.levels.clear(); m.info.levels.clear(); });
-    refuses("nine levels", [](IndexMeta& m) { m.levels.resize(9); m.info.levels.resize(9); });
+    refuses("no level", [](IndexMeta& m) {
+        m.levels.clear();
+        m.info.levels.clear();
+    });
+    refuses("nine levels", [](IndexMeta& m) {
+        m.levels.resize(9);
+        m.info.levels.resize(9);
+    });
 }
 
 TEST(IndexMeta, BoundsPagesOfHiddenCorners) {
     IndexMeta meta = someMeta();
     meta.info.geometry.dims = {kMaxDim, 1024, 1024}; // 2^31 bricks
-    meta.hiddenPages = {{5, 4 + kMaxHiddenPageBricks, kMaxHiddenPageCorners, 50, 164, 1}, {0x7fffffff, 0x7fffffff, 1, 9, 64, 1}};
+    meta.hiddenPages = {{5, 4 + kMaxHiddenPageBricks, kMaxHiddenPageCorners, 50, 164, 1},
+                        {0x7fffffff, 0x7fffffff, 1, 9, 64, 1}};
     EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), IsOk());
     ++meta.hiddenPages[0].lastBrick;
-    EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), HasError(ErrorCode::Corruption)) << "places need more than 32 bits";
+    EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), HasError(ErrorCode::Corruption))
+        << "places need more than 32 bits";
     meta.hiddenPages[0].lastBrick = 5;
     ++meta.hiddenPages[1].lastBrick;
-    EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), HasError(ErrorCode::Corruption)) << "outside the grid";
+    EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), HasError(ErrorCode::Corruption))
+        << "outside the grid";
     Preamble large = somePreamble();
     large.metaOffset = 1u << 20;
     meta.hiddenPages.pop_back();
     meta.hiddenPages[0].bytes = kMaxHiddenPageBytes;
     EXPECT_THAT(decodeMeta(encodeMeta(meta), large, "p"), IsOk());
     ++meta.hiddenPages[0].bytes;
-    EXPECT_THAT(decodeMeta(encodeMeta(meta), large, "p"), HasError(ErrorCode::Corruption)) << "longer than a page can be";
+    EXPECT_THAT(decodeMeta(encodeMeta(meta), large, "p"), HasError(ErrorCode::Corruption))
+        << "longer than a page can be";
 }
 
 TEST(IndexMeta, SurvivesEveryFlippedBit) {

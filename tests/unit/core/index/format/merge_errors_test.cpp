@@ -24,9 +24,8 @@ struct Volume {
         const auto [px, py, pz] = std::tuple(extent[0] + 2, extent[1] + 3, extent[2] + 2);
         random.seed(static_cast<unsigned>(px * 31 + py * 7 + pz));
         for (int i = 0; i < px * py * pz; ++i)
-            samples.push_back(std::is_floating_point_v<Sample> && i % 3
-                                  ? std::numeric_limits<Sample>::quiet_NaN()
-                                  : static_cast<Sample>(random() % 100));
+            samples.push_back(std::is_floating_point_v<Sample> && i % 3 ? std::numeric_limits<Sample>::quiet_NaN()
+                                                                        : static_cast<Sample>(random() % 100));
         for (int z = 0; z < extent[2]; ++z)
             for (int y = 0; y < extent[1]; ++y)
                 for (int x = 0; x < extent[0]; ++x)
@@ -38,9 +37,7 @@ struct Volume {
         return static_cast<std::size_t>((z + 1) * toNextPlane() + (y + 1) * toNextRow() + x + 1);
     }
     Sample& at(int x, int y, int z) { return samples[indexOf(x, y, z)]; }
-    long double value(int x, int y, int z) const {
-        return static_cast<long double>(samples[indexOf(x, y, z)]);
-    }
+    long double value(int x, int y, int z) const { return static_cast<long double>(samples[indexOf(x, y, z)]); }
     MergeErrors measure() const {
         return measureMergeErrors(
             SampleBox<Sample>{samples.data() + indexOf(0, 0, 0), toNextRow(), toNextPlane(), points});
@@ -79,8 +76,7 @@ long double largestError(const Volume<Sample>& volume, int side, const MergeExte
             for (int x = c[0]; x <= c[0] + side; x += step) {
                 if (!std::isfinite(volume.value(x, y, z)))
                     return std::numeric_limits<long double>::infinity();
-                most = std::max(most,
-                                std::fabs(volume.value(x, y, z) - interpolate(volume, side, c, {x, y, z})));
+                most = std::max(most, std::fabs(volume.value(x, y, z) - interpolate(volume, side, c, {x, y, z})));
             }
     return most;
 }
@@ -91,9 +87,9 @@ long double addedError(const Volume<Sample>& volume, int side, const MergeExtent
         return 0;
     long double most = 0;
     for (int i = 0; i < 8; ++i)
-        most = std::max(most, addedError(volume, side / 2,
-                                         {c[0] + (i & 1) * side / 2, c[1] + (i >> 1 & 1) * side / 2,
-                                          c[2] + (i >> 2) * side / 2}));
+        most = std::max(
+            most, addedError(volume, side / 2,
+                             {c[0] + (i & 1) * side / 2, c[1] + (i >> 1 & 1) * side / 2, c[2] + (i >> 2) * side / 2}));
     return most + largestError(volume, side, c, side / 2);
 }
 
@@ -139,9 +135,8 @@ void expectBoundsHold(const Volume<Sample>& volume, const char* name) {
     });
 }
 
-const MergeExtent kExtents[] = {kWhole,      {1, 1, 1},    {2, 2, 2},   {3, 3, 3},
-                                {17, 2, 17}, {16, 17, 17}, {17, 16, 9}, {17, 17, 10},
-                                {5, 17, 17}, {15, 8, 16},  {4, 9, 3}};
+const MergeExtent kExtents[] = {kWhole,      {1, 1, 1},    {2, 2, 2},   {3, 3, 3},   {17, 2, 17}, {16, 17, 17},
+                                {17, 16, 9}, {17, 17, 10}, {5, 17, 17}, {15, 8, 16}, {4, 9, 3}};
 
 template <class T>
 class MergeErrorsOf : public testing::Test {
@@ -156,9 +151,8 @@ protected:
             all.emplace_back(name, Volume<T>(extent, function));
         };
         add("noise", [&](int, int, int) { return 120 * uniform(); });
-        add("smooth", [](int x, int y, int z) {
-            return 60 + 50 * std::sin(0.2 * x + 0.1) * std::cos(0.15 * y - 0.1 * z);
-        });
+        add("smooth",
+            [](int x, int y, int z) { return 60 + 50 * std::sin(0.2 * x + 0.1) * std::cos(0.15 * y - 0.1 * z); });
         add("constant", [](int, int, int) { return 77; });
         add("bowl", [](int x, int y, int z) { return (x * x + y * z) / 5; });
         add("spike", [](int x, int y, int z) { return x == 1 && y == 1 && z == 1 ? 120 : 3; });
@@ -167,8 +161,7 @@ protected:
     }
 };
 
-using SampleTypes =
-    testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::int32_t, float, double>;
+using SampleTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::int32_t, float, double>;
 TYPED_TEST_SUITE(MergeErrorsOf, SampleTypes);
 
 TYPED_TEST(MergeErrorsOf, BoundTheErrorAndNotByMuchMore) {
@@ -181,10 +174,9 @@ TYPED_TEST(MergeErrorsOf, BoundTheErrorOfTheWholeRange) {
     using Limits = std::numeric_limits<TypeParam>;
     if (std::is_floating_point_v<TypeParam>)
         return;
-    expectBoundsHold(
-        Volume<TypeParam>(
-            kWhole, [&](int, int, int) { return this->random_() % 2 ? Limits::max() : Limits::lowest(); }),
-        "ends of the range");
+    expectBoundsHold(Volume<TypeParam>(
+                         kWhole, [&](int, int, int) { return this->random_() % 2 ? Limits::max() : Limits::lowest(); }),
+                     "ends of the range");
     expectBoundsHold(Volume<TypeParam>(kWhole,
                                        [&](int, int, int) {
                                            return Limits::lowest() +
@@ -197,11 +189,9 @@ TYPED_TEST(MergeErrorsOf, BoundTheErrorOfTheWholeRange) {
 TYPED_TEST(MergeErrorsOf, AreZeroWhereTheSamplesAreTrilinear) {
     for (const MergeExtent& extent : kExtents)
         for (const int slope : {-1, 0, 2}) {
-            const Volume<TypeParam> volume(extent,
-                                           [&](int x, int y, int z) { return 40 + slope * x + 2 * y - z; });
+            const Volume<TypeParam> volume(extent, [&](int x, int y, int z) { return 40 + slope * x + 2 * y - z; });
             const MergeErrors errors = volume.measure();
-            forEachCell(errors,
-                        [&](int n, int x, int y, int z) { EXPECT_EQ(errors.errorBound(n, x, y, z), 0.0); });
+            forEachCell(errors, [&](int n, int x, int y, int z) { EXPECT_EQ(errors.errorBound(n, x, y, z), 0.0); });
             EXPECT_EQ(encodeMergeErrors(errors).size(), 1u);
         }
 }
@@ -284,8 +274,8 @@ TEST(MergeErrors, BearTheEndsOfDoubles) {
     EXPECT_TRUE(Volume<double>(kWhole, [](int, int, int) { return kMax; }).measure() == MergeErrors(kWhole));
     std::mt19937 random(4);
     for (const double scale : {1e308, 1.7e308, 1e-300, 5e-324}) {
-        const Volume<double> volume(
-            kWhole, [&](int, int, int) { return (static_cast<double>(random() % 3) - 1.0) * scale; });
+        const Volume<double> volume(kWhole,
+                                    [&](int, int, int) { return (static_cast<double>(random() % 3) - 1.0) * scale; });
         const MergeErrors errors = volume.measure();
         forEachCell(errors, [&](int n, int x, int y, int z) {
             ASSERT_GE(errors.errorBound(n, x, y, z), static_cast<double>(scale));
@@ -388,8 +378,7 @@ TEST_F(MergeErrorsDamage, IsFoundWhereTheLengthIsWrong) {
     for (auto chunk : chunks()) {
         MergeErrors out;
         for (std::size_t size = 0; size < chunk.size(); ++size)
-            ASSERT_FALSE(decodeExactly(std::span(chunk).first(size), kWhole, out))
-                << size << " of " << chunk.size();
+            ASSERT_FALSE(decodeExactly(std::span(chunk).first(size), kWhole, out)) << size << " of " << chunk.size();
         chunk.push_back(std::byte{0});
         ASSERT_FALSE(decodeExactly(chunk, kWhole, out));
     }
@@ -404,8 +393,7 @@ TEST_F(MergeErrorsDamage, DoesNoHarm) {
                 damaged[random_() % reach] ^= static_cast<std::byte>(1 << random_() % 8);
             MergeErrors out;
             if (decodeExactly(damaged, kWhole, out))
-                forEachCell(out,
-                            [&](int n, int x, int y, int z) { ASSERT_GE(out.errorBound(n, x, y, z), 0.0); });
+                forEachCell(out, [&](int n, int x, int y, int z) { ASSERT_GE(out.errorBound(n, x, y, z), 0.0); });
         }
 }
 

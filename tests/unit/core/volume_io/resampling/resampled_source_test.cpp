@@ -44,7 +44,8 @@ TEST(GridAxis, KnowsWhetherItIsEven) {
 
 TEST(GridAxis, RefusesWhatIsNoAxis) {
     const double inf = std::numeric_limits<double>::infinity();
-    for (const std::vector<double>& at : {std::vector<double>{0, 1, 1}, {0, 1, 0.5}, {2, 1, 1}, {0, std::nan("")}, {-inf, 0}})
+    for (const std::vector<double>& at :
+         {std::vector<double>{0, 1, 1}, {0, 1, 0.5}, {2, 1, 1}, {0, std::nan("")}, {-inf, 0}})
         EXPECT_THAT(makeAxis(at, "lat", "file"), test::HasError(ErrorCode::InvalidArgument));
     EXPECT_THAT(makeAxis({-1.7e308, 1.7e308}, "lat", "file"), test::HasError(ErrorCode::InvalidArgument));
     EXPECT_THAT(makeAxis({0, 0}, "lat", "file").error().line(), testing::HasSubstr("lat"));
@@ -107,7 +108,7 @@ TEST(PlaceOnAxes, LeavesMissingWhatDependsOnMissingValues) {
     const auto source = unevenLinear(options, true);
     const auto values = slabOf(*source);
     EXPECT_TRUE(std::isnan(values[0]));
-    EXPECT_TRUE(std::isnan(values[1]));  // between the hole and its neighbour
+    EXPECT_TRUE(std::isnan(values[1])); // between the hole and its neighbour
     EXPECT_FALSE(std::isnan(values[2])); // the neighbour itself
     const auto report = *source->info().resampling;
     EXPECT_EQ(report.comparedPoints, 35);

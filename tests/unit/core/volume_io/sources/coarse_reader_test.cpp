@@ -77,8 +77,7 @@ TEST(CoarseReader, KeepsTheSamplesAndTheirPlaces) {
                 for (std::int64_t y = 0; y < geometry.dims[1]; ++y)
                     for (std::int64_t x = 0; x < geometry.dims[0]; ++x) {
                         const glm::dvec4 fine(glm::dvec3(x * step, y * step, z * step), 1.0);
-                        EXPECT_EQ(coarse.valueAt(x, y, z),
-                                  source.whole->valueAt(x * step, y * step, z * step));
+                        EXPECT_EQ(coarse.valueAt(x, y, z), source.whole->valueAt(x * step, y * step, z * step));
                         EXPECT_EQ(coarseToWorld * glm::dvec4(x, y, z, 1.0), fineToWorld * fine);
                     }
             for (std::size_t axis = 0; axis < 3; ++axis) // none is left out

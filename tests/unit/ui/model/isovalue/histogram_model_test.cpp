@@ -37,7 +37,9 @@ TEST(SuggestIsovalue, LeavesAHugeBackgroundPeak) {
 TEST(SuggestIsovalue, OfATomographyShowsSkinOrBoneAndNotAir) {
     // Air at -1000, soft tissue near 40, a tail of bone up to 2000.
     std::vector<std::uint64_t> counts(512, 0);
-    const auto binOf = [](double hounsfield) { return static_cast<std::size_t>((hounsfield + 1024.0) / 4010.0 * 512.0); };
+    const auto binOf = [](double hounsfield) {
+        return static_cast<std::size_t>((hounsfield + 1024.0) / 4010.0 * 512.0);
+    };
     counts[binOf(-1000.0)] = 6'000'000;
     addPeak(counts, binOf(40.0), 300'000);
     for (std::size_t bin = binOf(150.0); bin < binOf(2000.0); ++bin)

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "core/volume_io/volume_reader.h"
-#include "preprocess/metacells/brick_list.h"
 #include "preprocess/build_index.h"
+#include "preprocess/metacells/brick_list.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/ui/main_thread_queue.h"
@@ -25,8 +25,7 @@ constexpr std::uint64_t kNoBound = std::numeric_limits<std::uint64_t>::max();
 /// A MetaImage file of floats, value(x, y, z) at each grid point.
 fs::path writeVolume(const test::TemporaryFolder& folder, const GridDims& dims,
                      const std::function<float(int, int, int)>& value) {
-    std::string bytes =
-        "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nDimSize =";
+    std::string bytes = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nDimSize =";
     for (const auto n : dims)
         bytes += " " + std::to_string(n);
     bytes += "\nElementSpacing = 0.5 1 2\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
@@ -43,8 +42,7 @@ fs::path writeVolume(const test::TemporaryFolder& folder, const GridDims& dims,
 /// farthest one, which has the least, are at odd places: no preview has them.
 constexpr int kBallDim = 24;
 float ballValue(int x, int y, int z) {
-    return -std::hypot(static_cast<float>(x) - 11.0f, static_cast<float>(y) - 11.0f,
-                       static_cast<float>(z) - 11.0f);
+    return -std::hypot(static_cast<float>(x) - 11.0f, static_cast<float>(y) - 11.0f, static_cast<float>(z) - 11.0f);
 }
 fs::path writeBall(const test::TemporaryFolder& folder) {
     return writeVolume(folder, {kBallDim, kBallDim, kBallDim}, ballValue);
@@ -53,8 +51,7 @@ constexpr std::uint64_t kBallBytes = std::uint64_t{kBallDim} * kBallDim * kBallD
 
 class PreviewTest : public ::testing::Test {
 protected:
-    Result<LoadedDataset> load(const fs::path& path, std::uint64_t wholeVolumeBytes,
-                               const JobControl& job = {}) {
+    Result<LoadedDataset> load(const fs::path& path, std::uint64_t wholeVolumeBytes, const JobControl& job = {}) {
         OpenRequest request;
         request.path = path;
         return loadDataset(request, IndexCache(folder_ / "cache"), {}, wholeVolumeBytes, job);
@@ -77,9 +74,8 @@ TEST_F(PreviewTest, ReadsAllThatFitsAndNoMore) {
 }
 
 TEST_F(PreviewTest, HasTheFileSamplesAtTheirPlaces) {
-    const auto path = writeVolume(folder_, {13, 10, 7}, [](int x, int y, int z) {
-        return static_cast<float>(x + 100 * y + 10000 * z);
-    });
+    const auto path = writeVolume(folder_, {13, 10, 7},
+                                  [](int x, int y, int z) { return static_cast<float>(x + 100 * y + 10000 * z); });
     const auto read = load(path, 600);
     ASSERT_THAT(read, IsOk());
     const auto& [dataset, grid, engine, isovalue] = read.value();
@@ -131,8 +127,7 @@ TEST_F(PreviewTest, IsCancelledWhileItIsRead) {
 }
 
 TEST_F(PreviewTest, IsRefusedWhereItMakesNoGrid) {
-    const auto flat =
-        writeVolume(folder_, {20, 20, 3}, [](int x, int, int) { return static_cast<float>(x); });
+    const auto flat = writeVolume(folder_, {20, 20, 3}, [](int x, int, int) { return static_cast<float>(x); });
     EXPECT_THAT(load(flat, 100), HasError(ErrorCode::OutOfSpace));
     EXPECT_THAT(load(flat, 1599),
                 HasError(ErrorCode::OutOfSpace)); // a preview of 800 bytes, but a plane of 1600
@@ -156,14 +151,13 @@ TEST_F(PreviewTest, IsRefusedWhereItShowsNothing) {
 /// Builds from files; can be told to wait, to refuse, or to come upon another volume.
 class FileBuilder final : public IndexBuilder {
 public:
-    Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const io::VolumeInfo&,
-                 const fs::path&, const JobControl&) override {
+    Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const io::VolumeInfo&, const fs::path&,
+                 const JobControl&) override {
         ++gridBuilds;
         return makeError(ErrorCode::InvalidArgument, "was given samples, not a file");
     }
-    Status buildFromFile(const fs::path& volume, const io::ReadOptions& options,
-                         const std::string& sourceName, const fs::path& indexPath,
-                         const JobControl& job) override {
+    Status buildFromFile(const fs::path& volume, const io::ReadOptions& options, const std::string& sourceName,
+                         const fs::path& indexPath, const JobControl& job) override {
         ++fileBuilds;
         while (waits && !job.isStopRequested())
             std::this_thread::yield();
@@ -179,8 +173,8 @@ public:
         auto report = preprocess::buildIndex(*source.value(), indexPath, build, job);
         return report.isOk() ? Status{} : Status{report.error()};
     }
-    Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(
-        const std::shared_ptr<const ScalarGrid>& grid, const JobControl& job) override {
+    Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,
+                                                                 const JobControl& job) override {
         return preprocess::makeMemoryEngine(grid, job);
     }
     std::atomic<int> gridBuilds{0};
@@ -198,8 +192,7 @@ protected:
         services.cacheFolder = folder_ / "cache";
         services.wholeVolumeBytes = kBallBytes / 8;
         session_ = std::make_unique<Session>(std::move(services));
-        subscription_ =
-            session_->noticePosted().observe([this](const Notice& notice) { notices_.push_back(notice); });
+        subscription_ = session_->noticePosted().observe([this](const Notice& notice) { notices_.push_back(notice); });
     }
     void openBall(std::optional<double> isovalue = -6.0) {
         OpenRequest request;

@@ -79,26 +79,14 @@ protected:
 TEST_F(RawRankingTest, FindsBytes) { expectFound({{40, 30, 24}}); }
 TEST_F(RawRankingTest, FindsDimsThatAreNoCube) { expectFound({{60, 36, 17}}); }
 TEST_F(RawRankingTest, FindsShorts) { expectFound({{36, 40, 20}, ScalarType::U16, false, 0, 4000.0}); }
-TEST_F(RawRankingTest, FindsShortsTheOtherWayRound) {
-    expectFound({{36, 40, 20}, ScalarType::U16, true, 0, 4000.0});
-}
-TEST_F(RawRankingTest, FindsSignedShorts) {
-    expectFound({{32, 48, 20}, ScalarType::I16, false, 0, 3000.0, -1000.0});
-}
-TEST_F(RawRankingTest, FindsIntegers) {
-    expectFound({{32, 24, 20}, ScalarType::I32, false, 0, 100000.0, -5000.0});
-}
+TEST_F(RawRankingTest, FindsShortsTheOtherWayRound) { expectFound({{36, 40, 20}, ScalarType::U16, true, 0, 4000.0}); }
+TEST_F(RawRankingTest, FindsSignedShorts) { expectFound({{32, 48, 20}, ScalarType::I16, false, 0, 3000.0, -1000.0}); }
+TEST_F(RawRankingTest, FindsIntegers) { expectFound({{32, 24, 20}, ScalarType::I32, false, 0, 100000.0, -5000.0}); }
 TEST_F(RawRankingTest, FindsFloats) { expectFound({{40, 30, 24}, ScalarType::F32, false, 0, 1.0}); }
-TEST_F(RawRankingTest, FindsFloatsTheOtherWayRound) {
-    expectFound({{40, 30, 24}, ScalarType::F32, true, 0, 50.0});
-}
+TEST_F(RawRankingTest, FindsFloatsTheOtherWayRound) { expectFound({{40, 30, 24}, ScalarType::F32, true, 0, 50.0}); }
 TEST_F(RawRankingTest, FindsDoubles) { expectFound({{24, 20, 28}, ScalarType::F64, false, 0, 1.0, -0.5}); }
-TEST_F(RawRankingTest, FindsDoublesTheOtherWayRound) {
-    expectFound({{24, 20, 28}, ScalarType::F64, true, 0, 1e-6});
-}
-TEST_F(RawRankingTest, SkipsTheHeaderOfACube) {
-    expectFound({{32, 32, 32}, ScalarType::U16, false, 352, 4000.0});
-}
+TEST_F(RawRankingTest, FindsDoublesTheOtherWayRound) { expectFound({{24, 20, 28}, ScalarType::F64, true, 0, 1e-6}); }
+TEST_F(RawRankingTest, SkipsTheHeaderOfACube) { expectFound({{32, 32, 32}, ScalarType::U16, false, 352, 4000.0}); }
 TEST_F(RawRankingTest, SkipsWhatTheNamedDimsLeave) {
     expectFound({{30, 22, 26}, ScalarType::U8, false, 77}, "scan_30x22x26.raw");
 }
@@ -137,8 +125,7 @@ TEST_F(RawRankingTest, OfTinyAndStrangeFilesGivesWhatThereIs) {
     stop.request_stop();
     JobControl job;
     job.stop = stop.get_token();
-    EXPECT_THAT(rankRawLayouts(folder_.write("a.raw", bytesOf({{16, 16, 16}})), job),
-                HasError(ErrorCode::Cancelled));
+    EXPECT_THAT(rankRawLayouts(folder_.write("a.raw", bytesOf({{16, 16, 16}})), job), HasError(ErrorCode::Cancelled));
 }
 
 TEST(RawNames, SayTheByteOrderInAWordOfItsOwn) {
@@ -166,8 +153,7 @@ TEST_F(RawRankingTest, SeesBytesTakenInTheWrongOrder) {
 class RawImportModelTest : public ::testing::Test {
 protected:
     std::unique_ptr<RawImportModel> make(const char* name, const std::string& bytes) {
-        return std::make_unique<RawImportModel>(folder_.write(name, bytes), bytes.size(), jobs_,
-                                                VolumeAccess());
+        return std::make_unique<RawImportModel>(folder_.write(name, bytes), bytes.size(), jobs_, VolumeAccess());
     }
     bool settle(const RawImportModel& model) {
         return queue_.runUntil([&] {

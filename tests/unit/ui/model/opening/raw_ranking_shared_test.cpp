@@ -34,9 +34,8 @@ std::string samplesOf(const ScalarGrid& grid, bool isBigEndian) {
 }
 
 bool hasNegative(const ScalarGrid& grid) {
-    return grid.visit([](auto samples) {
-        return std::any_of(samples.begin(), samples.end(), [](auto value) { return value < 0; });
-    });
+    return grid.visit(
+        [](auto samples) { return std::any_of(samples.begin(), samples.end(), [](auto value) { return value < 0; }); });
 }
 
 TEST_P(RawRankingOf, PutsTheTrueArrangementFirst) {
@@ -48,16 +47,15 @@ TEST_P(RawRankingOf, PutsTheTrueArrangementFirst) {
         ASSERT_THAT(guesses, IsOk());
         ASSERT_FALSE(guesses.value().empty());
         for (const auto& guess : guesses.value())
-            std::printf(
-                "%lld x %lld x %lld %s %s, %.2f, cost %.2f\n", static_cast<long long>(guess.layout.dims[0]),
-                static_cast<long long>(guess.layout.dims[1]), static_cast<long long>(guess.layout.dims[2]),
-                std::string(scalarTypeName(guess.layout.type)).c_str(),
-                guess.layout.isBigEndian ? "big" : "little", guess.smoothness, guess.cost);
+            std::printf("%lld x %lld x %lld %s %s, %.2f, cost %.2f\n", static_cast<long long>(guess.layout.dims[0]),
+                        static_cast<long long>(guess.layout.dims[1]), static_cast<long long>(guess.layout.dims[2]),
+                        std::string(scalarTypeName(guess.layout.type)).c_str(),
+                        guess.layout.isBigEndian ? "big" : "little", guess.smoothness, guess.cost);
         const auto& found = guesses.value().front().layout;
         EXPECT_EQ(found.dims, grid.value()->dims());
         // What is never negative is the same with and without a sign.
-        const bool isTwin = grid.value()->type() == ScalarType::I16 && found.type == ScalarType::U16 &&
-                            !hasNegative(*grid.value());
+        const bool isTwin =
+            grid.value()->type() == ScalarType::I16 && found.type == ScalarType::U16 && !hasNegative(*grid.value());
         EXPECT_TRUE(isTwin || found.type == grid.value()->type()) << scalarTypeName(found.type);
         EXPECT_EQ(found.isBigEndian, isBigEndian && hasOrder);
         EXPECT_EQ(found.skipBytes, 0u);
@@ -65,10 +63,10 @@ TEST_P(RawRankingOf, PutsTheTrueArrangementFirst) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Real, RawRankingOf,
-                         testing::Values("mha/hydrogenAtom.mha", "mha/neghip.mha", "mha/fuel.mha",
-                                         "mhd/cranium.mhd", "nifti/mricron_ch2.nii.gz",
-                                         "nrrd/tooth/tooth.nhdr", "nrrd/pyradiomics_brain1_image.nrrd",
-                                         "vti/vase.vti", "vti/viscousfingers_001.vti", "vti/isabel_02.vti"));
+                         testing::Values("mha/hydrogenAtom.mha", "mha/neghip.mha", "mha/fuel.mha", "mhd/cranium.mhd",
+                                         "nifti/mricron_ch2.nii.gz", "nrrd/tooth/tooth.nhdr",
+                                         "nrrd/pyradiomics_brain1_image.nrrd", "vti/vase.vti",
+                                         "vti/viscousfingers_001.vti", "vti/isabel_02.vti"));
 
 } // namespace
 } // namespace isoslider::model

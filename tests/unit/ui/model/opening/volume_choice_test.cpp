@@ -118,9 +118,7 @@ TEST(VolumeChoice, TellsWhyAFieldCannotBeOpened) {
 /// Readers that know two fields of a file, "pressure" and "velocity"; x, y, z make the samples.
 VolumeAccess fakeReaders() {
     VolumeAccess volumes;
-    volumes.list = [](const fs::path&, const io::ReadOptions&) -> Result<io::VolumeContents> {
-        return twoFields();
-    };
+    volumes.list = [](const fs::path&, const io::ReadOptions&) -> Result<io::VolumeContents> { return twoFields(); };
     volumes.open = [](const fs::path& path,
                       const io::ReadOptions& options) -> Result<std::unique_ptr<io::VolumeSource>> {
         if (options.field.empty())
@@ -249,8 +247,7 @@ TEST_F(OpenModelTest, TheNewestChoiceWinsAndClosingDoesNotWait) {
     auto readers = fakeReaders();
     auto isHeld = std::make_shared<std::atomic<bool>>(true);
     auto opened = std::make_shared<std::atomic<int>>(0);
-    readers.open = [open = readers.open, isHeld, opened](const fs::path& path,
-                                                         const io::ReadOptions& options) {
+    readers.open = [open = readers.open, isHeld, opened](const fs::path& path, const io::ReadOptions& options) {
         ++*opened;
         while (*isHeld)
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -285,8 +282,8 @@ protected:
         services.volumes = volumes;
         services.cacheFolder = folder_ / "cache";
         session_ = std::make_unique<Session>(std::move(services));
-        subscriptions_.push_back(session_->choiceNeeded().observe(
-            [this](const OpenRequest& request, const io::VolumeContents& contents) {
+        subscriptions_.push_back(
+            session_->choiceNeeded().observe([this](const OpenRequest& request, const io::VolumeContents& contents) {
                 asked_ = request;
                 contents_ = contents;
             }));

@@ -29,7 +29,8 @@ protected:
         for (int i = 0; i < 6 * 6 * 6; ++i)
             samples += static_cast<char>(10 * (i % 6));
         const fs::path path = folder_.write(
-            name, "ObjectType = Image\nNDims = 3\nDimSize = 6 6 6\nElementType = MET_UCHAR\nElementDataFile = " + data + "\n");
+            name, "ObjectType = Image\nNDims = 3\nDimSize = 6 6 6\nElementType = MET_UCHAR\nElementDataFile = " + data +
+                      "\n");
         folder_.write((fs::path(name).parent_path() / data).string(), samples);
         return path;
     }

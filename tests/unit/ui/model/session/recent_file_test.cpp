@@ -31,11 +31,18 @@ TEST(RecentFile, GivesBackWhatItTook) {
 
 TEST(RecentFile, DamagedChoicesReadAsNone) {
     const std::string whole = recentText(everything());
-    for (const auto& [from, to] : {std::pair("\"frame\":3", "\"frame\":-1"), {"\"frame\":3", "\"frame\":\"x\""},
-                                   {"\"component\":-1", "\"component\":-2"}, {"[50,80,40]", "[50,80]"},
-                                   {"[50,80,40]", "[50,80,9999999999]"}, {"\"u16\"", "\"u9\""}, {"[40,36,28]", "[]"},
-                                   {"[1.0,", "[0.0,"}, {"\"skipBytes\":512", "\"skipBytes\":-1"}, {"\"field\"", "\"later\""},
-                                   {"{", ""}, {"\x1fWind", "Wind"}}) {
+    for (const auto& [from, to] : {std::pair("\"frame\":3", "\"frame\":-1"),
+                                   {"\"frame\":3", "\"frame\":\"x\""},
+                                   {"\"component\":-1", "\"component\":-2"},
+                                   {"[50,80,40]", "[50,80]"},
+                                   {"[50,80,40]", "[50,80,9999999999]"},
+                                   {"\"u16\"", "\"u9\""},
+                                   {"[40,36,28]", "[]"},
+                                   {"[1.0,", "[0.0,"},
+                                   {"\"skipBytes\":512", "\"skipBytes\":-1"},
+                                   {"\"field\"", "\"later\""},
+                                   {"{", ""},
+                                   {"\x1fWind", "Wind"}}) {
         std::string damaged = whole;
         const auto place = damaged.find(from);
         ASSERT_NE(place, std::string::npos) << from << " in " << whole;
@@ -76,7 +83,8 @@ TEST(RecentFile, OfADatasetKeepsWhatOpensItAgain) {
     dataset.fieldTitle = "Wind speed";
     EXPECT_TRUE(recentOf(dataset).isSameAs({"/a.nc", everything().options, {}}));
     EXPECT_EQ(recentOf(dataset).fieldTitle, "Wind speed");
-    dataset.readOptions.field = "a\x1f" "frame=7"; // no name can be taken apart
+    dataset.readOptions.field = "a\x1f"
+                                "frame=7"; // no name can be taken apart
     EXPECT_TRUE(recentFromText(recentText(recentOf(dataset))).isSameAs(recentOf(dataset)));
 }
 

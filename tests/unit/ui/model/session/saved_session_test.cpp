@@ -150,7 +150,8 @@ TEST_F(SavedSessionTest, B110_OfALaterVersionIsToldAndUsedAsFarAsItGoes) {
 TEST_F(SavedSessionTest, B110_OptionsOutOfBoundsAreTold) {
     EXPECT_FALSE(read(changed("\"type\": \"u16\"", "\"type\": \"float128\"")).session.readOptions.raw.has_value());
     EXPECT_FALSE(read(changed("\"component\": -1", "\"component\": -2")).session.readOptions.component.has_value());
-    EXPECT_FALSE(read(changed("\"frame\": 3", "\"frame\": 18446744073709551615")).session.readOptions.frame.has_value());
+    EXPECT_FALSE(
+        read(changed("\"frame\": 3", "\"frame\": 18446744073709551615")).session.readOptions.frame.has_value());
     EXPECT_FALSE(read(changed("\"frame\": 3", "\"frame\": 1.5")).session.readOptions.frame.has_value());
     EXPECT_EQ(read(changed("\"size\": [\n        20", "\"size\": [\n        0")).session.readOptions.resampleDims,
               (GridDims{0, 0, 0}));

@@ -49,7 +49,8 @@ protected:
         services.postToMain = queue_.poster();
         services.indexBuilder = builder_;
         services.cacheFolder = folder_ / "cache";
-        services.sampleLoader = [](const std::string& name, const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
+        services.sampleLoader = [](const std::string& name,
+                                   const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
             if (name == "ball")
                 return ballGrid();
             if (name == "tiny") // areas too small for a number: every triangle counts as degenerate

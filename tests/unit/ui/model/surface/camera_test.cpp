@@ -20,7 +20,8 @@ glm::dvec3 project(const Camera& camera, glm::dvec3 point) {
 }
 
 void expectNear(glm::dvec3 a, glm::dvec3 b, double tolerance = 1e-9) {
-    EXPECT_LE(glm::length(a - b), tolerance) << a.x << ' ' << a.y << ' ' << a.z << " against " << b.x << ' ' << b.y << ' ' << b.z;
+    EXPECT_LE(glm::length(a - b), tolerance)
+        << a.x << ' ' << a.y << ' ' << a.z << " against " << b.x << ' ' << b.y << ' ' << b.z;
 }
 
 class CameraTest : public ::testing::TestWithParam<bool> {
@@ -69,12 +70,14 @@ TEST_P(CameraTest, PanMovesTheSceneWithThePointer) {
     const auto before = project(camera_, camera_.target());
     const auto point = camera_.target();
     camera_.pan({0.25, 0.1}, kAspect);
-    expectNear(project(camera_, point) * glm::dvec3(1, 1, 0), (before + glm::dvec3(0.25, 0.1, 0)) * glm::dvec3(1, 1, 0));
+    expectNear(project(camera_, point) * glm::dvec3(1, 1, 0),
+               (before + glm::dvec3(0.25, 0.1, 0)) * glm::dvec3(1, 1, 0));
 }
 
 TEST_P(CameraTest, ZoomKeepsThePointUnderThePointer) {
     const glm::dvec2 pointer(0.4, -0.3);
-    const auto point = camera_.target() + (camera_.right() * (pointer.x * kAspect) + camera_.up() * pointer.y) * camera_.halfHeight();
+    const auto point =
+        camera_.target() + (camera_.right() * (pointer.x * kAspect) + camera_.up() * pointer.y) * camera_.halfHeight();
     camera_.zoom(1.7, pointer, kAspect);
     const auto place = project(camera_, point);
     EXPECT_NEAR(place.x, pointer.x, 1e-9);
@@ -120,9 +123,11 @@ TEST_P(CameraTest, B112_AViewWithoutWidthOrHeightHasAFiniteProjection) {
         const glm::dmat4 all = camera_.projectionMatrix(aspect) * camera_.viewMatrix();
         for (int column = 0; column < 4; ++column)
             for (int row = 0; row < 4; ++row)
-                EXPECT_TRUE(std::isfinite(static_cast<float>(all[column][row]))) << aspect << ' ' << column << ' ' << row;
+                EXPECT_TRUE(std::isfinite(static_cast<float>(all[column][row])))
+                    << aspect << ' ' << column << ' ' << row;
     };
-    for (const double aspect : {0.0, -0.0, -1.0, kInfinity, -kInfinity, std::nan(""), 5e-324, 1e300, 1.0 / 4320, 7680.0}) {
+    for (const double aspect :
+         {0.0, -0.0, -1.0, kInfinity, -kInfinity, std::nan(""), 5e-324, 1e300, 1.0 / 4320, 7680.0}) {
         expectFinite(aspect);
         camera_.pan({0.1, 0.1}, 1.0);
         camera_.orbit(0.1, 0.1);

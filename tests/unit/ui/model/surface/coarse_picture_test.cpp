@@ -24,7 +24,8 @@ extract::SurfaceFrame sphereFrame() {
         for (int y = 0; y < 40; ++y)
             for (int x = 0; x < 40; ++x)
                 values.push_back(-glm::length(glm::vec3(x, y, z) - kMiddle));
-    auto mesh = extract::extractFull(ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values), -kRadius).value();
+    auto mesh =
+        extract::extractFull(ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values), -kRadius).value();
     extract::SurfaceFrame frame;
     frame.geometry = geometry;
     frame.positions = std::move(mesh.positions);
@@ -92,9 +93,10 @@ TEST(CoarsePicture, KeepsWhatChanged) {
     frame.changedIndices.assign(frame.indices.begin(), frame.indices.begin() + 3 * 200);
     mergeVertices(frame, 2);
     EXPECT_GT(frame.changedIndices.size(), 3u * 20);
-    EXPECT_EQ(std::vector<std::uint32_t>(frame.indices.begin(),
-                                         frame.indices.begin() + static_cast<std::ptrdiff_t>(frame.changedIndices.size())),
-              frame.changedIndices);
+    EXPECT_EQ(
+        std::vector<std::uint32_t>(frame.indices.begin(),
+                                   frame.indices.begin() + static_cast<std::ptrdiff_t>(frame.changedIndices.size())),
+        frame.changedIndices);
 }
 
 } // namespace

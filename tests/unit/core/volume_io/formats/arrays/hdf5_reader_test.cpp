@@ -154,8 +154,8 @@ TEST_F(Hdf5Reader, ReadsEveryTypeOfNumbers) {
     const struct {
         hid_t stored;
         ScalarType type;
-    } kinds[] = {{H5T_STD_U8LE, ScalarType::U8},   {H5T_STD_I8BE, ScalarType::I8},    {H5T_STD_U16BE, ScalarType::U16},
-                 {H5T_STD_I32BE, ScalarType::I32}, {H5T_STD_U32LE, ScalarType::F64},  {H5T_STD_I64BE, ScalarType::F64},
+    } kinds[] = {{H5T_STD_U8LE, ScalarType::U8},    {H5T_STD_I8BE, ScalarType::I8},   {H5T_STD_U16BE, ScalarType::U16},
+                 {H5T_STD_I32BE, ScalarType::I32},  {H5T_STD_U32LE, ScalarType::F64}, {H5T_STD_I64BE, ScalarType::F64},
                  {H5T_IEEE_F32BE, ScalarType::F32}, {H5T_IEEE_F64LE, ScalarType::F64}};
     for (const auto& kind : kinds) {
         Writer writer(at("a.h5"));
@@ -293,7 +293,8 @@ TEST_F(Hdf5Reader, TakesTheUnitOfLengthFromOpenPmd) {
         const auto source = openVolume(writer.close());
         ASSERT_THAT(source, test::IsOk());
         EXPECT_EQ(source.value()->info().lengthUnit, unit);
-        EXPECT_EQ(source.value()->info().notes.size(), *unit == '\0' ? 2u : 1u) << "the axes; the unit that has no name";
+        EXPECT_EQ(source.value()->info().notes.size(), *unit == '\0' ? 2u : 1u)
+            << "the axes; the unit that has no name";
     }
 }
 
@@ -420,7 +421,8 @@ TEST_F(Hdf5Reader, NotesSpacingsThatItDoesNotUnderstand) {
     const auto source = openVolume(file.close());
     ASSERT_THAT(source, test::IsOk());
     EXPECT_EQ(source.value()->info().geometry.spacing, glm::dvec3(1.0));
-    EXPECT_THAT(source.value()->info().notes, testing::Contains(HasSubstr("'VoxelSizeInFurlongs'): spacing 1 is taken")));
+    EXPECT_THAT(source.value()->info().notes,
+                testing::Contains(HasSubstr("'VoxelSizeInFurlongs'): spacing 1 is taken")));
 }
 
 TEST_F(Hdf5Reader, IsKnownByItsFirstBytes) {

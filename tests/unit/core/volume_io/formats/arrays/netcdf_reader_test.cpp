@@ -150,8 +150,9 @@ TEST_P(NetcdfReader, TakesCoordinatesOfSinglePrecisionForEven) {
 
 TEST_P(NetcdfReader, AxesOfOneUnitOfLengthSayIt) {
     auto w = writer();
-    const int v = w.define("v", NC_SHORT, {w.axis("z", {0, 10}, "km"), w.axis("y", {0, 1, 2}, "kilometers"),
-                                           w.axis("x", {0, 1, 2, 3}, "km")});
+    const int v =
+        w.define("v", NC_SHORT,
+                 {w.axis("z", {0, 10}, "km"), w.axis("y", {0, 1, 2}, "kilometers"), w.axis("x", {0, 1, 2, 3}, "km")});
     w.text(v, "long_name", "wind speed");
     w.putRamp(v, 24);
     const auto source = openVolume(w.finish());
@@ -160,8 +161,9 @@ TEST_P(NetcdfReader, AxesOfOneUnitOfLengthSayIt) {
     EXPECT_EQ(source.value()->info().fieldTitle, "wind speed");
     EXPECT_THAT(source.value()->info().notes, testing::Not(testing::Contains(HasSubstr("is in"))));
     auto mixed = writer("mixed.nc");
-    const int u = mixed.define("v", NC_SHORT, {mixed.axis("z", {0, 10}, "m"), mixed.axis("y", {0, 1, 2}, "km"),
-                                               mixed.axis("x", {0, 1, 2, 3}, "km")});
+    const int u = mixed.define(
+        "v", NC_SHORT,
+        {mixed.axis("z", {0, 10}, "m"), mixed.axis("y", {0, 1, 2}, "km"), mixed.axis("x", {0, 1, 2, 3}, "km")});
     mixed.putRamp(u, 24);
     const auto other = openVolume(mixed.finish());
     ASSERT_THAT(other, test::IsOk());

@@ -108,8 +108,7 @@ inline DicomElements dicomSlice(double z, int instance, const std::function<int(
         for (int x = 0; x < 8; ++x)
             samples += DicomElements::integer(
                 static_cast<std::uint64_t>(static_cast<std::int64_t>(sample ? sample(x, y) : x + 10 * y)), 2);
-    e.text(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.4")
-        .text(0x00080018, "UI", "1.2.3." + std::to_string(instance));
+    e.text(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.4").text(0x00080018, "UI", "1.2.3." + std::to_string(instance));
     e.text(0x00080021, "DA", "20240131").text(0x00080060, "CS", "MR").text(0x0008103e, "LO", "probe");
     e.text(0x00180050, "DS", "9").text(0x0020000e, "UI", "1.2.3").text(0x00200011, "IS", "4");
     e.text(0x00200013, "IS", std::to_string(instance));
@@ -122,8 +121,7 @@ inline DicomElements dicomSlice(double z, int instance, const std::function<int(
 }
 
 /// A whole file. Of big-endian syntaxes `elements` have to bring big-endian samples.
-inline std::string dicomFile(const DicomElements& elements,
-                             const std::string& transferSyntax = kExplicitLittle) {
+inline std::string dicomFile(const DicomElements& elements, const std::string& transferSyntax = kExplicitLittle) {
     DicomElements meta;
     meta.text(0x00020010, "UI", transferSyntax);
     const std::string head = meta.bytes();

@@ -122,9 +122,8 @@ TEST(DicomFile, UnpacksRunLengths) {
 TEST(DicomFile, UnpacksWhatGdcmPacks) {
     const test::TemporaryFolder folder;
     const auto plain = folder.write("plain.dcm", dicomFile(dicomSlice(0, 1)));
-    for (const auto syntax :
-         {gdcm::TransferSyntax::JPEGLosslessProcess14_1, gdcm::TransferSyntax::JPEGLSLossless,
-          gdcm::TransferSyntax::JPEG2000Lossless, gdcm::TransferSyntax::RLELossless}) {
+    for (const auto syntax : {gdcm::TransferSyntax::JPEGLosslessProcess14_1, gdcm::TransferSyntax::JPEGLSLossless,
+                              gdcm::TransferSyntax::JPEG2000Lossless, gdcm::TransferSyntax::RLELossless}) {
         gdcm::ImageReader reader;
         reader.SetFileName(plain.c_str());
         ASSERT_TRUE(reader.Read());
@@ -200,9 +199,7 @@ TEST(DicomFile, SortsTheFramesOfAnEnhancedImage) {
     directions.text(0x00200037, "DS", "1\\0\\0\\0\\1\\0");
     measures.text(0x00280030, "DS", "0.75\\0.5").text(0x00180050, "DS", "9");
     transformation.text(0x00281052, "DS", "100").text(0x00281053, "DS", "2");
-    shared.sequence(0x00209116, {directions})
-        .sequence(0x00289110, {measures})
-        .sequence(0x00289145, {transformation});
+    shared.sequence(0x00209116, {directions}).sequence(0x00289110, {measures}).sequence(0x00289145, {transformation});
     elements.text(0x00280008, "IS", "3").sequence(0x52009229, {shared});
     elements.sequence(0x52009230, {positionGroup(4), positionGroup(0), positionGroup(2)});
     std::string samples;
@@ -223,8 +220,7 @@ TEST(DicomFile, UnpacksTheFramesOfASegmentation) {
     auto elements = dicomSlice(0, 1);
     elements.text(0x00280008, "IS", "2").number(0x00280010, "US", 3).number(0x00280011, "US", 3);
     elements.number(0x00280100, "US", 1).number(0x00280101, "US", 1).number(0x00280102, "US", 0);
-    elements.number(0x00280103, "US", 0)
-        .text(0x7fe00010, "OB", std::string("\xff\x01\x80\x00", 4)); // 9 ones, 0..., 1
+    elements.number(0x00280103, "US", 0).text(0x7fe00010, "OB", std::string("\xff\x01\x80\x00", 4)); // 9 ones, 0..., 1
     elements.text(0x00180088, "DS", "2");
     elements.text(0x7fe00010, "OB", std::string("\xff\x01\x02\x00", 4));
     const auto grid = readFile(dicomFile(elements));
@@ -282,12 +278,9 @@ TEST_P(BadDicomFile, IsRefusedSoonWithOneClearLine) {
     EXPECT_LT(peakRssBytes() - rssBefore, std::uint64_t{64} << 20);
 }
 
-std::string withNumber(std::uint32_t tag, double value) {
-    return dicomFile(dicomSlice(0, 1).number(tag, "US", value));
-}
+std::string withNumber(std::uint32_t tag, double value) { return dicomFile(dicomSlice(0, 1).number(tag, "US", value)); }
 
-std::string withFragments(const std::string& syntax, const std::vector<std::string>& fragments,
-                          int frames = 1) {
+std::string withFragments(const std::string& syntax, const std::vector<std::string>& fragments, int frames = 1) {
     auto elements = test::encapsulated(dicomSlice(0, 1), test::dicomFragments(fragments));
     return dicomFile(elements.text(0x00280008, "IS", std::to_string(frames)), syntax);
 }
@@ -337,8 +330,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadDicom{"17 bits stored", withNumber(0x00280101, 17), "bits stored"},
         BadDicom{"high bit", withNumber(0x00280102, 16), "bits stored"},
         BadDicom{"five components", withNumber(0x00280002, 5), "samples per pixel"},
-        BadDicom{"a million frames", dicomFile(dicomSlice(0, 1).text(0x00280008, "IS", "1000000")),
-                 "number of frames"},
+        BadDicom{"a million frames", dicomFile(dicomSlice(0, 1).text(0x00280008, "IS", "1000000")), "number of frames"},
         BadDicom{"no frames", dicomFile(dicomSlice(0, 1).text(0x00280008, "IS", "-1")), "number of frames"},
         BadDicom{"more frames than samples", dicomFile(dicomSlice(0, 1).text(0x00280008, "IS", "60000")),
                  "need 5760000 bytes"},
@@ -347,43 +339,38 @@ INSTANTIATE_TEST_SUITE_P(
                  "element (0009,1001): its 4294967280 bytes"},
         BadDicom{"deep nesting", dicomFile(DicomElements()) + nested(1000), "deep"},
         BadDicom{"a sequence without end", dicomFile(DicomElements()) + nested(3), "does not end"},
-        BadDicom{"a singular orientation",
-                 dicomFile(dicomSlice(0, 1).text(0x00200037, "DS", "1\\0\\0\\1\\0\\0")), "image orientation"},
+        BadDicom{"a singular orientation", dicomFile(dicomSlice(0, 1).text(0x00200037, "DS", "1\\0\\0\\1\\0\\0")),
+                 "image orientation"},
         BadDicom{"no spacing", dicomFile(dicomSlice(0, 1).text(0x00280030, "DS", "0\\0")), "spacing"},
         BadDicom{"an unknown syntax", withFragments("1.2.840.10008.1.2.4.100", {"video"}), "transfer syntax"},
         BadDicom{"no fragments", withFragments(test::kRunLength, {}), "0 fragments"},
-        BadDicom{"more frames than fragments", withFragments(test::kRunLength, {plainRunLength()}, 60000),
-                 "60000"},
-        BadDicom{"a fragment that leads out of the file",
-                 dicomFile(test::encapsulated(dicomSlice(0, 1),
-                                              DicomElements::tagBytes(0xfffee000) + "\xf0\xff\xff\x7f"),
-                           test::kRunLength),
-                 "does not lie within the file"},
+        BadDicom{"more frames than fragments", withFragments(test::kRunLength, {plainRunLength()}, 60000), "60000"},
+        BadDicom{
+            "a fragment that leads out of the file",
+            dicomFile(test::encapsulated(dicomSlice(0, 1), DicomElements::tagBytes(0xfffee000) + "\xf0\xff\xff\x7f"),
+                      test::kRunLength),
+            "does not lie within the file"},
         BadDicom{"run lengths too few", withFragments(test::kRunLength, {runLengthFrame({"\xff", "\x01"})}),
                  "RLE segment"},
         BadDicom{"run lengths cut",
-                 withFragments(test::kRunLength,
-                               {runLengthFrame({std::string("\xd1\0", 2), literally("only a few")})}),
+                 withFragments(test::kRunLength, {runLengthFrame({std::string("\xd1\0", 2), literally("only a few")})}),
                  "RLE segment 1 ends early"},
         BadDicom{"one segment", withFragments(test::kRunLength, {runLengthFrame({"\xd1\x05"})}),
                  "2 RLE segments expected"},
         BadDicom{"a larger codestream", withFragments(kJpeg2000, {jpeg2000Head(8000, 6)}),
                  "is 8000 x 6 of 1 x 16 bits"},
-        BadDicom{"a damaged codestream", withFragments(kJpeg2000, {jpeg2000Head(8, 6)}),
-                 "cannot be decompressed"},
-        BadDicom{
-            "a codestream of 100 bytes for 8 GB",
-            dicomFile(test::encapsulated(dicomSlice(0, 1), test::dicomFragments({jpeg2000Head(65535, 65535)}))
-                          .number(0x00280010, "US", 65535)
-                          .number(0x00280011, "US", 65535),
-                      kJpeg2000),
-            "which cannot hold 8589672450 of samples"},
-        BadDicom{"a codestream whose segment leads out of it",
-                 withFragments(kJpeg2000, {jpeg2000Head(8, 6, 5000)}), "is not compressed as"},
+        BadDicom{"a damaged codestream", withFragments(kJpeg2000, {jpeg2000Head(8, 6)}), "cannot be decompressed"},
+        BadDicom{"a codestream of 100 bytes for 8 GB",
+                 dicomFile(test::encapsulated(dicomSlice(0, 1), test::dicomFragments({jpeg2000Head(65535, 65535)}))
+                               .number(0x00280010, "US", 65535)
+                               .number(0x00280011, "US", 65535),
+                           kJpeg2000),
+                 "which cannot hold 8589672450 of samples"},
+        BadDicom{"a codestream whose segment leads out of it", withFragments(kJpeg2000, {jpeg2000Head(8, 6, 5000)}),
+                 "is not compressed as"},
         BadDicom{"JPEG of an unknown version", withFragments(kJpegLossless, {jpegHead('\x09')}),
                  "is not compressed as"},
-        BadDicom{"JPEG without tables", withFragments(kJpegLossless, {jpegHead('\x01')}),
-                 "cannot be decompressed"},
+        BadDicom{"JPEG without tables", withFragments(kJpegLossless, {jpegHead('\x01')}), "cannot be decompressed"},
         BadDicom{"an unknown photometric interpretation",
                  dicomFile(test::encapsulated(dicomSlice(0, 1), test::dicomFragments({jpegHead('\x01')}))
                                .text(0x00280004, "CS", "MONOCROM"),

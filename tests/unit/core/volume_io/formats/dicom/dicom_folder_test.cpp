@@ -26,9 +26,7 @@ DicomElements filled(double z, int instance, int value) {
 
 class DicomFolder : public testing::Test {
 protected:
-    void add(const std::string& name, const DicomElements& elements) {
-        folder_.write(name, dicomFile(elements));
-    }
+    void add(const std::string& name, const DicomElements& elements) { folder_.write(name, dicomFile(elements)); }
 
     std::shared_ptr<const ScalarGrid> read(const ReadOptions& options = {}) {
         auto grid = readVolume(folder_.path(), options);
@@ -172,9 +170,8 @@ TEST_F(DicomFolder, ListsSeriesByTheirNumbersButTellsThemApartByTheirUids) {
 TEST_F(DicomFolder, B075_WithAMissingSliceIsRefusedNamingThePlace) {
     for (const int z : {0, 1, 2, 4, 5})
         add("slice" + std::to_string(z), filled(z, z, z));
-    EXPECT_THAT(
-        refusal(),
-        HasSubstr("slices are missing: 1 between 'slice2' and 'slice4', 2 mm apart where others are 1"));
+    EXPECT_THAT(refusal(),
+                HasSubstr("slices are missing: 1 between 'slice2' and 'slice4', 2 mm apart where others are 1"));
     EXPECT_THAT(contents().fields[0].problem, HasSubstr("missing"));
 }
 
@@ -196,8 +193,7 @@ TEST_F(DicomFolder, OfUnevenSlicesIsInterpolatedToEvenOnes) {
     ASSERT_THAT(source, test::IsOk());
     for (const int z : {7, 2, 9, 4}) {
         std::vector<float> plane(48);
-        ASSERT_THAT(source.value()->readSlab(z, z + 1, std::as_writable_bytes(std::span(plane))),
-                    test::IsOk());
+        ASSERT_THAT(source.value()->readSlab(z, z + 1, std::as_writable_bytes(std::span(plane))), test::IsOk());
         EXPECT_NEAR(plane[5], 100.0 * z, 1e-3);
     }
 }
@@ -295,8 +291,7 @@ TEST_F(DicomFolder, UndoesTheTiltOfAGantry) {
             for (int x = 0; x < 8; ++x) {
                 const glm::dvec3 place = geometry.origin + geometry.spacing * glm::dvec3(x, y, z);
                 const double value = grid->valueAt(x, y, z);
-                const bool isInside =
-                    place.y >= 20 + 0.3 * z - 1e-9 && place.y <= 20 + 0.3 * z + 5 * 0.75 + 1e-9;
+                const bool isInside = place.y >= 20 + 0.3 * z - 1e-9 && place.y <= 20 + 0.3 * z + 5 * 0.75 + 1e-9;
                 EXPECT_EQ(std::isnan(value), !isInside) << x << ' ' << y << ' ' << z;
                 missing += std::isnan(value);
                 if (isInside) {

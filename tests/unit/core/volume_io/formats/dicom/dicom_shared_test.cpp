@@ -51,8 +51,8 @@ protected:
         const fs::path archive = kData / GetParam().archive;
         if (!fs::exists(archive))
             GTEST_SKIP() << "further test data is not here: " << archive;
-        const auto unpacked = test::runProcess(
-            "/usr/bin/tar", {"--zstd", "-xf", archive.string(), "-C", folder_.path().string()});
+        const auto unpacked =
+            test::runProcess("/usr/bin/tar", {"--zstd", "-xf", archive.string(), "-C", folder_.path().string()});
         if (unpacked.exitCode != 0)
             GTEST_SKIP() << "cannot unpack " << archive << ": " << unpacked.standardError;
     }

@@ -34,8 +34,8 @@ protected:
 };
 
 TEST_F(MetaImageReader, TakesOneChannel) {
-    const std::string header = replaced(
-        replaced(test::mhaHeader(), "NDims", "ElementNumberOfChannels = 3\nNDims"), "4 3 2", "2 1 1");
+    const std::string header =
+        replaced(replaced(test::mhaHeader(), "NDims", "ElementNumberOfChannels = 3\nNDims"), "4 3 2", "2 1 1");
     const std::string bytes = header + test::ramp<std::int16_t>(6);
     EXPECT_EQ(refusal(bytes), "has 3 components: choose one with --component 0 to 2 or magnitude");
     EXPECT_EQ(samples(bytes, {.component = 2}), (std::vector<int>{2, 5}));
@@ -69,7 +69,8 @@ TEST_F(MetaImageReader, TakesOneFrameOfFourDimensions) {
 
 TEST_F(MetaImageReader, KnowsEveryNameOfAPlace) {
     const auto open = [&](const std::string& fields) {
-        folder.write("a.mhd", "NDims = 3\n" + fields + "DimSize = 2 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" +
+        folder.write("a.mhd", "NDims = 3\n" + fields +
+                                  "DimSize = 2 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" +
                                   test::ramp<std::int16_t>(8));
         const auto source = openVolume(folder / "a.mhd");
         EXPECT_THAT(source, test::IsOk()) << fields;
@@ -112,9 +113,9 @@ TEST_F(MetaImageReader, ReadsListsAndPatterns) {
     EXPECT_EQ(samples(test::mhaHeader("whole file.raw"))[23], 23);
     folder.write("z1", test::packed(plain.substr(0, 24), 15));
     folder.write("z2", test::packed(plain.substr(24), 15));
-    EXPECT_EQ(samples(replaced(test::mhaHeader("LIST"), "CompressedData = False", "CompressedData = True") +
-                      "z1\nz2\n")[23],
-              23);
+    EXPECT_EQ(
+        samples(replaced(test::mhaHeader("LIST"), "CompressedData = False", "CompressedData = True") + "z1\nz2\n")[23],
+        23);
 }
 
 TEST_F(MetaImageReader, ReadsNumbersAsText) {

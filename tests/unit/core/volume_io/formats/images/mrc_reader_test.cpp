@@ -16,9 +16,7 @@ namespace {
 using test::put;
 using testing::HasSubstr;
 
-void word(std::string& header, std::size_t number, std::int32_t value) {
-    put(header, 4 * (number - 1), value);
-}
+void word(std::string& header, std::size_t number, std::int32_t value) { put(header, 4 * (number - 1), value); }
 void real(std::string& header, std::size_t number, float value) { put(header, 4 * (number - 1), value); }
 
 /// 4 x 3 x 2 samples of `mode`, steps 1 2 3, the first at 10 20 30.
@@ -53,8 +51,7 @@ protected:
                                                    const char* name = "a.mrc") {
         return readVolume(folder.write(name, bytes), options);
     }
-    std::string refusal(const std::string& bytes, const ReadOptions& options = {},
-                        const char* name = "a.mrc") {
+    std::string refusal(const std::string& bytes, const ReadOptions& options = {}, const char* name = "a.mrc") {
         const auto grid = read(bytes, options, name);
         return grid.isOk() ? "is read" : grid.error().message;
     }
@@ -156,8 +153,7 @@ TEST_F(MrcReader, PlacesAxesInAnyOrder) {
     EXPECT_EQ(g.dims, (GridDims{4, 3, 2}));
     EXPECT_EQ(g.spacing, glm::dvec3(1, 2, 3));
     EXPECT_EQ(g.direction, glm::dmat3(0, 0, 1, 1, 0, 0, 0, 1, 0));
-    EXPECT_EQ(g.origin,
-              glm::dvec3(6 * 2, 7 * 3, 5 * 1)); // starts are in the order of columns, rows, sections
+    EXPECT_EQ(g.origin, glm::dvec3(6 * 2, 7 * 3, 5 * 1)); // starts are in the order of columns, rows, sections
     word(header, 17, 1);
     EXPECT_THAT(refusal(header + test::ramp<float>(24)), HasSubstr("mapc"));
 }

@@ -93,13 +93,10 @@ TEST_F(NiftiReader, B067_AsksForAFrameOfASeries) {
 
 TEST_F(NiftiReader, TakesComponentsThatLieOneBehindTheOther) {
     const auto path = folder.write("a.nii.gz", test::gzipped(seriesOfVectors()));
-    EXPECT_EQ(
-        refusal(path),
-        "has 3 components and 2 frames: choose with --component 0 to 2 or magnitude, and --frame 0 to 1");
-    EXPECT_EQ(refusal(path, {.frame = 0}),
-              "has 3 components: choose one with --component 0 to 2 or magnitude");
-    EXPECT_THAT(refusal(path, {.component = 3, .frame = 0}),
-                HasSubstr("--component 3: has component 0 to 2"));
+    EXPECT_EQ(refusal(path),
+              "has 3 components and 2 frames: choose with --component 0 to 2 or magnitude, and --frame 0 to 1");
+    EXPECT_EQ(refusal(path, {.frame = 0}), "has 3 components: choose one with --component 0 to 2 or magnitude");
+    EXPECT_THAT(refusal(path, {.component = 3, .frame = 0}), HasSubstr("--component 3: has component 0 to 2"));
     // x fastest, then time, then component.
     EXPECT_EQ(values<std::int16_t>(path, {.component = 1, .frame = 1}), (std::vector<double>{6, 7}));
     EXPECT_EQ(values<std::int16_t>(path, {.component = 2, .frame = 0}), (std::vector<double>{8, 9}));
@@ -121,13 +118,11 @@ TEST_F(NiftiReader, B064_TakesColoursAndComplexNumbersApart) {
     setDims(bytes, {2, 1, 1});
     setType(bytes, 128, 24);
     const auto colours = folder.write("a.nii", bytes + test::ramp<std::uint8_t>(6));
-    EXPECT_EQ(refusal(colours),
-              "has 3 components (red, green, blue): choose one with --component 0 to 2 or magnitude");
+    EXPECT_EQ(refusal(colours), "has 3 components (red, green, blue): choose one with --component 0 to 2 or magnitude");
     EXPECT_EQ(values<std::uint8_t>(colours, {.component = 2}), (std::vector<double>{2, 5}));
     setType(bytes, 2304, 32);
-    EXPECT_EQ(
-        values<std::uint8_t>(folder.write("b.nii", bytes + test::ramp<std::uint8_t>(8)), {.component = 3}),
-        (std::vector<double>{3, 7}));
+    EXPECT_EQ(values<std::uint8_t>(folder.write("b.nii", bytes + test::ramp<std::uint8_t>(8)), {.component = 3}),
+              (std::vector<double>{3, 7}));
     setType(bytes, 32, 64);
     const auto complex = folder.write("c.nii", bytes + test::ramp<float>(4));
     EXPECT_THAT(refusal(complex), HasSubstr("(real, imaginary)"));
@@ -147,8 +142,7 @@ TEST_F(NiftiReader, B064_RefusesWholeNumbersBeyondDouble) {
     setType(bytes, 1024, 64);
     std::string sample(8, '\0');
     test::put<std::int64_t>(sample, 0, (std::int64_t{1} << 53) + 1);
-    EXPECT_THAT(refusal(folder.write("a.nii", bytes + sample)),
-                HasSubstr("9007199254740993 has no exact value"));
+    EXPECT_THAT(refusal(folder.write("a.nii", bytes + sample)), HasSubstr("9007199254740993 has no exact value"));
 }
 
 TEST_F(NiftiReader, ReadsNifti2InEitherByteOrder) {
@@ -164,8 +158,7 @@ TEST_F(NiftiReader, ReadsNifti2InEitherByteOrder) {
         std::reverse(header.begin() + static_cast<std::ptrdiff_t>(at),
                      header.begin() + static_cast<std::ptrdiff_t>(at + size));
     };
-    swapAt(0, 4), swapAt(12, 2), swapAt(14, 2), swapAt(168, 8), swapAt(344, 4), swapAt(348, 4),
-        swapAt(500, 4);
+    swapAt(0, 4), swapAt(12, 2), swapAt(14, 2), swapAt(168, 8), swapAt(344, 4), swapAt(348, 4), swapAt(500, 4);
     for (std::size_t i = 0; i < 8; ++i)
         swapAt(16 + 8 * i, 8), swapAt(104 + 8 * i, 8);
     for (std::size_t i = 0; i < 12; ++i)
@@ -265,8 +258,8 @@ TEST_F(NiftiReader, TurnsMetresAndMicrometresToMillimetres) {
 
 TEST_F(NiftiReader, B062_LeavesOutSlopesThatAreNoNumbers) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-    for (const auto& [at, value, notes] : {std::tuple(112, 0.0f, 0u), std::tuple(112, nan, 1u),
-                                           std::tuple(112, inf, 1u), std::tuple(116, nan, 1u)}) {
+    for (const auto& [at, value, notes] :
+         {std::tuple(112, 0.0f, 0u), std::tuple(112, nan, 1u), std::tuple(112, inf, 1u), std::tuple(116, nan, 1u)}) {
         const auto source =
             openVolume(folder.write("a.nii", test::niftiWith<float>(static_cast<std::size_t>(at), value)));
         ASSERT_THAT(source, test::IsOk());

@@ -42,8 +42,7 @@ std::string hexDigits(const std::string& bytes) {
 
 class NrrdReader : public testing::Test {
 protected:
-    Result<std::shared_ptr<const ScalarGrid>> read(const std::string& bytes,
-                                                   const ReadOptions& options = {}) {
+    Result<std::shared_ptr<const ScalarGrid>> read(const std::string& bytes, const ReadOptions& options = {}) {
         return readVolume(folder.write("a.nrrd", bytes), options);
     }
     std::vector<int> samples(const std::string& bytes, const ReadOptions& options = {}) {
@@ -64,8 +63,7 @@ protected:
 TEST_F(NrrdReader, TakesInterleavedComponents) {
     const std::string bytes =
         headerOf("3 2 1 1", "kinds: RGB-color domain domain domain\n\n") + test::ramp<std::int16_t>(6);
-    EXPECT_EQ(refusal(bytes),
-              "has 3 components (red, green, blue): choose one with --component 0 to 2 or magnitude");
+    EXPECT_EQ(refusal(bytes), "has 3 components (red, green, blue): choose one with --component 0 to 2 or magnitude");
     EXPECT_EQ(samples(bytes, {.component = 1}), (std::vector<int>{1, 4}));
     EXPECT_THAT(refusal(bytes, {.component = 3}), HasSubstr("--component 3"));
     EXPECT_THAT(refusal(bytes, {.component = 0, .frame = 1}), HasSubstr("--frame 1"));
@@ -76,8 +74,8 @@ TEST_F(NrrdReader, TakesInterleavedComponents) {
 
 TEST_F(NrrdReader, TakesComponentsOfAnyAxis) {
     // The value of a sample is its place in the file: axis lengths 2, 3 (components), 2, 2.
-    for (const char* names : {"kinds: domain vector domain domain\n\n",
-                              "space: LPS\nspace directions: (1,0,0) none (0,1,0) (0,0,1)\n\n"}) {
+    for (const char* names :
+         {"kinds: domain vector domain domain\n\n", "space: LPS\nspace directions: (1,0,0) none (0,1,0) (0,0,1)\n\n"}) {
         const std::string bytes = headerOf("2 3 2 2", names) + test::ramp<std::int16_t>(24);
         EXPECT_THAT(refusal(bytes), HasSubstr("has 3 components"));
         EXPECT_EQ(samples(bytes, {.component = 1}), (std::vector<int>{2, 3, 8, 9, 14, 15, 20, 21}));
@@ -118,14 +116,12 @@ TEST_F(NrrdReader, KnowsSeriesByWhateverSaysSo) {
         EXPECT_EQ(samples(bytes, {.frame = 1}), (std::vector<int>{2, 3}));
     }
     // A series may be the fastest axis too.
-    EXPECT_EQ(
-        samples(headerOf("3 2 1 1", "kinds: time domain domain domain\n\n") + test::ramp<std::int16_t>(6),
-                {.frame = 2}),
-        (std::vector<int>{2, 5}));
+    EXPECT_EQ(samples(headerOf("3 2 1 1", "kinds: time domain domain domain\n\n") + test::ramp<std::int16_t>(6),
+                      {.frame = 2}),
+              (std::vector<int>{2, 5}));
     EXPECT_THAT(refusal(headerOf("2 1 1 3 2", "\n") + test::ramp<std::int16_t>(12)),
                 HasSubstr("several axes of frames"));
-    EXPECT_THAT(refusal(headerOf("2", "kinds: vector\n\n") + test::ramp<std::int16_t>(2)),
-                HasSubstr("kinds"));
+    EXPECT_THAT(refusal(headerOf("2", "kinds: vector\n\n") + test::ramp<std::int16_t>(2)), HasSubstr("kinds"));
 }
 
 TEST_F(NrrdReader, KeepsThePlaceOfSpatialAxes) {
@@ -137,9 +133,8 @@ TEST_F(NrrdReader, KeepsThePlaceOfSpatialAxes) {
         EXPECT_THAT(source, test::IsOk());
         return source.isOk() ? source.value()->info().geometry : GridGeometry{};
     };
-    const GridGeometry g =
-        open(headerOf("3 2 2 2", space + "space directions: none (0,2,0) (0,0,3) (4,0,0)\n\n") +
-             test::ramp<std::int16_t>(24));
+    const GridGeometry g = open(headerOf("3 2 2 2", space + "space directions: none (0,2,0) (0,0,3) (4,0,0)\n\n") +
+                                test::ramp<std::int16_t>(24));
     EXPECT_EQ(g.spacing, glm::dvec3(2, 3, 4));
     EXPECT_EQ(g.origin, glm::dvec3(-1, -2, 3)); // in left-posterior-superior
     EXPECT_EQ(g.direction, glm::dmat3(0, -1, 0, 0, 0, 1, -1, 0, 0));
@@ -153,7 +148,8 @@ TEST_F(NrrdReader, KeepsThePlaceOfSpatialAxes) {
 
 TEST_F(NrrdReader, TurnsEveryNamedSpaceIntoOneOrientation) {
     const auto open = [&](const std::string& fields) {
-        const auto source = openVolume(folder.write("a.nrrd", headerOf("2 2 2", fields + "\n") + test::ramp<std::int16_t>(8)));
+        const auto source =
+            openVolume(folder.write("a.nrrd", headerOf("2 2 2", fields + "\n") + test::ramp<std::int16_t>(8)));
         EXPECT_THAT(source, test::IsOk()) << fields;
         return source.isOk() ? source.value()->info().geometry : GridGeometry{};
     };
@@ -173,7 +169,9 @@ TEST_F(NrrdReader, TurnsEveryNamedSpaceIntoOneOrientation) {
             EXPECT_EQ(g.direction[axis][axis], named.signs[axis]) << named.space;
     }
     EXPECT_EQ(open("space: RAS\nspace origin: (1,2,3)\n").origin, glm::dvec3(-1, -2, 3));
-    const auto bytes = [&](const std::string& fields) { return headerOf("2 2 2", fields + "\n") + test::ramp<std::int16_t>(8); };
+    const auto bytes = [&](const std::string& fields) {
+        return headerOf("2 2 2", fields + "\n") + test::ramp<std::int16_t>(8);
+    };
     EXPECT_THAT(refusal(bytes("space: somewhere" + place)), HasSubstr("space: 'somewhere'"));
     EXPECT_THAT(refusal(bytes("space dimension: 2" + place)), HasSubstr("space origin: a vector of 2 numbers"));
     EXPECT_THAT(refusal(bytes("space dimension: 2\nspace directions: (2,0,0) (0,3,0) (0,0,4)\n")),
@@ -183,8 +181,8 @@ TEST_F(NrrdReader, TurnsEveryNamedSpaceIntoOneOrientation) {
 }
 
 TEST_F(NrrdReader, PutsPerpendicularAxesOnALine) {
-    const auto source = openVolume(
-        folder.write("a.nrrd", headerOf("4", "space: LPS\nspace directions: (0,2,0)\n\n") + test::ramp<std::int16_t>(4)));
+    const auto source = openVolume(folder.write("a.nrrd", headerOf("4", "space: LPS\nspace directions: (0,2,0)\n\n") +
+                                                              test::ramp<std::int16_t>(4)));
     ASSERT_THAT(source, test::IsOk());
     const glm::dmat3& direction = source.value()->info().geometry.direction;
     EXPECT_EQ(direction[0], glm::dvec3(0, 1, 0));
@@ -194,7 +192,8 @@ TEST_F(NrrdReader, PutsPerpendicularAxesOnALine) {
 
 TEST_F(NrrdReader, TakesTheSpacingFromTheExtentOfAnAxis) {
     const auto open = [&](const std::string& fields) {
-        const auto source = openVolume(folder.write("a.nrrd", headerOf("3 2 5", fields + "\n") + test::ramp<std::int16_t>(30)));
+        const auto source =
+            openVolume(folder.write("a.nrrd", headerOf("3 2 5", fields + "\n") + test::ramp<std::int16_t>(30)));
         EXPECT_THAT(source, test::IsOk());
         return source.isOk() ? source.value()->info() : VolumeInfo{};
     };
@@ -206,7 +205,8 @@ TEST_F(NrrdReader, TakesTheSpacingFromTheExtentOfAnAxis) {
     EXPECT_EQ(cells.origin, glm::dvec3(0.5, 1, 1));
     // A spacing of its own goes first; what gives none is noted.
     EXPECT_EQ(open("spacings: 7 8 9\naxis mins: 0 0 0\naxis maxs: 1 1 1\n").geometry.spacing, glm::dvec3(7, 8, 9));
-    EXPECT_THAT(open("axis mins: 0 0 0\naxis maxs: 1 0 1\n").notes, testing::Contains(HasSubstr("spacing: 1 is taken")));
+    EXPECT_THAT(open("axis mins: 0 0 0\naxis maxs: 1 0 1\n").notes,
+                testing::Contains(HasSubstr("spacing: 1 is taken")));
 }
 
 TEST_F(NrrdReader, DecodesTextHexAndBzip2) {
@@ -221,12 +221,10 @@ TEST_F(NrrdReader, DecodesTextHexAndBzip2) {
         EXPECT_EQ(samples(replaced(encoded(name, text), "endian: little\n", "")), expected) << name;
     EXPECT_EQ(samples(encoded("hex", hexDigits(plain) + "\n")), expected);
     EXPECT_EQ(samples(encoded("bzip2", test::bzipped(plain))), expected);
-    EXPECT_EQ(samples(encoded("bz2", test::bzipped(plain.substr(0, 17)) + test::bzipped(plain.substr(17)))),
-              expected);
+    EXPECT_EQ(samples(encoded("bz2", test::bzipped(plain.substr(0, 17)) + test::bzipped(plain.substr(17)))), expected);
     // Big-endian digits; text has no byte order.
-    EXPECT_EQ(
-        samples(replaced(encoded("hex", hexDigits(test::bigEndian16(24))), "endian: little", "endian: big")),
-        expected);
+    EXPECT_EQ(samples(replaced(encoded("hex", hexDigits(test::bigEndian16(24))), "endian: little", "endian: big")),
+              expected);
     EXPECT_EQ(samples(replaced(encoded("ascii", text), "endian: little", "endian: big")), expected);
 }
 
@@ -253,8 +251,8 @@ TEST_F(NrrdReader, ReadsEveryTypeOfText) {
         EXPECT_EQ(grid.value()->valueAt(1, 0, 0), c.second) << c.type;
     }
     const auto outside = [&](const char* type, const char* numbers) {
-        return refusal("NRRD0001\ntype: " + std::string(type) +
-                       "\ndimension: 1\nsizes: 2\nencoding: ascii\n\n" + numbers + "\n");
+        return refusal("NRRD0001\ntype: " + std::string(type) + "\ndimension: 1\nsizes: 2\nencoding: ascii\n\n" +
+                       numbers + "\n");
     };
     EXPECT_THAT(outside("uchar", "1 256"), HasSubstr("sample 1"));
     EXPECT_THAT(outside("uchar", "-1 25"), HasSubstr("sample 0"));
@@ -269,8 +267,7 @@ TEST_F(NrrdReader, ReadsListsOfFilesOfAnyEncoding) {
     folder.write("2.gz", test::gzipped(plain.substr(24)));
     folder.write("line1.raw", plain.substr(0, 8));
     for (int i = 1; i < 6; ++i)
-        folder.write("line" + std::to_string(i + 1) + ".raw",
-                     plain.substr(static_cast<std::size_t>(i) * 8, 8));
+        folder.write("line" + std::to_string(i + 1) + ".raw", plain.substr(static_cast<std::size_t>(i) * 8, 8));
     const auto packed = replaced(test::nrrdHeader(), "encoding: raw", "encoding: gzip");
     EXPECT_EQ(samples(packed + "data file: LIST\n1.gz\n2.gz\n")[23], 23);
     EXPECT_EQ(samples(packed + "data file: LIST 2\n1.gz\n2.gz\n")[12], 12);

@@ -16,7 +16,8 @@ constexpr GridDims kDims{8, 7, 6};
 
 /// One way to write a pair of PLOT3D files.
 struct Way {
-    bool isBigEndian = true, hasMarks = false, hasCount = false, isDouble = false, hasBlanking = false, isPadded = false;
+    bool isBigEndian = true, hasMarks = false, hasCount = false, isDouble = false, hasBlanking = false,
+         isPadded = false;
 };
 
 class Writer {
@@ -85,7 +86,8 @@ std::string solutionFile(const Way& way, const GridDims& dims = kDims) {
         for (std::int64_t point = 0; point < pointCount(dims); ++point)
             values.push_back(1000.0 * field + static_cast<double>(point));
     const Writer write(way);
-    return write.padded(write.start(dims) + write.record(write.reals({0.5, 1, 2, 3})) + write.record(write.reals(values)));
+    return write.padded(write.start(dims) + write.record(write.reals({0.5, 1, 2, 3})) +
+                        write.record(write.reals(values)));
 }
 
 class Plot3dReader : public testing::Test {
@@ -120,7 +122,8 @@ TEST_F(Plot3dReader, FindsEveryLayout) {
         EXPECT_EQ(grid.value()->type(), way.isDouble ? ScalarType::F64 : ScalarType::F32) << bits;
         for (std::int64_t i = 0; i < pointCount(kDims); ++i)
             ASSERT_EQ(grid.value()->valueAt(i % kDims[0], i / kDims[0] % kDims[1], i / kDims[0] / kDims[1]),
-                      static_cast<double>(i)) << bits;
+                      static_cast<double>(i))
+                << bits;
     }
 }
 

@@ -43,8 +43,8 @@ double value(std::uint32_t x, std::uint32_t y, int page, int component) {
 
 /// Samples of a part of a page, as libtiff takes them.
 template <class T>
-std::vector<T> part(const Layout& layout, std::uint32_t x0, std::uint32_t y0, std::uint32_t width,
-                    std::uint32_t height, int page, int plane) {
+std::vector<T> part(const Layout& layout, std::uint32_t x0, std::uint32_t y0, std::uint32_t width, std::uint32_t height,
+                    int page, int plane) {
     std::vector<T> samples;
     for (std::uint32_t y = y0; y < y0 + height; ++y)
         for (std::uint32_t x = x0; x < x0 + width; ++x)
@@ -110,8 +110,7 @@ void expectSamples(const ScalarGrid& grid, int component = 0, int first = 0, int
     for (int z = 0; z < grid.dims()[2]; ++z)
         for (std::uint32_t y = 0; y < kRows; ++y)
             for (std::uint32_t x = 0; x < kColumns; ++x)
-                ASSERT_EQ(grid.valueAt(x, y, z), value(x, y, first + step * z, component))
-                    << x << ' ' << y << ' ' << z;
+                ASSERT_EQ(grid.valueAt(x, y, z), value(x, y, first + step * z, component)) << x << ' ' << y << ' ' << z;
 }
 
 class TiffVolume : public testing::Test {
@@ -120,8 +119,7 @@ protected:
     std::shared_ptr<const ScalarGrid> written(const Layout& layout, const ReadOptions& options = {}) {
         return read(write<T>(folder_ / "volume.tif", layout), options);
     }
-    std::shared_ptr<const ScalarGrid> read(const std::filesystem::path& path,
-                                           const ReadOptions& options = {}) {
+    std::shared_ptr<const ScalarGrid> read(const std::filesystem::path& path, const ReadOptions& options = {}) {
         auto grid = readVolume(path, options);
         EXPECT_THAT(grid, test::IsOk());
         return grid.isOk() ? grid.value() : std::make_shared<const ScalarGrid>();
@@ -160,8 +158,8 @@ struct ExpectedType {
 
 template <class T>
 class TiffOfType : public TiffVolume {};
-using Types = testing::Types<std::uint8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
-                             std::uint64_t, std::int64_t, float, double>;
+using Types = testing::Types<std::uint8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, std::uint64_t,
+                             std::int64_t, float, double>;
 TYPED_TEST_SUITE(TiffOfType, Types);
 
 TYPED_TEST(TiffOfType, IsReadInEitherByteOrderAsStripsAndTiles) {
@@ -181,8 +179,8 @@ TYPED_TEST(TiffOfType, IsReadInEitherByteOrderAsStripsAndTiles) {
 TEST_F(TiffVolume, IsUnpackedByEveryCompressionThatLosesNothing) {
     int tried = 0;
     TIFFSetWarningHandler(nullptr); // of one deflate for the other
-    for (const int compression : {COMPRESSION_LZW, COMPRESSION_PACKBITS, COMPRESSION_ADOBE_DEFLATE,
-                                  COMPRESSION_DEFLATE, COMPRESSION_LZMA, COMPRESSION_ZSTD}) {
+    for (const int compression : {COMPRESSION_LZW, COMPRESSION_PACKBITS, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_DEFLATE,
+                                  COMPRESSION_LZMA, COMPRESSION_ZSTD}) {
         if (TIFFIsCODECConfigured(static_cast<std::uint16_t>(compression)) == 0)
             continue;
         Layout layout;
@@ -215,12 +213,10 @@ TEST_F(TiffVolume, GivesOneComponentOfColours) {
             options.component = 3;
             EXPECT_THAT(refusal(path, options), HasSubstr("--component 3"));
             options.component = kMagnitude;
-            EXPECT_NEAR(read(path, options)->valueAt(0, 0, 1), std::sqrt(20.0 * 20 + 25 * 25 + 30 * 30),
-                        1e-5);
+            EXPECT_NEAR(read(path, options)->valueAt(0, 0, 1), std::sqrt(20.0 * 20 + 25 * 25 + 30 * 30), 1e-5);
             const auto listed = listVolumes(path);
             ASSERT_THAT(listed, test::IsOk());
-            EXPECT_EQ(listed.value().fields[0].componentNames,
-                      (std::vector<std::string>{"red", "green", "blue"}));
+            EXPECT_EQ(listed.value().fields[0].componentNames, (std::vector<std::string>{"red", "green", "blue"}));
         }
 }
 
@@ -228,9 +224,8 @@ TEST_F(TiffVolume, OfImageJHasSpacingChannelsAndFrames) {
     Layout layout;
     layout.pages = 12;
     layout.resolution = 4;
-    layout.description =
-        "ImageJ=1.53t\nimages=12\nchannels=2\nslices=3\nframes=2\nhyperstack=true\nunit=micron\n"
-        "spacing=1.5\nloop=false\n";
+    layout.description = "ImageJ=1.53t\nimages=12\nchannels=2\nslices=3\nframes=2\nhyperstack=true\nunit=micron\n"
+                         "spacing=1.5\nloop=false\n";
     const auto path = write<std::uint16_t>(folder_ / "hyperstack.tif", layout);
     EXPECT_THAT(refusal(path), HasSubstr("--component 0 to 1, and --frame 0 to 1"));
     ReadOptions options;
@@ -397,15 +392,13 @@ TEST_F(TiffVolume, B075_WithPagesOfTwoSizesIsRefused) {
     layout.columns = 30;
     writePage<std::uint8_t>(tiff, layout, 1);
     TIFFClose(tiff);
-    EXPECT_THAT(refusal(folder_ / "two.tif"),
-                HasSubstr("page 2: is 30 x 24 of uint8, those before it are 40 x 24"));
+    EXPECT_THAT(refusal(folder_ / "two.tif"), HasSubstr("page 2: is 30 x 24 of uint8, those before it are 40 x 24"));
 }
 
 TEST_F(TiffVolume, NotesATableOfColours) {
     Layout layout;
     layout.photometric = PHOTOMETRIC_MINISWHITE;
-    EXPECT_THAT(notes(write<std::uint8_t>(folder_ / "white.tif", layout)),
-                Contains(HasSubstr("not inverted")));
+    EXPECT_THAT(notes(write<std::uint8_t>(folder_ / "white.tif", layout)), Contains(HasSubstr("not inverted")));
 }
 
 TEST_F(TiffVolume, B075_OfAFolderIsInNaturalOrder) {
@@ -425,8 +418,7 @@ TEST_F(TiffVolume, B075_OfAFolderNamesTheSliceThatDoesNotFit) {
     for (int i = 0; i < 3; ++i)
         slice("s" + std::to_string(i) + ".tif", i);
     slice("s3.tif", 3, 30);
-    EXPECT_THAT(refusal(folder_.path()),
-                testing::AllOf(HasSubstr("s3.tif"), HasSubstr("is 30 x 24 of uint8")));
+    EXPECT_THAT(refusal(folder_.path()), testing::AllOf(HasSubstr("s3.tif"), HasSubstr("is 30 x 24 of uint8")));
     write<std::uint8_t>(folder_ / "s3.tif", {.pages = 2});
     EXPECT_THAT(refusal(folder_.path()), testing::AllOf(HasSubstr("s3.tif"), HasSubstr("has 2;")));
     folder_.write("s3.tif", "II*");

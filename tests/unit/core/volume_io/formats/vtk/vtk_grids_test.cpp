@@ -123,7 +123,8 @@ struct Way {
 void PrintTo(const Way& way, std::ostream* out) { *out << way.name; } // NOLINT: GoogleTest's name
 
 template <class XmlWriter, class LegacyWriter>
-std::filesystem::path written(vtkDataObject* data, const std::filesystem::path& folder, const char* suffix, const Way& way) {
+std::filesystem::path written(vtkDataObject* data, const std::filesystem::path& folder, const char* suffix,
+                              const Way& way) {
     const std::filesystem::path path = folder / (std::string("a") + (way.isXml ? suffix : ".vtk"));
     if (way.isXml) {
         const vtkNew<XmlWriter> writer;
@@ -164,7 +165,8 @@ protected:
         return written<vtkXMLStructuredGridWriter, vtkStructuredGridWriter>(data, folder.path(), ".vts", GetParam());
     }
     std::filesystem::path file(vtkUnstructuredGrid* data) const {
-        return written<vtkXMLUnstructuredGridWriter, vtkUnstructuredGridWriter>(data, folder.path(), ".vtu", GetParam());
+        return written<vtkXMLUnstructuredGridWriter, vtkUnstructuredGridWriter>(data, folder.path(), ".vtu",
+                                                                                GetParam());
     }
     static Result<std::shared_ptr<const ScalarGrid>> read(const std::filesystem::path& path, ReadOptions options = {}) {
         testing::internal::CaptureStderr();
@@ -192,17 +194,15 @@ protected:
     test::TemporaryFolder folder;
 };
 
-INSTANTIATE_TEST_SUITE_P(Ways, VtkGrids,
-                         testing::Values(Way{"XmlText", true, true, false, false, 0},
-                                         Way{"XmlBinary", true, false, false, false, 0},
-                                         Way{"XmlBinaryPacked", true, false, false, true, 0},
-                                         Way{"XmlAppended", true, false, true, false, 0},
-                                         Way{"XmlAppendedPacked", true, false, true, true, 0},
-                                         Way{"Text42", false, true, false, false, 42},
-                                         Way{"Binary42", false, false, false, false, 42},
-                                         Way{"Text51", false, true, false, false, 51},
-                                         Way{"Binary51", false, false, false, false, 51}),
-                         [](const auto& parameter) { return std::string(parameter.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Ways, VtkGrids,
+    testing::Values(Way{"XmlText", true, true, false, false, 0}, Way{"XmlBinary", true, false, false, false, 0},
+                    Way{"XmlBinaryPacked", true, false, false, true, 0},
+                    Way{"XmlAppended", true, false, true, false, 0},
+                    Way{"XmlAppendedPacked", true, false, true, true, 0}, Way{"Text42", false, true, false, false, 42},
+                    Way{"Binary42", false, false, false, false, 42}, Way{"Text51", false, true, false, false, 51},
+                    Way{"Binary51", false, false, false, false, 51}),
+    [](const auto& parameter) { return std::string(parameter.param.name); });
 
 TEST_P(VtkGrids, TakeEvenRectilinearOnesAsTheyAre) {
     const auto path = file(rectilinear(true));
@@ -428,7 +428,8 @@ TEST(VtkImage, GivesComponentsAndPrefersTheActiveScalars) {
 
 /// Headers of blocks, 32 or 64 bits wide, are of the file's byte order, as samples are.
 template <class XmlWriter>
-std::filesystem::path bigEndian(vtkDataObject* data, const std::filesystem::path& path, bool isAppended, bool isPacked, bool isWide) {
+std::filesystem::path bigEndian(vtkDataObject* data, const std::filesystem::path& path, bool isAppended, bool isPacked,
+                                bool isWide) {
     const vtkNew<XmlWriter> writer;
     writer->SetInputData(data);
     writer->SetFileName(path.c_str());
@@ -452,14 +453,16 @@ TEST(VtkXmlByteOrder, OfBlockHeadersIsThatOfTheFile) {
     for (int way = 0; way < 8; ++way) {
         const bool isAppended = (way & 1) != 0, isPacked = (way & 2) != 0, isWide = (way & 4) != 0;
         SCOPED_TRACE(way);
-        const auto box = readVolume(bigEndian<vtkXMLImageDataWriter>(image(), folder / "a.vti", isAppended, isPacked, isWide), {.field = "s"});
+        const auto box = readVolume(
+            bigEndian<vtkXMLImageDataWriter>(image(), folder / "a.vti", isAppended, isPacked, isWide), {.field = "s"});
         ASSERT_THAT(box, test::IsOk());
         const auto geometry = box.value()->geometry();
         const glm::dvec3 place = geometry.origin + geometry.spacing * glm::dvec3(3, 2, 3);
         const double at[3] = {place.x, place.y, place.z};
         EXPECT_NEAR(box.value()->valueAt(3, 2, 3), scalarAt(at), 1e-6);
-        const auto mesh = readVolume(bigEndian<vtkXMLUnstructuredGridWriter>(cells(), folder / "a.vtu", isAppended, isPacked, isWide),
-                                     {.field = "s", .resampleDims = {13, 5, 5}});
+        const auto mesh =
+            readVolume(bigEndian<vtkXMLUnstructuredGridWriter>(cells(), folder / "a.vtu", isAppended, isPacked, isWide),
+                       {.field = "s", .resampleDims = {13, 5, 5}});
         ASSERT_THAT(mesh, test::IsOk());
         const double middle[3] = {1, 0.5, 0.5};
         EXPECT_NEAR(mesh.value()->valueAt(4, 2, 2), scalarAt(middle), 1e-4);

@@ -14,8 +14,10 @@ namespace isoslider::io {
 namespace {
 
 std::string header(const std::string& encoding, const std::string& type) {
-    return "# vtk DataFile Version 3.0\ntitle\n" + encoding + "\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 1 1\n"
-           "ORIGIN -1.5 0.1 1e3\nASPECT_RATIO 0.25 1 3\nPOINT_DATA 2\nSCALARS s " + type + "\nLOOKUP_TABLE default\n";
+    return "# vtk DataFile Version 3.0\ntitle\n" + encoding +
+           "\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 1 1\n"
+           "ORIGIN -1.5 0.1 1e3\nASPECT_RATIO 0.25 1 3\nPOINT_DATA 2\nSCALARS s " +
+           type + "\nLOOKUP_TABLE default\n";
 }
 
 class VtkLegacyReader : public testing::Test {

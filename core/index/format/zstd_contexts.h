@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <new>
 
 #include <zstd.h>
@@ -21,5 +22,11 @@ Context* orOutOfMemory(Context* context) {
         throw std::bad_alloc();
     return context;
 }
+
+/// What zstd works with, made once for each thread by whoever keeps it. Errors: std::bad_alloc.
+struct ZstdContexts {
+    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compress{orOutOfMemory(ZSTD_createCCtx()), &ZSTD_freeCCtx};
+    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompress{orOutOfMemory(ZSTD_createDCtx()), &ZSTD_freeDCtx};
+};
 
 } // namespace isoslider::index

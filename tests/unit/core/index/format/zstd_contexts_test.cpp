@@ -44,13 +44,15 @@ std::size_t ZSTD_decompress(void* to, std::size_t room, const void* from, std::s
     static const auto real = inLibrary<std::size_t(void*, std::size_t, const void*, std::size_t)>("ZSTD_decompress");
     return failsToWork ? kNoMemory : real(to, room, from, size);
 }
-std::size_t ZSTD_compressCCtx(ZSTD_CCtx* context, void* to, std::size_t room, const void* from, std::size_t size, int level) {
+std::size_t ZSTD_compressCCtx(ZSTD_CCtx* context, void* to, std::size_t room, const void* from, std::size_t size,
+                              int level) {
     static const auto real =
         inLibrary<std::size_t(ZSTD_CCtx*, void*, std::size_t, const void*, std::size_t, int)>("ZSTD_compressCCtx");
     return failsToWork ? kNoMemory : real(context, to, room, from, size, level);
 }
 std::size_t ZSTD_compress2(ZSTD_CCtx* context, void* to, std::size_t room, const void* from, std::size_t size) {
-    static const auto real = inLibrary<std::size_t(ZSTD_CCtx*, void*, std::size_t, const void*, std::size_t)>("ZSTD_compress2");
+    static const auto real =
+        inLibrary<std::size_t(ZSTD_CCtx*, void*, std::size_t, const void*, std::size_t)>("ZSTD_compress2");
     return failsToWork ? kNoMemory : real(context, to, room, from, size);
 }
 
