@@ -5,7 +5,7 @@
 
 namespace isoslider::preprocess {
 
-/// Bit per cell of the brick that lies in the grid and has a missing corner, as `isCellWhole(x, y, z)` says at
+/// Bit per cell of the brick that lies in the grid and has a missing corner, as `isCellWhole(x, y, z)` states at
 /// coordinates of the grid. False when there is none.
 template <class IsCellWhole>
 bool findMissingCells(const BrickGrid& grid, BrickIndex brick, const IsCellWhole& isCellWhole,

@@ -287,7 +287,7 @@ std::string textOf(const Report& report) {
 class InfoCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
-        auto* command = program.add_subcommand("info", "What a volume, or an index of one, holds");
+        auto* command = program.add_subcommand("info", "What a volume, or an index of one, contains");
         command->add_option("FILE", path_, "volume or index")->required()->type_name("");
         addVolumeOptions(*command, volume_);
         return command;

@@ -18,7 +18,7 @@ std::string jsonText(const Json& value);
 class Output {
 public:
     void write(std::string_view text);
-    /// One object on a line of its own.
+    /// One object on a separate line.
     void writeJson(const Json& object);
     /// True when nobody reads any more.
     bool isClosed() const { return isClosed_; }

@@ -13,7 +13,7 @@ namespace isoslider::cli {
 /// replaced in one step when the new one is whole.
 Outcome checkOutput(const std::filesystem::path& output, const std::filesystem::path& input);
 
-/// Refuses what only shows when a file is made: file systems that take none whatever their permissions say,
+/// Refuses what only shows when a file is made: file systems that take none whatever their permissions state,
 /// names too long for what is written beside them first (I/O failure), another program that is writing there
 /// (refused).
 Outcome tryOutput(const std::filesystem::path& output);
@@ -21,7 +21,7 @@ Outcome tryOutput(const std::filesystem::path& output);
 /// Refuses an output that is one of the files that an input's samples lie in (wrong usage).
 Outcome checkNotRead(const std::filesystem::path& output, const std::vector<std::filesystem::path>& dataFiles);
 
-/// checkOutput and tryOutput for a mesh, whose suffix says its format.
+/// checkOutput and tryOutput for a mesh, whose suffix states its format.
 Outcome checkMeshOutput(const std::filesystem::path& output, const std::filesystem::path& input);
 
 } // namespace isoslider::cli

@@ -48,7 +48,7 @@ std::string textOf(const std::string& output, const io::VolumeInfo& info) {
 class ResampleCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
-        auto* command = program.add_subcommand("resample", "Make a uniform volume of a grid that is none");
+        auto* command = program.add_subcommand("resample", "Make a uniform volume of a non-uniform grid");
         command->add_option("GRID", path_, "rectilinear, curvilinear or unstructured grid")->required()->type_name("");
         command->add_option("-o,--output", output_, "volume to write")->required()->type_name("VOLUME.mha");
         addVolumeOptions(*command, volume_);

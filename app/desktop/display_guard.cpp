@@ -13,7 +13,7 @@ namespace {
 
 // Qt's handler is a bare function; its state is that of the one application object.
 QtMessageHandler previousHandler = nullptr;
-QByteArrayList heldBack; // what the platform said so far
+QByteArrayList heldBack; // what the platform reported it far
 
 void onMessage(QtMsgType type, const QMessageLogContext& context, const QString& message) {
     const bool isAboutTheDisplay = QByteArray(context.category).startsWith("qt.qpa");

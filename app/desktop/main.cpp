@@ -34,7 +34,7 @@ QStringList argumentsOf(int argc, char** argv) {
     return arguments;
 }
 
-/// Qt ends a program that finds no display by a signal; this says it in one line. A platform that was
+/// Qt ends a program that finds no display by a signal; this states it in one line. A platform that was
 /// asked for by name is Qt's to judge.
 bool hasDisplay() {
 #if defined(__linux__)
@@ -100,7 +100,7 @@ void openFirst(widgets::MainWindow& window, model::Session& session, const Comma
     else
         session.open(std::move(request));
     if (!line.furtherFiles.isEmpty())
-        window.tellNotOpened(line.furtherFiles);
+        window.reportNotOpened(line.furtherFiles);
 }
 
 int run(int argc, char** argv, const CommandLine& line) {

@@ -43,7 +43,7 @@ void ScreenshotRunner::poll() {
         isWaitingForPaint_ = false;
         return;
     }
-    if (session_.dataset() != nullptr && !session_.frame()) { // the first move failed, and a notice said so
+    if (session_.dataset() != nullptr && !session_.frame()) { // the first move failed, and a notice reported it
         timer_.stop();
         return QApplication::exit(static_cast<int>(exitCode_));
     }
@@ -81,7 +81,7 @@ void ScreenshotRunner::end(const Status& picture) {
         return QApplication::exit(static_cast<int>(ExitCode::IoFailure));
     }
     if (!path_.isEmpty() && session_.frame() != nullptr && !render::isOpenGlUsable())
-        std::fprintf(stderr, "isoslider: the picture shows no surface, for want of OpenGL 3.3: %s\n",
+        std::fprintf(stderr, "isoslider: the picture shows no surface because OpenGL 3.3 is missing: %s\n",
                      qPrintable(render::openGlProblem()));
     QApplication::exit(static_cast<int>(exitCode_));
 }

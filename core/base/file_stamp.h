@@ -10,7 +10,7 @@
 
 namespace isoslider {
 
-/// What a file's inode says of its content. Times in nanoseconds since 1970.
+/// What a file's inode states of its content. Times in nanoseconds since 1970.
 struct FileStamp {
     std::uint64_t size = 0;
     std::int64_t modified = 0;

@@ -286,7 +286,7 @@ Status AtomicFile::publish() {
     // Renamed before it is closed: the lock holds until the name is taken.
     ISO_TRY(fileSystem_.renameDurably(partial_, target_));
     isPublished_ = true;
-    (void)file_->close(); // synced and in its place: nothing that closing could say would undo that
+    (void)file_->close(); // synced and in its place: nothing that closing could state would undo that
     return {};
 }
 

@@ -23,7 +23,7 @@ public:
     /// Reads up to out.size() bytes; fewer only where the file ends. Errors: IoError.
     virtual Result<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> out) const = 0;
 
-    /// Says that a range will be read soon: a disk may be asked for many at once. Returns at once.
+    /// Reports that a range will be read soon: a disk may be asked for many at once. Returns at once.
     virtual void willNeed(std::uint64_t /*offset*/, std::uint64_t /*size*/) const {}
 
     /// Fills `out` entirely. Errors: Corruption when the file ends first, IoError.
@@ -105,7 +105,7 @@ std::filesystem::path partialPath(const std::filesystem::path& path);
 /// Errors: IoError (links in a circle).
 Result<std::filesystem::path> linkTarget(const std::filesystem::path& path);
 
-/// Says before any work whether a file could be written at `path`: its folder exists and is
+/// Reports before any work whether a file could be written at `path`: its folder exists and is
 /// writable, and the path is free or a regular file. Errors: NotFound (no such folder),
 /// InvalidArgument, IoError (no permission).
 Status checkOutputPath(const std::filesystem::path& path);

@@ -19,7 +19,7 @@ enum class ErrorCode {
     InvalidArgument, ///< a request or an input that is refused
     IoError, ///< the operating system failed a read or write
     OutOfSpace, ///< no room on disk or in the stated memory budget
-    Cancelled, ///< stopped on request: an outcome of its own, never shown as a fault
+    Cancelled, ///< stopped on request: a separate outcome, never shown as a fault
 };
 
 std::string_view errorCodeName(ErrorCode code);
@@ -38,7 +38,7 @@ struct Error {
 Error makeError(ErrorCode code, std::string message, std::string path = {},
                 std::optional<std::uint64_t> offset = std::nullopt);
 
-/// A value or an Error. Has no conversion to bool on purpose: say `isOk()`.
+/// A value or an Error. Has no conversion to bool on purpose: state `isOk()`.
 template <class T>
 class [[nodiscard]] Result {
 public:

@@ -37,7 +37,7 @@ std::uint8_t ambiguousFaces(std::uint8_t signs);
 const std::array<std::uint8_t, 4096>& signsFromActiveEdges();
 
 /// The one corner that lies on no active edge though the cell's interior depends on it (MC33 case 7:
-/// three corners on one side round a fourth; the corner opposite that one); -1 for other signs.
+/// three corners on one side around a fourth; the corner opposite that one); -1 for other signs.
 int hiddenCorner(std::uint8_t signs);
 
 } // namespace isoslider::cell

@@ -13,7 +13,7 @@
 //  2. Where opposite faces agree with the signs that a tunnel needs, the state has tunnels too, one for
 //     each diagonal that is left open (cell_polynomials.h: the sign of q on a face is that of a corner pair).
 //  3. Each loop becomes a disc: of all triangulations without a diagonal in a face the one with the
-//     shortest diagonals, edges cut in their middles; a fan round a centre where there is none. The two
+//     shortest diagonals, edges cut in their middles; a fan around a centre where there is none. The two
 //     loops of a tunnel are joined to its ring by bands, of all the one with the shortest edges.
 
 namespace isoslider::cell {
@@ -38,9 +38,9 @@ Point edgeMiddle(int e) {
 
 using Loop = std::vector<int>; ///< cell edges, in the direction in which its triangles run along it
 
-// Where each active edge's outgoing segment leads; -1 for inactive edges. Going round a face
+// Where each active edge's outgoing segment leads; -1 for inactive edges. Going around a face
 // counter-clockwise seen from outside, a segment starts where the above region is entered. Parted above
-// corners have a segment each; joined ones have a segment round each below corner.
+// corners have a segment each; joined ones have a segment around each below corner.
 std::array<int, 12> traceSegments(int signs, int joinedFaces) {
     std::array<int, 12> next;
     next.fill(-1);
@@ -56,7 +56,7 @@ std::array<int, 12> traceSegments(int signs, int joinedFaces) {
                 continue; // not where an above run begins
             const int entered = edge(k + 3);
             if (joinedFaces >> f & 1) {
-                next[static_cast<std::size_t>(entered)] = edge(k + 2); // round the below corner k + 3
+                next[static_cast<std::size_t>(entered)] = edge(k + 2); // around the below corner k + 3
                 continue;
             }
             int last = k;
@@ -240,7 +240,7 @@ Point ringPoint(int boxCorner) {
     return {0.3 + 0.4 * c.x, 0.3 + 0.4 * c.y, 0.3 + 0.4 * c.z};
 }
 
-// How a closed line winds round a diagonal: positive or negative area across it.
+// How a closed line winds around a diagonal: positive or negative area across it.
 double winding(const std::vector<Point>& line, int diagonal) {
     const Point axis = cornerPoint(7 - diagonal) - cornerPoint(diagonal), middle{0.5, 0.5, 0.5};
     double sum = 0.0;

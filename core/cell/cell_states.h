@@ -16,7 +16,7 @@ using StateId = std::uint16_t;
 /// inner vertex k.
 inline constexpr std::uint8_t kInnerVertex = 12;
 
-/// A loop that no triangulation spans without a diagonal in a face has a vertex of its own: the mean of the
+/// A loop that no triangulation spans without a diagonal in a face has a separate vertex: the mean of the
 /// loop's vertices.
 struct CellCentre {
     std::uint16_t loopEdges; ///< bit e: the loop passes through edge e
@@ -47,13 +47,13 @@ inline constexpr int kMaxStateTriangles = 24;
 inline constexpr std::size_t kMaxInnerVertices = 12;
 
 /// The state of given decisions. REQUIRES: `joinedFaces` within ambiguousFaces(signs); a tunnel only
-/// where mayHaveTunnel() says so.
+/// where mayHaveTunnel() reports it.
 StateId stateOf(std::uint8_t signs, std::uint8_t joinedFaces, Tunnel tunnel = Tunnel::None, std::uint8_t diagonal = 0);
 
 /// The tunnels that given faces leave room for: bit 0 Above, bit 1 Below.
 unsigned mayHaveTunnel(std::uint8_t signs, std::uint8_t joinedFaces);
 
-/// True when signs alone do not tell the surface: a face is ambiguous, or the inside is.
+/// True when signs alone do not determine the surface: a face is ambiguous, or the inside is.
 bool isAmbiguous(std::uint8_t signs);
 
 } // namespace isoslider::cell

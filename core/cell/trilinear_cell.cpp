@@ -423,7 +423,7 @@ namespace {
 // Three above corners round `centre`: is there an isovalue at which all three faces are joined and the
 // below corners have a tunnel between centre and the hidden corner? Such a tunnel is there at all isovalues
 // between the greatest below corner or the greater body saddle, and the first above corner or face saddle:
-// so one isovalue in between tells. True also where rounding leaves nothing in between.
+// so one isovalue in between reports. True also where rounding leaves nothing in between.
 bool hasHiddenTunnel(const CornerScalars& v, int centre) {
     const auto at = [&](int corner) { return v[static_cast<std::size_t>(corner)]; };
     double top = kInfinity, bottom = -kInfinity;

@@ -26,7 +26,7 @@ namespace isoslider::cell {
 // isovalue is a quadratic too, whose roots are the values at f's two critical points (body saddles).
 // The surface has a tunnel through the cell exactly when
 //  1. all six roots lie inside (0, 1): then the hexagon is inside the cell; and
-//  2. D has two real roots (one, when f has no xyz term): then the hexagon is the waist round a
+//  2. D has two real roots (one, when f has no xyz term): then the hexagon is the waist around a
 //     critical point, else f is monotone across it and the surface spans it as a disc.
 // Between the isovalue and that critical value the hexagon only shrinks, so no face changes and the
 // tunnel is as it was born. It joins above corners when the isovalue is below the critical value
@@ -35,7 +35,7 @@ namespace isoslider::cell {
 /// How the surface passes through the inside of a cell.
 enum class Tunnel : std::uint8_t {
     None, ///< every loop on the cell's faces bounds a disc
-    Above, ///< two loops bound a tube round a passage between above corners
+    Above, ///< two loops bound a tube around a passage between above corners
     Below, ///< the same between below corners
 };
 

@@ -23,7 +23,7 @@ namespace {
 // Two passes over z planes. The first counts each plane's vertices and triangles; prefix sums give
 // every plane its place in the output. The second fills it. Each task takes a run of planes and
 // carries the previous plane's signs and vertex numbers along, so a sample is read about twice. Inner
-// vertices come after all others; they are placed last, from the vertices round them.
+// vertices come after all others; they are placed last, from the vertices around them.
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 

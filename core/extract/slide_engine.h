@@ -13,7 +13,7 @@
 
 namespace isoslider::extract {
 
-/// What is kept of an index in memory unless it is said otherwise. Samples want more: bricks on the surface are
+/// What is kept of an index in memory unless it is stated otherwise. Samples want more: bricks on the surface are
 /// read again at every move, pages are not.
 inline constexpr std::uint64_t kEdgesCacheBytes = std::uint64_t{64} << 20;
 inline constexpr std::uint64_t kMetacellsCacheBytes = std::uint64_t{256} << 20;

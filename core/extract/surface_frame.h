@@ -26,7 +26,7 @@ struct SlideStats {
     std::uint64_t edgesTouched = 0; ///< edge entries looked at, redundant ones included
     std::uint64_t cellsRetriangulated = 0;
     std::uint64_t cellsResolved = 0; ///< ambiguous cells decided in the move, by their corner scalars
-    std::uint64_t ambiguousCells = 0; ///< active cells whose signs do not tell their surface
+    std::uint64_t ambiguousCells = 0; ///< active cells whose signs do not determine their surface
     std::uint64_t activeEdges = 0;
     std::uint64_t triangles = 0;
     std::uint64_t bricksRead = 0; ///< bricks of samples looked into; 0 with edge blocks

@@ -5,8 +5,8 @@
 
 namespace isoslider {
 
-/// True when one of the four cells round the edge that starts at (x, y, z) along `axis` is whole, as
-/// `isCellWhole(x, y, z)` says. Only such an edge is ever active: a vertex that no triangle could use does not
+/// True when one of the four cells around the edge that starts at (x, y, z) along `axis` is whole, as
+/// `isCellWhole(x, y, z)` states. Only such an edge is ever active: a vertex that no triangle could use does not
 /// exist.
 template <class Coordinate, class IsCellWhole>
 inline bool hasWholeCell(Coordinate x, Coordinate y, Coordinate z, int axis, const IsCellWhole& isCellWhole) {

@@ -19,7 +19,7 @@ bool isLengthUnit(std::string_view text);
 /// Empty if `text` is none of those.
 std::string knownLengthUnit(std::string_view text);
 
-/// The symbol, or else the text itself where it may be shown. Empty for pixels and the like: a file says so
+/// The symbol, or else the text itself where it may be shown. Empty for pixels and the like: a file reports it
 /// where it does not know.
 std::string lengthUnitOf(std::string_view text);
 

@@ -52,9 +52,9 @@ Status IndexWriter::addHiddenPage(HiddenPageEntry entry, std::span<const std::by
 Status IndexWriter::addChunk(std::span<const std::byte> samples, std::span<const std::byte> errors) {
     ISO_CHECK(samples.size() <= 0xffff && errors.size() <= 0xffff);
     const std::uint64_t offset = sizeBytes();
-    if (shelfTable_.empty())
-        shelfOffset_ = offset;
-    ByteWriter table(shelfTable_);
+    if (groupTable_.empty())
+        groupOffset_ = offset;
+    ByteWriter table(groupTable_);
     table.put<std::uint16_t>(static_cast<std::uint16_t>(samples.size()));
     table.put<std::uint16_t>(static_cast<std::uint16_t>(errors.size()));
     table.put<std::uint64_t>(pageChecksum(samples, seed_, offset));
@@ -63,14 +63,14 @@ Status IndexWriter::addChunk(std::span<const std::byte> samples, std::span<const
     ISO_TRY(append(errors));
     sampleBytes_ += samples.size();
     mergeErrorBytes_ += errors.size();
-    return shelfTable_.size() == kShelfChunks * kShelfEntryBytes ? endShelf() : Status();
+    return groupTable_.size() == kGroupChunks * kGroupEntryBytes ? endGroup() : Status();
 }
 
-Status IndexWriter::endShelf() {
+Status IndexWriter::endGroup() {
     const std::uint64_t tableAt = sizeBytes();
-    shelves_.push_back({shelfOffset_, tableAt - shelfOffset_, pageChecksum(shelfTable_, seed_, tableAt)});
-    ISO_TRY(append(shelfTable_));
-    shelfTable_.clear();
+    groups_.push_back({groupOffset_, tableAt - groupOffset_, pageChecksum(groupTable_, seed_, tableAt)});
+    ISO_TRY(append(groupTable_));
+    groupTable_.clear();
     return {};
 }
 
@@ -95,8 +95,8 @@ Result<IndexInfo> IndexWriter::finish(IndexMeta meta) {
         }
         info.redundantRemoved = i == 0 ? 0 : meta.info.levels[i - 1].edges - info.edges;
     }
-    ISO_CHECK(shelfTable_.empty());
-    meta.shelves = std::move(shelves_);
+    ISO_CHECK(groupTable_.empty());
+    meta.chunkGroups = std::move(groups_);
     meta.info.sampleBytes = sampleBytes_;
     meta.info.mergeErrorBytes = mergeErrorBytes_;
     meta.levels = std::move(levels_);

@@ -21,24 +21,24 @@ public:
     /// Appends one encoded page of hidden corners, in the order of bricks; likewise.
     Status addHiddenPage(HiddenPageEntry entry, std::span<const std::byte> bytes);
     /// Appends the next chunk of samples, in chunk order, with the errors of its merged cells (may be empty).
-    /// `kShelfChunks` fill a shelf, whose table then follows.
+    /// `kGroupChunks` fill a group, whose table then follows.
     Status addChunk(std::span<const std::byte> samples, std::span<const std::byte> errors);
-    /// Ends the last shelf. REQUIRES: called after the last chunk, before anything else is added.
-    Status endChunks() { return shelfTable_.empty() ? Status() : endShelf(); }
+    /// Ends the last group. REQUIRES: called after the last chunk, before anything else is added.
+    Status endChunks() { return groupTable_.empty() ? Status() : endGroup(); }
     /// Ends a block of a level above 0: all pages added there since the last one.
     void endBlock(int level, std::uint64_t firstKey, std::uint64_t lastKey);
 
     /// Number of bytes so far: where the next part goes.
     std::uint64_t sizeBytes() const { return file_->sizeBytes() + buffer_.size(); }
 
-    /// Writes what is left and publishes. `meta.levels`, `meta.hiddenPages` and `meta.shelves` are filled in
+    /// Writes what is left and publishes. `meta.levels`, `meta.hiddenPages` and `meta.chunkGroups` are filled in
     /// here; `meta.info.levels` must have an entry per level, its bytes and edge sums are completed. Returns
     /// the finished info.
     Result<IndexInfo> finish(IndexMeta meta);
 
 private:
     IndexWriter(std::unique_ptr<AtomicFile> file, std::uint64_t seed) : file_(std::move(file)), seed_(seed) {}
-    Status endShelf();
+    Status endGroup();
     Status append(std::span<const std::byte> bytes);
     Status flush();
 
@@ -47,9 +47,9 @@ private:
     std::vector<std::byte> buffer_; ///< not written yet: chunks are small, and there are many
     std::vector<LevelDirectory> levels_;
     std::vector<HiddenPageEntry> hiddenPages_;
-    std::vector<ShelfEntry> shelves_;
-    std::vector<std::byte> shelfTable_; ///< of the shelf that is being filled
-    std::uint64_t shelfOffset_ = 0;
+    std::vector<ChunkGroupEntry> groups_;
+    std::vector<std::byte> groupTable_; ///< of the group that is being filled
+    std::uint64_t groupOffset_ = 0;
     std::uint64_t sampleBytes_ = 0;
     std::uint64_t mergeErrorBytes_ = 0;
 };

@@ -9,32 +9,32 @@ namespace isoslider::index {
 
 SampleStore::SampleStore(const IndexReader& reader) : reader_(reader), chunks_(reader.info().geometry.dims) {
     ISO_CHECK(reader.info().kind == IndexKind::Metacells);
-    shelves_ = std::make_unique<std::atomic<const Shelf*>[]>(reader.meta().shelves.size());
+    groups_ = std::make_unique<std::atomic<const ChunkGroup*>[]>(reader.meta().chunkGroups.size());
 }
 
 SampleStore::~SampleStore() {
-    for (std::size_t i = 0; i < reader_.meta().shelves.size(); ++i)
-        delete shelves_[i].load(std::memory_order_relaxed);
+    for (std::size_t i = 0; i < reader_.meta().chunkGroups.size(); ++i)
+        delete groups_[i].load(std::memory_order_relaxed);
 }
 
-Result<const SampleStore::Shelf*> SampleStore::shelf(std::uint64_t number, std::uint64_t& bytesRead) const {
-    if (const Shelf* there = shelves_[number].load(std::memory_order_acquire))
+Result<const SampleStore::ChunkGroup*> SampleStore::group(std::uint64_t number, std::uint64_t& bytesRead) const {
+    if (const ChunkGroup* there = groups_[number].load(std::memory_order_acquire))
         return there;
     const std::lock_guard lock(mutex_);
-    if (const Shelf* there = shelves_[number].load(std::memory_order_relaxed))
+    if (const ChunkGroup* there = groups_[number].load(std::memory_order_relaxed))
         return there;
-    const ShelfEntry& entry = reader_.meta().shelves[number];
-    const std::uint64_t first = number * kShelfChunks;
-    const std::size_t count = std::min<std::uint64_t>(kShelfChunks, chunks_.chunkCount() - first);
+    const ChunkGroupEntry& entry = reader_.meta().chunkGroups[number];
+    const std::uint64_t first = number * kGroupChunks;
+    const std::size_t count = std::min<std::uint64_t>(kGroupChunks, chunks_.chunkCount() - first);
     const std::uint64_t tableAt = entry.offset + entry.chunkBytes;
     std::vector<std::byte> bytes;
-    ISO_TRY(reader_.readPart(tableAt, count * kShelfEntryBytes, entry.checksum, bytes));
+    ISO_TRY(reader_.readPart(tableAt, count * kGroupEntryBytes, entry.checksum, bytes));
     bytesRead += bytes.size();
-    auto shelf = std::make_unique<Shelf>();
-    shelf->places.resize(count);
+    auto group = std::make_unique<ChunkGroup>();
+    group->places.resize(count);
     ByteReader in(bytes);
     std::uint64_t at = entry.offset;
-    for (ChunkPlace& place : shelf->places) {
+    for (ChunkPlace& place : group->places) {
         place.offset = at;
         place.sampleBytes = in.get<std::uint16_t>();
         place.errorBytes = in.get<std::uint16_t>();
@@ -43,17 +43,17 @@ Result<const SampleStore::Shelf*> SampleStore::shelf(std::uint64_t number, std::
         at += std::uint64_t{place.sampleBytes} + place.errorBytes;
     }
     if (at != tableAt)
-        return makeError(ErrorCode::Corruption, "chunks disagree with their shelf", reader_.pathString(), tableAt);
-    const Shelf* kept = shelf.release();
-    shelves_[number].store(kept, std::memory_order_release);
+        return makeError(ErrorCode::Corruption, "chunks disagree with their group", reader_.pathString(), tableAt);
+    const ChunkGroup* kept = group.release();
+    groups_[number].store(kept, std::memory_order_release);
     return kept;
 }
 
 Result<ChunkPlace> SampleStore::find(ChunkIndex chunk, std::uint64_t& bytesRead) const {
-    const auto found = shelf(chunk / kShelfChunks, bytesRead);
+    const auto found = group(chunk / kGroupChunks, bytesRead);
     if (!found.isOk())
         return found.error();
-    return found.value()->places[chunk % kShelfChunks];
+    return found.value()->places[chunk % kGroupChunks];
 }
 
 template <class Sample>
@@ -105,7 +105,7 @@ void SampleStore::willNeed(std::span<const ChunkIndex> chunks, std::uint64_t& by
             return;
         const auto place = find(chunk, bytesRead);
         if (!place.isOk())
-            return; // reading will say what is wrong
+            return; // reading will state what is wrong
         const std::uint64_t offset = place.value().offset;
         if (end == 0 || offset < begin || offset > end + kGapBytes) {
             if (end > begin)

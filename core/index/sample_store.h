@@ -15,11 +15,11 @@
 
 namespace isoslider::index {
 
-/// Chunks on a shelf: consecutive in chunk order. Their table says where each lies, so that the directory in
+/// Chunks on a group: consecutive in chunk order. Their table states where each lies, so that the directory in
 /// memory has 24 bytes for a million samples, whatever the volume.
-inline constexpr std::size_t kShelfChunks = 256;
+inline constexpr std::size_t kGroupChunks = 256;
 /// Of a chunk in the table: bytes of its samples and of its merged cells' errors, two checksums.
-inline constexpr std::size_t kShelfEntryBytes = 2 + 2 + 8 + 8;
+inline constexpr std::size_t kGroupEntryBytes = 2 + 2 + 8 + 8;
 
 /// Where a chunk lies: its samples, and right after them the errors of its merged cells.
 struct ChunkPlace {
@@ -30,10 +30,12 @@ struct ChunkPlace {
     std::uint64_t errorChecksum = 0;
 };
 
-inline std::uint64_t shelfCount(const ChunkGrid& grid) { return (grid.chunkCount() + kShelfChunks - 1) / kShelfChunks; }
+inline std::uint64_t chunkGroupCount(const ChunkGrid& grid) {
+    return (grid.chunkCount() + kGroupChunks - 1) / kGroupChunks;
+}
 
-/// The samples of an index of metacells, by chunk. Tables of shelves are read when first needed and kept: 8 KB
-/// for the million samples round a piece of surface. Any number of threads at once.
+/// The samples of an index of metacells, by chunk. Tables of chunkGroups are read when first needed and kept: 8 KB
+/// for the million samples around a piece of surface. Any number of threads at once.
 class SampleStore {
 public:
     /// Decoded chunks are 16^3 whatever their extent: sample (x, y, z) at x + 16 y + 256 z.
@@ -57,15 +59,15 @@ public:
     void willNeed(std::span<const ChunkIndex> chunks, std::uint64_t& bytesRead, std::stop_token stop) const;
 
 private:
-    struct Shelf {
+    struct ChunkGroup {
         std::vector<ChunkPlace> places;
     };
-    Result<const Shelf*> shelf(std::uint64_t number, std::uint64_t& bytesRead) const;
+    Result<const ChunkGroup*> group(std::uint64_t number, std::uint64_t& bytesRead) const;
 
     const IndexReader& reader_;
     ChunkGrid chunks_;
     mutable std::mutex mutex_; // of loading
-    std::unique_ptr<std::atomic<const Shelf*>[]> shelves_;
+    std::unique_ptr<std::atomic<const ChunkGroup*>[]> groups_;
 };
 
 } // namespace isoslider::index

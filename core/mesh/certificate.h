@@ -21,7 +21,7 @@ inline constexpr std::array<std::string_view, 8> kOpenAtNames{"x0", "x1", "y0", 
                                                               "z0", "z1", "missing", "elsewhere"};
 
 struct Opening {
-    std::uint64_t loops = 0; ///< boundary loops with an edge there; a loop round a box corner counts at each face
+    std::uint64_t loops = 0; ///< boundary loops with an edge there; a loop around a box corner counts at each face
     std::uint64_t edges = 0; ///< boundary edges there; these add up to all boundary edges
 };
 
@@ -54,7 +54,7 @@ struct Certificate {
     const Opening& openAt(OpenAt place) const { return openings[static_cast<std::size_t>(place)]; }
 };
 
-/// Checks a surface once, with all that the certificate says. O(n log n), as checkMesh.
+/// Checks a surface once, with all that the certificate states. O(n log n), as checkMesh.
 /// A boundary edge lies on a face of the box when the grid edges of both its vertices meet that face;
 /// on another plane of grid points it is at a missing value. Decided by edge ids, not by positions.
 Certificate certify(const extract::SurfaceMesh& mesh, const SurfaceSource& source);

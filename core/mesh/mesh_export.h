@@ -22,7 +22,7 @@ Status checkExportSize(std::uint64_t vertices, std::uint64_t triangles, const st
 /// apart, else double; STL has floats only: thousands of cells from the origin its corners may fall
 /// together. The mesh's certificate goes along: as comments at the head of PLY and OBJ and at the end
 /// of OFF, in short as the header of STL; OM has no room for one. A mesh that is not valid is written
-/// all the same, and its certificate says so. Published by rename: on failure there is no partial file
+/// all the same, and its certificate reports it. Published by rename: on failure there is no partial file
 /// and an earlier one is untouched.
 /// Errors: InvalidArgument (unknown suffix, too large), IoError, OutOfSpace, Cancelled (within a second).
 Status exportMesh(const extract::SurfaceMesh& mesh, const Certificate& certificate, const std::filesystem::path& path,

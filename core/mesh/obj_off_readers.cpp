@@ -19,7 +19,7 @@ bool parsePosition(std::string_view& line, glm::dvec3& out) {
     return true;
 }
 
-/// Lines that say something, with comments cut off.
+/// Lines that state something, with comments cut off.
 class Lines {
 public:
     explicit Lines(std::string_view text) : rest_(text) {}

@@ -29,7 +29,7 @@ GridEdge gridEdge(extract::EdgeId edge, const GridDims& dims);
 
 /// Vertices on grid edges are held this far, in cells, off both grid points. At an isovalue that samples
 /// have, all vertices round such a grid point would lie on it: triangles without area, and one point for
-/// many vertices in formats that store corners. So held, every vertex has a place of its own, still on its
+/// many vertices in formats that store corners. So held, every vertex has a separate place, still on its
 /// edge; no triangle is added, lost or turned. Inner vertices of cells stay where they are.
 inline constexpr double kLeastDistance = 1.0 / 2048;
 

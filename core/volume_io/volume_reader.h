@@ -41,10 +41,10 @@ struct ReadOptions {
 /// been checked against the real bytes of the file before this returns. A folder is opened as the series of
 /// slices it holds.
 ///
-/// FORMATS.md, beside this file, lists the formats and what is read of each. What cannot be told apart by its
+/// FORMATS.md, beside this file, lists the formats and what is read of each. What cannot be distinguished by its
 /// name is known by its first bytes. Raw samples are read slab by slab, compressed ones are unpacked as the
 /// slabs are asked for, fastest in ascending order. Grids that are not uniform are resampled on the first slab,
-/// after which VolumeInfo::resampling says how well. Anything else needs a RawLayout.
+/// after which VolumeInfo::resampling states how well. Anything else needs a RawLayout.
 ///
 /// World space is that of the file: of medical formats, millimetres, left-posterior-superior.
 /// Unsigned 32-bit and all 64-bit integers become f64; a 64-bit value that has no exact f64 is refused when it

@@ -10,12 +10,12 @@ namespace isoslider::preprocess {
 /// Cells that a row of a brick has at most.
 inline constexpr int kFilterCells = 8;
 
-/// Bit i: cell i of the row may need a hidden corner (cell::hiddenCornersNeeded); a clear bit says it does not.
-/// `rows` are the keys of the four rows of grid points round the cells, each kFilterCells + 1 long: at (y, z) =
+/// Bit i: cell i of the row may need a hidden corner (cell::hiddenCornersNeeded); a clear bit states it does not.
+/// `rows` are the keys of the four rows of grid points around the cells, each kFilterCells + 1 long: at (y, z) =
 /// (0, 0), (1, 0), (0, 1), (1, 1).
 ///
 /// No edge joins two of the corners E = {0, 3, 5, 6}, nor two of O = {1, 2, 4, 7}. For three corners on one side
-/// round a fourth at some isovalue, three of E or three of O lie on one side of all others.
+/// around a fourth at some isovalue, three of E or three of O lie on one side of all others.
 template <class Key>
 inline unsigned mayNeedHiddenCorners(const Key* const (&rows)[4]) {
     // Signed keys have minimum and maximum in every vector unit, and the same order.

@@ -37,7 +37,7 @@ public:
         glm::vec3 inverseSpacing;
         for (int a = 0; a < 3; ++a)
             inverseSpacing[a] = static_cast<float>(1.0 / std::abs(geometry.spacing[a]));
-        // The window is a grid of its own; at its own ends it is cut off only where the box is.
+        // The window is a separate grid; at its own ends it is cut off only where the box is.
         const SampleView<Sample> view{window.plane(window.begin()),
                                       {dims_[0], dims_[1], window.end() - window.begin()}};
         tbb::parallel_for(begin_, end_,

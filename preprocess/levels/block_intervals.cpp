@@ -82,7 +82,7 @@ std::vector<std::size_t> consolidate(const std::vector<std::size_t>& below, bool
         }
         first = last;
     }
-    // A last block of one sub-block says nothing new: it joins its neighbour.
+    // A last block of one sub-block states nothing new: it joins its neighbour.
     if (begins.size() >= 2 && begins.back() == below[blocks - 1])
         begins.pop_back();
     begins.push_back(below.back());

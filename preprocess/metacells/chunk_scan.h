@@ -69,7 +69,7 @@ private:
     std::vector<Count> counts_;
 };
 
-/// One chunk with the samples round it, looked at in all the ways that an index of metacells needs while it is
+/// One chunk with the samples around it, looked at in all the ways that an index of metacells needs while it is
 /// in the nearest cache.
 template <class Sample>
 class ChunkScan {
@@ -80,7 +80,7 @@ public:
 
     explicit ChunkScan(const GridDims& dims) : dims_(dims), bricks_(dims), chunks_(dims) {}
 
-    /// Takes the samples of a chunk and round it; those beyond the box repeat the nearest inside.
+    /// Takes the samples of a chunk and around it; those beyond the box repeat the nearest inside.
     void load(index::ChunkIndex chunk, const PlaneAt& planeAt);
 
     /// The chunk's own samples, packed, x fastest.

@@ -5,7 +5,7 @@ in vec3 viewNormal;
 
 uniform vec3 frontColour; // linear light
 uniform vec3 backColour;
-uniform vec4 glowColour;  // a: how much of it covers the surface
+uniform vec4 highlightColour;  // a: how much of it covers the surface
 uniform float perspective; // 1 perspective, 0 orthographic
 
 out vec4 colour;
@@ -42,7 +42,7 @@ void main() {
     shine += pow(max(dot(normal, toViewer), 0.0), 90.0) * 0.05;
     vec3 lit = base * light + vec3(shine) * (gl_FrontFacing ? 1.0 : 0.3);
 
-    vec3 glow = glowColour.rgb * (0.25 + 0.75 * head);
-    lit = mix(lit, glow, glowColour.a);
+    vec3 highlight = highlightColour.rgb * (0.25 + 0.75 * head);
+    lit = mix(lit, highlight, highlightColour.a);
     colour = vec4(pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2)), 1.0);
 }

@@ -12,7 +12,7 @@ namespace isoslider::test {
 /// number of its case in the catalogue, B001 to B113.
 class BadInputTest : public CliTest {
 protected:
-    /// Refused input: exit 3, nothing on standard output, one line that says `saying`; at most a second of
+    /// Refused input: exit 3, nothing on standard output, one line that states `saying`; at most a second of
     /// processor time, and 64 MiB more than the program takes for a small good file.
     void expectRefusedSoon(const std::vector<std::string>& arguments, std::string_view saying, int exitCode = 3) const;
     /// As above, of `info FILE`.

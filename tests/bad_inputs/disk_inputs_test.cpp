@@ -63,7 +63,7 @@ protected:
 };
 
 TEST_F(BadDisk, B088_ADiskThatTakesNoMore) {
-    // FAT32 takes 4 GiB a file and says EFBIG; a medium may turn read-only, a server may go.
+    // FAT32 takes 4 GiB a file and states EFBIG; a medium may turn read-only, a server may go.
     const std::string whole = wholeIndex("edges");
     for (const int error : {EFBIG, EROFS, EACCES, EPERM, EDQUOT, ESTALE, ETIMEDOUT})
         for (const long at : {0, 2}) {

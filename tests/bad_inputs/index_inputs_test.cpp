@@ -85,7 +85,7 @@ TEST_F(BadIndex, B076_NoIndexAtAll) {
         expectRefusedSoon({"extract", path(name), "--isovalue", "1"}, "not an ISOSLIDER index");
         expectRefusedSoon({"slide", path(name), "--path", "1"}, "not an ISOSLIDER index");
     }
-    // What begins like one is one, cut off: another refusal, that says how long it should be.
+    // What begins like one is one, cut off: another refusal, that states how long it should be.
     for (const std::size_t bytes : {std::size_t{12}, std::size_t{63}, std::size_t{64}}) {
         folder_.write("head.isx", good.substr(0, bytes));
         for (const auto& words :

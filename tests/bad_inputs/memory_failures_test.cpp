@@ -68,7 +68,7 @@ private:
 class FailingMemory : public testing::TestWithParam<index::IndexKind> {
 protected:
     /// Calls work() with the nth allocation failing, for n from 0 until none fails any more. Work has to end
-    /// with an error, an exception that says so, or as if nothing had happened.
+    /// with an error, an exception that reports it, or as if nothing had happened.
     template <class Work>
     static void forEachFailure(const Work& work) {
         // The first ones one by one, later ones at growing distances; each of the first 20,000 with

@@ -1,4 +1,4 @@
-// B027 to B075: files with a header. They and what their refusals say are in bad_files.cpp, and
+// B027 to B075: files with a header. They and what their refusals state are in bad_files.cpp, and
 // bad_volumes_test tries them one by one; here the program is given those of the catalogue.
 
 #include <filesystem>

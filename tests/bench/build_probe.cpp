@@ -1,4 +1,4 @@
-// A build of an index from a headerless file, in a process of its own: its time and its memory.
+// A build of an index from a headerless file, in a separate process: its time and its memory.
 // usage: build_probe VOLUME NX NY NZ TYPE INDEX KIND THREADS MEMORY_BYTES
 // Prints: seconds empty_bytes peak_bytes
 

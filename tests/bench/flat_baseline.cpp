@@ -28,7 +28,7 @@ const std::vector<glm::vec3>& unitNormals() {
 }
 
 // PAPER 3.2: 1 / sqrt(1 - 2 m t (1 - t)) by its series for small arguments.
-// DEVIATION: the paper does not say what happens to large ones; the root is taken.
+// DEVIATION: the paper does not state what happens to large ones; the root is taken.
 float inverseNorm(float m, float t) {
     const float x = 2.0f * m * t * (1.0f - t);
     if (x > 0.25f)
@@ -203,7 +203,7 @@ void FlatBaseline<Live>::retriangulate(CellId id) {
             corner += cellEdge.lowerCorner >> axis & 1 ? strides_[axis] : 0;
         return *edgeTable_.find(4 * corner + cellEdge.axis);
     };
-    // The mask leaves two cases, complements of each other; one active edge tells which.
+    // The mask leaves two cases, complements of each other; one active edge reports which.
     std::size_t signs = cell::signsFromActiveEdges()[cell.edgeMask];
     const int first = std::countr_zero(cell.edgeMask);
     const bool isCornerAbove = signs >> kCellEdges[static_cast<std::size_t>(first)].lowerCorner & 1;

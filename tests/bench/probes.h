@@ -12,7 +12,7 @@
 
 namespace isoslider::bench {
 
-/// The product in a process of its own (slide_probe).
+/// The product in a separate process (slide_probe).
 struct ProbeResult {
     double openMs = 0.0;
     double firstSurfaceMs = 0.0; ///< from nothing: opening included
@@ -40,7 +40,7 @@ struct ProbeRequest {
 /// Errors: IoError (the probe cannot be started or fails).
 Result<ProbeResult> probeSlide(const ProbeRequest& request);
 
-/// A build in a process of its own (build_probe).
+/// A build in a separate process (build_probe).
 struct BuildProbeResult {
     double seconds = 0.0; ///< opening the volume's file included
     std::uint64_t emptyBytes = 0; ///< resident before

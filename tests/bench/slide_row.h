@@ -65,7 +65,7 @@ struct EngineRow {
     double bytesAhead = 0.0;
     double bricksRead = 0.0;
     double chunksRead = 0.0;
-    double ambiguousCells = 0.0; ///< active cells whose signs do not tell their surface
+    double ambiguousCells = 0.0; ///< active cells whose signs do not determine their surface
     double cellsResolved = 0.0; ///< of them decided in the step, by their corner scalars
 
     double copyRatio() const { return copyMs > 0.0 ? arraysMs / copyMs : 0.0; }

@@ -20,7 +20,7 @@ Spread spreadOf(std::vector<double> values);
 /// REQUIRES: every value > 0; 0 for none.
 double geometricMean(const std::vector<double>& values);
 
-/// Memory of this process in real pages, now and at its highest. 0 where the system does not say.
+/// Memory of this process in real pages, now and at its highest. 0 where the system does not state.
 std::uint64_t residentBytes();
 std::uint64_t peakResidentBytes();
 

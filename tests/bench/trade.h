@@ -23,9 +23,9 @@ struct TradeOptions {
     int pauseMs = 30; ///< after each step where reading ahead is measured
 };
 
-/// Builds each kind of index of a volume, in a process of its own from a headerless file, probes what
+/// Builds each kind of index of a volume, in a separate process from a headerless file, probes what
 /// opening and exploring take, and slides on all of them in turn. While builds and probes run no samples are
-/// held here. Says on the error stream how far it is. Errors: those of writing, building and sliding.
+/// held here. States on the error stream how far it is. Errors: those of writing, building and sliding.
 Result<TradeReport> measureTrade(BenchVolume volume, const TradeOptions& options);
 
 } // namespace isoslider::bench

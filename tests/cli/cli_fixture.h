@@ -18,7 +18,7 @@ namespace isoslider::test {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// Runs the real isoslider-cli in a folder of its own.
+/// Runs the real isoslider-cli in a separate folder.
 class CliTest : public ::testing::Test {
 protected:
     ProcessResult run(const std::vector<std::string>& arguments, const ProcessOptions& options = {}) const;

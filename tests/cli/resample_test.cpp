@@ -75,7 +75,7 @@ TEST_F(CliResample, IsReportedByEveryCommandThatResamples) {
                              runJson({"extract", path("a.isx"), "--isovalue", "20", "-o", path("i.ply")})})
         EXPECT_THAT(json["resampled"]["text"].get<std::string>(), HasSubstr(kLine));
     EXPECT_THAT(readText(path("i.ply")).substr(0, 1000), HasSubstr(std::string("comment resampled: ") + kLine));
-    // A grid that is uniform is not, and nobody says so.
+    // A grid that is uniform is not, and nobody reports it.
     for (const auto& json : {runJson({"info", sphereVolume()}), runJson({"extract", sphereVolume(), "--isovalue", "5"}),
                              runJson({"build", sphereVolume(), "-o", path("c.isx")})})
         EXPECT_FALSE(json.contains("resampled"));

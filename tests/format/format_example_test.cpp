@@ -74,7 +74,7 @@ private:
     std::size_t at_;
 };
 
-// What the document's tables of meta say of the pages of hidden corners.
+// What the document's tables of meta state of the pages of hidden corners.
 std::vector<HiddenPageEntry> hiddenPagesByDocument(const std::string& file) {
     NumberReader in(file, NumberReader(file, 16).next(8));
     in.skip(2 + 3 * 8 + 3 * 8 + 3 * 8 + 9 * 8 + 2 * 8 + 8 + 8 + 8); // to the name
@@ -94,7 +94,7 @@ std::vector<HiddenPageEntry> hiddenPagesByDocument(const std::string& file) {
         entry.checksum = in.next(8);
     }
     in.skip(2 * 8);
-    EXPECT_EQ(in.next(8), 0u) << "shelves";
+    EXPECT_EQ(in.next(8), 0u) << "chunk groups";
     EXPECT_EQ(in.next(8), 0u) << "bricks with missing cells";
     in.skip(in.next(8));
     EXPECT_EQ(in.at(), file.size());

@@ -24,26 +24,26 @@ bool isWithin(std::uint64_t offset, std::uint64_t size, std::uint64_t end) {
     return offset <= end && size <= end - offset;
 }
 
-/// Sums over the chunks of a shelf, in its table, and over the table.
-void mendShelf(Bytes& file, index::ShelfEntry& shelf, std::uint64_t chunks, const index::Preamble& preamble) {
-    const std::uint64_t tableAt = shelf.offset + shelf.chunkBytes;
+/// Sums over the chunks of a group, in its table, and over the table.
+void repairGroup(Bytes& file, index::ChunkGroupEntry& group, std::uint64_t chunks, const index::Preamble& preamble) {
+    const std::uint64_t tableAt = group.offset + group.chunkBytes;
     const std::span<std::byte> bytes(file);
-    if (!isWithin(tableAt, chunks * index::kShelfEntryBytes, preamble.metaOffset))
+    if (!isWithin(tableAt, chunks * index::kGroupEntryBytes, preamble.metaOffset))
         return;
     const auto sumAt = [&](std::uint64_t offset, std::uint64_t size) {
         return isWithin(offset, size, bytes.size())
                    ? index::pageChecksum(bytes.subspan(offset, size), preamble.seed, offset)
                    : 0;
     };
-    std::uint64_t at = shelf.offset;
+    std::uint64_t at = group.offset;
     for (std::uint64_t i = 0; i < chunks; ++i) {
-        std::byte* const entry = bytes.data() + tableAt + i * index::kShelfEntryBytes;
+        std::byte* const entry = bytes.data() + tableAt + i * index::kGroupEntryBytes;
         const auto sampleBytes = loadLittle<std::uint16_t>(entry), errorBytes = loadLittle<std::uint16_t>(entry + 2);
         storeLittle<std::uint64_t>(entry + 4, sumAt(at, sampleBytes));
         storeLittle<std::uint64_t>(entry + 12, sumAt(at + sampleBytes, errorBytes));
         at += std::uint64_t{sampleBytes} + errorBytes;
     }
-    shelf.checksum = sumAt(tableAt, chunks * index::kShelfEntryBytes);
+    group.checksum = sumAt(tableAt, chunks * index::kGroupEntryBytes);
 }
 
 void appendMeta(Bytes& file, index::Preamble preamble, std::span<const std::byte> meta) {
@@ -77,9 +77,9 @@ std::optional<Bytes> withRightChecksums(std::span<const std::byte> input) {
             index::pageChecksum(std::span(file).subspan(part.offset, part.bytes), preamble.seed, part.offset);
     };
     const std::uint64_t chunks = index::ChunkGrid(meta.info.geometry.dims).chunkCount();
-    for (std::size_t i = 0; i < meta.shelves.size(); ++i)
-        mendShelf(file, meta.shelves[i], std::min<std::uint64_t>(index::kShelfChunks, chunks - i * index::kShelfChunks),
-                  preamble);
+    for (std::size_t i = 0; i < meta.chunkGroups.size(); ++i)
+        repairGroup(file, meta.chunkGroups[i],
+                    std::min<std::uint64_t>(index::kGroupChunks, chunks - i * index::kGroupChunks), preamble);
     for (index::LevelDirectory& level : meta.levels)
         std::ranges::for_each(level.pages, mend);
     std::ranges::for_each(meta.hiddenPages, mend);

@@ -83,8 +83,8 @@ void decodeErrors(std::span<const std::byte> bytes, const index::MergeExtent& po
 
 } // namespace
 
-/// One part of an index, without the checksums that stand round it. Six bytes say what it is, the type of samples and
-/// the dims, all of them small; then comes the part.
+/// One part of an index, without the checksums that stand around it. Six bytes state what it is, the type of samples
+/// and the dims, all of them small; then comes the part.
 void fuzzIndexParts(std::span<const std::byte> bytes) {
     ByteReader in(bytes);
     const auto part = in.get<std::uint8_t>() % 4;

@@ -30,7 +30,7 @@ void requireGoodSoup(const Result<mesh::TriangleSoup>& read, std::size_t fileByt
 
 } // namespace
 
-/// A mesh file. That it is OpenMesh's own its first bytes say; of other kinds nothing does, so it is given to each
+/// A mesh file. That it is OpenMesh's own its first bytes state; of other kinds nothing does, so it is given to each
 /// reader.
 void fuzzMesh(std::span<const std::byte> bytes) {
     const bool isOpenMesh = bytes.size() >= 2 && bytes[0] == std::byte{'O'} && bytes[1] == std::byte{'M'};

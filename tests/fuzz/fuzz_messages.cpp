@@ -5,7 +5,7 @@
 namespace isoslider::fuzz {
 namespace {
 
-/// What has been understood is said again, and understood again as the same.
+/// What has been understood is stated again, and understood again as the same.
 template <class Decode, class Encode>
 void requireRoundTrip(std::span<const std::byte> bytes, const Decode& decode, const Encode& encode) {
     const auto value = decode(bytes);

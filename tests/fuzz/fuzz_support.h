@@ -18,7 +18,7 @@ inline constexpr std::int64_t kMaxSamples = std::int64_t{1} << 18;
 
 [[noreturn]] void broken(const char* promise, std::string_view detail, const char* file, int line);
 
-/// Aborts with the promise that was broken; `detail`, a text, says by what.
+/// Aborts with the promise that was broken; `detail`, a text, states by what.
 #define ISO_REQUIRE(promise, detail) \
     do { \
         if (!(promise)) \

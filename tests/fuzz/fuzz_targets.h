@@ -6,7 +6,7 @@
 
 namespace isoslider::fuzz {
 
-/// Gives any bytes to one of our readers and aborts when it breaks a promise. What the bytes may be is said where
+/// Gives any bytes to one of our readers and aborts when it breaks a promise. What the bytes may be is stated where
 /// each is defined. Keeps nothing from one call to the next.
 using FuzzTarget = void(std::span<const std::byte> bytes);
 

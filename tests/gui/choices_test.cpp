@@ -21,7 +21,7 @@ namespace {
 using widgets::FieldTreeModel;
 using widgets::FieldTreeView;
 
-/// Readers that find what they are told to; samples are a ball whose top tells what was chosen.
+/// Readers that find what they are told to; samples are a ball whose top reports what was chosen.
 class ChoicesTest : public FakeReadersTest {
 protected:
     FieldTreeView* openTree(QDialog*& shown) {

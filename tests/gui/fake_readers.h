@@ -62,7 +62,7 @@ protected:
     bool waitForSurface() {
         return waitUntil([this] { return session_->frame() != nullptr && !session_->isLoading(); });
     }
-    /// Nothing that a label says is cut off.
+    /// Nothing that a label states is cut off.
     static void expectLegible(const QDialog* dialog) {
         QTest::qWait(50); // the layout follows
         for (const auto* label : dialog->findChildren<QLabel*>()) {
@@ -106,7 +106,7 @@ inline io::VolumeField fieldOf(const char* name, const char* title, const GridDi
     return field;
 }
 
-/// Readers that find what they are told to; samples are a ball whose greatest value tells what was chosen.
+/// Readers that find what they are told to; samples are a ball whose greatest value reports what was chosen.
 class FakeReadersTest : public OpenFlowTest {
 protected:
     FakeReadersTest() {

@@ -10,7 +10,7 @@
 
 namespace isoslider::test {
 
-/// A graphics card with as much memory as a test gives it, that is reset when a test says so. Counts what is on it.
+/// A graphics card with as much memory as a test gives it, that is reset when a test asks for it. Counts what is on it.
 class FaultyDriver final : public render::GlDriver {
 public:
     std::size_t memoryBytes = std::numeric_limits<std::size_t>::max();

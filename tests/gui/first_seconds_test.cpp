@@ -248,7 +248,7 @@ TEST_F(PreviewTest, IsSlidAndThenTheWholeVolumeTakesItsPlace) {
     QPointF place;
     if (viewport != nullptr) {
         QTest::keyClick(viewport, Qt::Key_7);
-        trigger("view.changed"); // no glow
+        trigger("view.changed"); // no highlight
         place = surfaceMiddle(*viewport);
     }
     const auto camera = viewport != nullptr ? viewport->camera() : model::Camera();

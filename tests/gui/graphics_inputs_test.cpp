@@ -36,7 +36,7 @@ protected:
         viewport_ = window_->viewportHost().viewport();
         if (viewport_ == nullptr)
             GTEST_SKIP() << "no OpenGL 3.3 here";
-        trigger("view.changed"); // no glow: it is of the last move
+        trigger("view.changed"); // no highlight: it is of the last move
         viewport_->setFixedSize(500, 400);
         viewport_->setDriver(driver_);
         openBall(40);

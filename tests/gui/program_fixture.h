@@ -28,7 +28,7 @@ protected:
         options.environment.insert(options.environment.end(), environment.begin(), environment.end());
         return runProcess(ISOSLIDER_PROGRAM, arguments, options);
     }
-    /// One line of ours; the platform's plugin may say something about itself.
+    /// One line of ours; the platform's plugin may state something about itself.
     static void expectOneLine(const std::string& text) {
         std::istringstream lines(text);
         int count = 0;

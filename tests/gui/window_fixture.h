@@ -79,7 +79,7 @@ private:
 /// a sphere of radius r cells.
 std::filesystem::path writeBall(const TemporaryFolder& folder, const char* name, int n);
 
-/// The whole window with real panels, on settings and a cache of its own.
+/// The whole window with real panels, on settings and a separate cache.
 class WindowTest : public ::testing::Test {
 protected:
     WindowTest();

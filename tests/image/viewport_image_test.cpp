@@ -1,4 +1,4 @@
-// Pictures of the real viewport against what geometry says they must be.
+// Pictures of the real viewport against what geometry states they must be.
 #include <cmath>
 #include <numbers>
 
@@ -55,7 +55,7 @@ GridGeometry cubeGeometry() {
 
 /// The surface, and nothing of the grey background, is warm: clearly more red than blue.
 bool isSurface(QRgb pixel) { return qRed(pixel) > qBlue(pixel) + 12; }
-bool isGlow(QRgb pixel) { return qRed(pixel) > 110 && qRed(pixel) > 2 * qGreen(pixel); }
+bool isHighlight(QRgb pixel) { return qRed(pixel) > 110 && qRed(pixel) > 2 * qGreen(pixel); }
 
 template <class Predicate>
 std::size_t countPixels(const QImage& image, Predicate&& predicate) {
@@ -180,7 +180,7 @@ TEST_F(ViewportImageTest, FarFromTheOriginThePictureIsTheSame) {
     EXPECT_LT(different, 20u);
 }
 
-TEST_F(ViewportImageTest, WhatChangedGlowsRedWhereItIs) {
+TEST_F(ViewportImageTest, WhatChangedIsHighlightedWhereItIs) {
     auto frame = sphereFrame(cubeGeometry());
     // The half nearer to the default camera's right: every triangle with x beyond the middle.
     for (std::size_t i = 0; i + 2 < frame->indices.size(); i += 3)
@@ -190,24 +190,24 @@ TEST_F(ViewportImageTest, WhatChangedGlowsRedWhereItIs) {
                                          frame->indices.begin() + static_cast<std::ptrdiff_t>(i) + 3);
     show(frame);
     viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
-    const QImage glowing = grab();
-    const auto surface = countPixels(glowing, isSurface);
-    const auto glow = countPixels(glowing, isGlow);
-    EXPECT_NEAR(static_cast<double>(glow) / static_cast<double>(surface), 0.5, 0.08);
-    const QPoint centre(glowing.width() / 2, glowing.height() / 2);
-    EXPECT_TRUE(isGlow(glowing.pixel(centre + QPoint(40, 0))));
-    EXPECT_FALSE(isGlow(glowing.pixel(centre - QPoint(40, 0))));
+    const QImage highlighted = grab();
+    const auto surface = countPixels(highlighted, isSurface);
+    const auto highlight = countPixels(highlighted, isHighlight);
+    EXPECT_NEAR(static_cast<double>(highlight) / static_cast<double>(surface), 0.5, 0.08);
+    const QPoint centre(highlighted.width() / 2, highlighted.height() / 2);
+    EXPECT_TRUE(isHighlight(highlighted.pixel(centre + QPoint(40, 0))));
+    EXPECT_FALSE(isHighlight(highlighted.pixel(centre - QPoint(40, 0))));
 
     options_.showsChanged = false;
     viewport_->setOptions(options_);
-    EXPECT_EQ(countPixels(grab(), isGlow), 0u);
+    EXPECT_EQ(countPixels(grab(), isHighlight), 0u);
 }
 
-TEST_F(ViewportImageTest, ASurfaceThatIsNewThroughoutDoesNotGlow) {
+TEST_F(ViewportImageTest, ASurfaceThatIsNewThroughoutIsNotHighlighted) {
     auto frame = sphereFrame(cubeGeometry());
     frame->changedIndices = frame->indices;
     show(frame);
-    EXPECT_EQ(countPixels(grab(), isGlow), 0u);
+    EXPECT_EQ(countPixels(grab(), isHighlight), 0u);
 }
 
 TEST_F(ViewportImageTest, ANewFrameReplacesTheOldOne) {

@@ -99,13 +99,13 @@ private:
         ASSERT_EQ(shown, test::placedTriangles(slid.positions, slid.triangles));
         shownBefore_ = shown;
 
-        // What glows is on the surface, and every triangle at a new edge glows.
-        const auto glowing = test::placedTriangles(frame.positions, frame.changedIndices);
-        EXPECT_EQ(glowing.size() * 3, frame.changedIndices.size());
-        EXPECT_TRUE(std::includes(shown.begin(), shown.end(), glowing.begin(), glowing.end()));
+        // What is highlighted is on the surface, and every triangle at a new edge is highlighted.
+        const auto highlighted = test::placedTriangles(frame.positions, frame.changedIndices);
+        EXPECT_EQ(highlighted.size() * 3, frame.changedIndices.size());
+        EXPECT_TRUE(std::includes(shown.begin(), shown.end(), highlighted.begin(), highlighted.end()));
         if (stats.hasRebuilt)
             return;
-        std::vector<std::uint32_t> mustGlow;
+        std::vector<std::uint32_t> mustBeMarked;
         for (std::size_t i = 0; i < slid.triangles.size(); i += 3) {
             const auto isNew = [&](std::size_t k) {
                 const std::uint32_t vertex = slid.triangles[i + k];
@@ -113,11 +113,11 @@ private:
                        !std::binary_search(edges_.begin(), edges_.end(), slid.edgeIds[vertex]);
             };
             if (isNew(0) || isNew(1) || isNew(2))
-                mustGlow.insert(mustGlow.end(), slid.triangles.begin() + static_cast<std::ptrdiff_t>(i),
-                                slid.triangles.begin() + static_cast<std::ptrdiff_t>(i + 3));
+                mustBeMarked.insert(mustBeMarked.end(), slid.triangles.begin() + static_cast<std::ptrdiff_t>(i),
+                                    slid.triangles.begin() + static_cast<std::ptrdiff_t>(i + 3));
         }
-        const auto expected = test::placedTriangles(slid.positions, mustGlow);
-        EXPECT_TRUE(std::includes(glowing.begin(), glowing.end(), expected.begin(), expected.end()));
+        const auto expected = test::placedTriangles(slid.positions, mustBeMarked);
+        EXPECT_TRUE(std::includes(highlighted.begin(), highlighted.end(), expected.begin(), expected.end()));
     }
 
     const RandomVolume& volume_;

@@ -16,7 +16,7 @@
 
 namespace isoslider::test {
 
-/// The ways to slide: each has a source of its own, all feed the same surface.
+/// The ways to slide: each has a separate source, all feed the same surface.
 struct Way {
     std::string name;
     std::unique_ptr<extract::SlideEngine> engine;

@@ -169,7 +169,7 @@ TEST(SlideWays, ReadAheadInTheDirectionOfMotion) {
     EXPECT_LT(10 * inMoves[1], inMoves[0]) << "nearly all has been foreseen";
 }
 
-// A move that is broken off while samples are read leaves a cache that still tells the truth.
+// A move that is broken off while samples are read leaves a cache that still reports the truth.
 TEST(SlideWays, SurviveBeingStoppedAnywhere) {
     const test::TemporaryFolder folder;
     const auto grid = hillSampledFiner(64);

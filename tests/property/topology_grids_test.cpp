@@ -109,7 +109,7 @@ TEST(TopologyLaw, FindsWhatIsWrongWithASurface) {
     }
 }
 
-// No sample lies between two stops beside a body saddle: only the inside of a cell tells them apart.
+// No sample lies between two stops beside a body saddle: only the inside of a cell distinguishes them.
 TEST(TopologyLaw, TellsTheSurfacesOnBothSidesOfABodySaddle) {
     Random random(3002);
     int found = 0;

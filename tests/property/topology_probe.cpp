@@ -3,7 +3,7 @@
 //
 //   topology_probe --grids 100000 --moves 1000000 [--seed 1] [--seconds 0]
 //
-// Each grid has a seed of its own, printed with what is wrong; `--grids 1 --moves 0 --seed S` shows it again,
+// Each grid has a separate seed, printed with what is wrong; `--grids 1 --moves 0 --seed S` shows it again,
 // `--moves 100` for a walk. Exit code 1 when anything was wrong.
 
 #include <chrono>

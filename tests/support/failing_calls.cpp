@@ -1,5 +1,5 @@
 // A library to put before a program (LD_PRELOAD): system calls on files below a folder fail as the
-// environment says.
+// environment states.
 //   ISO_FAIL_BELOW   the folder
 //   ISO_FAIL_CALLS   "write": creating, writing, syncing, renaming; "read": reading
 //   ISO_FAIL_HOW     "errno N": call ISO_FAIL_AT fails with error N; "kill": it ends the program; "full":

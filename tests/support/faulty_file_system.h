@@ -44,7 +44,7 @@ private:
         const std::filesystem::path& path() const override { return file_->path(); }
         std::uint64_t sizeBytes() const override { return file_->sizeBytes(); }
         Status writeAll(std::span<const std::byte> bytes) override {
-            // A full disk takes part of the bytes before it says so.
+            // A full disk takes part of the bytes before it reports it.
             if (auto status = owner_.countCall(path()); !status.isOk()) {
                 static_cast<void>(file_->writeAll(bytes.first(bytes.size() / 2)));
                 return status;

@@ -292,7 +292,7 @@ private:
         const auto isAbove = [&](int k) { return (signs4 >> (k & 3) & 1u) != 0; };
         const int k = std::countr_zero(zero);
         if (zero == (1u << k) && isAbove(k + 1) == isAbove(k + 3))
-            return isAbove(k + 2) == isAbove(k + 1) ? 1 : 2; // a point alone, and an arc round the far corner
+            return isAbove(k + 2) == isAbove(k + 1) ? 1 : 2; // a point alone, and an arc around the far corner
         if (isAmbiguous(zero))
             return isAbove(k + 1) == isAbove(k + 3) ? 2 : 1; // two points, or an arc from one to the other
         return 1;

@@ -13,8 +13,8 @@
 
 namespace isoslider::render {
 
-/// The bricks of a surface on the GPU: the arenas of BrickPicture, place by place, and a table that tells the brick of
-/// each 16 records. Of a picture that follows one of the same series only bricks with another version are uploaded.
+/// The bricks of a surface on the GPU: the arenas of BrickPicture, place by place, and a table that reports the brick
+/// of each 16 records. Of a picture that follows one of the same series only bricks with another version are uploaded.
 /// REQUIRES for every call but abandon() and the destructor after it: the context it was made in is current.
 class BrickBuffers {
 public:

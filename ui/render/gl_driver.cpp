@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kMostErrors = 16; // a lost context may report one for ever
 
-/// True if one of the errors so far was for want of memory.
+/// True if one of the errors so far was because memory is missing.
 bool takeOutOfMemory(Gl& gl) {
     bool isOutOfMemory = false;
     for (int i = 0; i < kMostErrors; ++i) {

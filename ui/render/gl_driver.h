@@ -8,7 +8,7 @@ class QOpenGLContext;
 
 namespace isoslider::render {
 
-/// The calls in which a graphics card that is short of memory, or was reset, says so. A test puts a driver of its own
+/// The calls in which a graphics card that is short of memory, or was reset, reports it. A test puts a separate driver
 /// in place. REQUIRES for every call: the context is current, or cannot be made so any more.
 class GlDriver {
 public:

@@ -6,10 +6,10 @@ class QSurfaceFormat;
 
 namespace isoslider::render {
 
-/// OpenGL 3.3 core with depth and 4 samples per pixel, that tells of resets: what the viewport asks for.
+/// OpenGL 3.3 core with depth and 4 samples per pixel, that reports of resets: what the viewport asks for.
 QSurfaceFormat viewportFormat();
 
-/// Tries an OpenGL 3.3 core context on a surface of its own. Call after the application object is
+/// Tries an OpenGL 3.3 core context on a separate surface. Call after the application object is
 /// made and before any OpenGL widget, which cannot fail gracefully. The answer is kept.
 bool isOpenGlUsable();
 /// Why it is not, in a sentence without its full stop; empty if it is.

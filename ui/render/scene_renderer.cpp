@@ -277,11 +277,11 @@ void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, bo
     program.setUniformValue("normalToView", matrices.normalToView);
     program.setUniformValue("frontColour", toQt(colours_.front));
     program.setUniformValue("backColour", toQt(colours_.back));
-    program.setUniformValue("glowColour", QVector4D());
+    program.setUniformValue("highlightColour", QVector4D());
     program.setUniformValue("perspective", isPerspective ? 1.0f : 0.0f);
     isOfBricks ? bricks.drawSurface(matrices.modelToClip) : arrays.drawSurface();
     if (showsChanged && hasFewChanges()) {
-        program.setUniformValue("glowColour", toQt(colours_.glow));
+        program.setUniformValue("highlightColour", toQt(colours_.highlight));
         gl.glEnable(GL_POLYGON_OFFSET_FILL);
         gl.glPolygonOffset(-1.0f, -1.0f);
         isOfBricks ? bricks.drawChanged() : arrays.drawChanged();
@@ -291,14 +291,14 @@ void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, bo
     gl.glFrontFace(GL_CCW);
 }
 
-// Where all of the surface is new, red on all of it would say nothing.
+// Where all of the surface is new, red on all of it would state nothing.
 bool SceneRenderer::hasFewChanges() const {
-    constexpr double kLargestGlow = 0.95;
+    constexpr double kLargestHighlight = 0.95;
     const auto& [changed, all] =
         resources_->bricks.isEmpty()
             ? std::pair(resources_->arrays.changedIndices(), resources_->arrays.surfaceIndices())
             : std::pair(frame_->bricks->changedIndices().size(), 3 * frame_->stats.triangles);
-    return changed > 0 && static_cast<double>(changed) < kLargestGlow * static_cast<double>(all);
+    return changed > 0 && static_cast<double>(changed) < kLargestHighlight * static_cast<double>(all);
 }
 
 } // namespace isoslider::render

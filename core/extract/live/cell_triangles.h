@@ -35,7 +35,8 @@ struct CellList {
     std::array<std::uint16_t, kMost + 32> cells;
     std::array<std::uint8_t, kMost> signs;
     std::array<cell::StateId, kMost> states; ///< below 256 the signs
-    std::array<std::uint16_t, kMost + 1> ambiguous; ///< places in the list of the cells whose signs do not say all
+    std::array<std::uint16_t, kMost + 1>
+        ambiguous; ///< places in the list of the cells whose signs leave the surface open
 };
 void listCells(const BitString& active, const BitString& above, CellList& list);
 

@@ -87,7 +87,7 @@ public:
     std::uint32_t slotCount() const { return static_cast<std::uint32_t>(intervals_.size()); }
     const Brick& brick(BrickSlot slot) const { return bricks_[slot]; }
     /// Asks for the memory that replace() will read and write, so that it comes while another brick is made. The head,
-    /// which says where the rest is, must have come before.
+    /// which states where the rest is, must have come before.
     void prefetchHead(BrickSlot slot) const { __builtin_prefetch(&bricks_[slot]); }
     void prefetch(BrickSlot slot) const;
     const Record* records(BrickSlot slot) const { return arenas_->vertices.at(bricks_[slot].vertices.begin); }

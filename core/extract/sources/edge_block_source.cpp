@@ -453,7 +453,7 @@ bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>&
         above = spread(above);
     }
     draft.above = above;
-    // No active cell without a sign at each corner, and no edge of one but as the signs say.
+    // No active cell without a sign at each corner, and no edge of one but as the signs state.
     for (int i = 0; i < kBitWords; ++i) {
         const auto w = static_cast<std::size_t>(i);
         const std::uint64_t x =

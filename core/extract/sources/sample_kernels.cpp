@@ -252,7 +252,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> quantise(D d, V c) {
     return hn::And(hn::ConvertTo(ints, away), hn::Set(ints, 0xff));
 }
 
-// normalOfGradient(), lane by lane, for gradients of a plain length; the mask says which have one.
+// normalOfGradient(), lane by lane, for gradients of a plain length; the mask marks those that have one.
 template <class D, class V>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> codesOf(D d, V gx, V gy, V gz, hn::Mask<D>& isPlain) {
     const auto one = hn::Set(d, 1.0f);

@@ -30,7 +30,7 @@ public:
     /// Whether the brick may be read now; it stays so until the next call of prepare(), fetch() or dropCaches(). Any
     /// thread.
     virtual bool isReady(BrickIndex /*brick*/) const { return true; }
-    /// Tells that bricks were read without prepare(), so that they are kept as if they had been prepared.
+    /// Reports that bricks were read without prepare(), so that they are kept as if they had been prepared.
     virtual void touch(std::span<const BrickIndex> /*bricks*/) {}
     /// Asks for the memory that rows() leads to. Any thread.
     virtual void prefetch(BrickIndex /*brick*/) const {}

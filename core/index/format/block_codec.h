@@ -42,8 +42,8 @@ enum class PageOrder : std::uint8_t { Value = 0, Id = 1 };
 /// No page holds more, so a damaged count never sizes a large allocation.
 inline constexpr std::size_t kMaxPagePoints = 1u << 16;
 
-/// Encodes records as FORMAT.md, "Page", says. O(records), deterministic.
-/// REQUIRES: 0 < records.size() <= kMaxPagePoints, sorted as `order` says, every mask non-zero.
+/// Encodes records as FORMAT.md, "Page", states. O(records), deterministic.
+/// REQUIRES: 0 < records.size() <= kMaxPagePoints, sorted as `order` states, every mask non-zero.
 template <class Key>
 std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, PageOrder order, const BrickGrid& grid);
 

@@ -45,7 +45,7 @@ private:
     int slot_ = 0;
 };
 
-/// Reads them again; believes nothing.
+/// Reads them again; Treats input as untrusted.
 class PlaneReader {
 public:
     /// `path` (which must outlive this) and `offset` are only for messages.

@@ -106,7 +106,7 @@ void withWidth(int width, const Function& function) {
 
 // ---- writing
 
-// Of the row (y, z) of `chunk`, as `mode` says.
+// Of the row (y, z) of `chunk`, as `mode` states.
 template <class Bits, class Width>
 void residualsOfRow(ChunkMode mode, const Bits* chunk, const Shape& shape, Width width, int y, int z, Bits* out) {
     const std::ptrdiff_t toPlane = std::ptrdiff_t{width} * shape.y;

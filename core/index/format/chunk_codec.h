@@ -21,7 +21,7 @@ template <class Sample>
 std::vector<std::byte> encodeChunk(std::span<const Sample> samples, const ChunkExtent& extent);
 
 /// The samples of a chunk of this extent. False when `bytes` are not such a chunk; `out` is unspecified then.
-/// Believes nothing, but does not see every damage: a checksum must stand around it. Any thread; allocates
+/// Treats input as untrusted, but does not see every damage: a checksum must stand around it. Any thread; allocates
 /// nothing but its working memory, once per thread.
 /// REQUIRES: each extent is 1 to kChunkSide; out.size() is their product.
 template <class Sample>

@@ -26,11 +26,11 @@ struct HiddenPage {
     std::vector<double> scalars; ///< exactly the samples; -0 as 0
 };
 
-/// Encodes as FORMAT.md, "Page of hidden corners", says. Deterministic. REQUIRES: 1 to kMaxHiddenPageCorners,
+/// Encodes as FORMAT.md, "Page of hidden corners", states. Deterministic. REQUIRES: 1 to kMaxHiddenPageCorners,
 /// ascending by (brick, place), within kMaxHiddenPageBricks.
 std::vector<std::byte> encodeHiddenPage(std::span<const HiddenCorner> corners, ScalarType type);
 
-/// What the directory says of a page with these corners; its place and checksum are the writer's.
+/// What the directory states of a page with these corners; its place and checksum are the writer's.
 HiddenPageEntry hiddenPageEntry(std::span<const HiddenCorner> corners);
 
 /// Decodes and checks everything against the directory's entry, the grid, the type and the range of the samples.

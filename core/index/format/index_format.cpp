@@ -87,9 +87,9 @@ void putLevel(ByteWriter& out, const SkipLevelInfo& info, const LevelDirectory& 
 constexpr std::size_t kPageEntryBytes = 44;
 constexpr std::size_t kBlockEntryBytes = 32;
 constexpr std::size_t kHiddenPageEntryBytes = 32;
-constexpr std::size_t kShelfBytes = 24;
+constexpr std::size_t kChunkGroupBytes = 24;
 
-// Says what is wrong, or nothing.
+// Reports what is wrong, or nothing.
 const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDirectory& level,
                      const Preamble& preamble) {
     for (std::uint64_t* value :
@@ -158,32 +158,33 @@ bool getHiddenPages(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
     return nextBrick <= BrickGrid(meta.info.geometry.dims).brickCount();
 }
 
-void putShelves(ByteWriter& out, const IndexMeta& meta) {
+void putChunkGroups(ByteWriter& out, const IndexMeta& meta) {
     out.put<std::uint64_t>(meta.info.sampleBytes);
     out.put<std::uint64_t>(meta.info.mergeErrorBytes);
-    out.put<std::uint64_t>(meta.shelves.size());
-    for (const ShelfEntry& shelf : meta.shelves)
-        for (const std::uint64_t value : {shelf.offset, shelf.chunkBytes, shelf.checksum})
+    out.put<std::uint64_t>(meta.chunkGroups.size());
+    for (const ChunkGroupEntry& group : meta.chunkGroups)
+        for (const std::uint64_t value : {group.offset, group.chunkBytes, group.checksum})
             out.put<std::uint64_t>(value);
 }
 
-bool getShelves(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
+bool getChunkGroups(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
     meta.info.sampleBytes = in.get<std::uint64_t>();
     meta.info.mergeErrorBytes = in.get<std::uint64_t>();
     const std::uint64_t count = in.get<std::uint64_t>();
     const ChunkGrid grid(meta.info.geometry.dims);
     const bool hasSamples = meta.info.kind == IndexKind::Metacells;
-    if (in.hasFailed() || count > in.remaining() / kShelfBytes || count != (hasSamples ? shelfCount(grid) : 0))
+    if (in.hasFailed() || count > in.remaining() / kChunkGroupBytes ||
+        count != (hasSamples ? chunkGroupCount(grid) : 0))
         return false;
-    meta.shelves.resize(count);
+    meta.chunkGroups.resize(count);
     for (std::uint64_t i = 0; i < count; ++i) {
-        ShelfEntry& shelf = meta.shelves[i];
-        for (std::uint64_t* value : {&shelf.offset, &shelf.chunkBytes, &shelf.checksum})
+        ChunkGroupEntry& group = meta.chunkGroups[i];
+        for (std::uint64_t* value : {&group.offset, &group.chunkBytes, &group.checksum})
             *value = in.get<std::uint64_t>();
-        const std::uint64_t chunks = std::min<std::uint64_t>(kShelfChunks, grid.chunkCount() - i * kShelfChunks);
-        const std::uint64_t room = preamble.metaOffset - chunks * kShelfEntryBytes;
-        if (preamble.metaOffset < chunks * kShelfEntryBytes || shelf.offset < kPreambleBytes || shelf.offset > room ||
-            shelf.chunkBytes > room - shelf.offset)
+        const std::uint64_t chunks = std::min<std::uint64_t>(kGroupChunks, grid.chunkCount() - i * kGroupChunks);
+        const std::uint64_t room = preamble.metaOffset - chunks * kGroupEntryBytes;
+        if (preamble.metaOffset < chunks * kGroupEntryBytes || group.offset < kPreambleBytes || group.offset > room ||
+            group.chunkBytes > room - group.offset)
             return false;
     }
     return true;
@@ -330,7 +331,7 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     for (std::size_t i = 0; i < meta.levels.size(); ++i)
         putLevel(out, info.levels[i], meta.levels[i]);
     putHiddenPages(out, meta.hiddenPages);
-    putShelves(out, meta);
+    putChunkGroups(out, meta);
     putMissingCells(out, meta.missingCells);
     if (minorOf(meta) >= 1)
         out.putString(info.lengthUnit);
@@ -382,8 +383,8 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
             return corrupt(fault);
     if (!getHiddenPages(in, meta, preamble) || (info.kind == IndexKind::Metacells && !meta.hiddenPages.empty()))
         return corrupt("pages of hidden corners");
-    if (!getShelves(in, meta, preamble))
-        return corrupt("shelves of samples");
+    if (!getChunkGroups(in, meta, preamble))
+        return corrupt("chunk groups of samples");
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
     if (preamble.minor >= 1)

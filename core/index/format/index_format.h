@@ -76,8 +76,8 @@ struct HiddenPageEntry {
     std::uint64_t checksum = 0;
 };
 
-/// Chunks of samples that lie one after the other, and the table of them that follows (sample_store.h): a shelf.
-struct ShelfEntry {
+/// Chunks of samples that lie one after the other, and the table of them that follows (sample_store.h): a group.
+struct ChunkGroupEntry {
     std::uint64_t offset = 0;
     std::uint64_t chunkBytes = 0; ///< of its chunks; the table begins there
     std::uint64_t checksum = 0; ///< of the table
@@ -94,7 +94,7 @@ struct IndexMeta {
     IndexInfo info;
     std::vector<LevelDirectory> levels;
     std::vector<HiddenPageEntry> hiddenPages; ///< ascending, no brick in two
-    std::vector<ShelfEntry> shelves; ///< with metacells, as many as the grid needs
+    std::vector<ChunkGroupEntry> chunkGroups; ///< with metacells, as many as the grid needs
     std::vector<MissingCells> missingCells; ///< sorted by brick
 };
 

@@ -36,7 +36,7 @@ struct Histogram {
     std::vector<std::uint64_t> counts;
 };
 
-/// What an index says of itself and of its volume; all that is read when it is opened.
+/// What an index states of itself and of its volume; all that is read when it is opened.
 struct IndexInfo {
     IndexKind kind = IndexKind::Edges;
     GridGeometry geometry;

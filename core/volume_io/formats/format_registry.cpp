@@ -12,7 +12,7 @@ namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
 
-// What is looked at to know a format: a DICOM file says so at byte 128, an MRC map at 208.
+// What is looked at to know a format: a DICOM file reports it at byte 128, an MRC map at 208.
 constexpr std::size_t kStartBytes = 512;
 
 constexpr std::string_view kMetaImage[] = {".mhd", ".mha"};
@@ -42,7 +42,7 @@ bool isMrc(const fs::path&, std::span<const std::byte> start) {
     return start.size() >= 212 && beginsWith(start.subspan(208), "MAP ");
 }
 bool isVtkLegacy(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "# vtk DataFile"); }
-// NetCDF-4 files are HDF5; unless the name says so, they are read as that.
+// NetCDF-4 files are HDF5; unless the name is that of NetCDF, they are read as that.
 bool isNetcdf(const fs::path&, std::span<const std::byte> start) {
     return beginsWith(start, "CDF\1") || beginsWith(start, "CDF\2") || beginsWith(start, "CDF\5");
 }

@@ -82,7 +82,7 @@ private:
 class Inflater final : public ByteDecoder {
 public:
     explicit Inflater(Input input) : input_(std::move(input)) {
-        // 32: gzip and zlib headers told apart by zlib itself.
+        // 32: gzip and zlib headers distinguished by zlib itself.
         isReady_ = ::inflateInit2(&stream_, 15 + 32) == Z_OK;
     }
     ~Inflater() override {

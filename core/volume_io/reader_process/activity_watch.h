@@ -7,7 +7,7 @@
 
 namespace isoslider::io {
 
-/// How long a reader may do nothing at all: a minute, or what ISOSLIDER_READER_SILENCE says in seconds.
+/// How long a reader may do nothing at all: a minute, or what ISOSLIDER_READER_SILENCE states in seconds.
 std::chrono::milliseconds readerSilence();
 
 /// Notices that a process has hung: it neither uses the processor, nor reads, nor waits for a disk. A process that

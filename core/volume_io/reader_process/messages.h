@@ -11,7 +11,7 @@
 #include "core/volume_io/volume_contents.h"
 #include "core/volume_io/volume_reader.h"
 
-// What the program and its reader process say to each other. Either end takes the other's words with care:
+// What the program and its reader process state to each other. Either end takes the other's words with care:
 // nothing is believed that has not been checked against a bound.
 
 namespace isoslider::io {
@@ -49,7 +49,7 @@ std::vector<std::byte> encodeSlab();
 
 /// The first byte of an answer; none of an empty one or an unknown kind.
 std::optional<ReplyKind> replyKind(std::span<const std::byte> bytes);
-/// Of a whole answer of that kind. None: it is not well formed, or says what no reader may say: dims, spacing
+/// Of a whole answer of that kind. None: it is not well formed, or states what no reader may state: dims, spacing
 /// and directions are those that a header may have.
 std::optional<ReaderProgress> decodeProgress(std::span<const std::byte> bytes);
 std::optional<Error> decodeError(std::span<const std::byte> bytes);

@@ -95,11 +95,11 @@ public:
                 return reply;
             if (kind == ReplyKind::Failed) {
                 auto error = decodeError(reply.value());
-                return error ? *error : nonsense();
+                return error ? *error : invalidReply();
             }
             const auto progress = kind == ReplyKind::Progress ? decodeProgress(reply.value()) : std::nullopt;
             if (!progress)
-                return nonsense();
+                return invalidReply();
             job.report(progress->fraction, progress->stage);
         }
     }
@@ -109,9 +109,9 @@ public:
         return taken.isOk() || process_ < 0 ? taken : deathOf();
     }
 
-    Error nonsense() {
+    Error invalidReply() {
         (void)end();
-        return makeError(ErrorCode::Corruption, "makes its reader talk nonsense: the file is damaged", volume_);
+        return makeError(ErrorCode::Corruption, "made its reader send an invalid reply: the file is damaged", volume_);
     }
 
 private:
@@ -138,7 +138,7 @@ private:
         return {};
     }
 
-    // How it ended, as wait() says. What has not ended by itself within that time is killed.
+    // How it ended, as wait() states. What has not ended by itself within that time is killed.
     int end(std::chrono::milliseconds patience = {}) {
         int status = 0;
         if (process_ < 0)
@@ -160,12 +160,13 @@ private:
     Error deathOf() {
         const int status = end(std::chrono::milliseconds(500));
         if (hasBeenKilled_)
-            return nonsense();
+            return invalidReply();
         const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
         if (signal == SIGXCPU)
             return makeError(ErrorCode::Corruption, "keeps its reader busy without end: the file is damaged", volume_);
         if (signal == SIGKILL)
-            return makeError(ErrorCode::OutOfSpace, "its reader was ended by the system, for want of memory", volume_);
+            return makeError(ErrorCode::OutOfSpace, "its reader was ended by the system because memory ran out",
+                             volume_);
         return makeError(ErrorCode::Corruption,
                          "crashes its reader (" +
                              (signal != 0 ? std::string("signal ") + std::to_string(signal)
@@ -198,14 +199,14 @@ public:
             return reply.error();
         auto info = decodeInfo(reply.value());
         if (!info || info->geometry != info_.geometry || info->type != info_.type)
-            return process_->nonsense();
+            return process_->invalidReply();
         info_ = *std::move(info);
         isPrepared_ = true;
         return {};
     }
 
     Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) override {
-        if (!isPrepared_) // so that info() says what only the first slab brings to light
+        if (!isPrepared_) // so that info() states what only the first slab brings to light
             ISO_TRY(prepare(reading_));
         ReaderRequest request;
         request.kind = RequestKind::ReadSlab;
@@ -244,7 +245,7 @@ Result<std::unique_ptr<VolumeSource>> openInReaderProcess(const fs::path& path, 
         return reply.error();
     auto info = decodeInfo(reply.value());
     if (!info)
-        return process.value()->nonsense();
+        return process.value()->invalidReply();
     return std::unique_ptr<VolumeSource>(
         std::make_unique<ProcessSource>(std::move(process).value(), *std::move(info), job.stop));
 }
@@ -258,7 +259,7 @@ Result<VolumeContents> listInReaderProcess(const fs::path& path, const ReadOptio
         return reply.error();
     auto contents = decodeContents(reply.value());
     if (!contents)
-        return process.value()->nonsense();
+        return process.value()->invalidReply();
     return *std::move(contents);
 }
 

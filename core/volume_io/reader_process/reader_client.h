@@ -9,10 +9,10 @@
 namespace isoslider::io {
 
 // Libraries parse in a separate process, `isoslider-reader`, which may die of a file without harm: it lies
-// beside the program, or in ../libexec/isoslider, or where ISOSLIDER_READER says. One process per volume; it
+// beside the program, or in ../libexec/isoslider, or where ISOSLIDER_READER states. One process per volume; it
 // ends with its source. Costs some 30 ms to start, and one copy of the samples through a socket.
 
-// A reader that says nothing for kReaderSilence, not even that it is alive, is ended. ISOSLIDER_READER_SILENCE is that
+// A reader that sends nothing for kReaderSilence, not even that it is alive, is ended. ISOSLIDER_READER_SILENCE is that
 // time in seconds for tests.
 
 /// As openInProcess, in a reader process. Further errors: Corruption (the reader died of the file),

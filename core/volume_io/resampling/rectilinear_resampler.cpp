@@ -92,7 +92,7 @@ private:
     std::vector<float> values_;
 };
 
-/// Another source's samples at a place of their own.
+/// Another source's samples at a separate place.
 class PlacedSource final : public VolumeSource {
 public:
     PlacedSource(std::unique_ptr<VolumeSource> source, const GridGeometry& geometry)

@@ -28,7 +28,7 @@ struct GridAxis {
 /// REQUIRES: not empty. Errors: InvalidArgument (not finite; neither ascending nor descending), naming `field`.
 Result<GridAxis> makeAxis(std::vector<double> coordinates, std::string_view field, const std::filesystem::path& path);
 
-/// 0, 1, 2 ... where a file says nothing of places.
+/// 0, 1, 2 ... where a file states nothing of places.
 GridAxis indexAxis(std::int64_t count);
 
 /// The uniform grid of `dims` points over the same box.
@@ -40,7 +40,7 @@ GridGeometry axesGeometry(const std::array<GridAxis, 3>& axes, const GridDims& d
 Result<ScalarGrid> resampleRectilinear(const std::array<GridAxis, 3>& axes, std::span<const float> values,
                                        const GridGeometry& geometry, const JobControl& job = {});
 
-/// The samples of `source`, whose points lie where the axes say. If all are even, that is `source` placed there; else
+/// The samples of `source`, whose points lie where the axes state. If all are even, that is `source` placed there; else
 /// they are resampled to the size that the options ask for, or as many points. `source` is of the axes' size,
 /// ascending. Errors: InvalidArgument, OutOfSpace.
 Result<std::unique_ptr<VolumeSource>> placeOnAxes(std::unique_ptr<VolumeSource> source, std::array<GridAxis, 3> axes,

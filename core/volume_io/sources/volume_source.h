@@ -19,7 +19,7 @@ namespace isoslider::io {
 /// resampled grid is interpolated (trilinear) and compared. Differences in units of the samples.
 struct ResampleReport {
     std::int64_t sourcePoints = 0; ///< of the file's own grid
-    std::int64_t comparedPoints = 0; ///< of those, with a value of their own and in the resampled grid
+    std::int64_t comparedPoints = 0; ///< of those, with a separate value and in the resampled grid
     double maxDifference = 0.0; ///< the largest, without sign
     double rmsDifference = 0.0; ///< root of the mean square
     double rangeFraction = 0.0; ///< maxDifference as part of the range of the source's values; 0 if that is 0
@@ -37,7 +37,7 @@ struct VolumeInfo {
     std::string fieldName; ///< the scalar field, where the format names it
     std::vector<std::filesystem::path> dataFiles; ///< that are read beside the file that was opened; of a folder, in it
     std::string fieldTitle; ///< the same for people; empty: the name will do
-    /// Of spacing and origin: "mm", "Å"; empty where the format does not say. isLengthUnit() holds.
+    /// Of spacing and origin: "mm", "Å"; empty where the format does not state. isLengthUnit() holds.
     std::string lengthUnit;
     std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
     /// Set when the source has been resampled: once its first slab is read.

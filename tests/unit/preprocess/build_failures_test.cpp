@@ -66,7 +66,7 @@ TEST_P(BuildFailure, CancellingAtAnyReportLeavesTheEarlierIndex) {
     }
 }
 
-// Closing is the last call: the index has its name by then, and whatever closing says does not undo that.
+// Closing is the last call: the index has its name by then, and whatever closing states does not undo that.
 void BuildFailure::expectEveryFailingCallLeavesTheEarlierIndex() {
     const test::TemporaryFolder other;
     test::FaultyFileSystem counting(-1, 0);

@@ -267,7 +267,7 @@ TEST_P(BuildIndexKind, RefusesAVolumeWithoutAFiniteSample) {
     EXPECT_TRUE(folder.names().empty());
 }
 
-// Eighteen planes must be there; the budget says so before anything is read or written.
+// Eighteen planes must be there; the budget reports it before anything is read or written.
 TEST(BuildMetacells, RefuseABudgetWithoutRoomForTheirPlanes) {
     const test::TemporaryFolder folder;
     GridGeometry geometry;

@@ -75,7 +75,7 @@ protected:
         settle();
         return header;
     }
-    /// The clock of the file system goes on, so that it tells a change from what was written before.
+    /// The clock of the file system goes on, so that it reports a change from what was written before.
     static void settle() { std::this_thread::sleep_for(std::chrono::milliseconds(20)); }
 
     void SetUp() override { fs::create_directory(folder_ / "out"); }

@@ -4,7 +4,7 @@ namespace isoslider::model {
 
 enum class PlaybackMode { Once, Loop, PingPong };
 
-/// Moves a position through [0, 1] with time: the isovalue animation, without a clock of its own.
+/// Moves a position through [0, 1] with time: the isovalue animation, without a separate clock.
 class PlaybackModel {
 public:
     bool isPlaying() const { return isPlaying_; }

@@ -15,7 +15,7 @@ bool isHeaderlessSuffix(const std::filesystem::path& path);
 /// Bytes that a layout asks for, skipped ones included. REQUIRES: dims within kMaxDim.
 std::uint64_t layoutBytes(const io::RawLayout& layout);
 
-/// What a name like "skull_256x256x113_uint8.raw" says.
+/// What a name like "skull_256x256x113_uint8.raw" states.
 struct NamedLayout {
     GridDims dims{0, 0, 0}; ///< zeros if not named
     std::optional<ScalarType> type;

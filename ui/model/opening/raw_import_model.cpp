@@ -7,7 +7,7 @@
 namespace isoslider::model {
 namespace {
 
-/// Whatever the spacing, which no byte of the file tells.
+/// Whatever the spacing, which no byte of the file reports.
 bool isSameReading(const io::RawLayout& a, const io::RawLayout& b) {
     return a.dims == b.dims && a.type == b.type && a.skipBytes == b.skipBytes &&
            (a.isBigEndian == b.isBigEndian || scalarTypeSizeBytes(a.type) == 1);
@@ -38,7 +38,7 @@ void RawImportModel::rank() {
 }
 
 void RawImportModel::onRanked(Result<std::vector<RawGuess>> guesses) {
-    if (guesses.isOk()) // otherwise the preview tells what is wrong with the file
+    if (guesses.isOk()) // otherwise the preview reports what is wrong with the file
         guesses_ = std::move(guesses).value();
     if (!isTouched_ && !guesses_.empty())
         change(guesses_.front().layout);

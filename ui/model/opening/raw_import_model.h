@@ -5,8 +5,8 @@
 
 namespace isoslider::model {
 
-/// A headerless file while it is said how its samples are arranged: the ways that suggest themselves, the one
-/// chosen, how it fits the file's size, and how it looks. Begins with what name and size say; the best of the
+/// A headerless file while it is stated how its samples are arranged: the ways that suggest themselves, the one
+/// chosen, how it fits the file's size, and how it looks. Begins with what name and size state; the best of the
 /// ways found takes its place, unless the user has changed something by then. Window thread only.
 class RawImportModel {
 public:

@@ -57,7 +57,7 @@ struct OpenRequest {
     std::string sampleName;
     io::ReadOptions readOptions;
     std::optional<double> isovalue; ///< the first isovalue; otherwise a suggested one
-    /// A file of several volumes is not an error: Session::choiceNeeded tells what it holds.
+    /// A file of several volumes is not an error: Session::choiceNeeded reports what it holds.
     bool asksForChoice = false;
 };
 
@@ -77,14 +77,14 @@ struct LoadedDataset {
 /// Most samples of a preview: what a machine reads and shows within seconds.
 inline constexpr std::uint64_t kMostPreviewSamples = 24'000'000;
 
-/// Tells apart readings of one file, in the cache of indexes.
+/// Distinguishes readings of one file, in the cache of indexes.
 std::string layoutText(const io::ReadOptions& options);
 
 bool isIndexFile(const std::filesystem::path& path);
 /// The name to show for a request before anything is read.
 std::string displayName(const OpenRequest& request);
 
-/// What the index says of its volume takes the place of what was known before.
+/// What the index states of its volume takes the place of what was known before.
 void adoptIndex(Dataset& dataset, const index::IndexInfo& info);
 
 /// Opens a volume, or its index from the cache if there is one, or an index file. Worker thread. Of a file

@@ -11,14 +11,14 @@
 namespace isoslider::model {
 
 /// Where the indexes of opened volumes are kept between runs. Beside each lies a record of the volume's files; an
-/// index counts only for the bytes that it was built from, wherever they have moved and whatever their times say.
+/// index counts only for the bytes that it was built from, wherever they have moved and whatever their times state.
 class IndexCache {
 public:
     explicit IndexCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
     const std::filesystem::path& folder() const { return folder_; }
-    /// The index file of a volume at its place; whether it is there, and of these bytes, findFor says.
-    /// `layout` tells apart readings of one file.
+    /// The index file of a volume at its place; whether it is there, and of these bytes, findFor states.
+    /// `layout` distinguishes readings of one file.
     std::filesystem::path pathForFile(const std::filesystem::path& volume, std::string_view layout = {}) const;
     std::filesystem::path pathForSample(std::string_view name) const;
 
@@ -28,7 +28,7 @@ public:
     Finding find(const VolumeStamp& volume, std::string_view layout, const JobControl& job) const;
     /// To be called before an index is built: it is none of what was recorded for its predecessor.
     static void forget(const std::filesystem::path& index);
-    /// Says what the index, just built, was built from. `volume` was taken before a sample of it was read. Reads all
+    /// Reports what the index, just built, was built from. `volume` was taken before a sample of it was read. Reads all
     /// its bytes. Errors: InvalidArgument (they have changed since); those of reading and writing.
     static Status record(const std::filesystem::path& index, VolumeStamp volume, std::string_view layout,
                          const JobControl& job);

@@ -46,7 +46,7 @@ RecentFile recentFromText(const std::string& text) {
 
 RecentFile recentOf(const Dataset& dataset) {
     RecentFile file{dataset.path, dataset.readOptions, {}};
-    file.options.allowsExternalData = false; // is asked for anew
+    file.options.allowsExternalData = false; // is asked for again
     if (!file.options.field.empty())
         file.fieldTitle = dataset.fieldTitle;
     return file;

@@ -29,19 +29,19 @@ Json arrayOf(const Values& values, int count) {
     return array;
 }
 
-/// Takes members out of an object one by one, says what is wrong with them, and at last what nobody asked for.
+/// Takes members out of an object one by one, states what is wrong with them, and at last what nobody asked for.
 class Members {
 public:
     Members(const Json& object, std::string place, std::vector<std::string>& problems)
         : object_(object), place_(std::move(place)), problems_(problems) {
         if (!object_.is_object())
-            tell("is no object");
+            report("is not an object");
     }
     ~Members() {
         if (object_.is_object())
             for (const auto& [name, value] : object_.items())
                 if (std::find(known_.begin(), known_.end(), name) == known_.end())
-                    tellOf(io::inQuotes(name), "is not known and ignored");
+                    reportOf(io::inQuotes(name), "is not known and ignored");
     }
     Members(const Members&) = delete;
     Members& operator=(const Members&) = delete;
@@ -57,7 +57,7 @@ public:
         if (json == nullptr)
             return false;
         if (!json->is_number() || !std::isfinite(json->get<double>()))
-            return tellOf(name, "is no finite number and ignored");
+            return reportOf(name, "is not a finite number and is ignored");
         value = json->get<double>();
         return true;
     }
@@ -68,7 +68,7 @@ public:
         if (json == nullptr)
             return false;
         if (!isWithin(*json, least, most))
-            return tellOf(name, "is no whole number within its bounds and ignored");
+            return reportOf(name, "is not a whole number within its bounds and is ignored");
         value = static_cast<Integer>(json->get<std::int64_t>());
         return true;
     }
@@ -77,7 +77,7 @@ public:
         if (json == nullptr)
             return false;
         if (!json->is_boolean())
-            return tellOf(name, "is neither true nor false and ignored");
+            return reportOf(name, "is neither true nor false and ignored");
         value = json->get<bool>();
         return true;
     }
@@ -86,7 +86,7 @@ public:
         if (json == nullptr)
             return false;
         if (!json->is_string() || json->get_ref<const std::string&>().size() > kMostNameBytes)
-            return tellOf(name, "is no text of at most 4096 bytes and ignored");
+            return reportOf(name, "is not a text of at most 4096 bytes and is ignored");
         value = json->get<std::string>();
         return true;
     }
@@ -100,7 +100,7 @@ public:
             isGood = (*json)[static_cast<std::size_t>(i)].is_number() &&
                      std::isfinite((*json)[static_cast<std::size_t>(i)].get<double>());
         if (!isGood)
-            return tellOf(name, "is no list of " + std::to_string(count) + " finite numbers and ignored");
+            return reportOf(name, "is not a list of " + std::to_string(count) + " finite numbers and is ignored");
         for (int i = 0; i < count; ++i)
             values[i] = (*json)[static_cast<std::size_t>(i)].get<double>();
         return true;
@@ -113,13 +113,13 @@ public:
         for (std::size_t i = 0; isGood && i < 3; ++i)
             isGood = isWithin((*json)[i], least, kMaxDim);
         if (!isGood)
-            return tellOf(name, "are no three sizes and ignored");
+            return reportOf(name, "are no three sizes and ignored");
         for (std::size_t i = 0; i < 3; ++i)
             values[i] = (*json)[i].get<std::int64_t>();
         return true;
     }
-    bool tellOf(const std::string& name, const std::string& what) {
-        return tell((place_.empty() ? "" : place_ + ", ") + name + " " + what);
+    bool reportOf(const std::string& name, const std::string& what) {
+        return report((place_.empty() ? "" : place_ + ", ") + name + " " + what);
     }
 
 private:
@@ -129,7 +129,7 @@ private:
         const auto value = json.get<std::int64_t>();
         return value >= least && value <= most;
     }
-    bool tell(std::string text) {
+    bool report(std::string text) {
         if (problems_.size() < kMostProblems)
             problems_.push_back(std::move(text));
         return false;
@@ -177,13 +177,13 @@ std::optional<io::RawLayout> rawFrom(const Json& json, std::vector<std::string>&
     const auto scalar = hasType ? scalarTypeFromName(type) : std::nullopt;
     if (members.numbers("spacing", raw.spacing, 3) &&
         !(raw.spacing.x > 0.0 && raw.spacing.y > 0.0 && raw.spacing.z > 0.0)) {
-        members.tellOf("spacing", "is not positive and ignored");
+        members.reportOf("spacing", "is not positive and ignored");
         raw.spacing = glm::dvec3(1.0);
     }
     members.integer("skipBytes", raw.skipBytes, 0, INT64_MAX);
     members.flag("bigEndian", raw.isBigEndian);
     if (!hasDims || !scalar) {
-        members.tellOf("dims or type", "cannot be used");
+        members.reportOf("dims or type", "cannot be used");
         return std::nullopt;
     }
     raw.type = *scalar;
@@ -201,7 +201,7 @@ io::ReadOptions optionsFrom(const Json& json, std::vector<std::string>& problems
         if (bytes)
             options.field = *bytes;
         else
-            members.tellOf("field", "is misspelt and ignored");
+            members.reportOf("field", "is not valid text and is ignored");
     }
     int component = 0;
     if (members.integer("component", component, io::kMagnitude, INT32_MAX))
@@ -235,7 +235,7 @@ std::optional<CameraPose> cameraFrom(const Json& json, std::vector<std::string>&
     Camera camera;
     if (hasTurn && hasTarget && hasDistance && hasKind && camera.setPose(pose))
         return pose;
-    members.tellOf("orientation, target or distance", "cannot be used; the whole volume is shown");
+    members.reportOf("orientation, target or distance", "cannot be used; the whole volume is shown");
     return std::nullopt;
 }
 
@@ -262,7 +262,7 @@ fs::path volumeFrom(Members& volume, const fs::path& folder) {
     volume.text("relative", relative);
     const auto absolute = bytesFromText(path), below = bytesFromText(relative);
     if (!absolute || !below)
-        volume.tellOf("path", "is misspelt and ignored");
+        volume.reportOf("path", "is not valid text and is ignored");
     // What lies beside the session has moved along with it.
     if (below && !below->empty() && isPresent(folder / *below))
         return (folder / *below).lexically_normal();
@@ -304,13 +304,13 @@ ReadSession sessionFromText(const std::string& text, const fs::path& folder) {
     }
     const Json json = Json::parse(text, nullptr, false);
     if (!json.is_object() || !json.contains("isosliderSession")) {
-        problems.emplace_back(text.empty() ? "is empty" : "is no session of ISOSLIDER");
+        problems.emplace_back(text.empty() ? "is empty" : "is not a session of ISOSLIDER");
         return read;
     }
     Members members(json, "", problems);
     int version = 0;
     if (!members.integer("isosliderSession", version, 1, INT32_MAX) || version > kVersion)
-        members.tellOf("isosliderSession", "names a later version; what is known of it is used");
+        members.reportOf("isosliderSession", "names a later version; what is known of it is used");
     if (const Json* volume = members.find("volume")) {
         Members place(*volume, "volume", problems);
         std::string sample;

@@ -352,8 +352,7 @@ void Session::checkMesh() {
 void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
     if (of != datasetGeneration_)
         return fail("The mesh was not exported",
-                    makeError(ErrorCode::InvalidArgument, "the volume that it is of was closed or replaced meanwhile",
-                              path.string()));
+                    makeError(ErrorCode::InvalidArgument, "its volume has been closed or replaced", path.string()));
     if (!frame_ || refusesExport())
         return;
     if (!mesh::isExportSuffix(path))

@@ -54,9 +54,9 @@ public:
     void buildIndex();
     void checkMesh();
     /// Writes the surface of the volume `of`, see datasetGeneration(). Once another one has taken its place nothing is
-    /// written, and a notice says so.
+    /// written, and a notice reports it.
     void exportMesh(const std::filesystem::path& path, DatasetGeneration of);
-    /// True, and a notice says why, while there is but a preview: its meshes are not exported.
+    /// True, and a notice states why, while there is but a preview: its meshes are not exported.
     bool refusesExport();
     void cancelJob(JobId id);
 
@@ -79,7 +79,7 @@ public:
     /// Shows the surface, and all that follow of this volume, by pictures of at most so many bytes: larger ones are
     /// coarser, see SurfaceFrame::mergedCells. Meshes are checked and exported whole all the same.
     void limitPicture(std::uint64_t bytes);
-    /// Whether frames say what the last move has changed, from the next move on: it takes time to list.
+    /// Whether frames state what the last move has changed, from the next move on: it takes time to list.
     void markChanges(bool isWanted) { worker_->markChanges(isWanted); }
     /// Null until the first surface.
     std::shared_ptr<const extract::SurfaceFrame> frame() const { return frame_; }
@@ -144,8 +144,8 @@ private:
     std::optional<mesh::Certificate> certificate_;
     bool isCheckingMesh_ = false;
     bool isPictureComing_ = false; ///< another one of the same surface was asked for
-    std::uint64_t loadTicket_ = 0; ///< tells a superseded load from the present one
-    DatasetGeneration datasetGeneration_{}; ///< tells results about an earlier volume from present ones
+    std::uint64_t loadTicket_ = 0; ///< distinguishes a superseded load from the present one
+    DatasetGeneration datasetGeneration_{}; ///< distinguishes results about an earlier volume from present ones
     ObserverList<> datasetChanged_;
     ObserverList<> frameChanged_;
     ObserverList<> certificateChanged_;

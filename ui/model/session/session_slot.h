@@ -11,7 +11,7 @@
 namespace isoslider::model {
 
 /// Where one running program keeps its session, so that it can be offered again should the program not end as it
-/// ought to. Each program has a slot of its own: a session file, and beside it a lock that is held as long as the
+/// ought to. Each program has a separate slot: a session file, and beside it a lock that is held as long as the
 /// program lives. A session without a holder of its lock is one that was lost. Any thread.
 class SessionSlot {
 public:

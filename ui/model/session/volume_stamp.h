@@ -18,7 +18,7 @@ struct StampedFile {
     std::uint64_t hash = 0; ///< of the bytes; only of a stamp with hashes
 };
 
-/// Says whether a volume's files are those that they were. Taking it reads no bytes of them; equal stamps mean
+/// Reports whether a volume's files are those that they were. Taking it reads no bytes of them; equal stamps mean
 /// equal contents, unequal ones leave it to the hashes. A modification time alone would not do: programs set it.
 class VolumeStamp {
 public:

@@ -15,36 +15,36 @@ public:
     std::shared_ptr<extract::SurfaceFrame> take() {
         std::unique_ptr<extract::SurfaceFrame> frame;
         {
-            const std::lock_guard lock(shelf_->mutex);
-            if (!shelf_->frames.empty()) {
-                frame = std::move(shelf_->frames.back());
-                shelf_->frames.pop_back();
+            const std::lock_guard lock(spares_->mutex);
+            if (!spares_->frames.empty()) {
+                frame = std::move(spares_->frames.back());
+                spares_->frames.pop_back();
             }
         }
         if (!frame)
             frame = std::make_unique<extract::SurfaceFrame>();
-        return {frame.release(), [shelf = shelf_](extract::SurfaceFrame* returned) {
+        return {frame.release(), [spares = spares_](extract::SurfaceFrame* returned) {
                     std::unique_ptr<extract::SurfaceFrame> owned(returned);
                     owned->bricks.reset(); // the surface waits to use their memory again
-                    const std::lock_guard lock(shelf->mutex);
-                    if (shelf->frames.size() < kKept)
-                        shelf->frames.push_back(std::move(owned));
+                    const std::lock_guard lock(spares->mutex);
+                    if (spares->frames.size() < kKept)
+                        spares->frames.push_back(std::move(owned));
                 }};
     }
 
     /// Gives back the memory of frames that nobody reads.
     void clear() {
-        const std::lock_guard lock(shelf_->mutex);
-        shelf_->frames.clear();
+        const std::lock_guard lock(spares_->mutex);
+        spares_->frames.clear();
     }
 
 private:
     static constexpr std::size_t kKept = 2;
-    struct Shelf {
+    struct Spares {
         std::mutex mutex;
         std::vector<std::unique_ptr<extract::SurfaceFrame>> frames;
     };
-    std::shared_ptr<Shelf> shelf_ = std::make_shared<Shelf>();
+    std::shared_ptr<Spares> spares_ = std::make_shared<Spares>();
 };
 
 } // namespace isoslider::model

@@ -105,7 +105,7 @@ bool SlideWorker::waitForWork(std::stop_token stop, Work& work) {
 
 Result<extract::SurfaceMesh> SlideWorker::meshOf(const Work& work) const {
     if (!work.source || work.dataset != work.order->dataset)
-        return makeError(ErrorCode::InvalidArgument, "the volume that it is of was closed or replaced meanwhile");
+        return makeError(ErrorCode::InvalidArgument, "its volume has been closed or replaced");
     if (moved_ != work.generation)
         return makeError(ErrorCode::InvalidArgument, "there is no surface at this isovalue; choose another one");
     return guarded(kMoveErrors, [&] { return work.source->mesh(work.order->job); });

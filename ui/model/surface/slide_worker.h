@@ -44,7 +44,7 @@ public:
     void request(double isovalue);
     /// Frames from the next move on take at most `bytes`, see fitPicture; meshes are whole all the same.
     void limitPicture(std::uint64_t bytes) { pictureLimit_ = bytes; }
-    /// Whether frames from the next move on say what that move has changed.
+    /// Whether frames from the next move on state what that move has changed.
     void markChanges(bool isWanted) { marksChanges_ = isWanted; }
 
     /// The surface of `dataset` as a mesh, after all pending moves. Blocks: call it from a job, never the window.

@@ -6,7 +6,7 @@ namespace isoslider::model {
 
 /// What the viewport draws beside the surface.
 struct ViewOptions {
-    bool showsChanged = true; ///< red glow on what the last move retriangulated
+    bool showsChanged = true; ///< red highlight on what the last move retriangulated
     bool showsBox = true;
     bool showsAxes = true;
     bool showsReadout = true; ///< isovalue, triangles and milliseconds in a corner

@@ -7,7 +7,7 @@ class HistogramPlot;
 /// Makes histogram plots sliders for assistive technology: role, value, range and step.
 /// Any number of calls.
 void installIsovalueAccessibility();
-/// Tells assistive technology, if any listens, that the plot's isovalue changed.
+/// Reports assistive technology, if any listens, that the plot's isovalue changed.
 void announceValue(HistogramPlot& plot);
 
 } // namespace isoslider::widgets

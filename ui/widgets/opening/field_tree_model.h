@@ -9,7 +9,7 @@ namespace isoslider::widgets {
 /// What people call a field: its title, or its name.
 QString titleOf(const io::VolumeField& field);
 
-/// Fields of a file, in their groups where the format has some. Fields that cannot be opened are grey, and say why
+/// Fields of a file, in their groups where the format has some. Fields that cannot be opened are grey, and state why
 /// behind their names. Only fields can be selected.
 class FieldTreeModel : public QAbstractItemModel {
     Q_OBJECT
@@ -20,7 +20,7 @@ public:
 
     void setContents(io::VolumeContents contents);
     const model::FieldTree& tree() const { return tree_; }
-    /// True if any field has components or frames: the last column says something.
+    /// True if any field has components or frames: the last column states something.
     bool hasParts() const;
     /// The row has one text, in the first column: a group, or a field that cannot be opened.
     bool isOneText(const QModelIndex& index) const;

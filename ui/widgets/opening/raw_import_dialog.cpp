@@ -51,7 +51,7 @@ RawImportDialog::RawImportDialog(std::unique_ptr<model::RawImportModel> model, Q
     const auto frame =
         layOutFileDialog(this, QString::fromStdU16String(model_->path().filename().u16string()), left, pane_);
     frame.top->addWidget(new QLabel(
-        tr("This file has no header: say how its %1 bytes are arranged.").arg(grouped(model_->fileBytes())), this));
+        tr("This file has no header: state how its %1 bytes are arranged.").arg(grouped(model_->fileBytes())), this));
     open_ = frame.open;
     open_->setObjectName(QStringLiteral("rawOpen"));
     connect(open_, &QPushButton::clicked, this, [this] {

@@ -26,7 +26,7 @@ private:
 
 /// "flow.nc – speed, frame 3", with ampersands doubled: for menus and buttons.
 QString recentTitle(const model::RecentFile& file);
-/// The path, and in a line of its own what was chosen.
+/// The path, and in a separate line what was chosen.
 QString recentTip(const model::RecentFile& file);
 
 } // namespace isoslider::widgets

@@ -7,7 +7,7 @@
 
 namespace isoslider::widgets {
 
-/// A plane of samples in shades of grey, in its true proportions, under a line that says which it is. Rows
+/// A plane of samples in shades of grey, in its true proportions, under a line that states which it is. Rows
 /// run down across z, as in a stack of pictures, and up otherwise, so that z points up.
 class SliceView : public QWidget {
     Q_OBJECT

@@ -106,7 +106,7 @@ void StartPage::setRecentFiles(const std::vector<model::RecentFile>& files) {
         recentLayout_->addWidget(button);
     }
     recentHeading_->setVisible(!files.empty());
-    QCoreApplication::postEvent(this, new QEvent(QEvent::LayoutRequest)); // to be placed anew
+    QCoreApplication::postEvent(this, new QEvent(QEvent::LayoutRequest)); // to be placed again
 }
 
 void StartPage::paintEvent(QPaintEvent*) {

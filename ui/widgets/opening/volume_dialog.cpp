@@ -57,7 +57,7 @@ std::vector<Fact> factsOf(const model::OpenModel& model, const model::VolumeChoi
     if (!titleOf(choice.field()).isEmpty()) // in full: the table may have no room for it
         facts.push_back({isFolder(model.path()) ? VolumeDialog::tr("Series") : VolumeDialog::tr("Field"),
                          titleOf(choice.field()), fromStd(choice.field().name)});
-    if (!choice.field().problem.empty()) // which is said beside
+    if (!choice.field().problem.empty()) // which is stated beside
         return facts;
     facts.push_back({VolumeDialog::tr("Grid points"),
                      QStringLiteral("%1 = %2").arg(dimsText(dims), fromStd(model::groupedText(pointCount(dims)))),

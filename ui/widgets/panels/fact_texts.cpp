@@ -43,7 +43,7 @@ QString inLengthUnit(const QString& number, const std::string& unit, int power) 
 
 std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& unit) {
     const auto withUnit = [&](const QString& text) { return unit.empty() ? text : inLengthUnit(text, unit); };
-    const QString tip = unit.empty() ? tr("The file does not say in which unit of length") : QString();
+    const QString tip = unit.empty() ? tr("The file does not state its unit of length") : QString();
     glm::dvec3 size = geometry.spacing;
     for (int axis = 0; axis < 3; ++axis)
         size[axis] *= static_cast<double>(geometry.dims[static_cast<std::size_t>(axis)] - 1);

@@ -33,7 +33,7 @@ public:
     const model::Camera& camera() const { return camera_; }
     /// Changes the camera and draws again.
     void changeCamera(const std::function<void(model::Camera&)>& change);
-    /// Puts another in the place of the driver, and makes a context anew for it. For tests.
+    /// Puts another in the place of the driver, and makes a context again for it. For tests.
     void setDriver(std::shared_ptr<render::GlDriver> driver);
     /// Frames painted so far: lets a caller wait for what it set to be on screen.
     std::uint64_t paintedFrames() const { return paintedFrames_; }

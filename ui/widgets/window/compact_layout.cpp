@@ -53,7 +53,7 @@ bool CompactLayout::eventFilter(QObject* watched, QEvent* event) {
 
 bool CompactLayout::isDragging() { return QGuiApplication::mouseButtons() != Qt::NoButton; }
 
-void CompactLayout::startAnew() {
+void CompactLayout::restart() {
     hidden_.clear();
     wereOnTop_.clear();
     isCompact_ = false;

@@ -21,7 +21,7 @@ class CompactLayout : public QObject {
 public:
     CompactLayout(QMainWindow& window, std::vector<QDockWidget*> sidePanels, QWidget& histogram);
     /// The panels are where a saved layout has put them: what was hidden before does not matter any more.
-    void startAnew();
+    void restart();
     /// Gives panels beside the view these widths, now or when there is room.
     void setWidths(const std::map<QDockWidget*, int>& widths);
 

@@ -135,7 +135,7 @@ void MainWindow::resetLayout() {
 void MainWindow::restoreLayout() {
     restoreGeometry(settings_.bytes("window/geometry"));
     restoreState(settings_.bytes("window/state"), kLayoutVersion);
-    compactLayout_->startAnew();
+    compactLayout_->restart();
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {
@@ -230,10 +230,10 @@ void MainWindow::dropEvent(QDropEvent* event) {
     for (const auto& url : urls.mid(1))
         further << url.fileName();
     if (!further.isEmpty())
-        tellNotOpened(further);
+        reportNotOpened(further);
 }
 
-void MainWindow::tellNotOpened(const QStringList& files) {
+void MainWindow::reportNotOpened(const QStringList& files) {
     const QString shown = files.mid(0, kMostFilesNamed).join(QStringLiteral(", "));
     const auto more = files.size() - kMostFilesNamed;
     const QString all = more > 0 ? tr("%1 and %2 more").arg(shown).arg(more) : shown;

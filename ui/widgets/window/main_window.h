@@ -30,7 +30,7 @@ class SessionKeeper;
 class SettingsStore;
 class ViewportHost;
 
-/// The program's window: the view in the middle, panels round it, menus and tool bar. Everything it
+/// The program's window: the view in the middle, panels around it, menus and tool bar. Everything it
 /// is given must outlive it.
 class MainWindow : public QMainWindow {
     Q_OBJECT
@@ -41,8 +41,8 @@ public:
     /// Opens a volume, a folder, an index or a session file, and remembers it among the recent files once it is open.
     /// Asks what has to be known of it first. `isovalue`: the first one; otherwise a suggested one.
     void openFile(const QString& path, std::optional<double> isovalue = std::nullopt);
-    /// Says that these were given, and that one volume is shown at a time.
-    void tellNotOpened(const QStringList& files);
+    /// Reports that these were given, and that one volume is shown at a time.
+    void reportNotOpened(const QStringList& files);
     /// Place, size and panels as they were when the window was last closed.
     void restoreLayout();
     void resetLayout();

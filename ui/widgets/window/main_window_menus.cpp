@@ -75,7 +75,7 @@ void MainWindow::makeToolBar() {
     actions_->action("mesh.check")->setIconText(tr("Check"));
     actions_->action("view.reset")->setIconText(tr("Fit"));
     actions_->action("view.perspective")->setIconText(tr("Perspective"));
-    actions_->action("view.changed")->setIconText(tr("Glow"));
+    actions_->action("view.changed")->setIconText(tr("Highlight"));
     actions_->action("view.box")->setIconText(tr("Box"));
     actions_->action("view.axes")->setIconText(tr("Axes"));
     bar->addAction(actions_->action("file.open"));

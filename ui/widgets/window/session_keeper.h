@@ -41,7 +41,7 @@ public:
 
     void askSave();
     void askOpen();
-    /// Shows what the file keeps, as far as it can be understood, and says what could not be.
+    /// Shows what the file keeps, as far as it can be understood, and states what could not be.
     void open(const QString& path);
 
     /// From here on, keeps the session in `folder` within `interval` of any change, and removes it when this

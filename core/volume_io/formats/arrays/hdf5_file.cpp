@@ -35,7 +35,7 @@ std::vector<std::uint64_t> extentsOf(hid_t space) {
     return {sizes.begin(), sizes.end()};
 }
 
-/// Says what keeps samples of this type from being read, or sets `type`.
+/// Reports what keeps samples of this type from being read, or sets `type`.
 std::string checkType(hid_t file, FileType& type) {
     const H5T_class_t kind = H5Tget_class(file);
     const std::size_t size = H5Tget_size(file);

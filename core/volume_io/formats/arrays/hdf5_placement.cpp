@@ -205,7 +205,7 @@ private:
         return true;
     }
 
-    // What a file says of distances in a way that is not known here is not kept quiet about.
+    // What a file states of distances in a way that is not known here is not kept quiet about.
     void noteUnknown() {
         constexpr std::string_view kWords[] = {"spacing",        "voxel",    "resolution", "pixel_size",
                                                "pixelsize",      "step",     "scale",      "element",
@@ -224,7 +224,7 @@ private:
         std::string names;
         for (const std::string& name : found)
             names += (names.empty() ? "" : ", ") + name;
-        placement_.notes.push_back("what the file says of distances is not understood (" + names +
+        placement_.notes.push_back("what the file states about distances is not understood (" + names +
                                    "): spacing 1 is taken");
     }
 

@@ -17,8 +17,8 @@ struct Placement {
     std::string lengthUnit; ///< as VolumeInfo::lengthUnit
 };
 
-/// By what the file says in the way of openPMD, VTKHDF image data, MINC 2 or element_size_um; else the last axis is x,
-/// at spacing 1. Notes what looks like a spacing and is not understood. Within a session.
+/// By what the file states in the way of openPMD, VTKHDF image data, MINC 2 or element_size_um; else the last axis is
+/// x, at spacing 1. Notes what looks like a spacing and is not understood. Within a session.
 Placement placementOf(hid_t file, const Hdf5Dataset& dataset);
 
 } // namespace isoslider::io

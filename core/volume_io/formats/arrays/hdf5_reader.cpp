@@ -9,9 +9,9 @@
 #include "core/volume_io/sources/array_source.h"
 #include "core/volume_io/volume_choice.h"
 
-// HDF5 says nothing of space: the last axis of a data set is taken for x, as NumPy users write z, y, x. Where the file
-// follows openPMD, VTKHDF or MINC 2, or gives element_size_um as ilastik and Fiji do, spacing, origin and order are
-// taken from there. NetCDF-4 files are HDF5; whatever they are named, they are read as NetCDF.
+// HDF5 states nothing of space: the last axis of a data set is taken for x, as NumPy users write z, y, x. Where the
+// file follows openPMD, VTKHDF or MINC 2, or gives element_size_um as ilastik and Fiji do, spacing, origin and order
+// are taken from there. NetCDF-4 files are HDF5; whatever they are named, they are read as NetCDF.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;

@@ -121,7 +121,7 @@ private:
         for (const int dimension : dimensions)
             variable.axes.push_back(axisOf(group, dimension));
         if (!isNumeric(variable.type))
-            variable.problem = "its values are of a type of its own";
+            variable.problem = "its values are of a user-defined type";
         variables_.push_back(std::move(variable));
     }
 

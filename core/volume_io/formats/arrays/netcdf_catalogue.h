@@ -36,7 +36,7 @@ struct NetcdfVariable {
     GridDims dims() const;
 };
 
-/// All variables that may be volumes, but those that bound coordinates. Axes are x, y, z by what CF says of their
+/// All variables that may be volumes, but those that bound coordinates. Axes are x, y, z by what CF states of their
 /// coordinates, failing that by their order, z slowest; further ones and times make frames.
 /// Errors: InvalidArgument (too many).
 Result<std::vector<NetcdfVariable>> catalogueNetcdf(int file, const std::filesystem::path& path);

@@ -106,7 +106,7 @@ std::string shortText(double value) {
     return std::string(text, end);
 }
 
-/// What the attributes of a variable say of its values.
+/// What the attributes of a variable state of its values.
 class MeaningReader {
 public:
     MeaningReader(const NetcdfVariable& variable, const fs::path& path) : variable_(variable), path_(path) {

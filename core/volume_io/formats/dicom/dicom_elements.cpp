@@ -302,7 +302,7 @@ public:
     std::string transferSyntax;
 };
 
-/// Elements in rising order as the first ones of a file have them: what tells a file without preamble.
+/// Elements in rising order as the first ones of a file have them: by which a file without preamble is recognised.
 bool beginsWithElements(std::span<const std::byte> start, bool isBigEndian) {
     constexpr int kEnough = 3;
     DicomTag last = 0;
@@ -381,7 +381,7 @@ Result<DicomDataSet> openDicomDataSet(const fs::path& path) {
         dataSet.bytes = std::make_shared<InflatedFile>(dataSet.bytes, dataSet.begin);
         dataSet.begin = 0;
     }
-    // What the elements look like counts for more than what the meta information says of them.
+    // What the elements look like counts for more than what the meta information states of them.
     Window body(*dataSet.bytes);
     const auto first = body.at(dataSet.begin, 8);
     if (first.size() < 8)

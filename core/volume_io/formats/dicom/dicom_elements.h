@@ -23,7 +23,7 @@ enum class DicomKind {
     Text, ///< all character strings, blanks and zeros at the end taken off
     Decimal, ///< numbers in text, between backslashes (DS, IS)
     Unsigned16,
-    Integer16, ///< signed if the file says so (US or SS)
+    Integer16, ///< signed if the file reports it (US or SS)
     Unsigned32,
     Real32,
     Real64,
@@ -63,7 +63,7 @@ public:
 struct DicomDataSet {
     std::shared_ptr<const RandomAccessFile> bytes; ///< the file, or what it unpacks to
     std::uint64_t begin = 0;
-    std::string transferSyntax; ///< empty: the file does not say
+    std::string transferSyntax; ///< empty: the file does not state
     bool isExplicit = true; ///< value representations are written out
     bool isBigEndian = false;
 

@@ -157,7 +157,7 @@ void assign(DicomFrame& frame, DicomTag tag, DicomValue& value) {
     }
 }
 
-/// What `over` says, and of the rest what `frame` has said already.
+/// What `over` states, and of the rest what `frame` has said already.
 void overlay(DicomFrame& frame, const DicomFrame& over) {
     const auto take = [](auto& mine, const auto& theirs) {
         if (theirs)
@@ -293,7 +293,9 @@ Result<DicomPixels> readPixelLayout(const ImageSink& sink, const DicomDataSet& d
     pixels.type = type.value();
     if (pixels.rows < 1 || pixels.columns < 1)
         return refuseField("rows, columns (0028,0010)",
-                           std::to_string(pixels.rows) + " x " + std::to_string(pixels.columns) + " is no image", path);
+                           std::to_string(pixels.rows) + " x " + std::to_string(pixels.columns) +
+                               " is not the size of an image",
+                           path);
     if (pixels.components < 1 || pixels.components > 4)
         return refuseField("samples per pixel (0028,0002)", std::to_string(pixels.components) + " is not within 1..4",
                            path);

@@ -27,7 +27,7 @@ struct DicomPixels {
     int bitsStored = 16;
     int highBit = 15;
     FileType type = FileType::U16; ///< with 1 bit allocated: U8
-    bool isPlanar = false; ///< red, green and blue each in a plane of its own
+    bool isPlanar = false; ///< red, green and blue each in a separate plane
     bool isPairSwapped = false; ///< 8-bit samples in big-endian words
     std::string photometric; ///< "MONOCHROME2"
     std::string transferSyntax;
@@ -43,7 +43,7 @@ struct DicomPixels {
     }
 };
 
-/// What tells apart images at one place, in the order in which it is tried.
+/// What distinguishes images at one place, in the order in which it is tried.
 enum class DicomSplit {
     Time,
     EchoNumber,
@@ -71,19 +71,19 @@ struct DicomFrame {
     std::array<std::string, static_cast<std::size_t>(DicomSplit::Count)> splits;
 };
 
-/// What one file says of its images, samples not read.
+/// What one file states of its images, samples not read.
 struct DicomImage {
     std::filesystem::path path;
     std::string series, instanceUid, description, modality, date;
     std::int64_t seriesNumber = 0, instance = 0;
     DicomPixels pixels;
     std::vector<DicomFrame> frames; ///< at least one
-    bool hasFramePositions = false; ///< or all frames say the same
+    bool hasFramePositions = false; ///< or all frames state the same
     std::vector<std::string> notes;
 };
 
 /// Reads and checks everything but the samples: that they are all there, and of compressed ones that their
-/// own headers say the same size. Memory in proportion to the number of frames the file really holds. Errors:
+/// own headers state the same size. Memory in proportion to the number of frames the file really holds. Errors:
 /// InvalidArgument (no image, or none of a kind that is read), Corruption, IoError.
 Result<DicomImage> readDicomImage(const std::filesystem::path& path);
 

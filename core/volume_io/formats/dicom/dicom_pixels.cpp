@@ -64,7 +64,7 @@ std::uint32_t littleEndian32(std::span<const std::byte> bytes, std::size_t at) {
     return value;
 }
 
-/// What a compressed frame says of itself.
+/// What a compressed frame states of itself.
 struct Codestream {
     std::int64_t rows = 0, columns = 0;
     int components = 0, bits = 0;
@@ -115,7 +115,7 @@ std::size_t findJpeg2000(std::span<const std::byte> bytes) {
     return static_cast<std::size_t>(found - bytes.begin());
 }
 
-/// All segments up to the first tile's data lie within the bytes, and say how the samples are coded.
+/// All segments up to the first tile's data lie within the bytes, and state how the samples are coded.
 bool areJpeg2000MarkersWhole(std::span<const std::byte> bytes) {
     bool isCoded = false;
     for (std::size_t at = 2; at + 4 <= bytes.size();) {
@@ -442,7 +442,7 @@ Status checkDicomCodestream(const RandomAccessFile& bytes, const DicomPixels& pi
             continue;
         }
         if (!stream.isFound)
-            return damaged("is not compressed as the transfer syntax says", frame, path);
+            return damaged("is not compressed as the transfer syntax states", frame, path);
         const bool isSameDepth =
             stream.bits <= pixels.bitsAllocated && (stream.bits <= 8) == (pixels.bitsAllocated == 8);
         const bool isSame = stream.rows == pixels.rows && stream.columns == pixels.columns &&
@@ -455,7 +455,7 @@ Status checkDicomCodestream(const RandomAccessFile& bytes, const DicomPixels& pi
             return {};
         return damaged("is " + std::to_string(stream.columns) + " x " + std::to_string(stream.rows) + " of " +
                            std::to_string(stream.components) + " x " + std::to_string(stream.bits) +
-                           " bits, the header says " + std::to_string(pixels.columns) + " x " +
+                           " bits, the header states " + std::to_string(pixels.columns) + " x " +
                            std::to_string(pixels.rows) + " of " + std::to_string(pixels.components) + " x " +
                            std::to_string(pixels.bitsAllocated),
                        frame, path);

@@ -257,7 +257,7 @@ private:
         return 0;
     }
 
-    // Nothing tells them apart but the order in which they were made.
+    // Nothing distinguishes them but the order in which they were made.
     DicomStack byOrder(Slices slices) const {
         const auto lengths = runs(slices);
         const bool isRegular = std::ranges::all_of(lengths, [&](std::size_t n) { return n == lengths.front(); });
@@ -267,7 +267,7 @@ private:
             const Slices& all = made.frames.front();
             made.field.problem = "slices " + inQuotes(image(all[at]).path.filename().string()) + " and " +
                                  inQuotes(image(all[at + 1]).path.filename().string()) +
-                                 " lie at the same place, and nothing tells which of them belongs to the volume";
+                                 " lie at the same place, and nothing determines which of them belongs to the volume";
             return made;
         }
         std::vector<Slices> parts(lengths.front());

@@ -28,13 +28,13 @@ struct DicomStack {
     /// each.
     std::vector<double> places;
     std::vector<std::string> notes;
-    bool hasMillimetres = false; ///< false: the slices say nothing of their spacing, and 1 is assumed
+    bool hasMillimetres = false; ///< false: the slices state nothing of their spacing, and 1 is assumed
 
     bool isTilted() const { return shift != glm::dvec2(0.0); }
 };
 
 /// Sorts the images of a file or folder into stacks: by series, then by what cannot be one volume (size,
-/// type, orientation, spacing), then, where several slices share a place, by what tells them apart. Spacing
+/// type, orientation, spacing), then, where several slices share a place, by what distinguishes them. Spacing
 /// comes from the positions. Slices without a position follow by their instance number. O(n log n) in slices
 /// for each attribute that is tried.
 std::vector<DicomStack> buildDicomStacks(const std::vector<DicomImage>& images);

@@ -101,7 +101,7 @@ Result<Mode> readMode(const Header& header, const fs::path& path) {
     for (const Mode& known : kModes) {
         if (known.mode != mode)
             continue;
-        // IMOD says so where bytes have no sign.
+        // IMOD reports it where bytes have no sign.
         const bool isUnsigned = mode == 0 && header.word(39) == 1146047817 && (header.word(40) & 1) == 0;
         return isUnsigned ? Mode{0, FileType::U8} : known;
     }

@@ -269,7 +269,7 @@ GridGeometry niftiGeometry(const NiftiHeader& header, const GridDims& dims, std:
     }
     if (header.version == NiftiVersion::Analyze75) {
         axes[0] = -axes[0];
-        notes.push_back("Analyze says little of orientation; left, anterior, superior is assumed");
+        notes.push_back("Analyze headers contain no orientation; left, anterior, superior is assumed");
     } else if (!isPlaced) {
         notes.push_back("has neither qform nor sform that is of use; its orientation is assumed");
     }

@@ -48,7 +48,7 @@ Result<NiftiFiles> findNiftiFiles(const std::filesystem::path& path);
 /// IoError.
 Result<NiftiHeader> readNiftiHeader(const NiftiFiles& files);
 
-/// The header says how long its units are, or is of a format that has but one: niftiGeometry is in millimetres.
+/// The header states how long its units are, or is of a format that has but one: niftiGeometry is in millimetres.
 bool hasMillimetres(const NiftiHeader& header);
 
 /// Place in space in left-posterior-superior millimetres: of the sform, else the qform, else the pixel sizes.

@@ -41,7 +41,7 @@ struct Volume {
     NiftiHeader header;
     Code code{};
     std::int64_t times = 1; ///< dim[4]: frames that lie beside each other
-    std::int64_t vectors = 1; ///< dim[5]: components, each a volume or a series of its own
+    std::int64_t vectors = 1; ///< dim[5]: components, each a volume or a separate series
     std::uint64_t sampleBytes = 0;
     VolumeField field;
 

@@ -133,7 +133,7 @@ Result<NrrdHeader> readFields(const fs::path& path) {
     if (rest.starts_with("\xef\xbb\xbf")) // byte order mark of an editor
         rest.remove_prefix(3);
     NrrdHeader header;
-    header.isDetached = true; // until a blank line says otherwise
+    header.isDetached = true; // until a blank line states otherwise
     bool isList = false;
     for (std::size_t number = 0; !rest.empty(); ++number) {
         const auto lineEnd = rest.find('\n');

@@ -132,7 +132,7 @@ Result<Header> readHeader(TextReader& reader, const fs::path& path) {
         const auto step = readCountedVector(reader, "axis " + std::to_string(axis + 1), false, path);
         if (!step.isOk())
             return step.error();
-        if (axis == 0) // a negative number of points says angstrom
+        if (axis == 0) // a negative number of points states angstrom
             header.isInBohr = step.value().count > 0;
         sizes.push_back(std::max(step.value().count, -step.value().count));
         header.geometry.spacing[axis] = glm::length(step.value().vector);
@@ -223,7 +223,7 @@ private:
                        const JobControl& job) const {
         const GridDims& dims = info_.geometry.dims;
         const std::int64_t count = pointCount(dims);
-        // Room for all is made when these have come: there may be fewer than the header says.
+        // Room for all is made when these have come: there may be fewer than the header states.
         constexpr std::int64_t kFirstSamples = std::int64_t{1} << 20;
         samples.reserve(static_cast<std::size_t>(std::min(count, kFirstSamples)));
         std::string word;

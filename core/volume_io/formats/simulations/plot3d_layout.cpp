@@ -33,7 +33,7 @@ Result<std::uint32_t> integerAt(const RandomAccessFile& file, std::uint64_t at, 
 }
 
 /// Whether the file has the records of the layout, up to `padding` bytes behind them, and marks
-/// around each that say its size: VTK trusts them.
+/// around each that state its size: VTK trusts them.
 Result<bool> hasRecords(const RandomAccessFile& file, const Plot3dLayout& layout, bool isGrid, std::uint64_t padding) {
     const auto records = recordsOf(layout, isGrid);
     const std::uint64_t mark = layout.hasMarks ? 4 : 0;

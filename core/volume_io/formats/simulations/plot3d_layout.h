@@ -3,7 +3,7 @@
 #include "core/base/file_system.h"
 #include "core/grid/grid_geometry.h"
 
-// PLOT3D files say nothing of byte order, precision or record marks: each combination implies a file size and the
+// PLOT3D files do not contain byte order, precision or record marks: each combination implies a file size and the
 // marks' values, and the one that fits is taken.
 
 namespace isoslider::io {

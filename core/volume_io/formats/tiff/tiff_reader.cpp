@@ -124,7 +124,7 @@ void noteOrder(Stack& stack) {
 // --- what writers put into the description
 // --------------------------------------------------------------------
 
-/// The value of "key=..." on a line of its own, as ImageJ writes it.
+/// The value of "key=..." on a separate line, as ImageJ writes it.
 std::string_view imageJValue(std::string_view text, std::string_view key) {
     for (std::size_t at = 0; at < text.size();) {
         const std::string_view line = text.substr(at, text.find('\n', at) - at);

@@ -17,7 +17,7 @@
 
 namespace isoslider::io {
 
-/// Keeps the first thing VTK says instead of printing it.
+/// Keeps the first thing VTK states instead of printing it.
 class QuietWindow final : public vtkOutputWindow {
 public:
     static QuietWindow* New();

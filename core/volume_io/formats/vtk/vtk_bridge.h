@@ -51,7 +51,7 @@ Result<ScalarGrid> toGrid(const GridGeometry& geometry, vtkDataArray& array, con
 Result<ScalarGrid> componentGrid(const GridGeometry& geometry, vtkDataArray& array, int component,
                                  const std::filesystem::path& path);
 
-/// Where VTK says that an image lies; `dims` are those already checked.
+/// Where VTK states that an image lies; `dims` are those already checked.
 GridGeometry geometryOf(vtkImageData& image, const GridDims& dims);
 
 } // namespace isoslider::io

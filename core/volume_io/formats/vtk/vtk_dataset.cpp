@@ -50,7 +50,7 @@ Result<std::vector<glm::dvec3>> pointsOf(vtkPoints* points, vtkIdType count, con
     return out;
 }
 
-/// The uniform grid over the points' box, as the options say.
+/// The uniform grid over the points' box, as the options state.
 Result<GridGeometry> boxOf(const std::vector<glm::dvec3>& points, const ReadOptions& options,
                            const std::filesystem::path& path) {
     const GridGeometry corners = boundingGeometry(points, {2, 2, 2});

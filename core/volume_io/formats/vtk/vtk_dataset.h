@@ -30,7 +30,7 @@ struct VtkOutlook {
 /// Errors: as sourceOf.
 Result<VtkOutlook> outlookOf(vtkDataSet& data, const ReadOptions& options, const std::filesystem::path& path);
 
-/// Cells of an unstructured grid, with one value per point. Says in `notes` which cells are left out.
+/// Cells of an unstructured grid, with one value per point. States in `notes` which cells are left out.
 /// Errors: Corruption (cells that refer to points which are not there), InvalidArgument (no cells with a volume).
 Result<std::unique_ptr<SourceMesh>> makeUnstructuredMesh(vtkSmartPointer<vtkUnstructuredGrid> grid,
                                                          std::vector<float> values, std::vector<std::string>& notes,

@@ -20,7 +20,7 @@
 #include "core/volume_io/parsing/header_checks.h"
 
 // Each cell of the mesh fills the grid points inside it, by VTK's own interpolation in cells of its type. Not
-// vtkProbeFilter: it neither stops on request nor says how far it is.
+// vtkProbeFilter: it neither stops on request nor states how far it is.
 
 namespace isoslider::io {
 namespace {
@@ -56,7 +56,7 @@ vtkIdType pointsOfKind(int type) {
     return found == std::end(kCellKinds) ? 0 : found->points;
 }
 
-/// VTK takes wedges and curved tetrahedra for cubes when it says whether a place is inside them.
+/// VTK takes wedges and curved tetrahedra for cubes when it states whether a place is inside them.
 bool isInTriangle(int type, const double* place) {
     constexpr double kVtkTolerance = 1e-3; // what VTK itself lets pass at the other sides
     switch (type) {

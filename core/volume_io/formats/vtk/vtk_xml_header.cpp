@@ -13,7 +13,7 @@ constexpr std::int64_t kMaxComponents = 1000;
 struct TypeSize {
     std::string_view name;
     std::uint64_t sizeBytes;
-    const char* listed; ///< as VolumeField says it
+    const char* listed; ///< as VolumeField states it
 };
 constexpr TypeSize kTypes[] = {{"Int8", 1, "int8"},      {"UInt8", 1, "uint8"},   {"Int16", 2, "int16"},
                                {"UInt16", 2, "uint16"},  {"Int32", 4, "int32"},   {"UInt32", 4, "uint32"},

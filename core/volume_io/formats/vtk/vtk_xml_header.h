@@ -6,7 +6,7 @@
 
 namespace isoslider::io {
 
-/// What the XML part of a file says of the grid in it.
+/// What the XML part of a file states of the grid in it.
 struct VtkXmlHeader {
     VtkKind kind = VtkKind::Image;
     GridDims dims{0, 0, 0}; ///< grid points; of unstructured grids, all of them along x
@@ -31,7 +31,7 @@ struct VtkXmlPlace {
 /// Errors: InvalidArgument, Corruption (beyond the file), IoError.
 Result<VtkXmlPlace> placeOfData(const RandomAccessFile& file, const VtkXmlOutline& outline, const XmlArray& array);
 
-/// Whether the file can hold `array` (of outline.pointArrays) and the arrays that say where the points are.
+/// Whether the file can hold `array` (of outline.pointArrays) and the arrays that state where the points are.
 /// Errors: InvalidArgument, Corruption, IoError.
 Status checkVtkXmlRoom(const RandomAccessFile& file, const VtkXmlHeader& header, std::size_t array);
 

@@ -21,7 +21,7 @@ struct XmlArray : XmlAttributes {
     std::uint64_t contentBegin = 0;
 };
 
-/// What a VTK XML file says of itself, without its data.
+/// What a VTK XML file states of itself, without its data.
 struct VtkXmlOutline {
     XmlAttributes file; ///< of VTKFile
     XmlAttributes grid; ///< of ImageData, RectilinearGrid ...

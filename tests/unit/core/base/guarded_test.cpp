@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/job_control.h"
 #include "tests/support/result_matchers.h"
 
 namespace isoslider {

@@ -108,7 +108,7 @@ TEST_P(Decisions, ChangeAtTheSameDoubleAsTheOracle) {
     RecordProperty("tunnelChanges", tunnelChanges);
 }
 
-// An interval says for how long nothing has to be asked again.
+// An interval states for how long nothing has to be asked again.
 TEST_P(Decisions, HoldThroughoutTheirInterval) {
     Random random(400 + static_cast<unsigned>(GetParam()));
     for (int i = 0; i < 4000; ++i) {

@@ -160,7 +160,7 @@ CellScalars tunnelCell(test::Random& random) {
             return cell;
 }
 
-// The box of the roots has six corners on the surface. The other two say which diagonal the tunnel winds
+// The box of the roots has six corners on the surface. The other two state which diagonal the tunnel winds
 // round.
 TEST(TunnelWaists, LieOnTheSurface) {
     test::Random random(31);

@@ -103,7 +103,7 @@ TEST_F(EveryState, HasOneFanAtEveryVertex) {
     forEach([](const CellState& state) {
         const auto triangles = trianglesOf(state);
         for (const int vertex : std::set<int>(state.triangles.begin(), state.triangles.end())) {
-            std::map<int, int> next; // round the vertex
+            std::map<int, int> next; // around the vertex
             std::set<int> arrivedAt;
             for (const Triangle& t : triangles)
                 for (std::size_t k = 0; k < 3; ++k)

@@ -227,7 +227,7 @@ TEST_F(DamagedNoise, AnIndexThatContradictsItselfIsNamed) {
     EXPECT_EQ(moved.error().path, path.string());
 }
 
-// Samples on the other side of the surface than the edges say, corners too few and too many: wrong surfaces,
+// Samples on the other side of the surface than the edges state, corners too few and too many: wrong surfaces,
 // as from any well-made lie, but nothing worse.
 TEST_F(DamagedNoise, ForgedHiddenCornersNeverCrash) {
     std::mt19937 random(7);

@@ -68,10 +68,10 @@ protected:
                 parts_.push_back({page.offset, page.bytes, [this, page] { return reader_->readPage(page, buffer_); }});
         for (const HiddenPageEntry& page : meta_.hiddenPages)
             parts_.push_back({page.offset, page.bytes, [this, page] { return reader_->readPage(page, buffer_); }});
-        for (const ShelfEntry& shelf : meta_.shelves) // the only one: the grid has fewer than 256 chunks
-            findChunks(shelf);
+        for (const ChunkGroupEntry& group : meta_.chunkGroups) // the only one: the grid has fewer than 256 chunks
+            findChunks(group);
     }
-    void findChunks(const ShelfEntry& shelf) {
+    void findChunks(const ChunkGroupEntry& group) {
         const SampleStore store(*reader_);
         std::uint64_t ignored = 0;
         const auto place = [](SampleStore& fresh, ChunkIndex chunk) {
@@ -79,7 +79,7 @@ protected:
             return fresh.find(chunk, read);
         };
         const std::uint64_t chunks = store.chunks().chunkCount();
-        parts_.push_back({shelf.offset + shelf.chunkBytes, chunks * kShelfEntryBytes, [this, place] {
+        parts_.push_back({group.offset + group.chunkBytes, chunks * kGroupEntryBytes, [this, place] {
                               SampleStore fresh(*reader_);
                               const auto found = place(fresh, 0);
                               return found.isOk() ? Status() : Status(found.error());
@@ -260,18 +260,18 @@ TEST_P(IndexDamage, B084_PlacesOutsideTheFileOrInItsHeaderAreRefusedOnOpening) {
                     expectRefused([&](IndexMeta& meta) { meta.levels[level].pages[page].offset = place; });
         if (!meta_.hiddenPages.empty())
             expectRefused([&](IndexMeta& meta) { meta.hiddenPages[0].offset = place; });
-        if (!meta_.shelves.empty())
-            expectRefused([&](IndexMeta& meta) { meta.shelves[0].offset = place; });
+        if (!meta_.chunkGroups.empty())
+            expectRefused([&](IndexMeta& meta) { meta.chunkGroups[0].offset = place; });
     }
     // Sizes that reach out of it.
     expectRefused([&](IndexMeta& meta) { meta.levels[0].pages[0].bytes = ~std::uint32_t{0}; });
     expectRefused([&](IndexMeta& meta) {
         meta.levels[0].pages[0].bytes = static_cast<std::uint32_t>(metaOffset_ - meta.levels[0].pages[0].offset) + 1;
     });
-    if (!meta_.shelves.empty())
+    if (!meta_.chunkGroups.empty())
         for (const std::uint64_t bytes : places)
-            if (bytes > meta_.shelves[0].chunkBytes)
-                expectRefused([&](IndexMeta& meta) { meta.shelves[0].chunkBytes = bytes; });
+            if (bytes > meta_.chunkGroups[0].chunkBytes)
+                expectRefused([&](IndexMeta& meta) { meta.chunkGroups[0].chunkBytes = bytes; });
 }
 
 TEST_P(IndexDamage, B084_BlocksThatReachBackOrBeyondAreRefusedOnOpening) {

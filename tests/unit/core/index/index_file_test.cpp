@@ -146,7 +146,7 @@ TEST_F(IndexFile, NoDamagedPageEverGivesAWrongSurface) {
 }
 
 TEST_F(IndexFile, B083_SwappedPagesAreFound) {
-    // Two pages of equal length, as only the checksum's dependence on the place can tell them apart.
+    // Two pages of equal length, as only the checksum's dependence on the place can distinguish them.
     IndexMeta meta = meta_;
     auto& pages = meta.levels[0].pages;
     ASSERT_GE(pages.size(), 2u);

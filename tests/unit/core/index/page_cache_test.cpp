@@ -44,7 +44,7 @@ protected:
     std::uint64_t largest_ = 0; ///< memory of the largest page of level 0
 };
 
-// What is really alive is counted, not what the cache says of itself. Eight pages may wait for their memory to be
+// What is really alive is counted, not what the cache states of itself. Eight pages may wait for their memory to be
 // used again.
 TEST_F(PageCacheTest, KeepsWithinItsBoundWhateverIsRead) {
     constexpr std::uint64_t kSpares = 8;

@@ -1,4 +1,4 @@
-// Damaged shelves and chunks: refused when they are needed, never a wrong sample.
+// Damaged chunk groups and chunks: refused when they are needed, never a wrong sample.
 
 #include "core/index/sample_store.h"
 
@@ -26,7 +26,7 @@ using test::IsOk;
 class SampleStoreFile : public testing::Test {
 protected:
     void SetUp() override {
-        grid_ = test::hillsVolume({150, 130, 70}); // 10 x 9 x 5 chunks: two shelves
+        grid_ = test::hillsVolume({150, 130, 70}); // 10 x 9 x 5 chunks: two groups
         preprocess::BuildOptions options;
         options.kind = IndexKind::Metacells;
         ASSERT_THAT(test::buildIndexOf(grid_, folder_ / "good.isx", options), IsOk());
@@ -63,13 +63,13 @@ protected:
     IndexMeta meta_;
 };
 
-TEST_F(SampleStoreFile, HasShelvesOneAfterTheOther) {
-    ASSERT_EQ(meta_.shelves.size(), 2u);
-    EXPECT_EQ(meta_.shelves[0].offset, kPreambleBytes);
-    EXPECT_EQ(meta_.shelves[1].offset,
-              meta_.shelves[0].offset + meta_.shelves[0].chunkBytes + kShelfChunks * kShelfEntryBytes);
+TEST_F(SampleStoreFile, HasGroupsOneAfterTheOther) {
+    ASSERT_EQ(meta_.chunkGroups.size(), 2u);
+    EXPECT_EQ(meta_.chunkGroups[0].offset, kPreambleBytes);
+    EXPECT_EQ(meta_.chunkGroups[1].offset,
+              meta_.chunkGroups[0].offset + meta_.chunkGroups[0].chunkBytes + kGroupChunks * kGroupEntryBytes);
     EXPECT_EQ(meta_.info.sampleBytes,
-              meta_.shelves[0].chunkBytes + meta_.shelves[1].chunkBytes - meta_.info.mergeErrorBytes);
+              meta_.chunkGroups[0].chunkBytes + meta_.chunkGroups[1].chunkBytes - meta_.info.mergeErrorBytes);
     EXPECT_THAT(readAll(folder_ / "good.isx"), IsOk());
 }
 
@@ -105,12 +105,12 @@ TEST_F(SampleStoreFile, BoundsTheErrorsOfMergedCells) {
 
 TEST_F(SampleStoreFile, EveryDamagedByteIsFoundWhereItLies) {
     std::mt19937 random(3);
-    const std::uint64_t tableAt = meta_.shelves[0].offset + meta_.shelves[0].chunkBytes;
+    const std::uint64_t tableAt = meta_.chunkGroups[0].offset + meta_.chunkGroups[0].chunkBytes;
     for (int round = 0; round < 200; ++round) {
         std::string damaged = bytes_;
         const bool inTable = round % 4 == 0;
-        const std::uint64_t at = inTable ? tableAt + random() % (kShelfChunks * kShelfEntryBytes)
-                                         : meta_.shelves[0].offset + random() % meta_.shelves[0].chunkBytes;
+        const std::uint64_t at = inTable ? tableAt + random() % (kGroupChunks * kGroupEntryBytes)
+                                         : meta_.chunkGroups[0].offset + random() % meta_.chunkGroups[0].chunkBytes;
         damaged[at] = static_cast<char>(damaged[at] ^ (1 << (random() % 8)));
         const Status read = readAll(write(damaged));
         ASSERT_THAT(read, HasError(ErrorCode::Corruption)) << "byte " << at;
@@ -119,9 +119,9 @@ TEST_F(SampleStoreFile, EveryDamagedByteIsFoundWhereItLies) {
     }
 }
 
-TEST_F(SampleStoreFile, SwappedChunksAndShelvesAreFound) {
+TEST_F(SampleStoreFile, SwappedChunksAndGroupsAreFound) {
     IndexMeta meta = meta_;
-    std::swap(meta.shelves[0], meta.shelves[1]);
+    std::swap(meta.chunkGroups[0], meta.chunkGroups[1]);
     EXPECT_THAT(readAll(write(forged(meta))), HasError(ErrorCode::Corruption));
     const auto reader = IndexReader::open(folder_ / "good.isx");
     ASSERT_THAT(reader, IsOk());
@@ -143,20 +143,20 @@ TEST_F(SampleStoreFile, ForgedDirectoriesAreRefusedOrRead) {
     std::mt19937_64 random(2);
     for (int round = 0; round < 200; ++round) {
         IndexMeta meta = meta_;
-        ShelfEntry& shelf = meta.shelves[random() % 2];
-        std::uint64_t& value = random() % 2 ? shelf.offset : shelf.chunkBytes;
+        ChunkGroupEntry& group = meta.chunkGroups[random() % 2];
+        std::uint64_t& value = random() % 2 ? group.offset : group.chunkBytes;
         const std::uint64_t choices[] = {
             0, 1, value + 1, value - 1, random() % bytes_.size(), ~std::uint64_t{0}, ~std::uint64_t{0} - value};
         value = choices[random() % std::size(choices)];
         EXPECT_THAT(readAll(write(forged(meta))), HasError(ErrorCode::Corruption)) << round;
     }
     IndexMeta fewer = meta_;
-    fewer.shelves.pop_back();
+    fewer.chunkGroups.pop_back();
     EXPECT_THAT(IndexReader::open(write(forged(fewer))), HasError(ErrorCode::Corruption));
     IndexMeta another = meta_;
     another.info.kind = IndexKind::Edges;
     EXPECT_THAT(IndexReader::open(write(forged(another))), HasError(ErrorCode::Corruption)) << "edges have no shelves";
-    another.shelves.clear();
+    another.chunkGroups.clear();
     EXPECT_NO_THROW(
         static_cast<void>(extract::SlideEngine::open(write(forged(another))).value()->slideTo(500.0).isOk()))
         << "bricks taken for points";
@@ -219,8 +219,8 @@ TEST_F(SampleStoreFile, NoDamagedChunkEverGivesAWrongSurface) {
     int refused = 0, moved = 0;
     for (int round = 0; round < 12; ++round) {
         std::string damaged = bytes_;
-        const ShelfEntry& shelf = meta_.shelves[round % 2];
-        damaged[shelf.offset + random() % shelf.chunkBytes] ^= 0x10;
+        const ChunkGroupEntry& group = meta_.chunkGroups[round % 2];
+        damaged[group.offset + random() % group.chunkBytes] ^= 0x10;
         extract::SlideOptions options;
         options.cacheBytes = round % 3 == 0 ? 0 : std::uint64_t{1} << (19 + round % 5);
         auto engine = extract::SlideEngine::open(write(damaged), options);

@@ -9,7 +9,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/core/volume_io/volume_bytes.h"
 
-// Sound files with a few bytes changed, left out or repeated: read or refused in one line, whatever they say.
+// Sound files with a few bytes changed, left out or repeated: read or refused in one line, whatever they state.
 
 namespace isoslider::io {
 namespace {

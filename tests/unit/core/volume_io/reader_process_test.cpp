@@ -1,4 +1,4 @@
-// The process that libraries parse in: what it says is taken with care, and its death is one clear line.
+// The process that libraries parse in: what it states is taken with care, and its death is one clear line.
 
 #include <chrono>
 #include <cstdlib>
@@ -119,7 +119,7 @@ TEST_F(ReaderProcess, DeathIsOneLineThatNamesTheFile) {
     EXPECT_THAT(openVolume(volume), HasError(ErrorCode::OutOfSpace));
 }
 
-TEST_F(ReaderProcess, NonsenseIsRefused) {
+TEST_F(ReaderProcess, InvalidRepliesAreRefused) {
     // A length, then that many bytes; stdin is the socket.
     for (const std::string bytes : {R"(\001\000\000\000\007)", R"(\002\000\000\000\002\000)", R"(\377\377\377\377)",
                                     R"(\000\000\000\000)", R"(\005\000\000\000\000\000\000\000\000)"}) {

@@ -224,7 +224,7 @@ TYPED_TEST(ChunkCodec, SurvivesDamage) {
             std::vector<TypeParam> out(samples.size());
             for (int i = 0; i < 667; ++i, ++tried) {
                 auto damaged = chunk;
-                // The first bytes say how to read all others: they get half of the flips.
+                // The first bytes state how to read all others: they get half of the flips.
                 const int reach = static_cast<int>(i % 2 ? damaged.size() : std::min<std::size_t>(damaged.size(), 40));
                 for (int flips = 1 + this->below(3); flips > 0; --flips)
                     damaged[static_cast<std::size_t>(this->below(reach))] ^=

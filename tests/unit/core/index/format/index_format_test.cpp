@@ -75,7 +75,7 @@ TEST(Preamble, RefusesAnotherVersionByName) {
         EXPECT_EQ(decoded.error().path, "a.isx");
     }
     preamble.major = 3;
-    preamble.minor = 7; // says nothing that a reader must know
+    preamble.minor = 7; // states nothing that a reader must know
     EXPECT_THAT(decodePreamble(encodePreamble(preamble), 800, "p"), IsOk());
 }
 

@@ -11,7 +11,7 @@ index::Histogram histogramOf(double min, double max, std::vector<std::uint64_t> 
     return {min, max, std::move(counts)};
 }
 
-/// A peak of `count` samples round a bin.
+/// A peak of `count` samples around a bin.
 void addPeak(std::vector<std::uint64_t>& counts, std::size_t centre, std::uint64_t count) {
     for (std::size_t bin = centre - 4; bin <= centre + 4; ++bin)
         counts[bin] += count;

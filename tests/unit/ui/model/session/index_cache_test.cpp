@@ -50,7 +50,7 @@ protected:
         return std::move(loaded).value();
     }
     bool opensFromCache(const fs::path& path) { return open(path).engine != nullptr; }
-    /// One byte is another; the modification time says that nothing happened.
+    /// One byte is another; the modification time states that nothing happened.
     static void changeOneByte(const fs::path& path) {
         const auto time = fs::last_write_time(path);
         std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);

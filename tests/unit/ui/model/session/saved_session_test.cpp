@@ -98,11 +98,11 @@ TEST_F(SavedSessionTest, FollowsItsVolumeWhenBothMove) {
 
 TEST_F(SavedSessionTest, B110_OfZeroBytesOrOtherBytesIsToldAndHoldsDefaults) {
     for (const auto& [text, says] : {std::pair<std::string, std::string>("", "is empty"),
-                                     {"{", "no session"},
-                                     {"null", "no session"},
-                                     {"{\"version\": 1}", "no session"},
-                                     {std::string(500'000, '['), "no session"},
-                                     {std::string(1000, '\0'), "no session"}}) {
+                                     {"{", "not a session"},
+                                     {"null", "not a session"},
+                                     {"{\"version\": 1}", "not a session"},
+                                     {std::string(500'000, '['), "not a session"},
+                                     {std::string(1000, '\0'), "not a session"}}) {
         const auto found = readSession(folder_.write("s.isosession", text));
         ASSERT_THAT(found, IsOk());
         EXPECT_THAT(found.value().problems, ElementsAre(HasSubstr(says)));
@@ -123,13 +123,13 @@ TEST_F(SavedSessionTest, B110_OfAGigabyteIsNotReadAtAll) {
 TEST_F(SavedSessionTest, B110_ANumberThatIsNoneLeavesTheDefault) {
     const auto camera = read(changed("\"distance\": 7.25", "\"distance\": null"));
     EXPECT_FALSE(camera.session.camera.has_value());
-    EXPECT_THAT(camera.problems, testing::Contains(HasSubstr("camera, distance is no finite number")));
+    EXPECT_THAT(camera.problems, testing::Contains(HasSubstr("camera, distance is not a finite number")));
     EXPECT_EQ(camera.session.isovalue, -0.1) << "the rest is used";
     EXPECT_FALSE(read(changed("7.25", "\"NaN\"")).session.camera.has_value());
     EXPECT_FALSE(read(changed("7.25", "-1")).session.camera.has_value());
     EXPECT_FALSE(read(changed("\"orientation\": [\n      0.5,", "\"orientation\": [")).session.camera.has_value());
-    EXPECT_THAT(read(changed("7.25", "NaN")).problems, ElementsAre(HasSubstr("no session")));
-    EXPECT_THAT(read(changed("7.25", "1e999")).problems, ElementsAre(HasSubstr("no session")));
+    EXPECT_THAT(read(changed("7.25", "NaN")).problems, ElementsAre(HasSubstr("not a session")));
+    EXPECT_THAT(read(changed("7.25", "1e999")).problems, ElementsAre(HasSubstr("not a session")));
     EXPECT_FALSE(read(changed("-0.1", "\"bone\"")).session.isovalue.has_value());
 }
 

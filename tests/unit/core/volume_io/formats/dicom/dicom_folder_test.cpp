@@ -1,4 +1,4 @@
-// Slices of folders: told apart, sorted, made one volume.
+// Slices of folders: distinguished, sorted, made one volume.
 #include <cmath>
 
 #include <gmock/gmock.h>

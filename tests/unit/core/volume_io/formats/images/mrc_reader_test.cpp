@@ -213,7 +213,7 @@ TEST_F(MrcReader, RefusesWhatIsNone) {
     EXPECT_THAT(with(24, -1), HasSubstr("nsymbt"));
     EXPECT_THAT(with(24, 2'000'000'000), HasSubstr("ends early"));
     EXPECT_THAT(with(11, 0x7fc00000), HasSubstr("cell")); // NaN
-    EXPECT_EQ(with(8, 0), "is read"); // a note says what is assumed
+    EXPECT_EQ(with(8, 0), "is read"); // a note states what is assumed
     EXPECT_EQ(refusal(good + "x"), "is read");
 }
 

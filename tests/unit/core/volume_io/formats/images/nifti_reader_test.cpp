@@ -36,7 +36,7 @@ std::string seriesOfVectors() {
     return header + test::ramp<std::int16_t>(12);
 }
 
-/// The header of a NIfTI-2 file that says what niftiHeader() does, 544 bytes.
+/// The header of a NIfTI-2 file that states what niftiHeader() does, 544 bytes.
 std::string nifti2Header() {
     std::string h(544, '\0');
     test::put<std::int32_t>(h, 0, 540);

@@ -174,7 +174,7 @@ protected:
         EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
         return grid;
     }
-    /// Every sample that is there is what `value` says of its place; the number of those.
+    /// Every sample that is there is what `value` states of its place; the number of those.
     template <class Value>
     static int expectField(const ScalarGrid& grid, const Value& value) {
         int count = 0;
@@ -368,7 +368,7 @@ TEST_P(VtkGrids, ThatEndEarlyAreRefused) {
             << size << " of " << whole.size();
 }
 
-// VTK would take memory for as many corners as the last offset says.
+// VTK would take memory for as many corners as the last offset states.
 TEST_P(VtkGrids, WhoseOffsetsLeadBeyondTheCornersAreRefused) {
     if (!GetParam().isXml)
         GTEST_SKIP() << "this format counts its corners apart";
