@@ -9,7 +9,7 @@
 
 namespace isoslider {
 
-/// A unit normal in 16 bits (paper 2.1): octahedral map, two signed bytes in [-127, 127], low byte
+/// A unit normal in 16 bits (PAPER 2.1): octahedral map, two signed bytes in [-127, 127], low byte
 /// first. Worst angular error 0.95 degrees. Source: Meyer et al. 2010, "On Floating-Point
 /// Normal Vectors".
 using NormalCode = std::uint16_t;

@@ -10,7 +10,7 @@
 
 namespace isoslider::index {
 
-/// Skip levels above those of the file, built when walks need them and kept (paper 2.1: "may be
+/// Skip levels above those of the file, built when walks need them and kept (PAPER 2.1: they "may be
 /// computed in a lazy fashion"). DEVIATION: a block is merged when it is asked for a second time; merging
 /// costs as much as the move itself, and most jumps happen once. Block g of lazy level l merges blocks 2 g and 2 g + 1
 /// of level l - 1; lazy level 0 stands for the file's top level. A merged block holds what is left of both when edges

@@ -11,6 +11,9 @@ std::vector<WalkSegment> SkipList::plan(KeyThreshold lower, KeyThreshold upper) 
     return segments;
 }
 
+// PAPER 2.1: step up at every opportunity, walk as far as possible at the higher level, step down where its next block
+// would pass the end. Here from the top: the run of whole blocks that lie in the interval, then the levels below for
+// what is left on both sides. O(levels) runs.
 void SkipList::cover(int level, std::uint64_t begin, std::uint64_t end, std::vector<WalkSegment>& out) const {
     if (begin >= end)
         return;

@@ -21,7 +21,7 @@ struct WalkSegment {
     std::uint64_t blocks = 0; ///< 0 at level 0, where blocks are counted when pages are decoded
 };
 
-/// The walk between two positions on the isovalue axis (paper 2.1): up to the highest level whose
+/// The walk between two positions on the isovalue axis (PAPER 2.1): up to the highest level whose
 /// blocks lie between them, along it, and down again. Blocks of a level are unions of blocks below,
 /// so taking at every level all blocks that fit into what is left touches the fewest edges.
 ///

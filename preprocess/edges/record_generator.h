@@ -36,7 +36,7 @@ inline constexpr std::size_t kBricksAtOnce = 256;
 template <class Key>
 using ConsumeRecords = std::function<Status(const LayerRecords<Key>&)>;
 
-/// Generates the records of brick layer `layer` (paper 3.1, "we consider all edges connected to the
+/// Generates the records of brick layer `layer` (PAPER 3.1, "we consider all edges connected to the
 /// corresponding point"), and hands them to `consume`, kBricksAtOnce bricks at a time. A point has a record when it has
 /// at least one usable edge to an unequal scalar; an edge is usable when both ends are finite and one of its four cells
 /// is whole.

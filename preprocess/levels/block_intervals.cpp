@@ -61,6 +61,8 @@ private:
     std::vector<std::uint64_t> active_;
 };
 
+// PAPER 2.1: blocks of the level below are consolidated until the redundant edges exceed the threshold times the active
+// edges; each block has at least two below, so that there are O(log N) levels.
 // One level's block begins (bin numbers, closed by the bin count) from those of the level below.
 std::vector<std::size_t> consolidate(const std::vector<std::size_t>& below, bool belowIsLevel0, const SpanSums& sums,
                                      double redundancyThreshold) {

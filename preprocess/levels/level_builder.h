@@ -14,7 +14,7 @@ namespace isoslider::preprocess {
 /// Cuts the sorted stream of point records into the pages of all skip levels and writes them.
 ///
 /// Level 0 keeps the stream's order, kValuePagePoints to a page. A level above takes each record
-/// into its current block, without the edges that are redundant there; records left without edges
+/// into its current block, without the edges that are redundant there (PAPER 2.1); records left without edges
 /// vanish. Within a block the records are re-sorted by id in chunks of kChunkPoints (a constant, so
 /// that memory is bounded and the bytes depend on nothing else) and cut into pages of kIdPagePoints.
 ///

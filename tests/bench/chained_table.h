@@ -7,7 +7,7 @@
 
 namespace isoslider::bench {
 
-/// A hash table with chains (paper 3.2): h(x) = ((a x + b) mod p) mod n from a strongly 2-universal
+/// A hash table with chains (PAPER 3.2): h(x) = ((a x + b) mod p) mod n from a strongly 2-universal
 /// family, p the prime 2^61 - 1, a and b drawn once. n is fixed. Nodes lie in one array; freed ones are
 /// used again. REQUIRES of keys: below p.
 template <class Value>

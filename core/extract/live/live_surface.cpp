@@ -204,6 +204,9 @@ void LiveSurface<Live>::compact() {
     retired_.clear(); // pictures keep the arenas that they are of
 }
 
+// PAPER 3.2, 3.3: there, arrays E, I, V and N hold the whole surface, changed edge by edge, deletions first, so that
+// additions fill the holes. DEVIATION: the same arrays once for each brick, replaced whole (LIVE.md): no holes are
+// left, no cell looks for its neighbours' vertices, and all bricks of a move may be replaced at once.
 template <class Live>
 void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
                                 double isovalue) {

@@ -30,6 +30,8 @@ template <class Key>
 BlockWalk<Key>::BlockWalk(const index::IndexReader& reader, std::uint64_t cacheBytes)
     : reader_(reader), skipList_(reader.meta().levels), cache_(reader, cacheBytes), lazyLevels_(cacheBytes / 4) {}
 
+// PAPER 2.1: E+ and E- of every block on the way. DEVIATION: blocks are taken in any order and by several threads,
+// because what they list are net changes between two thresholds, which do not depend on each other.
 template <class Key>
 Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(const std::vector<WalkSegment>& segments,
                                                                              SlideStats& stats) {

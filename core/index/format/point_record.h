@@ -11,7 +11,7 @@ namespace isoslider::index {
 inline constexpr int kPointEdges = 6;
 
 /// What a block stores for one grid point p_j: its scalar and normal, and for each of its edges in
-/// the block the far end's scalar and normal (paper, section 2: E+, E-, S+, S-). An edge belongs to
+/// the block the far end's scalar and normal (PAPER 2: E+, E-, S+, S-). An edge belongs to
 /// E+ when the far scalar is greater (active just above p_j), to E- when it is smaller. Edges between
 /// equal scalars are never active and appear nowhere. Key: see scalar_key.h.
 template <class Key>
@@ -33,7 +33,7 @@ struct PointRecord {
 };
 
 /// The mask without edges whose far end lies in [begin, end): those are redundant in a block with
-/// that isovalue interval, both activated and deactivated inside (paper 2.1).
+/// that isovalue interval, both activated and deactivated inside (PAPER 2.1).
 template <class Key>
 inline std::uint8_t maskWithoutRedundant(const PointRecord<Key>& record, std::uint64_t begin, std::uint64_t end) {
     std::uint8_t mask = 0;
