@@ -123,7 +123,13 @@ TYPED_TEST(DistinctKeysOf, NeedsNoMoreThanOnePassForFewValues) {
     std::vector<TypeParam> whole; // some hundred values
     for (const TypeParam sample : samples)
         whole.push_back(isMissing(sample) ? sample : static_cast<TypeParam>(static_cast<int>(sample)));
-    const Outcome outcome = countDistinct(whole, 200 * kBitmapBytes, 4);
+    // Half of the bound is for what threads have to themselves; the other half holds each upper half once.
+    std::set<std::uint64_t> upperHalves;
+    if constexpr (sizeof(TypeParam) == 4)
+        for (const TypeParam sample : whole)
+            upperHalves.insert(keyOf(sample) >> 16);
+    const Outcome outcome =
+        countDistinct(whole, std::max<std::uint64_t>(200, 2 * upperHalves.size()) * kBitmapBytes, 4);
     EXPECT_EQ(outcome.count, expectedCount(whole));
     EXPECT_EQ(outcome.passes, 1);
 }
