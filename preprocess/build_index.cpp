@@ -40,7 +40,7 @@ Status checkOptions(const BuildOptions& options, const GridGeometry& geometry) {
         if (dim < 1 || dim > kMaxDim)
             return makeError(ErrorCode::InvalidArgument,
                              "the volume has an extent outside 1 to " + std::to_string(kMaxDim));
-    if (BrickGrid(geometry.dims).brickCount() > std::numeric_limits<BrickIndex>::max())
+    if (BrickGrid(geometry.dims).brickCount() > std::numeric_limits<BrickIndex::NumberType>::max())
         return makeError(ErrorCode::InvalidArgument, "the volume has more than 2^32 bricks of 8^3 points");
     return {};
 }

@@ -7,12 +7,13 @@
 #include <glm/vec3.hpp>
 
 #include "core/grid/grid_geometry.h"
+#include "core/index/format/skip_level.h"
 
 namespace isoslider::extract {
 
 /// One stretch of the walk along the skip list during a move.
 struct WalkStep {
-    int skipLevel = 0;
+    index::SkipLevel level;
     std::uint64_t blocks = 0; ///< blocks read at this level
     std::uint64_t edges = 0; ///< edge entries decoded there
     std::uint64_t bytes = 0; ///< encoded bytes decoded there (cached pages included)

@@ -3,24 +3,33 @@
 #include <array>
 #include <cstdint>
 
+#include "core/base/strong_id.h"
 #include "core/grid/grid_geometry.h"
 
 namespace isoslider {
 
-/// The grid cut into bricks of 8^3 grid points (and the cells and edges that start at them).
-/// Bricks x fastest. A point id is brick * 512 + x + 8 y + 64 z within the brick; sorting by it keeps
-/// neighbours together. All ids are 64-bit.
-using PointId = std::uint64_t;
-using BrickIndex = std::uint32_t;
-
 inline constexpr int kBrickSide = 8;
 inline constexpr int kBrickPoints = 512;
-inline constexpr int kBrickEdges = 3 * kBrickPoints;
 
-/// Within a brick: axis * 512 + x + 8 y + 64 z of the edge's lower grid point.
-using LocalEdge = std::uint16_t;
-using LocalPoint = std::uint16_t;
+struct BrickTag;
+/// A brick of 8^3 grid points (and the cells and edges that start at them), in an order with x fastest.
+using BrickIndex = StrongId<BrickTag, std::uint32_t>;
 
+struct LocalPointTag;
+/// A grid point of a brick, or the cell that starts there: x + 8 y + 64 z.
+using LocalPoint = StrongId<LocalPointTag, std::uint16_t>;
+
+struct PointTag;
+/// A grid point of the volume: brick * 512 + local point. Sorting by it keeps neighbours together.
+using PointId = StrongId<PointTag, std::uint64_t>;
+
+constexpr PointId pointIn(BrickIndex brick, LocalPoint local) {
+    return PointId(std::uint64_t{brick.number()} * kBrickPoints + local.number());
+}
+constexpr BrickIndex brickOf(PointId point) { return BrickIndex(point.number() / kBrickPoints); }
+constexpr LocalPoint localOf(PointId point) { return LocalPoint(point.number() % kBrickPoints); }
+
+/// The grid cut into bricks.
 class BrickGrid {
 public:
     BrickGrid() = default;
@@ -36,19 +45,18 @@ public:
     std::uint64_t idCount() const { return brickCount() * kBrickPoints; }
 
     BrickIndex brickAt(std::int64_t bx, std::int64_t by, std::int64_t bz) const {
-        return static_cast<BrickIndex>(bx + bricks_[0] * (by + bricks_[1] * bz));
+        return BrickIndex(bx + bricks_[0] * (by + bricks_[1] * bz));
     }
     std::array<std::int64_t, 3> brickCoords(BrickIndex brick) const {
-        const std::int64_t b = brick;
+        const std::int64_t b = brick.number();
         return {b % bricks_[0], b / bricks_[0] % bricks_[1], b / (bricks_[0] * bricks_[1])};
     }
     PointId pointId(std::int64_t x, std::int64_t y, std::int64_t z) const {
-        return PointId{brickAt(x >> 3, y >> 3, z >> 3)} * kBrickPoints +
-               static_cast<PointId>((x & 7) + 8 * (y & 7) + 64 * (z & 7));
+        return pointIn(brickAt(x >> 3, y >> 3, z >> 3), LocalPoint((x & 7) + 8 * (y & 7) + 64 * (z & 7)));
     }
     std::array<std::int64_t, 3> pointCoords(PointId id) const {
-        const auto b = brickCoords(static_cast<BrickIndex>(id / kBrickPoints));
-        const auto local = static_cast<std::int64_t>(id % kBrickPoints);
+        const auto b = brickCoords(brickOf(id));
+        const std::int64_t local = localOf(id).number();
         return {b[0] * 8 + (local & 7), b[1] * 8 + (local >> 3 & 7), b[2] * 8 + (local >> 6)};
     }
     /// Bricks between a brick and the next one along an axis.
@@ -56,7 +64,7 @@ public:
         return axis == 0 ? 1 : axis == 1 ? bricks_[0] : bricks_[0] * bricks_[1];
     }
     bool contains(PointId id) const {
-        if (id >= idCount())
+        if (id.number() >= idCount())
             return false;
         const auto p = pointCoords(id);
         return p[0] < dims_[0] && p[1] < dims_[1] && p[2] < dims_[2];

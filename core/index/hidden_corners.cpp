@@ -25,8 +25,8 @@ Result<std::optional<double>> HiddenCorners::find(BrickIndex brick, LocalPoint c
     if (!found.isOk())
         return found.error();
     const HiddenPage& page = *found.value();
-    const std::uint32_t place =
-        (brick - (after - 1)->firstBrick) * kHiddenPlacesPerBrick + 8u * cell + static_cast<std::uint32_t>(corner);
+    const std::uint32_t place = (brick - (after - 1)->firstBrick) * kHiddenPlacesPerBrick + 8u * cell.number() +
+                                static_cast<std::uint32_t>(corner);
     const auto at = std::lower_bound(page.places.begin(), page.places.end(), place);
     if (at == page.places.end() || *at != place)
         return std::optional<double>();

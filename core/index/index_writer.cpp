@@ -29,14 +29,14 @@ Status IndexWriter::flush() {
     return {};
 }
 
-Status IndexWriter::addPage(int level, PageEntry entry, std::span<const std::byte> bytes) {
-    if (levels_.size() <= static_cast<std::size_t>(level))
-        levels_.resize(static_cast<std::size_t>(level) + 1);
+Status IndexWriter::addPage(SkipLevel level, PageEntry entry, std::span<const std::byte> bytes) {
+    if (levels_.size() <= level.index())
+        levels_.resize(level.index() + 1);
     entry.offset = sizeBytes();
     entry.bytes = static_cast<std::uint32_t>(bytes.size());
     entry.checksum = pageChecksum(bytes, seed_, entry.offset);
     ISO_TRY(append(bytes));
-    levels_[static_cast<std::size_t>(level)].pages.push_back(entry);
+    levels_[level.index()].pages.push_back(entry);
     return {};
 }
 
@@ -74,10 +74,10 @@ Status IndexWriter::endGroup() {
     return {};
 }
 
-void IndexWriter::endBlock(int level, std::uint64_t firstKey, std::uint64_t lastKey) {
-    if (levels_.size() <= static_cast<std::size_t>(level))
-        levels_.resize(static_cast<std::size_t>(level) + 1);
-    LevelDirectory& directory = levels_[static_cast<std::size_t>(level)];
+void IndexWriter::endBlock(SkipLevel level, std::uint64_t firstKey, std::uint64_t lastKey) {
+    if (levels_.size() <= level.index())
+        levels_.resize(level.index() + 1);
+    LevelDirectory& directory = levels_[level.index()];
     const std::uint64_t firstPage =
         directory.blocks.empty() ? 0 : directory.blocks.back().firstPage + directory.blocks.back().pageCount;
     directory.blocks.push_back({firstKey, lastKey, firstPage, directory.pages.size() - firstPage});

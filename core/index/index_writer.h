@@ -17,7 +17,7 @@ public:
                                                        FileSystem& fileSystem = defaultFileSystem());
 
     /// Appends one encoded page to a level; its place and checksum are filled in here.
-    Status addPage(int level, PageEntry entry, std::span<const std::byte> bytes);
+    Status addPage(SkipLevel level, PageEntry entry, std::span<const std::byte> bytes);
     /// Appends one encoded page of hidden corners, in the order of bricks; likewise.
     Status addHiddenPage(HiddenPageEntry entry, std::span<const std::byte> bytes);
     /// Appends the next chunk of samples, in chunk order, with the errors of its merged cells (may be empty).
@@ -26,7 +26,7 @@ public:
     /// Ends the last group. REQUIRES: called after the last chunk, before anything else is added.
     Status endChunks() { return groupTable_.empty() ? Status() : endGroup(); }
     /// Ends a block of a level above 0: all pages added there since the last one.
-    void endBlock(int level, std::uint64_t firstKey, std::uint64_t lastKey);
+    void endBlock(SkipLevel level, std::uint64_t firstKey, std::uint64_t lastKey);
 
     /// Number of bytes so far: where the next part goes.
     std::uint64_t sizeBytes() const { return file_->sizeBytes() + buffer_.size(); }

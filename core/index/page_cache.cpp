@@ -9,7 +9,7 @@ namespace isoslider::index {
 static constexpr std::size_t kMaxSpares = 8;
 
 template <class Key>
-Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(int level, std::size_t pageIndex) {
+Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std::size_t pageIndex) {
     const std::uint64_t id = static_cast<std::uint64_t>(level) << 56 | pageIndex;
     {
         const std::lock_guard lock(mutex_);
@@ -19,7 +19,7 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(int level, std::size
             return Lookup{found->second->page, 0};
         }
     }
-    const PageEntry& entry = reader_.meta().levels[static_cast<std::size_t>(level)].pages[pageIndex];
+    const PageEntry& entry = reader_.meta().levels[level.index()].pages[pageIndex];
     thread_local std::vector<std::byte> bytes;
     ISO_TRY(reader_.readPage(entry, bytes));
     std::shared_ptr<DecodedPage<Key>> page = takeSpare();

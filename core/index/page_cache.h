@@ -25,7 +25,7 @@ public:
     };
 
     /// Errors: IoError, Corruption.
-    Result<Lookup> get(int level, std::size_t pageIndex);
+    Result<Lookup> get(SkipLevel level, std::size_t pageIndex);
 
     std::uint64_t memoryBytes() const;
     void clear();

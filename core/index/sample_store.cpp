@@ -50,10 +50,10 @@ Result<const SampleStore::ChunkGroup*> SampleStore::group(std::uint64_t number, 
 }
 
 Result<ChunkPlace> SampleStore::find(ChunkIndex chunk, std::uint64_t& bytesRead) const {
-    const auto found = group(chunk / kGroupChunks, bytesRead);
+    const auto found = group(chunk.number() / kGroupChunks, bytesRead);
     if (!found.isOk())
         return found.error();
-    return found.value()->places[chunk % kGroupChunks];
+    return found.value()->places[chunk.number() % kGroupChunks];
 }
 
 template <class Sample>

@@ -7,24 +7,24 @@ namespace isoslider::index {
 std::vector<WalkSegment> SkipList::plan(KeyThreshold lower, KeyThreshold upper) const {
     std::vector<WalkSegment> segments;
     if (lower < upper)
-        cover(levelCount() - 1, lower, upper, segments);
+        cover(top(), lower, upper, segments);
     return segments;
 }
 
 // PAPER 2.1: step up at every opportunity, walk as far as possible at the higher level, step down where its next block
 // would pass the end. Here from the top: the run of whole blocks that lie in the interval, then the levels below for
 // what is left on both sides. O(levels) runs.
-void SkipList::cover(int level, std::uint64_t begin, std::uint64_t end, std::vector<WalkSegment>& out) const {
+void SkipList::cover(SkipLevel level, std::uint64_t begin, std::uint64_t end, std::vector<WalkSegment>& out) const {
     if (begin >= end)
         return;
-    const LevelDirectory& directory = levels_[static_cast<std::size_t>(level)];
-    if (level == 0) {
+    const LevelDirectory& directory = levels_[level.index()];
+    if (level == kLevel0) {
         const auto first = std::partition_point(directory.pages.begin(), directory.pages.end(),
                                                 [&](const PageEntry& p) { return p.lastKey < begin; });
         const auto last =
             std::partition_point(first, directory.pages.end(), [&](const PageEntry& p) { return p.firstKey < end; });
         if (first != last)
-            out.push_back({0, begin, end, static_cast<std::size_t>(first - directory.pages.begin()),
+            out.push_back({level, begin, end, static_cast<std::size_t>(first - directory.pages.begin()),
                            static_cast<std::size_t>(last - directory.pages.begin()), 0, 0});
         return;
     }
@@ -33,15 +33,15 @@ void SkipList::cover(int level, std::uint64_t begin, std::uint64_t end, std::vec
         std::partition_point(blocks.begin(), blocks.end(), [&](const BlockEntry& b) { return b.firstKey < begin; });
     const auto last = std::partition_point(first, blocks.end(), [&](const BlockEntry& b) { return b.lastKey < end; });
     if (first == last) {
-        cover(level - 1, begin, end, out);
+        cover(below(level), begin, end, out);
         return;
     }
     const BlockEntry& back = *(last - 1);
     const std::uint64_t coveredEnd = back.lastKey + 1;
-    cover(level - 1, begin, first->firstKey, out);
+    cover(below(level), begin, first->firstKey, out);
     out.push_back({level, first->firstKey, coveredEnd, first->firstPage, back.firstPage + back.pageCount,
                    static_cast<std::uint64_t>(first - blocks.begin()), static_cast<std::uint64_t>(last - first)});
-    cover(level - 1, coveredEnd, end, out);
+    cover(below(level), coveredEnd, end, out);
 }
 
 std::uint64_t SkipList::estimateEdges(KeyThreshold lower, KeyThreshold upper) const {

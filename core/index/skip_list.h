@@ -12,7 +12,7 @@ namespace isoslider::index {
 /// A stretch of a walk: the points with keys in [beginKey, endKey), taken from one level. Above level
 /// 0 the stretch is made of whole blocks, at level 0 of pages that may stick out at its ends.
 struct WalkSegment {
-    int level = 0;
+    SkipLevel level;
     std::uint64_t beginKey = 0;
     std::uint64_t endKey = 0;
     std::size_t firstPage = 0;
@@ -38,16 +38,13 @@ public:
     std::uint64_t estimateEdges(KeyThreshold lower, KeyThreshold upper) const;
 
     int levelCount() const { return static_cast<int>(levels_.size()); }
-    const PageEntry& page(int level, std::size_t index) const {
-        return levels_[static_cast<std::size_t>(level)].pages[index];
-    }
-    /// REQUIRES: level > 0.
-    const BlockEntry& block(int level, std::uint64_t index) const {
-        return levels_[static_cast<std::size_t>(level)].blocks[index];
-    }
+    SkipLevel top() const { return SkipLevel(levels_.size() - 1); }
+    const PageEntry& page(SkipLevel level, std::size_t index) const { return levels_[level.index()].pages[index]; }
+    /// REQUIRES: not level 0.
+    const BlockEntry& block(SkipLevel level, std::uint64_t index) const { return levels_[level.index()].blocks[index]; }
 
 private:
-    void cover(int level, std::uint64_t begin, std::uint64_t end, std::vector<WalkSegment>& out) const;
+    void cover(SkipLevel level, std::uint64_t begin, std::uint64_t end, std::vector<WalkSegment>& out) const;
 
     std::span<const LevelDirectory> levels_;
 };

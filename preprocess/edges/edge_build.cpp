@@ -177,7 +177,7 @@ private:
 
     void sampleRecords(const LayerRecords<Key>& records) {
         for (std::size_t i = 0; i < records.bricks.size(); ++i)
-            if ((records.firstBrick + i) % kSampleStride == 0 && sample_.size() < kSampleRecords)
+            if ((records.firstBrick + i).number() % kSampleStride == 0 && sample_.size() < kSampleRecords)
                 sample_.insert(sample_.end(), records.bricks[i].begin(), records.bricks[i].end());
     }
 

@@ -251,7 +251,7 @@ void generateBricks(const BrickGenerator<Sample>& generator, std::size_t count, 
         for (std::size_t i; (i = next++) < count;) {
             out.bricks[i].clear();
             out.hiddenCorners[i].clear();
-            const BrickIndex brick = out.firstBrick + static_cast<BrickIndex>(i);
+            const BrickIndex brick = out.firstBrick + i;
             generator.generate(brick, histograms[lane], out.bricks[i], withoutEdges[i]);
             generator.hiddenCorners(brick, out.hiddenCorners[i]);
             hasMissing[i] = generator.missingCells(brick, missing[i]);
@@ -281,7 +281,7 @@ Status generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geome
     const auto inLayer = static_cast<std::size_t>(grid.bricks()[0] * grid.bricks()[1]);
     LayerRecords<KeyOf<Sample>> records;
     for (std::size_t begin = 0; begin < inLayer; begin += kBricksAtOnce) {
-        records.firstBrick = grid.brickAt(0, 0, layer) + static_cast<BrickIndex>(begin);
+        records.firstBrick = grid.brickAt(0, 0, layer) + begin;
         generateBricks(generator, std::min(kBricksAtOnce, inLayer - begin), histograms, records);
         ISO_TRY(consume(records));
     }

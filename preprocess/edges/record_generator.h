@@ -16,7 +16,7 @@ namespace isoslider::preprocess {
 /// What some bricks of a layer (8 z planes) turn into.
 template <class Key>
 struct LayerRecords {
-    BrickIndex firstBrick = 0;
+    BrickIndex firstBrick;
     /// One list per brick, in brick order; each in point id order.
     std::vector<std::vector<index::PointRecord<Key>>> bricks;
     /// Likewise; ascending by place.

@@ -22,7 +22,7 @@ constexpr std::uint64_t kNoEnd = std::numeric_limits<std::uint64_t>::max();
 template <class Key>
 struct PendingPage {
     std::uint64_t position = 0; // in the stream, when it was complete
-    int level = 0;
+    index::SkipLevel level;
     std::vector<index::PointRecord<Key>> records; // empty: a block ends here
     std::uint64_t blockFirstKey = 0;
     std::uint64_t blockLastKey = 0;
@@ -47,17 +47,17 @@ PageEntry describePage(std::span<const index::PointRecord<Key>> records) {
 template <class Key>
 class LevelBuilder<Key>::Level {
 public:
-    Level(int level, std::vector<std::uint64_t> begins) : level_(level), begins_(std::move(begins)) {}
+    Level(index::SkipLevel level, std::vector<std::uint64_t> begins) : level_(level), begins_(std::move(begins)) {}
 
     void add(std::span<const Record> records, std::uint64_t position) {
-        if (level_ == 0)
+        if (level_ == index::kLevel0)
             addToValuePages(records, position);
         else
             addToBlocks(records, position);
     }
 
     void finish(std::uint64_t position) {
-        if (level_ == 0)
+        if (level_ == index::kLevel0)
             cutPages(chunk_, kValuePagePoints, position);
         else if (hasBlock_)
             endBlock(position);
@@ -124,7 +124,7 @@ private:
     }
 
     void endChunk(std::uint64_t position) {
-        sortRecords(chunk_, [](const Record& record) { return std::uint64_t{record.id()}; });
+        sortRecords(chunk_, [](const Record& record) { return record.id().number(); });
         cutPages(chunk_, kIdPagePoints, position);
         chunk_.clear();
     }
@@ -146,7 +146,7 @@ private:
             info_.activatedEdges += (mask >> e & 1) && record.farKeys[e] > record.key;
     }
 
-    int level_;
+    index::SkipLevel level_;
     std::vector<std::uint64_t> begins_;
     std::vector<Record> chunk_;
     std::vector<PendingPage<Key>> pending_;
@@ -162,9 +162,9 @@ template <class Key>
 LevelBuilder<Key>::LevelBuilder(index::IndexWriter& writer, const BrickGrid& grid,
                                 std::vector<std::vector<std::uint64_t>> blockBegins)
     : writer_(writer), grid_(grid) {
-    levels_.push_back(std::make_unique<Level>(0, std::vector<std::uint64_t>{}));
+    levels_.push_back(std::make_unique<Level>(index::kLevel0, std::vector<std::uint64_t>{}));
     for (auto& begins : blockBegins)
-        levels_.push_back(std::make_unique<Level>(static_cast<int>(levels_.size()), std::move(begins)));
+        levels_.push_back(std::make_unique<Level>(index::SkipLevel(levels_.size()), std::move(begins)));
 }
 
 template <class Key>
@@ -203,8 +203,8 @@ Status LevelBuilder<Key>::encodeAndWrite() {
     });
     tbb::parallel_for(std::size_t{0}, pages.size(), [&](std::size_t i) {
         if (!pages[i].records.empty())
-            pages[i].bytes =
-                index::encodePage<Key>(pages[i].records, pages[i].level == 0 ? PageOrder::Value : PageOrder::Id, grid_);
+            pages[i].bytes = index::encodePage<Key>(
+                pages[i].records, pages[i].level == index::kLevel0 ? PageOrder::Value : PageOrder::Id, grid_);
     });
     for (const PendingPage<Key>& page : pages) {
         if (page.records.empty())

@@ -33,7 +33,7 @@ Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const 
                       std::vector<index::SkipLevelInfo>& levels, const JobControl& job) {
     const BrickGrid grid(dims);
     const auto isEverActive = [&](std::size_t brick) {
-        return spans.least[brick] < spans.greatest[brick] && edgeOfBrick(grid, static_cast<BrickIndex>(brick)) >= 0;
+        return spans.least[brick] < spans.greatest[brick] && edgeOfBrick(grid, BrickIndex(brick)) >= 0;
     };
     KeyCounter<Key> counter(2 * spans.least.size());
     for (std::size_t brick = 0; brick < spans.least.size(); ++brick)
@@ -52,11 +52,11 @@ Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const 
         if (!isEverActive(brick))
             continue;
         histogram.add(bins.find(spans.least[brick]), bins.find(spans.greatest[brick]));
-        const int edge = edgeOfBrick(grid, static_cast<BrickIndex>(brick));
+        const int edge = edgeOfBrick(grid, BrickIndex(brick));
         std::array<index::PointRecord<Key>, 2> records;
         for (std::size_t k = 0; k < 2; ++k) {
             records[k].key = k == 0 ? spans.least[brick] : spans.greatest[brick];
-            records[k].setId(PointId{brick} * kBrickPoints);
+            records[k].setId(pointIn(BrickIndex(brick), LocalPoint()));
             records[k].edgeMask = static_cast<std::uint8_t>(1 << edge);
             records[k].farKeys[edge] = k == 0 ? spans.greatest[brick] : spans.least[brick];
             records[k].farNormals[edge] = kNoNormal;
@@ -100,14 +100,14 @@ public:
         std::vector<std::uint8_t> hasMissing(count, 0);
         tbb::parallel_for(std::size_t{0}, count, [&](std::size_t brick) {
             if (!job_.isStopRequested())
-                hasMissing[brick] = scanBrick(static_cast<BrickIndex>(brick));
+                hasMissing[brick] = scanBrick(BrickIndex(brick));
         });
         if (job_.isStopRequested())
             return cancelledError();
         index::MissingCells missing;
         const auto isCellWhole = [&](auto... cell) { return view_.isCellWhole(cell...); };
         for (std::size_t brick = 0; brick < count; ++brick)
-            if (hasMissing[brick] && findMissingCells(bricks_, static_cast<BrickIndex>(brick), isCellWhole, missing))
+            if (hasMissing[brick] && findMissingCells(bricks_, BrickIndex(brick), isCellWhole, missing))
                 missingCells_.push_back(missing);
         return {};
     }
@@ -140,8 +140,8 @@ private:
                     greatest = std::max(greatest, key);
                 }
             }
-        spans_.least[brick] = least;
-        spans_.greatest[brick] = greatest;
+        spans_.least[brick.index()] = least;
+        spans_.greatest[brick.index()] = greatest;
         return hasMissing;
     }
 

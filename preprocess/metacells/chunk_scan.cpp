@@ -194,9 +194,9 @@ void ChunkScan<Sample>::spans(BrickSpans<KeyOf<Sample>>& spans) const {
                     greatest[x] = row[x] > greatest[x] ? row[x] : greatest[x];
                 }
             }
-        spans.least[brick] =
+        spans.least[brick.index()] =
             isEmpty ? std::numeric_limits<Key>::max() : keyOf(*std::min_element(least.begin(), least.end()));
-        spans.greatest[brick] = isEmpty ? Key(0) : keyOf(*std::max_element(greatest.begin(), greatest.end()));
+        spans.greatest[brick.index()] = isEmpty ? Key(0) : keyOf(*std::max_element(greatest.begin(), greatest.end()));
     });
 }
 

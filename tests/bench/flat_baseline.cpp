@@ -92,8 +92,8 @@ void FlatBaseline<Live>::add(const ActivatedEdge<Live>& change) {
 
 template <class Live>
 typename FlatBaseline<Live>::Edge FlatBaseline<Live>::makeEdge(const ActivatedEdge<Live>& change) const {
-    const std::size_t axis = change.edge >> 9;
-    const auto point = grid_.pointCoords(PointId{change.brick} * kBrickPoints + (change.edge & 511));
+    const std::size_t axis = change.edge.number() >> 9;
+    const auto point = grid_.pointCoords(pointIn(change.brick, LocalPoint(change.edge.number() & 511)));
     Edge edge{};
     edge.v1 = {static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2])};
     edge.s1 = change.scalar1;
@@ -111,11 +111,11 @@ bool FlatBaseline<Live>::isLowerEndBelow(const Edge& edge) const {
 
 template <class Live>
 extract::EdgeId FlatBaseline<Live>::edgeIdOf(BrickIndex brick, LocalEdge edge) const {
-    const auto point = grid_.pointCoords(PointId{brick} * kBrickPoints + (edge & 511));
+    const auto point = grid_.pointCoords(pointIn(brick, LocalPoint(edge.number() & 511)));
     std::uint64_t linear = 0;
     for (std::size_t axis = 0; axis < 3; ++axis)
         linear += strides_[axis] * static_cast<std::uint64_t>(point[axis]);
-    return 4 * linear + (edge >> 9);
+    return 4 * linear + (edge.number() >> 9);
 }
 
 // visit(cell, number of the edge in it) for the one to four cells around an edge.
@@ -255,8 +255,8 @@ bool FlatBaseline<Live>::isMissingCell(CellId cell) const {
     const PointId point =
         grid_.pointId(static_cast<std::int64_t>(cell % dims_[0]), static_cast<std::int64_t>(cell / dims_[0] % dims_[1]),
                       static_cast<std::int64_t>(cell / strides_[2]));
-    const auto found = missingCells_.find(static_cast<BrickIndex>(point / kBrickPoints));
-    const std::uint64_t local = point % kBrickPoints;
+    const auto found = missingCells_.find(brickOf(point));
+    const unsigned local = localOf(point).number();
     return found != missingCells_.end() && (found->second->cells[local >> 6] >> (local & 63) & 1);
 }
 

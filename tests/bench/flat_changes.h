@@ -14,6 +14,10 @@
 
 namespace isoslider::bench {
 
+struct LocalEdgeTag;
+/// Within a brick: axis * 512 + the local point at the edge's lower end.
+using LocalEdge = StrongId<LocalEdgeTag, std::uint16_t>;
+
 /// An edge that becomes active, with all that interpolation needs; local to the 8^3 points of `brick`.
 template <class Live>
 struct ActivatedEdge {
@@ -50,7 +54,7 @@ Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGr
         std::size_t entry = part.firstEntry;
         static constexpr int kStride[3] = {1, 8, 64};
         for (std::size_t i = part.begin; i < part.end; ++i) {
-            const PointId id = part.page.ids[i];
+            const PointId id(part.page.ids[i]);
             const auto key = part.page.keys[i];
             const Live near = static_cast<Live>(sampleOfKey<Sample>(key));
             for (unsigned mask = part.page.masks[i]; mask != 0; mask &= mask - 1, ++entry) {
@@ -59,14 +63,14 @@ Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGr
                     continue; // redundant: crossed at both ends
                 const int e = std::countr_zero(mask), axis = e >> 1;
                 const bool isUpward = e & 1;
-                auto brick = static_cast<BrickIndex>(id / kBrickPoints);
-                int local = static_cast<int>(id % kBrickPoints);
+                BrickIndex brick = brickOf(id);
+                int local = localOf(id).number();
                 if (!isUpward) { // the edge starts at the far end
                     const bool leaves = (local / kStride[axis] & 7) == 0;
-                    brick = static_cast<BrickIndex>(leaves ? brick - grid.brickStride(axis) : brick);
+                    brick = leaves ? brick - grid.brickStride(axis) : brick;
                     local += (leaves ? 7 : -1) * kStride[axis];
                 }
-                const auto edge = static_cast<LocalEdge>(axis * kBrickPoints + local);
+                const auto edge = LocalEdge(axis * kBrickPoints + local);
                 if ((farKey > key) != (from < to)) {
                     changes.deactivated.push_back({brick, edge});
                     continue;

@@ -88,8 +88,10 @@ std::vector<HiddenPageEntry> hiddenPagesByDocument(const std::string& file) {
     }
     std::vector<HiddenPageEntry> entries(in.next(8));
     for (HiddenPageEntry& entry : entries) {
-        for (std::uint32_t* field : {&entry.firstBrick, &entry.lastBrick, &entry.corners, &entry.bytes})
-            *field = static_cast<std::uint32_t>(in.next(4));
+        entry.firstBrick = BrickIndex(in.next(4));
+        entry.lastBrick = BrickIndex(in.next(4));
+        entry.corners = static_cast<std::uint32_t>(in.next(4));
+        entry.bytes = static_cast<std::uint32_t>(in.next(4));
         entry.offset = in.next(8);
         entry.checksum = in.next(8);
     }
@@ -181,8 +183,8 @@ TEST(FormatDocument, ExampleOfHiddenCornersIsWhatABuildWrites) {
     const std::string file = test::readText(folder / "example.isx");
     const auto entries = hiddenPagesByDocument(file);
     ASSERT_EQ(entries.size(), 1u);
-    EXPECT_EQ(entries[0].firstBrick, 0u);
-    EXPECT_EQ(entries[0].lastBrick, 0u);
+    EXPECT_EQ(entries[0].firstBrick, BrickIndex());
+    EXPECT_EQ(entries[0].lastBrick, BrickIndex());
     EXPECT_EQ(entries[0].corners, 2u);
     const auto bytes = bytesOfWorkedExample(2);
     const std::string page = file.substr(entries[0].offset, entries[0].bytes);
@@ -191,8 +193,8 @@ TEST(FormatDocument, ExampleOfHiddenCornersIsWhatABuildWrites) {
     EXPECT_EQ(entries[0].checksum, pageChecksum(bytes, seed, entries[0].offset));
     const auto reader = IndexReader::open(folder / "example.isx");
     ASSERT_THAT(reader, IsOk());
-    EXPECT_EQ(HiddenCorners(*reader.value()).find(0, 0, 2).value(), 0.0);
-    EXPECT_EQ(HiddenCorners(*reader.value()).find(0, 1, 1).value(), 2.0);
+    EXPECT_EQ(HiddenCorners(*reader.value()).find(BrickIndex(), LocalPoint(), 2).value(), 0.0);
+    EXPECT_EQ(HiddenCorners(*reader.value()).find(BrickIndex(), LocalPoint(1), 1).value(), 2.0);
 }
 
 TEST(FormatDocument, ReadsHiddenCornersOfRealIndices) {
@@ -215,15 +217,15 @@ TEST(FormatDocument, ReadsHiddenCornersOfRealIndices) {
         const auto corners = test::DocumentDecoder(page).decodeHidden();
         ASSERT_TRUE(corners.has_value());
         ASSERT_EQ(corners->size(), entry.corners);
-        EXPECT_EQ(corners->front().brick, entry.firstBrick);
-        EXPECT_EQ(corners->back().brick, entry.lastBrick);
+        EXPECT_EQ(corners->front().brick, entry.firstBrick.number());
+        EXPECT_EQ(corners->back().brick, entry.lastBrick.number());
         for (const test::DocumentCorner& corner : *corners) {
             const auto cell = static_cast<LocalPoint>(corner.place / 8);
             const int i = static_cast<int>(corner.place % 8);
-            const auto p = reader.value()->grid().pointCoords(PointId{corner.brick} * kBrickPoints + cell);
+            const auto p = reader.value()->grid().pointCoords(pointIn(BrickIndex(corner.brick), cell));
             const double sample = noise->valueAt(p[0] + i % 2, p[1] + i / 2 % 2, p[2] + i / 4);
             ASSERT_EQ(corner.key, keyOf(static_cast<float>(sample)));
-            ASSERT_EQ(hidden.find(static_cast<BrickIndex>(corner.brick), cell, i).value(), sample);
+            ASSERT_EQ(hidden.find(BrickIndex(corner.brick), cell, i).value(), sample);
         }
         for (std::size_t plane = 0; plane < 8; ++plane)
             compressed += static_cast<int>(page[16 + 4 * plane + 3]) >> 6 == 2;

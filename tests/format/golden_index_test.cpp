@@ -109,15 +109,15 @@ TEST(GoldenIndex, HasHiddenCorners) {
     const HiddenCorners hidden(*reader.value());
     const auto grid = goldenVolume();
     int found = 0;
-    for (BrickIndex brick = 0; brick < 2; ++brick)
-        for (LocalPoint cell = 0; cell < kBrickPoints; ++cell)
+    for (const BrickIndex brick : firstIds<BrickIndex>(2))
+        for (const LocalPoint cell : firstIds<LocalPoint>(kBrickPoints))
             for (int corner = 0; corner < 8; ++corner) {
                 const auto scalar = hidden.find(brick, cell, corner);
                 ASSERT_THAT(scalar, IsOk());
                 if (!scalar.value())
                     continue;
                 ++found;
-                const auto p = reader.value()->grid().pointCoords(PointId{brick} * kBrickPoints + cell);
+                const auto p = reader.value()->grid().pointCoords(pointIn(brick, cell));
                 EXPECT_EQ(*scalar.value(),
                           grid->valueAt(p[0] + (corner & 1), p[1] + (corner >> 1 & 1), p[2] + (corner >> 2)));
             }

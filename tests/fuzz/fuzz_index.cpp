@@ -112,9 +112,11 @@ void readParts(const index::IndexReader& reader) {
     const index::SampleStore store(reader);
     std::vector<Sample> samples(index::SampleStore::kChunkSamples);
     std::uint64_t bytesRead = 0;
-    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(store.chunks().chunkCount(), kMaxChunks); ++i) {
-        requireGood(store.read<Sample>(i, std::span<Sample, index::SampleStore::kChunkSamples>(samples), bytesRead));
-        const auto errors = store.readMergeErrors(i, bytesRead);
+    for (const index::ChunkIndex chunk :
+         firstIds<index::ChunkIndex>(std::min<std::uint64_t>(store.chunks().chunkCount(), kMaxChunks))) {
+        requireGood(
+            store.read<Sample>(chunk, std::span<Sample, index::SampleStore::kChunkSamples>(samples), bytesRead));
+        const auto errors = store.readMergeErrors(chunk, bytesRead);
         if (!errors.isOk())
             requireGoodError(errors.error());
     }

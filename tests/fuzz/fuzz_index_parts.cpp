@@ -25,13 +25,13 @@ void decodePages(std::span<const std::byte> bytes, const GridDims& dims) {
     ISO_REQUIRE(page.ids.size() == page.keys.size() && page.masks.size() == page.keys.size() &&
                     page.normals.size() == page.keys.size() && page.farNormals.size() == page.farKeys.size(),
                 "");
-    const PointId points = PointId{grid.brickCount()} * kBrickPoints;
-    ISO_REQUIRE(std::ranges::all_of(page.ids, [&](PointId id) { return id < points; }), "");
+    const std::uint64_t points = grid.brickCount() * kBrickPoints;
+    ISO_REQUIRE(std::ranges::all_of(page.ids, [&](std::uint64_t id) { return id < points; }), "");
 }
 
 void decodeHidden(ByteReader& in, ScalarType type, const GridDims& dims) {
     index::HiddenPageEntry entry;
-    entry.lastBrick = in.get<std::uint8_t>();
+    entry.lastBrick = BrickIndex(in.get<std::uint8_t>());
     entry.corners = in.get<std::uint16_t>();
     index::IndexInfo info;
     info.geometry.dims = dims;
@@ -43,7 +43,7 @@ void decodeHidden(ByteReader& in, ScalarType type, const GridDims& dims) {
     });
     const auto bytes = in.getBytes(in.remaining());
     entry.bytes = static_cast<std::uint32_t>(bytes.size());
-    if (entry.lastBrick >= BrickGrid(dims).brickCount() || entry.corners == 0 ||
+    if (entry.lastBrick.number() >= BrickGrid(dims).brickCount() || entry.corners == 0 ||
         entry.corners > index::kMaxHiddenPageCorners)
         return; // the directory is refused already
     index::HiddenPage page;

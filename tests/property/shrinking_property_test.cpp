@@ -39,8 +39,9 @@ RC_GTEST_PROP(ScalarKeyProperty, ThresholdsDecideAsTheSignConventionDoes, (std::
 // Records with distinct ids inside a grid, edges only where the grid goes on.
 std::vector<index::PointRecord<std::uint32_t>> recordsIn(const BrickGrid& grid, index::PageOrder order) {
     std::vector<index::PointRecord<std::uint32_t>> records;
-    const auto ids = *rc::gen::container<std::set<PointId>>(rc::gen::inRange<PointId>(0, grid.idCount()));
-    for (const PointId id : ids) {
+    const auto ids = *rc::gen::container<std::set<std::uint64_t>>(rc::gen::inRange<std::uint64_t>(0, grid.idCount()));
+    for (const std::uint64_t number : ids) {
+        const PointId id(number);
         if (!grid.contains(id))
             continue;
         const auto p = grid.pointCoords(id);
@@ -76,7 +77,7 @@ RC_GTEST_PROP(BlockCodecProperty, GivesBackEveryRecord, (bool byValue)) {
     std::size_t edge = 0;
     for (std::size_t i = 0; i < records.size(); ++i) {
         RC_ASSERT(page.keys[i] == records[i].key);
-        RC_ASSERT(page.ids[i] == records[i].id());
+        RC_ASSERT(page.ids[i] == records[i].id().number());
         RC_ASSERT(page.masks[i] == records[i].edgeMask);
         RC_ASSERT(page.normals[i] == records[i].normal);
         for (int e = 0; e < index::kPointEdges; ++e) {

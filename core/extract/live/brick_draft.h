@@ -6,6 +6,7 @@
 
 #include "core/cell/cell_states.h"
 #include "core/extract/live/brick_bits.h"
+#include "core/extract/live/brick_slot.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/edge_record.h"
 #include "core/extract/live/run_arena.h"
@@ -53,7 +54,7 @@ struct BrickDraft {
     std::uint32_t indexCount = 0;
     std::vector<AmbiguousCell> ambiguous;
     std::vector<EdgeRecord<Live>> inner;
-    std::vector<std::uint32_t> replaced; ///< slots, since the move began
+    std::vector<BrickSlot> replaced; ///< slots, since the move began
     std::vector<RetiredRuns> retired; ///< likewise: what pictures still refer to
     struct Counts { ///< since the move began
         std::int64_t activeEdges = 0, triangles = 0, ambiguousCells = 0; ///< differences

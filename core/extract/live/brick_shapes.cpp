@@ -93,7 +93,7 @@ BrickShapes::BrickShapes(const GridDims& dims, const std::vector<index::MissingC
         return;
     isNearMissing_.resize(grid_.brickCount());
     for (const index::MissingCells& cells : missing)
-        forEachAround(cells.brick, [&](BrickIndex brick, const auto&) { isNearMissing_[brick] = true; });
+        forEachAround(cells.brick, [&](BrickIndex brick, const auto&) { isNearMissing_[brick.index()] = true; });
 }
 
 // Calls visit(brick, {dx, dy, dz}) for a brick and those that touch it.

@@ -24,7 +24,7 @@ public:
     /// Whether the brick has cells at all: the last bricks along an axis may hold points only.
     bool hasCells(BrickIndex brick) const;
     /// Whether a cell of the brick, or one that touches it, has a missing corner.
-    bool isNearMissing(BrickIndex brick) const { return !isNearMissing_.empty() && isNearMissing_[brick]; }
+    bool isNearMissing(BrickIndex brick) const { return !isNearMissing_.empty() && isNearMissing_[brick.index()]; }
     /// Of a brick that is not near missing values.
     const BrickMasks& masks(BrickIndex brick) const { return byPlace_[placeOf(brick)]; }
     /// Of any brick; O(cells).

@@ -39,8 +39,8 @@ void LiveSurface<Live>::clear() {
         retired_.clear();
     } else { // pictures refer to them until the next move at least
         retired_.reserve(retired_.size() + liveBricks_);
-        for (BrickSlot slot = 0; slot < slotCount(); ++slot)
-            if (const Brick& brick = bricks_[slot]; brick.isLive)
+        for (const BrickSlot slot : slots())
+            if (const Brick& brick = bricks_[slot.index()]; brick.isLive)
                 retired_.push_back({version_ + 1, {brick.vertices, brick.indices}});
     }
     forgetBricks();
@@ -85,7 +85,7 @@ template <class Live>
 BrickSlot LiveSurface<Live>::add(BrickIndex index) {
     if (free_.empty()) {
         // What may fail because memory is short comes first: afterwards all tables have one length.
-        const std::size_t slots = slotCount() + std::size_t{1};
+        const std::size_t slots = slotCount() + 1;
         bricks_.grow(slots);
         if (slots > intervals_.capacity()) {
             nearMissing_.reserve(2 * slots);
@@ -94,19 +94,19 @@ BrickSlot LiveSurface<Live>::add(BrickIndex index) {
             shown_.reserve(2 * slots);
             free_.reserve(2 * slots);
         }
-        bricks_[slots - 1] = {};
+        bricks_[slots - 1] = Brick();
         nearMissing_.emplace_back();
         intervals_.push_back(kAlways);
         hasInner_.push_back(0);
         shown_.emplace_back();
-        free_.push_back(static_cast<BrickSlot>(slots - 1));
+        free_.push_back(BrickSlot(slots - 1));
     }
     const BrickSlot slot = free_.back();
     const bool isNearMissing = shapes_.isNearMissing(index);
     if (isNearMissing)
-        nearMissing_[slot] = std::make_unique<BrickMasks>(shapes_.masksNearMissing(index));
+        nearMissing_[slot.index()] = std::make_unique<BrickMasks>(shapes_.masksNearMissing(index));
     free_.pop_back();
-    Brick& brick = bricks_[slot]; // new, or as remove() leaves it
+    Brick& brick = bricks_[slot.index()]; // new, or as remove() leaves it
     brick.index = index;
     brick.isLive = true;
     brick.isNearMissing = isNearMissing;
@@ -116,7 +116,7 @@ BrickSlot LiveSurface<Live>::add(BrickIndex index) {
 
 template <class Live>
 void LiveSurface<Live>::remove(BrickSlot slot) {
-    Brick& brick = bricks_[slot];
+    Brick& brick = bricks_[slot.index()];
     activeEdges_ -= brick.ownedEdges;
     triangles_ -= brick.indexCount / 3;
     ambiguousCells_ -= brick.ambiguousCells;
@@ -127,18 +127,18 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
         arenas_->indices.release(brick.indices);
     }
     ambiguous_.release(brick.ambiguous);
-    shown_[slot] = {};
-    nearMissing_[slot].reset();
-    intervals_[slot] = kAlways;
-    hasInner_[slot] = 0;
-    brick = {};
+    shown_[slot.index()] = {};
+    nearMissing_[slot.index()].reset();
+    intervals_[slot.index()] = kAlways;
+    hasInner_[slot.index()] = 0;
+    brick = Brick();
     free_.push_back(slot);
     --liveBricks_;
 }
 
 template <class Live>
 void LiveSurface<Live>::prefetch(BrickSlot slot) const {
-    const Brick& brick = bricks_[slot];
+    const Brick& brick = bricks_[slot.index()];
     for (std::size_t line = 64; line < sizeof(Brick); line += 64)
         __builtin_prefetch(reinterpret_cast<const char*>(&brick) + line);
     if (brick.ambiguousCells == 0)
@@ -185,8 +185,8 @@ void LiveSurface<Live>::compact() {
     if (!arenas_->vertices.isSparse() && !arenas_->indices.isSparse())
         return;
     auto compacted = std::make_shared<BrickArenas<Live>>();
-    for (BrickSlot slot = 0; slot < slotCount(); ++slot) {
-        Brick& brick = bricks_[slot];
+    for (const BrickSlot slot : slots()) {
+        Brick& brick = bricks_[slot.index()];
         if (!brick.isLive || brick.vertices.capacity == 0)
             continue;
         const ArenaRun vertices = compacted->vertices.alike(brick.vertices),
@@ -210,13 +210,13 @@ void LiveSurface<Live>::compact() {
 template <class Live>
 void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
                                 double isovalue) {
-    Brick& brick = bricks_[slot];
+    Brick& brick = bricks_[slot.index()];
     for (std::size_t w = 0; w < kBitWords; ++w)
         draft.counts.cellsChanged += static_cast<std::uint64_t>(
             std::popcount(draft.changed.words[w] & (draft.active.cells.words[w] | brick.cells.words[w])));
     triangulate(slot, draft, corners, isovalue);
     draft.inner.clear();
-    if (hasInner_[slot] != 0)
+    if (hasInner_[slot.index()] != 0)
         placeInner(shapes_.origin(brick.index), draft.records.data(), draft.ambiguous, draft, corners, isovalue);
 
     draft.counts.activeEdges += static_cast<std::int64_t>(draft.ownedEdges) - brick.ownedEdges;
@@ -236,8 +236,8 @@ void LiveSurface<Live>::retire(ArenaRun& vertices, ArenaRun& indices, BrickDraft
 
 template <class Live>
 void LiveSurface<Live>::show(BrickSlot slot) {
-    const Brick& brick = bricks_[slot];
-    PictureBrick& shown = shown_[slot];
+    const Brick& brick = bricks_[slot.index()];
+    PictureBrick& shown = shown_[slot.index()];
     const auto origin = shapes_.origin(brick.index);
     for (std::size_t a = 0; a < 3; ++a)
         shown.place[a] = static_cast<std::uint16_t>(origin[a] / kCellSide);
@@ -251,7 +251,7 @@ void LiveSurface<Live>::show(BrickSlot slot) {
 // Puts the draft's records, indices and ambiguous cells into the brick's runs.
 template <class Live>
 void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
-    Brick& brick = bricks_[slot];
+    Brick& brick = bricks_[slot.index()];
     const std::uint32_t inner = static_cast<std::uint32_t>(draft.inner.size());
     if (isWatched_)
         retire(brick.vertices, brick.indices, draft);
@@ -310,7 +310,7 @@ cell::StateId LiveSurface<Live>::stateOfAmbiguous(BrickDraft<Live>& draft, Close
 template <class Live>
 void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
                                     double isovalue) {
-    const Brick& brick = bricks_[slot];
+    const Brick& brick = bricks_[slot.index()];
     CellList& list = draft.cells;
     listCells(draft.active.cells, draft.above, list);
     draft.ambiguous.clear();
@@ -332,8 +332,8 @@ void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, Cor
     if (draft.indices.size() < room)
         draft.indices.resize(room);
     draft.indexCount = writeTriangles(list, draft.edgeVertices, draft.vertices, draft.indices.data());
-    intervals_[slot] = interval;
-    hasInner_[slot] = innerVertices > 0;
+    intervals_[slot.index()] = interval;
+    hasInner_[slot.index()] = innerVertices > 0;
 }
 
 // Appends the vertices inside the listed cells to draft.inner. REQUIRES: draft.vertices is that of `records`.
@@ -369,7 +369,7 @@ void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, co
 template <class Live>
 void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
                                              double isovalue) {
-    Brick& brick = bricks_[slot];
+    Brick& brick = bricks_[slot.index()];
     if (brick.innerVertices == 0)
         return;
     Record* stored = arenas_->vertices.at(brick.vertices.begin);
@@ -396,8 +396,8 @@ void LiveSurface<Live>::listChanges(std::vector<ChangedTriangles>& triangles,
     triangles.resize(replaced_.size());
     forEachIndex(parts.size(), 1, [&](std::size_t part) {
         for (std::size_t i = part * kTogether; i < std::min(replaced_.size(), (part + 1) * kTogether); ++i) {
-            const Brick& brick = bricks_[replaced_[i]];
-            triangles[i] = {replaced_[i], 0};
+            const Brick& brick = bricks_[replaced_[i].index()];
+            triangles[i] = {replaced_[i].number(), 0};
             if (brick.indexCount == 0)
                 continue;
             const std::uint16_t* const own = arenas_->indices.at(brick.indices.begin);

@@ -11,15 +11,13 @@
 #include "core/extract/live/brick_draft.h"
 #include "core/extract/live/brick_picture.h"
 #include "core/extract/live/brick_shapes.h"
+#include "core/extract/live/brick_slot.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/chunked_array.h"
 #include "core/extract/live/run_arena.h"
 #include "core/extract/surface_mesh.h"
 
 namespace isoslider::extract {
-
-/// Number of a live brick: its place in the tables of the live surface and of what feeds it.
-using BrickSlot = std::uint32_t;
 
 /// The live surface: closed bricks of 8^3 cells, each with all vertices of its triangles. See LIVE.md.
 ///
@@ -40,7 +38,7 @@ public:
     using Record = EdgeRecord<Live>;
 
     struct Brick {
-        BrickIndex index = 0;
+        BrickIndex index;
         ArenaRun vertices, indices, ambiguous;
         std::uint32_t indexCount = 0;
         std::uint16_t edgeVertices = 0;
@@ -82,19 +80,22 @@ public:
 
     const BrickShapes& shapes() const { return shapes_; }
     const BrickMasks& masks(BrickSlot slot) const {
-        return bricks_[slot].isNearMissing ? *nearMissing_[slot] : shapes_.masks(bricks_[slot].index);
+        return bricks_[slot.index()].isNearMissing ? *nearMissing_[slot.index()]
+                                                   : shapes_.masks(bricks_[slot.index()].index);
     }
-    std::uint32_t slotCount() const { return static_cast<std::uint32_t>(intervals_.size()); }
-    const Brick& brick(BrickSlot slot) const { return bricks_[slot]; }
+    std::size_t slotCount() const { return intervals_.size(); }
+    /// All, in use or not.
+    IdRange<BrickSlot> slots() const { return firstIds<BrickSlot>(slotCount()); }
+    const Brick& brick(BrickSlot slot) const { return bricks_[slot.index()]; }
     /// Asks for the memory that replace() will read and write, so that it comes while another brick is made. The head,
     /// which states where the rest is, must have come before.
-    void prefetchHead(BrickSlot slot) const { __builtin_prefetch(&bricks_[slot]); }
+    void prefetchHead(BrickSlot slot) const { __builtin_prefetch(&bricks_[slot.index()]); }
     void prefetch(BrickSlot slot) const;
-    const Record* records(BrickSlot slot) const { return arenas_->vertices.at(bricks_[slot].vertices.begin); }
+    const Record* records(BrickSlot slot) const { return arenas_->vertices.at(bricks_[slot.index()].vertices.begin); }
     bool hasBricks() const { return liveBricks_ > 0; }
     /// Isovalues between which no cell of the brick changes its state; everything for a slot without a brick.
-    const cell::StateInterval& stateInterval(BrickSlot slot) const { return intervals_[slot]; }
-    bool hasInnerVertices(BrickSlot slot) const { return hasInner_[slot] != 0; }
+    const cell::StateInterval& stateInterval(BrickSlot slot) const { return intervals_[slot.index()]; }
+    bool hasInnerVertices(BrickSlot slot) const { return hasInner_[slot.index()] != 0; }
 
     std::uint64_t activeEdges() const { return activeEdges_; }
     std::uint64_t triangles() const { return triangles_; }
@@ -159,7 +160,7 @@ private:
 template <class Live>
 template <class Visit>
 void LiveSurface<Live>::forEachCell(BrickSlot slot, const Visit& visit) const {
-    const Brick& brick = bricks_[slot];
+    const Brick& brick = bricks_[slot.index()];
     const AmbiguousCell* ambiguous = brick.ambiguousCells > 0 ? ambiguous_.at(brick.ambiguous.begin) : nullptr;
     std::uint32_t first = 0;
     forEachSetBit(brick.cells, [&](ClosedPoint cell) {

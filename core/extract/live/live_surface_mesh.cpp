@@ -84,10 +84,10 @@ private:
     }
 
     void listBricks() {
-        firstVertex_.resize(surface_.slotCount() + std::size_t{1}, 0);
-        for (BrickSlot slot = 0; slot < surface_.slotCount(); ++slot) {
-            const Brick& brick = surface_.bricks_[slot];
-            firstVertex_[slot + 1] = firstVertex_[slot] + brick.edgeVertices + brick.innerVertices;
+        firstVertex_.resize(surface_.slotCount() + 1, 0);
+        for (const BrickSlot slot : surface_.slots()) {
+            const Brick& brick = surface_.bricks_[slot.index()];
+            firstVertex_[slot.index() + 1] = firstVertex_[slot.index()] + brick.edgeVertices + brick.innerVertices;
             if (brick.indexCount > 0)
                 bricksByLayer_[static_cast<std::size_t>(surface_.shapes_.origin(brick.index)[2] / kCellSide)].push_back(
                     slot);
@@ -105,7 +105,7 @@ private:
     template <class Visit>
     void forEachRecordIn(BrickSlot slot, int z, const Visit& visit) const {
         const Record* const first = surface_.records(slot);
-        const Record* const last = first + surface_.bricks_[slot].edgeVertices;
+        const Record* const last = first + surface_.bricks_[slot.index()].edgeVertices;
         const auto isBefore = [](const Record& record, int edge) { return record.edge < edge; };
         for (int axis = 0; axis < 3; ++axis) {
             const int edge = (axis << kEdgeAxisShift) + z * kPointStride[2];
@@ -119,7 +119,7 @@ private:
         std::vector<Vertex> copies;
         const auto take = [&](std::size_t layer, int local) {
             for (const BrickSlot slot : bricksByLayer_[layer]) {
-                const auto origin = surface_.shapes_.origin(surface_.bricks_[slot].index);
+                const auto origin = surface_.shapes_.origin(surface_.bricks_[slot.index()].index);
                 forEachRecordIn(slot, local, [&](const Record& record, std::uint32_t number) {
                     copies.push_back(
                         {4 * placeOf(origin, record.edge & kEdgePointMask) + (record.edge >> kEdgeAxisShift), slot,
@@ -137,7 +137,7 @@ private:
         for (const Vertex& copy : copies) {
             if (kept == 0 || copies[kept - 1].edge != copy.edge)
                 copies[kept++] = copy;
-            newNumbers_[firstVertex_[copy.slot] + copy.number] = static_cast<std::uint32_t>(kept - 1);
+            newNumbers_[firstVertex_[copy.slot.index()] + copy.number] = static_cast<std::uint32_t>(kept - 1);
         }
         copies.resize(kept);
         copies.shrink_to_fit();
@@ -147,8 +147,8 @@ private:
     void findCells(std::size_t layer) {
         const std::size_t firstPlane = layer * kCellSide;
         for (const BrickSlot slot : bricksByLayer_[layer]) {
-            const auto origin = surface_.shapes_.origin(surface_.bricks_[slot].index);
-            std::uint16_t inner = surface_.bricks_[slot].edgeVertices;
+            const auto origin = surface_.shapes_.origin(surface_.bricks_[slot.index()].index);
+            std::uint16_t inner = surface_.bricks_[slot.index()].edgeVertices;
             surface_.forEachCell(slot, [&](ClosedPoint cell, cell::StateId state, std::uint32_t firstIndex) {
                 const cell::CellState& its = cell::cellStates()[state];
                 Plane& plane = planes_[firstPlane + static_cast<std::size_t>(coordsOf(cell)[2])];
@@ -183,8 +183,8 @@ private:
     }
 
     void writeVertex(std::uint64_t at, BrickSlot slot, std::uint32_t number) {
-        const MeshVertex vertex =
-            vertexOf(surface_.records(slot)[number], surface_.shapes_.origin(surface_.bricks_[slot].index), isovalue_);
+        const MeshVertex vertex = vertexOf(surface_.records(slot)[number],
+                                           surface_.shapes_.origin(surface_.bricks_[slot.index()].index), isovalue_);
         mesh_.positions[at] = vertex.position;
         mesh_.normals[at] = vertex.normal;
     }
@@ -207,7 +207,7 @@ private:
         for (std::size_t k = 0; k < kPointSide && layerPlane + k < planes_.size(); ++k)
             firstVertex[k] = planes_[layerPlane + k].firstVertex;
         for (const Cell& cell : plane.cells) {
-            const Brick& brick = surface_.bricks_[cell.slot];
+            const Brick& brick = surface_.bricks_[cell.slot.index()];
             const cell::CellState& state = cell::cellStates()[cell.state];
             const Record* const records = surface_.records(cell.slot);
             const std::uint64_t ownInner = inner;
@@ -220,7 +220,7 @@ private:
                     number >= brick.edgeVertices
                         ? ownInner + (number - cell.firstInner)
                         : firstVertex[(records[number].edge & kEdgePointMask) / kPointStride[2]] +
-                              newNumbers_[firstVertex_[cell.slot] + number]);
+                              newNumbers_[firstVertex_[cell.slot.index()] + number]);
             }
         }
         plane.cells = {};

@@ -22,7 +22,7 @@ struct BlockWalk<Key>::Task {
     const WalkSegment* segment;
     std::size_t page = 0;
     typename index::LazyLevels<Key>::Page merged = nullptr;
-    int level = 0;
+    index::SkipLevel level;
     bool beginsBlock = false; // at level 0 blocks are counted by their keys
 };
 
@@ -36,7 +36,7 @@ template <class Key>
 Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(const std::vector<WalkSegment>& segments,
                                                                              SlideStats& stats) {
     using Lazy = index::LazyLevels<Key>;
-    const int top = skipList_.levelCount() - 1;
+    const index::SkipLevel top = skipList_.top();
     typename Lazy::Below below;
     below.pages = [&](std::uint64_t b) -> Result<std::vector<typename Lazy::Page>> {
         const index::BlockEntry& block = skipList_.block(top, b);
@@ -62,9 +62,9 @@ Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(con
         }
     };
     for (const WalkSegment& segment : segments) {
-        if (segment.level == 0) {
+        if (segment.level == index::kLevel0) {
             for (std::size_t page = segment.firstPage; page < segment.pageEnd; ++page)
-                tasks.push_back({&segment, page, nullptr, 0});
+                tasks.push_back({&segment, page, nullptr, segment.level});
         } else if (segment.level < top) {
             addBlocks(segment, segment.firstBlock, segment.firstBlock + segment.blocks);
         } else {
@@ -78,7 +78,7 @@ Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(con
                     merged = std::move(made).value();
                 }
                 if (merged)
-                    tasks.push_back({&segment, 0, std::move(merged), top + group.level});
+                    tasks.push_back({&segment, 0, std::move(merged), above(top, group.level)});
                 else
                     addBlocks(segment, group.firstBlock(), group.blockEnd());
             }
@@ -91,7 +91,7 @@ Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(con
 // segment.
 template <class Key>
 typename BlockWalk<Key>::Part BlockWalk<Key>::partOf(const DecodedPage<Key>& page, const Task& task, WalkStep& step) {
-    if (task.level > 0)
+    if (task.level > index::kLevel0)
         return {page, 0, page.pointCount(), 0};
     const WalkSegment& segment = *task.segment;
     const auto low =
@@ -125,7 +125,7 @@ Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats&
         if (stop.stop_requested())
             return;
         const Task& task = tasks[i];
-        WalkStep& step = allSteps.local()[static_cast<std::size_t>(task.level)];
+        WalkStep& step = allSteps.local()[task.level.index()];
         const auto take = [&](const DecodedPage<Key>& page) {
             const Part part = partOf(page, task, step);
             step.edges += visit(part) - part.firstEntry;
@@ -161,7 +161,7 @@ Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats&
             levels[l].bytes += steps[l].bytes;
         }
     for (std::size_t l = 0; l < levels.size(); ++l) {
-        levels[l].skipLevel = static_cast<int>(l);
+        levels[l].level = index::SkipLevel(l);
         stats.edgesTouched += levels[l].edges;
         if (levels[l].bytes > 0)
             stats.walk.push_back(levels[l]);

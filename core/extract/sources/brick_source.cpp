@@ -93,7 +93,7 @@ BrickSource<Sample>::~BrickSource() = default;
 template <class Sample>
 void BrickSource<Sample>::reset() {
     for (const BrickIndex brick : brickOf_)
-        slotOf_[brick] = 0;
+        slotOf_[brick.index()] = 0;
     watch_.clear();
     brickOf_.clear();
 }
@@ -110,7 +110,7 @@ Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bo
             const std::uint64_t far = part.page.farKeys[entry];
             if (far >= lower && far < upper)
                 continue; // comes and goes within the move
-            const auto brick = static_cast<BrickIndex>(part.page.ids[i] / kBrickPoints);
+            const BrickIndex brick = brickOf(PointId(part.page.ids[i]));
             ((far > part.page.keys[i]) == goesUp ? local.arrive : local.leave).push_back(brick);
         }
         return entry;
@@ -132,35 +132,35 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
     constexpr std::size_t kAhead = 8;
     for (std::size_t i = 0; i < net.leave.size(); ++i) {
         if (i + 2 * kAhead < net.leave.size())
-            __builtin_prefetch(&slotOf_[net.leave[i + 2 * kAhead]], 1);
+            __builtin_prefetch(&slotOf_[net.leave[i + 2 * kAhead].index()], 1);
         if (i + kAhead < net.leave.size())
-            if (const std::uint32_t ahead = slotOf_[net.leave[i + kAhead]]; ahead != 0)
-                surface.prefetchHead(ahead - 1);
+            if (const std::uint32_t ahead = slotOf_[net.leave[i + kAhead].index()]; ahead != 0)
+                surface.prefetchHead(BrickSlot(ahead - 1));
         const BrickIndex brick = net.leave[i];
-        if (slotOf_[brick] == 0)
+        if (slotOf_[brick.index()] == 0)
             continue; // points without cells
-        const BrickSlot slot = std::exchange(slotOf_[brick], 0) - 1;
+        const BrickSlot slot(std::exchange(slotOf_[brick.index()], 0) - 1);
         stats.edgesRemoved += surface.brick(slot).ownedEdges;
         stats.cellsRetriangulated += static_cast<std::uint64_t>(surface.brick(slot).cells.count());
         surface.remove(slot);
-        watch_[slot] = {};
+        watch_[slot.index()] = {};
     }
     sortForReading(net.arrive, false);
     for (const BrickIndex brick : net.arrive) {
         if (!surface.shapes().hasCells(brick))
             continue;
-        if (slotOf_[brick] != 0)
+        if (slotOf_[brick.index()] != 0)
             return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice",
                              reader_.pathString());
         const BrickSlot slot = surface.add(brick);
-        kept_.grow(slot + std::uint64_t{1});
-        if (slot >= watch_.size()) {
-            watch_.resize(slot + 1);
-            brickOf_.resize(slot + 1);
+        kept_.grow(slot.index() + 1);
+        if (slot.index() >= watch_.size()) {
+            watch_.resize(slot.index() + 1);
+            brickOf_.resize(slot.index() + 1);
         }
-        watch_[slot] = {};
-        brickOf_[slot] = brick;
-        slotOf_[brick] = slot + 1; // the last: whatever fails before, reset() finds all that is set
+        watch_[slot.index()] = {};
+        brickOf_[slot.index()] = brick;
+        slotOf_[brick.index()] = slot.number() + 1; // the last: whatever fails before, reset() finds all that is set
         jobs.push_back({slot, true});
     }
     return {};
@@ -170,8 +170,8 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
 template <class Sample>
 void BrickSource<Sample>::listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs,
                                       std::vector<BrickSlot>& refreshed) const {
-    for (BrickSlot slot = 0; slot < watch_.size(); ++slot) {
-        if (watch_[slot].isCrossed(move.from, move.to) || !surface.stateInterval(slot).contains(move.isovalue))
+    for (const BrickSlot slot : firstIds<BrickSlot>(watch_.size())) {
+        if (watch_[slot.index()].isCrossed(move.from, move.to) || !surface.stateInterval(slot).contains(move.isovalue))
             jobs.push_back({slot, false});
         else if (surface.hasInnerVertices(slot))
             refreshed.push_back(slot);
@@ -196,9 +196,9 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     std::vector<bool> isNew(watch_.size(), false);
     kept_.shrink(watch_.size());
     for (const Job& job : arrived)
-        isNew[job.slot] = true;
-    std::erase_if(jobs, [&](const Job& job) { return isNew[job.slot]; });
-    std::erase_if(refreshed, [&](BrickSlot slot) { return isNew[slot]; });
+        isNew[job.slot.index()] = true;
+    std::erase_if(jobs, [&](const Job& job) { return isNew[job.slot.index()]; });
+    std::erase_if(refreshed, [&](BrickSlot slot) { return isNew[slot.index()]; });
     jobs.insert(jobs.end(), arrived.begin(), arrived.end());
 
     for (Scratch& scratch : *scratches_) {
@@ -209,7 +209,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
         for (std::size_t i = begin; i != end; ++i) {
-            Corners corners(kept_[refreshed[i]]);
+            Corners corners(kept_[refreshed[i].index()]);
             surface.refreshInnerVertices(refreshed[i], scratch.draft, corners, move.isovalue);
         }
     });
@@ -245,9 +245,9 @@ void BrickSource<Sample>::sortForReading(std::vector<BrickIndex>& bricks, bool b
 template <class Sample>
 void BrickSource<Sample>::prefetchKept(const Job& job) const {
     if (job.isNew) {
-        samples_.prefetch(brickOf_[job.slot]);
+        samples_.prefetch(brickOf_[job.slot.index()]);
     } else {
-        const auto* const kept = reinterpret_cast<const char*>(&kept_[job.slot]);
+        const auto* const kept = reinterpret_cast<const char*>(&kept_[job.slot.index()]);
         for (std::size_t line = 0; line < sizeof(LiveSamples); line += 64)
             __builtin_prefetch(kept + line, 0, 2);
     }
@@ -287,8 +287,8 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
     for (const Scratch& scratch : *scratches_) {
         samples_.touch(scratch.read);
         for (const Job& job : scratch.pending) {
-            bricks.push_back(brickOf_[job.slot]);
-            isNew[job.slot] = job.isNew;
+            bricks.push_back(brickOf_[job.slot.index()]);
+            isNew[job.slot.index()] = job.isNew;
         }
     }
     if (bricks.empty())
@@ -303,7 +303,7 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
             return ready.error();
         std::vector<Job> batch;
         for (const BrickIndex brick : rest.first(ready.value()))
-            batch.push_back({slotOf_[brick] - 1, isNew[slotOf_[brick] - 1]});
+            batch.push_back({BrickSlot(slotOf_[brick.index()] - 1), isNew[slotOf_[brick.index()] - 1]});
         ISO_TRY(run(batch));
         rest = rest.subspan(ready.value());
     }
@@ -364,7 +364,7 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
                                           Scratch& scratch) const {
     if (kept.hasAllNormals)
         return true;
-    const BrickIndex brick = brickOf_[job.slot];
+    const BrickIndex brick = brickOf_[job.slot.index()];
     PointRows rows;
     if (job.isNew) {
         BitString ends;
@@ -394,11 +394,11 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
 // False when samples are wanted that are not ready.
 template <class Sample>
 bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
-    const BrickIndex brick = brickOf_[job.slot];
+    const BrickIndex brick = brickOf_[job.slot.index()];
     if (job.isNew && !samples_.isReady(brick))
         return false;
     // What arrives is made in memory that is at hand, and put in its place when it is whole.
-    LiveSamples& kept = job.isNew ? scratch.arriving : kept_[job.slot];
+    LiveSamples& kept = job.isNew ? scratch.arriving : kept_[job.slot.index()];
     if (job.isNew) {
         scratch.read.push_back(brick);
         take(brick, surface.brick(job.slot).isNearMissing, kept, scratch);
@@ -420,8 +420,8 @@ bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, 
     Corners corners(kept);
     surface.replace(job.slot, draft, corners, move.isovalue);
     if (job.isNew)
-        streamCopy(&kept_[job.slot], &scratch.arriving, sizeof(LiveSamples));
-    watch_[job.slot] = {keyOf(sampleOf<Sample>(found.up)), keyOf(sampleOf<Sample>(found.down))};
+        streamCopy(&kept_[job.slot.index()], &scratch.arriving, sizeof(LiveSamples));
+    watch_[job.slot.index()] = {keyOf(sampleOf<Sample>(found.up)), keyOf(sampleOf<Sample>(found.down))};
     scratch.edgesAdded += found.edgesAdded;
     scratch.edgesRemoved += found.edgesRemoved;
     ++scratch.bricks;
@@ -452,9 +452,9 @@ Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::s
         NetBricks net;
         Status fetched = netBricks(std::min(from, to), std::max(from, to), from < to, stats, stop, net);
         if (fetched.isOk()) {
-            for (BrickSlot slot = 0; slot < watch_.size(); ++slot)
-                if (watch_[slot].isCrossed(from, to))
-                    net.arrive.push_back(brickOf_[slot]);
+            for (const BrickSlot slot : firstIds<BrickSlot>(watch_.size()))
+                if (watch_[slot.index()].isCrossed(from, to))
+                    net.arrive.push_back(brickOf_[slot.index()]);
             sortForReading(net.arrive, !readsBackwards_);
             fetched = samples_.fetch(net.arrive, stats, stop);
         }

@@ -122,8 +122,8 @@ template <class Sample>
 template <class Visit>
 void EdgeBlockSource<Sample>::forEachHolder(PointId start, int axis, const Visit& visit) const {
     const BrickGrid& grid = reader_.grid();
-    const auto brick = static_cast<BrickIndex>(start / kBrickPoints);
-    const auto local = static_cast<int>(start % kBrickPoints);
+    const BrickIndex brick = brickOf(start);
+    const int local = localOf(start).number();
     const std::array<int, 3> c{local & 7, local >> 3 & 7, local >> 6};
     const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
     const int base = (axis << kEdgeAxisShift) + closedPoint(c[0], c[1], c[2]);
@@ -140,11 +140,11 @@ void EdgeBlockSource<Sample>::forEachHolder(PointId start, int axis, const Visit
             at[u] - isBelowU < cellBricks_[static_cast<int>(u)] && at[v] - isBelowV < cellBricks_[static_cast<int>(v)];
         if (!hasCells)
             continue;
-        const std::int64_t holder = std::int64_t{brick} - (isBelowU ? grid.brickStride(static_cast<int>(u)) : 0) -
-                                    (isBelowV ? grid.brickStride(static_cast<int>(v)) : 0);
+        const BrickIndex holder = brick - ((isBelowU ? grid.brickStride(static_cast<int>(u)) : 0) +
+                                           (isBelowV ? grid.brickStride(static_cast<int>(v)) : 0));
         const int edge =
             base + (isBelowU ? kCellSide * kPointStride[u] : 0) + (isBelowV ? kCellSide * kPointStride[v] : 0);
-        visit(static_cast<BrickIndex>(holder), static_cast<ClosedEdge>(edge));
+        visit(holder, static_cast<ClosedEdge>(edge));
     }
 }
 
@@ -156,7 +156,7 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
     std::size_t entry = part.firstEntry;
     static constexpr int kLocalStride[3] = {1, 8, 64};
     for (std::size_t i = part.begin; i < part.end; ++i) {
-        const PointId id = page.ids[i];
+        const PointId id(page.ids[i]);
         const Key key = page.keys[i];
         const Live near = static_cast<Live>(sampleOfKey<Sample>(key));
         for (unsigned mask = page.masks[i]; mask != 0; mask &= mask - 1, ++entry) {
@@ -168,11 +168,10 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
             const bool isUpward = e & 1;
             PointId start = id;
             if (!isUpward) { // the edge starts at the far end
-                const int local = static_cast<int>(id % kBrickPoints);
+                const int local = localOf(id).number();
                 const bool leaves = (local / kLocalStride[axis] & 7) == 0;
-                start = leaves ? id - static_cast<PointId>(grid.brickStride(axis)) * kBrickPoints +
-                                     static_cast<PointId>(7 * kLocalStride[axis])
-                               : id - static_cast<PointId>(kLocalStride[axis]);
+                start = leaves ? id - grid.brickStride(axis) * kBrickPoints + 7 * kLocalStride[axis]
+                               : id - kLocalStride[axis];
             }
             if ((farKey > key) != goesUp) {
                 ++lists.edgesRemoved;
@@ -203,21 +202,21 @@ Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface) {
         Scratch& scratch = scratches_->local();
         for (const Lists& lists : *lists_)
             for (const Activated& change : lists.activated[partition])
-                if (std::uint32_t& slot = slotOf_[change.brick]; slot == 0) {
+                if (std::uint32_t& slot = slotOf_[change.brick.index()]; slot == 0) {
                     slot = kArriving;
                     scratch.arriving.push_back(change.brick);
                 }
         for (const Lists& lists : *lists_) // only a damaged index takes from a brick that has nothing
             for (const Deactivated& change : lists.deactivated[partition])
-                if (slotOf_[change.brick] == 0 && !surface.shapes().isNearMissing(change.brick))
+                if (slotOf_[change.brick.index()] == 0 && !surface.shapes().isNearMissing(change.brick))
                     isConsistent = false;
     });
     for (const Scratch& scratch : *scratches_)
         for (const BrickIndex brick : scratch.arriving) {
             const BrickSlot added = surface.add(brick);
-            edges_.grow(added + std::uint64_t{1});
-            edges_[added] = {};
-            slotOf_[brick] = added + 1;
+            edges_.grow(added.index() + 1);
+            edges_[added.index()] = {};
+            slotOf_[brick.index()] = added.number() + 1;
         }
     chains_.resize(surface.slotCount(), {kEndOfChain, kEndOfChain});
     if (!isConsistent)
@@ -234,12 +233,12 @@ void EdgeBlockSource<Sample>::chainChanges(std::size_t partition, Scratch& scrat
     scratch.nextActivated.clear();
     scratch.nextDeactivated.clear();
     const auto chainOf = [&](BrickIndex brick) -> Chain* {
-        const std::uint32_t slot = slotOf_[brick];
+        const std::uint32_t slot = slotOf_[brick.index()];
         if (slot == 0)
             return nullptr;
         Chain& chain = chains_[slot - 1];
         if (chain.firstActivated == kEndOfChain && chain.firstDeactivated == kEndOfChain)
-            scratch.touched.push_back(slot - 1);
+            scratch.touched.push_back(BrickSlot(slot - 1));
         return &chain;
     };
     for (const Lists& lists : *lists_) {
@@ -263,8 +262,8 @@ template <class Sample>
 void EdgeBlockSource<Sample>::listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface,
                                                  std::vector<BrickSlot>& crossed,
                                                  std::vector<BrickSlot>& refreshed) const {
-    for (BrickSlot slot = 0; slot < chains_.size(); ++slot) {
-        const Chain& chain = chains_[slot];
+    for (const BrickSlot slot : firstIds<BrickSlot>(chains_.size())) {
+        const Chain& chain = chains_[slot.index()];
         if (chain.firstActivated != kEndOfChain || chain.firstDeactivated != kEndOfChain)
             continue;
         if (!surface.stateInterval(slot).contains(move.isovalue))
@@ -317,11 +316,11 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
         return cancelledError();
     for (const std::vector<BrickSlot>& slots : changedBy)
         for (const BrickSlot slot : slots)
-            chains_[slot] = {0, 0}; // they are done
+            chains_[slot.index()] = {0, 0}; // they are done
     listCrossedSaddles(move, surface, crossed, refreshed);
     for (const std::vector<BrickSlot>& slots : changedBy)
         for (const BrickSlot slot : slots)
-            chains_[slot] = {kEndOfChain, kEndOfChain};
+            chains_[slot.index()] = {kEndOfChain, kEndOfChain};
     forEachIndex(crossed.size(), kBricksTogether, [&](std::size_t i) {
         if (!stop.stop_requested())
             changeBrick(crossed[i], move, surface, scratches_->local());
@@ -350,7 +349,7 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
     }
     for (const Scratch& scratch : *scratches_)
         for (const BrickSlot slot : scratch.emptied) {
-            slotOf_[surface.brick(slot).index] = 0;
+            slotOf_[surface.brick(slot).index.index()] = 0;
             surface.remove(slot);
         }
     stats.bytesRead += hiddenCorners_.bytesRead() - hiddenBytes;
@@ -360,9 +359,9 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
 // Applies the changes of a brick to its bits. False when they contradict each other.
 template <class Sample>
 bool EdgeBlockSource<Sample>::toggle(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch) {
-    std::array<BitString, 3>& edges = edges_[slot];
+    std::array<BitString, 3>& edges = edges_[slot.index()];
     const BrickMasks& masks = surface.masks(slot);
-    const Chain chain = chains_[slot];
+    const Chain chain = chains_[slot.index()];
     const auto flip = [&](ClosedEdge edge, bool wasActive) {
         const unsigned axis = edge >> kEdgeAxisShift, p = edge & kEdgePointMask;
         if (!masks.edges[axis].test(p))
@@ -385,7 +384,7 @@ bool EdgeBlockSource<Sample>::toggle(BrickSlot slot, const LiveSurface<Live>& su
 template <class Sample>
 void EdgeBlockSource<Sample>::mergeRecords(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
     BrickDraft<Live>& draft = scratch.draft;
-    draft.active.edges = edges_[slot];
+    draft.active.edges = edges_[slot.index()];
     draft.edgeVertices = numberEdges(draft.active, draft.vertices);
     const auto isActive = [&](ClosedEdge edge) {
         return draft.active.edges[edge >> kEdgeAxisShift].test(edge & kEdgePointMask);
@@ -395,7 +394,7 @@ void EdgeBlockSource<Sample>::mergeRecords(BrickSlot slot, const LiveSurface<Liv
     for (std::uint32_t k = 0; k < had; ++k)
         if (isActive(old[k].edge))
             draft.records[draft.vertices.of(old[k].edge)] = old[k];
-    for (std::uint32_t i = chains_[slot].firstActivated; i != kEndOfChain; i = scratch.nextActivated[i])
+    for (std::uint32_t i = chains_[slot.index()].firstActivated; i != kEndOfChain; i = scratch.nextActivated[i])
         if (const Record& record = scratch.activated[i]->record; isActive(record.edge))
             draft.records[draft.vertices.of(record.edge)] = record;
 }
@@ -405,7 +404,7 @@ void EdgeBlockSource<Sample>::mergeRecords(BrickSlot slot, const LiveSurface<Liv
 // False when the edges are those of no scalars: only a damaged index has such.
 template <class Sample>
 bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
-    const std::array<BitString, 3>& edges = edges_[slot];
+    const std::array<BitString, 3>& edges = edges_[slot.index()];
     const BrickMasks& masks = surface.masks(slot);
     BrickDraft<Live>& draft = scratch.draft;
     BitString above;
@@ -476,12 +475,12 @@ void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, Live
                                           Scratch& scratch) {
     BrickDraft<Live>& draft = scratch.draft;
     const bool isNew = surface.brick(slot).edgeVertices == 0;
-    const std::array<BitString, 3> before = edges_[slot];
+    const std::array<BitString, 3> before = edges_[slot.index()];
     if (!toggle(slot, surface, scratch)) {
         scratch.isConsistent = false;
         return;
     }
-    const std::array<BitString, 3>& after = edges_[slot];
+    const std::array<BitString, 3>& after = edges_[slot.index()];
     mergeRecords(slot, surface, scratch);
     if (draft.edgeVertices == 0)
         scratch.emptied.push_back(slot);

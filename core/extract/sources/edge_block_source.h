@@ -74,7 +74,9 @@ private:
     std::size_t collect(const Part& part, KeyThreshold lower, KeyThreshold upper, bool goesUp);
     template <class Visit>
     void forEachHolder(PointId start, int axis, const Visit& visit) const;
-    std::size_t partitionOf(BrickIndex brick) const { return static_cast<std::size_t>(brick * partitionScale_ >> 32); }
+    std::size_t partitionOf(BrickIndex brick) const {
+        return static_cast<std::size_t>(brick.number() * partitionScale_ >> 32);
+    }
     Status addArrivingBricks(LiveSurface<Live>& surface);
     void chainChanges(std::size_t partition, Scratch& scratch);
     void changeBrick(BrickSlot slot, const Move& move, LiveSurface<Live>& surface, Scratch& scratch);

@@ -16,7 +16,7 @@ public:
     explicit MemorySamples(const ScalarGrid& grid)
         : view_{grid.values<Sample>().data(), grid.dims()}, bricks_(grid.dims()) {}
 
-    std::uint64_t orderOf(BrickIndex brick) const override { return brick; }
+    std::uint64_t orderOf(BrickIndex brick) const override { return brick.number(); }
     Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats&, std::stop_token) override {
         return bricks.size();
     }

@@ -35,7 +35,7 @@ template <class Sample>
 std::uint64_t StoredSamples<Sample>::orderOf(BrickIndex brick) const {
     const auto b = bricks_.brickCoords(brick);
     const auto inside = static_cast<std::uint64_t>((b[0] & 1) + 2 * (b[1] & 1) + 4 * (b[2] & 1));
-    return store_.chunks().chunkAt(b[0] >> 1, b[1] >> 1, b[2] >> 1) << 3 | inside;
+    return store_.chunks().chunkAt(b[0] >> 1, b[1] >> 1, b[2] >> 1).number() << 3 | inside;
 }
 
 template <class Sample>
@@ -83,7 +83,7 @@ bool StoredSamples<Sample>::forEachChunk(BrickIndex brick, const Visit& visit) c
 template <class Sample>
 bool StoredSamples<Sample>::isReady(BrickIndex brick) const {
     return forEachChunk(brick, [&](Chunk chunk) {
-        const Slot slot = slotOf_[chunk];
+        const Slot slot = slotOf_[chunk.index()];
         return slot != 0 && slots_[slot - 1].isFilled;
     });
 }
@@ -96,7 +96,7 @@ void StoredSamples<Sample>::touch(std::span<const BrickIndex> bricks) {
     ++batch_;
     for (const BrickIndex brick : bricks)
         (void)forEachChunk(brick, [&](Chunk chunk) {
-            const Slot slot = slotOf_[chunk];
+            const Slot slot = slotOf_[chunk.index()];
             if (slot != 0 && slots_[slot - 1].batch != batch_) {
                 unlink(slot);
                 slots_[slot - 1].batch = batch_;
@@ -110,7 +110,7 @@ void StoredSamples<Sample>::touch(std::span<const BrickIndex> bricks) {
 template <class Sample>
 void StoredSamples<Sample>::prefetch(BrickIndex brick) const {
     const auto b = bricks_.brickCoords(brick);
-    const Slot slot = slotOf_[store_.chunks().chunkAt(b[0] >> 1, b[1] >> 1, b[2] >> 1)];
+    const Slot slot = slotOf_[store_.chunks().chunkAt(b[0] >> 1, b[1] >> 1, b[2] >> 1).index()];
     if (slot == 0)
         return;
     const Sample* const corner =
@@ -133,7 +133,7 @@ void StoredSamples<Sample>::pushOldest(Slot slot) {
 // Gives the chunk a slot for this batch; false when all slots are needed by it already.
 template <class Sample>
 bool StoredSamples<Sample>::claim(Chunk chunk, std::vector<Slot>& missing) {
-    Slot slot = slotOf_[chunk];
+    Slot slot = slotOf_[chunk.index()];
     if (slot != 0) {
         if (slots_[slot - 1].batch == batch_)
             return true;
@@ -150,9 +150,9 @@ bool StoredSamples<Sample>::claim(Chunk chunk, std::vector<Slot>& missing) {
                 return false;
             unlink(slot);
             if (slots_[slot - 1].chunk != kNone)
-                slotOf_[slots_[slot - 1].chunk] = 0;
+                slotOf_[slots_[slot - 1].chunk.index()] = 0;
         }
-        slotOf_[chunk] = slot;
+        slotOf_[chunk.index()] = slot;
         slots_[slot - 1].chunk = chunk;
         slots_[slot - 1].isFilled = false;
         missing.push_back(slot);
@@ -199,7 +199,7 @@ void StoredSamples<Sample>::dropUnfilled(std::span<const Slot> missing) {
         SlotState& state = slots_[slot - 1];
         if (state.isFilled)
             continue;
-        slotOf_[state.chunk] = 0;
+        slotOf_[state.chunk.index()] = 0;
         state.chunk = kNone;
         state.batch = 0;
         unlink(slot);
@@ -211,7 +211,7 @@ template <class Sample>
 void StoredSamples<Sample>::dropCaches() {
     for (const SlotState& state : slots_)
         if (state.chunk != kNone)
-            slotOf_[state.chunk] = 0;
+            slotOf_[state.chunk.index()] = 0;
     slots_.clear();
     newest_ = oldest_ = 0;
 }
@@ -233,7 +233,7 @@ Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& 
         if (stop.stop_requested())
             return;
         std::uint64_t bytes = 0;
-        const Slot slot = slotOf_[order[i]];
+        const Slot slot = slotOf_[order[i].index()];
         const std::span<Sample, kSamples> out(samplesOf(slot), kSamples);
         const Status status = store_.read<Sample>(order[i], out, bytes);
         bytesRead.fetch_add(bytes, std::memory_order_relaxed);

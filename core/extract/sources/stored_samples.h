@@ -41,7 +41,7 @@ private:
     static constexpr std::size_t kLeastAhead = 256; ///< a smaller cache has better things to keep
     static constexpr std::size_t kSamples = index::SampleStore::kChunkSamples;
 
-    static constexpr Chunk kNone = ~Chunk{0};
+    static constexpr Chunk kNone{~std::uint64_t{0}};
     struct SlotState {
         Chunk chunk = kNone;
         std::uint64_t batch = 0; ///< that used it last
@@ -69,7 +69,7 @@ private:
     const Sample* samplesOf(Slot slot) const { return samples_.data() + (slot - 1) * kSamples; }
     /// Null for a chunk that is not in the cache: a brick that is ready does not reach into it.
     const Sample* dataOf(std::int64_t cx, std::int64_t cy, std::int64_t cz) const {
-        const Slot slot = slotOf_[store_.chunks().chunkAt(cx, cy, cz)];
+        const Slot slot = slotOf_[store_.chunks().chunkAt(cx, cy, cz).index()];
         return slot == 0 ? nullptr : samplesOf(slot);
     }
 

@@ -112,15 +112,16 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     columns.masks.clear();
     columns.normals.clear();
     Key previousKey = base;
-    PointId previousId = 0;
+    std::uint64_t previousId = 0;
     NormalCode previousNormal = 0;
     for (const PointRecord<Key>& r : records) {
         columns.keys.push_back(static_cast<Key>(r.key - (order == PageOrder::Value ? previousKey : base)));
-        columns.ids.push_back(r.id() >= previousId ? r.id() - previousId : r.id() + (idCount - previousId));
+        const std::uint64_t id = r.id().number();
+        columns.ids.push_back(id >= previousId ? id - previousId : id + (idCount - previousId));
         columns.masks.push_back(r.edgeMask);
         columns.normals.push_back(subtractNormal(r.normal, previousNormal));
         previousKey = r.key;
-        previousId = r.id();
+        previousId = id;
         previousNormal = r.normal;
     }
     findFarResiduals(records, columns);
@@ -164,7 +165,7 @@ Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const Br
                      const PlaneReader& reader) {
     const std::uint64_t idCount = grid.idCount();
     Key previousKey = base;
-    PointId previousId = 0;
+    std::uint64_t previousId = 0;
     NormalCode previousNormal = 0;
     std::size_t edges = 0;
     for (std::size_t i = 0; i < page.pointCount(); ++i) {
@@ -174,11 +175,11 @@ Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const Br
         page.keys[i] = previousKey = key;
         if (page.ids[i] >= idCount)
             return reader.corrupt("point id");
-        PointId id = previousId + page.ids[i];
+        std::uint64_t id = previousId + page.ids[i];
         id = id >= idCount ? id - idCount : id;
         page.ids[i] = previousId = id;
         page.normals[i] = previousNormal = addNormal(page.normals[i], previousNormal);
-        const auto p = grid.pointCoords(id);
+        const auto p = grid.pointCoords(PointId(id));
         std::uint8_t allowed = 0;
         for (int a = 0; a < 3; ++a) {
             if (p[a] >= grid.dims()[a])

@@ -19,7 +19,7 @@ namespace isoslider::index {
 template <class Key>
 struct DecodedPage {
     std::vector<Key> keys;
-    std::vector<PointId> ids;
+    std::vector<std::uint64_t> ids; ///< numbers of PointIds
     std::vector<std::uint8_t> masks;
     std::vector<NormalCode> normals;
     std::vector<Key> farKeys;
@@ -29,7 +29,7 @@ struct DecodedPage {
     std::size_t edgeCount() const { return farKeys.size(); }
     /// What the arrays take, which may have held a larger page before.
     std::size_t memoryBytes() const {
-        return keys.capacity() * sizeof(Key) + ids.capacity() * sizeof(PointId) + masks.capacity() +
+        return keys.capacity() * sizeof(Key) + ids.capacity() * sizeof(std::uint64_t) + masks.capacity() +
                normals.capacity() * sizeof(NormalCode) + farKeys.capacity() * sizeof(Key) +
                farNormals.capacity() * sizeof(NormalCode);
     }

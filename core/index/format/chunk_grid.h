@@ -4,14 +4,17 @@
 #include <array>
 #include <cstdint>
 
+#include "core/base/strong_id.h"
 #include "core/grid/brick_grid.h"
 #include "core/index/format/chunk_codec.h"
 
 namespace isoslider::index {
 
-/// The grid cut into chunks of 16^3 samples: 2^3 bricks each. Chunks x fastest, 64-bit.
-using ChunkIndex = std::uint64_t;
+struct ChunkTag;
+/// A chunk, in an order with x fastest.
+using ChunkIndex = StrongId<ChunkTag, std::uint64_t>;
 
+/// The grid cut into chunks of 16^3 samples: 2^3 bricks each.
 class ChunkGrid {
 public:
     static constexpr int kBricksPerSide = kChunkSide / kBrickSide;
@@ -25,10 +28,10 @@ public:
     const GridDims& chunks() const { return chunks_; }
     std::uint64_t chunkCount() const { return static_cast<std::uint64_t>(pointCount(chunks_)); }
     ChunkIndex chunkAt(std::int64_t cx, std::int64_t cy, std::int64_t cz) const {
-        return static_cast<ChunkIndex>(cx + chunks_[0] * (cy + chunks_[1] * cz));
+        return ChunkIndex(cx + chunks_[0] * (cy + chunks_[1] * cz));
     }
     std::array<std::int64_t, 3> chunkCoords(ChunkIndex chunk) const {
-        const auto c = static_cast<std::int64_t>(chunk);
+        const auto c = static_cast<std::int64_t>(chunk.number());
         return {c % chunks_[0], c / chunks_[0] % chunks_[1], c / (chunks_[0] * chunks_[1])};
     }
     /// Samples of a chunk along each axis: fewer than kChunkSide where the grid ends.

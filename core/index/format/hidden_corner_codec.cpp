@@ -25,7 +25,7 @@ bool scalarOfKey(std::uint64_t key, double min, double max, double& scalar) {
 
 // Differences to places; false when they do not rise, or name no cell of the grid.
 bool restorePlaces(std::vector<std::uint32_t>& places, const HiddenPageEntry& entry, const BrickGrid& grid) {
-    const std::uint64_t end = (std::uint64_t{entry.lastBrick} - entry.firstBrick + 1) * kHiddenPlacesPerBrick;
+    const std::uint64_t end = (std::uint64_t{entry.lastBrick - entry.firstBrick} + 1) * kHiddenPlacesPerBrick;
     std::uint64_t place = 0;
     for (std::size_t i = 0; i < places.size(); ++i) {
         if (i > 0 && places[i] == 0)
@@ -34,8 +34,8 @@ bool restorePlaces(std::vector<std::uint32_t>& places, const HiddenPageEntry& en
         if (place >= end)
             return false;
         places[i] = static_cast<std::uint32_t>(place);
-        const PointId cell = PointId{entry.firstBrick} * kBrickPoints + place / 8;
-        const auto p = grid.pointCoords(cell);
+        const PointId first = pointIn(entry.firstBrick, LocalPoint());
+        const auto p = grid.pointCoords(first + place / 8);
         for (int a = 0; a < 3; ++a)
             if (p[a] + 1 >= grid.dims()[a])
                 return false;
@@ -64,7 +64,7 @@ std::vector<std::byte> encodeHiddenPage(std::span<const HiddenCorner> corners, S
     std::vector<std::byte> bytes;
     ByteWriter header(bytes);
     header.put<std::uint32_t>(static_cast<std::uint32_t>(corners.size()));
-    header.put<std::uint32_t>(firstBrick);
+    header.put<std::uint32_t>(firstBrick.number());
     header.put<std::uint32_t>(static_cast<std::uint32_t>(keyBytes));
     header.put<std::uint32_t>(static_cast<std::uint32_t>(kPlaceBytes + keyBytes));
     PlaneWriter writer(bytes, kPlaceBytes + keyBytes);
@@ -87,7 +87,7 @@ Status decodeHiddenPage(std::span<const std::byte> bytes, const HiddenPageEntry&
     PlaneReader reader(bytes, path, entry.offset);
     ByteReader header(bytes);
     const std::size_t count = header.get<std::uint32_t>();
-    const BrickIndex firstBrick = header.get<std::uint32_t>();
+    const BrickIndex firstBrick(header.get<std::uint32_t>());
     const std::uint32_t keyBytes = header.get<std::uint32_t>();
     const std::uint32_t planes = header.get<std::uint32_t>();
     if (header.hasFailed())

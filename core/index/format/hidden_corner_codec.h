@@ -15,7 +15,7 @@ namespace isoslider::index {
 /// A sample that sliding cannot learn from active edges: that of the corner opposite the one that three
 /// corners surround (MC33 case 7). See cell::hiddenCornersNeeded.
 struct HiddenCorner {
-    BrickIndex brick = 0;
+    BrickIndex brick;
     std::uint16_t place = 0; ///< in the brick: 8 * cell + corner
     std::uint64_t key = 0;
 };

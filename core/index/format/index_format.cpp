@@ -56,7 +56,7 @@ bool getGeometry(ByteReader& in, GridGeometry& geometry) {
         for (int row = 0; row < 3; ++row)
             geometry.direction[column][row] = in.get<double>();
     return isSane && !in.hasFailed() && pointCount(geometry.dims) <= kMaxPoints &&
-           BrickGrid(geometry.dims).brickCount() <= std::numeric_limits<BrickIndex>::max();
+           BrickGrid(geometry.dims).brickCount() <= std::numeric_limits<BrickIndex::NumberType>::max();
 }
 
 // In order, and samples of the type.
@@ -130,7 +130,7 @@ const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDi
 void putHiddenPages(ByteWriter& out, const std::vector<HiddenPageEntry>& pages) {
     out.put<std::uint64_t>(pages.size());
     for (const HiddenPageEntry& page : pages) {
-        for (const std::uint32_t value : {page.firstBrick, page.lastBrick, page.corners, page.bytes})
+        for (const std::uint32_t value : {page.firstBrick.number(), page.lastBrick.number(), page.corners, page.bytes})
             out.put<std::uint32_t>(value);
         out.put<std::uint64_t>(page.offset);
         out.put<std::uint64_t>(page.checksum);
@@ -144,16 +144,18 @@ bool getHiddenPages(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
     meta.hiddenPages.resize(count);
     std::uint64_t nextBrick = 0;
     for (HiddenPageEntry& page : meta.hiddenPages) {
-        for (std::uint32_t* value : {&page.firstBrick, &page.lastBrick, &page.corners, &page.bytes})
-            *value = in.get<std::uint32_t>();
+        page.firstBrick = BrickIndex(in.get<std::uint32_t>());
+        page.lastBrick = BrickIndex(in.get<std::uint32_t>());
+        page.corners = in.get<std::uint32_t>();
+        page.bytes = in.get<std::uint32_t>();
         page.offset = in.get<std::uint64_t>();
         page.checksum = in.get<std::uint64_t>();
-        if (page.firstBrick < nextBrick || page.lastBrick < page.firstBrick ||
+        if (page.firstBrick.number() < nextBrick || page.lastBrick < page.firstBrick ||
             page.lastBrick - page.firstBrick >= kMaxHiddenPageBricks || page.corners == 0 ||
             page.corners > kMaxHiddenPageCorners || page.bytes > kMaxHiddenPageBytes || page.offset < kPreambleBytes ||
             page.offset > preamble.metaOffset || page.bytes > preamble.metaOffset - page.offset)
             return false;
-        nextBrick = std::uint64_t{page.lastBrick} + 1;
+        nextBrick = std::uint64_t{page.lastBrick.number()} + 1;
     }
     return nextBrick <= BrickGrid(meta.info.geometry.dims).brickCount();
 }
@@ -194,7 +196,7 @@ void putMissingCells(ByteWriter& out, const std::vector<MissingCells>& bricks) {
     std::vector<std::byte> plain;
     ByteWriter writer(plain);
     for (const MissingCells& brick : bricks) {
-        writer.put<std::uint32_t>(brick.brick);
+        writer.put<std::uint32_t>(brick.brick.number());
         for (const std::uint64_t cells : brick.cells)
             writer.put<std::uint64_t>(cells);
     }
@@ -224,10 +226,10 @@ bool getMissingCells(ByteReader& in, std::vector<MissingCells>& bricks, const Br
     ByteReader reader(plain);
     bricks.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
-        bricks[i].brick = reader.get<std::uint32_t>();
+        bricks[i].brick = BrickIndex(reader.get<std::uint32_t>());
         for (std::uint64_t& cells : bricks[i].cells)
             cells = reader.get<std::uint64_t>();
-        if (bricks[i].brick >= grid.brickCount() || (i > 0 && bricks[i].brick <= bricks[i - 1].brick))
+        if (bricks[i].brick.number() >= grid.brickCount() || (i > 0 && bricks[i].brick <= bricks[i - 1].brick))
             return false;
     }
     return true;

@@ -9,6 +9,7 @@
 #include "core/base/result.h"
 #include "core/grid/brick_grid.h"
 #include "core/index/format/index_info.h"
+#include "core/index/format/skip_level.h"
 
 namespace isoslider::index {
 
@@ -68,8 +69,8 @@ struct LevelDirectory {
 
 /// One encoded page of hidden corners (hidden_corner_codec.h), and the bricks of its cells.
 struct HiddenPageEntry {
-    BrickIndex firstBrick = 0;
-    BrickIndex lastBrick = 0; ///< the last one with an entry
+    BrickIndex firstBrick;
+    BrickIndex lastBrick; ///< the last one with an entry
     std::uint32_t corners = 0;
     std::uint32_t bytes = 0;
     std::uint64_t offset = 0;
@@ -85,7 +86,7 @@ struct ChunkGroupEntry {
 
 /// Cells of a brick that have a missing corner: bit x + 8 y + 64 z.
 struct MissingCells {
-    BrickIndex brick = 0;
+    BrickIndex brick;
     std::uint64_t cells[8] = {};
 };
 

@@ -25,10 +25,10 @@ struct PointRecord {
     NormalCode farNormals[kPointEdges] = {};
     Key farKeys[kPointEdges] = {};
 
-    PointId id() const { return PointId{idLow} | PointId{idHigh} << 32; }
+    PointId id() const { return PointId(std::uint64_t{idLow} | std::uint64_t{idHigh} << 32); }
     void setId(PointId id) {
-        idLow = static_cast<std::uint32_t>(id);
-        idHigh = static_cast<std::uint16_t>(id >> 32);
+        idLow = static_cast<std::uint32_t>(id.number());
+        idHigh = static_cast<std::uint16_t>(id.number() >> 32);
     }
 };
 

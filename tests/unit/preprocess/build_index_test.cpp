@@ -309,7 +309,7 @@ TEST(BuildMetacells, KeepTheSamples) {
             const GridDims& dims = volume.grid->dims();
             std::vector<Sample> chunk(index::SampleStore::kChunkSamples);
             std::uint64_t bytesRead = 0;
-            for (index::ChunkIndex c = 0; c < store.chunks().chunkCount(); ++c) {
+            for (const index::ChunkIndex c : firstIds<index::ChunkIndex>(store.chunks().chunkCount())) {
                 const std::span<Sample, index::SampleStore::kChunkSamples> out(chunk.data(), chunk.size());
                 ASSERT_THAT(store.read<Sample>(c, out, bytesRead), IsOk());
                 const auto at = store.chunks().chunkCoords(c);

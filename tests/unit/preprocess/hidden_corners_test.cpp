@@ -41,8 +41,7 @@ Corners neededCorners(const ScalarGrid& grid) {
                 const PointId id = bricks.pointId(x, y, z);
                 for (std::uint32_t c = 0; c < 8; ++c)
                     if (needed >> c & 1)
-                        corners[{static_cast<BrickIndex>(id / kBrickPoints),
-                                 static_cast<std::uint32_t>(id % kBrickPoints) * 8 + c}] = scalars[c];
+                        corners[{brickOf(id), std::uint32_t{localOf(id).number()} * 8 + c}] = scalars[c];
             }
     return corners;
 }
@@ -165,7 +164,7 @@ TEST(HiddenCorners, SmoothVolumesHaveNone) {
 // Bricks that no test could fill with samples, cut into pages and looked up.
 class LargeGrid : public testing::Test {
 protected:
-    using Brick = std::pair<BrickIndex, unsigned>; // and the number of its hidden corners
+    using Brick = std::pair<std::uint32_t, unsigned>; // and the number of its hidden corners
 
     void build(const GridDims& dims, std::initializer_list<Brick> bricks) {
         index::IndexMeta meta;
@@ -181,8 +180,8 @@ protected:
             std::vector<index::HiddenCorner> corners;
             for (unsigned place = 0; place < places; ++place) {
                 const auto sample = static_cast<std::int32_t>(brick * 31u + place);
-                corners.push_back({brick, static_cast<std::uint16_t>(place), keyOf(sample)});
-                expected_[{brick, place}] = sample;
+                corners.push_back({BrickIndex(brick), static_cast<std::uint16_t>(place), keyOf(sample)});
+                expected_[{BrickIndex(brick), place}] = sample;
             }
             ASSERT_THAT(builder.addBrick(corners), IsOk());
         }
@@ -196,7 +195,7 @@ protected:
     std::vector<std::array<std::uint64_t, 3>> pages() const {
         std::vector<std::array<std::uint64_t, 3>> pages;
         for (const auto& page : reader_->meta().hiddenPages)
-            pages.push_back({page.firstBrick, page.lastBrick, page.corners});
+            pages.push_back({page.firstBrick.number(), page.lastBrick.number(), page.corners});
         return pages;
     }
     void expectAllFound() {
@@ -207,7 +206,7 @@ protected:
                 hidden.find(place.first, static_cast<LocalPoint>(place.second / 8), static_cast<int>(place.second % 8))
                     .value(),
                 scalar);
-        EXPECT_EQ(hidden.find(expected_.rbegin()->first.first + 1, 0, 0).value(), std::nullopt);
+        EXPECT_EQ(hidden.find(expected_.rbegin()->first.first + 1, LocalPoint(), 0).value(), std::nullopt);
     }
 
     test::TemporaryFolder folder_;
@@ -218,7 +217,7 @@ protected:
 using Pages = std::vector<std::array<std::uint64_t, 3>>;
 
 TEST_F(LargeGrid, PagesTakeFullBricksAndEndBeforeTheyAreTooLong) {
-    const BrickIndex far = 6 + (1u << 20);
+    const std::uint32_t far = 6 + (1u << 20);
     build({kMaxDim, 8 * 90, 8 * 180}, {{0, 1},
                                        {1, 4096},
                                        {2, 4096},
@@ -241,7 +240,7 @@ TEST_F(LargeGrid, PagesTakeFullBricksAndEndBeforeTheyAreTooLong) {
 }
 
 TEST_F(LargeGrid, BricksHaveAll32Bits) {
-    const BrickIndex last = 131072u * 32767u - 131072u - 2; // its upper neighbours exist
+    const std::uint32_t last = 131072u * 32767u - 131072u - 2; // its upper neighbours exist
     build({kMaxDim, 8 * 32767, 2},
           {{0x7fffffff, 2}, {0x80000000, 512}, {0x80000000 + (1u << 20), 2}, {last - 1, 9}, {last, 512}});
     EXPECT_EQ(pages(), (Pages{{0x7fffffff, 0x80000000, 514},

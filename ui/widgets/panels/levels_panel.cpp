@@ -218,7 +218,7 @@ void LevelsPanel::showMove() {
     if (frame)
         for (const auto& step : frame->stats.walk)
             rows.push_back(
-                {QString::number(step.skipLevel), grouped(step.blocks), grouped(step.edges), bytes(step.bytes)});
+                {QString::number(step.level.number()), grouped(step.blocks), grouped(step.edges), bytes(step.bytes)});
     walk_->setRows(std::move(rows));
     moveFacts_->setFacts(frame ? factsOfMove(*frame, session_.isovalue()) : std::vector<Fact>{});
 }

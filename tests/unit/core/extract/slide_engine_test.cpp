@@ -127,9 +127,9 @@ TEST_F(SlideEngineTest, SkipLevelsShortenAJump) {
     ASSERT_THAT(slow, IsOk());
     EXPECT_LT(far.value().edgesTouched, slow.value().edgesTouched);
     EXPECT_TRUE(std::any_of(far.value().walk.begin(), far.value().walk.end(),
-                            [](const WalkStep& s) { return s.skipLevel > 0; }));
+                            [](const WalkStep& s) { return s.level > index::kLevel0; }));
     EXPECT_TRUE(std::all_of(slow.value().walk.begin(), slow.value().walk.end(),
-                            [](const WalkStep& s) { return s.skipLevel == 0; }));
+                            [](const WalkStep& s) { return s.level == index::kLevel0; }));
     EXPECT_TRUE(test::isSameSurface(leveled->mesh().value(), plain->mesh().value()));
 }
 

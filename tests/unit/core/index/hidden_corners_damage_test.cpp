@@ -190,7 +190,7 @@ TEST_F(DamagedNoise, AnIndexThatContradictsItselfIsNamed) {
     for (std::size_t i = 0, far = 0; i < page.pointCount(); ++i) {
         PointRecord<Key> record;
         record.key = page.keys[i];
-        record.setId(page.ids[i]);
+        record.setId(PointId(page.ids[i]));
         record.normal = page.normals[i];
         record.edgeMask = page.masks[i];
         for (int e = 0; e < kPointEdges; ++e)
@@ -248,7 +248,8 @@ TEST_F(DamagedNoise, ForgedHiddenCornersNeverCrash) {
                     for (int x = 0; x < 8; ++x)
                         for (int c = 0; c < 8; ++c)
                             if (random() % 8 != 0)
-                                forgedCorners.push_back({0, static_cast<std::uint16_t>(8 * (x + 8 * y + 64 * z) + c),
+                                forgedCorners.push_back({BrickIndex(),
+                                                         static_cast<std::uint16_t>(8 * (x + 8 * y + 64 * z) + c),
                                                          min + random() % span});
         }
         const auto engine = extract::SlideEngine::open(write(forged(meta, {forgedCorners})), {1});
@@ -267,9 +268,14 @@ TEST_F(DamagedNoise, ForgedDirectoriesOfHiddenCornersNeverCrash) {
         meta.hiddenPages.resize(1 + random() % 2, meta_.hiddenPages[0]);
         for (int changes = 0; changes < 2; ++changes) {
             HiddenPageEntry& entry = meta.hiddenPages[random() % meta.hiddenPages.size()];
-            for (std::uint32_t* field : {&entry.firstBrick, &entry.lastBrick, &entry.corners, &entry.bytes})
+            const auto change = [&](auto& field) {
                 if (random() % 4 == 0)
-                    *field += static_cast<std::uint32_t>(random() % 5) - 2;
+                    field = field + (static_cast<int>(random() % 5) - 2);
+            };
+            change(entry.firstBrick);
+            change(entry.lastBrick);
+            change(entry.corners);
+            change(entry.bytes);
             if (random() % 8 == 0)
                 entry.offset = random() % 3 ? meta_.levels[0].pages[0].offset : ~std::uint64_t{0} - 5;
             // The checksum of whatever lies there.

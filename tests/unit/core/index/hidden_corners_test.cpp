@@ -34,9 +34,9 @@ IndexInfo infoOf(ScalarType type, const GridDims& dims) {
 
 // Some cells of bricks [first, first + bricks), of a grid of whole bricks: those at the box's end do not exist.
 template <class Sample, class Random>
-std::vector<HiddenCorner> someCorners(Random& random, BrickIndex first, BrickIndex bricks, unsigned oneIn) {
+std::vector<HiddenCorner> someCorners(Random& random, std::uint32_t first, std::uint32_t bricks, unsigned oneIn) {
     std::vector<HiddenCorner> corners;
-    for (BrickIndex brick = first; brick < first + bricks; ++brick)
+    for (std::uint32_t brick = first; brick < first + bricks; ++brick)
         for (std::uint16_t cell = 0; cell < kBrickPoints; ++cell)
             for (std::uint16_t corner = 0; corner < 8; ++corner) {
                 const bool exists = (cell & 7) < 7 && (cell >> 3 & 7) < 7 && (cell >> 6) < 7;
@@ -49,7 +49,7 @@ std::vector<HiddenCorner> someCorners(Random& random, BrickIndex first, BrickInd
                         std::ldexp(static_cast<double>(random()) - 2e9, static_cast<int>(random() % 60) - 30));
                 else
                     sample = static_cast<Sample>(random());
-                corners.push_back({brick, static_cast<std::uint16_t>(8 * cell + corner), keyOf(sample)});
+                corners.push_back({BrickIndex(brick), static_cast<std::uint16_t>(8 * cell + corner), keyOf(sample)});
             }
     return corners;
 }
@@ -60,8 +60,8 @@ void expectRoundTrip(ScalarType type) {
     const GridDims dims = {8 * 4096, 8 * 1024, 8 * 1023}; // bricks up to 2^32 - 2^22
     const BrickGrid grid(dims);
     const IndexInfo info = infoOf(type, dims);
-    const auto lastBrick = static_cast<BrickIndex>(grid.brickCount() - 1);
-    for (const auto& [first, bricks, oneIn] : {std::array<BrickIndex, 3>{0, 1, 5000},
+    const auto lastBrick = static_cast<std::uint32_t>(grid.brickCount() - 1);
+    for (const auto& [first, bricks, oneIn] : {std::array<std::uint32_t, 3>{0, 1, 5000},
                                                {7, 3, 5000},
                                                {lastBrick, 1, 5000},
                                                {lastBrick - 9, 10, 20},
@@ -73,14 +73,14 @@ void expectRoundTrip(ScalarType type) {
         EXPECT_LE(bytes.size(), kMaxHiddenPageBytes);
         EXPECT_EQ(bytes, encodeHiddenPage(corners, type));
         const HiddenPageEntry entry = hiddenPageEntry(corners);
-        EXPECT_EQ(entry.firstBrick, first);
-        EXPECT_EQ(entry.lastBrick, first + bricks - 1);
+        EXPECT_EQ(entry.firstBrick.number(), first);
+        EXPECT_EQ(entry.lastBrick.number(), first + bricks - 1);
         HiddenPage page;
         ASSERT_THAT(decodeHiddenPage(bytes, entry, info, page, "p"), IsOk());
         ASSERT_EQ(page.places.size(), corners.size());
         ASSERT_EQ(page.scalars.size(), corners.size());
         for (std::size_t i = 0; i < corners.size(); ++i) {
-            ASSERT_EQ(page.places[i], kHiddenPlacesPerBrick * (corners[i].brick - first) + corners[i].place);
+            ASSERT_EQ(page.places[i], kHiddenPlacesPerBrick * (corners[i].brick.number() - first) + corners[i].place);
             ASSERT_EQ(page.scalars[i],
                       static_cast<double>(sampleOfKey<Sample>(static_cast<KeyOf<Sample>>(corners[i].key))));
         }
@@ -99,7 +99,8 @@ TEST(HiddenPage, GivesBackWhatItTook) {
 
 TEST(HiddenPage, SpansAsManyBricksAsPlacesAllow) {
     const GridDims dims = {8 * 4096, 8 * 1024, 16};
-    const std::vector<HiddenCorner> corners = {{3, 7, keyOf(-1.5f)}, {2 + kMaxHiddenPageBricks, 2919, keyOf(2.5f)}};
+    const std::vector<HiddenCorner> corners = {{BrickIndex(3), 7, keyOf(-1.5f)},
+                                               {BrickIndex(2 + kMaxHiddenPageBricks), 2919, keyOf(2.5f)}};
     HiddenPage page;
     ASSERT_THAT(decodeHiddenPage(encodeHiddenPage(corners, ScalarType::F32), hiddenPageEntry(corners),
                                  infoOf(ScalarType::F32, dims), page, "p"),
@@ -164,7 +165,7 @@ TEST_F(HiddenPageDamage, WhatTheDirectorySaysMustBeSo) {
              [](HiddenPageEntry& e) { ++e.corners; }, [](HiddenPageEntry& e) { --e.corners; },
              [](HiddenPageEntry& e) { ++e.firstBrick; }, [](HiddenPageEntry& e) { --e.firstBrick; },
              [](HiddenPageEntry& e) { ++e.lastBrick; }, [](HiddenPageEntry& e) { --e.lastBrick; },
-             [](HiddenPageEntry& e) { e.firstBrick = 9, e.lastBrick = 2; }}) {
+             [](HiddenPageEntry& e) { e.firstBrick = BrickIndex(9), e.lastBrick = BrickIndex(2); }}) {
         HiddenPageEntry entry = entry_;
         change(entry);
         EXPECT_THAT(decode(bytes_, entry), HasError(ErrorCode::Corruption));
@@ -175,27 +176,28 @@ TEST_F(HiddenPageDamage, WhatTheDirectorySaysMustBeSo) {
 
 TEST_F(HiddenPageDamage, PlacesMustRiseAndNameCells) {
     const std::uint64_t one = keyOf(1.0f);
-    refuses("the same corner twice", {{2, 9, one}, {2, 9, one}});
-    refuses("a cell that would stick out of the grid along y", {{7, 8 * (7 << 3), one}});
-    refuses("a cell in the last plane along z", {{12, 8, one}});
-    refuses("a brick outside the grid", {{20, 8, one}});
+    refuses("the same corner twice", {{BrickIndex(2), 9, one}, {BrickIndex(2), 9, one}});
+    refuses("a cell that would stick out of the grid along y", {{BrickIndex(7), 8 * (7 << 3), one}});
+    refuses("a cell in the last plane along z", {{BrickIndex(12), 8, one}});
+    refuses("a brick outside the grid", {{BrickIndex(20), 8, one}});
     EXPECT_THAT(
-        decode(encodeHiddenPage(std::vector<HiddenCorner>{{2, 9, one}, {2, 10, one}}, kType), {2, 2, 2, 0, 0, 0}),
+        decode(encodeHiddenPage(std::vector<HiddenCorner>{{BrickIndex(2), 9, one}, {BrickIndex(2), 10, one}}, kType),
+               {BrickIndex(2), BrickIndex(2), 2, 0, 0, 0}),
         IsOk());
 }
 
 TEST_F(HiddenPageDamage, ScalarsMustBeSamplesOfTheVolume) {
-    refuses("not a number", {{2, 9, 0xffffffff}});
-    refuses("infinite", {{2, 9, keyOf(std::numeric_limits<float>::infinity())}});
-    refuses("another way to write 0", {{2, 9, 0x7fffffff}});
+    refuses("not a number", {{BrickIndex(2), 9, 0xffffffff}});
+    refuses("infinite", {{BrickIndex(2), 9, keyOf(std::numeric_limits<float>::infinity())}});
+    refuses("another way to write 0", {{BrickIndex(2), 9, 0x7fffffff}});
     info_.min = -1.0;
     info_.max = 4.0;
-    refuses("above the range", {{2, 9, keyOf(std::nextafter(4.0f, 5.0f))}});
-    refuses("below the range", {{2, 9, keyOf(std::nextafter(-1.0f, -5.0f))}});
-    const std::vector<HiddenCorner> corners = {{2, 9, keyOf(4.0f)}, {2, 10, keyOf(-1.0f)}};
-    EXPECT_THAT(decode(encodeHiddenPage(corners, kType), {2, 2, 2, 0, 0, 0}), IsOk());
+    refuses("above the range", {{BrickIndex(2), 9, keyOf(std::nextafter(4.0f, 5.0f))}});
+    refuses("below the range", {{BrickIndex(2), 9, keyOf(std::nextafter(-1.0f, -5.0f))}});
+    const std::vector<HiddenCorner> corners = {{BrickIndex(2), 9, keyOf(4.0f)}, {BrickIndex(2), 10, keyOf(-1.0f)}};
+    EXPECT_THAT(decode(encodeHiddenPage(corners, kType), {BrickIndex(2), BrickIndex(2), 2, 0, 0, 0}), IsOk());
     info_ = infoOf(ScalarType::U8, {40, 16, 9});
-    const std::vector<HiddenCorner> wide = {{2, 9, 256}};
+    const std::vector<HiddenCorner> wide = {{BrickIndex(2), 9, 256}};
     HiddenPage page;
     EXPECT_THAT(decodeHiddenPage(encodeHiddenPage(wide, ScalarType::U8), hiddenPageEntry(wide), info_, page, "p"),
                 HasError(ErrorCode::Corruption));
@@ -206,7 +208,7 @@ class HiddenCornersFile : public testing::Test {
 protected:
     void SetUp() override {
         std::mt19937 random(5);
-        for (const auto& [first, bricks] : {std::pair<BrickIndex, BrickIndex>{3, 4}, {7, 1}, {20, 100}})
+        for (const auto& [first, bricks] : {std::pair<std::uint32_t, std::uint32_t>{3, 4}, {7, 1}, {20, 100}})
             pages_.push_back(someCorners<float>(random, first, bricks, 1500));
         auto writer = IndexWriter::create(path_, 42);
         ASSERT_THAT(writer, IsOk());
@@ -248,12 +250,12 @@ TEST_F(HiddenCornersFile, FindsWhatIsThereAndNothingElse) {
     for (const auto& page : pages_)
         for (const HiddenCorner& corner : page)
             expected[{corner.brick, corner.place}] = scalarOf(corner);
-    for (BrickIndex brick = 0; brick < reader_->grid().brickCount() + 2; ++brick)
+    for (const BrickIndex brick : firstIds<BrickIndex>(reader_->grid().brickCount() + 2))
         for (std::uint16_t place = 0; place < kHiddenPlacesPerBrick; ++place) {
             const auto found = hidden.find(brick, static_cast<LocalPoint>(place / 8), place % 8);
             ASSERT_THAT(found, IsOk());
             const auto at = expected.find({brick, place});
-            ASSERT_EQ(found.value().has_value(), at != expected.end()) << brick << " " << place;
+            ASSERT_EQ(found.value().has_value(), at != expected.end()) << brick.number() << " " << place;
             if (found.value()) {
                 ASSERT_EQ(*found.value(), at->second);
             }
@@ -264,16 +266,16 @@ TEST_F(HiddenCornersFile, ReadsOnlyPagesThatAreAskedForAndEachOnce) {
     const HiddenCorners hidden(*reader_);
     const auto& entries = reader_->meta().hiddenPages;
     const std::uint64_t nothing = hidden.memoryBytes();
-    for (const BrickIndex brick : {0u, 2u, 8u, 19u, 120u, 342u, ~0u})
-        ASSERT_EQ(hidden.find(brick, 0, 0).value(), std::nullopt);
+    for (const std::uint32_t brick : {0u, 2u, 8u, 19u, 120u, 342u, ~0u})
+        ASSERT_EQ(hidden.find(BrickIndex(brick), LocalPoint(), 0).value(), std::nullopt);
     EXPECT_EQ(hidden.bytesRead(), 0u);
     EXPECT_EQ(hidden.memoryBytes(), nothing);
     for (int round = 0; round < 2; ++round) {
-        ASSERT_THAT(hidden.find(7, 0, 0), IsOk());
+        ASSERT_THAT(hidden.find(BrickIndex(7), LocalPoint(), 0), IsOk());
         EXPECT_EQ(hidden.bytesRead(), entries[1].bytes);
     }
-    ASSERT_THAT(hidden.find(20, 0, 0), IsOk());
-    ASSERT_THAT(hidden.find(119, 0, 0), IsOk());
+    ASSERT_THAT(hidden.find(BrickIndex(20), LocalPoint(), 0), IsOk());
+    ASSERT_THAT(hidden.find(BrickIndex(119), LocalPoint(), 0), IsOk());
     EXPECT_EQ(hidden.bytesRead(), entries[1].bytes + entries[2].bytes);
     EXPECT_GT(hidden.memoryBytes(), nothing);
 }
@@ -284,13 +286,13 @@ TEST_F(HiddenCornersFile, DamageIsReportedWithItsPlace) {
             flipByteAt(at);
             const HiddenCorners hidden(*reader_);
             for (int round = 0; round < 2; ++round) {
-                const auto found = hidden.find(entry.firstBrick, 0, 0);
+                const auto found = hidden.find(entry.firstBrick, LocalPoint(), 0);
                 ASSERT_THAT(found, HasError(ErrorCode::Corruption));
                 EXPECT_EQ(found.error().path, path_.string());
                 EXPECT_EQ(found.error().offset, entry.offset);
             }
             for (const HiddenPageEntry& other : reader_->meta().hiddenPages)
-                EXPECT_EQ(hidden.find(other.firstBrick, 0, 0).isOk(), other.offset != entry.offset);
+                EXPECT_EQ(hidden.find(other.firstBrick, LocalPoint(), 0).isOk(), other.offset != entry.offset);
             flipByteAt(at);
         }
 }

@@ -81,10 +81,10 @@ protected:
         const std::uint64_t chunks = store.chunks().chunkCount();
         parts_.push_back({group.offset + group.chunkBytes, chunks * kGroupEntryBytes, [this, place] {
                               SampleStore fresh(*reader_);
-                              const auto found = place(fresh, 0);
+                              const auto found = place(fresh, ChunkIndex());
                               return found.isOk() ? Status() : Status(found.error());
                           }});
-        for (ChunkIndex chunk = 0; chunk < chunks; ++chunk) {
+        for (const ChunkIndex chunk : firstIds<ChunkIndex>(chunks)) {
             const ChunkPlace at = store.find(chunk, ignored).value();
             parts_.push_back({at.offset, at.sampleBytes, [this, chunk] {
                                   SampleStore fresh(*reader_);

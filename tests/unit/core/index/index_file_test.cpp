@@ -222,7 +222,7 @@ TEST_F(IndexFile, AHalfWrittenIndexCannotBeOpened) {
     auto writer = IndexWriter::create(folder_ / "new.isx", 42);
     ASSERT_THAT(writer, IsOk());
     const std::vector<std::byte> page(std::size_t{3} << 20, std::byte{7}); // more than is held back
-    ASSERT_THAT(writer.value()->addPage(0, {}, page), IsOk());
+    ASSERT_THAT(writer.value()->addPage(kLevel0, {}, page), IsOk());
     EXPECT_FALSE(std::filesystem::exists(folder_ / "new.isx"));
     // What a crash would leave.
     std::filesystem::copy_file(partialPath(folder_ / "new.isx"), folder_ / "left.isx");

@@ -130,7 +130,7 @@ TEST(LazyLevels, ServeAWalkThatComesAgain) {
             << round;
         (round == 1 ? firstTouched : lastTouched) = moved.value().edgesTouched;
         for (const auto& step : moved.value().walk)
-            hasUsedLazyLevel = hasUsedLazyLevel || step.skipLevel >= 2;
+            hasUsedLazyLevel = hasUsedLazyLevel || step.level >= SkipLevel(2);
     }
     EXPECT_TRUE(hasUsedLazyLevel);
     EXPECT_LT(lastTouched, firstTouched);

@@ -33,7 +33,7 @@ protected:
         return reader_->meta().levels[static_cast<std::size_t>(level)].pages.size();
     }
     static Cache::Lookup get(Cache& cache, int level, std::size_t page) {
-        auto found = cache.get(level, page);
+        auto found = cache.get(SkipLevel(level), page);
         EXPECT_THAT(found, IsOk());
         return found.isOk() ? std::move(found).value() : Cache::Lookup{std::make_shared<Page>(), 0};
     }

@@ -49,7 +49,7 @@ protected:
         std::vector<std::uint16_t> chunk(SampleStore::kChunkSamples);
         const std::span<std::uint16_t, SampleStore::kChunkSamples> out(chunk.data(), chunk.size());
         std::uint64_t bytesRead = 0;
-        for (ChunkIndex c = 0; c < store.chunks().chunkCount(); ++c) {
+        for (const ChunkIndex c : firstIds<ChunkIndex>(store.chunks().chunkCount())) {
             ISO_TRY(store.read<std::uint16_t>(c, out, bytesRead));
             if (const auto errors = store.readMergeErrors(c, bytesRead); !errors.isOk())
                 return errors.error();
@@ -80,7 +80,8 @@ TEST_F(SampleStoreFile, BoundsTheErrorsOfMergedCells) {
     const SampleStore store(*reader.value());
     std::uint64_t bytesRead = 0;
     double largest = 0.0;
-    for (const ChunkIndex chunk : {ChunkIndex{0}, ChunkIndex{57}, ChunkIndex{251}, store.chunks().chunkCount() - 1}) {
+    for (const ChunkIndex chunk :
+         {ChunkIndex{0}, ChunkIndex{57}, ChunkIndex{251}, ChunkIndex(store.chunks().chunkCount() - 1)}) {
         const auto errors = store.readMergeErrors(chunk, bytesRead);
         ASSERT_THAT(errors, IsOk());
         const auto origin = store.chunks().chunkCoords(chunk);
@@ -127,8 +128,8 @@ TEST_F(SampleStoreFile, SwappedChunksAndGroupsAreFound) {
     ASSERT_THAT(reader, IsOk());
     const SampleStore store(*reader.value());
     std::uint64_t bytesRead = 0;
-    const ChunkPlace first = store.find(10, bytesRead).value();
-    for (ChunkIndex other = 11; other < 40; ++other) {
+    const ChunkPlace first = store.find(ChunkIndex(10), bytesRead).value();
+    for (ChunkIndex other(11); other < ChunkIndex(40); ++other) {
         const ChunkPlace second = store.find(other, bytesRead).value();
         if (second.sampleBytes != first.sampleBytes)
             continue;
@@ -177,7 +178,7 @@ TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreRefused) {
         const SampleStore store(*good.value());
         std::uint64_t bytesRead = 0;
         std::vector<std::byte> samples;
-        const ChunkPlace place = store.find(0, bytesRead).value();
+        const ChunkPlace place = store.find(ChunkIndex(), bytesRead).value();
         ASSERT_THAT(good.value()->readPart(place.offset, place.sampleBytes, place.sampleChecksum, samples), IsOk());
         ASSERT_THAT(writer.value()->addChunk(samples, {}), IsOk());
         ASSERT_THAT(writer.value()->endChunks(), IsOk());
@@ -185,7 +186,7 @@ TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreRefused) {
         for (const std::uint16_t key : {std::uint16_t{100}, std::uint16_t{900}}) {
             PointRecord<std::uint16_t> record;
             record.key = key;
-            record.setId(0);
+            record.setId(PointId());
             record.edgeMask = static_cast<std::uint8_t>(mask);
             for (auto& far : record.farKeys)
                 far = static_cast<std::uint16_t>(1000 - key);
@@ -199,7 +200,7 @@ TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreRefused) {
         entry.points = 2;
         entry.edges = static_cast<std::uint32_t>(2 * std::popcount(static_cast<unsigned>(mask)));
         const auto page = encodePage<std::uint16_t>(records, PageOrder::Value, good.value()->grid());
-        ASSERT_THAT(writer.value()->addPage(0, entry, page), IsOk());
+        ASSERT_THAT(writer.value()->addPage(kLevel0, entry, page), IsOk());
         IndexMeta meta = good.value()->meta();
         meta.info.levels.resize(1);
         ASSERT_THAT(writer.value()->finish(meta), IsOk());

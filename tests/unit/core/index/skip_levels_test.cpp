@@ -89,7 +89,7 @@ void addSwitches(const DecodedPage<Key>& page, const BrickGrid& grid, std::uint6
                  Switches& switches) {
     std::size_t edge = 0;
     for (std::size_t i = 0; i < page.pointCount(); ++i) {
-        const auto p = grid.pointCoords(page.ids[i]);
+        const auto p = grid.pointCoords(PointId(page.ids[i]));
         for (int e = 0; e < kPointEdges; ++e) {
             if (!(page.masks[i] >> e & 1))
                 continue;

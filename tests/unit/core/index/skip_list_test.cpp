@@ -76,8 +76,8 @@ void expectGoodPlan(const RandomDirectory& directory, std::uint64_t lower, std::
         if (i > 0) {
             ASSERT_GE(s.beginKey, segments[i - 1].endKey) << "in key order, nothing twice";
         }
-        const LevelDirectory& level = directory.levels[static_cast<std::size_t>(s.level)];
-        if (s.level == 0) {
+        const LevelDirectory& level = directory.levels[s.level.index()];
+        if (s.level == kLevel0) {
             EXPECT_EQ(s.blocks, 0u);
             for (std::size_t p = 0; p < level.pages.size(); ++p) {
                 const bool isNeeded = level.pages[p].lastKey >= s.beginKey && level.pages[p].firstKey < s.endKey;
@@ -102,7 +102,7 @@ void expectGoodPlan(const RandomDirectory& directory, std::uint64_t lower, std::
         int level = -1, times = 0;
         for (const WalkSegment& s : segments)
             if (key >= s.beginKey && key < s.endKey) {
-                level = s.level;
+                level = s.level.number();
                 ++times;
             }
         EXPECT_LE(times, 1) << key;
@@ -157,7 +157,7 @@ TEST(SkipList, EstimatesTheEdgesOfWhatItPlans) {
             std::uint64_t most = 0;
             for (const WalkSegment& s : plain.plan(a, b))
                 for (std::size_t p = s.firstPage; p < s.pageEnd; ++p)
-                    most += plain.page(0, p).edges;
+                    most += plain.page(kLevel0, p).edges;
             EXPECT_LE(plain.estimateEdges(a, b), most);
         }
     }

@@ -31,7 +31,7 @@ Input<Key> randomInput(std::size_t count, std::uint64_t values, unsigned seed) {
         index::PointRecord<Key> record;
         const std::uint64_t value = random() % 2 ? 7 : random() % values;
         record.key = static_cast<Key>(value * 0x9e3779b97f4a7c15ull >> (64 - 8 * sizeof(Key)));
-        record.setId(3 * i + (std::uint64_t{1} << 33));
+        record.setId(PointId(3 * i + (std::uint64_t{1} << 33)));
         record.edgeMask = static_cast<std::uint8_t>(1 + random() % 63);
         record.farKeys[5] = static_cast<Key>(random());
         record.farNormals[0] = static_cast<NormalCode>(random());

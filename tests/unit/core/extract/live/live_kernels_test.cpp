@@ -226,8 +226,8 @@ void expectNormals(std::mt19937& random) {
                 const OwnSamples<Sample> stored = ownSamples(block);
                 spoilOwnSamples(block);
                 findNormals<Sample>(stored.data(), block, rows, inverse, fast.data());
-                ASSERT_EQ(fast, plain) << "kind " << kind << ", brick " << brick << " of " << dims[0] << " " << dims[1]
-                                       << " " << dims[2];
+                ASSERT_EQ(fast, plain) << "kind " << kind << ", brick " << brick.number() << " of " << dims[0] << " "
+                                       << dims[1] << " " << dims[2];
             }
         }
 }
@@ -317,7 +317,7 @@ TEST(BrickShapes, GiveEveryEdgeOneOwner) {
         for (const bool hasMissing : {false, true}) {
             const BrickGrid grid(dims);
             std::vector<index::MissingCells> missing;
-            for (BrickIndex b = 0; hasMissing && b < grid.brickCount(); ++b)
+            for (const BrickIndex b : firstIds<BrickIndex>(hasMissing ? grid.brickCount() : 0))
                 if (random() % 2) {
                     index::MissingCells cells{b, {}};
                     for (std::uint64_t& word : cells.cells)
@@ -327,7 +327,7 @@ TEST(BrickShapes, GiveEveryEdgeOneOwner) {
             const BrickShapes shapes(dims, missing);
             std::map<std::array<std::int64_t, 4>, int> owners, holders;
             std::uint64_t cells = 0;
-            for (BrickIndex b = 0; b < grid.brickCount(); ++b) {
+            for (const BrickIndex b : firstIds<BrickIndex>(grid.brickCount())) {
                 const BrickMasks masks = shapes.isNearMissing(b) ? shapes.masksNearMissing(b) : shapes.masks(b);
                 const auto origin = shapes.origin(b);
                 cells += static_cast<std::uint64_t>(masks.cells.count());

@@ -29,7 +29,7 @@ protected:
     std::vector<PointRecord<Key>> randomRecords(std::size_t count, std::uint64_t spread) {
         const BrickGrid grid(kDims);
         std::vector<PointRecord<Key>> records;
-        for (PointId id = 0; id < grid.idCount() && records.size() < count; ++id) {
+        for (PointId id; id < PointId(grid.idCount()) && records.size() < count; ++id) {
             if (!grid.contains(id) || random_() % 3 == 0)
                 continue;
             const auto p = grid.pointCoords(id);
@@ -61,7 +61,7 @@ protected:
         std::size_t edge = 0;
         for (std::size_t i = 0; i < records.size(); ++i) {
             ASSERT_EQ(page.keys[i], records[i].key) << i;
-            ASSERT_EQ(page.ids[i], records[i].id()) << i;
+            ASSERT_EQ(page.ids[i], records[i].id().number()) << i;
             ASSERT_EQ(page.masks[i], records[i].edgeMask) << i;
             ASSERT_EQ(page.normals[i], records[i].normal) << i;
             for (int e = 0; e < kPointEdges; ++e)
@@ -81,8 +81,8 @@ protected:
                     page.normals.size() == page.keys.size());
         std::size_t edges = 0;
         for (std::size_t i = 0; i < page.pointCount(); ++i) {
-            ASSERT_TRUE(grid.contains(page.ids[i]));
-            const auto p = grid.pointCoords(page.ids[i]);
+            ASSERT_TRUE(grid.contains(PointId(page.ids[i])));
+            const auto p = grid.pointCoords(PointId(page.ids[i]));
             for (int e = 0; e < kPointEdges; ++e)
                 if (page.masks[i] >> e & 1) {
                     ASSERT_TRUE((e & 1) ? p[e >> 1] + 1 < kDims[e >> 1] : p[e >> 1] > 0);

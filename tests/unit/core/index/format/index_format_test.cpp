@@ -114,8 +114,10 @@ IndexMeta someMeta() {
     meta.levels[0].pages = {{1, 5, 64, 111, 30, 5, 6}, {5, 9, 94, 222, 30, 6, 6}};
     meta.levels[1].pages = {{1, 9, 124, 333, 40, 8, 9}};
     meta.levels[1].blocks = {{1, 4, 0, 1}, {5, 9, 1, 0}};
-    meta.hiddenPages = {{0, 1, 7, 50, 164, 444}, {3, 3, 1, 40, 214, 555}};
-    meta.missingCells = {{1, {1, 2, 3, 4, 5, 6, 7, 8}}, {4, {0, 0, 0, 0, 0, 0, 0, ~std::uint64_t{0}}}};
+    meta.hiddenPages = {{BrickIndex(0), BrickIndex(1), 7, 50, 164, 444},
+                        {BrickIndex(3), BrickIndex(3), 1, 40, 214, 555}};
+    meta.missingCells = {{BrickIndex(1), {1, 2, 3, 4, 5, 6, 7, 8}},
+                         {BrickIndex(4), {0, 0, 0, 0, 0, 0, 0, ~std::uint64_t{0}}}};
     return meta;
 }
 
@@ -138,8 +140,8 @@ TEST(IndexMeta, GivesBackWhatItTook) {
     EXPECT_EQ(back.info.hiddenCorners, 8u);
     EXPECT_EQ(back.info.hiddenCornerBytes, 90u);
     ASSERT_EQ(back.hiddenPages.size(), 2u);
-    EXPECT_EQ(back.hiddenPages[0].firstBrick, 0u);
-    EXPECT_EQ(back.hiddenPages[0].lastBrick, 1u);
+    EXPECT_EQ(back.hiddenPages[0].firstBrick, BrickIndex(0));
+    EXPECT_EQ(back.hiddenPages[0].lastBrick, BrickIndex(1));
     EXPECT_EQ(back.hiddenPages[1].offset, 214u);
     EXPECT_EQ(back.hiddenPages[1].checksum, 555u);
     EXPECT_EQ(back.missingCells[1].cells[7], ~std::uint64_t{0});
@@ -236,17 +238,18 @@ TEST(IndexMeta, RefusesFieldsThatCannotBe) {
     refuses("blocks overlap", [](IndexMeta& m) { m.levels[1].blocks[1].firstKey = 4; });
     refuses("pages left out", [](IndexMeta& m) { m.levels[1].blocks[0].firstPage = 1; });
     refuses("more pages than there are", [](IndexMeta& m) { m.levels[1].blocks[1].pageCount = 1; });
-    refuses("hidden corners outside the grid", [](IndexMeta& m) { m.hiddenPages[1].lastBrick = 6; });
-    refuses("bricks of hidden corners out of order", [](IndexMeta& m) { m.hiddenPages[1].lastBrick = 2; });
-    refuses("one brick on two pages of hidden corners", [](IndexMeta& m) { m.hiddenPages[0].lastBrick = 3; });
+    refuses("hidden corners outside the grid", [](IndexMeta& m) { m.hiddenPages[1].lastBrick = BrickIndex(6); });
+    refuses("bricks of hidden corners out of order", [](IndexMeta& m) { m.hiddenPages[1].lastBrick = BrickIndex(2); });
+    refuses("one brick on two pages of hidden corners",
+            [](IndexMeta& m) { m.hiddenPages[0].lastBrick = BrickIndex(3); });
     refuses("pages of hidden corners swapped", [](IndexMeta& m) { std::swap(m.hiddenPages[0], m.hiddenPages[1]); });
     refuses("a page of no hidden corner", [](IndexMeta& m) { m.hiddenPages[0].corners = 0; });
     refuses("more hidden corners than fit", [](IndexMeta& m) { m.hiddenPages[0].corners = kMaxHiddenPageCorners + 1; });
     refuses("hidden corners before the pages", [](IndexMeta& m) { m.hiddenPages[0].offset = 63; });
     refuses("hidden corners run into meta", [](IndexMeta& m) { m.hiddenPages[1].bytes = 500 - 214 + 1; });
     refuses("hidden corners behind the file", [](IndexMeta& m) { m.hiddenPages[1].offset = ~std::uint64_t{0}; });
-    refuses("a brick outside the grid", [](IndexMeta& m) { m.missingCells[1].brick = 6; });
-    refuses("bricks out of order", [](IndexMeta& m) { m.missingCells[0].brick = 4; });
+    refuses("a brick outside the grid", [](IndexMeta& m) { m.missingCells[1].brick = BrickIndex(6); });
+    refuses("bricks out of order", [](IndexMeta& m) { m.missingCells[0].brick = BrickIndex(4); });
     refuses("no level", [](IndexMeta& m) {
         m.levels.clear();
         m.info.levels.clear();
@@ -260,13 +263,13 @@ TEST(IndexMeta, RefusesFieldsThatCannotBe) {
 TEST(IndexMeta, BoundsPagesOfHiddenCorners) {
     IndexMeta meta = someMeta();
     meta.info.geometry.dims = {kMaxDim, 1024, 1024}; // 2^31 bricks
-    meta.hiddenPages = {{5, 4 + kMaxHiddenPageBricks, kMaxHiddenPageCorners, 50, 164, 1},
-                        {0x7fffffff, 0x7fffffff, 1, 9, 64, 1}};
+    meta.hiddenPages = {{BrickIndex(5), BrickIndex(4 + kMaxHiddenPageBricks), kMaxHiddenPageCorners, 50, 164, 1},
+                        {BrickIndex(0x7fffffff), BrickIndex(0x7fffffff), 1, 9, 64, 1}};
     EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), IsOk());
     ++meta.hiddenPages[0].lastBrick;
     EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), HasError(ErrorCode::Corruption))
         << "places need more than 32 bits";
-    meta.hiddenPages[0].lastBrick = 5;
+    meta.hiddenPages[0].lastBrick = BrickIndex(5);
     ++meta.hiddenPages[1].lastBrick;
     EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), HasError(ErrorCode::Corruption))
         << "outside the grid";

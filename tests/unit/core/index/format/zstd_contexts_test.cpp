@@ -88,7 +88,7 @@ void expectOutOfMemoryOnly(const Work& work) {
 TEST(ZstdMemory, OfPagesIsReportedWhenItIsMissing) {
     std::vector<PointRecord<std::uint16_t>> records(4096);
     for (std::size_t i = 0; i < records.size(); ++i) {
-        records[i].setId(3 * i);
+        records[i].setId(PointId(3 * i));
         records[i].key = static_cast<std::uint16_t>(i / 7);
         records[i].edgeMask = 1;
         records[i].farKeys[0] = static_cast<std::uint16_t>(i / 7 + 1 + i % 3);
@@ -108,7 +108,7 @@ TEST(ZstdMemory, OfChunksIsReportedWhenItIsMissing) {
 TEST(ZstdMemory, OfTheDirectoryIsReportedWhenItIsMissing) {
     IndexMeta meta;
     meta.info.geometry.dims = {9, 9, 9};
-    meta.missingCells = {{1, {1, 2, 3, 4, 5, 6, 7, 8}}};
+    meta.missingCells = {{BrickIndex(1), {1, 2, 3, 4, 5, 6, 7, 8}}};
     failsToWork = true;
     EXPECT_TRUE(runsOutOfMemory([&] { (void)encodeMeta(meta); }));
     failsToWork = false;
