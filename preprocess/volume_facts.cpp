@@ -9,8 +9,8 @@
 #include <tbb/parallel_for.h>
 
 #include "core/grid/classification.h"
+#include "core/grid/distinct_keys.h"
 #include "core/grid/scalar_grid.h"
-#include "preprocess/distinct_keys.h"
 
 namespace isoslider::preprocess {
 namespace {
@@ -46,10 +46,8 @@ public:
             extremes.local().add(samples);
             distinct_.add(samples);
         }));
-        while (distinct_.needsAnotherPass()) {
-            distinct_.beginNextPass();
+        while (!distinct_.endPass())
             ISO_TRY(forEachSpan("counting values", [&](std::span<const Sample> samples) { distinct_.add(samples); }));
-        }
         Extremes<Sample> all;
         for (const Extremes<Sample>& part : extremes) {
             all.min = std::min(all.min, part.min);

@@ -7,20 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "core/base/plain_text.h"
+
 namespace isoslider::cli {
 namespace {
-
-template <class Number>
-std::optional<Number> parseWhole(std::string_view text) {
-    // from_chars takes no '+', people do.
-    if (text.size() > 1 && text[0] == '+' && text[1] != '-')
-        text.remove_prefix(1);
-    Number value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size())
-        return std::nullopt;
-    return value;
-}
 
 char upperCase(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 
@@ -38,17 +28,17 @@ std::optional<int> suffixShift(std::string_view suffix) {
 } // namespace
 
 std::optional<double> parseFinite(std::string_view text) {
-    const auto value = parseWhole<double>(text);
+    const auto value = parseNumber<double>(text);
     if (!value || !std::isfinite(*value))
         return std::nullopt;
     return value;
 }
 
-std::optional<std::int64_t> parseInteger(std::string_view text) { return parseWhole<std::int64_t>(text); }
+std::optional<std::int64_t> parseInteger(std::string_view text) { return parseNumber<std::int64_t>(text); }
 
 std::optional<std::uint64_t> parseSizeBytes(std::string_view text) {
     const auto digits = std::min(text.find_first_not_of("0123456789"), text.size());
-    const auto count = parseWhole<std::uint64_t>(text.substr(0, digits));
+    const auto count = parseNumber<std::uint64_t>(text.substr(0, digits));
     const auto shift = suffixShift(text.substr(digits));
     if (!count || !shift || *count > (std::numeric_limits<std::uint64_t>::max() >> *shift))
         return std::nullopt;

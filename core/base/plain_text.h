@@ -1,5 +1,7 @@
 #pragma once
 
+#include <charconv>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,6 +15,35 @@ inline std::string oneLine(std::string_view text) {
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
             c = ' ';
     return out;
+}
+
+/// Short and printable, for messages that quote a file.
+inline std::string inQuotes(std::string_view text) {
+    constexpr std::size_t kMost = 60;
+    std::string out = "'";
+    for (const char c : text.substr(0, kMost))
+        out += c >= 0x20 && c < 0x7f ? c : '?';
+    return out + (text.size() > kMost ? "...'" : "'");
+}
+
+/// The whole text as one number, none if it is not; the locale plays no part. A leading '+' is accepted.
+template <class Number>
+std::optional<Number> parseNumber(std::string_view text) {
+    if (text.size() > 1 && text[0] == '+' && text[1] != '-')
+        text.remove_prefix(1);
+    Number value{};
+    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (problem != std::errc{} || end != text.data() + text.size())
+        return std::nullopt;
+    return value;
+}
+
+/// Likewise; `out` is left as it is if false.
+template <class Number>
+bool parseNumber(std::string_view text, Number& out) {
+    const auto value = parseNumber<Number>(text);
+    out = value.value_or(out);
+    return value.has_value();
 }
 
 /// With the letters of ASCII small.

@@ -27,6 +27,10 @@ inline constexpr std::array<ScalarType, 7> kAllScalarTypes{ScalarType::U8,  Scal
 std::string_view scalarTypeName(ScalarType type);
 std::optional<ScalarType> scalarTypeFromName(std::string_view name);
 std::size_t scalarTypeSizeBytes(ScalarType type);
+/// The smaller floating type that holds every sample of `type`.
+inline ScalarType realType(ScalarType type) {
+    return type == ScalarType::I32 || type == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
+}
 inline bool isFloatType(ScalarType type) { return type == ScalarType::F32 || type == ScalarType::F64; }
 
 /// Calls `function` with a value-initialised sample of the C++ type behind `type`.

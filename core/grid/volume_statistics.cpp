@@ -1,27 +1,21 @@
 #include "core/grid/volume_statistics.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <limits>
 #include <type_traits>
 #include <vector>
 
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
-#include <tbb/parallel_sort.h>
+
+#include "core/grid/classification.h"
+#include "core/grid/distinct_keys.h"
 
 namespace isoslider {
 namespace {
 
 constexpr std::size_t kGrain = std::size_t{1} << 20;
-
-template <class T>
-bool isMissing(T value) {
-    if constexpr (std::is_floating_point_v<T>)
-        return !std::isfinite(value);
-    return false;
-}
 
 template <class T>
 struct Range {
@@ -78,28 +72,15 @@ std::vector<std::uint64_t> countEach(std::span<const T> values) {
         });
 }
 
-/// An unsigned key in the order of the values, so that sorting needs no floating comparison.
 template <class T>
-auto orderedKey(T value) {
-    using Key = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
-    constexpr Key kTop = Key{1} << (8 * sizeof(Key) - 1);
-    if constexpr (std::is_floating_point_v<T>) {
-        const auto bits = std::bit_cast<Key>(value + T{0}); // -0 becomes +0
-        return static_cast<Key>((bits & kTop) != 0 ? ~bits : bits | kTop);
-    } else {
-        return static_cast<Key>(static_cast<Key>(value) ^ kTop);
-    }
-}
-
-template <class T>
-std::uint64_t countDistinct(std::span<const T> values, std::uint64_t missing) {
-    std::vector<decltype(orderedKey(T{}))> keys;
-    keys.reserve(values.size() - missing);
-    for (const T value : values)
-        if (!isMissing(value))
-            keys.push_back(orderedKey(value));
-    tbb::parallel_sort(keys.begin(), keys.end());
-    return static_cast<std::uint64_t>(std::unique(keys.begin(), keys.end()) - keys.begin());
+std::uint64_t countDistinct(std::span<const T> values) {
+    constexpr std::size_t kSpan = 4096;
+    DistinctKeys<T> distinct(values.size_bytes());
+    do {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), kSpan),
+                          [&](const auto& part) { distinct.add(values.subspan(part.begin(), part.size())); });
+    } while (!distinct.endPass());
+    return distinct.count();
 }
 
 /// Bins of equal width over [min, max]; the top end belongs to the last bin.
@@ -177,7 +158,7 @@ Result<VolumeStatistics> statisticsOf(std::span<const T> values, bool countsDist
             return cancelledError();
         job.report(0.4, "statistics");
         if (countsDistinct)
-            out.distinctValues = countDistinct(values, range.missing);
+            out.distinctValues = countDistinct(values);
     }
     job.report(1.0, "statistics");
     return out;

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "core/base/job_control.h"
+#include "core/grid/histogram.h"
 #include "core/grid/scalar_grid.h"
-#include "core/index/format/index_info.h"
 
 namespace isoslider {
 
@@ -14,11 +14,11 @@ struct VolumeStatistics {
     double max = 0.0;
     std::uint64_t distinctValues = 0;
     std::uint64_t nanCount = 0; ///< NaN and Inf samples
-    index::Histogram histogram;
+    Histogram histogram;
 };
 
-/// O(n) for 8- and 16-bit samples, a parallel sort otherwise.
-/// `countsDistinct` false leaves distinctValues 0 and costs one pass.
+/// O(n). Counting the distinct values of wider samples than 16 bits takes as much memory as the samples, and more
+/// passes where that does not suffice; `countsDistinct` false leaves distinctValues 0.
 Result<VolumeStatistics> computeStatistics(const ScalarGrid& grid, bool countsDistinct = true, int histogramBins = 512,
                                            const JobControl& job = {});
 

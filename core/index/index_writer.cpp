@@ -2,7 +2,7 @@
 
 #include "core/base/byte_codec.h"
 #include "core/base/check.h"
-#include "core/index/sample_store.h"
+#include "core/index/format/chunk_table.h"
 
 namespace isoslider::index {
 
@@ -54,11 +54,9 @@ Status IndexWriter::addChunk(std::span<const std::byte> samples, std::span<const
     const std::uint64_t offset = sizeBytes();
     if (groupTable_.empty())
         groupOffset_ = offset;
-    ByteWriter table(groupTable_);
-    table.put<std::uint16_t>(static_cast<std::uint16_t>(samples.size()));
-    table.put<std::uint16_t>(static_cast<std::uint16_t>(errors.size()));
-    table.put<std::uint64_t>(pageChecksum(samples, seed_, offset));
-    table.put<std::uint64_t>(pageChecksum(errors, seed_, offset + samples.size()));
+    putChunkPlace(groupTable_,
+                  {offset, static_cast<std::uint16_t>(samples.size()), static_cast<std::uint16_t>(errors.size()),
+                   pageChecksum(samples, seed_, offset), pageChecksum(errors, seed_, offset + samples.size())});
     ISO_TRY(append(samples));
     ISO_TRY(append(errors));
     sampleBytes_ += samples.size();

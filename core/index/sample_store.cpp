@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/base/byte_codec.h"
 #include "core/base/check.h"
 
 namespace isoslider::index {
@@ -24,25 +23,14 @@ Result<const SampleStore::ChunkGroup*> SampleStore::group(std::uint64_t number, 
     if (const ChunkGroup* there = groups_[number].load(std::memory_order_relaxed))
         return there;
     const ChunkGroupEntry& entry = reader_.meta().chunkGroups[number];
-    const std::uint64_t first = number * kGroupChunks;
-    const std::size_t count = std::min<std::uint64_t>(kGroupChunks, chunks_.chunkCount() - first);
+    const std::size_t count = chunksInGroup(chunks_, number);
     const std::uint64_t tableAt = entry.offset + entry.chunkBytes;
     std::vector<std::byte> bytes;
     ISO_TRY(reader_.readPart(tableAt, count * kGroupEntryBytes, entry.checksum, bytes));
     bytesRead += bytes.size();
     auto group = std::make_unique<ChunkGroup>();
     group->places.resize(count);
-    ByteReader in(bytes);
-    std::uint64_t at = entry.offset;
-    for (ChunkPlace& place : group->places) {
-        place.offset = at;
-        place.sampleBytes = in.get<std::uint16_t>();
-        place.errorBytes = in.get<std::uint16_t>();
-        place.sampleChecksum = in.get<std::uint64_t>();
-        place.errorChecksum = in.get<std::uint64_t>();
-        at += std::uint64_t{place.sampleBytes} + place.errorBytes;
-    }
-    if (at != tableAt)
+    if (!getChunkPlaces(bytes, entry.offset, tableAt, group->places))
         return makeError(ErrorCode::Corruption, "chunks disagree with their group", reader_.pathString(), tableAt);
     const ChunkGroup* kept = group.release();
     groups_[number].store(kept, std::memory_order_release);
@@ -118,12 +106,9 @@ void SampleStore::willNeed(std::span<const ChunkIndex> chunks, std::uint64_t& by
         reader_.willNeed(begin, end - begin);
 }
 
-template Status SampleStore::read(ChunkIndex, std::span<std::uint8_t, kChunkSamples>, std::uint64_t&) const;
-template Status SampleStore::read(ChunkIndex, std::span<std::int8_t, kChunkSamples>, std::uint64_t&) const;
-template Status SampleStore::read(ChunkIndex, std::span<std::uint16_t, kChunkSamples>, std::uint64_t&) const;
-template Status SampleStore::read(ChunkIndex, std::span<std::int16_t, kChunkSamples>, std::uint64_t&) const;
-template Status SampleStore::read(ChunkIndex, std::span<std::int32_t, kChunkSamples>, std::uint64_t&) const;
-template Status SampleStore::read(ChunkIndex, std::span<float, kChunkSamples>, std::uint64_t&) const;
-template Status SampleStore::read(ChunkIndex, std::span<double, kChunkSamples>, std::uint64_t&) const;
+#define ISO_INSTANTIATE(Sample, Name) \
+    template Status SampleStore::read(ChunkIndex, std::span<Sample, kChunkSamples>, std::uint64_t&) const;
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
 
 } // namespace isoslider::index

@@ -10,31 +10,13 @@
 #include <vector>
 
 #include "core/index/format/chunk_grid.h"
+#include "core/index/format/chunk_table.h"
 #include "core/index/format/merge_errors.h"
 #include "core/index/index_reader.h"
 
 namespace isoslider::index {
 
-/// Chunks on a group: consecutive in chunk order. Their table states where each lies, so that the directory in
-/// memory has 24 bytes for a million samples, whatever the volume.
-inline constexpr std::size_t kGroupChunks = 256;
-/// Of a chunk in the table: bytes of its samples and of its merged cells' errors, two checksums.
-inline constexpr std::size_t kGroupEntryBytes = 2 + 2 + 8 + 8;
-
-/// Where a chunk lies: its samples, and right after them the errors of its merged cells.
-struct ChunkPlace {
-    std::uint64_t offset = 0;
-    std::uint16_t sampleBytes = 0;
-    std::uint16_t errorBytes = 0;
-    std::uint64_t sampleChecksum = 0;
-    std::uint64_t errorChecksum = 0;
-};
-
-inline std::uint64_t chunkGroupCount(const ChunkGrid& grid) {
-    return (grid.chunkCount() + kGroupChunks - 1) / kGroupChunks;
-}
-
-/// The samples of an index of metacells, by chunk. Tables of chunkGroups are read when first needed and kept: 8 KB
+/// The samples of an index of metacells, by chunk. Tables of chunk groups are read when first needed and kept: 8 KB
 /// for the million samples around a piece of surface. Any number of threads at once.
 class SampleStore {
 public:

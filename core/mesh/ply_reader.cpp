@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/plain_text.h"
 #include "core/mesh/loop_control.h"
 #include "core/mesh/mesh_readers.h"
 #include "core/mesh/text_scan.h"

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/base/plain_text.h"
 #include "core/mesh/loop_control.h"
 #include "core/mesh/mesh_readers.h"
 #include "core/mesh/text_scan.h"

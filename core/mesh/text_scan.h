@@ -1,8 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <charconv>
-#include <string>
 #include <string_view>
 
 namespace isoslider::mesh {
@@ -26,23 +24,6 @@ inline std::string_view nextWord(std::string_view& text) {
     const std::string_view word = text.substr(0, text.find_first_of(kBlanks));
     text.remove_prefix(word.size());
     return word;
-}
-
-/// The whole word as a number; the locale plays no part.
-template <class Number>
-bool parseNumber(std::string_view word, Number& out) {
-    if (word.starts_with('+'))
-        word.remove_prefix(1);
-    const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), out);
-    return problem == std::errc{} && end == word.data() + word.size();
-}
-
-/// Short and printable, for messages that quote a file.
-inline std::string inQuotes(std::string_view text) {
-    std::string out = "'";
-    for (const char c : text.substr(0, 40))
-        out += c >= 0x20 && c < 0x7f ? c : '?';
-    return out + (text.size() > 40 ? "...'" : "'");
 }
 
 } // namespace isoslider::mesh

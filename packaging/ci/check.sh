@@ -54,6 +54,27 @@ check_includes() {
   refuse_includes "A widget" '#include *[<"]Q(Widget|Application|MainWindow|Dialog)[>"]' ui/render
 }
 
+# allow_includes ROOM ALLOWED...: files below ROOM include of core only what is below ROOM and ALLOWED.
+allow_includes() {
+  local room=$1 allowed hits
+  allowed=$(IFS='|'; echo "$*")
+  hits=$(sources_below core | grep -E "^$room/" | xargs -r -d '\n' grep -nE '#include *"core/' |
+    grep -vE "#include *\"($allowed)/" || true)
+  [[ -z $hits ]] || fail "below $room only $* may be included" "$hits"
+}
+
+# The arrows between the rooms of core.
+check_rooms() {
+  allow_includes core/base
+  allow_includes core/grid core/base
+  allow_includes core/cell core/base core/grid
+  allow_includes core/index/format core/base core/grid
+  allow_includes core/index core/base core/grid
+  allow_includes core/extract core/base core/grid core/cell core/index
+  allow_includes core/mesh core/base core/grid core/extract
+  allow_includes core/volume_io core/base core/grid
+}
+
 # The disk is reached through core/base alone, where tests can stand in for it and errors have one wording. Not the
 # system's own files below /proc, which are no user's.
 check_disk() {
@@ -186,6 +207,7 @@ case ${1:-} in
 esac
 if [[ ${1:-} != --links ]]; then
   check_includes
+  check_rooms
   check_disk
   check_format
   check_sizes

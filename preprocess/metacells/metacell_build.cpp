@@ -12,10 +12,10 @@
 #include <xxhash.h>
 
 #include "core/grid/classification.h"
+#include "core/grid/distinct_keys.h"
 #include "core/index/format/chunk_codec.h"
 #include "core/index/index_writer.h"
 #include "core/index/sample_store.h"
-#include "preprocess/distinct_keys.h"
 #include "preprocess/index_builds.h"
 #include "preprocess/metacells/brick_list.h"
 #include "preprocess/metacells/chunk_scan.h"
@@ -275,10 +275,8 @@ private:
                 });
                 return {};
             };
-            while (distinct_.needsAnotherPass()) {
-                distinct_.beginNextPass();
+            while (!distinct_.endPass())
                 ISO_TRY(forEachSlab(job, "counting values", count));
-            }
             info_.distinctValues = distinct_.count();
         }
         return {};

@@ -151,8 +151,10 @@ TEST_F(IsovaluePanelTest, ANewVolumeOfTheSameRangeIsShownWhole) {
     wheel(plot(), onPlot(isovalue().requested()), 6, Qt::ControlModifier);
     ASSERT_LT(plot().visibleRange().size(), 0.5 * whole.size());
     const auto zoomed = plot().visibleRange();
-    session_->buildIndex(); // news of the same volume
-    session_->datasetChanged().notify();
+    int news = 0;
+    const auto subscription = session_->datasetChanged().observe([&] { ++news; });
+    window_->openFile(QString::fromStdString((folder_.path() / "missing.mha").string())); // news of the same volume
+    ASSERT_TRUE(waitUntil([&] { return session_->isSettled() && news > 0; }));
     EXPECT_EQ(plot().visibleRange().lower, zoomed.lower);
     const auto generation = session_->datasetGeneration();
     window_->openFile(QString::fromStdString(writeBall(folder_, "same.mha", 24).string()));

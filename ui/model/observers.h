@@ -32,13 +32,13 @@ private:
     std::function<void()> release_;
 };
 
-/// Who wants to know that a model changed. One thread (the window's).
+/// What a model hands out so that others learn of its changes. One thread (the window's).
 template <class... Args>
-class ObserverList {
+class Observable {
 public:
     using Function = std::function<void(Args...)>;
 
-    [[nodiscard]] Subscription observe(Function function) {
+    [[nodiscard]] Subscription observe(Function function) const {
         const int id = entries_->nextId++;
         entries_->functions.emplace(id, std::move(function));
         return Subscription([entries = std::weak_ptr<Entries>(entries_), id] {
@@ -47,20 +47,29 @@ public:
         });
     }
 
-    /// Calls every observer; an observer may subscribe or unsubscribe meanwhile.
-    void notify(Args... args) const {
-        const auto functions = entries_->functions;
-        for (const auto& [id, function] : functions)
-            if (entries_->functions.contains(id))
-                function(args...);
-    }
+protected:
+    Observable() = default;
+    ~Observable() = default;
 
-private:
     struct Entries {
         std::map<int, Function> functions;
         int nextId = 0;
     };
     std::shared_ptr<Entries> entries_ = std::make_shared<Entries>();
+};
+
+/// The model's own end of it: only the owner notifies.
+template <class... Args>
+class ObserverList final : public Observable<Args...> {
+public:
+    /// Calls every observer; an observer may subscribe or unsubscribe meanwhile.
+    void notify(Args... args) const {
+        const auto entries = this->entries_; // an observer may end the model
+        const auto functions = entries->functions;
+        for (const auto& [id, function] : functions)
+            if (entries->functions.contains(id))
+                function(args...);
+    }
 };
 
 } // namespace isoslider::model

@@ -6,38 +6,18 @@
 #include <cstdint>
 #include <cstring>
 
+#include "core/extract/live/closed_brick.h"
+
 /// For small functions that are compiled into kernels for several instruction sets.
 #define ISO_ALWAYS_INLINE inline __attribute__((always_inline))
 
 namespace isoslider::extract {
 
-// A closed brick: 8^3 cells and the 9^3 grid points of their corners, x fastest. It holds everything that its cells'
-// triangles need, the edges on its faces included, which the bricks beside it hold too. Points, edges and cells are
-// bits of strings of 12 words: a shift by a stride brings each point's neighbour to its place.
+// Points, edges and cells of a closed brick are bits of strings of 12 words: a shift by a stride brings each point's
+// neighbour to its place.
 
-inline constexpr int kCellSide = 8;
-inline constexpr int kPointSide = 9;
-inline constexpr int kClosedPoints = kPointSide * kPointSide * kPointSide;
 inline constexpr int kBitWords = (kClosedPoints + 63) / 64;
 inline constexpr int kPaddedPoints = 64 * kBitWords;
-inline constexpr std::array<int, 3> kPointStride{1, kPointSide, kPointSide* kPointSide};
-
-/// Bricks that a thread takes at once from a move's list: few enough to share out evenly, enough to fetch ahead.
-inline constexpr std::size_t kBricksTogether = 16;
-
-/// A grid point of a closed brick, x + 9 y + 81 z, or the cell that starts there.
-using ClosedPoint = std::uint16_t;
-/// An edge of a closed brick: 1024 * axis + the point where it starts. The active edges' order in the brick.
-using ClosedEdge = std::uint16_t;
-inline constexpr int kEdgeAxisShift = 10;
-inline constexpr ClosedEdge kEdgePointMask = (1u << kEdgeAxisShift) - 1;
-
-constexpr ClosedPoint closedPoint(int x, int y, int z) {
-    return static_cast<ClosedPoint>(x + kPointSide * (y + kPointSide * z));
-}
-constexpr std::array<int, 3> coordsOf(ClosedPoint p) {
-    return {p % kPointSide, p / kPointSide % kPointSide, p / (kPointSide * kPointSide)};
-}
 
 static_assert(std::endian::native == std::endian::little, "bits are read by bytes");
 
@@ -46,9 +26,9 @@ struct alignas(64) BitString {
     static constexpr int kGuard = 2;
     std::array<std::uint64_t, kBitWords + kGuard> words{};
 
-    bool test(unsigned p) const { return words[p >> 6] >> (p & 63) & 1; }
-    void set(unsigned p) { words[p >> 6] |= std::uint64_t{1} << (p & 63); }
-    void flip(unsigned p) { words[p >> 6] ^= std::uint64_t{1} << (p & 63); }
+    bool test(ClosedPoint p) const { return words[wordOf(p)] >> (p.number() & 63) & 1; }
+    void set(ClosedPoint p) { words[wordOf(p)] |= bitOf(p); }
+    void flip(ClosedPoint p) { words[wordOf(p)] ^= bitOf(p); }
     bool isEmpty() const {
         std::uint64_t any = 0;
         for (int i = 0; i < kBitWords; ++i)
@@ -62,6 +42,10 @@ struct alignas(64) BitString {
         return n;
     }
     friend bool operator==(const BitString&, const BitString&) = default;
+
+private:
+    static constexpr std::size_t wordOf(ClosedPoint p) { return p.index() >> 6; }
+    static constexpr std::uint64_t bitOf(ClosedPoint p) { return std::uint64_t{1} << (p.number() & 63); }
 };
 
 /// A bit string that starts with anything but for the guard: for what is written whole at once.
@@ -97,7 +81,7 @@ template <class Visit>
 inline void forEachSetBit(const BitString& bits, const Visit& visit) {
     for (int i = 0; i < kBitWords; ++i)
         for (std::uint64_t word = bits.words[static_cast<std::size_t>(i)]; word != 0; word &= word - 1)
-            visit(static_cast<ClosedPoint>(64 * i + std::countr_zero(word)));
+            visit(ClosedPoint(64 * i + std::countr_zero(word)));
 }
 
 /// Signs of the eight corners of a cell, bit c for corner c (core/cell/cell_numbering.h).
@@ -108,7 +92,8 @@ ISO_ALWAYS_INLINE std::uint8_t signsOfCell(const BitString& above, ClosedPoint c
         std::memcpy(&bits, reinterpret_cast<const std::byte*>(above.words.data()) + (p >> 3), sizeof bits);
         return bits >> (p & 7);
     };
-    const std::uint64_t lower = at(cell), upper = at(static_cast<unsigned>(cell) + 81);
+    const unsigned p = cell.number();
+    const std::uint64_t lower = at(p), upper = at(p + 81);
     return static_cast<std::uint8_t>((lower & 3) | (lower >> 9 & 3) << 2 | (upper & 3) << 4 | (upper >> 9 & 3) << 6);
 }
 

@@ -20,7 +20,7 @@ inline constexpr int kMaxBrickEdges = 3 * kCellSide * kPointSide * kPointSide;
 /// saddles and body saddles change it where no edge changes.
 struct AmbiguousCell {
     cell::StateInterval interval{};
-    ClosedPoint cell = 0;
+    ClosedPoint cell{};
     cell::StateId state = 0;
 };
 

@@ -11,7 +11,7 @@ using ValidCells = std::array<std::array<std::uint16_t, kAround>, kAround>;
 
 /// Nine bits of points that lie in one row, from the point (0, y, z) on.
 void setRow(BitString& bits, int y, int z, unsigned row) {
-    const unsigned first = closedPoint(0, y, z);
+    const unsigned first = closedPoint(0, y, z).number();
     bits.words[first >> 6] |= std::uint64_t{row} << (first & 63);
     if ((first & 63) + kPointSide > 64)
         bits.words[(first >> 6) + 1] |= std::uint64_t{row} >> (64 - (first & 63));

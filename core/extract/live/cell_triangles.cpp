@@ -92,13 +92,14 @@ HWY_INLINE void findAllSigns(const BitString& above, std::uint8_t* HWY_RESTRICT 
 #endif
 
 void listCellsHere(const BitString& active, const BitString& above, CellList& list) {
-    list.count = static_cast<std::uint32_t>(listBits<1>(active, 0, list.cells.data()) - list.cells.data());
+    auto* const cells = reinterpret_cast<std::uint16_t*>(list.cells.data());
+    list.count = static_cast<std::uint32_t>(listBits<1>(active, 0, cells) - cells);
     const std::array<bool, 256>& isAmbiguous = ambiguousSignTable();
     std::uint32_t ambiguous = 0;
 #if HWY_TARGET <= HWY_AVX3
     alignas(64) std::array<std::uint8_t, kPaddedPoints> allSigns;
     findAllSigns(above, allSigns.data());
-    const auto signsAt = [&](ClosedPoint cell) { return allSigns[cell]; };
+    const auto signsAt = [&](ClosedPoint cell) { return allSigns[cell.index()]; };
 #else
     const auto signsAt = [&](ClosedPoint cell) { return signsOfCell(above, cell); };
 #endif
@@ -121,7 +122,7 @@ std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner,
     std::uint16_t* const begin = out;
     const __m512i upwards = _mm512_load_si512(StateLanes::kUpwards.data());
     for (std::uint32_t k = 0; k < list.count; ++k) {
-        const std::uint16_t* const at = vertices.numbers.data() + 4 * std::size_t{list.cells[k]};
+        const std::uint16_t* const at = vertices.numbers.data() + 4 * list.cells[k].index();
         const auto piece = [](const std::uint16_t* from) {
             return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
         };
@@ -166,7 +167,7 @@ std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner,
     const auto spread = hn::Load(bytes, kSpread), ownLanes = hn::Load(bytes, kOwnLanes),
                notLane3 = hn::Load(bytes, kNotLane3), toLane3 = hn::Load(bytes, kToLane3);
     for (std::uint32_t k = 0; k < list.count; ++k) {
-        const std::uint16_t* const at = vertices.numbers.data() + 4 * std::size_t{list.cells[k]};
+        const std::uint16_t* const at = vertices.numbers.data() + 4 * list.cells[k].index();
         // Pieces of the table: points p and p + 1 (x y z . | . y z .), then those 9, 81 and 90 further on.
         const auto here = hn::BitCast(bytes, hn::LoadU(shorts, at));
         const auto behind = hn::BitCast(bytes, hn::LoadU(shorts, at + 4 * 9));
@@ -217,7 +218,7 @@ const std::array<std::uint16_t, 12> kPlaceOfCellEdge = [] {
         const int axis = static_cast<int>(e) / 4, first = static_cast<int>(e) & 1,
                   second = static_cast<int>(e) >> 1 & 1;
         const int x = axis == 0 ? 0 : first, y = axis == 1 ? 0 : axis == 0 ? first : second, z = axis == 2 ? 0 : second;
-        places[e] = static_cast<std::uint16_t>(4 * closedPoint(x, y, z) + axis);
+        places[e] = static_cast<std::uint16_t>(4 * closedPoint(x, y, z).number() + axis);
     }
     return places;
 }();
@@ -290,7 +291,7 @@ const StateLanes& stateLanes() {
             if (corner >= cell::kInnerVertex)
                 return static_cast<std::uint16_t>(StateLanes::kFirstInner + corner - cell::kInnerVertex);
             const auto axis = static_cast<std::uint16_t>(kPlaceOfCellEdge[corner] % 4);
-            const auto start = coordsOf(static_cast<ClosedPoint>(kPlaceOfCellEdge[corner] / 4));
+            const auto start = coordsOf(ClosedPoint(kPlaceOfCellEdge[corner] / 4));
             return static_cast<std::uint16_t>(axis + 4 * start[0] + 8 * start[1] + 16 * start[2]);
         };
         for (const cell::CellState& state : cell::cellStates()) {
@@ -330,7 +331,7 @@ std::uint32_t writeTrianglesReference(const CellList& list, std::uint32_t firstI
         const cell::CellState& state = cell::cellStates()[list.states[k]];
         for (const std::uint8_t corner : state.triangles)
             *out++ = corner < cell::kInnerVertex
-                         ? vertices.numbers[4 * std::size_t{list.cells[k]} + kPlaceOfCellEdge[corner]]
+                         ? vertices.numbers[4 * list.cells[k].index() + kPlaceOfCellEdge[corner]]
                          : static_cast<std::uint16_t>(firstInner + corner - cell::kInnerVertex);
         firstInner += state.innerVertices;
     }

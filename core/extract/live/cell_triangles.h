@@ -16,7 +16,7 @@ struct VertexTable {
 
     std::uint16_t& of(ClosedEdge edge) { return numbers[placeOf(edge)]; }
     static std::size_t placeOf(ClosedEdge edge) {
-        return 4 * static_cast<std::size_t>(edge & kEdgePointMask) + (edge >> kEdgeAxisShift);
+        return 4 * startOf(edge).index() + static_cast<std::size_t>(axisOf(edge));
     }
 };
 
@@ -32,7 +32,7 @@ struct CellList {
     static constexpr std::size_t kMost = std::size_t{kCellSide} * kCellSide * kCellSide;
     std::uint32_t count = 0;
     std::uint32_t ambiguousCount = 0;
-    std::array<std::uint16_t, kMost + 32> cells;
+    std::array<ClosedPoint, kMost + 32> cells;
     std::array<std::uint8_t, kMost> signs;
     std::array<cell::StateId, kMost> states; ///< below 256 the signs
     std::array<std::uint16_t, kMost + 1>

@@ -20,13 +20,13 @@ namespace isoslider::extract {
 /// cell_states.h; few cells have such vertices): the position itself, in cells from the brick's first grid point.
 template <class Live>
 struct EdgeRecord {
-    ClosedEdge edge = 0; ///< kInside for a vertex inside a cell
+    ClosedEdge edge{}; ///< kInside for a vertex inside a cell
     std::uint16_t upperZ = 0; ///< inside: upper half of z as bits of a float
     NormalCode normal1 = 0; ///< at the edge's lower grid point; inside: the normal
     NormalCode normal2 = 0; ///< at its upper one; inside: lower half of z
     Live scalar1{}, scalar2{}; ///< at the lower and upper grid point; inside: x and y
 
-    static constexpr ClosedEdge kInside = 3 << kEdgeAxisShift;
+    static constexpr ClosedEdge kInside{3 << kEdgeAxisShift};
 
     bool isInside() const { return edge >= kInside; }
     static EdgeRecord inside(const glm::vec3& place, NormalCode normal) {
@@ -57,8 +57,8 @@ inline MeshVertex vertexOf(const EdgeRecord<Live>& record, const std::array<std:
     const glm::vec3 first(static_cast<float>(origin[0]), static_cast<float>(origin[1]), static_cast<float>(origin[2]));
     if (record.isInside())
         return {first + record.insidePlace(), decodeNormal(record.normal1)};
-    const int axis = record.edge >> kEdgeAxisShift;
-    const auto place = coordsOf(record.edge & kEdgePointMask);
+    const int axis = axisOf(record.edge);
+    const auto place = coordsOf(startOf(record.edge));
     const float t = static_cast<float>(edgeFraction<Live>(record.scalar1, record.scalar2, isovalue));
     glm::vec3 position(first.x + static_cast<float>(place[0]), first.y + static_cast<float>(place[1]),
                        first.z + static_cast<float>(place[2]));

@@ -353,7 +353,7 @@ void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, co
             placed.origin[a] = origin[a] + local[a];
         for (unsigned mask = cell::activeEdges(state.signs); mask != 0; mask &= mask - 1) {
             const auto e = static_cast<std::size_t>(std::countr_zero(mask));
-            const std::uint16_t vertex = draft.vertices.numbers[4 * std::size_t{listed.cell} + kPlaceOfCellEdge[e]];
+            const std::uint16_t vertex = draft.vertices.numbers[4 * listed.cell.index() + kPlaceOfCellEdge[e]];
             const MeshVertex at = vertexOf(records[vertex], origin, static_cast<Live>(isovalue));
             placed.edgePositions[e] = at.position;
             placed.edgeNormals[e] = at.normal;

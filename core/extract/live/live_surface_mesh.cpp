@@ -106,9 +106,9 @@ private:
     void forEachRecordIn(BrickSlot slot, int z, const Visit& visit) const {
         const Record* const first = surface_.records(slot);
         const Record* const last = first + surface_.bricks_[slot.index()].edgeVertices;
-        const auto isBefore = [](const Record& record, int edge) { return record.edge < edge; };
+        const auto isBefore = [](const Record& record, ClosedEdge edge) { return record.edge < edge; };
         for (int axis = 0; axis < 3; ++axis) {
-            const int edge = (axis << kEdgeAxisShift) + z * kPointStride[2];
+            const ClosedEdge edge = closedEdge(axis, closedPoint(0, 0, z));
             const Record* record = std::lower_bound(first, last, edge, isBefore);
             for (; record != last && record->edge < edge + kPointStride[2]; ++record)
                 visit(*record, static_cast<std::uint32_t>(record - first));
@@ -122,7 +122,7 @@ private:
                 const auto origin = surface_.shapes_.origin(surface_.bricks_[slot.index()].index);
                 forEachRecordIn(slot, local, [&](const Record& record, std::uint32_t number) {
                     copies.push_back(
-                        {4 * placeOf(origin, record.edge & kEdgePointMask) + (record.edge >> kEdgeAxisShift), slot,
+                        {4 * placeOf(origin, startOf(record.edge)) + static_cast<unsigned>(axisOf(record.edge)), slot,
                          number});
                 });
             }
@@ -219,7 +219,7 @@ private:
                 mesh_.triangles[index++] = static_cast<std::uint32_t>(
                     number >= brick.edgeVertices
                         ? ownInner + (number - cell.firstInner)
-                        : firstVertex[(records[number].edge & kEdgePointMask) / kPointStride[2]] +
+                        : firstVertex[static_cast<std::size_t>(coordsOf(startOf(records[number].edge))[2])] +
                               newNumbers_[firstVertex_[cell.slot.index()] + number]);
             }
         }

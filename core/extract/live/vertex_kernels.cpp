@@ -29,8 +29,8 @@ inline __attribute__((always_inline)) void takeApart(const EdgeRecord<double>* r
                                                      VertexColumns& out) {
     for (std::size_t k = 0; k < lanes; ++k) {
         const EdgeRecord<double>& record = records[std::min<std::size_t>(k, count - 1)];
-        const auto place = coordsOf(record.edge & kEdgePointMask);
-        out.axis[k] = record.edge >> kEdgeAxisShift;
+        const auto place = coordsOf(startOf(record.edge));
+        out.axis[k] = axisOf(record.edge);
         out.x[k] = first.x + static_cast<float>(place[0]);
         out.y[k] = first.y + static_cast<float>(place[1]);
         out.z[k] = first.z + static_cast<float>(place[2]);

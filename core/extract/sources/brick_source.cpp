@@ -65,8 +65,8 @@ public:
     explicit Corners(const LiveSamples& kept) : kept_(kept) {}
     bool cornerScalars(ClosedPoint cell, std::uint8_t /*signs*/, cell::CornerScalars& scalars) override {
         for (unsigned c = 0; c < 8; ++c)
-            scalars[c] =
-                static_cast<double>(sampleOf<Sample>(kept_.samples[cell + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
+            scalars[c] = static_cast<double>(
+                sampleOf<Sample>(kept_.samples[cell.index() + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
         return true;
     }
 

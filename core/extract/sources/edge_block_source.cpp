@@ -52,7 +52,7 @@ public:
     bool cornerScalars(ClosedPoint cell, std::uint8_t signs, cell::CornerScalars& scalars) override {
         for (unsigned mask = cell::activeEdges(signs); mask != 0; mask &= mask - 1) {
             const auto e = static_cast<std::size_t>(std::countr_zero(mask));
-            const Record& record = records_[draft_.vertices.numbers[4 * std::size_t{cell} + kPlaceOfCellEdge[e]]];
+            const Record& record = records_[draft_.vertices.numbers[4 * cell.index() + kPlaceOfCellEdge[e]]];
             scalars[cell::kCellEdges[e].lowerCorner] = static_cast<double>(record.scalar1);
             scalars[cell::kCellEdges[e].upperCorner] = static_cast<double>(record.scalar2);
         }
@@ -61,7 +61,7 @@ public:
             return true;
         scalars[static_cast<std::size_t>(corner)] = 0.0; // matters only for tunnels
         const auto c = coordsOf(cell);
-        auto found = hidden_.find(brick_, static_cast<LocalPoint>(c[0] + 8 * (c[1] + 8 * c[2])), corner);
+        auto found = hidden_.find(brick_, LocalPoint(c[0] + 8 * (c[1] + 8 * c[2])), corner);
         if (!found.isOk()) {
             error_ = std::move(found).error();
             return false;
@@ -126,9 +126,9 @@ void EdgeBlockSource<Sample>::forEachHolder(PointId start, int axis, const Visit
     const int local = localOf(start).number();
     const std::array<int, 3> c{local & 7, local >> 3 & 7, local >> 6};
     const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
-    const int base = (axis << kEdgeAxisShift) + closedPoint(c[0], c[1], c[2]);
+    const ClosedEdge base = closedEdge(axis, closedPoint(c[0], c[1], c[2]));
     if (c[u] > 0 && c[v] > 0 && allHaveCells_) { // three edges in four
-        visit(brick, static_cast<ClosedEdge>(base));
+        visit(brick, base);
         return;
     }
     const auto at = grid.brickCoords(brick);
@@ -142,9 +142,9 @@ void EdgeBlockSource<Sample>::forEachHolder(PointId start, int axis, const Visit
             continue;
         const BrickIndex holder = brick - ((isBelowU ? grid.brickStride(static_cast<int>(u)) : 0) +
                                            (isBelowV ? grid.brickStride(static_cast<int>(v)) : 0));
-        const int edge =
-            base + (isBelowU ? kCellSide * kPointStride[u] : 0) + (isBelowV ? kCellSide * kPointStride[v] : 0);
-        visit(holder, static_cast<ClosedEdge>(edge));
+        const ClosedEdge edge =
+            base + ((isBelowU ? kCellSide * kPointStride[u] : 0) + (isBelowV ? kCellSide * kPointStride[v] : 0));
+        visit(holder, edge);
     }
 }
 
@@ -363,7 +363,8 @@ bool EdgeBlockSource<Sample>::toggle(BrickSlot slot, const LiveSurface<Live>& su
     const BrickMasks& masks = surface.masks(slot);
     const Chain chain = chains_[slot.index()];
     const auto flip = [&](ClosedEdge edge, bool wasActive) {
-        const unsigned axis = edge >> kEdgeAxisShift, p = edge & kEdgePointMask;
+        const auto axis = static_cast<std::size_t>(axisOf(edge));
+        const ClosedPoint p = startOf(edge);
         if (!masks.edges[axis].test(p))
             return true; // of no valid cell of this brick
         if (edges[axis].test(p) != wasActive)
@@ -387,7 +388,7 @@ void EdgeBlockSource<Sample>::mergeRecords(BrickSlot slot, const LiveSurface<Liv
     draft.active.edges = edges_[slot.index()];
     draft.edgeVertices = numberEdges(draft.active, draft.vertices);
     const auto isActive = [&](ClosedEdge edge) {
-        return draft.active.edges[edge >> kEdgeAxisShift].test(edge & kEdgePointMask);
+        return draft.active.edges[static_cast<std::size_t>(axisOf(edge))].test(startOf(edge));
     };
     const std::uint32_t had = surface.brick(slot).edgeVertices;
     const Record* const old = had > 0 ? surface.records(slot) : nullptr;
@@ -410,9 +411,9 @@ bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>&
     BitString above;
     for (std::uint32_t k = 0; k < draft.edgeVertices; ++k) {
         const Record& record = draft.records[k];
-        const unsigned p = record.edge & kEdgePointMask;
+        const ClosedPoint lower = startOf(record.edge);
         const bool isLowerAbove = record.scalar1 > record.scalar2;
-        above.set(isLowerAbove ? p : p + static_cast<unsigned>(kPointStride[record.edge >> kEdgeAxisShift]));
+        above.set(isLowerAbove ? lower : lower + kPointStride[static_cast<std::size_t>(axisOf(record.edge))]);
     }
     // Cells of active edges: the edge's point and those one step back across it.
     BitString cells;

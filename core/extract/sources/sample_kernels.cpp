@@ -153,7 +153,7 @@ HWY_INLINE void gatherRecord(const StoredSample<Sample>* samples, const NormalCo
                              EdgeRecord<LiveOf<Sample>>& record) {
     using Live = LiveOf<Sample>;
     const unsigned axis = place & 3u, p = place >> 2, q = p + static_cast<unsigned>(kPointStride[axis]);
-    record = {static_cast<ClosedEdge>(axis << kEdgeAxisShift | p),
+    record = {closedEdge(static_cast<int>(axis), ClosedPoint(p)),
               0,
               normals[p],
               normals[q],
@@ -292,10 +292,10 @@ void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const Sam
     for (int z = 0; z < kPointSide; ++z)
         for (unsigned left = rows[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
             const int y = std::countr_zero(left);
-            NormalCode* const out = codes + closedPoint(0, y, z);
+            NormalCode* const out = codes + closedPoint(0, y, z).index();
             if (z >= apron.end[2] || y >= apron.end[1])
                 continue;
-            const Stored* const row = samples + closedPoint(0, y, z);
+            const Stored* const row = samples + closedPoint(0, y, z).index();
             const Stored* const rowBefore = row == samples ? firstRow : row - 1; // what stands at x = -1 is replaced
             const Sample* const beside = apron.samples.data() + Block::offset(0, y, z);
             const Sample before = isAtBegin ? sampleOf<Sample>(row[0]) : beside[-1];
@@ -311,7 +311,7 @@ void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const Sam
                 };
                 const auto rowAt = [&](int atY, int atZ) HWY_ATTR {
                     const bool isOwn = atY >= 0 && atY < kPointSide && atZ >= 0 && atZ < kPointSide;
-                    return isOwn ? loadStored<Sample>(d, samples + closedPoint(0, atY, atZ) + i)
+                    return isOwn ? loadStored<Sample>(d, samples + closedPoint(0, atY, atZ).index() + i)
                                  : loadFloats(d, apron.samples.data() + Block::offset(0, atY, atZ) + i);
                 };
                 const auto smaller = hn::IfThenElse(hn::Eq(place, hn::Zero(d)), hn::Set(d, static_cast<float>(before)),
@@ -414,7 +414,7 @@ void findNormalsReference(const SampleBlock<Sample>& block, const PointRows& row
             const int y = std::countr_zero(left);
             for (int x = 0; x < kPointSide; ++x)
                 if (block.isInside(x, y, z))
-                    codes[closedPoint(x, y, z)] = normalOfGradient(block.gradient(x, y, z, inverseSpacing));
+                    codes[closedPoint(x, y, z).index()] = normalOfGradient(block.gradient(x, y, z, inverseSpacing));
         }
 }
 #define ISO_INSTANTIATE(Sample, Name) \
@@ -430,7 +430,7 @@ void classifyReference(const Stored* samples, Stored threshold, const BrickMasks
     out.down = std::numeric_limits<Stored>::lowest();
     for (unsigned p = 0; p < kPaddedPoints; ++p) {
         if (samples[p] >= threshold) {
-            out.above.set(p);
+            out.above.set(ClosedPoint(p));
             out.up = std::min(out.up, samples[p]);
         } else {
             out.down = std::max(out.down, samples[p]);

@@ -12,8 +12,8 @@
 #include "core/base/check.h"
 #include "core/base/plain_text.h"
 #include "core/grid/length_unit.h"
+#include "core/index/format/chunk_table.h"
 #include "core/index/format/zstd_contexts.h"
-#include "core/index/sample_store.h"
 
 namespace isoslider::index {
 namespace {
@@ -183,7 +183,7 @@ bool getChunkGroups(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
         ChunkGroupEntry& group = meta.chunkGroups[i];
         for (std::uint64_t* value : {&group.offset, &group.chunkBytes, &group.checksum})
             *value = in.get<std::uint64_t>();
-        const std::uint64_t chunks = std::min<std::uint64_t>(kGroupChunks, grid.chunkCount() - i * kGroupChunks);
+        const std::uint64_t chunks = chunksInGroup(grid, i);
         const std::uint64_t room = preamble.metaOffset - chunks * kGroupEntryBytes;
         if (preamble.metaOffset < chunks * kGroupEntryBytes || group.offset < kPreambleBytes || group.offset > room ||
             group.chunkBytes > room - group.offset)

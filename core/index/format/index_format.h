@@ -77,7 +77,7 @@ struct HiddenPageEntry {
     std::uint64_t checksum = 0;
 };
 
-/// Chunks of samples that lie one after the other, and the table of them that follows (sample_store.h): a group.
+/// Chunks of samples that lie one after the other, and the table of them that follows (chunk_table.h): a group.
 struct ChunkGroupEntry {
     std::uint64_t offset = 0;
     std::uint64_t chunkBytes = 0; ///< of its chunks; the table begins there

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/grid/grid_geometry.h"
+#include "core/grid/histogram.h"
 #include "core/grid/scalar_type.h"
 
 namespace isoslider::index {
@@ -27,13 +28,6 @@ struct SkipLevelInfo {
     std::uint64_t activatedEdges = 0; ///< those that become active upwards: E+
     std::uint64_t bytes = 0; ///< encoded bytes of its pages
     std::uint64_t redundantRemoved = 0; ///< entries of the level below that cancelled out here
-};
-
-/// Counts of finite samples in equal bins over [min, max].
-struct Histogram {
-    double min = 0.0;
-    double max = 0.0;
-    std::vector<std::uint64_t> counts;
 };
 
 /// What an index states of itself and of its volume; all that is read when it is opened.

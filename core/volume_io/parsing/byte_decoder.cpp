@@ -257,21 +257,13 @@ bool parseSample(std::string_view word, T& out) {
     if constexpr (std::is_same_v<T, Half>) {
         return false;
     } else if constexpr (std::is_floating_point_v<T>) {
-        if (word.starts_with('+'))
-            word.remove_prefix(1);
-        const char* end = word.data() + word.size();
-        const auto [stop, problem] = std::from_chars(word.data(), end, out);
-        if (problem == std::errc{} && stop == end)
+        if (parseNumber(word, out))
             return true;
         const auto value = parseFortranReal(word); // also what is too small for T
         out = value ? static_cast<T>(*value) : T{};
         return value && (std::isfinite(out) || !std::isfinite(*value));
     } else {
-        if (word.starts_with('+'))
-            word.remove_prefix(1);
-        const char* end = word.data() + word.size();
-        const auto [stop, problem] = std::from_chars(word.data(), end, out);
-        return problem == std::errc{} && stop == end;
+        return parseNumber(word, out);
     }
 }
 

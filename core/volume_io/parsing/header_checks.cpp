@@ -1,7 +1,6 @@
 #include "core/volume_io/parsing/header_checks.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include <glm/matrix.hpp>
@@ -15,17 +14,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
-
-template <class Number>
-std::optional<Number> parseNumber(std::string_view text) {
-    if (text.starts_with('+'))
-        text.remove_prefix(1);
-    Number value{};
-    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (problem != std::errc{} || end != text.data() + text.size())
-        return std::nullopt;
-    return value;
-}
 
 template <class Number>
 bool parseNumbers(std::string_view text, std::vector<Number>& out) {
@@ -65,13 +53,6 @@ std::vector<std::string_view> words(std::string_view text) {
         text.remove_prefix(word.size());
     }
     return out;
-}
-
-std::string inQuotes(std::string_view text) {
-    std::string out = "'";
-    for (const char c : text.substr(0, 60))
-        out += c >= 0x20 && c < 0x7f ? c : '?';
-    return out + (text.size() > 60 ? "...'" : "'");
 }
 
 Status checkExtents(std::span<const std::int64_t> sizes, std::string_view field, const fs::path& path) {

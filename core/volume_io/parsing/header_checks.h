@@ -28,8 +28,6 @@ bool parseReals(std::string_view text, std::vector<double>& out);
 
 std::string_view trimmed(std::string_view text);
 std::vector<std::string_view> words(std::string_view text);
-/// Short and printable, for messages that quote a file.
-std::string inQuotes(std::string_view text);
 
 /// Checks extents of any number of axes: each within [1, kMaxDim], their product within kMaxPoints.
 Status checkExtents(std::span<const std::int64_t> sizes, std::string_view field, const std::filesystem::path& path);

@@ -156,7 +156,7 @@ private:
 
 ScalarType arrayType(FileType type, const ArrayMeaning& meaning) {
     const ScalarType own = memoryType(type);
-    const ScalarType real = own == ScalarType::I32 || own == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
+    const ScalarType real = realType(own);
     if (meaning.rescale)
         return meaning.isRescaleWide ? ScalarType::F64 : real;
     return meaning.hasMissing() ? real : own;

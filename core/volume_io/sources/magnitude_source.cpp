@@ -16,7 +16,7 @@ public:
         ISO_CHECK(!components_.empty() && components_.size() <= kMaxMagnitudeParts);
         info_ = components_.front()->info();
         partType_ = info_.type;
-        info_.type = partType_ == ScalarType::I32 || partType_ == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
+        info_.type = realType(partType_);
         planeSamples_ = static_cast<std::size_t>(info_.geometry.dims[0] * info_.geometry.dims[1]);
         for (const auto& component : components_)
             ISO_CHECK(component->info().type == partType_ && component->info().geometry.dims == info_.geometry.dims);

@@ -21,10 +21,9 @@ public:
         : info_(std::move(info)), layout_(layout), bytes_(std::move(bytes)), path_(std::move(path)) {
         info_.type = memoryType(layout_.type);
         if (layout_.component == kMagnitude)
-            info_.type =
-                info_.type == ScalarType::I32 || info_.type == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
+            info_.type = realType(info_.type);
         else if (layout_.rescale && !isFloatType(info_.type))
-            info_.type = info_.type == ScalarType::I32 ? ScalarType::F64 : ScalarType::F32;
+            info_.type = realType(info_.type);
         const GridDims& dims = info_.geometry.dims;
         planeSamples_ = static_cast<std::size_t>(dims[0] * dims[1]);
         ISO_CHECK(layout_.components >= 1 && layout_.component >= kMagnitude && layout_.component < layout_.components);

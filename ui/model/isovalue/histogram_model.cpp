@@ -9,7 +9,7 @@ namespace {
 
 /// Counts as weights: the square root keeps the order of peaks, yet a background of 95 % of all
 /// samples no longer outweighs the object.
-std::vector<double> dampedWeights(const index::Histogram& histogram) {
+std::vector<double> dampedWeights(const Histogram& histogram) {
     std::vector<double> weights(histogram.counts.size());
     std::transform(histogram.counts.begin(), histogram.counts.end(), weights.begin(),
                    [](std::uint64_t count) { return std::sqrt(static_cast<double>(count)); });
@@ -45,19 +45,19 @@ double otsuBoundary(const std::vector<double>& weights) {
 
 } // namespace
 
-double binLowerEnd(const index::Histogram& histogram, std::size_t bin) {
+double binLowerEnd(const Histogram& histogram, std::size_t bin) {
     const double share = static_cast<double>(bin) / static_cast<double>(histogram.counts.size());
     return std::lerp(histogram.min, histogram.max, share);
 }
 
-double suggestIsovalue(const index::Histogram& histogram) {
+double suggestIsovalue(const Histogram& histogram) {
     if (histogram.counts.empty())
         return std::midpoint(histogram.min, histogram.max);
     const double share = otsuBoundary(dampedWeights(histogram)) / static_cast<double>(histogram.counts.size());
     return std::lerp(histogram.min, histogram.max, share);
 }
 
-std::size_t drawableBins(const index::Histogram& histogram, ScalarType type) {
+std::size_t drawableBins(const Histogram& histogram, ScalarType type) {
     const std::size_t bins = histogram.counts.size();
     if (isFloatType(type))
         return bins;
@@ -65,7 +65,7 @@ std::size_t drawableBins(const index::Histogram& histogram, ScalarType type) {
     return std::max<std::size_t>(1, static_cast<std::size_t>(std::min(wholeNumbers, static_cast<double>(bins))));
 }
 
-HistogramOutline outlineOf(const index::Histogram& histogram, std::size_t maxBins) {
+HistogramOutline outlineOf(const Histogram& histogram, std::size_t maxBins) {
     HistogramOutline outline;
     const std::size_t bins = histogram.counts.size();
     if (bins == 0 || maxBins == 0)

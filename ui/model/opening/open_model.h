@@ -31,7 +31,7 @@ public:
     /// Changes the choice, and the preview with it. Nothing without a choice.
     void change(const std::function<void(VolumeChoice&)>& function);
 
-    ObserverList<>& changed() { return changed_; } ///< contents, choice or preview
+    const Observable<>& changed() const { return changed_; } ///< contents, choice or preview
 
 private:
     void onListed(Result<io::VolumeContents> contents);

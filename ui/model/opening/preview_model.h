@@ -25,7 +25,7 @@ public:
     const Error& error() const { return error_; } ///< REQUIRES: Failed
     double fraction() const { return job_.fraction(); } ///< 0 to 1, while Loading
 
-    ObserverList<>& changed() { return changed_; }
+    const Observable<>& changed() const { return changed_; }
 
 private:
     void onRead(Result<VolumePreview> preview);

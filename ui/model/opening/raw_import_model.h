@@ -46,7 +46,7 @@ public:
     const ByteOrderCheck* swapWarning() const { return check_ && check_->looksSwapped() ? &*check_ : nullptr; }
     const PreviewModel& preview() const { return preview_; }
 
-    ObserverList<>& changed() { return changed_; }
+    const Observable<>& changed() const { return changed_; }
 
 private:
     void change(const io::RawLayout& layout);

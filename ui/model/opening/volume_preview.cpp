@@ -22,7 +22,7 @@ struct ShadeRange {
 };
 
 /// Upper end of the bins, from either side, that hold kClippedShare of the counts.
-ShadeRange shadeRangeOf(const index::Histogram& histogram) {
+ShadeRange shadeRangeOf(const Histogram& histogram) {
     ShadeRange range{histogram.min, histogram.max};
     double total = 0.0;
     for (const auto count : histogram.counts)

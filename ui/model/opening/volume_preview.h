@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/job_control.h"
-#include "core/index/format/index_info.h"
+#include "core/grid/histogram.h"
 #include "ui/model/opening/volume_access.h"
 
 namespace isoslider::model {
@@ -33,7 +33,7 @@ struct VolumePreview {
     double max = 0.0;
     std::uint64_t samples = 0;
     std::uint64_t missingSamples = 0;
-    index::Histogram histogram; ///< no counts if no sample is finite
+    Histogram histogram; ///< no counts if no sample is finite
     std::array<SliceImage, 3> slices; ///< through the middle, across z, y and x
 };
 

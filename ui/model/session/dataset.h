@@ -42,7 +42,7 @@ struct Dataset {
     double max = 0.0;
     std::uint64_t distinctValues = 0; ///< 0: not counted yet
     std::uint64_t missingSamples = 0;
-    index::Histogram histogram;
+    Histogram histogram;
     std::filesystem::path indexPath; ///< where the index is or will be
     std::optional<VolumeStamp> stamp; ///< of the volume's files before they were read; none of samples and indexes
     std::optional<index::IndexInfo> index;

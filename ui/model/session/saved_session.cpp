@@ -41,7 +41,7 @@ public:
         if (object_.is_object())
             for (const auto& [name, value] : object_.items())
                 if (std::find(known_.begin(), known_.end(), name) == known_.end())
-                    reportOf(io::inQuotes(name), "is not known and ignored");
+                    reportOf(inQuotes(name), "is not known and ignored");
     }
     Members(const Members&) = delete;
     Members& operator=(const Members&) = delete;

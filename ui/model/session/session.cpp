@@ -387,12 +387,12 @@ void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
 void Session::onExported(const fs::path& path, DatasetGeneration of, mesh::Certificate certificate) {
     const auto faults = mesh::faultsOf(certificate);
     if (faults.empty()) {
-        noticePosted_.notify(Notice{Notice::Severity::Information, "Mesh exported", path.string()});
+        post(Notice{Notice::Severity::Information, "Mesh exported", path.string()});
     } else {
         std::string detail = path.string() + ": ";
         for (std::size_t i = 0; i < faults.size(); ++i)
             detail += (i == 0 ? "" : ", ") + faults[i];
-        noticePosted_.notify(Notice{Notice::Severity::Error, "Mesh exported, but it is not sound", detail});
+        post(Notice{Notice::Severity::Error, "Mesh exported, but it is not sound", detail});
     }
     if (of != datasetGeneration_)
         return;
@@ -423,7 +423,7 @@ bool Session::isMoving() const {
 }
 
 void Session::fail(const std::string& title, const Error& error) {
-    noticePosted_.notify(Notice{Notice::Severity::Error, title, error.line(), error.code});
+    post(Notice{Notice::Severity::Error, title, error.line(), error.code});
 }
 
 } // namespace isoslider::model

@@ -90,12 +90,13 @@ public:
     const std::optional<mesh::Certificate>& certificate() const { return certificate_; }
     bool isCheckingMesh() const { return isCheckingMesh_; }
 
-    ObserverList<>& datasetChanged() { return datasetChanged_; } ///< dataset, loading or index state
-    ObserverList<>& frameChanged() { return frameChanged_; }
-    ObserverList<>& certificateChanged() { return certificateChanged_; }
-    ObserverList<const Notice&>& noticePosted() { return noticePosted_; }
+    const Observable<>& datasetChanged() const { return datasetChanged_; } ///< dataset, loading or index state
+    const Observable<>& frameChanged() const { return frameChanged_; }
+    const Observable<>& certificateChanged() const { return certificateChanged_; }
+    const Observable<const Notice&>& noticePosted() const { return noticePosted_; }
+    void post(const Notice& notice) { noticePosted_.notify(notice); }
     /// A request that asksForChoice cannot be opened before one is made; nothing is open that was not before.
-    ObserverList<const OpenRequest&, const io::VolumeContents&>& choiceNeeded() { return choiceNeeded_; }
+    const Observable<const OpenRequest&, const io::VolumeContents&>& choiceNeeded() const { return choiceNeeded_; }
 
 private:
     struct FrameSlot;

@@ -71,7 +71,7 @@ void HistogramPlot::setUpHandle() {
     emptyHint_->position->setCoords(0.5, 0.5);
 }
 
-void HistogramPlot::setHistogram(const index::Histogram& histogram, ScalarType type,
+void HistogramPlot::setHistogram(const Histogram& histogram, ScalarType type,
                                  const std::vector<std::uint64_t>& activeEdgesPerBin) {
     const bool isSameRange = hasHistogram_ && min_ == histogram.min && max_ == histogram.max;
     min_ = histogram.min;

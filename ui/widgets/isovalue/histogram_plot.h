@@ -6,7 +6,8 @@
 #include <QElapsedTimer>
 #include <qcustomplot.h>
 
-#include "core/index/format/index_info.h"
+#include "core/grid/histogram.h"
+#include "core/grid/scalar_type.h"
 
 namespace isoslider::widgets {
 
@@ -20,8 +21,7 @@ public:
     explicit HistogramPlot(QWidget* parent = nullptr);
 
     /// `activeEdgesPerBin` may be empty: then there is no curve of the surface's size.
-    void setHistogram(const index::Histogram& histogram, ScalarType type,
-                      const std::vector<std::uint64_t>& activeEdgesPerBin);
+    void setHistogram(const Histogram& histogram, ScalarType type, const std::vector<std::uint64_t>& activeEdgesPerBin);
     void clearHistogram();
     void setIsovalues(double requested, double displayed);
     void setLogCounts(bool isLog);

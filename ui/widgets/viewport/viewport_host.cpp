@@ -152,7 +152,7 @@ void ViewportHost::connectGraphics() {
     connect(
         viewport_, &ViewportWidget::graphicsLost, this,
         [this] {
-            session_.noticePosted().notify(
+            session_.post(
                 {model::Notice::Severity::Error, tr("The graphics card was reset and has not come back").toStdString(),
                  tr("The panels still work. If the picture stays away, start the program again").toStdString(),
                  ErrorCode::IoError});
@@ -166,9 +166,8 @@ void ViewportHost::showCoarser(std::uint64_t refusedBytes) {
         return; // another one is on its way already
     if (refusedBytes >= kLeastPictureBytes)
         return session_.limitPicture(refusedBytes / 2);
-    session_.noticePosted().notify(
-        {model::Notice::Severity::Error, tr("The graphics card has no memory for any surface").toStdString(),
-         tr("The panels still work. Close other programs that draw").toStdString(), ErrorCode::OutOfSpace});
+    session_.post({model::Notice::Severity::Error, tr("The graphics card has no memory for any surface").toStdString(),
+                   tr("The panels still work. Close other programs that draw").toStdString(), ErrorCode::OutOfSpace});
 }
 
 void ViewportHost::tellWhatIsDrawn() {
@@ -177,7 +176,7 @@ void ViewportHost::tellWhatIsDrawn() {
     const auto told = std::exchange(toldMergedCells_, merged > 1 ? std::max(merged, toldMergedCells_) : 1);
     const auto grouped = [](std::uint64_t count) { return QString::fromStdString(model::groupedText(count)); };
     if (merged > told)
-        session_.noticePosted().notify(
+        session_.post(
             {model::Notice::Severity::Error, tr("The graphics card has no memory for this surface").toStdString(),
              tr("It has %1 triangles; drawn is a coarser one of %2, its vertices merged in blocks of %3 cells along each "
                 "axis. Meshes are checked and exported whole")
@@ -186,8 +185,7 @@ void ViewportHost::tellWhatIsDrawn() {
                  .toStdString(),
              ErrorCode::OutOfSpace});
     else if (frame && merged == 1 && told > 1)
-        session_.noticePosted().notify(
-            {model::Notice::Severity::Information, tr("The surface is drawn whole again").toStdString(), {}});
+        session_.post({model::Notice::Severity::Information, tr("The surface is drawn whole again").toStdString(), {}});
 }
 
 QString ViewportHost::standInText() const {

@@ -113,8 +113,8 @@ void SessionKeeper::askOpen() {
 void SessionKeeper::open(const QString& path) {
     auto read = model::readSession(pathOf(path));
     if (!read.isOk())
-        return session_.noticePosted().notify({Severity::Error, tr("The session could not be opened").toStdString(),
-                                               read.error().line(), read.error().code});
+        return session_.post({Severity::Error, tr("The session could not be opened").toStdString(), read.error().line(),
+                              read.error().code});
     restore(read.value().session, std::move(read.value().problems), QFileInfo(path).fileName());
 }
 
@@ -148,7 +148,7 @@ void SessionKeeper::askWhereVolumeIs(const model::SavedSession& saved, const std
     const model::Notice notice{Severity::Error, tr("The volume of %1 is not where it was").arg(name).toStdString(),
                                QDir::toNativeSeparators(textOf(saved.volume)).toStdString() + ": no such file",
                                ErrorCode::NotFound};
-    session_.noticePosted().notify(notice); // for those that watch without a user; the bar shows the offer
+    session_.post(notice); // for those that watch without a user; the bar shows the offer
     messageBar_.showOffer(notice, {{tr("Locate…"), locate}});
 }
 

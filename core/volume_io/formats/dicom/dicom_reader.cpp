@@ -108,8 +108,7 @@ public:
           heldSlices_{slices_.size(), slices_.size()} {
         info_.type = stack_.type;
         if (component_ == kMagnitude)
-            info_.type =
-                info_.type == ScalarType::I32 || info_.type == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
+            info_.type = realType(info_.type);
     }
 
     const VolumeInfo& info() const override { return info_; }

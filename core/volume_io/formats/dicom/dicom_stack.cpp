@@ -370,7 +370,7 @@ private:
             return ScalarType::I16;
         if (isWhole && !isFloatType(stored) && least >= -std::ldexp(1.0, 31) && most < std::ldexp(1.0, 31))
             return ScalarType::I32;
-        return stored == ScalarType::I32 ? ScalarType::F64 : ScalarType::F32;
+        return realType(stored);
     }
 
     static bool isDistance(double length) { return length > 0.0 && std::isfinite(length); }
@@ -516,7 +516,7 @@ private:
         made.notes.push_back(counted(slices.size(), "slice") + " in the order of their positions, " +
                              shortNumber(least) + " to " + shortNumber(most) + " mm apart: linearly interpolated to " +
                              std::to_string(geometry.dims[2]) + " of even spacing");
-        made.type = made.type == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
+        made.type = realType(made.type);
     }
 
     std::string undoTilt(DicomStack& made, const glm::dvec3& step) const {
@@ -541,7 +541,7 @@ private:
         made.notes.push_back("the gantry was tilted by " + shortNumber(angle) +
                              " degrees: slices are moved back in "
                              "their planes, linearly interpolated; what lies outside them is missing");
-        made.type = made.type == ScalarType::F64 ? ScalarType::F64 : ScalarType::F32;
+        made.type = realType(made.type);
         return "";
     }
 

@@ -33,9 +33,8 @@ constexpr double kMaxFloat = 0x1.fffffefffffffp127;
 template <class T>
 bool isWithin(std::string_view word, T least = std::numeric_limits<T>::lowest(),
               T most = std::numeric_limits<T>::max()) {
-    T value{};
-    const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), value);
-    return problem == std::errc{} && end == word.data() + word.size() && value >= least && value <= most;
+    const auto value = parseNumber<T>(word);
+    return value && *value >= least && *value <= most;
 }
 
 using Words = std::vector<std::string_view>;

@@ -65,7 +65,7 @@ void expectSameClassification(std::mt19937& random) {
             BitString before;
             for (unsigned p = 0; p < kClosedPoints; ++p)
                 if (random() % 3 == 0)
-                    before.set(p);
+                    before.set(ClosedPoint(p));
             for (const BitString* old :
                  {static_cast<const BitString*>(nullptr), static_cast<const BitString*>(&before)}) {
                 ClassifiedBrick<Stored> plain, fast;
@@ -98,7 +98,7 @@ TEST_P(LiveKernels, FindTheEdgesAndCellsThatTheSignsSay) {
     const auto samples = samplesOf<float>(0, random_);
     ClassifiedBrick<float> found;
     classify(samples.values, 100.0f, masks, nullptr, found);
-    const auto isAbove = [&](int x, int y, int z) { return samples.values[closedPoint(x, y, z)] >= 100.0f; };
+    const auto isAbove = [&](int x, int y, int z) { return samples.values[closedPoint(x, y, z).index()] >= 100.0f; };
     for (int z = 0; z < kPointSide; ++z)
         for (int y = 0; y < kPointSide; ++y)
             for (int x = 0; x < kPointSide; ++x) {
@@ -132,11 +132,11 @@ void expectRecords(std::mt19937& random) {
     const std::uint32_t count =
         gatherRecords<Sample>(samples.values, normals.data(), found.active, records.data(), table);
     std::uint32_t next = 0;
-    for (unsigned axis = 0; axis < 3; ++axis)
-        forEachSetBit(found.active.edges[axis], [&](ClosedPoint p) {
-            const auto q = static_cast<std::size_t>(p + kPointStride[axis]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        forEachSetBit(found.active.edges[axis], [&](ClosedPoint start) {
+            const std::size_t p = start.index(), q = (start + kPointStride[axis]).index();
             const auto& record = records[next];
-            EXPECT_EQ(record.edge, axis << kEdgeAxisShift | p);
+            EXPECT_EQ(record.edge, closedEdge(static_cast<int>(axis), start));
             EXPECT_EQ(record.normal1, normals[p]);
             EXPECT_EQ(record.normal2, normals[q]);
             EXPECT_EQ(record.scalar1, static_cast<LiveOf<Sample>>(sampleOf<Sample>(samples.values[p])));
@@ -155,9 +155,8 @@ TEST_P(LiveKernels, NumberActiveEdgesInOrder) {
         const std::uint32_t count = numberEdges(found.active, table);
         std::uint32_t next = 0;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            forEachSetBit(found.active.edges[axis], [&](ClosedPoint p) {
-                ASSERT_EQ(table.of(static_cast<ClosedEdge>(axis << kEdgeAxisShift | p)), next++);
-            });
+            forEachSetBit(found.active.edges[axis],
+                          [&](ClosedPoint p) { ASSERT_EQ(table.of(closedEdge(static_cast<int>(axis), p)), next++); });
         EXPECT_EQ(count, next);
     }
 }
@@ -183,7 +182,7 @@ OwnSamples<Sample> ownSamples(const SampleBlock<Sample>& block) {
         for (int y = 0; y < kPointSide; ++y)
             for (int x = 0; x < kPointSide; ++x)
                 if (block.isInside(x, y, z))
-                    own[closedPoint(x, y, z)] =
+                    own[closedPoint(x, y, z).index()] =
                         storedOf(block.samples[static_cast<std::size_t>(block.offset(x, y, z))]);
     return own;
 }
@@ -244,7 +243,7 @@ template <class Live>
 void expectVertices(std::mt19937& random) {
     std::vector<EdgeRecord<Live>> records;
     for (int k = 0; k < 333; ++k) {
-        const auto p = static_cast<unsigned>(random() % kClosedPoints);
+        const ClosedPoint start(random() % kClosedPoints);
         const Live low = k % 7 == 0 ? std::numeric_limits<Live>::lowest() : static_cast<Live>(random() % 100);
         const Live high = k % 11 == 0 ? std::numeric_limits<Live>::max() : static_cast<Live>(100 + random() % 100);
         const auto code = [&] {
@@ -254,7 +253,7 @@ void expectVertices(std::mt19937& random) {
                                        static_cast<float>(random() % 9) - 4.0f});
         };
         const NormalCode first = code(), second = code();
-        const auto edge = static_cast<ClosedEdge>((random() % 3) << kEdgeAxisShift | p);
+        const ClosedEdge edge = closedEdge(static_cast<int>(random() % 3), start);
         records.push_back(random() % 2 ? EdgeRecord<Live>{edge, 0, first, second, low, high}
                                        : EdgeRecord<Live>{edge, 0, first, second, high, low});
     }

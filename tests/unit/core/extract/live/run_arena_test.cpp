@@ -70,8 +70,7 @@ TEST(EdgeRecord, GivesThePlaceOfAVertexInsideACellBack) {
 
 // From first principles: on the line, exactly at the end where the isovalue is that end's scalar, never outside.
 TEST(EdgeRecord, PlacesAVertexWhereTheLineCrossesTheIsovalue) {
-    EdgeRecord<float> record{
-        static_cast<ClosedEdge>(1 << kEdgeAxisShift | closedPoint(3, 4, 5)), 0, 0, 0, 10.0f, 20.0f};
+    EdgeRecord<float> record{closedEdge(1, closedPoint(3, 4, 5)), 0, 0, 0, 10.0f, 20.0f};
     EXPECT_EQ(vertexOf(record, {8, 8, 8}, 12.5f).position, glm::vec3(11.0f, 12.25f, 13.0f));
     EXPECT_EQ(vertexOf(record, {8, 8, 8}, 10.0f).position, glm::vec3(11.0f, 12.0f, 13.0f));
     EXPECT_EQ(vertexOf(record, {8, 8, 8}, 20.0f).position, glm::vec3(11.0f, 13.0f, 13.0f));

@@ -7,7 +7,7 @@
 namespace isoslider::model {
 namespace {
 
-index::Histogram histogramOf(double min, double max, std::vector<std::uint64_t> counts) {
+Histogram histogramOf(double min, double max, std::vector<std::uint64_t> counts) {
     return {min, max, std::move(counts)};
 }
 
