@@ -173,6 +173,7 @@ command_test() {
   bash "$ROOT/packaging/ci/check.sh" --quick
   build_preset release
   bash "$ROOT/packaging/ci/check.sh" --links
+  bash "$ROOT/packaging/ci/check.sh" --tidy
   run_ctest release
   if ! $is_quick; then
     build_preset asan-ubsan

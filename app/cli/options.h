@@ -36,7 +36,6 @@ struct VolumeOptions {
     std::optional<std::int64_t> frame;
     GridDims resampleDims{0, 0, 0};
 
-    bool hasRawLayout() const { return type.has_value(); }
     io::ReadOptions readOptions() const;
 };
 

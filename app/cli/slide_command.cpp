@@ -152,7 +152,7 @@ private:
         return {};
     }
 
-    // The slide goes on after a surface with a fault; the first one is told at the end.
+    // The slide goes on after a surface with a fault; the first one is reported at the end.
     Outcome exportStep(const extract::SlideEngine& engine, const std::string& path, const JobControl& job) {
         const JobControl joining = job.part(0.0, 0.2), checking = job.part(0.2, 0.7), writing = job.part(0.7, 1.0);
         const auto surface = engine.mesh(joining);

@@ -11,7 +11,7 @@
 
 namespace isoslider {
 
-/// XXH3 with 64 bits, over bytes that come in pieces. Tells contents apart, protects against nobody.
+/// XXH3 with 64 bits, over bytes that come in pieces. Distinguishes contents; no protection against forgery.
 class ContentHash {
 public:
     ContentHash();

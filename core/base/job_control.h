@@ -8,7 +8,7 @@
 
 namespace isoslider {
 
-/// How long work talks to whoever started it. Both members may be empty.
+/// How long-running work reports its progress and learns that it should stop. Both members may be empty.
 /// `progress` may be called from any worker thread, never from two at once.
 struct JobControl {
     using ProgressFunction = std::function<void(double fraction, std::string_view stage)>;

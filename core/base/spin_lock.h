@@ -5,7 +5,7 @@
 
 namespace isoslider {
 
-/// A lock for some tens of instructions, for std::lock_guard: who waits turns round, and lets others run after a while.
+/// A lock for some tens of instructions, for std::lock_guard: a waiting thread spins, and yields after a while.
 class SpinLock {
 public:
     void lock() {

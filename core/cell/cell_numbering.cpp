@@ -77,14 +77,4 @@ std::uint8_t ambiguousFaces(std::uint8_t signs) { return kFacts.ambiguousFaces[s
 
 int hiddenCorner(std::uint8_t signs) { return kFacts.hiddenCorner[signs]; }
 
-const std::array<std::uint8_t, 4096>& signsFromActiveEdges() {
-    static const std::array<std::uint8_t, 4096> table = [] {
-        std::array<std::uint8_t, 4096> signs{};
-        for (int s = 0; s < 256; s += 2) // even: corner 0 is below
-            signs[activeEdges(static_cast<std::uint8_t>(s))] = static_cast<std::uint8_t>(s);
-        return signs;
-    }();
-    return table;
-}
-
 } // namespace isoslider::cell

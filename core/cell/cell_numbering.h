@@ -32,10 +32,6 @@ std::uint16_t activeEdges(std::uint8_t signs);
 /// Bit f: the face is ambiguous, two above corners opposite each other.
 std::uint8_t ambiguousFaces(std::uint8_t signs);
 
-/// For each 12-bit mask of active edges: the signs in which corner 0 is below, or 0 when no signs have
-/// that mask (and for mask 0). The other solution is their complement.
-const std::array<std::uint8_t, 4096>& signsFromActiveEdges();
-
 /// The one corner that lies on no active edge though the cell's interior depends on it (MC33 case 7:
 /// three corners on one side around a fourth; the corner opposite that one); -1 for other signs.
 int hiddenCorner(std::uint8_t signs);

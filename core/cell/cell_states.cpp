@@ -135,7 +135,7 @@ LoopPair tunnelLoops(int signs, int joinedFaces, const std::vector<Loop>& loops,
     return pair;
 }
 
-// Sign of q = AC - BD on a face where the corner signs and the face's decision tell it, else 0. A and C
+// Sign of q = AC - BD on a face where the corner signs and the face's decision determine it, else 0. A and C
 // are the corners at (0,0) and (1,1) of the face.
 int signOnFace(int signs, int joinedFaces, int axis, int side) {
     const int u = 1 << ((axis + 1) % 3), w = 1 << ((axis + 2) % 3), base = side << axis;

@@ -234,7 +234,7 @@ void narrowTo(StateInterval& interval, double isovalue, double critical, double 
     else if (critical + margin < isovalue)
         interval.below = std::max(interval.below, critical + margin);
     else
-        interval = {kInfinity, -kInfinity}; // too near to tell, or NaN
+        interval = {kInfinity, -kInfinity}; // too near to decide, or NaN
 }
 
 // Underflow would leave nothing of products of this size; overflow and NaN make the comparison false.
@@ -346,13 +346,6 @@ TunnelDecision resolveInside(const CornerScalars& scalars, unsigned allowed, dou
 }
 
 } // namespace
-
-std::uint8_t signsOf(const CornerScalars& scalars, double isovalue) {
-    unsigned signs = 0;
-    for (unsigned i = 0; i < 8; ++i)
-        signs |= static_cast<unsigned>(scalars[i] >= isovalue) << i;
-    return static_cast<std::uint8_t>(signs);
-}
 
 TunnelDecision decideTunnel(const CornerScalars& scalars, double isovalue) {
     const TunnelTest test = testTunnel(boundedCell(scalars, isovalue));

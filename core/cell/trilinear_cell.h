@@ -39,11 +39,8 @@ enum class Tunnel : std::uint8_t {
     Below, ///< the same between below corners
 };
 
-/// Corner scalars of a cell, exactly, in corner order.
+/// Corner scalars of a cell, exactly, in corner order. REQUIRES, below: all finite.
 using CornerScalars = std::array<double, 8>;
-
-/// Bit i: corner i is above (scalar >= isovalue). REQUIRES: all finite, here and below.
-std::uint8_t signsOf(const CornerScalars& scalars, double isovalue);
 
 /// The tunnel of a cell whose faces allow one (see mayHaveTunnel), and the main diagonal it winds
 /// round: from corner `diagonal` (0 to 3) to the opposite one, 7 - diagonal. Exact.
@@ -66,8 +63,8 @@ struct ResolvedCell {
     std::uint16_t state = 0;
     StateInterval interval{};
 };
-/// `signs` must be signsOf(scalars, isovalue). The scalar of hiddenCorner(signs) matters only for tunnels:
-/// without it (`knowsHidden` false) there is none. 2 divisions and some products for an ambiguous face.
+/// Bit i of `signs`: corner i is above (scalar >= isovalue). The scalar of hiddenCorner(signs) matters only for
+/// tunnels: without it (`knowsHidden` false) there is none. 2 divisions and some products for an ambiguous face.
 ResolvedCell resolveCell(std::uint8_t signs, const CornerScalars& scalars, bool knowsHidden, double isovalue);
 
 /// The six inner vertices of a tunnel: roots of the three quadratics, ascending along each axis, in cell

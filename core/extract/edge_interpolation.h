@@ -49,7 +49,4 @@ template <class Sample>
 using LiveOf =
     std::conditional_t<std::is_same_v<Sample, std::int32_t> || std::is_same_v<Sample, double>, double, float>;
 
-/// The same, asked of a type.
-inline bool needsDoubleScalars(ScalarType type) { return type == ScalarType::I32 || type == ScalarType::F64; }
-
 } // namespace isoslider::extract

@@ -44,7 +44,7 @@ private:
     mutable std::mutex mutex_;
     std::uint64_t bytes_ = 0;
     std::list<Entry> entries_; // most recently used first
-    std::vector<std::shared_ptr<DecodedPage<Key>>> spares_; // evicted, nobody looks at them: memory to use again
+    std::vector<std::shared_ptr<DecodedPage<Key>>> spares_; // evicted and unused: memory to use again
     std::unordered_map<std::uint64_t, typename std::list<Entry>::iterator> byId_;
 };
 

@@ -37,7 +37,6 @@ public:
     /// Edge entries on the pages of plan(lower, upper), those of half-covered pages in proportion.
     std::uint64_t estimateEdges(KeyThreshold lower, KeyThreshold upper) const;
 
-    int levelCount() const { return static_cast<int>(levels_.size()); }
     SkipLevel top() const { return SkipLevel(levels_.size() - 1); }
     const PageEntry& page(SkipLevel level, std::size_t index) const { return levels_[level.index()].pages[index]; }
     /// REQUIRES: not level 0.

@@ -91,7 +91,7 @@ Status writeOm(const TriangleSoup& soup, AtomicFile& file, const JobControl& job
     {
         static std::mutex oneAtATime;
         const std::scoped_lock lock(oneAtATime);
-        const QuietStream quiet(std::clog); // it is told how many bytes were written
+        const QuietStream quiet(std::clog); // OpenMesh logs how many bytes were written
         isWritten = OpenMesh::IO::write_mesh(mesh, stream, ".om", options);
     }
     stream.flush();

@@ -5,6 +5,7 @@
 #   packaging/ci/check.sh           everything
 #   packaging/ci/check.sh --quick   what reads sources only
 #   packaging/ci/check.sh --links   the link graph, which needs a configured build
+#   packaging/ci/check.sh --tidy    clang-tidy over what changed last, which needs build/release
 set -euo pipefail
 
 ROOT=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -91,6 +92,23 @@ check_format() {
   command -v clang-format-14 >/dev/null || { warn "no clang-format-14: the format is not checked"; return; }
   hits=$(sources_below | xargs -r -d '\n' clang-format-14 --dry-run 2>&1 | grep 'clang-format-violations' | cut -d: -f1 | sort -u || true)
   [[ -z $hits ]] || fail "clang-format-14 -i would change" "$hits"
+}
+
+# --- clang-tidy -------------------------------------------------------------------------------------
+
+# Of what the last commits changed, the newest first: some seconds each, so no more than a few minutes' worth.
+readonly TIDY_COMMITS=12 MAX_TIDY_FILES=32
+
+check_tidy() {
+  local files
+  [[ -f build/release/compile_commands.json ]] || fail "clang-tidy needs the build in build/release"
+  command -v clang-tidy-14 >/dev/null || { warn "no clang-tidy-14"; return; }
+  files=$({ git diff --name-only HEAD; git log -n "$TIDY_COMMITS" --name-only --format=; } 2>/dev/null |
+    grep -E '^(core|preprocess|ui|app)/.*\.cpp$' | awk '!seen[$0]++' |
+    while read -r file; do [[ ! -f $file ]] || echo "$file"; done | head -n "$MAX_TIDY_FILES" || true)
+  [[ -n $files ]] || return 0
+  xargs -d '\n' -n1 -P"$(nproc)" clang-tidy-14 -p build/release --quiet <<<"$files" 2>/dev/null ||
+    fail "clang-tidy objects (.clang-tidy names what is checked)"
 }
 
 # --- sizes ------------------------------------------------------------------------------------------
@@ -202,9 +220,14 @@ check_links() {
 }
 
 case ${1:-} in
-  '' | --quick | --links) ;;
-  *) printf 'usage: %s [--quick | --links]\n' "${0##*/}" >&2; exit 2 ;;
+  '' | --quick | --links | --tidy) ;;
+  *) printf 'usage: %s [--quick | --links | --tidy]\n' "${0##*/}" >&2; exit 2 ;;
 esac
+if [[ ${1:-} == --tidy ]]; then
+  check_tidy
+  echo "check.sh: clang-tidy has no objection"
+  exit
+fi
 if [[ ${1:-} != --links ]]; then
   check_includes
   check_rooms

@@ -16,6 +16,17 @@ using cell::kCellEdges;
 
 namespace {
 
+/// For each 12-bit mask of active edges: the signs in which corner 0 is below. The other solution is their complement.
+const std::array<std::uint8_t, 4096>& signsFromActiveEdges() {
+    static const std::array<std::uint8_t, 4096> table = [] {
+        std::array<std::uint8_t, 4096> signs{};
+        for (int s = 0; s < 256; s += 2) // even: corner 0 is below
+            signs[cell::activeEdges(static_cast<std::uint8_t>(s))] = static_cast<std::uint8_t>(s);
+        return signs;
+    }();
+    return table;
+}
+
 // All codes decoded, because E keeps normals as codes and the Taylor series wants unit vectors.
 const std::vector<glm::vec3>& unitNormals() {
     static const std::vector<glm::vec3> table = [] {
@@ -204,7 +215,7 @@ void FlatBaseline<Live>::retriangulate(CellId id) {
         return *edgeTable_.find(4 * corner + cellEdge.axis);
     };
     // The mask leaves two cases, complements of each other; one active edge reports which.
-    std::size_t signs = cell::signsFromActiveEdges()[cell.edgeMask];
+    std::size_t signs = signsFromActiveEdges()[cell.edgeMask];
     const int first = std::countr_zero(cell.edgeMask);
     const bool isCornerAbove = signs >> kCellEdges[static_cast<std::size_t>(first)].lowerCorner & 1;
     if (isCornerAbove == isLowerEndBelow(edges_[vertexOf(first)]))

@@ -38,7 +38,7 @@ std::unique_ptr<FlyingEdges> makePeer(const BenchVolume& volume, const RowOption
 
 // What interpolation reads and writes for an active edge: two scalars, normals, local edge; V, N.
 std::size_t interpolationBytes(ScalarType type) {
-    const std::size_t scalar = extract::needsDoubleScalars(type) ? sizeof(double) : sizeof(float);
+    const std::size_t scalar = realType(type) == ScalarType::F64 ? sizeof(double) : sizeof(float);
     return 2 * scalar + sizeof(std::uint32_t) + sizeof(std::uint16_t) + 2 * sizeof(glm::vec3);
 }
 

@@ -37,7 +37,6 @@ public:
     void abandon() { vertexArray_ = 0; }
 
     bool isEmpty() const { return bricks_.empty(); }
-    bool hasChanged() const { return !changed_.empty(); }
     /// Bytes of records, indices and places sent since the object was made.
     std::uint64_t uploadedBytes() const { return uploadedBytes_; }
 

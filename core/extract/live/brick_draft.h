@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/cell/cell_states.h"
+#include "core/extract/live/active_bits.h"
 #include "core/extract/live/brick_bits.h"
 #include "core/extract/live/brick_slot.h"
 #include "core/extract/live/cell_triangles.h"

@@ -51,7 +51,7 @@ struct ChangedTriangles {
     std::uint32_t indexCount;
 };
 
-/// The versions of the pictures that somebody still looks at. Safe from any thread.
+/// The versions of the pictures that are still in use. Safe from any thread.
 class PictureLeases {
 public:
     static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();

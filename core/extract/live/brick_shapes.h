@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/extract/live/active_bits.h"
 #include "core/extract/live/brick_bits.h"
 #include "core/grid/brick_grid.h"
 #include "core/index/format/index_format.h"

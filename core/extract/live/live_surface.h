@@ -14,6 +14,7 @@
 #include "core/extract/live/brick_slot.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/chunked_array.h"
+#include "core/extract/live/live_brick.h"
 #include "core/extract/live/run_arena.h"
 #include "core/extract/surface_mesh.h"
 
@@ -37,20 +38,7 @@ class LiveSurface {
 public:
     using Record = EdgeRecord<Live>;
 
-    struct Brick {
-        BrickIndex index;
-        ArenaRun vertices, indices, ambiguous;
-        std::uint32_t indexCount = 0;
-        std::uint16_t edgeVertices = 0;
-        std::uint16_t innerVertices = 0;
-        std::uint16_t ambiguousCells = 0;
-        std::uint16_t ownedEdges = 0;
-        bool isLive = false;
-        bool isNearMissing = false;
-        BitString above; ///< signs of the corners of its active cells; other points may have any
-        BitString cells; ///< active ones
-        BitString changed; ///< cells that the last move which replaced the brick has changed
-    };
+    using Brick = LiveBrick;
 
     /// `missingCells` must outlive the surface; sorted by brick.
     LiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells);

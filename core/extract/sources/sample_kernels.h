@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/extract/live/active_bits.h"
 #include "core/extract/live/brick_bits.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/edge_record.h"

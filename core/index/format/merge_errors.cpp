@@ -169,7 +169,7 @@ bool load(const SampleBox<Sample>& box, Lattice<Real, kChunkSide / 2>& out) {
             if constexpr (std::is_floating_point_v<Sample>) {
                 Real difference = 0; // NaN if any is not finite
                 for (int x = 0; x < kSide; ++x)
-                    difference += line[x] - line[x];
+                    difference += line[x] - line[x]; // NOLINT(misc-redundant-expression)
                 if (difference != 0) {
                     isMissingAny = true;
                     for (Real& value : line)

@@ -13,8 +13,8 @@ namespace isoslider::io {
 namespace {
 
 /// Mean difference of neighbouring samples as places in the order of their type, whose size plays no part. Enough to
-/// tell one byte order from the other of the same samples. The window, which ranks types, dims and offsets against each
-/// other, needs a measure that is the same for all of these: ui/model/opening/raw_smoothness.h.
+/// distinguish one byte order from the other of the same samples. The window, which ranks types, dims and offsets
+/// against each other, needs a measure that is the same for all of these: ui/model/opening/raw_smoothness.h.
 template <class Sample>
 double roughness(std::span<const std::byte> bytes, bool isSwapped) {
     double sum = 0.0, before = 0.0;

@@ -45,8 +45,8 @@ double lowerMedian(std::vector<double> values) {
 }
 
 std::size_t findOffLine(std::span<const glm::dvec3> places, double tolerance) {
-    // Positions are rounded in files: over a long way the ends tell best where the line leads. Only if some place is
-    // off that line, it is asked which: then the ends themselves are in doubt.
+    // Positions are rounded in files: over a long distance the ends give the direction of the line best. Only if some
+    // place is off that line, it is asked which: then the ends themselves are in doubt.
     const Line ofEnds{glm::dvec2(places.front()),
                       glm::dvec2(places.back() - places.front()) / (places.back().z - places.front().z)};
     if (farthestFrom(ofEnds, places, tolerance) == places.size())

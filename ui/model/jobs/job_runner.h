@@ -12,7 +12,7 @@
 
 namespace isoslider::model {
 
-/// Runs long work on separate threads, and keeps the JobModel told. Used from the window's thread.
+/// Runs long work on separate threads, and keeps the JobModel up to date. Used from the window's thread.
 /// Destruction asks every job to stop and waits for it; no completion runs after that.
 class JobRunner {
 public:

@@ -9,7 +9,7 @@
 
 namespace isoslider::model {
 
-/// The fields of a file in the groups that their names tell of: "/run1/density" is "density" in "run1". Files of
+/// The fields of a file in the groups that their names state: "/run1/density" is "density" in "run1". Files of
 /// formats without groups make a list: no node has children.
 class FieldTree {
 public:

@@ -23,8 +23,8 @@ public:
     std::filesystem::path pathForSample(std::string_view name) const;
 
     enum class Finding { None, Fresh, Stale };
-    /// Whether the index at pathForFile is of the volume as it is now. Only where the times of the files do not
-    /// tell are their bytes read. A volume that has moved here brings its index along. Cancelled: None.
+    /// Whether the index at pathForFile is of the volume as it is now. Their bytes are read only where the
+    /// times of the files do not decide. A volume that has moved here brings its index along. Cancelled: None.
     Finding find(const VolumeStamp& volume, std::string_view layout, const JobControl& job) const;
     /// To be called before an index is built: it is none of what was recorded for its predecessor.
     static void forget(const std::filesystem::path& index);

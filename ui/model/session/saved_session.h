@@ -32,7 +32,7 @@ bool isSessionFile(const std::filesystem::path& path);
 /// `folder`: where the file will lie. Volumes below it are also named relative to it, so that both can move.
 std::string sessionText(const SavedSession& session, const std::filesystem::path& folder);
 
-/// What of a text could be understood. What could not is at its default and told in a line of `problems`.
+/// What of a text could be understood. What could not is at its default and named in a line of `problems`.
 struct ReadSession {
     SavedSession session;
     std::vector<std::string> problems;

@@ -340,11 +340,14 @@ void Session::checkMesh() {
             if (ticket != datasetGeneration_)
                 return;
             isCheckingMesh_ = false;
-            if (certificate.isOk())
-                certificate_ = std::move(certificate).value();
+            if (!certificate.isOk()) {
+                certificateChanged_.notify();
+                if (!certificate.isCancelled())
+                    fail("The mesh could not be checked", certificate.error());
+                return;
+            }
+            certificate_ = std::move(certificate).value();
             certificateChanged_.notify();
-            if (!certificate.isOk() && !certificate.isCancelled())
-                fail("The mesh could not be checked", certificate.error());
         });
     certificateChanged_.notify();
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,34 +8,16 @@
 #include "core/extract/surface_frame.h"
 #include "core/mesh/certificate.h"
 #include "ui/model/isovalue/isovalue_model.h"
-#include "ui/model/jobs/index_builder.h"
 #include "ui/model/jobs/job_model.h"
 #include "ui/model/jobs/job_runner.h"
 #include "ui/model/session/dataset.h"
+#include "ui/model/session/notice.h"
+#include "ui/model/session/session_services.h"
 #include "ui/model/surface/slide_worker.h"
 
 namespace isoslider::model {
 
 enum class IndexState { None, Building, Ready, Failed, Cancelled };
-
-/// Something to tell the user without stopping them.
-struct Notice {
-    enum class Severity { Information, Error };
-    Severity severity = Severity::Information;
-    std::string title;
-    std::string detail;
-    ErrorCode code = ErrorCode::InvalidArgument; ///< of an Error
-};
-
-struct SessionServices {
-    MainThread postToMain;
-    std::shared_ptr<IndexBuilder> indexBuilder; ///< null: indexes are never built
-    SampleLoader sampleLoader;
-    VolumeAccess volumes;
-    std::filesystem::path cacheFolder;
-    /// A file with more bytes of samples is shown as a preview until its index is there.
-    std::uint64_t wholeVolumeBytes = std::numeric_limits<std::uint64_t>::max();
-};
 
 /// One open volume and everything that happens to it: loading, index, slide, checks, export.
 /// Window thread only; every call returns at once, results arrive through the observers.

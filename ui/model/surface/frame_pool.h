@@ -32,7 +32,7 @@ public:
                 }};
     }
 
-    /// Gives back the memory of frames that nobody reads.
+    /// Gives back the memory of frames that are not in use.
     void clear() {
         const std::lock_guard lock(spares_->mutex);
         spares_->frames.clear();

@@ -170,12 +170,12 @@ void ViewportHost::showCoarser(std::uint64_t refusedBytes) {
                    tr("The panels still work. Close other programs that draw").toStdString(), ErrorCode::OutOfSpace});
 }
 
-void ViewportHost::tellWhatIsDrawn() {
+void ViewportHost::reportWhatIsDrawn() {
     const auto frame = session_.frame();
     const auto merged = frame ? frame->mergedCells : 1;
-    const auto told = std::exchange(toldMergedCells_, merged > 1 ? std::max(merged, toldMergedCells_) : 1);
+    const auto reported = std::exchange(reportedMergedCells_, merged > 1 ? std::max(merged, reportedMergedCells_) : 1);
     const auto grouped = [](std::uint64_t count) { return QString::fromStdString(model::groupedText(count)); };
-    if (merged > told)
+    if (merged > reported)
         session_.post(
             {model::Notice::Severity::Error, tr("The graphics card has no memory for this surface").toStdString(),
              tr("It has %1 triangles; drawn is a coarser one of %2, its vertices merged in blocks of %3 cells along each "
@@ -184,7 +184,7 @@ void ViewportHost::tellWhatIsDrawn() {
                  .arg(merged)
                  .toStdString(),
              ErrorCode::OutOfSpace});
-    else if (frame && merged == 1 && told > 1)
+    else if (frame && merged == 1 && reported > 1)
         session_.post({model::Notice::Severity::Information, tr("The surface is drawn whole again").toStdString(), {}});
 }
 
@@ -220,7 +220,7 @@ void ViewportHost::showFrame() {
                                    text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs))));
         readout_->adjustSize();
     }
-    tellWhatIsDrawn();
+    reportWhatIsDrawn();
     showState();
 }
 

@@ -45,7 +45,7 @@ private:
     void connectViews(const ActionRegistry& actions);
     void connectGraphics();
     void showCoarser(std::uint64_t refusedBytes);
-    void tellWhatIsDrawn();
+    void reportWhatIsDrawn();
     QString standInText() const;
     void showFrame();
     void showState();
@@ -65,7 +65,7 @@ private:
     bool areAxesWanted_ = false;
     bool isReadoutWanted_ = false;
     model::DatasetGeneration framedDataset_{};
-    std::int64_t toldMergedCells_ = 1; ///< the most that was told since the surface was drawn whole
+    std::int64_t reportedMergedCells_ = 1; ///< the most that was reported since the surface was drawn whole
     model::Subscription datasetSubscription_;
     model::Subscription frameSubscription_;
     model::Subscription optionsSubscription_;

@@ -14,7 +14,7 @@ class QToolButton;
 
 namespace isoslider::widgets {
 
-/// What went wrong, or was done, on a bar over the view that stops nobody. Errors stay until closed
+/// What went wrong, or was done, on a bar over the view that interrupts nothing. Errors stay until closed
 /// or replaced; other messages leave by themselves.
 class MessageBar : public QFrame {
     Q_OBJECT

@@ -8,7 +8,7 @@
 
 #include "core/base/file_system.h"
 
-// The elements of a DICOM data set, walked within bounds and without memory for what nobody asks for. GDCM
+// The elements of a DICOM data set, walked within bounds and without memory for what is not asked for. GDCM
 // decodes the frames, but it would take memory for each length as the file states it, before it looks at the
 // file's size.
 
@@ -50,7 +50,7 @@ struct DicomPixelData {
     bool isWords = false; ///< VR OW: bytes in pairs
 };
 
-/// Who wants to know. An element that is not wanted is stepped over.
+/// Receives the elements. One that is not wanted is skipped.
 class DicomSink {
 public:
     virtual ~DicomSink() = default;

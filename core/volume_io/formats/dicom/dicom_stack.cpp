@@ -281,7 +281,7 @@ private:
                 parts[i].push_back(slices[at + i]);
         }
         DicomStack made = stack(std::move(parts), "volumes");
-        made.notes.push_back("several slices at each place, told apart by their instance number only");
+        made.notes.push_back("several slices at each place, distinguished by their instance number only");
         return made;
     }
 

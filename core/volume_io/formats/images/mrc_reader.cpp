@@ -14,7 +14,7 @@
 #include "core/volume_io/volume_choice.h"
 
 // MRC and CCP4 maps: a header of 1024 bytes, symmetry records or an extended header, and samples, columns
-// fastest. Which axes of the cell columns, rows and sections run along is told by the direction matrix:
+// fastest. Which axes of the cell columns, rows and sections run along is stated by the direction matrix:
 // samples stay in the order of the file, so that they can be streamed.
 
 namespace isoslider::io {

@@ -315,7 +315,7 @@ bool isSpace(const NrrdAxis& axis, std::size_t dimension) {
 
 Status assignRoles(NrrdHeader& header, const fs::path& path) {
     int spaces = 0;
-    // What is no space, and whose kind does not tell, is a series if it is the slowest axis, as writers have
+    // What is no space, and whose kind does not decide, is a series if it is the slowest axis, as writers have
     // it.
     for (std::size_t i = 0; i < header.axes.size(); ++i) {
         NrrdAxis& axis = header.axes[i];

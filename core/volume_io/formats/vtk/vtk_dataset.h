@@ -22,7 +22,7 @@ namespace isoslider::io {
 Result<std::unique_ptr<VolumeSource>> sourceOf(vtkDataSet& data, vtkDataArray& array, int component, VolumeInfo info,
                                                const ReadOptions& options, const std::filesystem::path& path);
 
-/// What sourceOf would make of a grid, told from the places of its points alone.
+/// What sourceOf would make of a grid, found from the places of its points alone.
 struct VtkOutlook {
     GridDims dims{0, 0, 0};
     bool isResampled = false;

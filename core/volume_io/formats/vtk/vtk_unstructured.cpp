@@ -99,7 +99,7 @@ public:
     }
 
     Result<ScalarGrid> resample(const GridGeometry& geometry, const JobControl& job) override {
-        const VtkSession session; // cells that are turned inside out make VTK talk
+        const VtkSession session; // VTK prints warnings about inverted cells
         const auto boxes = boxesIn(geometry);
         const vtkNew<vtkGenericCell> first; // VTK prepares what it needs on the first call, by one thread
         if (!cells_.empty())

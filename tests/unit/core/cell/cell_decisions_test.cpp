@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/cell_signs.h"
 #include "tests/unit/core/cell/state_labels.h"
 
 namespace isoslider::cell {

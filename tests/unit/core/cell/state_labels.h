@@ -8,6 +8,7 @@
 
 #include "core/cell/cell_states.h"
 #include "tests/support/cell_cases.h"
+#include "tests/support/cell_signs.h"
 #include "tests/support/slab_oracle.h"
 
 namespace isoslider::cell {

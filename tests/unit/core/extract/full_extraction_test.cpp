@@ -11,6 +11,7 @@
 #include "core/mesh/mesh_checks.h"
 #include "core/mesh/soup_topology.h"
 #include "tests/property/random_volumes.h"
+#include "tests/support/cell_signs.h"
 #include "tests/support/result_matchers.h"
 
 namespace isoslider::extract {

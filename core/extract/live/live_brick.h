@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/extract/live/brick_bits.h"
+#include "core/extract/live/run_arena.h"
+#include "core/grid/brick_grid.h"
+
+namespace isoslider::extract {
+
+/// What the live surface keeps of one of its bricks.
+struct LiveBrick {
+    BrickIndex index;
+    ArenaRun vertices, indices, ambiguous;
+    std::uint32_t indexCount = 0;
+    std::uint16_t edgeVertices = 0;
+    std::uint16_t innerVertices = 0;
+    std::uint16_t ambiguousCells = 0;
+    std::uint16_t ownedEdges = 0;
+    bool isLive = false;
+    bool isNearMissing = false;
+    BitString above; ///< signs of the corners of its active cells; other points may have any
+    BitString cells; ///< active ones
+    BitString changed; ///< cells that the last move which replaced the brick has changed
+};
+
+} // namespace isoslider::extract
