@@ -5,10 +5,10 @@
 
 namespace isoslider::preprocess {
 
-/// Bit per cell of the brick that lies in the grid and has a missing corner, as `isCellWhole(x, y, z)` states at
+/// Bit per cell of the brick that lies in the grid and has a missing corner, as `isCellValid(x, y, z)` states at
 /// coordinates of the grid. False when there is none.
 template <class IsCellWhole>
-bool findMissingCells(const BrickGrid& grid, BrickIndex brick, const IsCellWhole& isCellWhole,
+bool findMissingCells(const BrickGrid& grid, BrickIndex brick, const IsCellWhole& isCellValid,
                       index::MissingCells& out) {
     out = {brick, {}};
     const auto b = grid.brickCoords(brick);
@@ -17,7 +17,7 @@ bool findMissingCells(const BrickGrid& grid, BrickIndex brick, const IsCellWhole
         const std::int64_t x = b[0] * kBrickSide + (local & 7), y = b[1] * kBrickSide + (local >> 3 & 7),
                            z = b[2] * kBrickSide + (local >> 6);
         const bool exists = x + 1 < grid.dims()[0] && y + 1 < grid.dims()[1] && z + 1 < grid.dims()[2];
-        if (exists && !isCellWhole(x, y, z)) {
+        if (exists && !isCellValid(x, y, z)) {
             out.cells[local >> 6] |= std::uint64_t{1} << (local & 63);
             any = true;
         }

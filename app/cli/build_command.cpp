@@ -124,7 +124,7 @@ private:
                 "--index", [this](const std::string& text) { kind_ = kindOrThrow(text); },
                 "edges: fastest, tens of bytes per voxel; metacells: about the size of the volume; auto (auto)")
             ->type_name("KIND");
-        addLodError(command);
+        addLaterLodError(command);
     }
 
     void addMachineOptions(CLI::App& command) {

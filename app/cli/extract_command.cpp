@@ -16,7 +16,9 @@
 #include "app/cli/progress_bar.h"
 #include "app/cli/resampling_report.h"
 #include "core/extract/full_extraction.h"
+#include "core/extract/merged/merged_extraction.h"
 #include "core/extract/slide_engine.h"
+#include "core/grid/volume_statistics.h"
 #include "core/mesh/certificate.h"
 #include "core/mesh/mesh_export.h"
 #include "core/volume_io/volume_reader.h"
@@ -29,6 +31,7 @@ struct Extracted {
     extract::SurfaceMesh surface;
     mesh::SurfaceSource source;
     io::VolumeInfo volume; ///< unless it is of an index
+    std::array<std::uint64_t, extract::kMaxMergeLevel + 1> leaves{}; ///< active ones by level, where cells are merged
 };
 
 /// Unfinished once `job` is to stop.
@@ -60,8 +63,23 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
     return Extracted{std::move(surface).value(), sourceOf(engine.value()->info(), path), {}};
 }
 
+// The bound for this volume, and its description for the certificate.
+Result<std::pair<extract::MergeBound, std::string>> boundOf(const LodError& error, const ScalarGrid& grid,
+                                                            const JobControl& job) {
+    using Measure = extract::MergeBound::Measure;
+    if (error.isDistance)
+        return std::pair(extract::MergeBound{Measure::Distance, error.amount},
+                         fmt::format("within {} cells", error.amount));
+    const auto statistics = computeStatistics(grid, false, 1, job);
+    if (!statistics.isOk())
+        return statistics.error();
+    const double limit = error.amount / 100.0 * statistics.value().max - error.amount / 100.0 * statistics.value().min;
+    return std::pair(extract::MergeBound{Measure::Scalar, limit},
+                     fmt::format("within {} % of the value range ({:.6g})", error.amount, limit));
+}
+
 Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptions& options, double isovalue,
-                                    const JobControl& job) {
+                                    const LodError& lodError, const JobControl& job) {
     const auto source = io::openVolume(path, options, job);
     if (!source.isOk())
         return source.error();
@@ -72,12 +90,23 @@ Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptio
     const std::uint64_t missing = missingSamples(*grid.value(), job);
     if (missing == static_cast<std::uint64_t>(pointCount(grid.value()->dims())))
         return makeError(ErrorCode::InvalidArgument, "has no finite sample", path);
-    auto surface = extract::extractFull(*grid.value(), isovalue, extracting);
+    const io::VolumeInfo& info = source.value()->info();
+    Extracted extracted{{}, {sourceName(path), missing, info.lengthUnit, resamplingText(info), ""}, info, {}};
+    Result<extract::SurfaceMesh> surface = extract::SurfaceMesh();
+    if (lodError.amount > 0.0) {
+        auto bound = boundOf(lodError, *grid.value(), job);
+        if (!bound.isOk())
+            return bound.error();
+        extracted.source.merging = bound.value().second;
+        surface = extract::extractMerged(*grid.value(), isovalue, bound.value().first, extract::kMaxMergeLevel,
+                                         extracting, &extracted.leaves);
+    } else {
+        surface = extract::extractFull(*grid.value(), isovalue, extracting);
+    }
     if (!surface.isOk())
         return std::move(surface).error();
-    const io::VolumeInfo& info = source.value()->info();
-    return Extracted{
-        std::move(surface).value(), {sourceName(path), missing, info.lengthUnit, resamplingText(info)}, info};
+    extracted.surface = std::move(surface).value();
+    return extracted;
 }
 
 void addChecked(const mesh::Certificate& certificate, Json& json) {
@@ -108,7 +137,8 @@ void addChecked(const mesh::Certificate& certificate, Json& json) {
     json["valid"] = mesh::isValid(certificate);
 }
 
-Json jsonOf(const mesh::Certificate& certificate, InputKind source, const io::VolumeInfo& volume) {
+Json jsonOf(const mesh::Certificate& certificate, InputKind source, const Extracted& extracted,
+            const LodError& lodError) {
     Json json;
     json["isovalue"] = certificate.isovalue;
     json["source"] = source == InputKind::Index ? "index" : "volume";
@@ -121,7 +151,11 @@ Json jsonOf(const mesh::Certificate& certificate, InputKind source, const io::Vo
         json["checked"] = false;
     if (source == InputKind::Index)
         addResampling(certificate.resampling, json);
-    addResampling(volume, json);
+    addResampling(extracted.volume, json);
+    if (lodError.amount > 0.0) {
+        json["lod_error"] = lodError.text;
+        json["leaves"] = extracted.leaves;
+    }
     return json;
 }
 
@@ -142,7 +176,8 @@ public:
         addNumber(*command, "--isovalue", isovalue_, "isovalue of the surface")->required();
         command->add_option("-o,--output", meshPath_, "mesh to write (ply, obj, stl, off, om)")->type_name("MESH");
         command->add_flag("--no-check", skipsCheck_, "write and count the surface without checking it: no certificate");
-        addLodError(*command);
+        addLodError(*command, lodError_,
+                    "merge cells that differ by no more: % of the value range, or c (cells); of a volume");
         addVolumeOptions(*command, volume_);
         return command;
     }
@@ -151,6 +186,10 @@ public:
         const auto kind = sniffInput(path_, volume_.readOptions());
         if (!kind.isOk())
             return kind.error();
+        if (kind.value() == InputKind::Index && lodError_.amount > 0.0)
+            return makeError(ErrorCode::InvalidArgument,
+                             "--lod-error: merging cells of an index is not available in this version; give the volume",
+                             path_);
         if (!meshPath_.empty())
             ISO_CLI_TRY(checkMeshOutput(meshPath_, path_));
         ProgressBar bar(session.showsProgress, session.stop);
@@ -158,7 +197,7 @@ public:
         const JobControl extracting = job.part(0.0, 0.4), finishing = job.part(0.4, 1.0);
         const auto extracted = kind.value() == InputKind::Index
                                    ? surfaceFromIndex(path_, *isovalue_, extracting)
-                                   : surfaceFromVolume(path_, volume_.readOptions(), *isovalue_, extracting);
+                                   : surfaceFromVolume(path_, volume_.readOptions(), *isovalue_, lodError_, extracting);
         if (!extracted.isOk())
             return extracted.error();
         const auto certificate = certifyAndExport(extracted.value(), finishing);
@@ -166,7 +205,7 @@ public:
             return certificate.error();
         bar.wipe();
         if (session.isJson)
-            session.output.writeJson(jsonOf(certificate.value(), kind.value(), extracted.value().volume));
+            session.output.writeJson(jsonOf(certificate.value(), kind.value(), extracted.value(), lodError_));
         else
             session.output.write(textOf(certificate.value(), meshPath_));
         return faultOutcome(certificate.value(), meshPath_.empty() ? path_ : meshPath_);
@@ -190,6 +229,7 @@ private:
     std::optional<double> isovalue_;
     std::string meshPath_;
     bool skipsCheck_ = false;
+    LodError lodError_;
     VolumeOptions volume_;
 };
 

@@ -88,6 +88,14 @@ ScalarType typeOrThrow(const std::string& name, const std::string& text) {
     return *type;
 }
 
+LodError lodErrorOrThrow(const std::string& name, const std::string& text) {
+    const bool hasUnit = text.ends_with('%') || text.ends_with('c');
+    const auto amount = parseFinite(std::string_view(text).substr(0, text.size() - (hasUnit ? 1 : 0)));
+    if (!amount || *amount < 0.0 || (!hasUnit && *amount != 0.0))
+        refuse(name, text, "an error bound, as 0.5% of the value range or 0.25c cells");
+    return {*amount, text.ends_with('c'), text};
+}
+
 } // namespace
 
 CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional<double>& target,
@@ -121,13 +129,16 @@ CLI::Option* addDims(CLI::App& command, const std::string& name, GridDims& targe
         ->type_name("NX,NY,NZ");
 }
 
-CLI::Option* addLodError(CLI::App& command) {
+CLI::Option* addLodError(CLI::App& command, LodError& target, const std::string& help) {
+    const auto parse = [&target](const std::string& name, const std::string& text) {
+        target = lodErrorOrThrow(name, text);
+    };
+    return addText(command, "--lod-error", parse, help)->type_name("P%|Xc");
+}
+
+CLI::Option* addLaterLodError(CLI::App& command) {
     const auto parse = [](const std::string& name, const std::string& text) {
-        const bool hasUnit = text.ends_with('%') || text.ends_with('c');
-        const auto bound = parseFinite(std::string_view(text).substr(0, text.size() - (hasUnit ? 1 : 0)));
-        if (!bound || *bound < 0.0)
-            refuse(name, text, "an error bound, as 0.5% of the value range or 0.25c cells");
-        if (*bound != 0.0)
+        if (lodErrorOrThrow(name, text).amount != 0.0)
             throw CLI::ValidationError(name, "merging of cells is not available in this version");
     };
     return addText(command, "--lod-error", parse, "")->group("");

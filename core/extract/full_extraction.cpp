@@ -134,26 +134,17 @@ private:
         return missing ? -1 : signs;
     }
 
-    bool isCellUsable(std::int64_t x, std::int64_t y, std::int64_t z) const {
-        if (x < 0 || y < 0 || z < 0 || x + 1 >= nx_ || y + 1 >= ny_ || z + 1 >= nz_)
-            return false;
-        for (int c = 0; c < 8; ++c)
-            if (isMissing(view_.samples[view_.offset(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))]))
-                return false;
-        return true;
-    }
-
-    // Beside missing values an edge counts only if one of its four cells is whole: vertices that no
+    // Beside missing values an edge counts only if one of its four cells is valid: vertices that no
     // triangle could use do not exist.
-    bool hasUsableCell(std::int64_t x, std::int64_t y, std::int64_t z, int axis) const {
-        return hasWholeCell(x, y, z, axis, [this](auto... cell) { return isCellUsable(cell...); });
+    bool hasValidCellAt(std::int64_t x, std::int64_t y, std::int64_t z, int axis) const {
+        return hasValidCell(x, y, z, axis, [this](auto... cell) { return view_.isCellValid(cell...); });
     }
 
     bool isActive(std::uint8_t a, std::uint8_t b, bool checksMissing, std::int64_t x, std::int64_t y, std::int64_t z,
                   int axis) const {
         if (!((a ^ b) & kAbove))
             return false;
-        return !checksMissing || (!((a | b) & kMissing) && hasUsableCell(x, y, z, axis));
+        return !checksMissing || (!((a | b) & kMissing) && hasValidCellAt(x, y, z, axis));
     }
 
     // Calls visit(x, y, axis) for each active edge that starts in plane z, in (y, x, axis) order.

@@ -25,7 +25,7 @@ struct SampleView {
         return static_cast<std::ptrdiff_t>(x + dims[0] * (y + dims[1] * z));
     }
     /// Whether the cell that starts there lies in the grid and has eight finite corners.
-    bool isCellWhole(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    bool isCellValid(std::int64_t x, std::int64_t y, std::int64_t z) const {
         if (x < 0 || y < 0 || z < 0 || x + 1 >= dims[0] || y + 1 >= dims[1] || z + 1 >= dims[2])
             return false;
         for (int c = 0; c < 8; ++c)

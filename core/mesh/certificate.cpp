@@ -134,6 +134,7 @@ Certificate uncheckedCertificate(const extract::SurfaceMesh& mesh, const Surface
     certificate.source = source.name;
     certificate.lengthUnit = source.lengthUnit;
     certificate.resampling = source.resampling;
+    certificate.merging = source.merging;
     certificate.geometry = mesh.geometry;
     certificate.activeEdges = mesh.activeEdgeCount();
     certificate.innerVertices = mesh.positions.size() - mesh.edgeIds.size();
@@ -224,6 +225,8 @@ std::vector<CertificateLine> linesOf(const Certificate& certificate) {
                                        {"inner vertices", text(certificate.innerVertices)}};
     if (!certificate.resampling.empty())
         lines.insert(lines.begin() + 3, {"resampled", printable(certificate.resampling)});
+    if (!certificate.merging.empty())
+        lines.insert(lines.begin() + 2, {"merged cells", printable(certificate.merging)});
     if (!certificate.isChecked) {
         lines.push_back({"checked", "no"});
         return lines;

@@ -31,6 +31,7 @@ struct SurfaceSource {
     std::optional<std::uint64_t> missingSamples; ///< where known: without any, no edge is open at one
     std::string lengthUnit; ///< of spacing and origin; empty: unknown
     std::string resampling = {}; ///< what resampling lost, in one line; empty: it was not resampled
+    std::string merging = {}; ///< how far merged cells may differ, in one line; empty: none are merged
 };
 
 /// What is known of a surface as it is exported: the facts of its mesh in world space, where it is
@@ -43,6 +44,7 @@ struct Certificate {
     std::string source;
     std::string lengthUnit; ///< of areas and volumes too, squared and cubed; empty: unknown
     std::string resampling; ///< as SurfaceSource::resampling
+    std::string merging; ///< as SurfaceSource::merging
     GridGeometry geometry; ///< lengths are in the world units that its spacing is in
     std::array<Opening, 8> openings{}; ///< by OpenAt
     std::uint64_t sharedLoops =

@@ -58,8 +58,8 @@ public:
         return axis == 0 ? 1 : axis == 1 ? static_cast<std::ptrdiff_t>(dims_[0]) : static_cast<std::ptrdiff_t>(plane_);
     }
 
-    // A cell whose planes are here; outside the box no cell is whole.
-    bool isCellWhole(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    // A cell whose planes are here; outside the box no cell is valid.
+    bool isCellValid(std::int64_t x, std::int64_t y, std::int64_t z) const {
         if (x < 0 || y < 0 || z < 0 || x + 1 >= dims_[0] || y + 1 >= dims_[1] || z + 1 >= dims_[2])
             return false;
         const std::size_t i = at(x, y, z);
@@ -69,8 +69,8 @@ public:
         return true;
     }
 
-    bool hasWholeCell(std::int64_t x, std::int64_t y, std::int64_t z, int axis) const {
-        return isoslider::hasWholeCell(x, y, z, axis, [this](auto... cell) { return isCellWhole(cell...); });
+    bool hasValidCell(std::int64_t x, std::int64_t y, std::int64_t z, int axis) const {
+        return isoslider::hasValidCell(x, y, z, axis, [this](auto... cell) { return isCellValid(cell...); });
     }
 
 private:
@@ -157,7 +157,7 @@ public:
     // Bit per cell of the brick with a missing corner; false when there is none.
     bool missingCells(BrickIndex brick, MissingCells& out) const {
         return layer_.hasMissing() && findMissingCells(
-                                          grid_, brick, [&](auto... cell) { return layer_.isCellWhole(cell...); }, out);
+                                          grid_, brick, [&](auto... cell) { return layer_.isCellValid(cell...); }, out);
     }
 
 private:
@@ -223,7 +223,7 @@ private:
     bool isUsable(const std::int64_t (&p)[3], int axis, bool up) const {
         std::int64_t lower[3] = {p[0], p[1], p[2]};
         lower[axis] -= up ? 0 : 1;
-        return layer_.hasWholeCell(lower[0], lower[1], lower[2], axis);
+        return layer_.hasValidCell(lower[0], lower[1], lower[2], axis);
     }
 
     void count(const PointRecord<Key>& record, SpanHistogram& histogram) const {

@@ -105,9 +105,9 @@ public:
         if (job_.isStopRequested())
             return cancelledError();
         index::MissingCells missing;
-        const auto isCellWhole = [&](auto... cell) { return view_.isCellWhole(cell...); };
+        const auto isCellValid = [&](auto... cell) { return view_.isCellValid(cell...); };
         for (std::size_t brick = 0; brick < count; ++brick)
-            if (hasMissing[brick] && findMissingCells(bricks_, BrickIndex(brick), isCellWhole, missing))
+            if (hasMissing[brick] && findMissingCells(bricks_, BrickIndex(brick), isCellValid, missing))
                 missingCells_.push_back(missing);
         return {};
     }

@@ -201,7 +201,7 @@ void ChunkScan<Sample>::spans(BrickSpans<KeyOf<Sample>>& spans) const {
 }
 
 template <class Sample>
-bool ChunkScan<Sample>::isCellWhole(std::int64_t x, std::int64_t y, std::int64_t z) const {
+bool ChunkScan<Sample>::isCellValid(std::int64_t x, std::int64_t y, std::int64_t z) const {
     const std::array<std::int64_t, 3> cell{x, y, z};
     for (std::size_t a = 0; a < 3; ++a)
         if (origin_[a] + cell[a] < 0 || origin_[a] + cell[a] + 1 >= dims_[a])
@@ -220,14 +220,14 @@ void ChunkScan<Sample>::missingCells(std::vector<index::MissingCells>& cells) co
     forEachBrick([&](BrickIndex brick, int, int, int) {
         index::MissingCells missing;
         const auto isWhole = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-            return isCellWhole(x - origin_[0], y - origin_[1], z - origin_[2]);
+            return isCellValid(x - origin_[0], y - origin_[1], z - origin_[2]);
         };
         if (findMissingCells(bricks_, brick, isWhole, missing))
             cells.push_back(missing);
     });
 }
 
-// As changesOfRow, of edges that have a whole cell only.
+// As changesOfRow, of edges that have a valid cell only.
 template <class Sample>
 std::int64_t ChunkScan<Sample>::changeAt(int x, int y, int z) const {
     const Sample here = *at(x, y, z);
@@ -238,9 +238,9 @@ std::int64_t ChunkScan<Sample>::changeAt(int x, int y, int z) const {
             const Sample there = *at(n[0], n[1], n[2]);
             const int start = step < 0 ? step : 0;
             const auto isWhole = [&](std::int64_t cx, std::int64_t cy, std::int64_t cz) {
-                return isCellWhole(cx, cy, cz);
+                return isCellValid(cx, cy, cz);
             };
-            if (!isMissing(there) && hasWholeCell<std::int64_t>(x + (axis == 0) * start, y + (axis == 1) * start,
+            if (!isMissing(there) && hasValidCell<std::int64_t>(x + (axis == 0) * start, y + (axis == 1) * start,
                                                                 z + (axis == 2) * start, axis, isWhole))
                 change += (there > here) - (there < here);
         }

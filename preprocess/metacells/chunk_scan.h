@@ -99,7 +99,7 @@ private:
     const Sample* at(int x, int y, int z) const {
         return block_.data() + (x + 1) + kSide * ((y + 1) + kSide * (z + 1));
     }
-    bool isCellWhole(std::int64_t x, std::int64_t y, std::int64_t z) const;
+    bool isCellValid(std::int64_t x, std::int64_t y, std::int64_t z) const;
     std::int64_t changeAt(int x, int y, int z) const;
     template <class Visit>
     void forEachBrick(const Visit& visit) const;

@@ -97,6 +97,28 @@ TEST_F(CliExtract, TellsHolesAtMissingValues) {
     }
 }
 
+TEST_F(CliExtract, MergesCellsWithinAnError) {
+    const auto volume = sphereVolume();
+    const auto whole = runJson({"extract", volume, "--isovalue", "5"});
+    for (const char* bound : {"0.3c", "4%"}) {
+        const auto json = runJson({"extract", volume, "--isovalue", "5", "--lod-error", bound});
+        EXPECT_EQ(json["lod_error"], bound);
+        EXPECT_LT(json["triangles"], whole["triangles"]);
+        EXPECT_EQ(json["components"], 1);
+        EXPECT_EQ(json["euler"], 2);
+        EXPECT_EQ(json["valid"], true);
+        EXPECT_NEAR(json["area"].get<double>(), 4 * std::numbers::pi * 25, 30);
+        ASSERT_EQ(json["leaves"].size(), 6u);
+        EXPECT_GT(json["leaves"][1].get<int>() + json["leaves"][2].get<int>(), 0);
+    }
+    EXPECT_EQ(runJson({"extract", volume, "--isovalue", "5", "--lod-error", "0c"}), whole);
+    const auto text = run({"extract", volume, "--isovalue", "5", "--lod-error", "0.3c"});
+    EXPECT_THAT(text.standardOutput, HasSubstr("within 0.3 cells"));
+    for (const char* bound : {"0.3", "-1c", "c", "%", "1e999%", "nanc", "1%c"})
+        expectRefusal({"extract", volume, "--isovalue", "5", "--lod-error", bound}, 2, "is not an error bound");
+    expectRefusal({"extract", sphereIndex(), "--isovalue", "5", "--lod-error", "1c"}, 3, "give the volume");
+}
+
 TEST_F(CliExtract, NoTriangleWithoutAreaLeavesAtATie) {
     folder_.write("point.mha", metaImage(8, "MET_FLOAT", floatSamples(8, [](int x, int y, int z) {
                                              return x == 3 && y == 4 && z == 5 ? 1.0f : 0.0f;

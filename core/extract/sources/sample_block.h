@@ -64,7 +64,7 @@ struct SampleBlock {
                 derivativeAt(point, stride(2), z > begin[2], z + 1 < end[2], inverseSpacing.z)};
     }
     /// Whether the cell at local coordinates from -1 to 8 lies in the box and has eight finite corners.
-    bool isCellWhole(int x, int y, int z) const {
+    bool isCellValid(int x, int y, int z) const {
         if (!isInside(x, y, z) || !isInside(x + 1, y + 1, z + 1))
             return false;
         for (int c = 0; c < 8; ++c)

@@ -1,0 +1,196 @@
+#include "core/extract/merged/leaf_levels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+#include "core/cell/merged_cell.h"
+#include "core/grid/classification.h"
+#include "core/grid/scalar_type.h"
+
+namespace isoslider::extract {
+namespace {
+
+using Place = std::array<std::int64_t, 3>;
+
+// The trilinear interpolant of a cell of side 2^n, at places in cells of the grid from its first corner.
+class Interpolant {
+public:
+    template <class Sample>
+    Interpolant(const SampleView<Sample>& view, const Place& origin, std::int64_t side)
+        : inverseSide_(1.0 / static_cast<double>(side)) {
+        for (std::size_t c = 0; c < 8; ++c) {
+            const auto at = [&](std::size_t axis) { return origin[axis] + (c >> axis & 1 ? side : 0); };
+            corners_[c] = static_cast<double>(view.samples[view.offset(at(0), at(1), at(2))]);
+        }
+    }
+
+    double at(double x, double y, double z) const {
+        const auto [u, v, w] = std::array{x * inverseSide_, y * inverseSide_, z * inverseSide_};
+        const auto alongX = [&](std::size_t c) { return corners_[c] * (1 - u) + corners_[c + 1] * u; };
+        const double y0 = alongX(0) * (1 - v) + alongX(2) * v, y1 = alongX(4) * (1 - v) + alongX(6) * v;
+        return y0 * (1 - w) + y1 * w;
+    }
+    /// Per cell of the grid.
+    double gradientLength(double x, double y, double z) const {
+        const auto [u, v, w] = std::array{x * inverseSide_, y * inverseSide_, z * inverseSide_};
+        const std::array weight{std::array{1 - u, u}, std::array{1 - v, v}, std::array{1 - w, w}};
+        double square = 0.0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            double slope = 0.0;
+            for (std::size_t c = 0; c < 8; ++c) {
+                double factor = c >> axis & 1 ? corners_[c] : -corners_[c];
+                for (std::size_t other = 0; other < 3; ++other)
+                    factor *= other == axis ? 1.0 : weight[other][c >> other & 1];
+                slope += factor;
+            }
+            square += slope * slope;
+        }
+        return std::sqrt(square) * inverseSide_;
+    }
+
+private:
+    std::array<double, 8> corners_;
+    double inverseSide_;
+};
+
+enum Use : std::uint8_t { kUnusable, kUsable, kAllBelow, kAllAbove }; // the last two are usable, too
+
+template <class Sample>
+class Finder {
+public:
+    Finder(const SampleView<Sample>& view, double isovalue, const MergeBound& bound)
+        : view_(view), isovalue_(isovalue), bound_(bound) {}
+
+    /// Of a cell of the grid, which always is a leaf or part of one.
+    Use useOfCell(const Place& at) const {
+        int above = 0;
+        for (int c = 0; c < 8; ++c) {
+            const Sample sample = sampleAt({at[0] + (c & 1), at[1] + (c >> 1 & 1), at[2] + (c >> 2)});
+            if (isMissing(sample))
+                return kUnusable; // no larger cell may hold it
+            above += isAbove(sample, isovalue_);
+        }
+        return above == 0 ? kAllBelow : above == 8 ? kAllAbove : kUsable;
+    }
+
+    Use useOfMerged(const Place& origin, int level, const std::array<Use, 8>& halves) const {
+        if (std::find(halves.begin(), halves.end(), kUnusable) != halves.end())
+            return kUnusable;
+        if (halves[0] != kUsable && std::all_of(halves.begin(), halves.end(), [&](Use u) { return u == halves[0]; }))
+            return halves[0];
+        return cell::keepsTopology(signsOf(origin, level)) && isWithinBound(origin, level) ? kUsable : kUnusable;
+    }
+
+private:
+    Sample sampleAt(const Place& at) const { return view_.samples[view_.offset(at[0], at[1], at[2])]; }
+
+    cell::MergedSigns signsOf(const Place& origin, int level) const {
+        const std::int64_t half = std::int64_t{1} << (level - 1);
+        cell::MergedSigns signs = 0;
+        for (int p = 0; p < 27; ++p) {
+            const Place at{origin[0] + half * (p % 3), origin[1] + half * (p / 3 % 3), origin[2] + half * (p / 9)};
+            signs |= cell::MergedSigns{isAbove(sampleAt(at), isovalue_)} << p;
+        }
+        return signs;
+    }
+
+    bool isWithinBound(const Place& origin, int level) const {
+        const std::int64_t side = std::int64_t{1} << level;
+        const Interpolant interpolant(view_, origin, side);
+        for (std::int64_t z = 0; z <= side; ++z)
+            for (std::int64_t y = 0; y <= side; ++y)
+                for (std::int64_t x = 0; x <= side; ++x) {
+                    const Place from{x, y, z};
+                    for (std::size_t axis = 0; axis < 3; ++axis)
+                        if (from[axis] < side && !isEdgeWithinBound(interpolant, origin, from, axis))
+                            return false;
+                }
+        return true;
+    }
+
+    bool isEdgeWithinBound(const Interpolant& interpolant, const Place& origin, const Place& from,
+                           std::size_t axis) const {
+        Place to = from;
+        ++to[axis];
+        const auto sampleIn = [&](const Place& p) {
+            return static_cast<double>(sampleAt({origin[0] + p[0], origin[1] + p[1], origin[2] + p[2]}));
+        };
+        const double a = sampleIn(from), b = sampleIn(to);
+        if (isAbove(a, isovalue_) == isAbove(b, isovalue_))
+            return true;
+        const auto differenceAt = [&](const Place& p, double sample) {
+            return std::abs(sample - interpolant.at(static_cast<double>(p[0]), static_cast<double>(p[1]),
+                                                    static_cast<double>(p[2])));
+        };
+        const double difference = std::max(differenceAt(from, a), differenceAt(to, b));
+        if (bound_.measure == MergeBound::Measure::Scalar)
+            return difference <= bound_.limit;
+        std::array<double, 3> middle{static_cast<double>(from[0]), static_cast<double>(from[1]),
+                                     static_cast<double>(from[2])};
+        middle[axis] += 0.5;
+        return difference <= bound_.limit * interpolant.gradientLength(middle[0], middle[1], middle[2]);
+    }
+
+    SampleView<Sample> view_;
+    double isovalue_;
+    MergeBound bound_;
+};
+
+} // namespace
+
+template <class Sample>
+LeafLevels LeafLevels::find(const SampleView<Sample>& view, double isovalue, const MergeBound& bound, int maxLevel) {
+    LeafLevels found;
+    for (std::size_t a = 0; a < 3; ++a)
+        found.cells_[a] = view.dims[a] - 1;
+    found.levels_.assign(static_cast<std::size_t>(pointCount(found.cells_)), 0);
+    if (!(bound.limit > 0.0))
+        return found;
+    const Finder<Sample> finder(view, isovalue, bound);
+    GridDims below = found.cells_;
+    std::vector<Use> uses(static_cast<std::size_t>(pointCount(below)));
+    tbb::parallel_for(std::int64_t{0}, below[2], [&](std::int64_t z) {
+        for (std::int64_t y = 0; y < below[1]; ++y)
+            for (std::int64_t x = 0; x < below[0]; ++x)
+                uses[static_cast<std::size_t>(x + below[0] * (y + below[1] * z))] = finder.useOfCell({x, y, z});
+    });
+    for (int level = 1; level <= maxLevel; ++level) {
+        const GridDims dims{below[0] / 2, below[1] / 2, below[2] / 2};
+        std::vector<Use> next(static_cast<std::size_t>(pointCount(dims)));
+        tbb::parallel_for(std::int64_t{0}, dims[2], [&](std::int64_t z) {
+            for (std::int64_t y = 0; y < dims[1]; ++y)
+                for (std::int64_t x = 0; x < dims[0]; ++x) {
+                    std::array<Use, 8> halves;
+                    for (int c = 0; c < 8; ++c)
+                        halves[static_cast<std::size_t>(c)] = uses[static_cast<std::size_t>(
+                            2 * x + (c & 1) + below[0] * (2 * y + (c >> 1 & 1) + below[1] * (2 * z + (c >> 2))))];
+                    const Place origin{x << level, y << level, z << level};
+                    const Use use = finder.useOfMerged(origin, level, halves);
+                    next[static_cast<std::size_t>(x + dims[0] * (y + dims[1] * z))] = use;
+                    if (use != kUnusable)
+                        found.raise(origin, level);
+                }
+        });
+        uses = std::move(next);
+        below = dims;
+    }
+    return found;
+}
+
+void LeafLevels::raise(const std::array<std::int64_t, 3>& origin, int level) {
+    const std::int64_t side = std::int64_t{1} << level;
+    for (std::int64_t z = origin[2]; z < origin[2] + side; ++z)
+        for (std::int64_t y = origin[1]; y < origin[1] + side; ++y)
+            std::fill_n(levels_.begin() + origin[0] + cells_[0] * (y + cells_[1] * z), side,
+                        static_cast<std::uint8_t>(level));
+}
+
+#define ISO_INSTANTIATE(Sample, Name) \
+    template LeafLevels LeafLevels::find(const SampleView<Sample>&, double, const MergeBound&, int);
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
+
+} // namespace isoslider::extract

@@ -1,0 +1,385 @@
+#include "core/extract/merged/merged_extraction.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <utility>
+
+#include <glm/geometric.hpp>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include "core/cell/cell_states.h"
+#include "core/extract/edge_interpolation.h"
+#include "core/extract/inner_vertices.h"
+#include "core/extract/merged/polygon_triangles.h"
+#include "core/extract/vertex_fans.h"
+#include "core/grid/classification.h"
+
+namespace isoslider::extract {
+namespace {
+
+using Place = std::array<std::int64_t, 3>;
+
+// In the triangles of a layer, before vertices are numbered: vertices inside cells, by their number in the layer.
+constexpr std::uint64_t kInner = std::uint64_t{1} << 63;
+
+struct Vertex {
+    glm::vec3 position, normal;
+};
+
+template <class Sample>
+class MergedExtractor {
+    using Live = LiveOf<Sample>;
+
+public:
+    MergedExtractor(const ScalarGrid& grid, double isovalue, const JobControl& job)
+        : view_{grid.values<Sample>().data(), grid.dims()}, isovalue_(isovalue), job_(job) {
+        for (int axis = 0; axis < 3; ++axis)
+            inverseSpacing_[axis] = static_cast<float>(1.0 / std::abs(grid.geometry().spacing[axis]));
+    }
+
+    Status run(const MergeBound& bound, int maxLevel, SurfaceMesh& mesh) {
+        if (std::any_of(view_.dims.begin(), view_.dims.end(), [](std::int64_t n) { return n < 2; }))
+            return {};
+        leaves_ = LeafLevels::find(view_, isovalue_, bound, maxLevel);
+        job_.report(0.3, "extracting");
+        if (job_.isStopRequested())
+            return cancelledError();
+        layers_.resize(static_cast<std::size_t>((leaves_.cells()[2] + kLayer - 1) / kLayer));
+        tbb::parallel_for(std::size_t{0}, layers_.size(), [&](std::size_t i) {
+            if (!job_.isStopRequested())
+                extractLayer(static_cast<std::int64_t>(i) * kLayer, layers_[i]);
+        });
+        job_.report(0.8, "extracting");
+        if (job_.isStopRequested())
+            return cancelledError();
+        ISO_TRY(assemble(mesh));
+        if constexpr (std::is_floating_point_v<Sample>)
+            ISO_TRY(splitVerticesOfSeveralFans(mesh, job_));
+        return {};
+    }
+
+    std::array<std::uint64_t, kMaxMergeLevel + 1> activeLeaves() const {
+        std::array<std::uint64_t, kMaxMergeLevel + 1> sum{};
+        for (const Layer& layer : layers_)
+            for (std::size_t n = 0; n < sum.size(); ++n)
+                sum[n] += layer.activeLeaves[n];
+        return sum;
+    }
+
+private:
+    static constexpr std::int64_t kLayer = std::int64_t{1} << kMaxMergeLevel; // cells: no leaf is in two layers
+
+    // What is made of the leaves of one layer.
+    struct Layer {
+        std::vector<std::uint64_t> corners; // of triangles, three each: edge ids, or kInner + number
+        std::vector<Vertex> inner;
+        std::array<std::uint64_t, kMaxMergeLevel + 1> activeLeaves{};
+    };
+
+    struct Leaf {
+        Place origin;
+        int level;
+        std::int64_t side() const { return std::int64_t{1} << level; }
+    };
+
+    Sample sampleAt(const Place& p) const { return view_.samples[view_.offset(p[0], p[1], p[2])]; }
+    bool isAboveAt(const Place& p) const { return isAbove(sampleAt(p), isovalue_); }
+    EdgeId edgeIdOf(const Place& start, int axis) const {
+        return 4 * static_cast<EdgeId>(view_.offset(start[0], start[1], start[2])) + static_cast<EdgeId>(axis);
+    }
+    std::pair<Place, int> edgeOf(EdgeId id) const {
+        const auto point = static_cast<std::int64_t>(id / 4);
+        const GridDims& dims = view_.dims;
+        return {{point % dims[0], point / dims[0] % dims[1], point / (dims[0] * dims[1])}, static_cast<int>(id % 4)};
+    }
+
+    // --- leaves --------------------------------------------------------------------------------------
+
+    void extractLayer(std::int64_t firstZ, Layer& layer) {
+        const GridDims& cells = leaves_.cells();
+        for (std::int64_t z = firstZ; z < std::min(firstZ + kLayer, cells[2]); ++z)
+            for (std::int64_t y = 0; y < cells[1]; ++y)
+                for (std::int64_t x = 0; x < cells[0]; ++x) {
+                    const int level = leaves_.level(x, y, z);
+                    const std::int64_t inside = (std::int64_t{1} << level) - 1;
+                    if ((x & inside) == 0 && (y & inside) == 0 && (z & inside) == 0)
+                        extractLeaf({{x, y, z}, level}, layer);
+                }
+    }
+
+    void extractLeaf(const Leaf& leaf, Layer& layer) const {
+        const std::int64_t side = leaf.side();
+        unsigned signs = 0;
+        cell::CornerScalars scalars;
+        for (std::int64_t c = 0; c < 8; ++c) {
+            const Sample sample = sampleAt({leaf.origin[0] + side * (c & 1), leaf.origin[1] + side * (c >> 1 & 1),
+                                            leaf.origin[2] + side * (c >> 2)});
+            if (isMissing(sample))
+                return;
+            signs |= static_cast<unsigned>(isAbove(sample, isovalue_)) << c;
+            scalars[static_cast<std::size_t>(c)] = static_cast<double>(sample);
+        }
+        if (signs == 0 || signs == 255)
+            return;
+        ++layer.activeLeaves[static_cast<std::size_t>(leaf.level)];
+        if (leaf.level == 0)
+            extractCell(leaf.origin, static_cast<std::uint8_t>(signs), scalars, layer);
+        else
+            extractMergedCell(leaf, layer);
+    }
+
+    void extractCell(const Place& origin, std::uint8_t signs, const cell::CornerScalars& scalars, Layer& layer) const {
+        const cell::StateId id =
+            cell::isAmbiguous(signs) ? cell::resolveCell(signs, scalars, true, isovalue_).state : cell::StateId{signs};
+        const cell::CellState& state = cell::cellStates()[id];
+        std::array<EdgeId, 12> edges{};
+        for (std::size_t e = 0; e < 12; ++e) {
+            const int corner = cell::kCellEdges[e].lowerCorner;
+            edges[e] = edgeIdOf({origin[0] + (corner & 1), origin[1] + (corner >> 1 & 1), origin[2] + (corner >> 2)},
+                                cell::kCellEdges[e].axis);
+        }
+        for (const std::uint8_t v : state.triangles)
+            layer.corners.push_back(v < cell::kInnerVertex ? edges[v]
+                                                           : kInner + layer.inner.size() + v - cell::kInnerVertex);
+        if (state.innerVertices == 0)
+            return;
+        InnerVertexCell placed;
+        placed.state = &state;
+        placed.origin = origin;
+        placed.scalars = scalars;
+        for (unsigned mask = cell::activeEdges(signs); mask != 0; mask &= mask - 1) {
+            const auto e = static_cast<std::size_t>(std::countr_zero(mask));
+            const Vertex vertex = vertexOn(edges[e]);
+            placed.edgePositions[e] = vertex.position;
+            placed.edgeNormals[e] = vertex.normal;
+        }
+        std::array<InnerVertex, cell::kMaxInnerVertices> inner;
+        placeInnerVertices(placed, isovalue_, inverseSpacing_, inner.data());
+        for (std::size_t k = 0; k < state.innerVertices; ++k)
+            layer.inner.push_back({positionOf(inner[k], origin), decodeNormal(inner[k].normal)});
+    }
+
+    // --- merged cells ----------------------------------------------------------------------------------
+
+    void extractMergedCell(const Leaf& leaf, Layer& layer) const {
+        thread_local std::vector<std::pair<EdgeId, EdgeId>> segments;
+        thread_local std::vector<EdgeId> loop;
+        segments.clear();
+        for (int axis = 0; axis < 3; ++axis)
+            for (const bool isUpper : {false, true}) {
+                Place corner = leaf.origin;
+                corner[static_cast<std::size_t>(axis)] += isUpper ? leaf.side() : 0;
+                addSegments(corner, leaf.level, axis, isUpper, segments);
+            }
+        std::sort(segments.begin(), segments.end());
+        while (!segments.empty()) { // one loop: see keepsTopology()
+            loop.clear();
+            for (EdgeId at = segments.front().first;;) {
+                const auto next = std::lower_bound(segments.begin(), segments.end(), std::pair(at, EdgeId{0}));
+                if (next == segments.end() || next->first != at)
+                    break;
+                loop.push_back(at);
+                at = next->second;
+                segments.erase(next);
+            }
+            spanLoop(leaf, loop, layer);
+        }
+    }
+
+    // The segments of the finest leaves in a square of a face, whose first corner is `corner` and whose side is
+    // 2^level.
+    void addSegments(const Place& corner, int level, int axis, bool isUpper,
+                     std::vector<std::pair<EdgeId, EdgeId>>& segments) const {
+        const auto a = static_cast<std::size_t>(axis), u = (a + 1) % 3, v = (a + 2) % 3;
+        Place across = corner;
+        across[a] -= isUpper ? 0 : 1;
+        const bool isInside = across[a] >= 0 && across[a] < leaves_.cells()[a];
+        if (isInside && leaves_.level(across[0], across[1], across[2]) < level) {
+            const std::int64_t half = std::int64_t{1} << (level - 1);
+            for (int quarter = 0; quarter < 4; ++quarter) {
+                Place first = corner;
+                first[u] += quarter & 1 ? half : 0;
+                first[v] += quarter & 2 ? half : 0;
+                addSegments(first, level - 1, axis, isUpper, segments);
+            }
+            return;
+        }
+        // Round the square, counter-clockwise seen from outside: out of what is above, and back in.
+        const std::int64_t side = std::int64_t{1} << level;
+        std::array<Place, 4> round{corner, corner, corner, corner};
+        round[1][isUpper ? u : v] += side;
+        round[2][u] += side;
+        round[2][v] += side;
+        round[3][isUpper ? v : u] += side;
+        EdgeId leaving = 0, entering = 0;
+        bool isCrossed = false;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const Place &from = round[i], &to = round[(i + 1) % 4];
+            const bool isFromAbove = isAboveAt(from);
+            if (isFromAbove == isAboveAt(to))
+                continue;
+            isCrossed = true;
+            (isFromAbove ? leaving : entering) = activeEdgeBetween(from, to);
+        }
+        if (isCrossed)
+            segments.emplace_back(entering, leaving);
+    }
+
+    // The one active edge on a leaf edge, between points that differ in sign.
+    EdgeId activeEdgeBetween(Place a, Place b) const {
+        const std::size_t axis = a[0] != b[0] ? 0 : a[1] != b[1] ? 1 : 2;
+        if (a[axis] > b[axis])
+            std::swap(a, b);
+        const bool isLowerAbove = isAboveAt(a);
+        while (b[axis] - a[axis] > 1) {
+            Place middle = a;
+            middle[axis] = (a[axis] + b[axis]) / 2;
+            (isAboveAt(middle) == isLowerAbove ? a : b) = middle;
+        }
+        return edgeIdOf(a, static_cast<int>(axis));
+    }
+
+    void spanLoop(const Leaf& leaf, const std::vector<EdgeId>& loop, Layer& layer) const {
+        thread_local std::vector<PolygonCorner> corners;
+        thread_local std::vector<std::array<std::uint32_t, 3>> triangles;
+        corners.clear();
+        glm::vec3 centre(0.0f), normal(0.0f);
+        for (const EdgeId id : loop) {
+            const auto [start, axis] = edgeOf(id);
+            const Vertex vertex = vertexOn(id);
+            PolygonCorner corner{vertex.position, 0};
+            for (std::size_t a = 0; a < 3; ++a)
+                if (static_cast<int>(a) != axis &&
+                    (start[a] == leaf.origin[a] || start[a] == leaf.origin[a] + leaf.side()))
+                    corner.faces |= static_cast<std::uint8_t>(1u << (2 * a + (start[a] == leaf.origin[a] ? 0 : 1)));
+            corners.push_back(corner);
+            centre += vertex.position;
+            normal += vertex.normal;
+        }
+        triangulatePolygon(corners, triangles);
+        for (const auto& triangle : triangles)
+            for (const std::uint32_t corner : triangle)
+                layer.corners.push_back(loop[corner]);
+        if (!triangles.empty())
+            return;
+        for (std::size_t i = 0; i < loop.size(); ++i)
+            layer.corners.insert(layer.corners.end(),
+                                 {loop[i], loop[(i + 1) % loop.size()], kInner + layer.inner.size()});
+        layer.inner.push_back({centre / static_cast<float>(loop.size()), normalizedOrZero(normal)});
+    }
+
+    // --- vertices --------------------------------------------------------------------------------------
+
+    // Of the leaf edges that contain an active edge, the smallest's level.
+    int smallestLevelAt(const Place& start, int axis) const {
+        const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
+        int smallest = kMaxMergeLevel;
+        for (int k = 0; k < 4; ++k) {
+            Place cell = start;
+            cell[u] -= k & 1;
+            cell[v] -= k >> 1;
+            const GridDims& cells = leaves_.cells();
+            if (cell[u] < 0 || cell[v] < 0 || cell[u] >= cells[u] || cell[v] >= cells[v])
+                continue;
+            const int level = leaves_.level(cell[0], cell[1], cell[2]);
+            const std::int64_t inside = (std::int64_t{1} << level) - 1;
+            const auto isOnSide = [&](std::size_t a) { // of the leaf, which need not start at `start`
+                return start[a] == (cell[a] & ~inside) || start[a] == (cell[a] & ~inside) + inside + 1;
+            };
+            if (isOnSide(u) && isOnSide(v))
+                smallest = std::min(smallest, level);
+        }
+        return smallest;
+    }
+
+    Vertex vertexOn(EdgeId id) const {
+        const auto [start, axis] = edgeOf(id);
+        const auto a = static_cast<std::size_t>(axis);
+        const int level = smallestLevelAt(start, axis);
+        Place lower = start;
+        lower[a] &= ~((std::int64_t{1} << level) - 1);
+        Place upper = lower;
+        upper[a] += std::int64_t{1} << level;
+        const Live s1 = static_cast<Live>(sampleAt(lower)), s2 = static_cast<Live>(sampleAt(upper));
+        const float t = static_cast<float>(edgeFraction<Live>(s1, s2, static_cast<Live>(isovalue_)));
+        glm::vec3 position(static_cast<float>(lower[0]), static_cast<float>(lower[1]), static_cast<float>(lower[2]));
+        position[axis] += t * static_cast<float>(std::int64_t{1} << level);
+        return {position, edgeNormal(normalAt(lower), normalAt(upper), t, axis, s1 < s2)};
+    }
+
+    NormalCode normalAt(const Place& p) const {
+        return normalOfGradient(gradientAt(view_, p[0], p[1], p[2], inverseSpacing_));
+    }
+
+    Status assemble(SurfaceMesh& mesh) {
+        std::vector<std::uint64_t> innerBegin(layers_.size() + 1, 0), cornerBegin(layers_.size() + 1, 0);
+        for (std::size_t i = 0; i < layers_.size(); ++i) {
+            innerBegin[i + 1] = innerBegin[i] + layers_[i].inner.size();
+            cornerBegin[i + 1] = cornerBegin[i] + layers_[i].corners.size();
+            for (const std::uint64_t corner : layers_[i].corners)
+                if (corner < kInner)
+                    mesh.edgeIds.push_back(corner);
+        }
+        tbb::parallel_sort(mesh.edgeIds.begin(), mesh.edgeIds.end());
+        mesh.edgeIds.erase(std::unique(mesh.edgeIds.begin(), mesh.edgeIds.end()), mesh.edgeIds.end());
+        const std::uint64_t edges = mesh.edgeIds.size();
+        if (edges + innerBegin.back() >= std::numeric_limits<std::uint32_t>::max())
+            return makeError(ErrorCode::OutOfSpace, "the surface has more than 2^32 vertices");
+        mesh.positions.resize(edges + innerBegin.back());
+        mesh.normals.resize(edges + innerBegin.back());
+        mesh.triangles.resize(cornerBegin.back());
+        tbb::parallel_for(std::uint64_t{0}, edges, [&](std::uint64_t i) {
+            const Vertex vertex = vertexOn(mesh.edgeIds[i]);
+            mesh.positions[i] = vertex.position;
+            mesh.normals[i] = vertex.normal;
+        });
+        tbb::parallel_for(std::size_t{0}, layers_.size(), [&](std::size_t i) {
+            Layer& layer = layers_[i];
+            for (std::size_t k = 0; k < layer.inner.size(); ++k) {
+                mesh.positions[edges + innerBegin[i] + k] = layer.inner[k].position;
+                mesh.normals[edges + innerBegin[i] + k] = layer.inner[k].normal;
+            }
+            for (std::size_t k = 0; k < layer.corners.size(); ++k) {
+                const std::uint64_t corner = layer.corners[k];
+                const std::uint64_t number =
+                    corner >= kInner ? edges + innerBegin[i] + (corner - kInner)
+                                     : static_cast<std::uint64_t>(
+                                           std::lower_bound(mesh.edgeIds.begin(), mesh.edgeIds.end(), corner) -
+                                           mesh.edgeIds.begin());
+                mesh.triangles[cornerBegin[i] + k] = static_cast<std::uint32_t>(number);
+            }
+            layer.corners = {};
+            layer.inner = {};
+        });
+        return {};
+    }
+
+    SampleView<Sample> view_;
+    double isovalue_;
+    const JobControl& job_;
+    glm::vec3 inverseSpacing_{1.0f};
+    LeafLevels leaves_;
+    std::vector<Layer> layers_;
+};
+
+} // namespace
+
+Result<SurfaceMesh> extractMerged(const ScalarGrid& grid, double isovalue, const MergeBound& bound, int maxLevel,
+                                  const JobControl& job, std::array<std::uint64_t, kMaxMergeLevel + 1>* leaves) {
+    SurfaceMesh mesh;
+    mesh.geometry = grid.geometry();
+    mesh.isovalue = isovalue;
+    const Status status = visitScalarType(grid.type(), [&](auto sample) {
+        MergedExtractor<decltype(sample)> extractor(grid, isovalue, job);
+        const Status done = extractor.run(bound, maxLevel, mesh);
+        if (leaves != nullptr)
+            *leaves = extractor.activeLeaves();
+        return done;
+    });
+    ISO_TRY(status);
+    return mesh;
+}
+
+} // namespace isoslider::extract

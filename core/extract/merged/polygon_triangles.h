@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace isoslider::extract {
+
+/// A corner of a merged cell's polygon.
+struct PolygonCorner {
+    glm::vec3 position;
+    std::uint8_t faces = 0; ///< bit f: it lies in face f of the cell
+};
+
+/// The triangulation of least area without a diagonal between corners of one face: such an edge could be one of the
+/// neighbour's mesh, too. Three corner numbers each, in the order of the corners. Empty where there is none; then the
+/// polygon is to be spanned from a vertex inside the cell. O(k^3) time, O(k^2) memory.
+/// REQUIRES: at least three corners.
+void triangulatePolygon(std::span<const PolygonCorner> corners, std::vector<std::array<std::uint32_t, 3>>& triangles);
+
+} // namespace isoslider::extract

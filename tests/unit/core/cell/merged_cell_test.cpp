@@ -1,0 +1,157 @@
+#include "core/cell/merged_cell.h"
+
+#include <algorithm>
+#include <array>
+#include <random>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace isoslider::cell {
+namespace {
+
+using Place = std::array<int, 3>;
+
+bool isAbove(MergedSigns signs, const Place& p) { return signs >> (p[0] + 3 * p[1] + 9 * p[2]) & 1; }
+
+// The surface of cubes of side `step` with one sign per corner, from first principles: loops are what the segments of
+// all faces join; a face with four crossings is ambiguous.
+struct Surface {
+    bool isAmbiguous = false;
+    int mostLoops = 0; // of one cube
+    int euler = 0; // edges crossed - segments + loops
+};
+
+std::array<Place, 4> squareAt(const Place& corner, int normal, int step) {
+    std::array<Place, 4> square{corner, corner, corner, corner};
+    const int u = (normal + 1) % 3, v = (normal + 2) % 3;
+    square[1][static_cast<std::size_t>(u)] += step;
+    square[2][static_cast<std::size_t>(u)] += step;
+    square[2][static_cast<std::size_t>(v)] += step;
+    square[3][static_cast<std::size_t>(v)] += step;
+    return square;
+}
+
+Surface surfaceOf(MergedSigns signs, int step) {
+    using Edge = std::array<Place, 2>;
+    Surface surface;
+    std::set<Edge> crossed;
+    std::set<std::set<Edge>> segments;
+    int loops = 0;
+    for (int z = 0; z < 2; z += step)
+        for (int y = 0; y < 2; y += step)
+            for (int x = 0; x < 2; x += step) {
+                std::vector<std::set<Edge>> groups; // of edges of this cube, joined by segments
+                for (int normal = 0; normal < 3; ++normal)
+                    for (const int side : {0, step}) {
+                        Place corner{x, y, z};
+                        corner[static_cast<std::size_t>(normal)] += side;
+                        const auto square = squareAt(corner, normal, step);
+                        std::set<Edge> ends;
+                        for (std::size_t i = 0; i < 4; ++i) {
+                            Edge edge{square[i], square[(i + 1) % 4]};
+                            if (isAbove(signs, edge[0]) == isAbove(signs, edge[1]))
+                                continue;
+                            if (edge[1] < edge[0])
+                                std::swap(edge[0], edge[1]);
+                            ends.insert(edge);
+                        }
+                        surface.isAmbiguous |= ends.size() == 4;
+                        if (ends.empty())
+                            continue;
+                        crossed.insert(ends.begin(), ends.end());
+                        segments.insert(ends);
+                        std::set<Edge> joined = ends;
+                        std::erase_if(groups, [&](const std::set<Edge>& group) {
+                            const bool meets = std::any_of(group.begin(), group.end(),
+                                                           [&](const Edge& edge) { return ends.contains(edge); });
+                            if (meets)
+                                joined.insert(group.begin(), group.end());
+                            return meets;
+                        });
+                        groups.push_back(joined);
+                    }
+                loops += static_cast<int>(groups.size());
+                surface.mostLoops = std::max(surface.mostLoops, static_cast<int>(groups.size()));
+            }
+    surface.euler = static_cast<int>(crossed.size()) - static_cast<int>(segments.size()) + loops;
+    return surface;
+}
+
+bool keepsTopologyReference(MergedSigns signs) {
+    if (signs == 0 || signs == kAllAbove)
+        return true;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (int u = 0; u <= 2; u += 2)
+            for (int v = 0; v <= 2; v += 2) {
+                int changes = 0;
+                for (int i = 0; i < 2; ++i) {
+                    Place from{}, to{};
+                    from[(axis + 1) % 3] = to[(axis + 1) % 3] = u;
+                    from[(axis + 2) % 3] = to[(axis + 2) % 3] = v;
+                    from[axis] = i;
+                    to[axis] = i + 1;
+                    changes += isAbove(signs, from) != isAbove(signs, to);
+                }
+                if (changes > 1)
+                    return false;
+            }
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const int side : {0, 2}) {
+            Place middle{1, 1, 1};
+            middle[axis] = side;
+            int different = 0;
+            for (std::size_t other = 0; other < 3; ++other)
+                for (const int place : {0, 2}) {
+                    Place beside = middle;
+                    beside[other] = place;
+                    different += other != axis && isAbove(signs, beside) != isAbove(signs, middle);
+                }
+            if (different == 4)
+                return false;
+        }
+    const Surface halves = surfaceOf(signs, 1), whole = surfaceOf(signs, 2);
+    return !halves.isAmbiguous && !whole.isAmbiguous && halves.mostLoops <= 1 && whole.mostLoops == 1 &&
+           halves.euler == 1;
+}
+
+// A plane through the cell, at a random place, with a few samples turned over.
+MergedSigns randomSigns(std::mt19937& random) {
+    std::uniform_real_distribution<double> part(-1.0, 1.0);
+    const std::array<double, 4> plane{part(random), part(random), part(random), 2.0 * part(random)};
+    MergedSigns signs = 0;
+    for (int p = 0; p < 27; ++p) {
+        const double value = plane[0] * (p % 3 - 1) + plane[1] * (p / 3 % 3 - 1) + plane[2] * (p / 9 - 1) + plane[3];
+        signs |= MergedSigns{value > 0.0} << p;
+    }
+    for (unsigned turned = random() % 4; turned > 1; --turned)
+        signs ^= MergedSigns{1} << random() % 27;
+    return signs;
+}
+
+TEST(MergedCell, KeepsTopologyAsItsDefinitionStates) {
+    std::mt19937 random(3);
+    int kept = 0, refused = 0;
+    for (int i = 0; i < 40000; ++i) {
+        const MergedSigns signs = i % 8 == 0 ? random() & kAllAbove : randomSigns(random);
+        const bool expected = keepsTopologyReference(signs);
+        ASSERT_EQ(keepsTopology(signs), expected) << signs;
+        ASSERT_EQ(keepsTopology(~signs & kAllAbove), expected) << signs << ": neither side is special";
+        (expected ? kept : refused) += signs != 0 && signs != kAllAbove;
+    }
+    EXPECT_GT(kept, 4000);
+    EXPECT_GT(refused, 4000);
+}
+
+TEST(MergedCell, RefusesWhatAMergerWouldLose) {
+    EXPECT_FALSE(keepsTopology(MergedSigns{1} << 13)) << "a piece around the middle";
+    EXPECT_FALSE(keepsTopology(kAllAbove & ~(MergedSigns{1} << 4))) << "a dent in a face";
+    EXPECT_FALSE(keepsTopology(MergedSigns{2})) << "the middle of an edge";
+    EXPECT_FALSE(keepsTopology(1u | 1u << 26)) << "two corners";
+    EXPECT_TRUE(keepsTopology(1u)) << "one corner";
+    EXPECT_TRUE(keepsTopology(0x1ff)) << "a plane";
+}
+
+} // namespace
+} // namespace isoslider::cell

@@ -1,0 +1,230 @@
+#include "core/extract/merged/merged_extraction.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "core/cell/merged_cell.h"
+#include "core/extract/full_extraction.h"
+#include "core/mesh/certificate.h"
+#include "core/mesh/mesh_checks.h"
+#include "tests/property/random_volumes.h"
+#include "tests/support/result_matchers.h"
+
+namespace isoslider::extract {
+namespace {
+
+using test::IsOk;
+using Measure = MergeBound::Measure;
+using Place = std::array<std::int64_t, 3>;
+
+/// Smooth, with noise in some blocks of 8^3 cells: leaves of very different sizes beside each other. Missing samples in
+/// one volume of three.
+std::shared_ptr<const ScalarGrid> patchyVolume(test::Random& random) {
+    GridGeometry geometry;
+    for (auto& n : geometry.dims)
+        n = test::intRandom(random, 9, 36);
+    const double a = 0.05 + 0.2 * test::unitRandom(random), b = 0.05 + 0.2 * test::unitRandom(random);
+    const bool hasMissing = test::intRandom(random, 0, 2) == 0;
+    std::map<std::array<std::int64_t, 3>, double> noise;
+    return test::makeVolume<float>(ScalarType::F32, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+        auto [at, isNew] = noise.try_emplace({x / 8, y / 8, z / 8}, 0.0);
+        if (isNew && test::intRandom(random, 0, 3) == 0)
+            at->second = 20.0 * test::unitRandom(random);
+        if (hasMissing && test::intRandom(random, 0, 999) == 0)
+            return std::numeric_limits<double>::quiet_NaN();
+        return 50.0 * std::sin(a * static_cast<double>(x) + 0.1 * static_cast<double>(z)) +
+               50.0 * std::sin(b * static_cast<double>(y)) + 2.0 * static_cast<double>(z) +
+               at->second * test::unitRandom(random);
+    });
+}
+
+SurfaceMesh merged(const ScalarGrid& grid, double isovalue, const MergeBound& bound, int maxLevel = kMaxMergeLevel) {
+    auto mesh = extractMerged(grid, isovalue, bound, maxLevel);
+    EXPECT_THAT(mesh, IsOk());
+    return std::move(mesh).value();
+}
+
+const MergeBound kBounds[] = {{Measure::Scalar, 0.5},   {Measure::Scalar, 3.0},   {Measure::Scalar, 1e9},
+                              {Measure::Distance, 0.1}, {Measure::Distance, 0.5}, {Measure::Distance, 1e9}};
+
+TEST(MergedExtraction, WithoutABoundIsTheFullExtraction) {
+    test::Random random(test::testSeed(1));
+    for (int i = 0; i < 60; ++i) {
+        const test::RandomVolume volume = test::randomVolume(random, 40);
+        if (!volume.hasFinite)
+            continue;
+        const double isovalue = volume.samples[random() % volume.samples.size()];
+        const auto full = extractFull(*volume.grid, isovalue);
+        ASSERT_THAT(full, IsOk());
+        const SurfaceMesh mesh = merged(*volume.grid, isovalue, {});
+        ASSERT_EQ(mesh.edgeIds, full.value().edgeIds) << volume.description;
+        ASSERT_EQ(mesh.triangles, full.value().triangles) << volume.description;
+        ASSERT_EQ(mesh.positions, full.value().positions) << volume.description;
+        ASSERT_EQ(mesh.normals, full.value().normals) << volume.description;
+    }
+}
+
+TEST(MergedExtraction, HasNoCrackAndTheSameTopology) {
+    test::Random random(test::testSeed(2));
+    std::uint64_t merges = 0, centres = 0;
+    for (int i = 0; i < 40; ++i) {
+        const auto grid = i % 4 == 3 ? test::randomVolume(random, 30).grid : patchyVolume(random);
+        for (const MergeBound& bound : kBounds) {
+            const double isovalue =
+                i % 4 == 3 ? 40.0 * test::unitRandom(random) : 140.0 * test::unitRandom(random) - 50.0;
+            const auto full = extractFull(*grid, isovalue);
+            ASSERT_THAT(full, IsOk());
+            const SurfaceMesh mesh = merged(*grid, isovalue, bound);
+            const mesh::MeshReport expected = mesh::checkMesh(full.value()), report = mesh::checkMesh(mesh);
+            const auto where = testing::Message() << "volume " << i << ", isovalue " << isovalue << ", bound "
+                                                  << static_cast<int>(bound.measure) << " " << bound.limit;
+            ASSERT_TRUE(report.isManifold && report.isOriented) << where;
+            ASSERT_EQ(report.duplicateTriangles, 0u) << where;
+            ASSERT_EQ(report.components, expected.components) << where;
+            ASSERT_EQ(report.euler, expected.euler) << where;
+            ASSERT_EQ(report.boundaryLoops, expected.boundaryLoops) << where;
+            const mesh::Certificate certificate = mesh::certify(mesh, {"", std::nullopt, ""});
+            ASSERT_EQ(certificate.openAt(mesh::OpenAt::Elsewhere).edges, 0u) << where;
+            merges += full.value().triangleCount() - mesh.triangleCount();
+            centres += mesh.positions.size() - mesh.edgeIds.size();
+        }
+    }
+    EXPECT_GT(merges, 10000u);
+}
+
+// The definition, on plain arrays, cell by cell and without what the product knows of its parts.
+class LeavesByDefinition {
+public:
+    LeavesByDefinition(const ScalarGrid& grid, double isovalue, const MergeBound& bound)
+        : samples_(grid.values<float>()), dims_(grid.dims()), isovalue_(isovalue), bound_(bound) {}
+
+    int levelOf(const Place& cell) {
+        int level = 0;
+        for (int n = 1; n <= kMaxMergeLevel; ++n) {
+            const std::int64_t inside = (std::int64_t{1} << n) - 1;
+            if (isUsable({cell[0] & ~inside, cell[1] & ~inside, cell[2] & ~inside}, n))
+                level = n;
+        }
+        return level;
+    }
+
+private:
+    float at(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        return samples_[static_cast<std::size_t>(x + dims_[0] * (y + dims_[1] * z))];
+    }
+    bool isUsable(const Place& o, int n) {
+        if (n == 0)
+            return true;
+        if (const auto known = known_.find({o, n}); known != known_.end())
+            return known->second;
+        return known_[{o, n}] = isUsableAnew(o, n);
+    }
+
+    bool isUsableAnew(const Place& o, int n) {
+        const std::int64_t side = std::int64_t{1} << n, half = side / 2;
+        for (std::size_t a = 0; a < 3; ++a)
+            if (o[a] + side >= dims_[a])
+                return false;
+        for (int c = 0; c < 8; ++c)
+            if (!isUsable({o[0] + half * (c & 1), o[1] + half * (c >> 1 & 1), o[2] + half * (c >> 2)}, n - 1))
+                return false;
+        cell::MergedSigns signs = 0;
+        for (int p = 0; p < 27; ++p)
+            signs |= cell::MergedSigns{at(o[0] + half * (p % 3), o[1] + half * (p / 3 % 3), o[2] + half * (p / 9)) >=
+                                       isovalue_}
+                     << p;
+        for (std::int64_t z = 0; z <= side; ++z)
+            for (std::int64_t y = 0; y <= side; ++y)
+                for (std::int64_t x = 0; x <= side; ++x) {
+                    if (!std::isfinite(at(o[0] + x, o[1] + y, o[2] + z)))
+                        return false;
+                    for (int axis = 0; axis < 3; ++axis) {
+                        const Place from{x, y, z};
+                        Place to = from;
+                        if (++to[static_cast<std::size_t>(axis)] > side)
+                            continue;
+                        if (isBad(o, side, from, to))
+                            return false;
+                    }
+                }
+        return cell::keepsTopology(signs);
+    }
+
+    // The product of three weights for each corner, by axis.
+    double interpolant(const Place& o, std::int64_t side, double x, double y, double z) const {
+        const double s = static_cast<double>(side);
+        double sum = 0.0;
+        for (int c = 0; c < 8; ++c)
+            sum += static_cast<double>(at(o[0] + side * (c & 1), o[1] + side * (c >> 1 & 1), o[2] + side * (c >> 2))) *
+                   (c & 1 ? x / s : 1 - x / s) * (c >> 1 & 1 ? y / s : 1 - y / s) * (c >> 2 ? z / s : 1 - z / s);
+        return sum;
+    }
+
+    bool isBad(const Place& o, std::int64_t side, const Place& from, const Place& to) const {
+        const double a = static_cast<double>(at(o[0] + from[0], o[1] + from[1], o[2] + from[2]));
+        const double b = static_cast<double>(at(o[0] + to[0], o[1] + to[1], o[2] + to[2]));
+        if ((a >= isovalue_) == (b >= isovalue_))
+            return false;
+        const auto T = [&](double x, double y, double z) { return interpolant(o, side, x, y, z); };
+        const auto d = [](std::int64_t i) { return static_cast<double>(i); };
+        const double error = std::max(std::abs(a - T(d(from[0]), d(from[1]), d(from[2]))),
+                                      std::abs(b - T(d(to[0]), d(to[1]), d(to[2]))));
+        if (bound_.measure == Measure::Scalar)
+            return error > bound_.limit;
+        const std::array<double, 3> m{0.5 * d(from[0] + to[0]), 0.5 * d(from[1] + to[1]), 0.5 * d(from[2] + to[2])};
+        // Exact for a trilinear function: it is linear along each axis.
+        const double gx = T(m[0] + 0.5, m[1], m[2]) - T(m[0] - 0.5, m[1], m[2]);
+        const double gy = T(m[0], m[1] + 0.5, m[2]) - T(m[0], m[1] - 0.5, m[2]);
+        const double gz = T(m[0], m[1], m[2] + 0.5) - T(m[0], m[1], m[2] - 0.5);
+        return error > bound_.limit * std::sqrt(gx * gx + gy * gy + gz * gz);
+    }
+
+    std::span<const float> samples_;
+    GridDims dims_;
+    double isovalue_;
+    MergeBound bound_;
+    std::map<std::pair<Place, int>, bool> known_;
+};
+
+TEST(LeafLevels, AreThoseOfTheDefinition) {
+    test::Random random(test::testSeed(3));
+    std::array<std::uint64_t, kMaxMergeLevel + 1> seen{};
+    for (int i = 0; i < 24; ++i) {
+        const auto grid = patchyVolume(random);
+        const MergeBound bound = kBounds[static_cast<std::size_t>(i) % std::size(kBounds)];
+        const double isovalue = 140.0 * test::unitRandom(random) - 50.0;
+        const SampleView<float> view{grid->values<float>().data(), grid->dims()};
+        const LeafLevels leaves = LeafLevels::find(view, isovalue, bound);
+        LeavesByDefinition reference(*grid, isovalue, bound);
+        for (std::int64_t z = 0; z < leaves.cells()[2]; ++z)
+            for (std::int64_t y = 0; y < leaves.cells()[1]; ++y)
+                for (std::int64_t x = 0; x < leaves.cells()[0]; ++x) {
+                    ASSERT_EQ(leaves.level(x, y, z), reference.levelOf({x, y, z}))
+                        << "volume " << i << " at " << x << " " << y << " " << z;
+                    ++seen[static_cast<std::size_t>(leaves.level(x, y, z))];
+                }
+    }
+    for (std::size_t n = 0; n < 5; ++n)
+        EXPECT_GT(seen[n], 0u) << n;
+}
+
+TEST(MergedExtraction, CountsActiveLeavesAndKeepsToTheLevelAllowed) {
+    const auto grid = test::makeVolume<std::uint16_t>(ScalarType::U16, test::cubeGeometry(33),
+                                                      [](auto x, auto y, auto z) { return 40 * x + 3 * y + 2 * z; });
+    const MergeBound bound{Measure::Distance, 0.01};
+    for (int level = 0; level <= kMaxMergeLevel; ++level) {
+        std::array<std::uint64_t, kMaxMergeLevel + 1> leaves{};
+        const auto mesh = extractMerged(*grid, 700.0, bound, level, {}, &leaves);
+        ASSERT_THAT(mesh, IsOk());
+        for (std::size_t n = 0; n < leaves.size(); ++n)
+            EXPECT_EQ(leaves[n] > 0, static_cast<int>(n) == level) << n << " of " << level;
+        // A plane of 32 x 32 cells: linear fields merge all the way.
+        EXPECT_NEAR(mesh::checkMesh(mesh.value()).area, 1024.0 * std::sqrt(1.0 + 13.0 / 1600.0), 1e-2) << level;
+    }
+}
+
+} // namespace
+} // namespace isoslider::extract
