@@ -142,7 +142,8 @@ private:
 } // namespace
 
 template <class Sample>
-LeafLevels LeafLevels::find(const SampleView<Sample>& view, double isovalue, const MergeBound& bound, int maxLevel) {
+LeafLevels LeafLevels::find(const SampleView<Sample>& view, double isovalue, const MergeBound& bound, int maxLevel,
+                            const JobControl& job) {
     LeafLevels found;
     for (std::size_t a = 0; a < 3; ++a)
         found.cells_[a] = view.dims[a] - 1;
@@ -153,6 +154,8 @@ LeafLevels LeafLevels::find(const SampleView<Sample>& view, double isovalue, con
     GridDims below = found.cells_;
     std::vector<Use> uses(static_cast<std::size_t>(pointCount(below)));
     tbb::parallel_for(std::int64_t{0}, below[2], [&](std::int64_t z) {
+        if (job.isStopRequested())
+            return;
         for (std::int64_t y = 0; y < below[1]; ++y)
             for (std::int64_t x = 0; x < below[0]; ++x)
                 uses[static_cast<std::size_t>(x + below[0] * (y + below[1] * z))] = finder.useOfCell({x, y, z});
@@ -161,6 +164,8 @@ LeafLevels LeafLevels::find(const SampleView<Sample>& view, double isovalue, con
         const GridDims dims{below[0] / 2, below[1] / 2, below[2] / 2};
         std::vector<Use> next(static_cast<std::size_t>(pointCount(dims)));
         tbb::parallel_for(std::int64_t{0}, dims[2], [&](std::int64_t z) {
+            if (job.isStopRequested())
+                return;
             for (std::int64_t y = 0; y < dims[1]; ++y)
                 for (std::int64_t x = 0; x < dims[0]; ++x) {
                     std::array<Use, 8> halves;
@@ -189,7 +194,7 @@ void LeafLevels::raise(const std::array<std::int64_t, 3>& origin, int level) {
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
-    template LeafLevels LeafLevels::find(const SampleView<Sample>&, double, const MergeBound&, int);
+    template LeafLevels LeafLevels::find(const SampleView<Sample>&, double, const MergeBound&, int, const JobControl&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/job_control.h"
 #include "core/extract/merged/merge_bound.h"
 #include "core/grid/gradient.h"
 
@@ -24,11 +25,12 @@ public:
     }
     const GridDims& cells() const { return cells_; }
 
-    /// O(cells), and the active edges once for each level. One byte a cell. All threads.
+    /// O(cells), and the active edges once for each level. One byte a cell, two until it is done. All threads. Ends
+    /// early, with any levels, when `job` is to stop.
     /// REQUIRES: at least two grid points along each axis; 0 <= maxLevel <= kMaxMergeLevel.
     template <class Sample>
     static LeafLevels find(const SampleView<Sample>& view, double isovalue, const MergeBound& bound,
-                           int maxLevel = kMaxMergeLevel);
+                           int maxLevel = kMaxMergeLevel, const JobControl& job = {});
 
 private:
     void raise(const std::array<std::int64_t, 3>& origin, int level);

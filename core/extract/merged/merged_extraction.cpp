@@ -42,7 +42,7 @@ public:
     Status run(const MergeBound& bound, int maxLevel, SurfaceMesh& mesh) {
         if (std::any_of(view_.dims.begin(), view_.dims.end(), [](std::int64_t n) { return n < 2; }))
             return {};
-        leaves_ = LeafLevels::find(view_, isovalue_, bound, maxLevel);
+        leaves_ = LeafLevels::find(view_, isovalue_, bound, maxLevel, job_);
         job_.report(0.3, "extracting");
         if (job_.isStopRequested())
             return cancelledError();
