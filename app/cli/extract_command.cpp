@@ -94,12 +94,12 @@ Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptio
     Extracted extracted{{}, {sourceName(path), missing, info.lengthUnit, resamplingText(info), ""}, info, {}};
     Result<extract::SurfaceMesh> surface = extract::SurfaceMesh();
     if (lodError.amount > 0.0) {
-        auto bound = boundOf(lodError, *grid.value(), job);
+        auto bound = boundOf(lodError, *grid.value(), extracting.part(0.0, 0.2));
         if (!bound.isOk())
             return bound.error();
         extracted.source.merging = bound.value().second;
         surface = extract::extractMerged(*grid.value(), isovalue, bound.value().first, extract::kMaxMergeLevel,
-                                         extracting, &extracted.leaves);
+                                         extracting.part(0.2, 1.0), &extracted.leaves);
     } else {
         surface = extract::extractFull(*grid.value(), isovalue, extracting);
     }

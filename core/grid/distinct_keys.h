@@ -22,7 +22,8 @@ class DistinctKeySet;
 /// The result depends on the set of samples only; the number of passes on threads, too. 8- and 16-bit samples never
 /// need another pass. 32-bit values take 128 KB for each of 4096 equal parts of their range that occurs, 512 MB at
 /// most; f64 samples 8 to 24 bytes for each distinct one. Beyond the bound, which is 1 MB at
-/// least: 0.5 MB for each thread that adds, and once what 1/1024 of the values takes, so that each pass counts some.
+/// least: 0.5 MB for each thread that adds, once what 1/1024 of the values takes, so that each pass counts some, and
+/// for f64 samples twice that for each thread.
 template <class Sample>
 class DistinctKeys {
 public:

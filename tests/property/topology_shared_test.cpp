@@ -12,6 +12,7 @@
 #include "core/extract/full_extraction.h"
 #include "core/mesh/mesh_checks.h"
 #include "tests/property/topology_law.h"
+#include "tests/support/csv_rows.h"
 #include "tests/support/temporary_folder.h"
 
 namespace isoslider::test {
@@ -24,19 +25,14 @@ std::filesystem::path listed(const char* name) {
 // Rows of a file of numbers, the line of names left out; words become NaN.
 std::vector<std::vector<double>> readRows(const std::filesystem::path& path) {
     std::vector<std::vector<double>> rows;
-    std::ifstream file(path);
-    std::string line;
-    std::getline(file, line);
-    while (std::getline(file, line)) {
-        std::replace(line.begin(), line.end(), ',', ' ');
-        std::istringstream columns(line);
+    forEachCsvRow(path, [&](std::istringstream& columns) {
         std::vector<double>& row = rows.emplace_back();
         for (std::string word; columns >> word;) {
             char* end = nullptr;
             const double number = std::strtod(word.c_str(), &end);
             row.push_back(*end == '\0' ? number : std::nan(""));
         }
-    }
+    });
     return rows;
 }
 

@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "core/cell/merged_cell.h"
+#include "core/cell/trilinear_cell.h"
 #include "core/grid/classification.h"
 #include "core/grid/scalar_type.h"
 
@@ -28,31 +29,19 @@ public:
     }
 
     double at(double x, double y, double z) const {
-        const auto [u, v, w] = std::array{x * inverseSide_, y * inverseSide_, z * inverseSide_};
+        const double u = x * inverseSide_, v = y * inverseSide_, w = z * inverseSide_;
         const auto alongX = [&](std::size_t c) { return corners_[c] * (1 - u) + corners_[c + 1] * u; };
         const double y0 = alongX(0) * (1 - v) + alongX(2) * v, y1 = alongX(4) * (1 - v) + alongX(6) * v;
         return y0 * (1 - w) + y1 * w;
     }
     /// Per cell of the grid.
     double gradientLength(double x, double y, double z) const {
-        const auto [u, v, w] = std::array{x * inverseSide_, y * inverseSide_, z * inverseSide_};
-        const std::array weight{std::array{1 - u, u}, std::array{1 - v, v}, std::array{1 - w, w}};
-        double square = 0.0;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            double slope = 0.0;
-            for (std::size_t c = 0; c < 8; ++c) {
-                double factor = c >> axis & 1 ? corners_[c] : -corners_[c];
-                for (std::size_t other = 0; other < 3; ++other)
-                    factor *= other == axis ? 1.0 : weight[other][c >> other & 1];
-                slope += factor;
-            }
-            square += slope * slope;
-        }
-        return std::sqrt(square) * inverseSide_;
+        const auto [gx, gy, gz] = cell::gradientInCell(corners_, x * inverseSide_, y * inverseSide_, z * inverseSide_);
+        return std::sqrt(gx * gx + gy * gy + gz * gz) * inverseSide_;
     }
 
 private:
-    std::array<double, 8> corners_;
+    cell::CornerScalars corners_;
     double inverseSide_;
 };
 

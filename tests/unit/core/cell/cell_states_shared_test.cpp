@@ -1,12 +1,12 @@
 // The published list of labelled states, where the folder with further test data is there.
 
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/csv_rows.h"
 #include "tests/unit/core/cell/state_labels.h"
 
 namespace isoslider::cell {
@@ -20,12 +20,7 @@ struct ListedState {
 
 std::vector<ListedState> readStates(const std::filesystem::path& path) {
     std::vector<ListedState> states;
-    std::ifstream file(path);
-    std::string line;
-    std::getline(file, line); // names
-    while (std::getline(file, line)) {
-        std::replace(line.begin(), line.end(), ',', ' ');
-        std::istringstream columns(line);
+    test::forEachCsvRow(path, [&](std::istringstream& columns) {
         ListedState state;
         std::string name;
         columns >> name >> state.signs;
@@ -35,7 +30,7 @@ std::vector<ListedState> readStates(const std::filesystem::path& path) {
             state.belowRegions;
         columns >> state.faces;
         states.push_back(state);
-    }
+    });
     return states;
 }
 

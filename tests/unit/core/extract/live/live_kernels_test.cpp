@@ -10,12 +10,20 @@
 #include <gtest/gtest.h>
 
 #include "core/extract/live/brick_shapes.h"
+#include "core/extract/live/brick_slot.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/vertex_kernels.h"
 #include "core/extract/sources/sample_kernels.h"
 
 namespace isoslider::extract {
 namespace {
+
+template <class A, class B>
+constexpr bool kMix = std::is_convertible_v<A, B> || std::is_constructible_v<A, B>;
+static_assert(!kMix<ClosedPoint, ClosedEdge> && !kMix<ClosedEdge, ClosedPoint>);
+static_assert(!kMix<ClosedPoint, LocalPoint> && !kMix<LocalPoint, ClosedPoint> && !kMix<PointId, LocalPoint>);
+static_assert(!kMix<BrickIndex, BrickSlot> && !kMix<BrickSlot, BrickIndex> && !kMix<BrickIndex, PointId>);
+static_assert(sizeof(ClosedEdge) == 2 && sizeof(BrickIndex) == 4);
 
 class LiveKernels : public testing::TestWithParam<std::size_t> {
 protected:

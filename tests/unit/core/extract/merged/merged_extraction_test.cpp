@@ -95,6 +95,44 @@ TEST(MergedExtraction, HasNoCrackAndTheSameTopology) {
     EXPECT_GT(merges, 10000u);
 }
 
+// On a vertex's active edge, the sample differs from the merged cell's interpolant by the bound at most, at both ends,
+// and the interpolant is the isovalue at the vertex. So the sampled field there is within the bound; if the vertex lies
+// on another part of its leaf edge, it is at the nearest end within twice the bound.
+TEST(MergedExtraction, KeepsVerticesWithinTheBoundOfTheirActiveEdges) {
+    test::Random random(test::testSeed(4));
+    std::uint64_t moved = 0, outside = 0;
+    for (int i = 0; i < 30; ++i) {
+        const auto grid = patchyVolume(random);
+        const double isovalue = 140.0 * test::unitRandom(random) - 50.0;
+        const GridDims& dims = grid->dims();
+        const auto samples = grid->values<float>();
+        for (const double limit : {0.2, 1.0, 5.0}) {
+            const SurfaceMesh mesh = merged(*grid, isovalue, {Measure::Scalar, limit});
+            for (std::size_t v = 0; v < mesh.edgeIds.size(); ++v) {
+                const std::uint64_t point = mesh.edgeIds[v] / 4;
+                const auto axis = static_cast<std::size_t>(mesh.edgeIds[v] % 4);
+                const std::uint64_t coords[3] = {point % static_cast<std::uint64_t>(dims[0]),
+                                                 point / static_cast<std::uint64_t>(dims[0]) %
+                                                     static_cast<std::uint64_t>(dims[1]),
+                                                 point / static_cast<std::uint64_t>(dims[0] * dims[1])};
+                const std::uint64_t stride =
+                    axis == 0 ? 1 : static_cast<std::uint64_t>(axis == 1 ? dims[0] : dims[0] * dims[1]);
+                const double a = static_cast<double>(samples[point]), b = static_cast<double>(samples[point + stride]);
+                const double t =
+                    static_cast<double>(mesh.positions[v][static_cast<int>(axis)]) - static_cast<double>(coords[axis]);
+                const double field = a + std::clamp(t, 0.0, 1.0) * (b - a);
+                const bool isOnEdge = t >= 0.0 && t <= 1.0;
+                ASSERT_LE(std::abs(field - isovalue), (isOnEdge ? 1.0 : 2.0) * limit + 1e-3)
+                    << "volume " << i << ", t " << t;
+                moved += std::abs(field - isovalue) > 1e-3;
+                outside += !isOnEdge;
+            }
+        }
+    }
+    EXPECT_GT(moved, 1000u);
+    EXPECT_GT(outside, 0u);
+}
+
 // The definition, on plain arrays, cell by cell and without what the product knows of its parts.
 class LeavesByDefinition {
 public:

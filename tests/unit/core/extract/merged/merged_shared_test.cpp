@@ -1,7 +1,6 @@
 // Counts of an independent program on real volumes, where the folder with further test data is there.
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -10,6 +9,7 @@
 #include "core/extract/merged/merged_extraction.h"
 #include "core/grid/volume_statistics.h"
 #include "core/volume_io/volume_reader.h"
+#include "tests/support/csv_rows.h"
 #include "tests/support/result_matchers.h"
 
 namespace isoslider::extract {
@@ -27,19 +27,14 @@ struct Row {
 
 std::vector<Row> readRows(const fs::path& path) {
     std::vector<Row> rows;
-    std::ifstream file(path);
-    std::string line;
-    std::getline(file, line); // names
-    while (std::getline(file, line)) {
-        std::replace(line.begin(), line.end(), ',', ' ');
-        std::istringstream columns(line);
+    test::forEachCsvRow(path, [&](std::istringstream& columns) {
         Row row;
         std::int64_t euler = 0, components = 0;
         columns >> row.volume >> row.isovalue >> row.bound >> row.triangles >> row.vertices >> euler >> components;
         for (auto& leaves : row.leaves)
             columns >> leaves;
         rows.push_back(row);
-    }
+    });
     return rows;
 }
 
