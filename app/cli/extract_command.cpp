@@ -31,7 +31,7 @@ struct Extracted {
     extract::SurfaceMesh surface;
     mesh::SurfaceSource source;
     io::VolumeInfo volume; ///< unless it is of an index
-    std::array<std::uint64_t, extract::kMaxMergeLevel + 1> leaves{}; ///< active ones by level, where cells are merged
+    extract::LeafCounts leaves{}; ///< active ones by level
 };
 
 /// Unfinished once `job` is to stop.
@@ -50,36 +50,32 @@ std::uint64_t missingSamples(const ScalarGrid& grid, const JobControl& job) {
     });
 }
 
-Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, const JobControl& job) {
+Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, const LodError& lodError,
+                                   const JobControl& job) {
     auto engine = extract::SlideEngine::open(path);
     if (!engine.isOk())
         return std::move(engine).error();
+    const index::IndexInfo& info = engine.value()->info();
+    Extracted extracted{{}, sourceOf(info, path), {}, {}};
+    if (lodError.isGiven()) {
+        const extract::MergeBound bound = mergeBoundOf(lodError, info.min, info.max);
+        if (const Status set = engine.value()->setMergeBound(bound); !set.isOk())
+            return set.error();
+        extracted.source.merging = mergingText(lodError, bound, 1 << extract::kMaxBrickMergeLevel);
+    }
     const auto move = engine.value()->slideTo(isovalue, job.stop);
     if (!move.isOk())
         return move.error();
+    extracted.leaves = move.value().activeLeaves;
     auto surface = engine.value()->mesh(job);
     if (!surface.isOk())
         return std::move(surface).error();
-    return Extracted{std::move(surface).value(), sourceOf(engine.value()->info(), path), {}};
-}
-
-// The bound for this volume, and its description for the certificate.
-Result<std::pair<extract::MergeBound, std::string>> boundOf(const LodError& error, const ScalarGrid& grid,
-                                                            const JobControl& job) {
-    using Measure = extract::MergeBound::Measure;
-    if (error.isDistance)
-        return std::pair(extract::MergeBound{Measure::Distance, error.amount},
-                         fmt::format("within {} cells", error.amount));
-    const auto statistics = computeStatistics(grid, false, 1, job);
-    if (!statistics.isOk())
-        return statistics.error();
-    const double limit = error.amount / 100.0 * statistics.value().max - error.amount / 100.0 * statistics.value().min;
-    return std::pair(extract::MergeBound{Measure::Scalar, limit},
-                     fmt::format("within {} % of the value range ({:.6g})", error.amount, limit));
+    extracted.surface = std::move(surface).value();
+    return extracted;
 }
 
 Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptions& options, double isovalue,
-                                    const LodError& lodError, const JobControl& job) {
+                                    const LodError& lodError, int maxLevel, const JobControl& job) {
     const auto source = io::openVolume(path, options, job);
     if (!source.isOk())
         return source.error();
@@ -93,13 +89,14 @@ Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptio
     const io::VolumeInfo& info = source.value()->info();
     Extracted extracted{{}, {sourceName(path), missing, info.lengthUnit, resamplingText(info), ""}, info, {}};
     Result<extract::SurfaceMesh> surface = extract::SurfaceMesh();
-    if (lodError.amount > 0.0) {
-        auto bound = boundOf(lodError, *grid.value(), extracting.part(0.0, 0.2));
-        if (!bound.isOk())
-            return bound.error();
-        extracted.source.merging = bound.value().second;
-        surface = extract::extractMerged(*grid.value(), isovalue, bound.value().first, extract::kMaxMergeLevel,
-                                         extracting.part(0.2, 1.0), &extracted.leaves);
+    if (lodError.isGiven()) {
+        const auto statistics = computeStatistics(*grid.value(), false, 1, extracting.part(0.0, 0.2));
+        if (!statistics.isOk())
+            return statistics.error();
+        const extract::MergeBound bound = mergeBoundOf(lodError, statistics.value().min, statistics.value().max);
+        extracted.source.merging = mergingText(lodError, bound, 1 << maxLevel);
+        surface = extract::extractMerged(*grid.value(), isovalue, bound, maxLevel, extracting.part(0.2, 1.0),
+                                         &extracted.leaves);
     } else {
         surface = extract::extractFull(*grid.value(), isovalue, extracting);
     }
@@ -152,7 +149,7 @@ Json jsonOf(const mesh::Certificate& certificate, InputKind source, const Extrac
     if (source == InputKind::Index)
         addResampling(certificate.resampling, json);
     addResampling(extracted.volume, json);
-    if (lodError.amount > 0.0) {
+    if (lodError.isGiven()) {
         json["lod_error"] = lodError.text;
         json["leaves"] = extracted.leaves;
     }
@@ -176,8 +173,11 @@ public:
         addNumber(*command, "--isovalue", isovalue_, "isovalue of the surface")->required();
         command->add_option("-o,--output", meshPath_, "mesh to write (ply, obj, stl, off, om)")->type_name("MESH");
         command->add_flag("--no-check", skipsCheck_, "write and count the surface without checking it: no certificate");
-        addLodError(*command, lodError_,
-                    "merge cells that differ by no more: % of the value range, or c (cells); of a volume");
+        auto* lodError =
+            addLodError(*command, lodError_, "merge cells that differ by no more: % of the value range, or c (cells)");
+        addInteger(*command, "--lod-levels", lodLevels_, 1, extract::kMaxMergeLevel,
+                   "merge up to 2^N cells along each axis: 5 of a volume unless given, always 3 of an index")
+            ->needs(lodError);
         addVolumeOptions(*command, volume_);
         return command;
     }
@@ -186,18 +186,19 @@ public:
         const auto kind = sniffInput(path_, volume_.readOptions());
         if (!kind.isOk())
             return kind.error();
-        if (kind.value() == InputKind::Index && lodError_.amount > 0.0)
-            return makeError(ErrorCode::InvalidArgument,
-                             "--lod-error: merging cells of an index is not available in this version; give the volume",
-                             path_);
+        if (kind.value() == InputKind::Index && lodLevels_ > 0 && lodLevels_ != extract::kMaxBrickMergeLevel)
+            return Outcome::wrongUsage("--lod-levels: cells of an index are merged up to level 3");
         if (!meshPath_.empty())
             ISO_CLI_TRY(checkMeshOutput(meshPath_, path_));
         ProgressBar bar(session.showsProgress, session.stop);
         const JobControl job = bar.job();
         const JobControl extracting = job.part(0.0, 0.4), finishing = job.part(0.4, 1.0);
-        const auto extracted = kind.value() == InputKind::Index
-                                   ? surfaceFromIndex(path_, *isovalue_, extracting)
-                                   : surfaceFromVolume(path_, volume_.readOptions(), *isovalue_, lodError_, extracting);
+        const auto extracted =
+            kind.value() == InputKind::Index
+                ? surfaceFromIndex(path_, *isovalue_, lodError_, extracting)
+                : surfaceFromVolume(path_, volume_.readOptions(), *isovalue_, lodError_,
+                                    static_cast<int>(lodLevels_ > 0 ? lodLevels_ : extract::kMaxMergeLevel),
+                                    extracting);
         if (!extracted.isOk())
             return extracted.error();
         const auto certificate = certifyAndExport(extracted.value(), finishing);
@@ -230,6 +231,7 @@ private:
     std::string meshPath_;
     bool skipsCheck_ = false;
     LodError lodError_;
+    std::int64_t lodLevels_ = 0; ///< 0: not given
     VolumeOptions volume_;
 };
 

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/cli/lod_error.h"
 #include "core/volume_io/volume_reader.h"
 
 namespace isoslider::cli {
@@ -19,12 +20,6 @@ CLI::Option* addInteger(CLI::App& command, const std::string& name, std::int64_t
                         std::int64_t most, const std::string& help);
 /// Three whole numbers with commas between.
 CLI::Option* addDims(CLI::App& command, const std::string& name, GridDims& target, const std::string& help);
-/// How far merged cells may differ: a percentage of the value range, or cells. 0: nothing is merged.
-struct LodError {
-    double amount = 0.0;
-    bool isDistance = false;
-    std::string text; ///< as given
-};
 /// --lod-error P%|Xc.
 CLI::Option* addLodError(CLI::App& command, LodError& target, const std::string& help);
 /// The same where only 0 is known in this version.

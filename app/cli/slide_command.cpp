@@ -51,6 +51,7 @@ std::string jsonLine(const extract::SlideStats& stats) {
     json["cells_retriangulated"] = stats.cellsRetriangulated;
     json["active_edges"] = stats.activeEdges;
     json["triangles"] = stats.triangles;
+    json["leaves"] = stats.activeLeaves;
     json["bricks_read"] = stats.bricksRead;
     json["bytes_read"] = stats.bytesRead;
     json["update_ms"] = stats.updateMs;
@@ -89,6 +90,8 @@ public:
                 "--export", [this](const std::string& text) { pattern_ = patternOrThrow(text); },
                 "mesh of each step, as 'out_%04d.ply'")
             ->type_name("PATTERN");
+        addLodError(*command, lodError_,
+                    "merge cells that differ by no more: % of the value range, or c (cells); of metacells");
         return command;
     }
 
@@ -102,6 +105,13 @@ public:
         auto engine = extract::SlideEngine::open(indexPath_, options);
         if (!engine.isOk())
             return engine.error();
+        if (lodError_.isGiven()) {
+            const index::IndexInfo& info = engine.value()->info();
+            const extract::MergeBound bound = mergeBoundOf(lodError_, info.min, info.max);
+            if (const Status set = engine.value()->setMergeBound(bound); !set.isOk())
+                return set.error();
+            merging_ = mergingText(lodError_, bound, 1 << extract::kMaxBrickMergeLevel);
+        }
         const std::chrono::duration<double, std::milli> openTime = std::chrono::steady_clock::now() - begin;
         ISO_CLI_TRY(slide(*engine.value(), session));
         if (session.isJson)
@@ -158,7 +168,9 @@ private:
         const auto surface = engine.mesh(joining);
         if (!surface.isOk())
             return surface.error();
-        const auto certificate = mesh::certify(surface.value(), sourceOf(engine.info(), indexPath_), checking);
+        mesh::SurfaceSource source = sourceOf(engine.info(), indexPath_);
+        source.merging = merging_;
+        const auto certificate = mesh::certify(surface.value(), source, checking);
         if (!certificate.isOk())
             return certificate.error();
         if (const auto status = mesh::exportMesh(surface.value(), certificate.value(), path, writing); !status.isOk())
@@ -191,6 +203,8 @@ private:
     std::int64_t steps_ = 0;
     std::vector<double> path_;
     std::optional<ExportPattern> pattern_;
+    LodError lodError_;
+    std::string merging_; ///< for certificates
     std::string stepsJson_;
     Outcome fault_;
 };

@@ -23,8 +23,8 @@ glm::vec3 unitOr(const glm::vec3& direction, const glm::vec3& otherwise) {
 }
 
 // In cells from the first point of the cell's brick.
-float placeInBrick(const InnerVertexCell& c, std::size_t axis, double inCell) {
-    return static_cast<float>(static_cast<double>(c.origin[axis] & (kBrickSide - 1)) + inCell);
+float placeInBrick(std::int64_t origin, double inCell) {
+    return static_cast<float>(static_cast<double>(origin & (kBrickSide - 1)) + inCell);
 }
 
 void placeWaist(const InnerVertexCell& c, double isovalue, const glm::vec3& inverseSpacing, double least,
@@ -35,7 +35,7 @@ void placeWaist(const InnerVertexCell& c, double isovalue, const glm::vec3& inve
     for (std::size_t k = 0; k < 6; ++k) {
         const unsigned corner = c.state->ring[k];
         const double x = waist.x[corner & 1], y = waist.y[corner >> 1 & 1], z = waist.z[corner >> 2];
-        vertices[k].place = {placeInBrick(c, 0, x), placeInBrick(c, 1, y), placeInBrick(c, 2, z)};
+        vertices[k].place = {placeInBrick(c.origin[0], x), placeInBrick(c.origin[1], y), placeInBrick(c.origin[2], z)};
         const auto gradient = cell::gradientInCell(c.scalars, x, y, z);
         const double length = std::max({std::abs(gradient[0]), std::abs(gradient[1]), std::abs(gradient[2])});
         glm::vec3 direction(0.0f); // scaled, so that its square neither overflows nor vanishes
@@ -46,27 +46,37 @@ void placeWaist(const InnerVertexCell& c, double isovalue, const glm::vec3& inve
     }
 }
 
-void placeCentre(const InnerVertexCell& c, const cell::CellCentre& centre, double least, InnerVertex& vertex) {
-    glm::vec3 positions(0.0f), normals(0.0f);
-    float count = 0.0f;
-    glm::vec3 first(0.0f);
-    for (unsigned edges = centre.loopEdges; edges != 0; edges &= edges - 1) {
+InnerVertex placeCentre(const InnerVertexCell& c, const cell::CellCentre& centre) {
+    std::array<glm::vec3, 12> positions, normals;
+    std::size_t count = 0;
+    for (unsigned edges = centre.loopEdges; edges != 0; edges &= edges - 1, ++count) {
         const auto e = static_cast<std::size_t>(std::countr_zero(edges));
-        if (count == 0.0f)
-            first = c.edgeNormals[e];
-        positions += c.edgePositions[e] - glm::vec3(static_cast<float>(c.origin[0]), static_cast<float>(c.origin[1]),
-                                                    static_cast<float>(c.origin[2]));
-        normals += c.edgeNormals[e];
-        count += 1.0f;
+        positions[count] = c.edgePositions[e];
+        normals[count] = c.edgeNormals[e];
     }
-    for (int a = 0; a < 3; ++a) {
-        const double inCell = std::clamp(static_cast<double>(positions[a] / count), least, 1.0 - least);
-        vertex.place[a] = placeInBrick(c, static_cast<std::size_t>(a), inCell);
-    }
-    vertex.normal = encodeNormal(unitOr(normals, first));
+    return placeLoopCentre({positions.data(), count}, {normals.data(), count}, c.origin, 1);
 }
 
 } // namespace
+
+InnerVertex placeLoopCentre(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                            const std::array<std::int64_t, 3>& origin, std::int32_t side) {
+    const double least = leastDistance(origin);
+    glm::vec3 placeSum(0.0f), normalSum(0.0f);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        placeSum += positions[i] - glm::vec3(static_cast<float>(origin[0]), static_cast<float>(origin[1]),
+                                             static_cast<float>(origin[2]));
+        normalSum += normals[i];
+    }
+    InnerVertex vertex;
+    for (int a = 0; a < 3; ++a) {
+        const double inCell =
+            std::clamp(static_cast<double>(placeSum[a] / static_cast<float>(positions.size())), least, side - least);
+        vertex.place[a] = placeInBrick(origin[static_cast<std::size_t>(a)], inCell);
+    }
+    vertex.normal = encodeNormal(unitOr(normalSum, normals.front()));
+    return vertex;
+}
 
 void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm::vec3& inverseSpacing,
                         InnerVertex* vertices) {
@@ -77,7 +87,7 @@ void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm:
         next = 6;
     }
     for (const cell::CellCentre& centre : cell.state->centres)
-        placeCentre(cell, centre, least, vertices[next++]);
+        vertices[next++] = placeCentre(cell, centre);
 }
 
 } // namespace isoslider::extract

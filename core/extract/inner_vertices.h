@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include <glm/vec3.hpp>
 
@@ -40,5 +41,10 @@ inline glm::vec3 positionOf(const InnerVertex& vertex, const std::array<std::int
 /// more where coordinates are too large for that. `vertices` has room for state->innerVertices.
 void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm::vec3& inverseSpacing,
                         InnerVertex* vertices);
+
+/// A vertex in the mean of a loop around a cell of `side` cells of the grid from `origin` on: strictly inside it.
+/// `positions` in grid index units. REQUIRES: not empty, as many normals.
+InnerVertex placeLoopCentre(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                            const std::array<std::int64_t, 3>& origin, std::int32_t side);
 
 } // namespace isoslider::extract

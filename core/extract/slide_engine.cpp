@@ -87,6 +87,13 @@ public:
         }
     }
 
+    Status setMergeBound(const MergeBound& bound) override {
+        if (!backing_.source.setMergeBound(bound))
+            return makeError(ErrorCode::InvalidArgument, "an index of edges cannot merge cells; one of metacells can",
+                             backing_.reader->pathString());
+        return {};
+    }
+
     void waitForPrefetch() override { backing_.source.waitForPrefetch(); }
     void dropCaches() override {
         waitForPrefetch();
@@ -129,6 +136,7 @@ private:
         stats.activeEdges = surface_.activeEdges();
         stats.triangles = surface_.triangles();
         stats.ambiguousCells = surface_.ambiguousCells();
+        stats.activeLeaves = surface_.activeLeaves();
         const double previous = lastStats_.isovalue;
         lastStats_ = stats;
         // A handle that moves goes on moving.

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/base/job_control.h"
+#include "core/extract/merged/merge_bound.h"
 #include "core/extract/surface_frame.h"
 #include "core/extract/surface_mesh.h"
 #include "core/grid/scalar_grid.h"
@@ -44,6 +45,11 @@ public:
     /// the active edges. Errors: Cancelled, IoError, Corruption, InvalidArgument (NaN).
     virtual Result<SlideStats> slideTo(double isovalue, std::stop_token stop = {}) = 0;
 
+    /// From the next move on, cells are merged within the bound (PAPER 2.2), to the size of a brick at most; the
+    /// surface is then extractMerged()'s. Errors: InvalidArgument for an index of edges, which can only be merged when
+    /// it is built, unless the bound is none.
+    virtual Status setMergeBound(const MergeBound& bound) = 0;
+
     /// Waits until nothing is read ahead any more.
     virtual void waitForPrefetch() = 0;
     /// Forgets what is kept of the index. The surface stays; the next move reads again what it needs.
@@ -52,7 +58,7 @@ public:
     /// The surface as the window needs it: its bricks, or arrays where scalars are kept as double; `marksChanges`: with
     /// the triangles that the last move has changed, unless all are new.
     virtual void copyFrame(SurfaceFrame& frame, bool marksChanges = false) const = 0;
-    /// The surface welded and compacted, in grid order: comparable with extractFull.
+    /// The surface welded and compacted, in grid order: comparable with extractFull, extractMerged.
     /// Errors: Cancelled, OutOfSpace (more than 2^32 vertices). O(n log n).
     virtual Result<SurfaceMesh> mesh(const JobControl& job = {}) const = 0;
 };

@@ -6,6 +6,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "core/extract/merged/merge_bound.h"
 #include "core/grid/grid_geometry.h"
 #include "core/index/format/skip_level.h"
 
@@ -30,6 +31,7 @@ struct SlideStats {
     std::uint64_t ambiguousCells = 0; ///< active cells whose signs do not determine their surface
     std::uint64_t activeEdges = 0;
     std::uint64_t triangles = 0;
+    LeafCounts activeLeaves{}; ///< active cells by their level: above 0 merged ones
     std::uint64_t bricksRead = 0; ///< bricks of samples looked into; 0 with edge blocks
     std::uint64_t chunksRead = 0; ///< chunks of samples decoded; 0 with edge blocks and in memory
     std::uint64_t bytesRead = 0; ///< bytes read from the index file: what was in no cache

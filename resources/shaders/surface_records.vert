@@ -1,7 +1,7 @@
 #version 330 core
 // Edge records in, view space out: positions and normals are made here, as vertexOf() in
 // core/extract/live/edge_record.h makes them.
-layout(location = 0) in uvec4 record; // edge or 3072 and more; upper half of z; two normals
+layout(location = 0) in uvec4 record; // edge, or 3072 and more; level of the leaf edge, or upper half of z; two normals
 layout(location = 1) in vec2 scalars; // at both ends; inside a cell: x and y
 
 uniform usamplerBuffer places; // of the brick of each 16 records
@@ -42,7 +42,10 @@ void placeOnEdge(vec3 brick) {
     float t = (isovalue * 0.5 - scalars.x * 0.5) / (scalars.y * 0.5 - scalars.x * 0.5);
     t = t > 0.0 ? t : 0.0;
     t = t < 1.0 ? t : 1.0;
-    gridPosition = brick + vec3(point % 9u, point / 9u % 9u, point / 81u) + along * t;
+    uint side = 1u << record.y;
+    uvec3 first = uvec3(point % 9u, point / 9u % 9u, point / 81u);
+    first[axis] &= ~(side - 1u); // leaf edges are aligned at multiples of their length
+    gridPosition = brick + vec3(first) + along * (t * float(side));
     vec3 lower = directionOf(record.z), upper = directionOf(record.w);
     vec3 sum = lower + t * (upper - lower);
     float square = dot(sum, sum);

@@ -116,7 +116,7 @@ TEST_F(CliExtract, MergesCellsWithinAnError) {
     EXPECT_THAT(text.standardOutput, HasSubstr("within 0.3 cells"));
     for (const char* bound : {"0.3", "-1c", "c", "%", "1e999%", "nanc", "1%c"})
         expectRefusal({"extract", volume, "--isovalue", "5", "--lod-error", bound}, 2, "is not an error bound");
-    expectRefusal({"extract", sphereIndex(), "--isovalue", "5", "--lod-error", "1c"}, 3, "give the volume");
+    expectRefusal({"extract", sphereIndex(), "--isovalue", "5", "--lod-error", "1c"}, 3, "an index of edges");
 }
 
 TEST_F(CliExtract, NoTriangleWithoutAreaLeavesAtATie) {

@@ -5,6 +5,7 @@
 namespace isoslider::test {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 class CliSlide : public CliTest {};
 
@@ -14,9 +15,9 @@ TEST_F(CliSlide, RecordsEveryStep) {
     EXPECT_GT(json["peak_rss_bytes"], 0);
     const auto& steps = json["steps"];
     ASSERT_EQ(steps.size(), 5U);
-    EXPECT_THAT(keysOf(steps[0]),
-                ElementsAre("isovalue", "edges_added", "edges_removed", "edges_touched", "cells_retriangulated",
-                            "active_edges", "triangles", "bricks_read", "bytes_read", "update_ms", "interpolate_ms"));
+    EXPECT_THAT(keysOf(steps[0]), ElementsAre("isovalue", "edges_added", "edges_removed", "edges_touched",
+                                              "cells_retriangulated", "active_edges", "triangles", "leaves",
+                                              "bricks_read", "bytes_read", "update_ms", "interpolate_ms"));
     EXPECT_EQ(steps[0]["isovalue"], 2.0);
     EXPECT_EQ(steps[2]["isovalue"], 5.0);
     EXPECT_EQ(steps[4]["isovalue"], 8.0);
@@ -35,6 +36,25 @@ TEST_F(CliSlide, ArrivesAtTheSurfaceOfAFreshExtraction) {
         EXPECT_EQ(step["triangles"], fresh["triangles"]) << isovalue;
         EXPECT_EQ(step["active_edges"], fresh["active_edges"]) << isovalue;
     }
+}
+
+TEST_F(CliSlide, MergesCellsWithinAnError) {
+    const auto index = path("metacells.isx");
+    runJson({"build", sphereVolume(), "-o", index, "--index", "metacells"});
+    const auto json = runJson({"slide", index, "--path", "5,4,4.5", "--lod-error", "0.3c", "--export", path("%d.ply")});
+    for (const auto& step : json["steps"]) {
+        const auto fresh = runJson({"extract", sphereVolume(), "--isovalue", step["isovalue"].dump(), "--lod-error",
+                                    "0.3c", "--lod-levels", "3"});
+        EXPECT_EQ(step["triangles"], fresh["triangles"]);
+        EXPECT_EQ(step["active_edges"], fresh["active_edges"]);
+        EXPECT_EQ(step["leaves"], fresh["leaves"]);
+        EXPECT_GT(fresh["leaves"][1].get<int>(), 0);
+        EXPECT_EQ(runJson({"extract", index, "--isovalue", step["isovalue"].dump(), "--lod-error", "0.3c"})["leaves"],
+                  fresh["leaves"]);
+    }
+    EXPECT_THAT(readText(path("0.ply")), HasSubstr("within 0.3 cells, of up to 8 cells a side"));
+    expectRefusal({"slide", sphereIndex(), "--path", "5", "--lod-error", "1c"}, 3, "an index of edges");
+    expectRefusal({"extract", index, "--isovalue", "5", "--lod-error", "1c", "--lod-levels", "4"}, 2, "--lod-levels");
 }
 
 TEST_F(CliSlide, PrintsALineForEachStep) {

@@ -99,8 +99,9 @@ protected:
 };
 
 TEST_F(BrickPictureTest, IsThatOfArrays) {
-    for (const double noise : {0.0, 0.9}) {
+    for (const auto& [noise, bound] : {std::pair{0.0, 0.0}, std::pair{0.9, 0.0}, std::pair{0.0, 0.2}}) {
         open(noise);
+        ASSERT_THAT(engine_->setMergeBound({extract::MergeBound::Measure::Distance, bound}), IsOk());
         for (const double isovalue : {0.1, 0.13, 0.4}) {
             const auto frame = slideTo(isovalue);
             auto arrays = std::make_shared<SurfaceFrame>(*frame);
@@ -183,7 +184,9 @@ TEST_F(BrickPictureTest, SendsBytesInProportionToTheChange) {
 // Brick by brick: the card's positions and normals against those of the same formula on the processor.
 TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
     open(0.9);
+    ASSERT_THAT(engine_->setMergeBound({extract::MergeBound::Measure::Scalar, 0.7}), IsOk());
     const auto frame = slideTo(0.2);
+    ASSERT_GT(frame->stats.activeLeaves[1], 50u);
     const auto& picture = *frame->bricks;
     viewport_->makeCurrent();
     auto* gl = QOpenGLVersionFunctionsFactory::get<render::Gl>(viewport_->context());

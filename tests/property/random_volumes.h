@@ -1,9 +1,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <memory>
 #include <random>
 #include <sstream>
@@ -176,6 +178,27 @@ inline double nextIsovalue(const RandomVolume& volume, double current, Random& r
         case 1: return std::nextafter(sample, -std::numeric_limits<double>::infinity());
         default: return sample;
     }
+}
+
+/// Smooth, with noise in some blocks of 8^3 cells: leaves of very different sizes beside each other. Missing samples in
+/// one volume of three.
+inline std::shared_ptr<const ScalarGrid> patchyVolume(Random& random) {
+    GridGeometry geometry;
+    for (auto& n : geometry.dims)
+        n = intRandom(random, 9, 36);
+    const double a = 0.05 + 0.2 * unitRandom(random), b = 0.05 + 0.2 * unitRandom(random);
+    const bool hasMissing = intRandom(random, 0, 2) == 0;
+    std::map<std::array<std::int64_t, 3>, double> noise;
+    return makeVolume<float>(ScalarType::F32, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+        auto [at, isNew] = noise.try_emplace({x / 8, y / 8, z / 8}, 0.0);
+        if (isNew && intRandom(random, 0, 3) == 0)
+            at->second = 20.0 * unitRandom(random);
+        if (hasMissing && intRandom(random, 0, 999) == 0)
+            return std::numeric_limits<double>::quiet_NaN();
+        return 50.0 * std::sin(a * static_cast<double>(x) + 0.1 * static_cast<double>(z)) +
+               50.0 * std::sin(b * static_cast<double>(y)) + 2.0 * static_cast<double>(z) +
+               at->second * unitRandom(random);
+    });
 }
 
 } // namespace isoslider::test

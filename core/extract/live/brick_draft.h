@@ -10,6 +10,7 @@
 #include "core/extract/live/brick_slot.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/edge_record.h"
+#include "core/extract/live/merged_cells.h"
 #include "core/extract/live/run_arena.h"
 
 namespace isoslider::extract {
@@ -42,7 +43,8 @@ struct RetiredRuns {
 template <class Live>
 struct BrickDraft {
     BitString above; ///< points at or above the isovalue
-    ActiveBits active;
+    ActiveBits active; ///< of merged cells only the edges that have a vertex
+    MergedCells merged;
     BitString changed; ///< cells to point out as changed; a superset of the active ones will do
     std::uint32_t ownedEdges = 0;
     std::uint32_t edgeVertices = 0;

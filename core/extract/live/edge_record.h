@@ -16,12 +16,13 @@ namespace isoslider::extract {
 /// scalars of its edge. Position and normal are functions of the record and the isovalue (vertexOf()); a vertex
 /// shader evaluates the same formula. 16 bytes where scalars live as float, 24 where they live as double.
 ///
-/// Two kinds. On an active edge: its place, the scalars and quantised normals at both ends. Inside a cell (see
-/// cell_states.h; few cells have such vertices): the position itself, in cells from the brick's first grid point.
+/// Two kinds. On an active edge: its place, the scalars and quantised normals at both ends; beside merged cells, at the
+/// ends of the leaf edge of 2^level cells that contains the active edge. Inside a cell (few have such vertices): the
+/// position itself, in cells from the brick's first grid point.
 template <class Live>
 struct EdgeRecord {
     ClosedEdge edge{}; ///< kInside for a vertex inside a cell
-    std::uint16_t upperZ = 0; ///< inside: upper half of z as bits of a float
+    std::uint16_t levelOrUpperZ = 0; ///< of the leaf edge; inside: upper half of z as bits of a float
     NormalCode normal1 = 0; ///< at the edge's lower grid point; inside: the normal
     NormalCode normal2 = 0; ///< at its upper one; inside: lower half of z
     Live scalar1{}, scalar2{}; ///< at the lower and upper grid point; inside: x and y
@@ -40,7 +41,7 @@ struct EdgeRecord {
     }
     glm::vec3 insidePlace() const {
         return {static_cast<float>(scalar1), static_cast<float>(scalar2),
-                std::bit_cast<float>(static_cast<std::uint32_t>(upperZ) << 16 | normal2)};
+                std::bit_cast<float>(static_cast<std::uint32_t>(levelOrUpperZ) << 16 | normal2)};
     }
 };
 
@@ -58,11 +59,14 @@ inline MeshVertex vertexOf(const EdgeRecord<Live>& record, const std::array<std:
     if (record.isInside())
         return {first + record.insidePlace(), decodeNormal(record.normal1)};
     const int axis = axisOf(record.edge);
-    const auto place = coordsOf(startOf(record.edge));
+    const int side = 1 << record.levelOrUpperZ;
+    auto place = coordsOf(startOf(record.edge));
+    place[static_cast<std::size_t>(axis)] &=
+        ~(side - 1); // of the leaf edge: leaf edges are aligned at multiples of their length
     const float t = static_cast<float>(edgeFraction<Live>(record.scalar1, record.scalar2, isovalue));
     glm::vec3 position(first.x + static_cast<float>(place[0]), first.y + static_cast<float>(place[1]),
                        first.z + static_cast<float>(place[2]));
-    position[axis] += t;
+    position[axis] += t * static_cast<float>(side);
     return {position, edgeNormal(record.normal1, record.normal2, t, axis, record.scalar1 < record.scalar2)};
 }
 

@@ -11,16 +11,17 @@ namespace isoslider::extract {
 /// What the live surface keeps of one of its bricks.
 struct LiveBrick {
     BrickIndex index;
-    ArenaRun vertices, indices, ambiguous;
+    ArenaRun vertices, indices, ambiguous, merged;
     std::uint32_t indexCount = 0;
     std::uint16_t edgeVertices = 0;
     std::uint16_t innerVertices = 0;
     std::uint16_t ambiguousCells = 0;
+    std::uint16_t mergedCells = 0; ///< that the surface passes through
     std::uint16_t ownedEdges = 0;
     bool isLive = false;
     bool isNearMissing = false;
     BitString above; ///< signs of the corners of its active cells; other points may have any
-    BitString cells; ///< active ones
+    BitString cells; ///< active ones that are not merged
     BitString changed; ///< cells that the last move which replaced the brick has changed
 };
 

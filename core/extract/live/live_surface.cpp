@@ -18,6 +18,17 @@ namespace {
 constexpr cell::StateInterval kAlways{-std::numeric_limits<double>::infinity(),
                                       std::numeric_limits<double>::infinity()};
 
+// Whether one of the cells in a leaf is in the string.
+bool hasAnyCell(const BitString& cells, ClosedPoint first, int level) {
+    const int side = 1 << level;
+    for (int z = 0; z < side; ++z)
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x)
+                if (cells.test(first + x + kPointStride[1] * y + kPointStride[2] * z))
+                    return true;
+    return false;
+}
+
 } // namespace
 
 template <class Live>
@@ -62,6 +73,7 @@ void LiveSurface<Live>::drop() noexcept {
 template <class Live>
 void LiveSurface<Live>::forgetBricks() noexcept {
     ambiguous_.clear();
+    merged_.clear();
     nearMissing_.clear();
     intervals_.clear();
     hasInner_.clear();
@@ -77,6 +89,7 @@ void LiveSurface<Live>::trim() noexcept {
     arenas_->vertices.trim();
     arenas_->indices.trim();
     ambiguous_.trim();
+    merged_.trim();
     bricks_.shrink(slotCount());
     hasCleared_ = false;
 }
@@ -127,6 +140,7 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
         arenas_->indices.release(brick.indices);
     }
     ambiguous_.release(brick.ambiguous);
+    merged_.release(brick.merged);
     shown_[slot.index()] = {};
     nearMissing_[slot.index()].reset();
     intervals_[slot.index()] = kAlways;
@@ -214,10 +228,14 @@ void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerS
     for (std::size_t w = 0; w < kBitWords; ++w)
         draft.counts.cellsChanged += static_cast<std::uint64_t>(
             std::popcount(draft.changed.words[w] & (draft.active.cells.words[w] | brick.cells.words[w])));
+    for (const MergedLeaf& leaf : draft.merged.leaves())
+        draft.counts.cellsChanged += hasAnyCell(draft.changed, leaf.cell, leaf.level);
     triangulate(slot, draft, corners, isovalue);
     draft.inner.clear();
     if (hasInner_[slot.index()] != 0)
         placeInner(shapes_.origin(brick.index), draft.records.data(), draft.ambiguous, draft, corners, isovalue);
+    if (!draft.merged.leaves().empty())
+        triangulateMerged(slot, draft, isovalue);
 
     draft.counts.activeEdges += static_cast<std::int64_t>(draft.ownedEdges) - brick.ownedEdges;
     draft.counts.triangles += (static_cast<std::int64_t>(draft.indexCount) - brick.indexCount) / 3;
@@ -257,6 +275,8 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
         retire(brick.vertices, brick.indices, draft);
     arenas_->vertices.resize(brick.vertices, draft.edgeVertices + inner);
     arenas_->indices.resize(brick.indices, draft.indexCount);
+    const auto merged = draft.merged.leaves();
+    merged_.resize(brick.merged, static_cast<std::uint32_t>(merged.size()));
     ambiguous_.resize(brick.ambiguous, static_cast<std::uint32_t>(draft.ambiguous.size()));
     if (draft.edgeVertices > 0)
         streamCopy(arenas_->vertices.at(brick.vertices.begin), draft.records.data(),
@@ -270,6 +290,8 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     if (!draft.ambiguous.empty())
         std::memcpy(ambiguous_.at(brick.ambiguous.begin), draft.ambiguous.data(),
                     draft.ambiguous.size() * sizeof(AmbiguousCell));
+    std::copy(merged.begin(), merged.end(), merged.empty() ? nullptr : merged_.at(brick.merged.begin));
+    brick.mergedCells = static_cast<std::uint16_t>(merged.size());
     brick.edgeVertices = static_cast<std::uint16_t>(draft.edgeVertices);
     brick.innerVertices = static_cast<std::uint16_t>(inner);
     brick.indexCount = draft.indexCount;
@@ -336,6 +358,51 @@ void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, Cor
     hasInner_[slot.index()] = innerVertices > 0;
 }
 
+// Appends the triangles of the merged cells to those of the others.
+template <class Live>
+void LiveSurface<Live>::triangulateMerged(BrickSlot slot, BrickDraft<Live>& draft, double isovalue) {
+    const auto corners = draft.merged.corners();
+    const auto firstCentre = static_cast<std::uint32_t>(draft.edgeVertices + draft.inner.size());
+    const std::uint32_t first = draft.indexCount;
+    draft.indexCount += static_cast<std::uint32_t>(draft.merged.triangles().size());
+    if (draft.indices.size() < draft.indexCount)
+        draft.indices.resize(draft.indexCount);
+    std::uint16_t* out = draft.indices.data() + first;
+    for (const std::uint32_t corner : draft.merged.triangles())
+        *out++ = corner < MergedCells::kCentre
+                     ? draft.vertices.of(corners[corner].edge)
+                     : static_cast<std::uint16_t>(firstCentre + (corner - MergedCells::kCentre));
+    placeCentres(shapes_.origin(bricks_[slot.index()].index), draft.records.data(), draft.merged.leaves(),
+                 draft.indices.data() + first, draft, isovalue);
+    hasInner_[slot.index()] = !draft.inner.empty();
+}
+
+// Appends the vertices inside merged cells to draft.inner. `indices`: of their triangles; those round a centre are in
+// the order of the polygon's corners.
+template <class Live>
+void LiveSurface<Live>::placeCentres(const std::array<std::int32_t, 3>& origin, const Record* records,
+                                     std::span<const MergedLeaf> merged, const std::uint16_t* indices,
+                                     BrickDraft<Live>& draft, double isovalue) const {
+    std::vector<glm::vec3> positions, normals;
+    for (const MergedLeaf& leaf : merged) {
+        if (leaf.hasCentre) {
+            positions.clear();
+            normals.clear();
+            for (std::uint32_t k = 0; k < leaf.indexCount; k += 3) {
+                const MeshVertex vertex = vertexOf(records[indices[k]], origin, static_cast<Live>(isovalue));
+                positions.push_back(vertex.position);
+                normals.push_back(vertex.normal);
+            }
+            const auto local = coordsOf(leaf.cell);
+            const InnerVertex centre =
+                placeLoopCentre(positions, normals, {origin[0] + local[0], origin[1] + local[1], origin[2] + local[2]},
+                                1 << leaf.level);
+            draft.inner.push_back(Record::inside(centre.place, centre.normal));
+        }
+        indices += leaf.indexCount;
+    }
+}
+
 // Appends the vertices inside the listed cells to draft.inner. REQUIRES: draft.vertices is that of `records`.
 template <class Live>
 void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, const Record* records,
@@ -375,8 +442,17 @@ void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& d
     Record* stored = arenas_->vertices.at(brick.vertices.begin);
     draft.numberVertices(stored, brick.edgeVertices);
     draft.inner.clear();
-    placeInner(shapes_.origin(brick.index), stored, {ambiguous_.at(brick.ambiguous.begin), brick.ambiguousCells}, draft,
-               corners, isovalue);
+    const auto origin = shapes_.origin(brick.index);
+    if (brick.ambiguousCells > 0)
+        placeInner(origin, stored, {ambiguous_.at(brick.ambiguous.begin), brick.ambiguousCells}, draft, corners,
+                   isovalue);
+    if (const auto merged = mergedLeaves(brick); !merged.empty()) {
+        std::uint32_t ofMerged = 0;
+        for (const MergedLeaf& leaf : merged)
+            ofMerged += leaf.indexCount;
+        placeCentres(origin, stored, merged, arenas_->indices.at(brick.indices.begin) + brick.indexCount - ofMerged,
+                     draft, isovalue);
+    }
     if (isWatched_) {
         ArenaRun noIndices;
         retire(brick.vertices, noIndices, draft);
@@ -386,6 +462,18 @@ void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& d
     }
     std::copy(draft.inner.begin(), draft.inner.end(), stored + brick.edgeVertices);
     show(slot);
+}
+
+template <class Live>
+LeafCounts LiveSurface<Live>::activeLeaves() const {
+    LeafCounts counts{};
+    for (const BrickSlot slot : slots()) {
+        const Brick& brick = bricks_[slot.index()];
+        counts[0] += static_cast<std::uint64_t>(brick.cells.count());
+        for (const MergedLeaf& leaf : mergedLeaves(brick))
+            ++counts[leaf.level];
+    }
+    return counts;
 }
 
 template <class Live>
@@ -402,9 +490,10 @@ void LiveSurface<Live>::listChanges(std::vector<ChangedTriangles>& triangles,
                 continue;
             const std::uint16_t* const own = arenas_->indices.at(brick.indices.begin);
             const std::size_t before = parts[part].size();
-            forEachCell(replaced_[i], [&](ClosedPoint cell, cell::StateId state, std::uint32_t first) {
-                if (brick.changed.test(cell))
-                    parts[part].insert(parts[part].end(), own + first, own + first + states_[state].triangles.size());
+            forEachCell(replaced_[i], [&](const SurfaceCell& cell) {
+                const std::uint16_t* const its = own + cell.firstIndex;
+                if (hasAnyCell(brick.changed, cell.cell, cell.level))
+                    parts[part].insert(parts[part].end(), its, its + cell.indexCount);
             });
             triangles[i].indexCount = static_cast<std::uint32_t>(parts[part].size() - before);
         }

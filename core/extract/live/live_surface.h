@@ -16,6 +16,7 @@
 #include "core/extract/live/chunked_array.h"
 #include "core/extract/live/live_brick.h"
 #include "core/extract/live/run_arena.h"
+#include "core/extract/merged/merge_bound.h"
 #include "core/extract/surface_mesh.h"
 
 namespace isoslider::extract {
@@ -27,8 +28,9 @@ namespace isoslider::extract {
 /// brick's own records. Welding by edge id happens at export.
 ///
 /// Invariants, between moves: 1. the records of a brick are those of its active edges in ascending order, then the
-/// vertices inside its cells in cell order; 2. its indices are the triangles of its active cells in cell order;
-/// 3. its ambiguous cells are listed in cell order, and the isovalue lies in each one's interval;
+/// vertices inside its cells; 2. its indices are the triangles of its active cells in cell order, those of merged cells
+/// behind those of others, and so are the vertices inside them; 3. its ambiguous cells are listed in cell order, and
+/// the isovalue lies in each one's interval; so are its merged cells;
 /// 4. `activeEdges()` and `triangles()` are sums over the bricks, each edge counted by its owner only; 5. what a
 /// picture refers to is neither changed nor used again while the picture lives.
 ///
@@ -88,6 +90,8 @@ public:
     std::uint64_t activeEdges() const { return activeEdges_; }
     std::uint64_t triangles() const { return triangles_; }
     std::uint64_t ambiguousCells() const { return ambiguousCells_; }
+    /// Active cells, by their level. O(live bricks).
+    LeafCounts activeLeaves() const;
 
     /// The surface as it is now, for other threads to draw; `pointsOutChanges`: with the triangles that the last move
     /// has changed. O(live bricks + what has changed).
@@ -103,15 +107,30 @@ private:
     void placeInner(const std::array<std::int32_t, 3>& origin, const Record* records,
                     std::span<const AmbiguousCell> ambiguous, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
                     double isovalue) const;
+    void triangulateMerged(BrickSlot slot, BrickDraft<Live>& draft, double isovalue);
+    void placeCentres(const std::array<std::int32_t, 3>& origin, const Record* records,
+                      std::span<const MergedLeaf> merged, const std::uint16_t* indices, BrickDraft<Live>& draft,
+                      double isovalue) const;
     void commit(BrickSlot slot, BrickDraft<Live>& draft);
     void forgetBricks() noexcept;
     void trim() noexcept;
     void retire(ArenaRun& vertices, ArenaRun& indices, BrickDraft<Live>& draft);
     void show(BrickSlot slot);
     void listChanges(std::vector<ChangedTriangles>& triangles, std::vector<std::uint16_t>& indices) const;
-    /// Calls visit(cell, state, first index) for the active cells of a brick.
+    /// An active cell of a brick, merged or not, and where its triangles are among the brick's indices.
+    struct SurfaceCell {
+        ClosedPoint cell{};
+        std::uint8_t level = 0;
+        std::uint8_t innerVertices = 0;
+        std::uint16_t indexCount = 0;
+        std::uint32_t firstIndex = 0;
+    };
+    /// Calls visit(SurfaceCell) for the active cells of a brick, the merged ones last.
     template <class Visit>
     void forEachCell(BrickSlot slot, const Visit& visit) const;
+    std::span<const MergedLeaf> mergedLeaves(const Brick& brick) const {
+        return {brick.mergedCells > 0 ? merged_.at(brick.merged.begin) : nullptr, brick.mergedCells};
+    }
     class Welding;
 
     GridGeometry geometry_;
@@ -128,6 +147,7 @@ private:
     std::shared_ptr<BrickArenas<Live>> arenas_ = std::make_shared<BrickArenas<Live>>();
     std::shared_ptr<BrickArenas<Live>> spare_; ///< empty; for drop(), which cannot make any
     RunArena<AmbiguousCell, 4, 16> ambiguous_;
+    RunArena<MergedLeaf, 8, 16> merged_;
     /// Runs that pictures up to a version refer to, in the order of their versions.
     struct Retired {
         std::uint32_t version;
@@ -153,10 +173,16 @@ void LiveSurface<Live>::forEachCell(BrickSlot slot, const Visit& visit) const {
     std::uint32_t first = 0;
     forEachSetBit(brick.cells, [&](ClosedPoint cell) {
         const std::uint8_t signs = signsOfCell(brick.above, cell);
-        const cell::StateId state = ambiguousSignTable()[signs] ? (ambiguous++)->state : cell::StateId{signs};
-        visit(cell, state, first);
-        first += static_cast<std::uint32_t>(states_[state].triangles.size());
+        const cell::CellState& state =
+            states_[ambiguousSignTable()[signs] ? (ambiguous++)->state : cell::StateId{signs}];
+        const auto count = static_cast<std::uint16_t>(state.triangles.size());
+        visit(SurfaceCell{cell, 0, state.innerVertices, count, first});
+        first += count;
     });
+    for (const MergedLeaf& leaf : mergedLeaves(brick)) {
+        visit(SurfaceCell{leaf.cell, leaf.level, leaf.hasCentre, leaf.indexCount, first});
+        first += leaf.indexCount;
+    }
 }
 
 extern template class LiveSurface<float>;

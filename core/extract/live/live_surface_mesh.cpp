@@ -53,8 +53,8 @@ private:
         std::uint64_t place; ///< of its first point in the grid
         BrickSlot slot;
         std::uint32_t firstIndex;
-        cell::StateId state;
-        std::uint16_t firstInner; ///< within the brick
+        std::uint16_t indexCount, firstInner; ///< within the brick
+        std::uint8_t innerVertices;
     };
     struct Plane {
         std::vector<Vertex> vertices; ///< one for each edge that starts in it, in order
@@ -149,13 +149,13 @@ private:
         for (const BrickSlot slot : bricksByLayer_[layer]) {
             const auto origin = surface_.shapes_.origin(surface_.bricks_[slot.index()].index);
             std::uint16_t inner = surface_.bricks_[slot.index()].edgeVertices;
-            surface_.forEachCell(slot, [&](ClosedPoint cell, cell::StateId state, std::uint32_t firstIndex) {
-                const cell::CellState& its = cell::cellStates()[state];
-                Plane& plane = planes_[firstPlane + static_cast<std::size_t>(coordsOf(cell)[2])];
-                plane.cells.push_back({placeOf(origin, cell), slot, firstIndex, state, inner});
-                plane.innerVertices += its.innerVertices;
-                plane.indices += its.triangles.size();
-                inner = static_cast<std::uint16_t>(inner + its.innerVertices);
+            surface_.forEachCell(slot, [&](const SurfaceCell& cell) {
+                Plane& plane = planes_[firstPlane + static_cast<std::size_t>(coordsOf(cell.cell)[2])];
+                plane.cells.push_back(
+                    {placeOf(origin, cell.cell), slot, cell.firstIndex, cell.indexCount, inner, cell.innerVertices});
+                plane.innerVertices += cell.innerVertices;
+                plane.indices += cell.indexCount;
+                inner = static_cast<std::uint16_t>(inner + cell.innerVertices);
             });
         }
         for (std::size_t z = firstPlane;
@@ -208,13 +208,12 @@ private:
             firstVertex[k] = planes_[layerPlane + k].firstVertex;
         for (const Cell& cell : plane.cells) {
             const Brick& brick = surface_.bricks_[cell.slot.index()];
-            const cell::CellState& state = cell::cellStates()[cell.state];
             const Record* const records = surface_.records(cell.slot);
             const std::uint64_t ownInner = inner;
-            for (std::uint32_t k = 0; k < state.innerVertices; ++k)
+            for (std::uint32_t k = 0; k < cell.innerVertices; ++k)
                 writeVertex(inner++, cell.slot, cell.firstInner + k);
             const std::uint16_t* const local = surface_.arenas_->indices.at(brick.indices.begin) + cell.firstIndex;
-            for (std::size_t k = 0; k < state.triangles.size(); ++k) {
+            for (std::size_t k = 0; k < cell.indexCount; ++k) {
                 const std::uint32_t number = local[k];
                 mesh_.triangles[index++] = static_cast<std::uint32_t>(
                     number >= brick.edgeVertices

@@ -20,7 +20,7 @@ namespace isoslider::extract {
 struct VertexColumns {
     static constexpr std::size_t kMost = 16;
     alignas(64) float x[kMost], y[kMost], z[kMost]; ///< of the edges' lower grid points
-    alignas(64) float t[kMost];
+    alignas(64) float t[kMost], along[kMost]; ///< fraction of the leaf edge, and the same in cells
     alignas(64) std::int32_t axis[kMost], u1[kMost], v1[kMost], u2[kMost], v2[kMost], rises[kMost];
 };
 
@@ -29,12 +29,15 @@ inline __attribute__((always_inline)) void takeApart(const EdgeRecord<double>* r
                                                      VertexColumns& out) {
     for (std::size_t k = 0; k < lanes; ++k) {
         const EdgeRecord<double>& record = records[std::min<std::size_t>(k, count - 1)];
-        const auto place = coordsOf(startOf(record.edge));
+        const int side = 1 << record.levelOrUpperZ;
+        auto place = coordsOf(startOf(record.edge));
         out.axis[k] = axisOf(record.edge);
+        place[static_cast<std::size_t>(out.axis[k])] &= ~(side - 1);
         out.x[k] = first.x + static_cast<float>(place[0]);
         out.y[k] = first.y + static_cast<float>(place[1]);
         out.z[k] = first.z + static_cast<float>(place[2]);
         out.t[k] = static_cast<float>(edgeFraction(record.scalar1, record.scalar2, isovalue));
+        out.along[k] = out.t[k] * static_cast<float>(side);
         out.rises[k] = record.scalar1 < record.scalar2 ? -1 : 0;
         out.u1[k] = static_cast<std::int8_t>(record.normal1 & 0xff);
         out.v1[k] = static_cast<std::int8_t>(record.normal1 >> 8);
@@ -96,13 +99,13 @@ void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t cou
             hn::StoreInterleaved3(x, y, z, d, group);
             std::copy_n(group, 3 * here, &out[at].x);
         };
-        const auto place = [&](auto x, auto y, auto z, auto t, auto axis, auto rises, auto u1, auto v1, auto u2,
-                               auto v2) HWY_ATTR {
+        const auto place = [&](auto x, auto y, auto z, auto t, auto along, auto axis, auto rises, auto u1, auto v1,
+                               auto u2, auto v2) HWY_ATTR {
             const auto alongX = hn::RebindMask(d, hn::Eq(axis, hn::Zero(ints))),
                        alongY = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 1))),
                        alongZ = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 2)));
-            store(hn::Add(x, hn::IfThenElseZero(alongX, t)), hn::Add(y, hn::IfThenElseZero(alongY, t)),
-                  hn::Add(z, hn::IfThenElseZero(alongZ, t)), positions);
+            store(hn::Add(x, hn::IfThenElseZero(alongX, along)), hn::Add(y, hn::IfThenElseZero(alongY, along)),
+                  hn::Add(z, hn::IfThenElseZero(alongZ, along)), positions);
             auto x1 = zero, y1 = zero, z1 = zero, x2 = zero, y2 = zero, z2 = zero;
             decode(d, u1, v1, x1, y1, z1);
             decode(d, u2, v2, x2, y2, z2);
@@ -125,30 +128,38 @@ void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t cou
                 std::fill(std::copy_n(from, here, last.begin()), last.end(), from[0]);
                 from = last.data();
             }
-            hn::Vec<decltype(ints)> edge, codes, bits1, bits2;
-            hn::LoadInterleaved4(ints, reinterpret_cast<const std::int32_t*>(from), edge, codes, bits1, bits2);
-            const auto axis = hn::ShiftRight<kEdgeAxisShift>(edge), p = hn::And(edge, hn::Set(ints, kEdgePointMask));
+            hn::Vec<decltype(ints)> places, codes, bits1, bits2;
+            hn::LoadInterleaved4(ints, reinterpret_cast<const std::int32_t*>(from), places, codes, bits1, bits2);
+            const auto level = hn::ShiftRight<16>(places),
+                       axis = hn::ShiftRight<kEdgeAxisShift>(hn::And(places, hn::Set(ints, 0xffff))),
+                       p = hn::And(places, hn::Set(ints, kEdgePointMask));
             const auto ninth = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 7282))),
                        z = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 810)));
             const auto y = hn::Sub(ninth, hn::Mul(z, hn::Set(ints, 9))),
                        x = hn::Sub(p, hn::Mul(ninth, hn::Set(ints, 9)));
+            const auto side = hn::Shl(hn::Set(ints, 1), level), inside = hn::Sub(side, hn::Set(ints, 1));
+            const auto lower = [&](auto local, int a) HWY_ATTR { // of the leaf edge
+                return hn::ConvertTo(d,
+                                     hn::IfThenElse(hn::Eq(axis, hn::Set(ints, a)), hn::AndNot(inside, local), local));
+            };
             const auto s1 = hn::BitCast(d, bits1), s2 = hn::BitCast(d, bits2), half = hn::Set(d, 0.5f);
             // edgeFraction() of edge_interpolation.h, lane by lane.
             const auto halfS1 = hn::Mul(s1, half);
             auto t = hn::Div(hn::Sub(hn::Mul(hn::Set(d, isovalue), half), halfS1), hn::Sub(hn::Mul(s2, half), halfS1));
             t = hn::IfThenElseZero(hn::Gt(t, zero), t);
             t = hn::IfThenElse(hn::Lt(t, one), t, one);
-            place(hn::Add(hn::Set(d, first.x), hn::ConvertTo(d, x)), hn::Add(hn::Set(d, first.y), hn::ConvertTo(d, y)),
-                  hn::Add(hn::Set(d, first.z), hn::ConvertTo(d, z)), t, axis, hn::Lt(s1, s2),
-                  hn::ShiftRight<24>(hn::ShiftLeft<24>(codes)), hn::ShiftRight<24>(hn::ShiftLeft<16>(codes)),
-                  hn::ShiftRight<24>(hn::ShiftLeft<8>(codes)), hn::ShiftRight<24>(codes));
+            place(hn::Add(hn::Set(d, first.x), lower(x, 0)), hn::Add(hn::Set(d, first.y), lower(y, 1)),
+                  hn::Add(hn::Set(d, first.z), lower(z, 2)), t, hn::Mul(t, hn::ConvertTo(d, side)), axis,
+                  hn::Lt(s1, s2), hn::ShiftRight<24>(hn::ShiftLeft<24>(codes)),
+                  hn::ShiftRight<24>(hn::ShiftLeft<16>(codes)), hn::ShiftRight<24>(hn::ShiftLeft<8>(codes)),
+                  hn::ShiftRight<24>(codes));
         } else {
             VertexColumns columns;
             takeApart(records + at, here, lanes, first, isovalue, columns);
             const auto rises = hn::RebindMask(d, hn::Ne(hn::Load(ints, columns.rises), hn::Zero(ints)));
             place(hn::Load(d, columns.x), hn::Load(d, columns.y), hn::Load(d, columns.z), hn::Load(d, columns.t),
-                  hn::Load(ints, columns.axis), rises, hn::Load(ints, columns.u1), hn::Load(ints, columns.v1),
-                  hn::Load(ints, columns.u2), hn::Load(ints, columns.v2));
+                  hn::Load(d, columns.along), hn::Load(ints, columns.axis), rises, hn::Load(ints, columns.u1),
+                  hn::Load(ints, columns.v1), hn::Load(ints, columns.u2), hn::Load(ints, columns.v2));
         }
     }
 }

@@ -7,7 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "core/cell/merged_cell.h"
-#include "core/cell/trilinear_cell.h"
+#include "core/extract/merged/merged_interpolant.h"
 #include "core/grid/classification.h"
 #include "core/grid/scalar_type.h"
 
@@ -15,35 +15,6 @@ namespace isoslider::extract {
 namespace {
 
 using Place = std::array<std::int64_t, 3>;
-
-// The trilinear interpolant of a cell of side 2^n, at places in cells of the grid from its first corner.
-class Interpolant {
-public:
-    template <class Sample>
-    Interpolant(const SampleView<Sample>& view, const Place& origin, std::int64_t side)
-        : inverseSide_(1.0 / static_cast<double>(side)) {
-        for (std::size_t c = 0; c < 8; ++c) {
-            const auto at = [&](std::size_t axis) { return origin[axis] + (c >> axis & 1 ? side : 0); };
-            corners_[c] = static_cast<double>(view.samples[view.offset(at(0), at(1), at(2))]);
-        }
-    }
-
-    double at(double x, double y, double z) const {
-        const double u = x * inverseSide_, v = y * inverseSide_, w = z * inverseSide_;
-        const auto alongX = [&](std::size_t c) { return corners_[c] * (1 - u) + corners_[c + 1] * u; };
-        const double y0 = alongX(0) * (1 - v) + alongX(2) * v, y1 = alongX(4) * (1 - v) + alongX(6) * v;
-        return y0 * (1 - w) + y1 * w;
-    }
-    /// Per cell of the grid.
-    double gradientLength(double x, double y, double z) const {
-        const auto [gx, gy, gz] = cell::gradientInCell(corners_, x * inverseSide_, y * inverseSide_, z * inverseSide_);
-        return std::sqrt(gx * gx + gy * gy + gz * gz) * inverseSide_;
-    }
-
-private:
-    cell::CornerScalars corners_;
-    double inverseSide_;
-};
 
 enum Use : std::uint8_t { kUnusable, kUsable, kAllBelow, kAllAbove }; // the last two are usable, too
 
@@ -87,12 +58,16 @@ private:
     }
 
     bool isWithinBound(const Place& origin, int level) const {
-        const std::int64_t side = std::int64_t{1} << level;
-        const Interpolant interpolant(view_, origin, side);
-        for (std::int64_t z = 0; z <= side; ++z)
-            for (std::int64_t y = 0; y <= side; ++y)
-                for (std::int64_t x = 0; x <= side; ++x) {
-                    const Place from{x, y, z};
+        const int side = 1 << level;
+        cell::CornerScalars corners;
+        for (std::size_t c = 0; c < 8; ++c)
+            corners[c] = static_cast<double>(sampleAt(
+                {origin[0] + (c & 1 ? side : 0), origin[1] + (c & 2 ? side : 0), origin[2] + (c & 4 ? side : 0)}));
+        const MergedInterpolant interpolant(corners, side);
+        for (int z = 0; z <= side; ++z)
+            for (int y = 0; y <= side; ++y)
+                for (int x = 0; x <= side; ++x) {
+                    const std::array<int, 3> from{x, y, z};
                     for (std::size_t axis = 0; axis < 3; ++axis)
                         if (from[axis] < side && !isEdgeWithinBound(interpolant, origin, from, axis))
                             return false;
@@ -100,27 +75,14 @@ private:
         return true;
     }
 
-    bool isEdgeWithinBound(const Interpolant& interpolant, const Place& origin, const Place& from,
+    bool isEdgeWithinBound(const MergedInterpolant& interpolant, const Place& origin, const std::array<int, 3>& from,
                            std::size_t axis) const {
-        Place to = from;
-        ++to[axis];
-        const auto sampleIn = [&](const Place& p) {
-            return static_cast<double>(sampleAt({origin[0] + p[0], origin[1] + p[1], origin[2] + p[2]}));
-        };
-        const double a = sampleIn(from), b = sampleIn(to);
-        if (isAbove(a, isovalue_) == isAbove(b, isovalue_))
-            return true;
-        const auto differenceAt = [&](const Place& p, double sample) {
-            return std::abs(sample - interpolant.at(static_cast<double>(p[0]), static_cast<double>(p[1]),
-                                                    static_cast<double>(p[2])));
-        };
-        const double difference = std::max(differenceAt(from, a), differenceAt(to, b));
-        if (bound_.measure == MergeBound::Measure::Scalar)
-            return difference <= bound_.limit;
-        std::array<double, 3> middle{static_cast<double>(from[0]), static_cast<double>(from[1]),
-                                     static_cast<double>(from[2])};
-        middle[axis] += 0.5;
-        return difference <= bound_.limit * interpolant.gradientLength(middle[0], middle[1], middle[2]);
+        Place at{origin[0] + from[0], origin[1] + from[1], origin[2] + from[2]};
+        const Sample a = sampleAt(at);
+        ++at[axis];
+        const Sample b = sampleAt(at);
+        return isAbove(a, isovalue_) == isAbove(b, isovalue_) ||
+               interpolant.keepsWithin(bound_, from, axis, static_cast<double>(a), static_cast<double>(b));
     }
 
     SampleView<Sample> view_;

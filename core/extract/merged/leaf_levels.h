@@ -10,10 +10,8 @@
 
 namespace isoslider::extract {
 
-/// Cells of side 2^n, aligned at multiples of 2^n and wholly in the grid, for n = 0 to kMaxMergeLevel.
-inline constexpr int kMaxMergeLevel = 5;
-
-/// The leaves at an isovalue: the largest usable cells. A cell of level n > 0 is usable if its eight halves are, if its
+/// The leaves at an isovalue: the largest usable ones of the cells of side 2^n, aligned at multiples of 2^n and wholly
+/// in the grid, n = 0 to kMaxMergeLevel. A cell of level n > 0 is usable if its eight halves are, if its
 /// signs keep the topology (core/cell/merged_cell.h), if no sample in it is missing, and if no active edge of the grid
 /// in it exceeds the bound. What is usable depends on samples inside the cell only.
 /// PAPER 2.2.

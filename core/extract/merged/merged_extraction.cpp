@@ -12,7 +12,7 @@
 #include "core/cell/cell_states.h"
 #include "core/extract/edge_interpolation.h"
 #include "core/extract/inner_vertices.h"
-#include "core/extract/merged/polygon_triangles.h"
+#include "core/extract/merged/merged_polygon.h"
 #include "core/extract/vertex_fans.h"
 #include "core/grid/classification.h"
 
@@ -60,8 +60,8 @@ public:
         return {};
     }
 
-    std::array<std::uint64_t, kMaxMergeLevel + 1> activeLeaves() const {
-        std::array<std::uint64_t, kMaxMergeLevel + 1> sum{};
+    LeafCounts activeLeaves() const {
+        LeafCounts sum{};
         for (const Layer& layer : layers_)
             for (std::size_t n = 0; n < sum.size(); ++n)
                 sum[n] += layer.activeLeaves[n];
@@ -75,13 +75,7 @@ private:
     struct Layer {
         std::vector<std::uint64_t> corners; // of triangles, three each: edge ids, or kInner + number
         std::vector<Vertex> inner;
-        std::array<std::uint64_t, kMaxMergeLevel + 1> activeLeaves{};
-    };
-
-    struct Leaf {
-        Place origin;
-        int level;
-        std::int64_t side() const { return std::int64_t{1} << level; }
+        LeafCounts activeLeaves{};
     };
 
     Sample sampleAt(const Place& p) const { return view_.samples[view_.offset(p[0], p[1], p[2])]; }
@@ -89,10 +83,15 @@ private:
     EdgeId edgeIdOf(const Place& start, int axis) const {
         return 4 * static_cast<EdgeId>(view_.offset(start[0], start[1], start[2])) + static_cast<EdgeId>(axis);
     }
-    std::pair<Place, int> edgeOf(EdgeId id) const {
+    EdgeId edgeIdOf(const GridEdge& edge) const {
+        return edgeIdOf({edge.start[0], edge.start[1], edge.start[2]}, edge.axis);
+    }
+    GridEdge edgeOf(EdgeId id) const {
         const auto point = static_cast<std::int64_t>(id / 4);
         const GridDims& dims = view_.dims;
-        return {{point % dims[0], point / dims[0] % dims[1], point / (dims[0] * dims[1])}, static_cast<int>(id % 4)};
+        return {{static_cast<std::int32_t>(point % dims[0]), static_cast<std::int32_t>(point / dims[0] % dims[1]),
+                 static_cast<std::int32_t>(point / (dims[0] * dims[1]))},
+                static_cast<int>(id % 4)};
     }
 
     // --- leaves --------------------------------------------------------------------------------------
@@ -105,11 +104,14 @@ private:
                     const int level = leaves_.level(x, y, z);
                     const std::int64_t inside = (std::int64_t{1} << level) - 1;
                     if ((x & inside) == 0 && (y & inside) == 0 && (z & inside) == 0)
-                        extractLeaf({{x, y, z}, level}, layer);
+                        extractLeaf(
+                            {{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)},
+                             level},
+                            layer);
                 }
     }
 
-    void extractLeaf(const Leaf& leaf, Layer& layer) const {
+    void extractLeaf(const LeafCell& leaf, Layer& layer) const {
         const std::int64_t side = leaf.side();
         unsigned signs = 0;
         cell::CornerScalars scalars;
@@ -125,7 +127,8 @@ private:
             return;
         ++layer.activeLeaves[static_cast<std::size_t>(leaf.level)];
         if (leaf.level == 0)
-            extractCell(leaf.origin, static_cast<std::uint8_t>(signs), scalars, layer);
+            extractCell({leaf.origin[0], leaf.origin[1], leaf.origin[2]}, static_cast<std::uint8_t>(signs), scalars,
+                        layer);
         else
             extractMergedCell(leaf, layer);
     }
@@ -163,150 +166,62 @@ private:
 
     // --- merged cells ----------------------------------------------------------------------------------
 
-    void extractMergedCell(const Leaf& leaf, Layer& layer) const {
-        thread_local std::vector<std::pair<EdgeId, EdgeId>> segments;
-        thread_local std::vector<EdgeId> loop;
-        segments.clear();
-        for (int axis = 0; axis < 3; ++axis)
-            for (const bool isUpper : {false, true}) {
-                Place corner = leaf.origin;
-                corner[static_cast<std::size_t>(axis)] += isUpper ? leaf.side() : 0;
-                addSegments(corner, leaf.level, axis, isUpper, segments);
-            }
-        std::sort(segments.begin(), segments.end());
-        while (!segments.empty()) { // one loop: see keepsTopology()
-            loop.clear();
-            for (EdgeId at = segments.front().first;;) {
-                const auto next = std::lower_bound(segments.begin(), segments.end(), std::pair(at, EdgeId{0}));
-                if (next == segments.end() || next->first != at)
-                    break;
-                loop.push_back(at);
-                at = next->second;
-                segments.erase(next);
-            }
-            spanLoop(leaf, loop, layer);
-        }
-    }
-
-    // The segments of the finest leaves in a square of a face, whose first corner is `corner` and whose side is
-    // 2^level.
-    void addSegments(const Place& corner, int level, int axis, bool isUpper,
-                     std::vector<std::pair<EdgeId, EdgeId>>& segments) const {
-        const auto a = static_cast<std::size_t>(axis), u = (a + 1) % 3, v = (a + 2) % 3;
-        Place across = corner;
-        across[a] -= isUpper ? 0 : 1;
-        const bool isInside = across[a] >= 0 && across[a] < leaves_.cells()[a];
-        if (isInside && leaves_.level(across[0], across[1], across[2]) < level) {
-            const std::int64_t half = std::int64_t{1} << (level - 1);
-            for (int quarter = 0; quarter < 4; ++quarter) {
-                Place first = corner;
-                first[u] += quarter & 1 ? half : 0;
-                first[v] += quarter & 2 ? half : 0;
-                addSegments(first, level - 1, axis, isUpper, segments);
-            }
-            return;
-        }
-        // Round the square, counter-clockwise seen from outside: out of what is above, and back in.
-        const std::int64_t side = std::int64_t{1} << level;
-        std::array<Place, 4> round{corner, corner, corner, corner};
-        round[1][isUpper ? u : v] += side;
-        round[2][u] += side;
-        round[2][v] += side;
-        round[3][isUpper ? v : u] += side;
-        EdgeId leaving = 0, entering = 0;
-        bool isCrossed = false;
-        for (std::size_t i = 0; i < 4; ++i) {
-            const Place &from = round[i], &to = round[(i + 1) % 4];
-            const bool isFromAbove = isAboveAt(from);
-            if (isFromAbove == isAboveAt(to))
-                continue;
-            isCrossed = true;
-            (isFromAbove ? leaving : entering) = activeEdgeBetween(from, to);
-        }
-        if (isCrossed)
-            segments.emplace_back(entering, leaving);
-    }
-
-    // The one active edge on a leaf edge, between points that differ in sign.
-    EdgeId activeEdgeBetween(Place a, Place b) const {
-        const std::size_t axis = a[0] != b[0] ? 0 : a[1] != b[1] ? 1 : 2;
-        if (a[axis] > b[axis])
-            std::swap(a, b);
-        const bool isLowerAbove = isAboveAt(a);
-        while (b[axis] - a[axis] > 1) {
-            Place middle = a;
-            middle[axis] = (a[axis] + b[axis]) / 2;
-            (isAboveAt(middle) == isLowerAbove ? a : b) = middle;
-        }
-        return edgeIdOf(a, static_cast<int>(axis));
-    }
-
-    void spanLoop(const Leaf& leaf, const std::vector<EdgeId>& loop, Layer& layer) const {
-        thread_local std::vector<PolygonCorner> corners;
-        thread_local std::vector<std::array<std::uint32_t, 3>> triangles;
-        corners.clear();
-        glm::vec3 centre(0.0f), normal(0.0f);
-        for (const EdgeId id : loop) {
-            const auto [start, axis] = edgeOf(id);
-            const Vertex vertex = vertexOn(id);
-            PolygonCorner corner{vertex.position, 0};
+    // What polygons and vertices ask of the leaves.
+    struct Leaves {
+        const MergedExtractor& extractor;
+        int levelAt(const GridPlace& cell) const {
+            const GridDims& cells = extractor.leaves_.cells();
             for (std::size_t a = 0; a < 3; ++a)
-                if (static_cast<int>(a) != axis &&
-                    (start[a] == leaf.origin[a] || start[a] == leaf.origin[a] + leaf.side()))
-                    corner.faces |= static_cast<std::uint8_t>(1u << (2 * a + (start[a] == leaf.origin[a] ? 0 : 1)));
-            corners.push_back(corner);
-            centre += vertex.position;
-            normal += vertex.normal;
+                if (cell[a] < 0 || cell[a] >= cells[a])
+                    return kNoLevel;
+            return extractor.leaves_.level(cell[0], cell[1], cell[2]);
         }
-        triangulatePolygon(corners, triangles);
-        for (const auto& triangle : triangles)
+        bool isAboveAt(const GridPlace& p) const {
+            return isAbove(extractor.sampleAt({p[0], p[1], p[2]}), extractor.isovalue_);
+        }
+    };
+
+    void extractMergedCell(const LeafCell& leaf, Layer& layer) const {
+        const Leaves leaves{*this};
+        MergedPolygon polygon(leaves);
+        polygon.make(leaf);
+        const auto corners = polygon.corners();
+        for (const auto& triangle : polygon.triangles())
             for (const std::uint32_t corner : triangle)
-                layer.corners.push_back(loop[corner]);
-        if (!triangles.empty())
-            return;
-        for (std::size_t i = 0; i < loop.size(); ++i)
-            layer.corners.insert(layer.corners.end(),
-                                 {loop[i], loop[(i + 1) % loop.size()], kInner + layer.inner.size()});
-        layer.inner.push_back({centre / static_cast<float>(loop.size()), normalizedOrZero(normal)});
+                layer.corners.push_back(edgeIdOf(corners[corner]));
+        if (polygon.triangles().empty())
+            spanFromCentre(leaf, corners, layer);
+    }
+
+    void spanFromCentre(const LeafCell& leaf, std::span<const GridEdge> loop, Layer& layer) const {
+        std::vector<glm::vec3> positions, normals;
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            const Vertex vertex = vertexOn(edgeIdOf(loop[i]));
+            positions.push_back(vertex.position);
+            normals.push_back(vertex.normal);
+            layer.corners.insert(layer.corners.end(), {edgeIdOf(loop[i]), edgeIdOf(loop[(i + 1) % loop.size()]),
+                                                       kInner + layer.inner.size()});
+        }
+        const std::array<std::int64_t, 3> origin{leaf.origin[0], leaf.origin[1], leaf.origin[2]};
+        const InnerVertex centre = placeLoopCentre(positions, normals, origin, leaf.side());
+        layer.inner.push_back({positionOf(centre, origin), decodeNormal(centre.normal)});
     }
 
     // --- vertices --------------------------------------------------------------------------------------
 
-    // Of the leaf edges that contain an active edge, the smallest's level.
-    int smallestLevelAt(const Place& start, int axis) const {
-        const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
-        int smallest = kMaxMergeLevel;
-        for (int k = 0; k < 4; ++k) {
-            Place cell = start;
-            cell[u] -= k & 1;
-            cell[v] -= k >> 1;
-            const GridDims& cells = leaves_.cells();
-            if (cell[u] < 0 || cell[v] < 0 || cell[u] >= cells[u] || cell[v] >= cells[v])
-                continue;
-            const int level = leaves_.level(cell[0], cell[1], cell[2]);
-            const std::int64_t inside = (std::int64_t{1} << level) - 1;
-            const auto isOnSide = [&](std::size_t a) { // of the leaf, which need not start at `start`
-                return start[a] == (cell[a] & ~inside) || start[a] == (cell[a] & ~inside) + inside + 1;
-            };
-            if (isOnSide(u) && isOnSide(v))
-                smallest = std::min(smallest, level);
-        }
-        return smallest;
-    }
-
     Vertex vertexOn(EdgeId id) const {
-        const auto [start, axis] = edgeOf(id);
-        const auto a = static_cast<std::size_t>(axis);
-        const int level = smallestLevelAt(start, axis);
-        Place lower = start;
-        lower[a] &= ~((std::int64_t{1} << level) - 1);
+        const GridEdge edge = edgeOf(id);
+        const auto a = static_cast<std::size_t>(edge.axis);
+        const int level = smallestLevelAt(Leaves{*this}, edge);
+        const GridPlace start = leafEdgeStart(edge, level);
+        const Place lower{start[0], start[1], start[2]};
         Place upper = lower;
         upper[a] += std::int64_t{1} << level;
         const Live s1 = static_cast<Live>(sampleAt(lower)), s2 = static_cast<Live>(sampleAt(upper));
         const float t = static_cast<float>(edgeFraction<Live>(s1, s2, static_cast<Live>(isovalue_)));
         glm::vec3 position(static_cast<float>(lower[0]), static_cast<float>(lower[1]), static_cast<float>(lower[2]));
-        position[axis] += t * static_cast<float>(std::int64_t{1} << level);
-        return {position, edgeNormal(normalAt(lower), normalAt(upper), t, axis, s1 < s2)};
+        position[edge.axis] += t * static_cast<float>(std::int64_t{1} << level);
+        return {position, edgeNormal(normalAt(lower), normalAt(upper), t, edge.axis, s1 < s2)};
     }
 
     NormalCode normalAt(const Place& p) const {
@@ -367,7 +282,7 @@ private:
 } // namespace
 
 Result<SurfaceMesh> extractMerged(const ScalarGrid& grid, double isovalue, const MergeBound& bound, int maxLevel,
-                                  const JobControl& job, std::array<std::uint64_t, kMaxMergeLevel + 1>* leaves) {
+                                  const JobControl& job, LeafCounts* leaves) {
     SurfaceMesh mesh;
     mesh.geometry = grid.geometry();
     mesh.isovalue = isovalue;

@@ -19,6 +19,6 @@ namespace isoslider::extract {
 /// Errors: Cancelled; OutOfSpace if vertices exceed 2^32.
 Result<SurfaceMesh> extractMerged(const ScalarGrid& grid, double isovalue, const MergeBound& bound,
                                   int maxLevel = kMaxMergeLevel, const JobControl& job = {},
-                                  std::array<std::uint64_t, kMaxMergeLevel + 1>* leaves = nullptr);
+                                  LeafCounts* leaves = nullptr);
 
 } // namespace isoslider::extract

@@ -15,6 +15,7 @@
 #include "core/base/job_control.h"
 #include "core/base/worker_team.h"
 #include "core/extract/live/stream_copy.h"
+#include "core/extract/sources/brick_scratch.h"
 
 namespace isoslider::extract {
 namespace {
@@ -48,33 +49,6 @@ PointRows rowsOf(const BitString& points) {
 } // namespace
 
 template <class Sample>
-struct BrickSource<Sample>::Scratch {
-    SampleBlock<Sample> block;
-    LiveSamples arriving;
-    ClassifiedBrick<Stored> found;
-    BrickDraft<Live> draft;
-    std::vector<Job> pending; ///< jobs that want samples which are not ready yet
-    std::vector<BrickIndex> read; ///< bricks whose samples were
-    std::uint64_t bricks = 0, edgesAdded = 0, edgesRemoved = 0;
-};
-
-// The corner scalars of cells of one brick.
-template <class Sample>
-class BrickSource<Sample>::Corners final : public CornerScalarsOfBrick {
-public:
-    explicit Corners(const LiveSamples& kept) : kept_(kept) {}
-    bool cornerScalars(ClosedPoint cell, std::uint8_t /*signs*/, cell::CornerScalars& scalars) override {
-        for (unsigned c = 0; c < 8; ++c)
-            scalars[c] = static_cast<double>(
-                sampleOf<Sample>(kept_.samples[cell.index() + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
-        return true;
-    }
-
-private:
-    const LiveSamples& kept_;
-};
-
-template <class Sample>
 BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples,
                                  std::uint64_t cacheBytes)
     : WalkedSource<Sample>(bricks, cacheBytes),
@@ -91,11 +65,19 @@ template <class Sample>
 BrickSource<Sample>::~BrickSource() = default;
 
 template <class Sample>
+bool BrickSource<Sample>::setMergeBound(const MergeBound& bound) {
+    hasNewBound_ = hasNewBound_ || bound != bound_;
+    bound_ = bound;
+    return true;
+}
+
+template <class Sample>
 void BrickSource<Sample>::reset() {
     for (const BrickIndex brick : brickOf_)
         slotOf_[brick.index()] = 0;
     watch_.clear();
     brickOf_.clear();
+    leaves_.clear();
 }
 
 // Bricks that come or go between two thresholds.
@@ -157,6 +139,7 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         if (slot.index() >= watch_.size()) {
             watch_.resize(slot.index() + 1);
             brickOf_.resize(slot.index() + 1);
+            leaves_.resize(slot.index() + 1);
         }
         watch_[slot.index()] = {};
         brickOf_[slot.index()] = brick;
@@ -171,7 +154,9 @@ template <class Sample>
 void BrickSource<Sample>::listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs,
                                       std::vector<BrickSlot>& refreshed) const {
     for (const BrickSlot slot : firstIds<BrickSlot>(watch_.size())) {
-        if (watch_[slot.index()].isCrossed(move.from, move.to) || !surface.stateInterval(slot).contains(move.isovalue))
+        if (hasNewBound_ ? surface.brick(slot).isLive
+                         : watch_[slot.index()].isCrossed(move.from, move.to) ||
+                               !surface.stateInterval(slot).contains(move.isovalue))
             jobs.push_back({slot, false});
         else if (surface.hasInnerVertices(slot))
             refreshed.push_back(slot);
@@ -205,7 +190,11 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         scratch.draft.beginMove();
         scratch.bricks = scratch.edgesAdded = scratch.edgesRemoved = 0;
     }
-    ISO_TRY(runJobs(move, surface, std::move(jobs), stats, stop));
+    if (bound_.limit > 0.0)
+        ISO_TRY(runMerging(move, surface, std::move(jobs), stats, stop));
+    else
+        ISO_TRY(runJobs(move, surface, std::move(jobs), stats, stop, &BrickSource::rebuild));
+    hasNewBound_ = false;
     forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
         for (std::size_t i = begin; i != end; ++i) {
@@ -257,7 +246,7 @@ void BrickSource<Sample>::prefetchKept(const Job& job) const {
 // read.
 template <class Sample>
 Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
-                                    SlideStats& stats, std::stop_token stop) {
+                                    SlideStats& stats, std::stop_token stop, Work work) {
     constexpr std::size_t kAhead =
         2; // bricks; one is too few where other programs have been in the caches, three are no better
     const auto run = [&](std::span<const Job> some) {
@@ -270,7 +259,7 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
                     prefetchKept(some[i + kAhead]);
                 if (i + kAhead < end) // beyond, another thread may be changing it
                     surface.prefetch(some[i + kAhead].slot);
-                if (!rebuild(move, surface, some[i], scratch))
+                if (!(this->*work)(move, surface, some[i], scratch))
                     scratch.pending.push_back(some[i]);
             }
             finishStreams();
@@ -359,27 +348,28 @@ void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, LiveSamples
 // when it changes for the first time. A jump pays for no more than it shows; a handle that moves on goes through the
 // brick, and finding row after row would cost more than half as much again as a move, most of it waiting for samples.
 template <class Sample>
-bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job,
-                                          const std::array<BitString, 3>& edges, LiveSamples& kept,
-                                          Scratch& scratch) const {
+bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll,
+                                          LiveSamples& kept, Scratch& scratch) const {
     if (kept.hasAllNormals)
         return true;
     const BrickIndex brick = brickOf_[job.slot.index()];
+    constexpr unsigned kAll = (1u << kPointSide) - 1;
     PointRows rows;
-    if (job.isNew) {
+    if (job.isNew && wantsAll) {
+        rows.fill(kAll);
+    } else if (job.isNew) {
         BitString ends;
-        endsOfEdges(edges, ends);
+        endsOfEdges(scratch.found.active.edges, ends);
         rows = rowsOf(ends);
     } else {
         if (!samples_.isReady(brick))
             return false;
         scratch.read.push_back(brick);
-        constexpr unsigned kAll = (1u << kPointSide) - 1;
         std::transform(kept.normalRows.begin(), kept.normalRows.end(), rows.begin(),
                        [](std::uint16_t known) { return static_cast<std::uint16_t>(~known & kAll); });
     }
     kept.normalRows = rows;
-    kept.hasAllNormals = !job.isNew;
+    kept.hasAllNormals = !job.isNew || wantsAll;
     if (!kHasNormalKernel<Sample> || surface.brick(job.slot).isNearMissing) {
         readBlock(samples_.rows(brick), rowsForGradients(rows), scratch.block);
         findNormalsReference(scratch.block, rows, inverseSpacing_, kept.normals);
@@ -391,41 +381,78 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
     return true;
 }
 
+// What arrives is made in memory that is at hand, and put in its place when it is whole.
+template <class Sample>
+auto BrickSource<Sample>::keptFor(const Job& job, Scratch& scratch) -> LiveSamples& {
+    return job.isNew ? scratch.arriving : kept_[job.slot.index()];
+}
+
+template <class Sample>
+void BrickSource<Sample>::classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job,
+                                      const LiveSamples& kept, Scratch& scratch) const {
+    classify(kept.samples, storedThreshold<Sample>(move.to), surface.masks(job.slot),
+             job.isNew ? nullptr : &surface.brick(job.slot).above, scratch.found);
+}
+
 // False when samples are wanted that are not ready.
 template <class Sample>
 bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
     const BrickIndex brick = brickOf_[job.slot.index()];
     if (job.isNew && !samples_.isReady(brick))
         return false;
-    // What arrives is made in memory that is at hand, and put in its place when it is whole.
-    LiveSamples& kept = job.isNew ? scratch.arriving : kept_[job.slot.index()];
+    LiveSamples& kept = keptFor(job, scratch);
     if (job.isNew) {
         scratch.read.push_back(brick);
         take(brick, surface.brick(job.slot).isNearMissing, kept, scratch);
     }
-    ClassifiedBrick<Stored>& found = scratch.found;
-    classify(kept.samples, storedThreshold<Sample>(move.to), surface.masks(job.slot),
-             job.isNew ? nullptr : &surface.brick(job.slot).above, found);
-
-    if (!completeNormals(surface, job, found.active.edges, kept, scratch))
+    classifyFor(move, surface, job, kept, scratch);
+    if (!completeNormals(surface, job, false, kept, scratch))
         return false;
-
-    BrickDraft<Live>& draft = scratch.draft;
-    draft.above = found.above;
-    draft.active = found.active;
-    draft.changed = found.changed;
-    draft.ownedEdges = found.ownedEdges;
-    draft.edgeVertices =
-        gatherRecords<Sample>(kept.samples, kept.normals, found.active, draft.records.data(), draft.vertices);
-    Corners corners(kept);
-    surface.replace(job.slot, draft, corners, move.isovalue);
+    scratch.draft.merged.clear();
+    scratch.draft.active = scratch.found.active;
+    scratch.draft.ownedEdges = scratch.found.ownedEdges;
+    finish(move, surface, job, kept, scratch);
     if (job.isNew)
         streamCopy(&kept_[job.slot.index()], &scratch.arriving, sizeof(LiveSamples));
+    return true;
+}
+
+// Makes the brick's surface of what has been found out of it. REQUIRES: the draft's active edges and cells, and how
+// many edges it owns.
+template <class Sample>
+void BrickSource<Sample>::finish(const Move& move, LiveSurface<Live>& surface, const Job& job, LiveSamples& kept,
+                                 Scratch& scratch) {
+    const ClassifiedBrick<Stored>& found = scratch.found;
+    BrickDraft<Live>& draft = scratch.draft;
+    draft.above = found.above;
+    draft.changed = found.changed;
+    draft.edgeVertices =
+        gatherRecords<Sample>(kept.samples, kept.normals, draft.active, draft.records.data(), draft.vertices);
+    for (const MergedCells::Corner& corner : draft.merged.corners())
+        if (corner.level > 0)
+            stretch(kept, corner, draft.records[draft.vertices.of(corner.edge)]);
+    Corners corners(kept);
+    surface.replace(job.slot, draft, corners, move.isovalue);
     watch_[job.slot.index()] = {keyOf(sampleOf<Sample>(found.up)), keyOf(sampleOf<Sample>(found.down))};
     scratch.edgesAdded += found.edgesAdded;
     scratch.edgesRemoved += found.edgesRemoved;
     ++scratch.bricks;
-    return true;
+}
+
+// The record of an active edge becomes that of the leaf edge which contains it.
+template <class Sample>
+void BrickSource<Sample>::stretch(const LiveSamples& kept, const MergedCells::Corner& corner,
+                                  EdgeRecord<Live>& record) {
+    const auto axis = static_cast<std::size_t>(axisOf(corner.edge));
+    const int inside = (1 << corner.level) - 1, along = coordsOf(startOf(corner.edge))[axis];
+    const std::size_t lower =
+        startOf(corner.edge).index() - static_cast<std::size_t>((along & inside) * kPointStride[axis]);
+    const std::size_t upper = lower + static_cast<std::size_t>((inside + 1) * kPointStride[axis]);
+    record.levelOrUpperZ = corner.level;
+    record.normal1 = kept.normals[lower];
+    record.normal2 = kept.normals[upper];
+    record.scalar1 = static_cast<Live>(sampleOf<Sample>(kept.samples[lower]));
+    record.scalar2 = static_cast<Live>(sampleOf<Sample>(kept.samples[upper]));
 }
 
 template <class Sample>

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -43,6 +44,7 @@ public:
     ~BrickSource() override;
 
     Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) override;
+    bool setMergeBound(const MergeBound& bound) override;
     /// Nothing but from an empty surface: bricks that stay are never dearer than bricks that arrive.
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
         return from == lowest() || from == highest() ? walk_.estimate(std::min(from, to), std::max(from, to)) : 0;
@@ -88,6 +90,9 @@ private:
     struct Scratch;
     class Corners;
 
+    // What a move does with a brick; false when samples are wanted that are not ready.
+    using Work = bool (BrickSource::*)(const Move&, LiveSurface<Live>&, const Job&, Scratch&);
+
     void reset();
     Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats, std::stop_token stop,
                      NetBricks& net);
@@ -96,12 +101,23 @@ private:
     void listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs,
                      std::vector<BrickSlot>& refreshed) const;
     Status runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
-                   std::stop_token stop);
+                   std::stop_token stop, Work work);
+    Status runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
+                      std::stop_token stop);
     void prefetchKept(const Job& job) const;
     bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    bool settle(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    bool rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    static void stretch(const LiveSamples& kept, const MergedCells::Corner& corner, EdgeRecord<Live>& record);
+    std::optional<BrickSlot> slotBeside(const LiveSurface<Live>& surface, BrickSlot slot, const BrickStep& step) const;
+    void addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const;
+    void finish(const Move& move, LiveSurface<Live>& surface, const Job& job, LiveSamples& kept, Scratch& scratch);
+    LiveSamples& keptFor(const Job& job, Scratch& scratch);
+    void classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job, const LiveSamples& kept,
+                     Scratch& scratch) const;
     void take(BrickIndex brick, bool isNearMissing, LiveSamples& kept, Scratch& scratch) const;
-    bool completeNormals(const LiveSurface<Live>& surface, const Job& job, const std::array<BitString, 3>& edges,
-                         LiveSamples& kept, Scratch& scratch) const;
+    bool completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll, LiveSamples& kept,
+                         Scratch& scratch) const;
     void sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const;
     Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
 
@@ -111,6 +127,9 @@ private:
     ChunkedArray<LiveSamples, 13> kept_; ///< by slot; chunks of many large pages
     std::vector<Watch> watch_; ///< by slot
     std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick
+    MergeBound bound_;
+    bool hasNewBound_ = false; ///< since the last move
+    std::vector<BrickLeaves> leaves_; ///< by slot, while cells are merged
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;

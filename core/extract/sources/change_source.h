@@ -5,6 +5,7 @@
 
 #include "core/base/result.h"
 #include "core/extract/live/live_surface.h"
+#include "core/extract/merged/merge_bound.h"
 #include "core/grid/scalar_key.h"
 
 namespace isoslider::extract {
@@ -26,6 +27,10 @@ public:
     /// was read and what changed. A move from lowest() or highest() starts with an empty surface, whatever was before.
     /// O(log N + K). Errors: IoError, Corruption, Cancelled; the surface must be cleared then.
     virtual Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) = 0;
+
+    /// From the next move on, cells are merged within the bound; that move makes all live bricks anew. False where the
+    /// source cannot merge cells.
+    virtual bool setMergeBound(const MergeBound& bound) = 0;
 
     /// Entries that move() would look at, about; decides between patching and building again.
     virtual std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const = 0;

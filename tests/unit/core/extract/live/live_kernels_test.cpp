@@ -262,8 +262,9 @@ void expectVertices(std::mt19937& random) {
         };
         const NormalCode first = code(), second = code();
         const ClosedEdge edge = closedEdge(static_cast<int>(random() % 3), start);
-        records.push_back(random() % 2 ? EdgeRecord<Live>{edge, 0, first, second, low, high}
-                                       : EdgeRecord<Live>{edge, 0, first, second, high, low});
+        const auto level = static_cast<std::uint16_t>(random() % 4);
+        records.push_back(random() % 2 ? EdgeRecord<Live>{edge, level, first, second, low, high}
+                                       : EdgeRecord<Live>{edge, level, first, second, high, low});
     }
     const std::array<std::int32_t, 3> origin{8, 1600, 64};
     for (const std::uint32_t count : {0u, 1u, 7u, 16u, 17u, 333u}) {

@@ -85,6 +85,14 @@ TEST(EdgeRecord, PlacesAVertexWhereTheLineCrossesTheIsovalue) {
     EXPECT_LE(y, 5.0f);
 }
 
+// From where the leaf edge begins, over its whole length, whichever of its edges is active.
+TEST(EdgeRecord, PlacesAVertexOnALeafEdge) {
+    for (const int y : {4, 5, 6, 7}) {
+        const EdgeRecord<float> record{closedEdge(1, closedPoint(3, y, 5)), 2, 0, 0, 10.0f, 20.0f};
+        EXPECT_EQ(vertexOf(record, {8, 8, 8}, 12.5f).position, glm::vec3(11.0f, 13.0f, 13.0f));
+    }
+}
+
 // Flat at both ends, and normals that cancel: along the edge, towards lower scalars.
 TEST(EdgeRecord, HasANormalWhereTheEndsHaveNone) {
     const NormalCode up = encodeNormal({1.0f, 0.0f, 0.0f}), down = encodeNormal({-1.0f, 0.0f, 0.0f});

@@ -20,27 +20,6 @@ using test::IsOk;
 using Measure = MergeBound::Measure;
 using Place = std::array<std::int64_t, 3>;
 
-/// Smooth, with noise in some blocks of 8^3 cells: leaves of very different sizes beside each other. Missing samples in
-/// one volume of three.
-std::shared_ptr<const ScalarGrid> patchyVolume(test::Random& random) {
-    GridGeometry geometry;
-    for (auto& n : geometry.dims)
-        n = test::intRandom(random, 9, 36);
-    const double a = 0.05 + 0.2 * test::unitRandom(random), b = 0.05 + 0.2 * test::unitRandom(random);
-    const bool hasMissing = test::intRandom(random, 0, 2) == 0;
-    std::map<std::array<std::int64_t, 3>, double> noise;
-    return test::makeVolume<float>(ScalarType::F32, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-        auto [at, isNew] = noise.try_emplace({x / 8, y / 8, z / 8}, 0.0);
-        if (isNew && test::intRandom(random, 0, 3) == 0)
-            at->second = 20.0 * test::unitRandom(random);
-        if (hasMissing && test::intRandom(random, 0, 999) == 0)
-            return std::numeric_limits<double>::quiet_NaN();
-        return 50.0 * std::sin(a * static_cast<double>(x) + 0.1 * static_cast<double>(z)) +
-               50.0 * std::sin(b * static_cast<double>(y)) + 2.0 * static_cast<double>(z) +
-               at->second * test::unitRandom(random);
-    });
-}
-
 SurfaceMesh merged(const ScalarGrid& grid, double isovalue, const MergeBound& bound, int maxLevel = kMaxMergeLevel) {
     auto mesh = extractMerged(grid, isovalue, bound, maxLevel);
     EXPECT_THAT(mesh, IsOk());
@@ -71,7 +50,7 @@ TEST(MergedExtraction, HasNoCrackAndTheSameTopology) {
     test::Random random(test::testSeed(2));
     std::uint64_t merges = 0, centres = 0;
     for (int i = 0; i < 40; ++i) {
-        const auto grid = i % 4 == 3 ? test::randomVolume(random, 30).grid : patchyVolume(random);
+        const auto grid = i % 4 == 3 ? test::randomVolume(random, 30).grid : test::patchyVolume(random);
         for (const MergeBound& bound : kBounds) {
             const double isovalue =
                 i % 4 == 3 ? 40.0 * test::unitRandom(random) : 140.0 * test::unitRandom(random) - 50.0;
@@ -102,7 +81,7 @@ TEST(MergedExtraction, KeepsVerticesWithinTheBoundOfTheirActiveEdges) {
     test::Random random(test::testSeed(4));
     std::uint64_t moved = 0, outside = 0;
     for (int i = 0; i < 30; ++i) {
-        const auto grid = patchyVolume(random);
+        const auto grid = test::patchyVolume(random);
         const double isovalue = 140.0 * test::unitRandom(random) - 50.0;
         const GridDims& dims = grid->dims();
         const auto samples = grid->values<float>();
@@ -229,9 +208,9 @@ private:
 
 TEST(LeafLevels, AreThoseOfTheDefinition) {
     test::Random random(test::testSeed(3));
-    std::array<std::uint64_t, kMaxMergeLevel + 1> seen{};
+    LeafCounts seen{};
     for (int i = 0; i < 24; ++i) {
-        const auto grid = patchyVolume(random);
+        const auto grid = test::patchyVolume(random);
         const MergeBound bound = kBounds[static_cast<std::size_t>(i) % std::size(kBounds)];
         const double isovalue = 140.0 * test::unitRandom(random) - 50.0;
         const SampleView<float> view{grid->values<float>().data(), grid->dims()};
@@ -254,7 +233,7 @@ TEST(MergedExtraction, CountsActiveLeavesAndKeepsToTheLevelAllowed) {
                                                       [](auto x, auto y, auto z) { return 40 * x + 3 * y + 2 * z; });
     const MergeBound bound{Measure::Distance, 0.01};
     for (int level = 0; level <= kMaxMergeLevel; ++level) {
-        std::array<std::uint64_t, kMaxMergeLevel + 1> leaves{};
+        LeafCounts leaves{};
         const auto mesh = extractMerged(*grid, 700.0, bound, level, {}, &leaves);
         ASSERT_THAT(mesh, IsOk());
         for (std::size_t n = 0; n < leaves.size(); ++n)

@@ -22,7 +22,7 @@ struct Row {
     std::string volume, bound;
     double isovalue = 0.0;
     std::uint64_t triangles = 0, vertices = 0;
-    std::array<std::uint64_t, kMaxMergeLevel + 1> leaves{};
+    LeafCounts leaves{};
 };
 
 std::vector<Row> readRows(const fs::path& path) {
@@ -67,7 +67,7 @@ TEST(MergedReference, HasTheLeavesAndVerticesOfAnIndependentProgram) {
         }
         const auto statistics = computeStatistics(*grid, false);
         ASSERT_THAT(statistics, test::IsOk());
-        std::array<std::uint64_t, kMaxMergeLevel + 1> leaves{};
+        LeafCounts leaves{};
         const auto mesh =
             extractMerged(*grid, row.isovalue, boundOf(row.bound, statistics.value().max - statistics.value().min),
                           kMaxMergeLevel, {}, &leaves);

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/extract/live/brick_bits.h"
+#include "core/extract/merged/merged_polygon.h"
+#include "core/grid/brick_grid.h"
+
+namespace isoslider::extract {
+
+/// Which merged cells of a brick are usable (merged/leaf_levels.h): the leaves are the largest. A cell that is usable
+/// has usable halves. Bricks that have no samples above and below the isovalue have none.
+struct BrickLeaves {
+    std::uint64_t level1 = 0; ///< bit x + 4 y + 16 z
+    std::uint8_t level2 = 0; ///< bit x + 2 y + 4 z
+    bool level3 = false;
+
+    bool hasMerged() const { return level1 != 0; }
+    /// Of the leaf that holds a cell of the brick.
+    int levelOf(int x, int y, int z) const {
+        if (level3)
+            return 3;
+        if (level2 >> (x / 4 + 2 * (y / 4) + 4 * (z / 4)) & 1)
+            return 2;
+        return static_cast<int>(level1 >> (x / 2 + 4 * (y / 2) + 16 * (z / 2)) & 1);
+    }
+    friend bool operator==(const BrickLeaves&, const BrickLeaves&) = default;
+};
+
+/// A step to a brick beside, along one axis or two: -1, 0 or 1 each.
+using BrickStep = std::array<int, 3>;
+
+/// Calls visit(step) for the 18 bricks that share more than a point with a brick.
+template <class Visit>
+void forEachBrickStep(const Visit& visit) {
+    BrickStep step;
+    for (step[2] = -1; step[2] <= 1; ++step[2])
+        for (step[1] = -1; step[1] <= 1; ++step[1])
+            for (step[0] = -1; step[0] <= 1; ++step[0])
+                if ((step[0] == 0 || step[1] == 0 || step[2] == 0) && step != BrickStep{0, 0, 0})
+                    visit(step);
+}
+
+/// The cells of a brick that touch the brick a step away.
+inline BrickLeaves cellsBeside(const BrickStep& step) {
+    BrickLeaves beside;
+    const auto isBeside = [&](const std::array<int, 3>& cell, int last) {
+        for (std::size_t a = 0; a < 3; ++a)
+            if ((step[a] < 0 && cell[a] != 0) || (step[a] > 0 && cell[a] != last))
+                return false;
+        return true;
+    };
+    for (int i = 0; i < 64; ++i)
+        if (isBeside({i % 4, i / 4 % 4, i / 16}, 3))
+            beside.level1 |= std::uint64_t{1} << i;
+    for (int i = 0; i < 8; ++i)
+        if (isBeside({i % 2, i / 2 % 2, i / 4}, 1))
+            beside.level2 = static_cast<std::uint8_t>(beside.level2 | 1u << i);
+    beside.level3 = true;
+    return beside;
+}
+
+/// Whether leaves among the given cells differ.
+inline bool leavesDiffer(const BrickLeaves& a, const BrickLeaves& b, const BrickLeaves& among) {
+    return ((a.level1 ^ b.level1) & among.level1) != 0 || ((a.level2 ^ b.level2) & among.level2) != 0 ||
+           a.level3 != b.level3;
+}
+
+/// The leaves of a brick and of the cells that touch it, in the brick's coordinates from -1 to 8: what its merged cells
+/// depend on. Only bricks with both signs matter beside it: the cells of others stand as cells of the grid.
+class LeavesAround {
+public:
+    /// `leavesAt(step)`: a pointer to those of the brick a step away, (0, 0, 0) the brick itself; null for one that is
+    /// not live. `above` must outlive the answers.
+    template <class LeavesAt>
+    void fill(const GridDims& dims, const std::array<std::int32_t, 3>& origin, const BitString& above,
+              const LeavesAt& leavesAt) {
+        above_ = &above;
+        levels_.fill(kNoLevel);
+        std::array<int, 3> end{};
+        for (std::size_t a = 0; a < 3; ++a)
+            end[a] = static_cast<int>(std::min<std::int64_t>(kCellSide + 1, dims[a] - 1 - origin[a]));
+        fillFrom({0, 0, 0}, leavesAt(BrickStep{0, 0, 0}), origin, end);
+        forEachBrickStep([&](const BrickStep& step) { fillFrom(step, leavesAt(step), origin, end); });
+    }
+
+    int levelAt(const GridPlace& cell) const { return levels_[placeOf(cell[0], cell[1], cell[2])]; }
+    bool isAboveAt(const GridPlace& point) const { return above_->test(closedPoint(point[0], point[1], point[2])); }
+
+private:
+    static constexpr int kSide = kCellSide + 2;
+    static std::size_t placeOf(int x, int y, int z) {
+        return static_cast<std::size_t>(x + 1 + kSide * (y + 1 + kSide * (z + 1)));
+    }
+
+    void fillFrom(const BrickStep& step, const BrickLeaves* leaves, const std::array<std::int32_t, 3>& origin,
+                  const std::array<int, 3>& end) {
+        std::array<int, 3> first{}, last{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            first[a] = step[a] < 0 ? -1 : step[a] > 0 ? kCellSide : 0;
+            last[a] = std::min(end[a], step[a] < 0 ? 0 : step[a] > 0 ? kCellSide + 1 : kCellSide);
+            if (step[a] < 0 && origin[a] == 0)
+                return;
+        }
+        for (int z = first[2]; z < last[2]; ++z)
+            for (int y = first[1]; y < last[1]; ++y)
+                for (int x = first[0]; x < last[0]; ++x) {
+                    constexpr int kIn = kCellSide - 1;
+                    levels_[placeOf(x, y, z)] =
+                        leaves == nullptr ? std::int8_t{0}
+                                          : static_cast<std::int8_t>(leaves->levelOf(x & kIn, y & kIn, z & kIn));
+                }
+    }
+
+    const BitString* above_ = nullptr;
+    std::array<std::int8_t, kSide * kSide * kSide> levels_{};
+};
+
+} // namespace isoslider::extract

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "core/extract/sources/brick_source.h"
+
+namespace isoslider::extract {
+
+/// What a thread makes a brick in.
+template <class Sample>
+struct BrickSource<Sample>::Scratch {
+    SampleBlock<Sample> block;
+    LiveSamples arriving;
+    ClassifiedBrick<Stored> found;
+    BrickDraft<Live> draft;
+    std::vector<Job> pending; ///< jobs that want samples which are not ready yet
+    std::vector<BrickIndex> read; ///< bricks whose samples were
+    LeavesAround around;
+    /// Bricks whose leaves are others now, and what they were.
+    std::vector<std::pair<BrickSlot, BrickLeaves>> resettled;
+    std::uint64_t bricks = 0, edgesAdded = 0, edgesRemoved = 0;
+};
+
+// The corner scalars of cells of one brick.
+template <class Sample>
+class BrickSource<Sample>::Corners final : public CornerScalarsOfBrick {
+public:
+    explicit Corners(const LiveSamples& kept) : kept_(kept) {}
+    bool cornerScalars(ClosedPoint cell, std::uint8_t /*signs*/, cell::CornerScalars& scalars) override {
+        for (unsigned c = 0; c < 8; ++c)
+            scalars[c] = static_cast<double>(
+                sampleOf<Sample>(kept_.samples[cell.index() + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
+        return true;
+    }
+
+private:
+    const LiveSamples& kept_;
+};
+
+} // namespace isoslider::extract

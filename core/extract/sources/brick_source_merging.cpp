@@ -1,0 +1,120 @@
+// Bricks with merged cells: what depends on the bricks beside.
+
+#include <bit>
+#include <utility>
+
+#include "core/extract/live/stream_copy.h"
+#include "core/extract/sources/brick_scratch.h"
+#include "core/extract/sources/leaf_finding.h"
+#include "core/grid/scalar_type.h"
+
+namespace isoslider::extract {
+
+// In two steps, because a brick's merged cells depend on the leaves beside it: first each brick that has changed finds
+// its leaves, then they are made, and with them those beside whose neighbours' leaves have become others.
+template <class Sample>
+Status BrickSource<Sample>::runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
+                                       SlideStats& stats, std::stop_token stop) {
+    for (Scratch& scratch : *scratches_)
+        scratch.resettled.clear();
+    ISO_TRY(runJobs(move, surface, jobs, stats, stop, &BrickSource::settle));
+    addBricksBeside(surface, jobs);
+    return runJobs(move, surface, std::move(jobs), stats, stop, &BrickSource::rebuildMerged);
+}
+
+template <class Sample>
+bool BrickSource<Sample>::settle(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
+    const BrickIndex brick = brickOf_[job.slot.index()];
+    if (job.isNew && !samples_.isReady(brick))
+        return false;
+    LiveSamples& kept = keptFor(job, scratch);
+    if (job.isNew) {
+        scratch.read.push_back(brick);
+        take(brick, surface.brick(job.slot).isNearMissing, kept, scratch);
+    }
+    classifyFor(move, surface, job, kept, scratch);
+    const BrickLeaves found = findBrickLeaves<Sample>(kept.samples, scratch.found.above, scratch.found.active,
+                                                      surface.masks(job.slot).cells, bound_);
+    if (!completeNormals(surface, job, found.hasMerged(), kept, scratch))
+        return false;
+    BrickLeaves& leaves = leaves_[job.slot.index()];
+    if (!job.isNew && found != leaves)
+        scratch.resettled.emplace_back(job.slot, leaves);
+    leaves = found;
+    if (job.isNew)
+        streamCopy(&kept_[job.slot.index()], &scratch.arriving, sizeof(LiveSamples));
+    return true;
+}
+
+// Bricks that arrive or leave change nothing beside them: what they share with a brick in which no sample is crossed
+// is on one side of the isovalue.
+template <class Sample>
+void BrickSource<Sample>::addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const {
+    std::vector<bool> isListed(watch_.size(), false);
+    for (const Job& job : jobs)
+        isListed[job.slot.index()] = true;
+    forEachBrickStep([&](const BrickStep& step) {
+        const BrickLeaves beside = cellsBeside(step);
+        for (const Scratch& scratch : *scratches_)
+            for (const auto& [slot, before] : scratch.resettled) {
+                if (!leavesDiffer(before, leaves_[slot.index()], beside))
+                    continue;
+                const auto other = slotBeside(surface, slot, step);
+                if (!other || isListed[other->index()] || !leaves_[other->index()].hasMerged())
+                    continue;
+                isListed[other->index()] = true;
+                jobs.push_back({*other, false});
+            }
+    });
+}
+
+template <class Sample>
+std::optional<BrickSlot> BrickSource<Sample>::slotBeside(const LiveSurface<Live>& surface, BrickSlot slot,
+                                                         const BrickStep& step) const {
+    const BrickGrid& grid = surface.shapes().grid();
+    auto at = grid.brickCoords(brickOf_[slot.index()]);
+    for (std::size_t a = 0; a < 3; ++a) {
+        at[a] += step[a];
+        if (at[a] < 0 || at[a] >= grid.bricks()[a])
+            return std::nullopt;
+    }
+    const std::uint32_t other = slotOf_[grid.brickAt(at[0], at[1], at[2]).index()];
+    return other == 0 ? std::nullopt : std::optional(BrickSlot(other - 1));
+}
+
+template <class Sample>
+bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job,
+                                        Scratch& scratch) {
+    LiveSamples& kept = kept_[job.slot.index()];
+    classifyFor(move, surface, job, kept, scratch);
+    BrickDraft<Live>& draft = scratch.draft;
+    draft.active = scratch.found.active;
+    draft.ownedEdges = scratch.found.ownedEdges;
+    draft.merged.clear();
+    if (const BrickLeaves& leaves = leaves_[job.slot.index()]; leaves.hasMerged()) {
+        const auto leavesAt = [&](const BrickStep& step) -> const BrickLeaves* {
+            if (step == BrickStep{0, 0, 0})
+                return &leaves;
+            const auto other = slotBeside(surface, job.slot, step);
+            return other ? &leaves_[other->index()] : nullptr;
+        };
+        scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brickOf_[job.slot.index()]),
+                            scratch.found.above, leavesAt);
+        draft.merged.find(leaves, scratch.around, scratch.found.above, draft.active);
+        draft.ownedEdges = 0;
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t w = 0; w < kBitWords; ++w)
+                draft.ownedEdges += static_cast<std::uint32_t>(
+                    std::popcount(draft.active.edges[a].words[w] & surface.masks(job.slot).owned[a].words[w]));
+    }
+    finish(move, surface, job, kept, scratch);
+    return true;
+}
+
+#define ISO_INSTANTIATE(Sample, Name) \
+    template Status BrickSource<Sample>::runMerging(const Move&, LiveSurface<Live>&, std::vector<Job>, SlideStats&, \
+                                                    std::stop_token);
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
+
+} // namespace isoslider::extract
