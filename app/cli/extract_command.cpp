@@ -58,10 +58,10 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
     const index::IndexInfo& info = engine.value()->info();
     Extracted extracted{{}, sourceOf(info, path), {}, {}};
     if (lodError.isGiven()) {
-        const extract::MergeBound bound = mergeBoundOf(lodError, info.min, info.max);
+        const extract::MergeBound bound = extract::boundOf(lodError.error, info.min, info.max);
         if (const Status set = engine.value()->setMergeBound(bound); !set.isOk())
             return set.error();
-        extracted.source.merging = mergingText(lodError, bound, 1 << extract::kMaxBrickMergeLevel);
+        extracted.source.merging = mesh::mergingText(lodError.error, bound, 1 << extract::kMaxBrickMergeLevel);
     }
     const auto move = engine.value()->slideTo(isovalue, job.stop);
     if (!move.isOk())
@@ -93,8 +93,9 @@ Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptio
         const auto statistics = computeStatistics(*grid.value(), false, 1, extracting.part(0.0, 0.2));
         if (!statistics.isOk())
             return statistics.error();
-        const extract::MergeBound bound = mergeBoundOf(lodError, statistics.value().min, statistics.value().max);
-        extracted.source.merging = mergingText(lodError, bound, 1 << maxLevel);
+        const extract::MergeBound bound =
+            extract::boundOf(lodError.error, statistics.value().min, statistics.value().max);
+        extracted.source.merging = mesh::mergingText(lodError.error, bound, 1 << maxLevel);
         surface = extract::extractMerged(*grid.value(), isovalue, bound, maxLevel, extracting.part(0.2, 1.0),
                                          &extracted.leaves);
     } else {

@@ -6,18 +6,12 @@
 
 namespace isoslider::cli {
 
-/// How far merged cells may lead a surface astray, as given with --lod-error; 0: nothing is merged.
+/// How far merged cells may lead a surface astray, as given with --lod-error.
 struct LodError {
-    double amount = 0.0;
-    bool isDistance = false; ///< in cells; else in % of the value range
+    extract::MergeError error;
     std::string text; ///< as given
 
-    bool isGiven() const { return amount > 0.0; }
+    bool isGiven() const { return error.amount > 0.0; }
 };
-
-/// For a volume of values from `least` to `greatest`.
-extract::MergeBound mergeBoundOf(const LodError& error, double least, double greatest);
-/// One line for the certificate; `side`: of the largest merged cells.
-std::string mergingText(const LodError& error, const extract::MergeBound& bound, int side);
 
 } // namespace isoslider::cli

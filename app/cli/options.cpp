@@ -93,7 +93,8 @@ LodError lodErrorOrThrow(const std::string& name, const std::string& text) {
     const auto amount = parseFinite(std::string_view(text).substr(0, text.size() - (hasUnit ? 1 : 0)));
     if (!amount || *amount < 0.0 || (!hasUnit && *amount != 0.0))
         refuse(name, text, "an error bound, as 0.5% of the value range or 0.25c cells");
-    return {*amount, text.ends_with('c'), text};
+    using Measure = extract::MergeBound::Measure;
+    return {{text.ends_with('c') ? Measure::Distance : Measure::Scalar, *amount}, text};
 }
 
 } // namespace
@@ -138,7 +139,7 @@ CLI::Option* addLodError(CLI::App& command, LodError& target, const std::string&
 
 CLI::Option* addLaterLodError(CLI::App& command) {
     const auto parse = [](const std::string& name, const std::string& text) {
-        if (lodErrorOrThrow(name, text).amount != 0.0)
+        if (lodErrorOrThrow(name, text).isGiven())
             throw CLI::ValidationError(name, "merging of cells is not available in this version");
     };
     return addText(command, "--lod-error", parse, "")->group("");

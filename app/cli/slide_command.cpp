@@ -107,10 +107,10 @@ public:
             return engine.error();
         if (lodError_.isGiven()) {
             const index::IndexInfo& info = engine.value()->info();
-            const extract::MergeBound bound = mergeBoundOf(lodError_, info.min, info.max);
+            const extract::MergeBound bound = extract::boundOf(lodError_.error, info.min, info.max);
             if (const Status set = engine.value()->setMergeBound(bound); !set.isOk())
                 return set.error();
-            merging_ = mergingText(lodError_, bound, 1 << extract::kMaxBrickMergeLevel);
+            merging_ = mesh::mergingText(lodError_.error, bound, 1 << extract::kMaxBrickMergeLevel);
         }
         const std::chrono::duration<double, std::milli> openTime = std::chrono::steady_clock::now() - begin;
         ISO_CLI_TRY(slide(*engine.value(), session));

@@ -87,10 +87,12 @@ public:
         }
     }
 
+    bool canMerge() const override { return backing_.source.canMerge(); }
     Status setMergeBound(const MergeBound& bound) override {
-        if (!backing_.source.setMergeBound(bound))
+        if (!canMerge() && bound.limit > 0.0)
             return makeError(ErrorCode::InvalidArgument, "an index of edges cannot merge cells; one of metacells can",
                              backing_.reader->pathString());
+        backing_.source.setMergeBound(bound);
         return {};
     }
 

@@ -45,9 +45,10 @@ public:
     /// the active edges. Errors: Cancelled, IoError, Corruption, InvalidArgument (NaN).
     virtual Result<SlideStats> slideTo(double isovalue, std::stop_token stop = {}) = 0;
 
+    /// Whether cells can be merged: of an index of edges only when it is built.
+    virtual bool canMerge() const = 0;
     /// From the next move on, cells are merged within the bound (PAPER 2.2), to the size of a brick at most; the
-    /// surface is then extractMerged()'s. Errors: InvalidArgument for an index of edges, which can only be merged when
-    /// it is built, unless the bound is none.
+    /// surface is then extractMerged()'s. Errors: InvalidArgument if it is not canMerge(), unless the bound is none.
     virtual Status setMergeBound(const MergeBound& bound) = 0;
 
     /// Waits until nothing is read ahead any more.

@@ -56,6 +56,8 @@ struct SurfaceFrame {
     std::vector<std::uint32_t> indices;
     std::vector<std::uint32_t> changedIndices; ///< triangles retriangulated by the last move
     bool marksChanges = true; ///< wanted by whoever looks: `changedIndices`, or those of the bricks
+    MergeBound mergeBound; ///< wanted by whoever looks; afterwards the one that the surface has
+    bool canMerge = false; ///< whether it could have one
     SlideStats stats;
     bool isFromIndex = false; ///< false: from the volume in memory, before the index was there
     bool isWholeExtraction = false; ///< not slid to: every triangle is new

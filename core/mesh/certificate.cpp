@@ -213,6 +213,13 @@ std::vector<CertificateLine> checkedLines(const Certificate& certificate) {
 
 } // namespace
 
+std::string mergingText(const extract::MergeError& error, const extract::MergeBound& bound, int side) {
+    const bool isInCells = error.measure == extract::MergeBound::Measure::Distance;
+    return "within " + text(error.amount) +
+           (isInCells ? std::string(" cells") : " % of the value range (" + text(bound.limit) + ")") + ", of up to " +
+           std::to_string(side) + " cells a side";
+}
+
 std::vector<CertificateLine> linesOf(const Certificate& certificate) {
     std::vector<CertificateLine> lines{{"source", printable(certificate.source)},
                                        {"isovalue", text(certificate.isovalue)},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/job_control.h"
+#include "core/extract/merged/merge_bound.h"
 #include "core/extract/surface_mesh.h"
 #include "core/mesh/mesh_checks.h"
 #include "core/mesh/triangle_soup.h"
@@ -33,6 +34,9 @@ struct SurfaceSource {
     std::string resampling = {}; ///< what resampling lost, in one line; empty: it was not resampled
     std::string merging = {}; ///< how far merged cells may differ, in one line; empty: none are merged
 };
+
+/// For SurfaceSource::merging; `side`: of the largest merged cells that there may be.
+std::string mergingText(const extract::MergeError& error, const extract::MergeBound& bound, int side);
 
 /// What is known of a surface as it is exported: the facts of its mesh in world space, where it is
 /// open, and what the export moved.

@@ -88,7 +88,7 @@ TEST_F(ProgramInputs, B104_ADisplayThatIsNoneEndsTheProgramWithALine) {
 }
 
 TEST_F(ProgramInputs, B088_AFileBeyondTheShellsLimitIsAFailedWriteAndNoSignal) {
-    const auto volume = writeBall(folder_, "large.mha", 64).string();
+    const auto volume = writeBall(folder_, "large.mha", 100).string();
     rlimit before{};
     ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
     const rlimit small{600'000, before.rlim_max}; // room for the picture, none for an index

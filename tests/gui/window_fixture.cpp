@@ -42,6 +42,7 @@ Status HoldableBuilder::buildFrom(io::VolumeSource& source, const std::string& s
         return cancelledError();
     preprocess::BuildOptions options;
     options.sourceName = sourceName;
+    options.kind = kind;
     auto report = preprocess::buildIndex(source, indexPath, options, job);
     return report.isOk() ? Status{} : Status{report.error()};
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <QString>
@@ -69,6 +70,7 @@ public:
     Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,
                                                                  const JobControl& job) override;
     std::atomic<bool> holds{false};
+    std::optional<index::IndexKind> kind; ///< of the next index; else the one that suits the volume
 
 private:
     Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const std::filesystem::path& indexPath,

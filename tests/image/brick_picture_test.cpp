@@ -116,6 +116,28 @@ TEST_F(BrickPictureTest, IsThatOfArrays) {
     }
 }
 
+// Lines darken the surface; they are of the triangles, so fewer of them darken less.
+TEST_F(BrickPictureTest, ShowsTheEdgesOfTriangles) {
+    open(0.0);
+    const auto brightnessOf = [&](bool showsEdges) {
+        model::ViewOptions options;
+        options.showsEdges = showsEdges;
+        viewport_->setOptions(options);
+        const QImage image = grab(*viewport_, slideTo(0.1));
+        double sum = 0.0;
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x)
+                sum += qGray(image.pixel(x, y));
+        return sum;
+    };
+    const double plain = brightnessOf(false), all = brightnessOf(true);
+    ASSERT_THAT(engine_->setMergeBound({extract::MergeBound::Measure::Distance, 0.3}), IsOk());
+    const double merged = brightnessOf(true);
+    EXPECT_LT(all, 0.9 * plain);
+    EXPECT_GT(merged, all + 0.2 * (plain - all));
+    EXPECT_LT(merged, plain);
+}
+
 // Bricks outside the view are left out; none that reaches into it may be.
 TEST_F(BrickPictureTest, IsThatOfArraysWhereverTheViewEnds) {
     open(0.0);

@@ -220,7 +220,7 @@ void SceneRenderer::draw(const model::Camera& camera, const model::ViewOptions& 
     matrices.normalToView = toQt(glm::dmat3(view) * frame_->geometry.normalToWorld());
     gl.glEnable(GL_DEPTH_TEST);
     gl.glDepthFunc(GL_LEQUAL);
-    drawSurface(matrices, camera.isPerspective(), options.showsChanged);
+    drawSurface(matrices, camera.isPerspective(), options);
     if (options.showsBox && resources_->hasBox)
         drawBox(matrices);
     gl.glDisable(GL_DEPTH_TEST);
@@ -257,7 +257,7 @@ void SceneRenderer::drawBox(const Matrices& matrices) {
     gl.glDisable(GL_BLEND);
 }
 
-void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, bool showsChanged) {
+void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, const model::ViewOptions& options) {
     auto& bricks = resources_->bricks;
     auto& arrays = resources_->arrays;
     if (bricks.isEmpty() && arrays.isEmpty())
@@ -280,12 +280,21 @@ void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, bo
     program.setUniformValue("highlightColour", QVector4D());
     program.setUniformValue("perspective", isPerspective ? 1.0f : 0.0f);
     isOfBricks ? bricks.drawSurface(matrices.modelToClip) : arrays.drawSurface();
-    if (showsChanged && hasFewChanges()) {
+    if (options.showsChanged && hasFewChanges()) {
         program.setUniformValue("highlightColour", toQt(colours_.highlight));
         gl.glEnable(GL_POLYGON_OFFSET_FILL);
         gl.glPolygonOffset(-1.0f, -1.0f);
         isOfBricks ? bricks.drawChanged() : arrays.drawChanged();
         gl.glDisable(GL_POLYGON_OFFSET_FILL);
+    }
+    if (options.showsEdges) {
+        program.setUniformValue("highlightColour", toQt(colours_.edges));
+        gl.glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+        gl.glEnable(GL_POLYGON_OFFSET_LINE);
+        gl.glPolygonOffset(-1.0f, -1.0f);
+        isOfBricks ? bricks.drawSurface(matrices.modelToClip) : arrays.drawSurface();
+        gl.glDisable(GL_POLYGON_OFFSET_LINE);
+        gl.glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     }
     program.release();
     gl.glFrontFace(GL_CCW);

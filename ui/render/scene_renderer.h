@@ -19,6 +19,7 @@ struct SceneColours {
     glm::vec3 front{0.80f, 0.70f, 0.54f}; ///< warm ivory
     glm::vec3 back{0.26f, 0.33f, 0.42f}; ///< slate: the side of higher values
     glm::vec4 highlight{1.0f, 0.035f, 0.02f, 0.86f};
+    glm::vec4 edges{0.012f, 0.02f, 0.035f, 0.8f};
     glm::vec4 box{0.78f, 0.82f, 0.88f, 0.38f};
     glm::vec3 backgroundBottom{0.085f, 0.092f, 0.105f};
     glm::vec3 backgroundTop{0.225f, 0.240f, 0.265f};
@@ -63,7 +64,7 @@ private:
     void uploadIfNew();
     void drawBackground();
     void drawBox(const Matrices& matrices);
-    void drawSurface(const Matrices& matrices, bool isPerspective, bool showsChanged);
+    void drawSurface(const Matrices& matrices, bool isPerspective, const model::ViewOptions& options);
 
     bool uploadSurface();
     void uploadBox();

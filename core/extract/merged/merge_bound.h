@@ -18,9 +18,19 @@ struct MergeBound {
     friend bool operator==(const MergeBound&, const MergeBound&) = default;
 };
 
-/// The bound in percent of the value range, as the paper gives it.
-inline MergeBound percentOfRange(double percent, double least, double greatest) {
-    return {MergeBound::Measure::Scalar, percent / 100.0 * greatest - percent / 100.0 * least};
+/// A bound as users state it: scalars in percent of the value range, as in the paper.
+struct MergeError {
+    MergeBound::Measure measure = MergeBound::Measure::Scalar;
+    double amount = 0.0; ///< %, or cells; 0: nothing is merged
+
+    friend bool operator==(const MergeError&, const MergeError&) = default;
+};
+
+/// For a volume of values from `least` to `greatest`.
+inline MergeBound boundOf(const MergeError& error, double least, double greatest) {
+    if (error.measure == MergeBound::Measure::Distance)
+        return {error.measure, error.amount};
+    return {error.measure, error.amount / 100.0 * greatest - error.amount / 100.0 * least};
 }
 
 /// Merged cells have 2^n cells of the grid along each axis, n from 1 to this.

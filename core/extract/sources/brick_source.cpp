@@ -65,10 +65,9 @@ template <class Sample>
 BrickSource<Sample>::~BrickSource() = default;
 
 template <class Sample>
-bool BrickSource<Sample>::setMergeBound(const MergeBound& bound) {
+void BrickSource<Sample>::setMergeBound(const MergeBound& bound) {
     hasNewBound_ = hasNewBound_ || bound != bound_;
     bound_ = bound;
-    return true;
 }
 
 template <class Sample>

@@ -44,7 +44,8 @@ public:
     ~BrickSource() override;
 
     Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) override;
-    bool setMergeBound(const MergeBound& bound) override;
+    bool canMerge() const override { return true; }
+    void setMergeBound(const MergeBound& bound) override;
     /// Nothing but from an empty surface: bricks that stay are never dearer than bricks that arrive.
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
         return from == lowest() || from == highest() ? walk_.estimate(std::min(from, to), std::max(from, to)) : 0;

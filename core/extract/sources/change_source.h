@@ -28,9 +28,9 @@ public:
     /// O(log N + K). Errors: IoError, Corruption, Cancelled; the surface must be cleared then.
     virtual Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) = 0;
 
-    /// From the next move on, cells are merged within the bound; that move makes all live bricks anew. False where the
-    /// source cannot merge cells.
-    virtual bool setMergeBound(const MergeBound& bound) = 0;
+    virtual bool canMerge() const { return false; }
+    /// From the next move on, cells are merged within the bound; that move makes all live bricks anew.
+    virtual void setMergeBound(const MergeBound&) {}
 
     /// Entries that move() would look at, about; decides between patching and building again.
     virtual std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const = 0;

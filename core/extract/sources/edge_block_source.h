@@ -35,7 +35,6 @@ public:
     EdgeBlockSource(const index::IndexReader& reader, std::uint64_t cacheBytes);
     ~EdgeBlockSource() override;
 
-    bool setMergeBound(const MergeBound& bound) override { return bound == MergeBound(); }
     Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) override;
     void dropCaches() override {
         walk_.dropCaches();

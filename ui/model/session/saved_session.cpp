@@ -243,7 +243,8 @@ struct OptionName {
     const char* name;
     bool ViewOptions::*member;
 };
-constexpr std::array<OptionName, 4> kOptionNames{{{"changed", &ViewOptions::showsChanged},
+constexpr std::array<OptionName, 5> kOptionNames{{{"changed", &ViewOptions::showsChanged},
+                                                  {"edges", &ViewOptions::showsEdges},
                                                   {"box", &ViewOptions::showsBox},
                                                   {"axes", &ViewOptions::showsAxes},
                                                   {"readout", &ViewOptions::showsReadout}}};

@@ -42,6 +42,10 @@ Session::Session(SessionServices services)
         firstIsovalue_.reset();
         requestMove(isovalue);
     });
+    detailSubscription_ = detail_.observe([this] {
+        mergeCells();
+        redraw();
+    });
 }
 
 Session::~Session() = default;
@@ -173,6 +177,7 @@ void Session::close() {
 }
 
 void Session::useSource(std::shared_ptr<SurfaceSource> source) {
+    mergeCells(); // a percentage is of this volume's range
     failedIsovalue_.reset();
     generation_ = worker_->setSource(std::move(source), datasetGeneration_, isovalue_.requested());
 }
@@ -184,10 +189,20 @@ void Session::requestMove(double isovalue) {
 
 void Session::limitPicture(std::uint64_t bytes) {
     worker_->limitPicture(bytes);
+    redraw();
+}
+
+// Asks for another picture of the same surface.
+void Session::redraw() {
     if (!frame_)
         return;
     isPictureComing_ = true;
     requestMove(isovalue_.requested());
+}
+
+void Session::mergeCells() {
+    if (dataset_)
+        worker_->mergeWithin(extract::boundOf(detail_.error(), dataset_->min, dataset_->max));
 }
 
 void Session::takeFrame() {
@@ -307,6 +322,15 @@ bool Session::isPreview() const { return dataset_ && dataset_->coarseStep > 1 &&
 
 std::int64_t Session::shownStep() const { return frame_ && !frame_->isFromIndex ? dataset_->coarseStep : 1; }
 
+mesh::SurfaceSource Session::surfaceSource() const {
+    mesh::SurfaceSource source = sourceOf(*dataset_);
+    if (frame_->canMerge && detail_.error().amount > 0.0)
+        source.merging =
+            mesh::mergingText(detail_.error(), extract::boundOf(detail_.error(), dataset_->min, dataset_->max),
+                              1 << extract::kMaxBrickMergeLevel);
+    return source;
+}
+
 bool Session::refusesMesh(const std::string& title, const std::string& verb) {
     if (!isPreview())
         return false;
@@ -328,7 +352,7 @@ void Session::checkMesh() {
     runner_->run<mesh::Certificate>(
         "Check mesh",
         [worker = worker_.get(), of = datasetGeneration_,
-         source = sourceOf(*dataset_)](const JobControl& job) -> Result<mesh::Certificate> {
+         source = surfaceSource()](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
             auto surface = worker->takeMesh(of, job);
             if (!surface.isOk())
@@ -364,7 +388,7 @@ void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
                               path.string()));
     runner_->run<mesh::Certificate>(
         "Export " + path.filename().string(),
-        [worker = worker_.get(), of, source = sourceOf(*dataset_),
+        [worker = worker_.get(), of, source = surfaceSource(),
          path](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
             auto surface = worker->takeMesh(of, job);

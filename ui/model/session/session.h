@@ -13,6 +13,7 @@
 #include "ui/model/session/dataset.h"
 #include "ui/model/session/notice.h"
 #include "ui/model/session/session_services.h"
+#include "ui/model/surface/detail_model.h"
 #include "ui/model/surface/slide_worker.h"
 
 namespace isoslider::model {
@@ -65,6 +66,8 @@ public:
     /// Null until the first surface.
     std::shared_ptr<const extract::SurfaceFrame> frame() const { return frame_; }
     IsovalueModel& isovalue() { return isovalue_; }
+    /// How far the surface may differ; it follows where it can, see SurfaceFrame::canMerge.
+    DetailModel& detail() { return detail_; }
     const JobModel& jobs() const { return jobs_; }
     JobModel& jobs() { return jobs_; }
     /// Of the surface that was checked or exported last.
@@ -105,6 +108,9 @@ private:
     void useSource(std::shared_ptr<SurfaceSource> source);
     void takeFrame();
     void requestMove(double isovalue);
+    void mergeCells();
+    void redraw();
+    mesh::SurfaceSource surfaceSource() const;
     bool hasMoveFailed() const;
     void onSlideError(const Error& error, double isovalue, SourceGeneration generation);
     void onExported(const std::filesystem::path& path, DatasetGeneration of, mesh::Certificate certificate);
@@ -114,6 +120,7 @@ private:
     SessionServices services_;
     IndexCache cache_;
     IsovalueModel isovalue_;
+    DetailModel detail_;
     JobModel jobs_;
     std::optional<Dataset> dataset_;
     std::optional<double> firstIsovalue_; ///< asked for in opening; none once the handle has moved
@@ -134,6 +141,7 @@ private:
     ObserverList<const Notice&> noticePosted_;
     ObserverList<const OpenRequest&, const io::VolumeContents&> choiceNeeded_;
     Subscription requestSubscription_;
+    Subscription detailSubscription_;
     std::shared_ptr<FrameSlot> slot_;
     SourceGeneration generation_{};
     std::unique_ptr<SlideWorker> worker_;

@@ -96,6 +96,7 @@ bool SlideWorker::waitForWork(std::stop_token stop, Work& work) {
     work.generation = generation_;
     work.dataset = dataset_;
     work.stop = moveStop_.get_token();
+    work.mergeBound = mergeBound_;
     if (mailbox_ && source_)
         work.isovalue = std::exchange(mailbox_, std::nullopt);
     else
@@ -114,6 +115,7 @@ Result<extract::SurfaceMesh> SlideWorker::meshOf(const Work& work) const {
 void SlideWorker::move(const Work& work) {
     auto frame = pool_.take();
     frame->marksChanges = marksChanges_;
+    frame->mergeBound = work.mergeBound;
     const Status status = guarded(kMoveErrors, [&]() -> Status {
         ISO_TRY(work.source->moveTo(*work.isovalue, work.stop, *frame));
         frame->mergedCells = 1;

@@ -47,6 +47,12 @@ public:
     /// Whether frames from the next move on state what that move has changed.
     void markChanges(bool isWanted) { marksChanges_ = isWanted; }
 
+    /// How far merged cells may differ in frames from the next move on, where the source can merge any.
+    void mergeWithin(const extract::MergeBound& bound) {
+        const std::lock_guard lock(mutex_);
+        mergeBound_ = bound;
+    }
+
     /// The surface of `dataset` as a mesh, after all pending moves. Blocks: call it from a job, never the window.
     /// Errors: Cancelled; InvalidArgument once another data set has taken its place, and without a surface: the
     /// last move failed, or there was none.
@@ -63,6 +69,7 @@ private:
         SourceGeneration generation{};
         DatasetGeneration dataset{};
         std::optional<double> isovalue;
+        extract::MergeBound mergeBound;
         std::unique_ptr<MeshOrder> order;
         std::stop_token stop;
         std::vector<std::shared_ptr<SurfaceSource>> retired;
@@ -86,6 +93,7 @@ private:
     DatasetGeneration dataset_{};
     SourceGeneration moved_{}; ///< whose last move succeeded; of the worker's thread
     std::optional<double> mailbox_;
+    extract::MergeBound mergeBound_;
     std::unique_ptr<MeshOrder> order_;
     std::stop_source moveStop_;
     std::jthread thread_; // last: joins before the members above go

@@ -29,6 +29,8 @@ public:
         frame.bricks.reset();
         frame.geometry = grid_->geometry();
         frame.isovalue = isovalue;
+        frame.mergeBound = {};
+        frame.canMerge = false;
         frame.isFromIndex = false;
         frame.isWholeExtraction = true;
         frame.positions = std::move(mesh.positions);
@@ -54,6 +56,10 @@ public:
     explicit EngineSource(std::unique_ptr<extract::SlideEngine> engine) : engine_(std::move(engine)) {}
 
     Status moveTo(double isovalue, std::stop_token stop, extract::SurfaceFrame& frame) override {
+        frame.canMerge = engine_->canMerge();
+        if (!frame.canMerge)
+            frame.mergeBound = {};
+        ISO_TRY(engine_->setMergeBound(frame.mergeBound));
         auto stats = engine_->slideTo(isovalue, stop);
         if (!stats.isOk())
             return stats.error();

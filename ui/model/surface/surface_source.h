@@ -18,7 +18,8 @@ public:
     virtual ~SurfaceSource() = default;
 
     /// Moves to `isovalue` and fills `frame`, whose buffers may hold an older picture to be
-    /// overwritten, and whose `marksChanges` states whether the changed triangles are wanted. On failure the frame's
+    /// overwritten, whose `marksChanges` states whether the changed triangles are wanted, and whose `mergeBound` how
+    /// far merged cells may differ; a source that cannot merge sets that to none. On failure the frame's
     /// content is unspecified. Errors: Cancelled, IoError, Corruption, InvalidArgument, OutOfSpace.
     virtual Status moveTo(double isovalue, std::stop_token stop, extract::SurfaceFrame& frame) = 0;
     /// The whole surface at the isovalue of the last move, welded.

@@ -9,6 +9,7 @@ struct ViewOptions {
     bool showsChanged = true; ///< red highlight on what the last move retriangulated
     bool showsBox = true;
     bool showsAxes = true;
+    bool showsEdges = false; ///< the triangles' edges
     bool showsReadout = true; ///< isovalue, triangles and milliseconds in a corner
 
     bool operator==(const ViewOptions&) const = default;

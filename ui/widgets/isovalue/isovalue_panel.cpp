@@ -1,5 +1,6 @@
 #include "ui/widgets/isovalue/isovalue_panel.h"
 
+#include <array>
 #include <utility>
 
 #include <QAction>
@@ -16,6 +17,7 @@
 #include "ui/widgets/common/icon_loader.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/isovalue/detail_control.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_edit.h"
 #include "ui/widgets/window/action_registry.h"
@@ -84,6 +86,9 @@ QWidget* IsovaluePanel::makeControls(const ActionRegistry& actions) {
     actions.action("isovalue.logCounts")->setIconText(tr("Log"));
     layout->addWidget(makeToolButton(actions.action("isovalue.logCounts"), Qt::ToolButtonTextOnly, row));
     layout->addWidget(makeToolButton(actions.action("isovalue.resetZoom"), Qt::ToolButtonIconOnly, row));
+    layout->addWidget(makeSeparator(row));
+    detail_ = new DetailControl(session_, row);
+    layout->addWidget(detail_);
     layout->addStretch(1);
     readouts_ = new QWidget(row);
     auto* readouts = new QHBoxLayout(readouts_);
@@ -139,12 +144,25 @@ void IsovaluePanel::connectControls(SettingsStore& settings, const ActionRegistr
     connect(&playTimer_, &QTimer::timeout, this, [this, play] { advance(play); });
 }
 
-// The view shows the same: in a narrow window they give way before the controls have to be scrolled.
+// The view shows what the readouts show, the axis the range: in a narrow window they give way before the controls have
+// to be scrolled.
 void IsovaluePanel::resizeEvent(QResizeEvent* event) {
     QWidget::resizeEvent(event);
-    const int readouts = readouts_->sizeHint().width() + controls_->layout()->spacing();
-    const int others = controls_->sizeHint().width() - (readouts_->isHidden() ? 0 : readouts);
-    readouts_->setVisible(others + readouts <= contentsRect().width() - 2 * kMargin);
+    makeRoomForControls();
+}
+
+void IsovaluePanel::makeRoomForControls() {
+    const std::array<QWidget*, 5> optional{mode_, speed_, detail_->measure(), range_, readouts_}; // the last goes first
+    const auto widthOf = [this](const QWidget* widget) {
+        return widget->sizeHint().width() + controls_->layout()->spacing();
+    };
+    int room = contentsRect().width() - 2 * kMargin - controls_->sizeHint().width();
+    for (const QWidget* widget : optional)
+        room += widget->isHidden() ? 0 : widthOf(widget);
+    for (QWidget* widget : optional) {
+        room -= widthOf(widget);
+        widget->setVisible(room >= 0);
+    }
 }
 
 void IsovaluePanel::setPlaying(bool isPlaying, QAction* action) {
@@ -217,6 +235,7 @@ void IsovaluePanel::showIsovalue() {
     setReadout(displayed_, hasDisplayed ? text(isovalue.displayed()) : QStringLiteral("–"));
     setReadout(elapsed_, hasDisplayed ? QString::fromStdString(model::millisecondsText(isovalue.lastUpdateMs()))
                                       : QStringLiteral("–"));
+    makeRoomForControls();
     plot_->setIsovalues(isovalue.requested(), hasDisplayed ? isovalue.displayed() : isovalue.requested());
 }
 

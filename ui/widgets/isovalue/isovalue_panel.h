@@ -20,6 +20,7 @@ class Session;
 namespace isoslider::widgets {
 
 class ActionRegistry;
+class DetailControl;
 class HistogramPlot;
 class IsovalueEdit;
 class SettingsStore;
@@ -42,6 +43,7 @@ private:
     void connectControls(SettingsStore& settings, const ActionRegistry& actions);
     void showDataset();
     void beginVolume();
+    void makeRoomForControls();
     void showIsovalue();
     void setPlaying(bool isPlaying, QAction* action);
     void advance(QAction* action);
@@ -50,6 +52,7 @@ private:
     HistogramPlot* plot_ = nullptr;
     IsovalueEdit* edit_ = nullptr;
     QLabel* range_ = nullptr;
+    DetailControl* detail_ = nullptr;
     QWidget* controls_ = nullptr;
     QWidget* readouts_ = nullptr; ///< at the end of the controls, where there is room
     QLabel* requested_ = nullptr;

@@ -29,8 +29,9 @@ struct OptionAction {
     const char* setting;
     bool model::ViewOptions::*member;
 };
-constexpr std::array<OptionAction, 4> kOptionActions{
+constexpr std::array<OptionAction, 5> kOptionActions{
     {{"view.changed", "view/showsChanged", &model::ViewOptions::showsChanged},
+     {"view.edges", "view/showsEdges", &model::ViewOptions::showsEdges},
      {"view.box", "view/showsBox", &model::ViewOptions::showsBox},
      {"view.axes", "view/showsAxes", &model::ViewOptions::showsAxes},
      {"view.readout", "view/showsReadout", &model::ViewOptions::showsReadout}}};
@@ -214,10 +215,13 @@ void ViewportHost::showFrame() {
     }
     if (frame) {
         const auto text = [](const std::string& s) { return QString::fromStdString(s); };
-        readout_->setText(tr("isovalue %1\n%2 triangles\n%3")
-                              .arg(text(model::valueText(frame->isovalue, 7)),
-                                   text(model::groupedText(frame->stats.triangles)),
-                                   text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs))));
+        QString lines =
+            tr("isovalue %1\n%2 triangles")
+                .arg(text(model::valueText(frame->isovalue, 7)), text(model::groupedText(frame->stats.triangles)));
+        if (frame->mergeBound.limit > 0.0)
+            lines += tr(", error %1").arg(text(model::DetailModel::text(session_.detail().error())));
+        readout_->setText(lines + QLatin1Char('\n') +
+                          text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs)));
         readout_->adjustSize();
     }
     reportWhatIsDrawn();

@@ -68,6 +68,7 @@ const std::vector<SectionSpec>& specs() {
            true},
           {"view.changed", TR("Hi&ghlight Changes"), "G", TR("Marks red what the last move retriangulated"),
            "highlight", true},
+          {"view.edges", TR("Triangle &Edges"), "W", TR("Show the edges of the surface's triangles"), "edges", true},
           {"view.box", TR("&Bounding Box"), "B", TR("Show the volume's bounding box"), "box", true},
           {"view.axes", TR("Orientation &Axes"), "A", TR("Show the directions of X, Y and Z"), "axes", true},
           {"view.readout", TR("Rea&dout"), "T", TR("Show isovalue, triangles and milliseconds in the view"), "readout",

@@ -40,7 +40,7 @@ void MainWindow::makeMenus() {
     QMenu* standard = view->addMenu(tr("&Standard Views"));
     add(standard, {"view.front", "view.back", "view.right", "view.left", "view.top", "view.bottom"});
     view->addSeparator();
-    add(view, {"view.changed", "view.box", "view.axes", "view.readout"});
+    add(view, {"view.changed", "view.edges", "view.box", "view.axes", "view.readout"});
     view->addSeparator();
     QMenu* panels = view->addMenu(tr("Pa&nels"));
     for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})

@@ -1,0 +1,82 @@
+#include <QComboBox>
+#include <QLabel>
+#include <QSlider>
+#include <QTest>
+
+#include "tests/gui/window_fixture.h"
+#include "ui/widgets/isovalue/detail_control.h"
+
+namespace isoslider::test {
+namespace {
+
+class DetailControlTest : public WindowTest {
+protected:
+    void open(index::IndexKind kind) {
+        builder_->kind = kind;
+        openBall(40);
+    }
+    QSlider& slider() { return *child<QSlider>("detailSlider"); }
+    QComboBox& measure() { return *child<QComboBox>("detailMeasure"); }
+    QString value() { return child<QLabel>("detailValue")->text(); }
+    std::uint64_t triangles() { return session_->frame()->stats.triangles; }
+    void press(Qt::Key key, int times = 1) {
+        for (int i = 0; i < times; ++i)
+            QTest::keyClick(&slider(), key);
+        ASSERT_TRUE(waitUntilSettled());
+    }
+};
+
+TEST_F(DetailControlTest, TradesTrianglesForAnError) {
+    open(index::IndexKind::Metacells);
+    ASSERT_TRUE(slider().isEnabled());
+    EXPECT_EQ(value().toStdString(), "none");
+    const std::uint64_t all = triangles();
+    press(Qt::Key_Right, 5);
+    EXPECT_EQ(value().toStdString(), "0.25 cells");
+    EXPECT_EQ(session_->frame()->mergeBound, (extract::MergeBound{extract::MergeBound::Measure::Distance, 0.25}));
+    EXPECT_LT(triangles(), all / 2);
+    const std::uint64_t merged = triangles();
+
+    // It stays while the isovalue moves, and percent are of the range.
+    session_->isovalue().request(-9.0);
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_LT(triangles(), merged * 2);
+    measure().setCurrentIndex(1);
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(value().toStdString(), "0.5 %");
+    const auto& domain = session_->isovalue();
+    EXPECT_NEAR(session_->frame()->mergeBound.limit, 0.005 * (domain.max() - domain.min()), 1e-9);
+    keepPicture(*window_, "detail");
+
+    const auto path = folder_ / "merged.obj";
+    session_->exportMesh(path, session_->datasetGeneration());
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_NE(readText(path).find("within 0.5 % of the value range"), std::string::npos);
+
+    press(Qt::Key_Home);
+    EXPECT_EQ(value().toStdString(), "none");
+    EXPECT_GT(triangles(), merged);
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.0);
+}
+
+TEST_F(DetailControlTest, StaysForTheNextVolume) {
+    open(index::IndexKind::Metacells);
+    press(Qt::Key_Right, 7);
+    openBall(30);
+    EXPECT_EQ(value().toStdString(), "0.5 cells");
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.5);
+    const auto& leaves = session_->frame()->stats.activeLeaves;
+    EXPECT_GT(leaves[1] + leaves[2] + leaves[3], leaves[0]);
+}
+
+TEST_F(DetailControlTest, IsNotForAnIndexOfEdges) {
+    open(index::IndexKind::Edges);
+    EXPECT_FALSE(slider().isEnabled());
+    EXPECT_TRUE(window_->findChild<widgets::DetailControl*>()->toolTip().contains(QStringLiteral("metacells")));
+    session_->detail().setError({extract::MergeBound::Measure::Distance, 1.0});
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.0);
+}
+
+} // namespace
+} // namespace isoslider::test
