@@ -10,42 +10,48 @@
 
 namespace isoslider::extract {
 
-/// The trilinear interpolant of a merged cell, at places in cells of the grid from its first corner.
+/// The trilinear interpolant of a merged cell as a polynomial of places in cells of the grid from its first corner.
+/// Exact for samples of up to 32 bits at grid points, whose places are multiples of a power of two of its side.
 class MergedInterpolant {
 public:
     /// `side` in cells of the grid.
-    MergedInterpolant(const cell::CornerScalars& corners, double side) : corners_(corners), inverseSide_(1.0 / side) {}
-
-    double at(double x, double y, double z) const {
-        const double u = x * inverseSide_, v = y * inverseSide_, w = z * inverseSide_;
-        const auto alongX = [&](std::size_t c) { return corners_[c] * (1 - u) + corners_[c + 1] * u; };
-        const double y0 = alongX(0) * (1 - v) + alongX(2) * v, y1 = alongX(4) * (1 - v) + alongX(6) * v;
-        return y0 * (1 - w) + y1 * w;
+    MergedInterpolant(const cell::CornerScalars& c, double side) {
+        const double once = 1.0 / side, twice = once * once;
+        constant_ = c[0];
+        slope_ = {(c[1] - c[0]) * once, (c[2] - c[0]) * once, (c[4] - c[0]) * once};
+        twist_ = {(c[6] - c[4] - c[2] + c[0]) * twice, (c[5] - c[4] - c[1] + c[0]) * twice,
+                  (c[3] - c[2] - c[1] + c[0]) * twice};
+        product_ = ((c[7] - c[6] - c[5] + c[4]) - (c[3] - c[2] - c[1] + c[0])) * twice * once;
     }
-    /// Per cell of the grid.
-    double gradientLength(double x, double y, double z) const {
-        const auto [gx, gy, gz] = cell::gradientInCell(corners_, x * inverseSide_, y * inverseSide_, z * inverseSide_);
-        return std::sqrt(gx * gx + gy * gy + gz * gz) * inverseSide_;
+
+    double at(const std::array<double, 3>& p) const {
+        return constant_ + slope_[0] * p[0] + p[1] * (slope_[1] + twist_[2] * p[0]) +
+               p[2] * (slope_[2] + twist_[1] * p[0] + p[1] * (twist_[0] + product_ * p[0]));
+    }
+    /// Of the gradient, per cell of the grid; constant along the axis.
+    double derivative(std::size_t axis, const std::array<double, 3>& p) const {
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        return slope_[axis] + twist_[v] * p[u] + p[v] * (twist_[u] + product_ * p[u]);
     }
 
     /// Whether an active edge of the grid, from `start` along `axis`, whose ends have the samples a and b, keeps to the
     /// bound.
     bool keepsWithin(const MergeBound& bound, const std::array<int, 3>& start, std::size_t axis, double a,
                      double b) const {
-        std::array<double, 3> place{static_cast<double>(start[0]), static_cast<double>(start[1]),
-                                    static_cast<double>(start[2])};
-        const double first = std::abs(a - at(place[0], place[1], place[2]));
-        place[axis] += 1.0;
-        const double difference = std::max(first, std::abs(b - at(place[0], place[1], place[2])));
+        std::array<double, 3> p{static_cast<double>(start[0]), static_cast<double>(start[1]),
+                                static_cast<double>(start[2])};
+        const double lower = at(p), along = derivative(axis, p);
+        const double difference = std::max(std::abs(a - lower), std::abs(b - (lower + along)));
         if (bound.measure == MergeBound::Measure::Scalar)
             return difference <= bound.limit;
-        place[axis] -= 0.5;
-        return difference <= bound.limit * gradientLength(place[0], place[1], place[2]);
+        p[axis] += 0.5;
+        const double du = derivative((axis + 1) % 3, p), dv = derivative((axis + 2) % 3, p);
+        return difference <= bound.limit * std::sqrt(along * along + du * du + dv * dv);
     }
 
 private:
-    cell::CornerScalars corners_;
-    double inverseSide_;
+    double constant_, product_;
+    std::array<double, 3> slope_, twist_; ///< twist: of the product of the other two axes
 };
 
 } // namespace isoslider::extract
