@@ -1,6 +1,8 @@
 #include "core/extract/live/merged_cells.h"
 
-#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
 
 namespace isoslider::extract {
 namespace {
@@ -21,13 +23,35 @@ void edgesOfCells(const BitString& cells, std::array<BitString, 3>& edges) {
     }
 }
 
-bool hasBothSigns(const LeafCell& leaf, const BitString& above) {
-    int count = 0;
-    for (int c = 0; c < 8; ++c)
-        count +=
-            above.test(closedPoint(leaf.origin[0] + leaf.side() * (c & 1), leaf.origin[1] + leaf.side() * (c >> 1 & 1),
-                                   leaf.origin[2] + leaf.side() * (c >> 2)));
-    return count != 0 && count != 8;
+// Takes the cells of side 2 given by bits x + 4 y + 16 z out of a string of cells; returns which had some in it.
+std::uint64_t takeOut(std::uint64_t squares, BitString& cells) {
+    std::uint64_t found = 0;
+    auto* const bytes = reinterpret_cast<std::byte*>(cells.words.data());
+    for (int row = 0; row < 16; ++row) {
+        const std::uint64_t four = squares >> (4 * row) & 15;
+        const std::uint64_t eight = (four & 1) * 3 | (four >> 1 & 1) * 12 | (four >> 2 & 1) * 48 | (four >> 3) * 192;
+        std::uint64_t any = 0;
+        for (int k = 0; k < 4; ++k) {
+            const ClosedPoint first = closedPoint(0, 2 * (row % 4) + k % 2, 2 * (row / 4) + k / 2);
+            std::uint64_t word;
+            std::memcpy(&word, bytes + first.index() / 8, sizeof word);
+            const std::uint64_t taken = word & eight << first.number() % 8;
+            any |= taken >> first.number() % 8;
+            word ^= taken;
+            std::memcpy(bytes + first.index() / 8, &word, sizeof word);
+        }
+        any |= any >> 1;
+        found |= ((any & 1) | (any >> 1 & 2) | (any >> 2 & 4) | (any >> 3 & 8)) << (4 * row);
+    }
+    return found;
+}
+
+// First cells of side 2 of the cells of side 4.
+std::uint64_t firstOfHalves(std::uint8_t halves) {
+    std::uint64_t first = 0;
+    for (unsigned i = 0; i < 8; ++i)
+        first |= std::uint64_t{halves >> i & 1u} << (2 * (i & 1) + 8 * (i >> 1 & 1) + 32 * (i >> 2));
+    return first;
 }
 
 } // namespace
@@ -39,27 +63,22 @@ void MergedCells::clear() {
     centres_ = 0;
 }
 
-void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, const BitString& above,
-                       ActiveBits& active) {
+void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, ActiveBits& active) {
     clear();
-    MergedPolygon polygon(around);
-    BitString merged;
-    for (int z = 0; z < kCellSide; z += 2)
-        for (int y = 0; y < kCellSide; y += 2)
-            for (int x = 0; x < kCellSide; x += 2) {
-                const LeafCell leaf{{x, y, z}, leaves.levelOf(x, y, z)};
-                if (leaf.level == 0)
-                    continue;
-                for (int k = 0; k < 8; ++k)
-                    merged.set(closedPoint(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2)));
-                const int inside = leaf.side() - 1;
-                if (((x | y | z) & inside) != 0 || !hasBothSigns(leaf, above))
-                    continue;
-                polygon.make(leaf);
-                add(leaf, around, polygon);
-            }
-    for (std::size_t w = 0; w < kBitWords; ++w)
-        active.cells.words[w] &= ~merged.words[w];
+    std::uint64_t crossed = takeOut(leaves.level1, active.cells);
+    // Of each leaf its first cell of side 2: their order is that of the leaves.
+    constexpr std::uint64_t kParts = 0x330033;
+    for (std::uint64_t first = firstOfHalves(leaves.level2); first != 0; first &= first - 1) {
+        const int i = std::countr_zero(first);
+        if ((crossed & kParts << i) != 0)
+            crossed = (crossed & ~(kParts << i)) | std::uint64_t{1} << i;
+    }
+    if (leaves.level3)
+        crossed = crossed != 0;
+    for (; crossed != 0; crossed &= crossed - 1) {
+        const int i = std::countr_zero(crossed), x = 2 * (i % 4), y = 2 * (i / 4 % 4), z = 2 * (i / 16);
+        add({{x, y, z}, leaves.levelOf(x, y, z)}, around);
+    }
     std::array<BitString, 3> vertices;
     edgesOfCells(active.cells, vertices);
     for (std::size_t a = 0; a < 3; ++a)
@@ -69,18 +88,19 @@ void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, co
         active.edges[static_cast<std::size_t>(axisOf(corner.edge))].set(startOf(corner.edge));
 }
 
-void MergedCells::add(const LeafCell& leaf, const LeavesAround& around, const MergedPolygon<LeavesAround>& polygon) {
+void MergedCells::add(const LeafCell& leaf, const LeavesAround& around) {
+    polygon_.make(around, leaf);
     const auto first = static_cast<std::uint32_t>(corners_.size());
-    for (const GridEdge& edge : polygon.corners())
+    for (const GridEdge& edge : polygon_.corners())
         corners_.push_back({closedEdge(edge.axis, closedPoint(edge.start[0], edge.start[1], edge.start[2])),
                             static_cast<std::uint16_t>(smallestLevelAt(around, edge))});
     const std::size_t before = triangles_.size();
-    for (const auto& triangle : polygon.triangles())
+    for (const auto& triangle : polygon_.triangles())
         for (const std::uint32_t corner : triangle)
             triangles_.push_back(first + corner);
-    const bool hasCentre = polygon.triangles().empty();
+    const bool hasCentre = polygon_.triangles().empty();
     if (hasCentre) {
-        const auto count = static_cast<std::uint32_t>(polygon.corners().size());
+        const auto count = static_cast<std::uint32_t>(polygon_.corners().size());
         for (std::uint32_t i = 0; i < count; ++i)
             triangles_.insert(triangles_.end(), {first + i, first + (i + 1) % count, kCentre + centres_});
         ++centres_;

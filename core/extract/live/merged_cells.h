@@ -32,7 +32,7 @@ public:
     void clear();
     /// Finds the polygons of the merged cells in `active`. Leaves there what else there is: the active cells that are
     /// not merged, and the edges that have a vertex.
-    void find(const BrickLeaves& leaves, const LeavesAround& around, const BitString& above, ActiveBits& active);
+    void find(const BrickLeaves& leaves, const LeavesAround& around, ActiveBits& active);
 
     /// In the order of their cells.
     std::span<const MergedLeaf> leaves() const { return leaves_; }
@@ -44,8 +44,9 @@ public:
     std::span<const std::uint32_t> triangles() const { return triangles_; }
 
 private:
-    void add(const LeafCell& leaf, const LeavesAround& around, const MergedPolygon<LeavesAround>& polygon);
+    void add(const LeafCell& leaf, const LeavesAround& around);
 
+    MergedPolygon<LeavesAround> polygon_;
     std::vector<MergedLeaf> leaves_;
     std::vector<Corner> corners_;
     std::vector<std::uint32_t> triangles_;

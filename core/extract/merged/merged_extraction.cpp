@@ -183,8 +183,8 @@ private:
 
     void extractMergedCell(const LeafCell& leaf, Layer& layer) const {
         const Leaves leaves{*this};
-        MergedPolygon polygon(leaves);
-        polygon.make(leaf);
+        thread_local MergedPolygon<Leaves> polygon;
+        polygon.make(leaves, leaf);
         const auto corners = polygon.corners();
         for (const auto& triangle : polygon.triangles())
             for (const std::uint32_t corner : triangle)

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <compare>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -48,20 +48,15 @@ inline GridPlace leafEdgeStart(const GridEdge& edge, int level) {
 template <class Leaves>
 int smallestLevelAt(const Leaves& leaves, const GridEdge& edge) {
     const auto u = static_cast<std::size_t>((edge.axis + 1) % 3), v = static_cast<std::size_t>((edge.axis + 2) % 3);
-    int smallest = 30;
+    // A leaf beside has the edge on one of its own, not within a face, if both coordinates are multiples of its side.
+    const int largest = std::countr_zero(static_cast<std::uint32_t>(edge.start[u] | edge.start[v]));
+    int smallest = largest;
     for (int k = 0; k < 4; ++k) {
         GridPlace cell = edge.start;
         cell[u] -= k & 1;
         cell[v] -= k >> 1;
-        const int level = leaves.levelAt(cell);
-        if (level == kNoLevel)
-            continue;
-        const std::int32_t inside = (std::int32_t{1} << level) - 1;
-        const auto isOnSide = [&](std::size_t a) { // of the leaf, which need not start at the edge
-            return edge.start[a] == (cell[a] & ~inside) || edge.start[a] == (cell[a] & ~inside) + inside + 1;
-        };
-        if (isOnSide(u) && isOnSide(v))
-            smallest = std::min(smallest, level);
+        if (const int level = leaves.levelAt(cell); level != kNoLevel && level < smallest)
+            smallest = level;
     }
     return smallest;
 }
@@ -77,16 +72,15 @@ int smallestLevelAt(const Leaves& leaves, const GridEdge& edge) {
 template <class Leaves>
 class MergedPolygon {
 public:
-    explicit MergedPolygon(const Leaves& leaves) : leaves_(leaves) {}
-
     /// REQUIRES: a leaf of level 1 to 5 whose corners differ in sign. O(k^3) for k corners.
-    void make(const LeafCell& leaf) {
+    void make(const Leaves& leaves, const LeafCell& leaf) {
+        leaves_ = &leaves;
         leaf_ = leaf;
         edges_.clear();
         triangles_.clear();
         std::uint8_t signs = 0;
         for (int c = 0; c < 8; ++c)
-            signs |= static_cast<std::uint8_t>(leaves_.isAboveAt(cornerOf(c)) << c);
+            signs |= static_cast<std::uint8_t>(leaves_->isAboveAt(cornerOf(c)) << c);
         if (hasFinerNeighbour(signs))
             followFinestSegments();
         else
@@ -128,24 +122,20 @@ private:
                 continue;
             GridPlace across = leaf_.origin;
             across[face / 2] += face % 2 == 0 ? -1 : leaf_.side();
-            if (const int level = leaves_.levelAt(across); level != kNoLevel && level < leaf_.level)
+            if (const int level = leaves_->levelAt(across); level != kNoLevel && level < leaf_.level)
                 return true;
         }
         return false;
     }
 
     void takeCellState(std::uint8_t signs) {
-        std::array<std::uint32_t, 12> numbers{};
-        for (std::size_t e = 0; e < 12; ++e)
-            if (cell::activeEdges(signs) >> e & 1) {
-                const cell::CellEdge& edge = cell::kCellEdges[e];
-                numbers[e] = static_cast<std::uint32_t>(edges_.size());
-                edges_.push_back(
-                    edgeOf(activeEdgeBetween(cornerOf(edge.lowerCorner), cornerOf(edge.upperCorner), edge.axis)));
-            }
-        const auto corners = cell::cellStates()[signs].triangles;
-        for (std::size_t k = 0; k < corners.size(); k += 3)
-            triangles_.push_back({numbers[corners[k]], numbers[corners[k + 1]], numbers[corners[k + 2]]});
+        const CellPolygon& loop = cellPolygons()[signs];
+        for (std::size_t i = 0; i < loop.edgeCount; ++i) {
+            const cell::CellEdge& edge = cell::kCellEdges[loop.edges[i]];
+            edges_.push_back(
+                edgeOf(activeEdgeBetween(cornerOf(edge.lowerCorner), cornerOf(edge.upperCorner), edge.axis)));
+        }
+        triangles_.assign(loop.triangles.begin(), loop.triangles.begin() + loop.triangleCount);
     }
 
     void followFinestSegments() {
@@ -175,19 +165,7 @@ private:
     // 2^level.
     void addSegments(const GridPlace& corner, int level, std::size_t axis, bool isUpper) {
         const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-        GridPlace across = corner;
-        across[axis] -= isUpper ? 0 : 1;
-        if (const int beside = leaves_.levelAt(across); beside != kNoLevel && beside < level) {
-            const std::int32_t half = std::int32_t{1} << (level - 1);
-            for (int quarter = 0; quarter < 4; ++quarter) {
-                GridPlace first = corner;
-                first[u] += quarter & 1 ? half : 0;
-                first[v] += quarter & 2 ? half : 0;
-                addSegments(first, level - 1, axis, isUpper);
-            }
-            return;
-        }
-        // Round the square, counter-clockwise seen from outside: out of what is above, and back in.
+        // Round the square, counter-clockwise seen from outside.
         const std::int32_t side = std::int32_t{1} << level;
         const std::size_t first = isUpper ? u : v, second = isUpper ? v : u;
         std::array<GridPlace, 4> round{corner, corner, corner, corner};
@@ -197,29 +175,38 @@ private:
         round[3][second] += side;
         std::array<bool, 4> isAbove{};
         std::transform(round.begin(), round.end(), isAbove.begin(),
-                       [&](const GridPlace& p) { return leaves_.isAboveAt(p); });
-        EdgeKey leaving = 0, entering = 0;
-        bool isCrossed = false;
-        for (std::size_t i = 0; i < 4; ++i) {
-            const std::size_t to = (i + 1) % 4;
-            if (isAbove[i] == isAbove[to])
-                continue;
-            isCrossed = true;
-            (isAbove[i] ? leaving : entering) = activeEdgeBetween(round[i], round[to], i % 2 == 0 ? first : second);
+                       [&](const GridPlace& p) { return leaves_->isAboveAt(p); });
+        if (isAbove[0] == isAbove[1] && isAbove[0] == isAbove[2] && isAbove[0] == isAbove[3])
+            return; // nor are its parts crossed: keepsTopology()
+        GridPlace across = corner;
+        across[axis] -= isUpper ? 0 : 1;
+        if (const int beside = leaves_->levelAt(across); beside != kNoLevel && beside < level) {
+            const std::int32_t half = side / 2;
+            for (int quarter = 0; quarter < 4; ++quarter) {
+                GridPlace part = corner;
+                part[u] += quarter & 1 ? half : 0;
+                part[v] += quarter & 2 ? half : 0;
+                addSegments(part, level - 1, axis, isUpper);
+            }
+            return;
         }
-        if (isCrossed)
-            segments_.emplace_back(entering, leaving);
+        // Out of what is above, and back in.
+        EdgeKey leaving = 0, entering = 0;
+        for (std::size_t i = 0; i < 4; ++i)
+            if (const std::size_t to = (i + 1) % 4; isAbove[i] != isAbove[to])
+                (isAbove[i] ? leaving : entering) = activeEdgeBetween(round[i], round[to], i % 2 == 0 ? first : second);
+        segments_.emplace_back(entering, leaving);
     }
 
     // The one active edge on a leaf edge, between points that differ in sign.
     EdgeKey activeEdgeBetween(GridPlace a, GridPlace b, std::size_t axis) const {
         if (a[axis] > b[axis])
             std::swap(a, b);
-        const bool isLowerAbove = leaves_.isAboveAt(a);
+        const bool isLowerAbove = leaves_->isAboveAt(a);
         while (b[axis] - a[axis] > 1) {
             GridPlace middle = a;
             middle[axis] = (a[axis] + b[axis]) / 2;
-            (leaves_.isAboveAt(middle) == isLowerAbove ? a : b) = middle;
+            (leaves_->isAboveAt(middle) == isLowerAbove ? a : b) = middle;
         }
         return keyOf(a, axis);
     }
@@ -240,7 +227,7 @@ private:
         return corner;
     }
 
-    const Leaves& leaves_;
+    const Leaves* leaves_ = nullptr; ///< in make()
     LeafCell leaf_;
     std::vector<std::pair<EdgeKey, EdgeKey>>
         segments_; ///< from where the surface's inside is entered to where it is left

@@ -5,7 +5,33 @@
 
 #include <glm/geometric.hpp>
 
+#include "core/cell/cell_numbering.h"
+#include "core/cell/cell_states.h"
+
 namespace isoslider::extract {
+
+const std::array<CellPolygon, 256>& cellPolygons() {
+    static const auto polygons = [] {
+        std::array<CellPolygon, 256> made{};
+        for (std::size_t signs = 0; signs < made.size(); ++signs) {
+            const auto corners = cell::cellStates()[signs].triangles;
+            CellPolygon& polygon = made[signs];
+            if (cell::isAmbiguous(static_cast<std::uint8_t>(signs)))
+                continue;
+            std::array<std::uint32_t, 12> numbers{};
+            for (std::uint8_t e = 0; e < 12; ++e)
+                if (cell::activeEdges(static_cast<std::uint8_t>(signs)) >> e & 1) {
+                    numbers[e] = polygon.edgeCount;
+                    polygon.edges[polygon.edgeCount++] = e;
+                }
+            for (std::size_t k = 0; k < corners.size(); k += 3)
+                polygon.triangles[polygon.triangleCount++] = {numbers[corners[k]], numbers[corners[k + 1]],
+                                                              numbers[corners[k + 2]]};
+        }
+        return made;
+    }();
+    return polygons;
+}
 
 void triangulatePolygon(std::span<const PolygonCorner> corners, std::vector<std::array<std::uint32_t, 3>>& triangles) {
     constexpr float kNone = std::numeric_limits<float>::infinity();

@@ -15,6 +15,15 @@ struct PolygonCorner {
     std::uint8_t faces = 0; ///< bit f: it lies in face f of the cell
 };
 
+/// The polygon of a cell with one loop, by its signs: the edges of its corners, and its triangles by numbers of those.
+struct CellPolygon {
+    std::uint8_t edgeCount = 0, triangleCount = 0;
+    std::array<std::uint8_t, 12> edges{};
+    std::array<std::array<std::uint32_t, 3>, 5> triangles{};
+};
+/// By signs; of ambiguous signs, whatever.
+const std::array<CellPolygon, 256>& cellPolygons();
+
 /// The triangulation of least area without a diagonal between corners of one face: such an edge could be one of the
 /// neighbour's mesh, too. Three corner numbers each, in the order of the corners. Empty where there is none; then the
 /// polygon is to be spanned from a vertex inside the cell. O(k^3) time, O(k^2) memory.

@@ -77,6 +77,7 @@ void BrickSource<Sample>::reset() {
     watch_.clear();
     brickOf_.clear();
     leaves_.clear();
+    surelyWithin_.clear();
 }
 
 // Bricks that come or go between two thresholds.
@@ -139,6 +140,7 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
             watch_.resize(slot.index() + 1);
             brickOf_.resize(slot.index() + 1);
             leaves_.resize(slot.index() + 1);
+            surelyWithin_.resize(slot.index() + 1);
         }
         watch_[slot.index()] = {};
         brickOf_[slot.index()] = brick;

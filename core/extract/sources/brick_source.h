@@ -130,7 +130,7 @@ private:
     std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick
     MergeBound bound_;
     bool hasNewBound_ = false; ///< since the last move
-    std::vector<BrickLeaves> leaves_; ///< by slot, while cells are merged
+    std::vector<BrickLeaves> leaves_, surelyWithin_; ///< by slot, while cells are merged
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;

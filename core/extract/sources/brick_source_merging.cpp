@@ -33,8 +33,11 @@ bool BrickSource<Sample>::settle(const Move& move, LiveSurface<Live>& surface, c
         take(brick, surface.brick(job.slot).isNearMissing, kept, scratch);
     }
     classifyFor(move, surface, job, kept, scratch);
+    BrickLeaves& surely = surelyWithin_[job.slot.index()];
+    if (job.isNew || hasNewBound_)
+        surely = findSurelyWithin<Sample>(kept.samples, bound_);
     const BrickLeaves found = findBrickLeaves<Sample>(kept.samples, scratch.found.above, scratch.found.active,
-                                                      surface.masks(job.slot).cells, bound_);
+                                                      surface.masks(job.slot).cells, bound_, surely);
     if (!completeNormals(surface, job, found.hasMerged(), kept, scratch))
         return false;
     BrickLeaves& leaves = leaves_[job.slot.index()];
@@ -100,7 +103,7 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
         };
         scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brickOf_[job.slot.index()]),
                             scratch.found.above, leavesAt);
-        draft.merged.find(leaves, scratch.around, scratch.found.above, draft.active);
+        draft.merged.find(leaves, scratch.around, draft.active);
         draft.ownedEdges = 0;
         for (std::size_t a = 0; a < 3; ++a)
             for (std::size_t w = 0; w < kBitWords; ++w)

@@ -1,7 +1,11 @@
 #include "core/extract/sources/leaf_finding.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 
 #include "core/cell/merged_cell.h"
 #include "core/extract/merged/merged_interpolant.h"
@@ -11,24 +15,59 @@ namespace isoslider::extract {
 namespace {
 
 // At least 56 bits from a place on.
-std::uint64_t bitsFrom(const BitString& bits, ClosedPoint first) {
+template <class Bits>
+std::uint64_t bitsFrom(const Bits& bits, ClosedPoint first) {
     std::uint64_t found;
     std::memcpy(&found, reinterpret_cast<const std::byte*>(bits.words.data()) + first.index() / 8, sizeof found);
     return found >> (first.number() % 8);
 }
 
-cell::MergedSigns signsOf(const BitString& above, const LeafCell& cell) {
-    const int half = cell.side() / 2;
-    cell::MergedSigns signs = 0;
-    for (int z = 0; z < 3; ++z)
-        for (int y = 0; y < 3; ++y) {
-            const std::uint64_t row =
-                bitsFrom(above, closedPoint(cell.origin[0], cell.origin[1] + half * y, cell.origin[2] + half * z));
-            const auto three =
-                static_cast<cell::MergedSigns>((row & 1) | (row >> half & 1) << 1 | (row >> 2 * half & 1) << 2);
-            signs |= three << (3 * y + 9 * z);
+// Bits 0, 2, 4, 6 and 8 of a row side by side, and bits 1, 3, 5 and 7.
+constexpr std::uint64_t evenBits(std::uint64_t row) {
+    return (row & 1) | (row >> 1 & 2) | (row >> 2 & 4) | (row >> 3 & 8) | (row >> 4 & 16);
+}
+constexpr std::uint64_t oddBits(std::uint64_t row) { return evenBits(row >> 1) & 15; }
+
+// Bits of the first cells of all cells of side 2: bit x + 4 y + 16 z.
+std::uint64_t firstCells(const UnsetBits& bits) {
+    std::uint64_t found = 0;
+    for (int k = 0; k < 16; ++k)
+        found |= (evenBits(bitsFrom(bits, closedPoint(0, 2 * (k % 4), 2 * (k / 4)))) & 15) << (4 * k);
+    return found;
+}
+
+// The 27 signs of all cells of side 2, in words as keepsTopologyOf64() has them.
+using SignWords = std::array<std::uint64_t, 27>;
+
+void gatherSigns(const BitString& above, SignWords& signs) {
+    signs.fill(0);
+    for (int z = 0; z < kPointSide; ++z)
+        for (int y = 0; y < kPointSide; ++y) {
+            const std::uint64_t row = bitsFrom(above, closedPoint(0, y, z)), even = evenBits(row);
+            const std::array<std::uint64_t, 3> thirds{even & 15, oddBits(row), even >> 1};
+            // Of a point at an even place, which is the first of one cell and the last of the one before.
+            for (int sz = z % 2; sz < 3; sz += 2)
+                for (int sy = y % 2; sy < 3; sy += 2) {
+                    const int cellY = (y - sy) / 2, cellZ = (z - sz) / 2;
+                    if (y < sy || z < sz || cellY > 3 || cellZ > 3)
+                        continue;
+                    for (std::size_t sx = 0; sx < 3; ++sx)
+                        signs[sx + static_cast<std::size_t>(3 * sy + 9 * sz)] |= thirds[sx] << (4 * cellY + 16 * cellZ);
+                }
         }
-    return signs;
+}
+
+// The same of the 8 cells of side 4, and in bit 8 of the one of side 8.
+void gatherSignsOfLarger(const BitString& above, SignWords& signs) {
+    for (int p = 0; p < 27; ++p) {
+        const int sx = p % 3, sy = p / 3 % 3, sz = p / 9;
+        std::uint64_t word = std::uint64_t{above.test(closedPoint(4 * sx, 4 * sy, 4 * sz))} << 8;
+        for (int i = 0; i < 8; ++i)
+            word |= std::uint64_t{above.test(closedPoint(4 * (i & 1) + 2 * sx, 4 * (i >> 1 & 1) + 2 * sy,
+                                                         4 * (i >> 2) + 2 * sz))}
+                    << i;
+        signs[static_cast<std::size_t>(p)] = word;
+    }
 }
 
 // Cells of side 2 by their first cell: whether all of their eight cells are in the string, or any.
@@ -52,23 +91,13 @@ void reduceCells(const BitString& valid, const BitString& active, UnsetBits& all
 }
 
 template <class Sample>
-class Finder {
+class BoundCheck {
 public:
-    Finder(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
-           const MergeBound& bound)
-        : samples_(samples), above_(above), active_(active), bound_(bound) {}
+    BoundCheck(const StoredSample<Sample>* samples, const ActiveBits& active, const MergeBound& bound)
+        : samples_(samples), active_(active), bound_(bound) {}
 
-    // REQUIRES: the halves are usable, and not all on one side.
-    bool isUsable(const LeafCell& cell) const {
-        return cell::keepsTopology(signsOf(above_, cell)) && isWithinBound(cell);
-    }
-
-private:
-    double sampleAt(int x, int y, int z) const {
-        return static_cast<double>(sampleOf<Sample>(samples_[closedPoint(x, y, z).index()]));
-    }
-
-    bool isWithinBound(const LeafCell& cell) const {
+    // Of each active edge in the cell.
+    bool isWithin(const LeafCell& cell) const {
         const int side = cell.side();
         const auto [x0, y0, z0] = cell.origin;
         cell::CornerScalars corners;
@@ -94,50 +123,190 @@ private:
         return true;
     }
 
+private:
+    double sampleAt(int x, int y, int z) const {
+        return static_cast<double>(sampleOf<Sample>(samples_[closedPoint(x, y, z).index()]));
+    }
+
     const StoredSample<Sample>* samples_;
-    const BitString& above_;
     const ActiveBits& active_;
     const MergeBound& bound_;
+};
+
+// The samples of a brick, and how far cells of one side are from them.
+class BrickErrors {
+public:
+    template <class Sample>
+    BrickErrors(std::type_identity<Sample>, const StoredSample<Sample>* samples) {
+        for (std::size_t p = 0; p < samples_.size(); ++p) {
+            samples_[p] = static_cast<double>(sampleOf<Sample>(samples[p]));
+            largest_ = std::max(largest_, std::abs(samples_[p]));
+        }
+    }
+
+    // Whether the bound holds wherever edges are active: one answer a cell, in the order of x, y, z.
+    template <int Side, class Answer>
+    void check(const MergeBound& bound, const Answer& answer) {
+        interpolate<Side>();
+        constexpr int kCells = kCellSide / Side;
+        const std::array<double, kClosedPoints>& errors = largestInCells<Side>();
+        for (int i = 0; i < kCells * kCells * kCells; ++i) {
+            const int x = i % kCells, y = i / kCells % kCells, z = i / (kCells * kCells);
+            // Rounding, here and where single edges are looked at.
+            const double error =
+                errors[static_cast<std::size_t>(x + kPointSide * (y + kPointSide * z))] + 1e-13 * largest_;
+            const double unit = bound.measure == MergeBound::Measure::Scalar
+                                    ? 1.0
+                                    : leastGradient(closedPoint(Side * x, Side * y, Side * z), Side);
+            answer(i, error <= (1.0 - 1e-9) * bound.limit * unit);
+        }
+    }
+
+private:
+    static constexpr std::size_t at(int x, int y, int z) { return closedPoint(x, y, z).index(); }
+
+    // Along x where y and z are multiples of the side, then along y where z is one, then along z. Errors of all points.
+    template <int Side>
+    void interpolate() {
+        constexpr double kStep = 1.0 / Side;
+        auto& values = interpolated_;
+        for (int z = 0; z < kPointSide; z += Side)
+            for (int y = 0; y < kPointSide; y += Side)
+                for (int x = 0; x < kCellSide; x += Side) {
+                    const double first = samples_[at(x, y, z)], last = samples_[at(x + Side, y, z)];
+                    for (int k = 0; k <= Side; ++k)
+                        values[at(x + k, y, z)] = first * (1.0 - k * kStep) + last * (k * kStep);
+                }
+        for (int z = 0; z < kPointSide; z += Side)
+            for (int y = 0; y < kCellSide; y += Side)
+                for (int k = 1; k < Side; ++k)
+                    blend(at(0, y, z), at(0, y + Side, z), at(0, y + k, z), kPointSide, k * kStep);
+        for (int z = 0; z < kCellSide; z += Side)
+            for (int k = 1; k < Side; ++k)
+                blend(at(0, 0, z), at(0, 0, z + Side), at(0, 0, z + k), kPointStride[2], k * kStep);
+        for (std::size_t p = 0; p < values.size(); ++p)
+            values[p] = std::abs(values[p] - samples_[p]);
+    }
+    void blend(std::size_t first, std::size_t last, std::size_t out, int count, double t) {
+        double* const values = interpolated_.data();
+        for (int i = 0; i < count; ++i)
+            values[out + static_cast<std::size_t>(i)] = values[first + static_cast<std::size_t>(i)] * (1.0 - t) +
+                                                        values[last + static_cast<std::size_t>(i)] * t;
+    }
+
+    // The largest error of the points of each cell, at the cell's place among its like.
+    template <int Side>
+    const std::array<double, kClosedPoints>& largestInCells() {
+        constexpr int kCells = kCellSide / Side;
+        double* const errors = interpolated_.data();
+        const auto reduce = [&](std::size_t from, int stride, std::size_t out) {
+            double most = 0.0;
+            for (int k = 0; k <= Side; ++k)
+                most = std::max(most, errors[from + static_cast<std::size_t>(k * stride)]);
+            errors[out] = most;
+        };
+        for (int row = 0; row < kPointSide * kPointSide; ++row)
+            for (int x = 0; x < kCells; ++x)
+                reduce(static_cast<std::size_t>(kPointSide * row + Side * x), 1,
+                       static_cast<std::size_t>(kPointSide * row + x));
+        for (int z = 0; z < kPointSide; ++z)
+            for (int y = 0; y < kCells; ++y)
+                for (int x = 0; x < kCells; ++x)
+                    reduce(at(x, Side * y, z), kPointStride[1], at(x, y, z));
+        for (int z = 0; z < kCells; ++z)
+            for (int y = 0; y < kCells; ++y)
+                for (int x = 0; x < kCells; ++x)
+                    reduce(at(x, y, Side * z), kPointStride[2], at(x, y, z));
+        return interpolated_;
+    }
+
+    // A lower bound on the length of the interpolant's gradient in a cell: each component is a blend of the
+    // differences along the cell's four edges.
+    double leastGradient(ClosedPoint first, int side) const {
+        double square = 0.0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const int along = side * kPointStride[axis], u = side * kPointStride[(axis + 1) % 3],
+                      v = side * kPointStride[(axis + 2) % 3];
+            double least = std::numeric_limits<double>::infinity(), most = -least;
+            for (const int place : {0, u, v, u + v}) {
+                const std::size_t p = first.index() + static_cast<std::size_t>(place);
+                const double difference = samples_[p + static_cast<std::size_t>(along)] - samples_[p];
+                least = std::min(least, difference);
+                most = std::max(most, difference);
+            }
+            const double smallest = least > 0.0 ? least : most < 0.0 ? -most : 0.0;
+            square += smallest * smallest;
+        }
+        return std::sqrt(square) / side;
+    }
+
+    std::array<double, kClosedPoints> samples_, interpolated_;
+    double largest_ = 0.0;
 };
 
 } // namespace
 
 template <class Sample>
+BrickLeaves findSurelyWithin(const StoredSample<Sample>* samples, const MergeBound& bound) {
+    BrickErrors errors(std::type_identity<Sample>(), samples);
+    BrickLeaves within;
+    errors.check<2>(bound, [&](int i, bool is) { within.level1 |= std::uint64_t{is} << i; });
+    errors.check<4>(bound, [&](int i, bool is) { within.level2 = static_cast<std::uint8_t>(within.level2 | is << i); });
+    errors.check<8>(bound, [&](int, bool is) { within.level3 = is; });
+    return within;
+}
+
+template <class Sample>
 BrickLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
-                            const BitString& validCells, const MergeBound& bound) {
+                            const BitString& validCells, const MergeBound& bound, const BrickLeaves& surelyWithin) {
     UnsetBits allValid, anyActive;
     reduceCells(validCells, active.cells, allValid, anyActive);
-    const Finder<Sample> finder(samples, above, active, bound);
-    const auto testAt = [](const UnsetBits& bits, ClosedPoint p) {
-        return bits.words[p.index() >> 6] >> (p.number() & 63) & 1;
-    };
+    const std::uint64_t valid = firstCells(allValid), crossed = firstCells(anyActive);
+    SignWords signs;
+    gatherSigns(above, signs);
+    const BoundCheck<Sample> check(samples, active, bound);
+
     BrickLeaves leaves;
-    std::uint64_t crossed = 0; // cells of side 2 with both signs
-    for (int i = 0; i < 64; ++i) {
-        const LeafCell cell{{2 * (i % 4), 2 * (i / 4 % 4), 2 * (i / 16)}, 1};
-        const ClosedPoint first = closedPoint(cell.origin[0], cell.origin[1], cell.origin[2]);
-        const bool isCrossed = testAt(anyActive, first) != 0;
-        crossed |= std::uint64_t{isCrossed} << i;
-        if (testAt(allValid, first) && (!isCrossed || finder.isUsable(cell)))
+    const std::uint64_t kept = valid & crossed & cell::keepsTopologyOf64(signs);
+    leaves.level1 = (valid & ~crossed) | (kept & surelyWithin.level1);
+    for (std::uint64_t open = kept & ~surelyWithin.level1; open != 0; open &= open - 1) {
+        const int i = std::countr_zero(open);
+        if (check.isWithin({{2 * (i % 4), 2 * (i / 4 % 4), 2 * (i / 16)}, 1}))
             leaves.level1 |= std::uint64_t{1} << i;
     }
     // Bits x + 4 y + 16 z of a half's eight parts.
     constexpr std::uint64_t kParts = 0x330033;
+    const auto partsOf = [](int i) { return kParts << (2 * (i & 1) + 8 * (i >> 1 & 1) + 32 * (i >> 2)); };
+    unsigned whole = 0, crossedHalves = 0; // cells of side 4 all of whose parts are usable; those with both signs
     for (int i = 0; i < 8; ++i) {
-        const std::uint64_t parts = kParts << (2 * (i & 1) + 8 * (i >> 1 & 1) + 32 * (i >> 2));
-        if ((leaves.level1 & parts) != parts)
-            continue;
-        const LeafCell cell{{4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2)}, 2};
-        if ((crossed & parts) == 0 || finder.isUsable(cell))
-            leaves.level2 = static_cast<std::uint8_t>(leaves.level2 | 1u << i);
+        whole |= unsigned{(leaves.level1 & partsOf(i)) == partsOf(i)} << i;
+        crossedHalves |= unsigned{(crossed & partsOf(i)) != 0} << i;
     }
-    leaves.level3 = leaves.level2 == 0xff && (crossed == 0 || finder.isUsable({{0, 0, 0}, 3}));
+    if (whole == 0)
+        return leaves;
+    std::uint64_t keptLarger = 0;
+    if ((whole & crossedHalves) != 0) {
+        gatherSignsOfLarger(above, signs);
+        keptLarger = cell::keepsTopologyOf64(signs);
+    }
+    for (unsigned open = whole; open != 0; open &= open - 1) {
+        const int i = std::countr_zero(open);
+        const bool isUsable =
+            (crossedHalves >> i & 1) == 0 ||
+            ((keptLarger >> i & 1) != 0 && ((surelyWithin.level2 >> i & 1) != 0 ||
+                                            check.isWithin({{4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2)}, 2})));
+        leaves.level2 = static_cast<std::uint8_t>(leaves.level2 | unsigned{isUsable} << i);
+    }
+    leaves.level3 = leaves.level2 == 0xff &&
+                    (crossed == 0 || ((keptLarger >> 8 & 1) != 0 &&
+                                      (surelyWithin.level3 || check.isWithin({{0, 0, 0}, 3}))));
     return leaves;
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
     template BrickLeaves findBrickLeaves<Sample>(const StoredSample<Sample>*, const BitString&, const ActiveBits&, \
-                                                 const BitString&, const MergeBound&);
+                                                 const BitString&, const MergeBound&, const BrickLeaves&); \
+    template BrickLeaves findSurelyWithin<Sample>(const StoredSample<Sample>*, const MergeBound&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

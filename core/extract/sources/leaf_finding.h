@@ -7,10 +7,16 @@
 
 namespace isoslider::extract {
 
+/// The merged cells of a brick in which no edge can exceed the bound, whichever are active: most of those of smooth
+/// data. It errs on the side of fewer. Some two thousand operations, for as long as the samples and the bound stay.
+template <class Sample>
+BrickLeaves findSurelyWithin(const StoredSample<Sample>* samples, const MergeBound& bound);
+
 /// The leaves of a brick, from its own samples: those of LeafLevels::find() with cells of side 8 at most. They change
-/// only where the isovalue crosses a sample of the brick. `validCells`: in the box, all corners finite.
+/// only where the isovalue crosses a sample of the brick. `validCells`: in the box, all corners finite; `surelyWithin`:
+/// as findSurelyWithin() has it, or nothing.
 template <class Sample>
 BrickLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
-                            const BitString& validCells, const MergeBound& bound);
+                            const BitString& validCells, const MergeBound& bound, const BrickLeaves& surelyWithin);
 
 } // namespace isoslider::extract

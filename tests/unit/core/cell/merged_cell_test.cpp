@@ -144,6 +144,34 @@ TEST(MergedCell, KeepsTopologyAsItsDefinitionStates) {
     EXPECT_GT(refused, 4000);
 }
 
+// Half-spaces with some signs turned: of random ones hardly any keep their topology.
+TEST(MergedCell, AnswersForSixtyFourAsForOne) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    int kept = 0, refused = 0;
+    for (int round = 0; round < 3000; ++round) {
+        std::array<std::uint64_t, 27> words{};
+        std::array<MergedSigns, 64> cells{};
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const double a = unit(random), b = unit(random), c = unit(random), d = 2.0 * unit(random);
+            for (int p = 0; p < 27; ++p)
+                if (a * (p % 3 - 1) + b * (p / 3 % 3 - 1) + c * (p / 9 - 1) > d)
+                    cells[i] |= MergedSigns{1} << p;
+            for (unsigned turned = random() % 3; turned > 0; --turned)
+                cells[i] ^= MergedSigns{1} << random() % 27;
+            for (std::size_t p = 0; p < 27; ++p)
+                words[p] |= std::uint64_t{cells[i] >> p & 1} << i;
+        }
+        const std::uint64_t answers = keepsTopologyOf64(words);
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            ASSERT_EQ(answers >> i & 1, std::uint64_t{keepsTopology(cells[i])}) << std::hex << cells[i];
+            ++(answers >> i & 1 ? kept : refused);
+        }
+    }
+    EXPECT_GT(kept, 10000);
+    EXPECT_GT(refused, 10000);
+}
+
 TEST(MergedCell, RefusesWhatAMergerWouldLose) {
     EXPECT_FALSE(keepsTopology(MergedSigns{1} << 13)) << "a piece around the middle";
     EXPECT_FALSE(keepsTopology(kAllAbove & ~(MergedSigns{1} << 4))) << "a dent in a face";
