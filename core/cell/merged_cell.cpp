@@ -81,39 +81,24 @@ int eulerNumberOfHalves(MergedSigns s) {
     return euler;
 }
 
-// Counts bits for 64 cells at once: full adders take three bits of one weight to one of it and one of the next.
-class BitCounts {
-public:
-    void add(std::uint64_t bit) { addAt(0, bit); }
-    /// The cells that have been given `number` bits.
-    std::uint64_t equal(unsigned number) const {
-        std::uint64_t carry = 0, differs = 0;
-        for (std::size_t w = 0; w < kWeights; ++w) {
-            const std::uint64_t a = pending_[w][0], b = count_[w] > 1 ? pending_[w][1] : 0,
-                                first = count_[w] > 0 ? a : 0;
-            const std::uint64_t sum = first ^ b ^ carry;
-            carry = (first & b) | (carry & (first ^ b));
-            differs |= number >> w & 1 ? ~sum : sum;
+// The cells for which exactly `number` of the words have their bit set: full adders take three words of one weight to
+// one of it and one of the next.
+template <std::size_t Count>
+std::uint64_t areSet(std::array<std::uint64_t, Count> words, unsigned number) {
+    std::uint64_t differs = 0;
+    for (std::size_t count = Count; count > 0; number >>= 1) {
+        std::size_t carries = 0;
+        std::uint64_t sum = words[0];
+        for (std::size_t i = 1; i < count; i += 2) { // behind the last stands a zero
+            const std::uint64_t b = words[i], c = i + 1 < count ? words[i + 1] : 0, either = b ^ c;
+            words[carries++] = (b & c) | (sum & either);
+            sum ^= either;
         }
-        return ~differs;
+        differs |= number & 1 ? ~sum : sum;
+        count = carries;
     }
-
-private:
-    static constexpr std::size_t kWeights = 7; // of the 98 bits added here
-    void addAt(std::size_t weight, std::uint64_t bit) {
-        while (count_[weight] == 2) {
-            const std::uint64_t a = pending_[weight][0], b = pending_[weight][1], either = a ^ b;
-            pending_[weight][0] = either ^ bit;
-            count_[weight] = 1;
-            bit = (a & b) | (bit & either);
-            ++weight;
-        }
-        pending_[weight][count_[weight]++] = bit;
-    }
-
-    std::array<std::array<std::uint64_t, 2>, kWeights + 1> pending_{};
-    std::array<unsigned, kWeights + 1> count_{};
-};
+    return number == 0 ? ~differs : 0;
+}
 
 // Calls visit(first corner, step along u, step along v) for the squares of the given spacing.
 template <class Visit>
@@ -132,15 +117,15 @@ void forEachSquare(std::size_t step, const Visit& visit) {
 
 std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& s) {
     std::uint64_t fails = 0;
-    BitCounts counts; // vertices, loops, and the segments that are not there
-    unsigned segments = 0;
+    std::array<std::uint64_t, 54 + 36 + 8> counted; // vertices, loops, and the segments that are not there
+    std::size_t count = 0;
+    constexpr unsigned kSegments = 36;
     for (const std::size_t step : {std::size_t{1}, std::size_t{2}})
         forEachSquare(step, [&](std::size_t p, std::size_t u, std::size_t v) {
             const std::uint64_t a = s[p], b = s[p + u], c = s[p + v], d = s[p + u + v];
             fails |= ~(a ^ d) & ~(b ^ c) & (a ^ b);
             if (step == 1) {
-                counts.add(~((a | b | c | d) & ~(a & b & c & d)));
-                ++segments;
+                counted[count++] = ~((a | b | c | d) & ~(a & b & c & d));
             } else { // the middle of a face
                 const std::uint64_t m = s[p + (u + v) / 2];
                 fails |= (m ^ s[p + u / 2]) & (m ^ s[p + v / 2]) & (m ^ s[p + u + v / 2]) & (m ^ s[p + u / 2 + v]);
@@ -151,7 +136,7 @@ std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& s) {
             const auto stride = static_cast<std::size_t>(kStride[axis]);
             const std::size_t place = p / stride % 3;
             if (place < 2)
-                counts.add(s[p] ^ s[p + stride]);
+                counted[count++] = s[p] ^ s[p + stride];
             if (place == 0 && p / static_cast<std::size_t>(kStride[(axis + 1) % 3]) % 3 != 1 &&
                 p / static_cast<std::size_t>(kStride[(axis + 2) % 3]) % 3 != 1)
                 fails |= ~(s[p] ^ s[p + 2 * stride]) & (s[p] ^ s[p + stride]);
@@ -178,13 +163,13 @@ std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& s) {
     };
     fails |= ~look(0, 2); // no loop
     for (std::size_t c = 0; c < 8; ++c)
-        counts.add(look((c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2), 1));
+        counted[count++] = look((c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2), 1);
     std::uint64_t any = 0, all = ~std::uint64_t{0};
     for (const std::uint64_t sign : s) {
         any |= sign;
         all &= sign;
     }
-    return (~fails & counts.equal(segments + 1)) | ~any | all;
+    return (~fails & areSet(counted, kSegments + 1)) | ~any | all;
 }
 
 bool keepsTopology(MergedSigns s) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "core/extract/live/brick_bits.h"
 #include "core/extract/merged/merged_polygon.h"
@@ -26,6 +27,15 @@ struct BrickLeaves {
         if (level2 >> (x / 4 + 2 * (y / 4) + 4 * (z / 4)) & 1)
             return 2;
         return static_cast<int>(level1 >> (x / 2 + 4 * (y / 2) + 16 * (z / 2)) & 1);
+    }
+    /// Of the leaves that hold the cells (0, y, z) to (7, y, z), a byte each, the first in the lowest.
+    std::uint64_t levelsOfRow(int y, int z) const {
+        const auto pairs = level1 >> (4 * (y / 2) + 16 * (z / 2)) & 15, fours = std::uint64_t{level2} >> (2 * (y / 4) + 4 * (z / 4)) & 3;
+        // Each larger leaf adds one to its halves' level.
+        std::uint64_t levels = (pairs & 1) * 0x0101 + (pairs >> 1 & 1) * 0x0101'0000 +
+                               (pairs >> 2 & 1) * 0x0101'0000'0000 + (pairs >> 3) * 0x0101'0000'0000'0000;
+        levels += (fours & 1) * 0x0101'0101 + (fours >> 1) * 0x0101'0101'0000'0000;
+        return levels + std::uint64_t{level3} * 0x0101'0101'0101'0101;
     }
     friend bool operator==(const BrickLeaves&, const BrickLeaves&) = default;
 };
@@ -105,14 +115,20 @@ private:
             if (step[a] < 0 && origin[a] == 0)
                 return;
         }
+        constexpr int kIn = kCellSide - 1;
+        const BrickLeaves none;
+        const BrickLeaves& its = leaves == nullptr ? none : *leaves;
         for (int z = first[2]; z < last[2]; ++z)
-            for (int y = first[1]; y < last[1]; ++y)
-                for (int x = first[0]; x < last[0]; ++x) {
-                    constexpr int kIn = kCellSide - 1;
-                    levels_[placeOf(x, y, z)] =
-                        leaves == nullptr ? std::int8_t{0}
-                                          : static_cast<std::int8_t>(leaves->levelOf(x & kIn, y & kIn, z & kIn));
+            for (int y = first[1]; y < last[1]; ++y) {
+                std::int8_t* const row = levels_.data() + placeOf(0, y, z);
+                if (last[0] - first[0] == kCellSide) {
+                    const std::uint64_t levels = its.levelsOfRow(y & kIn, z & kIn);
+                    std::memcpy(row, &levels, sizeof levels);
+                } else {
+                    for (int x = first[0]; x < last[0]; ++x)
+                        row[x] = static_cast<std::int8_t>(its.levelOf(x & kIn, y & kIn, z & kIn));
                 }
+            }
     }
 
     const BitString* above_ = nullptr;

@@ -62,7 +62,8 @@ void BrickSource<Sample>::addBricksBeside(const LiveSurface<Live>& surface, std:
             for (const auto& [slot, before] : scratch.resettled) {
                 if (!leavesDiffer(before, leaves_[slot.index()], beside))
                     continue;
-                const auto other = slotBeside(surface, slot, step);
+                const auto other =
+                    slotBeside(surface, surface.shapes().grid().brickCoords(brickOf_[slot.index()]), step);
                 if (!other || isListed[other->index()] || !leaves_[other->index()].hasMerged())
                     continue;
                 isListed[other->index()] = true;
@@ -72,10 +73,9 @@ void BrickSource<Sample>::addBricksBeside(const LiveSurface<Live>& surface, std:
 }
 
 template <class Sample>
-std::optional<BrickSlot> BrickSource<Sample>::slotBeside(const LiveSurface<Live>& surface, BrickSlot slot,
-                                                         const BrickStep& step) const {
+std::optional<BrickSlot> BrickSource<Sample>::slotBeside(const LiveSurface<Live>& surface,
+                                                         std::array<std::int64_t, 3> at, const BrickStep& step) const {
     const BrickGrid& grid = surface.shapes().grid();
-    auto at = grid.brickCoords(brickOf_[slot.index()]);
     for (std::size_t a = 0; a < 3; ++a) {
         at[a] += step[a];
         if (at[a] < 0 || at[a] >= grid.bricks()[a])
@@ -95,10 +95,11 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
     draft.ownedEdges = scratch.found.ownedEdges;
     draft.merged.clear();
     if (const BrickLeaves& leaves = leaves_[job.slot.index()]; leaves.hasMerged()) {
+        const auto coords = surface.shapes().grid().brickCoords(brickOf_[job.slot.index()]);
         const auto leavesAt = [&](const BrickStep& step) -> const BrickLeaves* {
             if (step == BrickStep{0, 0, 0})
                 return &leaves;
-            const auto other = slotBeside(surface, job.slot, step);
+            const auto other = slotBeside(surface, coords, step);
             return other ? &leaves_[other->index()] : nullptr;
         };
         scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brickOf_[job.slot.index()]),
