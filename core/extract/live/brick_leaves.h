@@ -97,8 +97,18 @@ public:
         forEachBrickStep([&](const BrickStep& step) { fillFrom(step, leavesAt(step), origin, end); });
     }
 
-    int levelAt(const GridPlace& cell) const { return levels_[placeOf(cell[0], cell[1], cell[2])]; }
-    bool isAboveAt(const GridPlace& point) const { return above_->test(closedPoint(point[0], point[1], point[2])); }
+    // As MergedPolygon asks for them: points as in the brick, cells by their places here.
+    static std::int64_t pointStride(std::size_t axis) { return kPointStride[axis]; }
+    static std::int64_t cellStride(std::size_t axis) { return axis == 0 ? 1 : axis == 1 ? kSide : kSide * kSide; }
+    static std::array<std::int32_t, 3> coordsOf(std::int64_t point) {
+        return extract::coordsOf(ClosedPoint(static_cast<int>(point)));
+    }
+    static std::int64_t cellAt(std::int64_t point) {
+        const auto c = coordsOf(point);
+        return static_cast<std::int64_t>(placeOf(c[0], c[1], c[2]));
+    }
+    bool isAboveAt(std::int64_t point) const { return above_->test(ClosedPoint(static_cast<int>(point))); }
+    int levelAt(std::int64_t cell) const { return levels_[static_cast<std::size_t>(cell)]; }
 
 private:
     static constexpr int kSide = kCellSide + 2;

@@ -77,7 +77,8 @@ void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, Ac
         crossed = crossed != 0;
     for (; crossed != 0; crossed &= crossed - 1) {
         const int i = std::countr_zero(crossed), x = 2 * (i % 4), y = 2 * (i / 4 % 4), z = 2 * (i / 16);
-        add({{x, y, z}, leaves.levelOf(x, y, z)}, around);
+        const std::int64_t first = closedPoint(x, y, z).number();
+        add({first, LeavesAround::cellAt(first), leaves.levelOf(x, y, z)}, around);
     }
     std::array<BitString, 3> vertices;
     edgesOfCells(active.cells, vertices);
@@ -91,8 +92,8 @@ void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, Ac
 void MergedCells::add(const LeafCell& leaf, const LeavesAround& around) {
     polygon_.make(around, leaf);
     const auto first = static_cast<std::uint32_t>(corners_.size());
-    for (const GridEdge& edge : polygon_.corners())
-        corners_.push_back({closedEdge(edge.axis, closedPoint(edge.start[0], edge.start[1], edge.start[2])),
+    for (const std::int64_t edge : polygon_.corners())
+        corners_.push_back({closedEdge(static_cast<int>(edge & 3), ClosedPoint(static_cast<int>(edge >> 2))),
                             static_cast<std::uint16_t>(smallestLevelAt(around, edge))});
     const std::size_t before = triangles_.size();
     for (const auto& triangle : polygon_.triangles())
@@ -105,8 +106,7 @@ void MergedCells::add(const LeafCell& leaf, const LeavesAround& around) {
             triangles_.insert(triangles_.end(), {first + i, first + (i + 1) % count, kCentre + centres_});
         ++centres_;
     }
-    leaves_.push_back({closedPoint(leaf.origin[0], leaf.origin[1], leaf.origin[2]),
-                       static_cast<std::uint8_t>(leaf.level), hasCentre,
+    leaves_.push_back({ClosedPoint(static_cast<int>(leaf.point)), static_cast<std::uint8_t>(leaf.level), hasCentre,
                        static_cast<std::uint16_t>(triangles_.size() - before)});
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/cell/merged_cell.h"
 #include "core/extract/merged/merged_interpolant.h"
+#include "core/extract/merged/merged_polygon.h"
 #include "core/grid/classification.h"
 #include "core/grid/scalar_type.h"
 
@@ -98,7 +99,8 @@ LeafLevels LeafLevels::find(const SampleView<Sample>& view, double isovalue, con
     LeafLevels found;
     for (std::size_t a = 0; a < 3; ++a)
         found.cells_[a] = view.dims[a] - 1;
-    found.levels_.assign(static_cast<std::size_t>(pointCount(found.cells_)), 0);
+    found.levels_.assign(static_cast<std::size_t>(found.stride(2) * (found.cells_[2] + 2)), kNoLevel);
+    found.raise({0, 0, 0}, found.cells_, 0);
     if (!(bound.limit > 0.0))
         return found;
     const Finder<Sample> finder(view, isovalue, bound);
@@ -127,7 +129,7 @@ LeafLevels LeafLevels::find(const SampleView<Sample>& view, double isovalue, con
                     const Use use = finder.useOfMerged(origin, level, halves);
                     next[static_cast<std::size_t>(x + dims[0] * (y + dims[1] * z))] = use;
                     if (use != kUnusable)
-                        found.raise(origin, level);
+                        found.raise(origin, {1 << level, 1 << level, 1 << level}, level);
                 }
         });
         uses = std::move(next);
@@ -136,12 +138,11 @@ LeafLevels LeafLevels::find(const SampleView<Sample>& view, double isovalue, con
     return found;
 }
 
-void LeafLevels::raise(const std::array<std::int64_t, 3>& origin, int level) {
-    const std::int64_t side = std::int64_t{1} << level;
-    for (std::int64_t z = origin[2]; z < origin[2] + side; ++z)
-        for (std::int64_t y = origin[1]; y < origin[1] + side; ++y)
-            std::fill_n(levels_.begin() + origin[0] + cells_[0] * (y + cells_[1] * z), side,
-                        static_cast<std::uint8_t>(level));
+void LeafLevels::raise(const std::array<std::int64_t, 3>& origin, const GridDims& sides, int level) {
+    for (std::int64_t z = 0; z < sides[2]; ++z)
+        for (std::int64_t y = 0; y < sides[1]; ++y)
+            std::fill_n(levels_.begin() + placeOf(origin[0], origin[1] + y, origin[2] + z), sides[0],
+                        static_cast<std::int8_t>(level));
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \

@@ -18,9 +18,15 @@ namespace isoslider::extract {
 class LeafLevels {
 public:
     /// The level of the leaf that holds the grid's cell (x, y, z).
-    int level(std::int64_t x, std::int64_t y, std::int64_t z) const {
-        return levels_[static_cast<std::size_t>(x + cells_[0] * (y + cells_[1] * z))];
+    int level(std::int64_t x, std::int64_t y, std::int64_t z) const { return levelAt(placeOf(x, y, z)); }
+    /// Cells by their places in the table, which has a layer of cells outside the box around it: those have kNoLevel.
+    std::int64_t placeOf(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        return (x + 1) + stride(1) * (y + 1) + stride(2) * (z + 1);
     }
+    std::int64_t stride(std::size_t axis) const {
+        return axis == 0 ? 1 : axis == 1 ? cells_[0] + 2 : (cells_[0] + 2) * (cells_[1] + 2);
+    }
+    int levelAt(std::int64_t place) const { return levels_[static_cast<std::size_t>(place)]; }
     const GridDims& cells() const { return cells_; }
 
     /// O(cells), and the active edges once for each level. One byte a cell, two until it is done. All threads. Ends
@@ -31,10 +37,10 @@ public:
                            int maxLevel = kMaxMergeLevel, const JobControl& job = {});
 
 private:
-    void raise(const std::array<std::int64_t, 3>& origin, int level);
+    void raise(const std::array<std::int64_t, 3>& origin, const GridDims& sides, int level);
 
     GridDims cells_{0, 0, 0};
-    std::vector<std::uint8_t> levels_;
+    std::vector<std::int8_t> levels_;
 };
 
 } // namespace isoslider::extract

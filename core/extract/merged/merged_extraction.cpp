@@ -83,15 +83,9 @@ private:
     EdgeId edgeIdOf(const Place& start, int axis) const {
         return 4 * static_cast<EdgeId>(view_.offset(start[0], start[1], start[2])) + static_cast<EdgeId>(axis);
     }
-    EdgeId edgeIdOf(const GridEdge& edge) const {
-        return edgeIdOf({edge.start[0], edge.start[1], edge.start[2]}, edge.axis);
-    }
-    GridEdge edgeOf(EdgeId id) const {
-        const auto point = static_cast<std::int64_t>(id / 4);
+    Place placeOf(std::int64_t point) const {
         const GridDims& dims = view_.dims;
-        return {{static_cast<std::int32_t>(point % dims[0]), static_cast<std::int32_t>(point / dims[0] % dims[1]),
-                 static_cast<std::int32_t>(point / (dims[0] * dims[1]))},
-                static_cast<int>(id % 4)};
+        return {point % dims[0], point / dims[0] % dims[1], point / (dims[0] * dims[1])};
     }
 
     // --- leaves --------------------------------------------------------------------------------------
@@ -104,20 +98,17 @@ private:
                     const int level = leaves_.level(x, y, z);
                     const std::int64_t inside = (std::int64_t{1} << level) - 1;
                     if ((x & inside) == 0 && (y & inside) == 0 && (z & inside) == 0)
-                        extractLeaf(
-                            {{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)},
-                             level},
-                            layer);
+                        extractLeaf({x, y, z}, level, layer);
                 }
     }
 
-    void extractLeaf(const LeafCell& leaf, Layer& layer) const {
-        const std::int64_t side = leaf.side();
+    void extractLeaf(const Place& origin, int level, Layer& layer) const {
+        const std::int64_t side = std::int64_t{1} << level;
         unsigned signs = 0;
         cell::CornerScalars scalars;
         for (std::int64_t c = 0; c < 8; ++c) {
-            const Sample sample = sampleAt({leaf.origin[0] + side * (c & 1), leaf.origin[1] + side * (c >> 1 & 1),
-                                            leaf.origin[2] + side * (c >> 2)});
+            const Sample sample =
+                sampleAt({origin[0] + side * (c & 1), origin[1] + side * (c >> 1 & 1), origin[2] + side * (c >> 2)});
             if (isMissing(sample))
                 return;
             signs |= static_cast<unsigned>(isAbove(sample, isovalue_)) << c;
@@ -125,12 +116,11 @@ private:
         }
         if (signs == 0 || signs == 255)
             return;
-        ++layer.activeLeaves[static_cast<std::size_t>(leaf.level)];
-        if (leaf.level == 0)
-            extractCell({leaf.origin[0], leaf.origin[1], leaf.origin[2]}, static_cast<std::uint8_t>(signs), scalars,
-                        layer);
+        ++layer.activeLeaves[static_cast<std::size_t>(level)];
+        if (level == 0)
+            extractCell(origin, static_cast<std::uint8_t>(signs), scalars, layer);
         else
-            extractMergedCell(leaf, layer);
+            extractMergedCell(origin, level, layer);
     }
 
     void extractCell(const Place& origin, std::uint8_t signs, const cell::CornerScalars& scalars, Layer& layer) const {
@@ -168,60 +158,61 @@ private:
 
     // What polygons and vertices ask of the leaves.
     struct Leaves {
-        const MergedExtractor& extractor;
-        int levelAt(const GridPlace& cell) const {
-            const GridDims& cells = extractor.leaves_.cells();
-            for (std::size_t a = 0; a < 3; ++a)
-                if (cell[a] < 0 || cell[a] >= cells[a])
-                    return kNoLevel;
-            return extractor.leaves_.level(cell[0], cell[1], cell[2]);
+        const MergedExtractor& of;
+        std::int64_t pointStride(std::size_t axis) const { return of.view_.stride(static_cast<int>(axis)); }
+        std::int64_t cellStride(std::size_t axis) const { return of.leaves_.stride(axis); }
+        std::array<std::int32_t, 3> coordsOf(std::int64_t point) const {
+            const Place p = of.placeOf(point);
+            return {static_cast<std::int32_t>(p[0]), static_cast<std::int32_t>(p[1]), static_cast<std::int32_t>(p[2])};
         }
-        bool isAboveAt(const GridPlace& p) const {
-            return isAbove(extractor.sampleAt({p[0], p[1], p[2]}), extractor.isovalue_);
+        std::int64_t cellAt(std::int64_t point) const {
+            const Place p = of.placeOf(point);
+            return of.leaves_.placeOf(p[0], p[1], p[2]);
         }
+        bool isAboveAt(std::int64_t point) const { return isAbove(of.view_.samples[point], of.isovalue_); }
+        int levelAt(std::int64_t cell) const { return of.leaves_.levelAt(cell); }
     };
 
-    void extractMergedCell(const LeafCell& leaf, Layer& layer) const {
-        const Leaves leaves{*this};
+    void extractMergedCell(const Place& origin, int level, Layer& layer) const {
         thread_local MergedPolygon<Leaves> polygon;
-        polygon.make(leaves, leaf);
+        polygon.make(Leaves{*this}, {view_.offset(origin[0], origin[1], origin[2]),
+                                     leaves_.placeOf(origin[0], origin[1], origin[2]), level});
         const auto corners = polygon.corners();
         for (const auto& triangle : polygon.triangles())
             for (const std::uint32_t corner : triangle)
-                layer.corners.push_back(edgeIdOf(corners[corner]));
+                layer.corners.push_back(static_cast<EdgeId>(corners[corner]));
         if (polygon.triangles().empty())
-            spanFromCentre(leaf, corners, layer);
+            spanFromCentre(origin, level, corners, layer);
     }
 
-    void spanFromCentre(const LeafCell& leaf, std::span<const GridEdge> loop, Layer& layer) const {
+    void spanFromCentre(const Place& origin, int level, std::span<const std::int64_t> loop, Layer& layer) const {
         std::vector<glm::vec3> positions, normals;
         for (std::size_t i = 0; i < loop.size(); ++i) {
-            const Vertex vertex = vertexOn(edgeIdOf(loop[i]));
+            const auto edge = static_cast<EdgeId>(loop[i]);
+            const Vertex vertex = vertexOn(edge);
             positions.push_back(vertex.position);
             normals.push_back(vertex.normal);
-            layer.corners.insert(layer.corners.end(), {edgeIdOf(loop[i]), edgeIdOf(loop[(i + 1) % loop.size()]),
+            layer.corners.insert(layer.corners.end(), {edge, static_cast<EdgeId>(loop[(i + 1) % loop.size()]),
                                                        kInner + layer.inner.size()});
         }
-        const std::array<std::int64_t, 3> origin{leaf.origin[0], leaf.origin[1], leaf.origin[2]};
-        const InnerVertex centre = placeLoopCentre(positions, normals, origin, leaf.side());
+        const InnerVertex centre = placeLoopCentre(positions, normals, origin, 1 << level);
         layer.inner.push_back({positionOf(centre, origin), decodeNormal(centre.normal)});
     }
 
     // --- vertices --------------------------------------------------------------------------------------
 
     Vertex vertexOn(EdgeId id) const {
-        const GridEdge edge = edgeOf(id);
-        const auto a = static_cast<std::size_t>(edge.axis);
-        const int level = smallestLevelAt(Leaves{*this}, edge);
-        const GridPlace start = leafEdgeStart(edge, level);
-        const Place lower{start[0], start[1], start[2]};
+        const Leaves leaves{*this};
+        const auto edge = static_cast<std::int64_t>(id);
+        const int axis = static_cast<int>(id % 4), level = smallestLevelAt(leaves, edge);
+        const Place lower = placeOf(leafEdgeStart(leaves, edge, level));
         Place upper = lower;
-        upper[a] += std::int64_t{1} << level;
+        upper[id % 4] += std::int64_t{1} << level;
         const Live s1 = static_cast<Live>(sampleAt(lower)), s2 = static_cast<Live>(sampleAt(upper));
         const float t = static_cast<float>(edgeFraction<Live>(s1, s2, static_cast<Live>(isovalue_)));
         glm::vec3 position(static_cast<float>(lower[0]), static_cast<float>(lower[1]), static_cast<float>(lower[2]));
-        position[edge.axis] += t * static_cast<float>(std::int64_t{1} << level);
-        return {position, edgeNormal(normalAt(lower), normalAt(upper), t, edge.axis, s1 < s2)};
+        position[axis] += t * static_cast<float>(std::int64_t{1} << level);
+        return {position, edgeNormal(normalAt(lower), normalAt(upper), t, axis, s1 < s2)};
     }
 
     NormalCode normalAt(const Place& p) const {

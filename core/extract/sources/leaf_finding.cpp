@@ -90,6 +90,12 @@ void reduceCells(const BitString& valid, const BitString& active, UnsetBits& all
     }
 }
 
+// A cell of side 2^level by its first cell.
+struct MergedCell {
+    std::array<int, 3> origin;
+    int level;
+};
+
 template <class Sample>
 class BoundCheck {
 public:
@@ -97,8 +103,8 @@ public:
         : samples_(samples), active_(active), bound_(bound) {}
 
     // Of each active edge in the cell.
-    bool isWithin(const LeafCell& cell) const {
-        const int side = cell.side();
+    bool isWithin(const MergedCell& cell) const {
+        const int side = 1 << cell.level;
         const auto [x0, y0, z0] = cell.origin;
         cell::CornerScalars corners;
         for (std::size_t c = 0; c < 8; ++c)
