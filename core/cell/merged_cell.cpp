@@ -131,16 +131,19 @@ std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& s) {
                 fails |= (m ^ s[p + u / 2]) & (m ^ s[p + v / 2]) & (m ^ s[p + u + v / 2]) & (m ^ s[p + u / 2 + v]);
             }
         });
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        for (std::size_t p = 0; p < 27; ++p) {
-            const auto stride = static_cast<std::size_t>(kStride[axis]);
-            const std::size_t place = p / stride % 3;
-            if (place < 2)
-                counted[count++] = s[p] ^ s[p + stride];
-            if (place == 0 && p / static_cast<std::size_t>(kStride[(axis + 1) % 3]) % 3 != 1 &&
-                p / static_cast<std::size_t>(kStride[(axis + 2) % 3]) % 3 != 1)
-                fails |= ~(s[p] ^ s[p + 2 * stride]) & (s[p] ^ s[p + stride]);
-        }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto along = static_cast<std::size_t>(kStride[axis]), u = static_cast<std::size_t>(kStride[(axis + 1) % 3]),
+                   v = static_cast<std::size_t>(kStride[(axis + 2) % 3]);
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) {
+                const std::size_t p = i * u + j * v;
+                const std::uint64_t first = s[p] ^ s[p + along], second = s[p + along] ^ s[p + 2 * along];
+                counted[count++] = first;
+                counted[count++] = second;
+                if (i != 1 && j != 1) // an edge of the cell
+                    fails |= first & second;
+            }
+    }
     // Without ambiguous faces, a cell has two loops when two opposite corners differ from the six others.
     const auto look = [&](std::size_t first, std::size_t step) {
         std::array<std::uint64_t, 8> corners;
