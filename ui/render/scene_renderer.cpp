@@ -279,7 +279,12 @@ void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, co
     program.setUniformValue("backColour", toQt(colours_.back));
     program.setUniformValue("highlightColour", QVector4D());
     program.setUniformValue("perspective", isPerspective ? 1.0f : 0.0f);
+    if (options.showsEdges) { // lines in the triangles' own planes need room behind them
+        gl.glEnable(GL_POLYGON_OFFSET_FILL);
+        gl.glPolygonOffset(1.0f, 1.0f);
+    }
     isOfBricks ? bricks.drawSurface(matrices.modelToClip) : arrays.drawSurface();
+    gl.glDisable(GL_POLYGON_OFFSET_FILL);
     if (options.showsChanged && hasFewChanges()) {
         program.setUniformValue("highlightColour", toQt(colours_.highlight));
         gl.glEnable(GL_POLYGON_OFFSET_FILL);

@@ -36,7 +36,8 @@ std::size_t DetailModel::nearestChoice(const extract::MergeError& error) {
 std::string DetailModel::text(const extract::MergeError& error) {
     if (!(error.amount > 0.0))
         return "none";
-    return valueText(error.amount, 3) + (error.measure == Measure::Distance ? " cells" : " %");
+    const char* const unit = error.measure == Measure::Scalar ? " %" : error.amount == 1.0 ? " cell" : " cells";
+    return valueText(error.amount, 3) + unit;
 }
 
 } // namespace isoslider::model
