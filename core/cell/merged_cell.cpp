@@ -132,7 +132,8 @@ std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& s) {
             }
         });
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto along = static_cast<std::size_t>(kStride[axis]), u = static_cast<std::size_t>(kStride[(axis + 1) % 3]),
+        const auto along = static_cast<std::size_t>(kStride[axis]),
+                   u = static_cast<std::size_t>(kStride[(axis + 1) % 3]),
                    v = static_cast<std::size_t>(kStride[(axis + 2) % 3]);
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t j = 0; j < 3; ++j) {

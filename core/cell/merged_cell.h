@@ -16,8 +16,8 @@ inline constexpr MergedSigns kAllAbove = (MergedSigns{1} << 27) - 1;
 /// PAPER 2.2: the restrictions on mergers. DEVIATION: monotone edges alone would allow handles and pieces to vanish.
 bool keepsTopology(MergedSigns signs);
 
-/// The same for 64 cells at once: bit i of word x + 3 y + 9 z is that sign of cell i, bit i of the answer is its answer.
-/// As many operations as for one cell.
+/// The same for 64 cells at once: bit i of word x + 3 y + 9 z is that sign of cell i, bit i of the answer is its
+/// answer. As many operations as for one cell.
 std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& signs);
 
 } // namespace isoslider::cell

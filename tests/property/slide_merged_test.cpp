@@ -1,5 +1,7 @@
 // Sliding with merged cells is extracting with them: at every isovalue, from wherever, and after the bound was changed.
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "core/extract/merged/merged_extraction.h"
@@ -31,7 +33,7 @@ std::vector<test::Way> mergingWays(const std::shared_ptr<const ScalarGrid>& grid
 }
 
 struct Merges {
-    std::uint64_t leaves = 0, levels = 0, centres = 0;
+    std::uint64_t leaves = 0, levels = 0;
 };
 
 void expectMerged(std::vector<test::Way>& ways, const ScalarGrid& grid, double isovalue, const MergeBound& bound,
@@ -82,6 +84,33 @@ TEST(SlideMerged, IsExtractMergedOnRandomWalks) {
     EXPECT_GT(seen.leaves, 10000u);
     EXPECT_EQ(seen.levels, 0b1110u);
 }
+
+template <class Sample>
+void stepThroughEveryValue(ScalarType type) {
+    GridGeometry geometry;
+    geometry.dims = {26, 33, 17};
+    const auto grid = test::makeVolume<Sample>(type, geometry, [](std::int64_t x, std::int64_t y, std::int64_t z) {
+        const auto wave = [](double i, double period) { return std::sin(6.2831853 * i / period); };
+        const double smooth = 3.0 + wave(static_cast<double>(x), 31.0) +
+                              wave(static_cast<double>(y), 27.0) * wave(static_cast<double>(z), 23.0);
+        const bool isRough = x / 8 == 1 && y / 8 != 2; // bricks beside bricks whose leaves are of other sizes
+        return std::floor(20.0 * smooth + (isRough ? 3.0 * wave(static_cast<double>(x + y * z), 2.7) : 0.0));
+    });
+    const test::TemporaryFolder folder;
+    std::vector<test::Way> ways = mergingWays(grid, folder / "");
+    Merges seen;
+    for (const MergeBound& bound : {MergeBound{Measure::Scalar, 1.5}, MergeBound{Measure::Distance, 0.4}}) {
+        for (int value = 15; value <= 105 && !testing::Test::HasFatalFailure(); ++value)
+            expectMerged(ways, *grid, value, bound, seen);
+        for (int value = 105; value >= 15 && !testing::Test::HasFatalFailure(); --value)
+            expectMerged(ways, *grid, value - 0.5, bound, seen);
+    }
+    EXPECT_EQ(seen.levels, 0b1110u);
+}
+
+TEST(SlideMerged, IsExtractMergedAtEveryValueOfShortIntegers) { stepThroughEveryValue<std::uint16_t>(ScalarType::U16); }
+TEST(SlideMerged, IsExtractMergedAtEveryValueOfLongIntegers) { stepThroughEveryValue<std::int32_t>(ScalarType::I32); }
+TEST(SlideMerged, IsExtractMergedAtEveryValueOfDoubles) { stepThroughEveryValue<double>(ScalarType::F64); }
 
 } // namespace
 } // namespace isoslider::extract

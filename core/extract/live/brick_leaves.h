@@ -30,7 +30,8 @@ struct BrickLeaves {
     }
     /// Of the leaves that hold the cells (0, y, z) to (7, y, z), a byte each, the first in the lowest.
     std::uint64_t levelsOfRow(int y, int z) const {
-        const auto pairs = level1 >> (4 * (y / 2) + 16 * (z / 2)) & 15, fours = std::uint64_t{level2} >> (2 * (y / 4) + 4 * (z / 4)) & 3;
+        const auto pairs = level1 >> (4 * (y / 2) + 16 * (z / 2)) & 15,
+                   fours = std::uint64_t{level2} >> (2 * (y / 4) + 4 * (z / 4)) & 3;
         // Each larger leaf adds one to its halves' level.
         std::uint64_t levels = (pairs & 1) * 0x0101 + (pairs >> 1 & 1) * 0x0101'0000 +
                                (pairs >> 2 & 1) * 0x0101'0000'0000 + (pairs >> 3) * 0x0101'0000'0000'0000;

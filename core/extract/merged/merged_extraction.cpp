@@ -192,8 +192,8 @@ private:
             const Vertex vertex = vertexOn(edge);
             positions.push_back(vertex.position);
             normals.push_back(vertex.normal);
-            layer.corners.insert(layer.corners.end(), {edge, static_cast<EdgeId>(loop[(i + 1) % loop.size()]),
-                                                       kInner + layer.inner.size()});
+            layer.corners.insert(layer.corners.end(),
+                                 {edge, static_cast<EdgeId>(loop[(i + 1) % loop.size()]), kInner + layer.inner.size()});
         }
         const InnerVertex centre = placeLoopCentre(positions, normals, origin, 1 << level);
         layer.inner.push_back({positionOf(centre, origin), decodeNormal(centre.normal)});

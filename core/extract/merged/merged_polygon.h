@@ -22,8 +22,8 @@ namespace isoslider::extract {
 //  bool isAboveAt(point)
 //  int levelAt(cell)                             of the leaf that holds it; kNoLevel one step outside the box
 //
-// Points ascend along z, y, x. An edge of the grid is 4 * its lower point + its axis: the name of the vertex on the leaf
-// edges that contain it, while it is active.
+// Points ascend along z, y, x. An edge of the grid is 4 * its lower point + its axis: the name of the vertex on the
+// leaf edges that contain it, while it is active.
 
 /// The level that stands for "no cell is there".
 inline constexpr int kNoLevel = -1;
@@ -44,8 +44,8 @@ int smallestLevelAt(const Leaves& leaves, std::int64_t edge) {
     // A leaf beside has the edge on one of its own, not within a face, if both coordinates are multiples of its side.
     int smallest = std::countr_zero(static_cast<std::uint32_t>(start[u] | start[v]));
     const std::int64_t cell = leaves.cellAt(edge >> 2);
-    for (const std::int64_t beside :
-         {cell, cell - leaves.cellStride(u), cell - leaves.cellStride(v), cell - leaves.cellStride(u) - leaves.cellStride(v)})
+    for (const std::int64_t beside : {cell, cell - leaves.cellStride(u), cell - leaves.cellStride(v),
+                                      cell - leaves.cellStride(u) - leaves.cellStride(v)})
         if (const int level = leaves.levelAt(beside); level != kNoLevel && level < smallest)
             smallest = level;
     return smallest;

@@ -33,14 +33,19 @@ bool BrickSource<Sample>::settle(const Move& move, LiveSurface<Live>& surface, c
         take(brick, surface.brick(job.slot).isNearMissing, kept, scratch);
     }
     classifyFor(move, surface, job, kept, scratch);
-    BrickLeaves& surely = surelyWithin_[job.slot.index()];
-    if (job.isNew || hasNewBound_)
+    BrickLeaves &leaves = leaves_[job.slot.index()], &surely = surelyWithin_[job.slot.index()];
+    const BitString& validCells = surface.masks(job.slot).cells;
+    BrickLeaves found;
+    if (job.isNew || hasNewBound_) {
         surely = findSurelyWithin<Sample>(kept.samples, bound_);
-    const BrickLeaves found = findBrickLeaves<Sample>(kept.samples, scratch.found.above, scratch.found.active,
-                                                      surface.masks(job.slot).cells, bound_, surely);
+        found = findBrickLeaves<Sample>(kept.samples, scratch.found.above, scratch.found.active, validCells, bound_,
+                                        surely);
+    } else {
+        found = updateBrickLeaves<Sample>(leaves, scratch.found.changed, kept.samples, scratch.found.above,
+                                          scratch.found.active, validCells, bound_, surely);
+    }
     if (!completeNormals(surface, job, found.hasMerged(), kept, scratch))
         return false;
-    BrickLeaves& leaves = leaves_[job.slot.index()];
     if (!job.isNew && found != leaves)
         scratch.resettled.emplace_back(job.slot, leaves);
     leaves = found;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <type_traits>
 
@@ -63,32 +64,27 @@ void gatherSignsOfLarger(const BitString& above, SignWords& signs) {
         const int sx = p % 3, sy = p / 3 % 3, sz = p / 9;
         std::uint64_t word = std::uint64_t{above.test(closedPoint(4 * sx, 4 * sy, 4 * sz))} << 8;
         for (int i = 0; i < 8; ++i)
-            word |= std::uint64_t{above.test(closedPoint(4 * (i & 1) + 2 * sx, 4 * (i >> 1 & 1) + 2 * sy,
-                                                         4 * (i >> 2) + 2 * sz))}
+            word |= std::uint64_t{above.test(
+                        closedPoint(4 * (i & 1) + 2 * sx, 4 * (i >> 1 & 1) + 2 * sy, 4 * (i >> 2) + 2 * sz))}
                     << i;
         signs[static_cast<std::size_t>(p)] = word;
     }
 }
 
-// Cells of side 2 by their first cell: whether all of their eight cells are in the string, or any.
-void reduceCells(const BitString& valid, const BitString& active, UnsetBits& allValid, UnsetBits& anyActive) {
-    UnsetBits validX, validXy, activeX, activeXy;
-    for (int i = 0; i < kBitWords; ++i) {
-        const auto w = static_cast<std::size_t>(i);
-        validX.words[w] = valid.words[w] & shiftedDown<1>(valid, i);
-        activeX.words[w] = active.words[w] | shiftedDown<1>(active, i);
-    }
-    for (int i = 0; i < kBitWords; ++i) {
-        const auto w = static_cast<std::size_t>(i);
-        validXy.words[w] = validX.words[w] & shiftedDown<9>(validX, i);
-        activeXy.words[w] = activeX.words[w] | shiftedDown<9>(activeX, i);
-    }
-    for (int i = 0; i < kBitWords; ++i) {
-        const auto w = static_cast<std::size_t>(i);
-        allValid.words[w] = validXy.words[w] & shiftedDown<81>(validXy, i);
-        anyActive.words[w] = activeXy.words[w] | shiftedDown<81>(activeXy, i);
-    }
+// For each cell of side 2 what its eight cells combine to: bit x + 4 y + 16 z.
+template <class Combine>
+std::uint64_t combineEight(const BitString& cells, const Combine& combine) {
+    UnsetBits x, xy, all;
+    for (std::size_t w = 0; w < kBitWords; ++w)
+        x.words[w] = combine(cells.words[w], shiftedDown<1>(cells, static_cast<int>(w)));
+    for (std::size_t w = 0; w < kBitWords; ++w)
+        xy.words[w] = combine(x.words[w], shiftedDown<9>(x, static_cast<int>(w)));
+    for (std::size_t w = 0; w < kBitWords; ++w)
+        all.words[w] = combine(xy.words[w], shiftedDown<81>(xy, static_cast<int>(w)));
+    return firstCells(all);
 }
+std::uint64_t allOfEight(const BitString& cells) { return combineEight(cells, std::bit_and<>()); }
+std::uint64_t anyOfEight(const BitString& cells) { return combineEight(cells, std::bit_or<>()); }
 
 // A cell of side 2^level by its first cell.
 struct MergedCell {
@@ -262,56 +258,80 @@ BrickLeaves findSurelyWithin(const StoredSample<Sample>* samples, const MergeBou
     return within;
 }
 
+// Bits x + 4 y + 16 z of the eight parts of a cell of side 4.
+constexpr std::uint64_t partsOf(int half) {
+    return std::uint64_t{0x330033} << (2 * (half & 1) + 8 * (half >> 1 & 1) + 32 * (half >> 2));
+}
+
+// Cells of side 4 for whose parts a condition holds.
+template <class Condition>
+unsigned halvesWhere(const Condition& holds) {
+    unsigned halves = 0;
+    for (int i = 0; i < 8; ++i)
+        halves |= unsigned{holds(partsOf(i))} << i;
+    return halves;
+}
+
 template <class Sample>
 BrickLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
                             const BitString& validCells, const MergeBound& bound, const BrickLeaves& surelyWithin) {
-    UnsetBits allValid, anyActive;
-    reduceCells(validCells, active.cells, allValid, anyActive);
-    const std::uint64_t valid = firstCells(allValid), crossed = firstCells(anyActive);
+    BitString all;
+    all.words.fill(~std::uint64_t{0});
+    return updateBrickLeaves<Sample>({}, all, samples, above, active, validCells, bound, surelyWithin);
+}
+
+template <class Sample>
+BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& changed, const StoredSample<Sample>* samples,
+                              const BitString& above, const ActiveBits& active, const BitString& validCells,
+                              const MergeBound& bound, const BrickLeaves& surelyWithin) {
+    const std::uint64_t touched = anyOfEight(changed);
+    if (touched == 0)
+        return before;
+    const std::uint64_t valid = allOfEight(validCells), crossed = anyOfEight(active.cells);
     SignWords signs;
     gatherSigns(above, signs);
     const BoundCheck<Sample> check(samples, active, bound);
 
     BrickLeaves leaves;
-    const std::uint64_t kept = valid & crossed & cell::keepsTopologyOf64(signs);
-    leaves.level1 = (valid & ~crossed) | (kept & surelyWithin.level1);
+    const std::uint64_t kept = touched & valid & crossed & cell::keepsTopologyOf64(signs);
+    leaves.level1 = (before.level1 & ~touched) | (touched & valid & ~crossed) | (kept & surelyWithin.level1);
     for (std::uint64_t open = kept & ~surelyWithin.level1; open != 0; open &= open - 1) {
         const int i = std::countr_zero(open);
         if (check.isWithin({{2 * (i % 4), 2 * (i / 4 % 4), 2 * (i / 16)}, 1}))
             leaves.level1 |= std::uint64_t{1} << i;
     }
-    // Bits x + 4 y + 16 z of a half's eight parts.
-    constexpr std::uint64_t kParts = 0x330033;
-    const auto partsOf = [](int i) { return kParts << (2 * (i & 1) + 8 * (i >> 1 & 1) + 32 * (i >> 2)); };
-    unsigned whole = 0, crossedHalves = 0; // cells of side 4 all of whose parts are usable; those with both signs
-    for (int i = 0; i < 8; ++i) {
-        whole |= unsigned{(leaves.level1 & partsOf(i)) == partsOf(i)} << i;
-        crossedHalves |= unsigned{(crossed & partsOf(i)) != 0} << i;
-    }
+    const unsigned whole = halvesWhere([&](std::uint64_t parts) { return (leaves.level1 & parts) == parts; });
     if (whole == 0)
         return leaves;
+    const unsigned crossedHalves = halvesWhere([&](std::uint64_t parts) { return (crossed & parts) != 0; }),
+                   touchedHalves = halvesWhere([&](std::uint64_t parts) { return (touched & parts) != 0; });
     std::uint64_t keptLarger = 0;
     if ((whole & crossedHalves) != 0) {
         gatherSignsOfLarger(above, signs);
         keptLarger = cell::keepsTopologyOf64(signs);
     }
-    for (unsigned open = whole; open != 0; open &= open - 1) {
-        const int i = std::countr_zero(open);
-        const bool isUsable =
-            (crossedHalves >> i & 1) == 0 ||
-            ((keptLarger >> i & 1) != 0 && ((surelyWithin.level2 >> i & 1) != 0 ||
-                                            check.isWithin({{4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2)}, 2})));
-        leaves.level2 = static_cast<std::uint8_t>(leaves.level2 | unsigned{isUsable} << i);
-    }
-    leaves.level3 = leaves.level2 == 0xff &&
-                    (crossed == 0 || ((keptLarger >> 8 & 1) != 0 &&
-                                      (surelyWithin.level3 || check.isWithin({{0, 0, 0}, 3}))));
+    const auto isUsable = [&](int i) {
+        if ((touchedHalves >> i & 1) == 0)
+            return (before.level2 >> i & 1) != 0;
+        return (crossedHalves >> i & 1) == 0 ||
+               ((keptLarger >> i & 1) != 0 && ((surelyWithin.level2 >> i & 1) != 0 ||
+                                               check.isWithin({{4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2)}, 2})));
+    };
+    for (unsigned open = whole; open != 0; open &= open - 1)
+        leaves.level2 = static_cast<std::uint8_t>(leaves.level2 | unsigned{isUsable(std::countr_zero(open))}
+                                                                      << std::countr_zero(open));
+    leaves.level3 =
+        leaves.level2 == 0xff &&
+        (crossed == 0 || ((keptLarger >> 8 & 1) != 0 && (surelyWithin.level3 || check.isWithin({{0, 0, 0}, 3}))));
     return leaves;
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
     template BrickLeaves findBrickLeaves<Sample>(const StoredSample<Sample>*, const BitString&, const ActiveBits&, \
                                                  const BitString&, const MergeBound&, const BrickLeaves&); \
+    template BrickLeaves updateBrickLeaves<Sample>(const BrickLeaves&, const BitString&, const StoredSample<Sample>*, \
+                                                   const BitString&, const ActiveBits&, const BitString&, \
+                                                   const MergeBound&, const BrickLeaves&); \
     template BrickLeaves findSurelyWithin<Sample>(const StoredSample<Sample>*, const MergeBound&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE

@@ -19,4 +19,10 @@ template <class Sample>
 BrickLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
                             const BitString& validCells, const MergeBound& bound, const BrickLeaves& surelyWithin);
 
+/// The same where they were `before`, and only cells in `changed` have other signs since.
+template <class Sample>
+BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& changed, const StoredSample<Sample>* samples,
+                              const BitString& above, const ActiveBits& active, const BitString& validCells,
+                              const MergeBound& bound, const BrickLeaves& surelyWithin);
+
 } // namespace isoslider::extract

@@ -8,6 +8,7 @@
 
 #include "core/cell/merged_cell.h"
 #include "core/extract/full_extraction.h"
+#include "core/extract/merged/merged_interpolant.h"
 #include "core/mesh/certificate.h"
 #include "core/mesh/mesh_checks.h"
 #include "tests/property/random_volumes.h"
@@ -110,6 +111,110 @@ TEST(MergedExtraction, KeepsVerticesWithinTheBoundOfTheirActiveEdges) {
     }
     EXPECT_GT(moved, 1000u);
     EXPECT_GT(outside, 0u);
+}
+
+double fieldAt(const ScalarGrid& grid, const glm::dvec3& place) {
+    const GridDims& dims = grid.dims();
+    const auto samples = grid.values<float>();
+    cell::CornerScalars corners;
+    Place cell;
+    for (std::size_t a = 0; a < 3; ++a)
+        cell[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>(place[static_cast<int>(a)]), 0, dims[a] - 2);
+    for (std::size_t c = 0; c < 8; ++c)
+        corners[c] = static_cast<double>(samples[static_cast<std::size_t>(
+            (cell[0] + (c & 1 ? 1 : 0)) +
+            dims[0] * ((cell[1] + (c & 2 ? 1 : 0)) + dims[1] * (cell[2] + (c & 4 ? 1 : 0))))]);
+    return MergedInterpolant(corners, 1.0)
+        .at({place.x - static_cast<double>(cell[0]), place.y - static_cast<double>(cell[1]),
+             place.z - static_cast<double>(cell[2])});
+}
+
+// How far the field is from the isovalue inside triangles, ascending. Triangles of patchy volumes.
+std::vector<double> errorsWithin(double limit) {
+    test::Random random(test::testSeed(5));
+    std::vector<double> errors;
+    for (int i = 0; i < 30; ++i) {
+        const auto grid = test::patchyVolume(random);
+        const double isovalue = 140.0 * test::unitRandom(random) - 50.0;
+        const SurfaceMesh mesh = merged(*grid, isovalue, {Measure::Scalar, limit});
+        for (std::size_t k = 0; k < mesh.triangles.size(); k += 3) {
+            const auto corner = [&](std::size_t n) { return glm::dvec3(mesh.positions[mesh.triangles[k + n]]); };
+            for (const glm::dvec3 weights : {glm::dvec3(1, 1, 1) / 3.0, glm::dvec3(2, 1, 1) / 4.0,
+                                             glm::dvec3(1, 2, 1) / 4.0, glm::dvec3(1, 1, 2) / 4.0}) {
+                const double field =
+                    fieldAt(*grid, weights.x * corner(0) + weights.y * corner(1) + weights.z * corner(2));
+                if (!std::isnan(field)) // beside a missing sample
+                    errors.push_back(std::abs(field - isovalue));
+            }
+        }
+    }
+    std::sort(errors.begin(), errors.end());
+    return errors;
+}
+
+// A triangle is flat where the field is not, merged or not. Of all places in triangles, 99.9 % are off by no more than
+// the bound beyond that.
+TEST(MergedExtraction, StaysWithinTheBoundInsideTriangles) {
+    const auto nearlyAll = [](const std::vector<double>& errors) { return errors[errors.size() * 999 / 1000]; };
+    const double own = nearlyAll(errorsWithin(0.0));
+    for (const double limit : {0.5, 2.0, 5.0, 10.0}) {
+        const std::vector<double> errors = errorsWithin(limit);
+        ASSERT_GT(errors.size(), 10000u);
+        EXPECT_LE(nearlyAll(errors), own + limit) << limit;
+        RecordProperty("largest within " + std::to_string(limit), std::to_string(errors.back()));
+    }
+}
+
+using Triangle = std::array<glm::dvec3, 3>;
+
+// Whether the inside of the segment passes through the inside of the triangle.
+bool pierces(const glm::dvec3& from, const glm::dvec3& to, const Triangle& t) {
+    const glm::dvec3 u = t[1] - t[0], v = t[2] - t[0], along = to - from, h = glm::cross(along, v);
+    const double size = glm::dot(u, h);
+    if (std::abs(size) < 1e-9 * glm::length(u) * glm::length(v) * glm::length(along))
+        return false; // beside each other
+    constexpr double kInside = 1e-6;
+    const glm::dvec3 s = from - t[0], q = glm::cross(s, u);
+    const double a = glm::dot(s, h) / size, b = glm::dot(along, q) / size, c = glm::dot(v, q) / size;
+    return a > kInside && b > kInside && a + b < 1 - kInside && c > kInside && c < 1 - kInside;
+}
+
+TEST(MergedExtraction, HasNoTrianglesThatIntersectInACell) {
+    test::Random random(test::testSeed(6));
+    std::uint64_t pairs = 0, intersections = 0;
+    for (int i = 0; i < 40; ++i) {
+        const auto grid = test::patchyVolume(random);
+        for (const MergeBound& bound : kBounds) {
+            const double isovalue = 140.0 * test::unitRandom(random) - 50.0;
+            const SurfaceMesh mesh = merged(*grid, isovalue, bound);
+            const LeafLevels levels =
+                LeafLevels::find(SampleView<float>{grid->values<float>().data(), grid->dims()}, isovalue, bound);
+            std::map<Place, std::vector<Triangle>> byLeaf;
+            for (std::size_t k = 0; k < mesh.triangles.size(); k += 3) {
+                Triangle triangle;
+                for (std::size_t n = 0; n < 3; ++n)
+                    triangle[n] = mesh.positions[mesh.triangles[k + n]];
+                const glm::dvec3 middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+                Place cell;
+                for (std::size_t a = 0; a < 3; ++a)
+                    cell[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>(middle[static_cast<int>(a)]), 0,
+                                                       levels.cells()[a] - 1);
+                const std::int64_t inside = (std::int64_t{1} << levels.level(cell[0], cell[1], cell[2])) - 1;
+                byLeaf[{cell[0] & ~inside, cell[1] & ~inside, cell[2] & ~inside}].push_back(triangle);
+            }
+            for (const auto& [leaf, triangles] : byLeaf)
+                for (std::size_t a = 0; a < triangles.size(); ++a)
+                    for (std::size_t b = 0; b < triangles.size(); ++b) {
+                        if (a == b)
+                            continue;
+                        ++pairs;
+                        for (std::size_t n = 0; n < 3; ++n)
+                            intersections += pierces(triangles[a][n], triangles[a][(n + 1) % 3], triangles[b]);
+                    }
+        }
+    }
+    EXPECT_EQ(intersections, 0u);
+    EXPECT_GT(pairs, 100000u);
 }
 
 // The definition, on plain arrays, cell by cell and without what the product knows of its parts.

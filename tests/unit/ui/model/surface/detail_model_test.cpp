@@ -20,7 +20,8 @@ TEST(DetailModel, TellsObserversOfAnErrorThatDiffers) {
     EXPECT_EQ(told, 1);
     detail.setError({Measure::Scalar, 0.25});
     EXPECT_EQ(told, 2) << "percent are no cells";
-    for (const double amount : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    for (const double amount :
+         {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
         detail.setError({Measure::Distance, amount});
     EXPECT_EQ(told, 2);
     EXPECT_EQ(detail.error(), (extract::MergeError{Measure::Scalar, 0.25}));
