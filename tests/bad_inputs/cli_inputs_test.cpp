@@ -207,13 +207,13 @@ class BadSignal : public BadCommand {
 protected:
     /// u8 noise: a surface of millions of triangles.
     std::vector<std::string> roughVolume() const {
-        std::string samples(96 * 96 * 96, '\0');
+        std::string samples(112 * 112 * 112, '\0');
         unsigned state = 7;
         for (char& sample : samples) {
             state = state * 1664525u + 1013904223u;
             sample = static_cast<char>(state >> 24);
         }
-        return raw("rough.raw", samples, "96,96,96", "u8");
+        return raw("rough.raw", samples, "112,112,112", "u8");
     }
     /// Sends each signal when its moment has come; the program has to end within a second of it, and leave nothing.
     void expectEnds(const std::vector<std::string>& words,
@@ -257,7 +257,7 @@ TEST_F(BadSignal, B100_EndsABuild) {
 
 TEST_F(BadSignal, B100_EndsAnExtraction) {
     expectEnds(joined(joined({"extract"}, roughVolume()), {"--isovalue", "127.5", "-o", path("a.off")}),
-               [](int signal, auto time) { return isLater(signal, time, 300, 900); });
+               [](int signal, auto time) { return isLater(signal, time, 300, 500); });
 }
 
 TEST_F(BadSignal, B100_EndsACheck) {
