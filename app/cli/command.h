@@ -38,5 +38,6 @@ std::unique_ptr<Command> makeExtractCommand();
 std::unique_ptr<Command> makeSlideCommand();
 std::unique_ptr<Command> makeCheckCommand();
 std::unique_ptr<Command> makeResampleCommand();
+std::unique_ptr<Command> makeReportCommand();
 
 } // namespace isoslider::cli

@@ -31,7 +31,7 @@ struct Entry {
 
 /// Words that the documentation reserves; refused by name instead of as unknown.
 void addLaterCommands(CLI::App& program) {
-    for (const char* name : {"topology", "validate", "report"}) {
+    for (const char* name : {"topology", "validate"}) {
         auto* command = program.add_subcommand(name, "")->group("")->allow_extras();
         command->set_help_flag();
         command->parse_complete_callback(
@@ -46,7 +46,7 @@ public:
         parser_.set_version_flag("--version", std::string("isoslider-cli ") + ISOSLIDER_VERSION);
         parser_.option_defaults()->always_capture_default(false);
         for (const auto make : {makeInfoCommand, makeBuildCommand, makeStatsCommand, makeExtractCommand,
-                                makeSlideCommand, makeCheckCommand, makeResampleCommand})
+                                makeSlideCommand, makeCheckCommand, makeResampleCommand, makeReportCommand})
             add(make());
         addLaterCommands(parser_);
     }

@@ -45,6 +45,12 @@ fs::path programFolder() {
     return fs::read_symlink("/proc/self/exe", ignored).parent_path();
 }
 
+fs::path temporaryFolder() {
+    std::error_code problem;
+    const fs::path folder = fs::temp_directory_path(problem);
+    return problem ? fs::path("/tmp") : folder;
+}
+
 Status makeFolders(const fs::path& folder) {
     std::error_code problem;
     fs::create_directories(folder, problem);

@@ -23,6 +23,9 @@ Result<std::filesystem::path> canonicalPath(const std::filesystem::path& path);
 /// The folder of the running program; empty where the system does not report it.
 std::filesystem::path programFolder();
 
+/// Where files that are soon gone may lie.
+std::filesystem::path temporaryFolder();
+
 /// Makes a folder and those above it, unless they are there. Errors: OutOfSpace, IoError.
 Status makeFolders(const std::filesystem::path& folder);
 

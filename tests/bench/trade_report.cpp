@@ -5,11 +5,14 @@
 
 #include <fmt/format.h>
 
-#include "tests/bench/text_table.h"
+#include "app/cli/report/text_table.h"
 #include "tests/bench/timing.h"
 
 namespace isoslider::bench {
 namespace {
+
+using cli::numberOrDash;
+using cli::TextTable;
 
 constexpr double kMega = 1024.0 * 1024.0;
 

@@ -37,7 +37,7 @@ TEST_F(CliUsage, RefusesWordsItDoesNotKnow) {
 
 TEST_F(CliUsage, RefusesLaterCommandsByNameAndDoesNotListThem) {
     const auto help = run({"--help"}).standardOutput;
-    for (const auto* command : {"topology", "validate", "report"}) {
+    for (const auto* command : {"topology", "validate"}) {
         expectRefusal({command}, 2, "not available in this version");
         expectRefusal({command, "x.isx", "--json", "--at", "5"}, 2, "not available in this version");
         EXPECT_THAT(help, Not(HasSubstr(command)));
@@ -47,7 +47,6 @@ TEST_F(CliUsage, RefusesLaterCommandsByNameAndDoesNotListThem) {
 TEST_F(CliUsage, RefusesLaterOptionsByName) {
     const auto volume = sphereVolume();
     expectRefusal({"build", volume, "-o", "a.isx", "--index", "cells"}, 2, "known: edges, metacells, auto");
-    expectRefusal({"build", volume, "-o", "a.isx", "--lod-error", "0.5%"}, 2, "not available in this version");
     expectRefusal({"build", volume, "-o", "a.isx", "--resume"}, 2, "not available in this version");
     EXPECT_EQ(run({"build", volume, "-o", "b.isx", "--lod-error", "0%"}).exitCode, 0);
 }

@@ -1,4 +1,4 @@
-#include "tests/bench/text_table.h"
+#include "app/cli/report/text_table.h"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 
 #include "core/base/check.h"
 
-namespace isoslider::bench {
+namespace isoslider::cli {
 
 TextTable::TextTable(std::vector<std::string> headings, std::size_t leftColumns)
     : rows_{std::move(headings)}, leftColumns_(leftColumns) {}
@@ -55,4 +55,4 @@ std::string TextTable::asMarkdown() const {
 
 std::string numberOrDash(double value, int digits) { return value > 0.0 ? fmt::format("{:.{}f}", value, digits) : "-"; }
 
-} // namespace isoslider::bench
+} // namespace isoslider::cli

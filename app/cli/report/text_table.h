@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace isoslider::bench {
+namespace isoslider::cli {
 
 /// Rows of text under headings; the first `leftColumns` columns are words, the others numbers.
 class TextTable {
@@ -28,4 +28,4 @@ private:
 /// `value` with so many digits after the point, or "-" where it has not been measured (it is 0 then).
 std::string numberOrDash(double value, int digits);
 
-} // namespace isoslider::bench
+} // namespace isoslider::cli

@@ -1,0 +1,156 @@
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/command.h"
+#include "app/cli/input_kind.h"
+#include "app/cli/number_parsing.h"
+#include "app/cli/options.h"
+#include "app/cli/output_check.h"
+#include "app/cli/progress_bar.h"
+#include "app/cli/report/report_page.h"
+#include "core/base/file_system.h"
+#include "core/base/folders.h"
+#include "core/volume_io/volume_reader.h"
+
+namespace isoslider::cli {
+namespace {
+
+using Measure = extract::MergeBound::Measure;
+
+/// Larger indexes of edges are not built for a report.
+constexpr std::uint64_t kMostIndexBytes = std::uint64_t{8} << 30;
+constexpr std::int64_t kMostSteps = 1000;
+
+std::vector<index::IndexKind> kindsOrThrow(const std::string& text) {
+    if (text == "both")
+        return {index::IndexKind::Edges, index::IndexKind::Metacells};
+    for (const index::IndexKind kind : {index::IndexKind::Edges, index::IndexKind::Metacells})
+        if (text == index::indexKindName(kind))
+            return {kind};
+    throw CLI::ValidationError("--index", fmt::format("'{}' is not known; give edges, metacells or both", text));
+}
+
+Status writeWhole(const std::filesystem::path& path, const std::string& text) {
+    auto file = AtomicFile::create(path);
+    if (!file.isOk())
+        return file.error();
+    ISO_TRY(file.value()->writeAll(std::as_bytes(std::span(text))));
+    return file.value()->publish();
+}
+
+class ReportCommand final : public Command {
+public:
+    ReportCommand() {
+        for (const double percent : {0.1, 0.3, 0.8, 1.0, 1.5, 2.0})
+            options_.errors.push_back({Measure::Scalar, percent});
+        for (const double cells : {0.1, 0.25, 0.5, 1.0})
+            options_.errors.push_back({Measure::Distance, cells});
+    }
+
+    CLI::App* declare(CLI::App& program) override {
+        auto* command = program.add_subcommand(
+            "report", "Tables 1 to 3 and Fig. 10 of the paper for volumes: indexes, steps, triangles against error");
+        command->add_option("VOLUME", paths_, "volumes to measure")->required()->type_name("");
+        command
+            ->add_option("-o,--output", output_,
+                         "page to write, with its plots beside it; else to standard output, without plots")
+            ->type_name("PAGE.md");
+        command
+            ->add_option_function<std::string>(
+                "--index", [this](const std::string& text) { options_.kinds = kindsOrThrow(text); },
+                "kinds of index to measure: edges, metacells or both (both)")
+            ->type_name("KIND");
+        addInteger(*command, "--steps", steps_, 1, kMostSteps, fmt::format("steps of each size ({})", steps_));
+        command
+            ->add_option("--folder", folder_,
+                         "where indexes are written meanwhile; those of edges take tens of bytes per voxel (the "
+                         "temporary folder)")
+            ->type_name("FOLDER");
+        addVolumeOptions(*command, volume_);
+        return command;
+    }
+
+    Outcome run(Session& session) override {
+        if (!output_.empty())
+            ISO_CLI_TRY(checkPage());
+        options_.steps = static_cast<int>(steps_);
+        options_.folder = folder_.empty() ? temporaryFolder() : std::filesystem::path(folder_);
+        options_.mostIndexBytes = kMostIndexBytes;
+        ISO_CLI_TRY(checkOutput(options_.folder / "isoslider-report.isx", ""));
+        for (const std::string& path : paths_) {
+            const auto kind = sniffInput(path, volume_.readOptions());
+            if (!kind.isOk())
+                return kind.error();
+            if (kind.value() == InputKind::Index)
+                return makeError(ErrorCode::InvalidArgument, "is an index; a report is of volumes", path);
+        }
+        std::vector<VolumeMeasures> volumes;
+        ISO_CLI_TRY(measureAll(session, volumes));
+        return write(session, volumes);
+    }
+
+private:
+    Outcome checkPage() const {
+        if (!output_.ends_with(".md"))
+            return Outcome::wrongUsage(fmt::format("--output: '{}': a report is written as .md", output_));
+        for (const std::string& path : paths_)
+            ISO_CLI_TRY(checkOutput(output_, path));
+        return tryOutput(output_);
+    }
+
+    Outcome measureAll(Session& session, std::vector<VolumeMeasures>& volumes) {
+        ProgressBar bar(session.showsProgress, session.stop);
+        const JobControl job = bar.job();
+        for (std::size_t i = 0; i < paths_.size(); ++i) {
+            const auto count = static_cast<double>(paths_.size());
+            const JobControl measuring = job.part(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
+            const auto source = io::openVolume(paths_[i], volume_.readOptions(), measuring);
+            if (!source.isOk())
+                return source.error();
+            auto measured = measureVolume(*source.value(), paths_[i], options_, measuring);
+            if (!measured.isOk())
+                return measured.error();
+            volumes.push_back(std::move(measured).value());
+        }
+        return {};
+    }
+
+    Outcome write(Session& session, const std::vector<VolumeMeasures>& volumes) const {
+        std::vector<ReportPlot> plots;
+        if (!output_.empty()) {
+            const std::filesystem::path page = output_;
+            plots = plotsOf(volumes, page.stem().string());
+            for (const ReportPlot& plot : plots)
+                if (const Status written = writeWhole(page.parent_path() / plot.fileName, plot.svg); !written.isOk())
+                    return written.error();
+            if (const Status written = writeWhole(page, pageOf(volumes, plots)); !written.isOk())
+                return written.error();
+        }
+        if (session.isJson)
+            session.output.writeJson(reportJson(volumes));
+        else if (output_.empty())
+            session.output.write(pageOf(volumes, plots));
+        else
+            session.output.write(fmt::format("{}: {} volumes, {} plots\n", output_, volumes.size(), plots.size()));
+        return {};
+    }
+
+    std::vector<std::string> paths_;
+    std::string output_;
+    std::string folder_;
+    std::int64_t steps_ = 12;
+    MeasureOptions options_;
+    VolumeOptions volume_;
+};
+
+} // namespace
+
+std::unique_ptr<Command> makeReportCommand() { return std::make_unique<ReportCommand>(); }
+
+} // namespace isoslider::cli
