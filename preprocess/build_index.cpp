@@ -16,14 +16,6 @@
 
 namespace isoslider::preprocess {
 
-// Measured (tests/bench, trade_bench): at 256^3 metacells are built 20 to 60 times faster and are 16 to 60 times
-// smaller; small steps take 1.1 to 1.5 times as long, large ones 0.6 to 1. At 128^3 and below edges cost less than
-// 80 MB and a second or two, and every step is a matter of a few milliseconds.
-index::IndexKind chooseKind(const io::VolumeInfo& info) {
-    constexpr std::int64_t kMostForEdges = std::int64_t{128} * 128 * 128;
-    return pointCount(info.geometry.dims) <= kMostForEdges ? index::IndexKind::Edges : index::IndexKind::Metacells;
-}
-
 namespace {
 
 Status checkOptions(const BuildOptions& options, const GridGeometry& geometry) {
@@ -34,6 +26,10 @@ Status checkOptions(const BuildOptions& options, const GridGeometry& geometry) {
         return makeError(ErrorCode::InvalidArgument, "redundancy threshold must not be negative");
     if (options.memoryBytes < kMinBuildMemoryBytes)
         return makeError(ErrorCode::InvalidArgument, "memory budget is below the minimum of 64M");
+    if (options.mergeError.amount > 0.0 && options.kind != index::IndexKind::Edges)
+        return makeError(ErrorCode::InvalidArgument, "metacells are merged while sliding, not when they are built");
+    if (!(options.mergeError.amount >= 0.0) || !std::isfinite(options.mergeError.amount))
+        return makeError(ErrorCode::InvalidArgument, "error of merged cells must not be negative");
     if (options.threads < 0)
         return makeError(ErrorCode::InvalidArgument, "number of threads is negative");
     for (const std::int64_t dim : geometry.dims)
@@ -53,10 +49,9 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
     ISO_TRY(checkOptions(options, source.info().geometry));
     ISO_TRY(checkOutputPath(indexPath));
     ISO_TRY(source.prepare(job)); // a grid that is resampled shows its progress
-    const index::IndexKind kind = options.kind.value_or(chooseKind(source.info()));
     const auto run = [&] {
-        return kind == index::IndexKind::Edges ? buildEdges(source, indexPath, options, job)
-                                               : buildMetacells(source, indexPath, options, job);
+        return options.kind == index::IndexKind::Edges ? buildEdges(source, indexPath, options, job)
+                                                       : buildMetacells(source, indexPath, options, job);
     };
     // More threads than cores would only make TBB complain.
     const int cores = tbb::this_task_arena::max_concurrency();

@@ -2,18 +2,20 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "core/base/file_system.h"
 #include "core/base/job_control.h"
+#include "core/extract/merged/merge_bound.h"
 #include "core/index/format/index_info.h"
 #include "core/volume_io/sources/volume_source.h"
 
 namespace isoslider::preprocess {
 
 struct BuildOptions {
-    std::optional<index::IndexKind> kind; ///< none: chooseKind()
+    index::IndexKind kind = index::IndexKind::Edges;
+    /// With edges: cells are merged within this error (PAPER 2.2). With metacells that is decided while sliding.
+    extract::MergeError mergeError = {};
     int skipLevels = 5; ///< levels written, level 0 included; 1..8
     /// k: a block ends when redundant edges exceed k * active edges. 0: with edges the smallest of
     /// kRedundancyChoices with which the index is expected to stay below kBytesPerVoxelAim, else 1.
@@ -37,9 +39,6 @@ struct BuildReport {
     std::uint64_t peakRssBytes = 0;
     index::IndexInfo info;
 };
-
-/// The kind of index that is best for a volume: edges up to 128^3 grid points.
-index::IndexKind chooseKind(const io::VolumeInfo& info);
 
 /// Builds the index for a volume and publishes it at `indexPath`: written to a
 /// temporary file beside it, synced, renamed. The same bytes for any thread count and memory budget.

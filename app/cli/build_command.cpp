@@ -35,7 +35,7 @@ std::uint64_t memoryOrThrow(const std::string& text) {
     return *bytes;
 }
 
-/// None: the builder chooses.
+/// None: the program chooses.
 std::optional<index::IndexKind> kindOrThrow(const std::string& text) {
     for (const index::IndexKind kind : {index::IndexKind::Edges, index::IndexKind::Metacells})
         if (text == index::indexKindName(kind))
@@ -84,6 +84,9 @@ public:
     }
 
     Outcome run(Session& session) override {
+        if (lodError_.isGiven() && kind_ == index::IndexKind::Metacells)
+            return Outcome::wrongUsage(
+                "--lod-error: metacells are merged while sliding; give it to slide or extract, or build --index edges");
         const auto kind = sniffInput(volumePath_, volume_.readOptions());
         if (!kind.isOk())
             return kind.error();
@@ -122,9 +125,10 @@ private:
         command
             .add_option_function<std::string>(
                 "--index", [this](const std::string& text) { kind_ = kindOrThrow(text); },
-                "edges: fastest, tens of bytes per voxel; metacells: about the size of the volume; auto (auto)")
+                "metacells: smaller than the volume as a rule; edges: the paper's, tens of bytes per voxel; auto: metacells, or edges with --lod-error (auto)")
             ->type_name("KIND");
-        addLaterLodError(command);
+        addLodError(command, lodError_,
+                    "edges: merge cells that differ by no more: % of the value range, or c (cells)");
     }
 
     void addMachineOptions(CLI::App& command) {
@@ -142,7 +146,9 @@ private:
 
     Result<Built> build(io::VolumeSource& source, const JobControl& job) {
         preprocess::BuildOptions options;
-        options.kind = kind_;
+        // Metacells slide as fast, are built sooner and are smaller; only edges hold merged cells.
+        options.kind = kind_.value_or(lodError_.isGiven() ? index::IndexKind::Edges : index::IndexKind::Metacells);
+        options.mergeError = lodError_.error;
         options.skipLevels = static_cast<int>(skipLevels_);
         options.redundancyThreshold = redundancy_.value_or(options.redundancyThreshold);
         options.memoryBytes = memoryBytes_;
@@ -170,6 +176,7 @@ private:
     std::string indexPath_;
     VolumeOptions volume_;
     std::optional<index::IndexKind> kind_;
+    LodError lodError_;
     std::int64_t skipLevels_ = preprocess::BuildOptions{}.skipLevels;
     std::optional<double> redundancy_;
     std::uint64_t memoryBytes_ = preprocess::BuildOptions{}.memoryBytes;

@@ -32,6 +32,7 @@ struct Extracted {
     mesh::SurfaceSource source;
     io::VolumeInfo volume; ///< unless it is of an index
     extract::LeafCounts leaves{}; ///< active ones by level
+    std::string lodError; ///< as it is given on the command line; empty: nothing is merged
 };
 
 /// Unfinished once `job` is to stop.
@@ -50,23 +51,32 @@ std::uint64_t missingSamples(const ScalarGrid& grid, const JobControl& job) {
     });
 }
 
+/// As it is given on the command line; empty for none.
+std::string errorText(const extract::MergeError& error) {
+    if (!(error.amount > 0.0))
+        return {};
+    return fmt::format("{}{}", error.amount, error.measure == extract::MergeBound::Measure::Distance ? 'c' : '%');
+}
+
 Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, const LodError& lodError,
                                    const JobControl& job) {
     auto engine = extract::SlideEngine::open(path);
     if (!engine.isOk())
         return std::move(engine).error();
     const index::IndexInfo& info = engine.value()->info();
-    Extracted extracted{{}, sourceOf(info, path), {}, {}};
+    Extracted extracted{{}, sourceOf(info, path), {}, {}, {}};
     if (lodError.isGiven()) {
         const extract::MergeBound bound = extract::boundOf(lodError.error, info.min, info.max);
         if (const Status set = engine.value()->setMergeBound(bound); !set.isOk())
             return set.error();
-        extracted.source.merging = mesh::mergingText(lodError.error, bound, 1 << extract::kMaxBrickMergeLevel);
     }
     const auto move = engine.value()->slideTo(isovalue, job.stop);
     if (!move.isOk())
         return move.error();
     extracted.leaves = move.value().activeLeaves;
+    extracted.source.merging =
+        mesh::mergingText(engine.value()->mergeBound(), info.min, info.max, 1 << extract::kMaxBrickMergeLevel);
+    extracted.lodError = lodError.isGiven() ? lodError.text : errorText(extract::builtError(info));
     auto surface = engine.value()->mesh(job);
     if (!surface.isOk())
         return std::move(surface).error();
@@ -87,15 +97,20 @@ Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptio
     if (missing == static_cast<std::uint64_t>(pointCount(grid.value()->dims())))
         return makeError(ErrorCode::InvalidArgument, "has no finite sample", path);
     const io::VolumeInfo& info = source.value()->info();
-    Extracted extracted{{}, {sourceName(path), missing, info.lengthUnit, resamplingText(info), ""}, info, {}};
+    Extracted extracted{{}, {sourceName(path), missing, info.lengthUnit, resamplingText(info), ""}, info, {}, {}};
     Result<extract::SurfaceMesh> surface = extract::SurfaceMesh();
     if (lodError.isGiven()) {
-        const auto statistics = computeStatistics(*grid.value(), false, 1, extracting.part(0.0, 0.2));
-        if (!statistics.isOk())
-            return statistics.error();
-        const extract::MergeBound bound =
-            extract::boundOf(lodError.error, statistics.value().min, statistics.value().max);
-        extracted.source.merging = mesh::mergingText(lodError.error, bound, 1 << maxLevel);
+        double least = 0.0, greatest = 0.0;
+        if (lodError.error.measure == extract::MergeBound::Measure::Scalar) {
+            const auto statistics = computeStatistics(*grid.value(), false, 1, extracting.part(0.0, 0.2));
+            if (!statistics.isOk())
+                return statistics.error();
+            least = statistics.value().min;
+            greatest = statistics.value().max;
+        }
+        const extract::MergeBound bound = extract::boundOf(lodError.error, least, greatest);
+        extracted.lodError = lodError.text;
+        extracted.source.merging = mesh::mergingText(bound, least, greatest, 1 << maxLevel);
         surface = extract::extractMerged(*grid.value(), isovalue, bound, maxLevel, extracting.part(0.2, 1.0),
                                          &extracted.leaves);
     } else {
@@ -135,8 +150,7 @@ void addChecked(const mesh::Certificate& certificate, Json& json) {
     json["valid"] = mesh::isValid(certificate);
 }
 
-Json jsonOf(const mesh::Certificate& certificate, InputKind source, const Extracted& extracted,
-            const LodError& lodError) {
+Json jsonOf(const mesh::Certificate& certificate, InputKind source, const Extracted& extracted) {
     Json json;
     json["isovalue"] = certificate.isovalue;
     json["source"] = source == InputKind::Index ? "index" : "volume";
@@ -150,8 +164,8 @@ Json jsonOf(const mesh::Certificate& certificate, InputKind source, const Extrac
     if (source == InputKind::Index)
         addResampling(certificate.resampling, json);
     addResampling(extracted.volume, json);
-    if (lodError.isGiven()) {
-        json["lod_error"] = lodError.text;
+    if (!extracted.lodError.empty()) {
+        json["lod_error"] = extracted.lodError;
         json["leaves"] = extracted.leaves;
     }
     return json;
@@ -207,7 +221,7 @@ public:
             return certificate.error();
         bar.wipe();
         if (session.isJson)
-            session.output.writeJson(jsonOf(certificate.value(), kind.value(), extracted.value(), lodError_));
+            session.output.writeJson(jsonOf(certificate.value(), kind.value(), extracted.value()));
         else
             session.output.write(textOf(certificate.value(), meshPath_));
         return faultOutcome(certificate.value(), meshPath_.empty() ? path_ : meshPath_);

@@ -137,14 +137,6 @@ CLI::Option* addLodError(CLI::App& command, LodError& target, const std::string&
     return addText(command, "--lod-error", parse, help)->type_name("P%|Xc");
 }
 
-CLI::Option* addLaterLodError(CLI::App& command) {
-    const auto parse = [](const std::string& name, const std::string& text) {
-        if (lodErrorOrThrow(name, text).isGiven())
-            throw CLI::ValidationError(name, "merging of cells is not available in this version");
-    };
-    return addText(command, "--lod-error", parse, "")->group("");
-}
-
 io::ReadOptions VolumeOptions::readOptions() const {
     io::ReadOptions options;
     options.field = field;

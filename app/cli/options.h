@@ -22,8 +22,6 @@ CLI::Option* addInteger(CLI::App& command, const std::string& name, std::int64_t
 CLI::Option* addDims(CLI::App& command, const std::string& name, GridDims& target, const std::string& help);
 /// --lod-error P%|Xc.
 CLI::Option* addLodError(CLI::App& command, LodError& target, const std::string& help);
-/// The same where only 0 is known in this version.
-CLI::Option* addLaterLodError(CLI::App& command);
 
 /// How to read a volume, as given on the command line.
 struct VolumeOptions {

@@ -110,7 +110,6 @@ public:
             const extract::MergeBound bound = extract::boundOf(lodError_.error, info.min, info.max);
             if (const Status set = engine.value()->setMergeBound(bound); !set.isOk())
                 return set.error();
-            merging_ = mesh::mergingText(lodError_.error, bound, 1 << extract::kMaxBrickMergeLevel);
         }
         const std::chrono::duration<double, std::milli> openTime = std::chrono::steady_clock::now() - begin;
         ISO_CLI_TRY(slide(*engine.value(), session));
@@ -169,7 +168,8 @@ private:
         if (!surface.isOk())
             return surface.error();
         mesh::SurfaceSource source = sourceOf(engine.info(), indexPath_);
-        source.merging = merging_;
+        source.merging = mesh::mergingText(engine.mergeBound(), engine.info().min, engine.info().max,
+                                           1 << extract::kMaxBrickMergeLevel);
         const auto certificate = mesh::certify(surface.value(), source, checking);
         if (!certificate.isOk())
             return certificate.error();
@@ -204,7 +204,6 @@ private:
     std::vector<double> path_;
     std::optional<ExportPattern> pattern_;
     LodError lodError_;
-    std::string merging_; ///< for certificates
     std::string stepsJson_;
     Outcome fault_;
 };

@@ -41,6 +41,8 @@ Json jsonOf(const index::IndexInfo& info) {
     json["average_active_edges"] = meanActiveEdges(info);
     json["average_change"] = meanChange(info);
     json["redundancy"] = info.redundancyThreshold;
+    if (info.mergeError > 0.0)
+        json["lod_error"] = fmt::format("{}{}", info.mergeError, info.isMergeErrorInCells ? 'c' : '%');
     json["index_bytes"] = info.indexBytes;
     json["bytes_per_voxel"] = bytesPerPoint(info, info.indexBytes);
     json["sample_bytes"] = info.sampleBytes;
@@ -61,7 +63,10 @@ std::string textOf(const index::IndexInfo& info) {
     const bool isEdges = info.kind == index::IndexKind::Edges;
     text += "Table 2: the preprocessing\n";
     text += fmt::format("  kind                  {}\n", index::indexKindName(info.kind));
-    text += "  error                 0 % (no merging)\n";
+    text += fmt::format("  error                 {}\n",
+                        info.mergeError > 0.0
+                            ? fmt::format("{:g} {}", info.mergeError, info.isMergeErrorInCells ? "cells" : "%")
+                            : std::string(isEdges ? "0 % (no merging)" : "chosen while sliding"));
     text += fmt::format("  redundancy k          {}\n", info.redundancyThreshold);
     text += fmt::format("  change per value      {:.1f} {}\n", meanChange(info), isEdges ? "edges" : "bricks");
     if (isEdges)

@@ -14,7 +14,7 @@ Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const 
                  const JobControl& job) {
     preprocess::BuildOptions options;
     options.sourceName = sourceName;
-    options.kind = index::IndexKind::Metacells; // the error slider merges their cells; small volumes slide as fast
+    options.kind = index::IndexKind::Metacells; // as fast, far smaller, and their cells merge while sliding
     // Of a small machine, a quarter: the window and the volume or its preview are there too.
     options.memoryBytes =
         std::max(preprocess::kMinBuildMemoryBytes, std::min(options.memoryBytes, physicalMemoryBytes() / 4));

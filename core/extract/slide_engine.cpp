@@ -72,7 +72,9 @@ public:
         : readsAhead_(options.readsAhead),
           backing_(std::forward<Arguments>(arguments)...),
           surface_(meta().info.geometry, meta().missingCells),
-          position_(backing_.source.lowest()) {}
+          position_(backing_.source.lowest()),
+          wantedBound_(boundOf(builtError(meta().info), meta().info.min, meta().info.max)),
+          mergeBound_(wantedBound_) {}
 
     const index::IndexInfo& info() const override { return meta().info; }
 
@@ -88,11 +90,20 @@ public:
     }
 
     bool canMerge() const override { return backing_.source.canMerge(); }
+    MergeBound mergeBound() const override { return mergeBound_; }
     Status setMergeBound(const MergeBound& bound) override {
-        if (!canMerge() && bound.limit > 0.0)
-            return makeError(ErrorCode::InvalidArgument, "an index of edges cannot merge cells; one of metacells can",
-                             backing_.reader->pathString());
+        if (!canMerge()) {
+            if (!(bound.limit > 0.0) || bound == wantedBound_)
+                return {};
+            return makeError(
+                ErrorCode::InvalidArgument,
+                wantedBound_.limit > 0.0
+                    ? "an index of edges merges cells within the error it was built with, no other"
+                    : "an index of edges without merged cells; build it with an error, or one of metacells",
+                backing_.reader->pathString());
+        }
         backing_.source.setMergeBound(bound);
+        wantedBound_ = bound;
         return {};
     }
 
@@ -119,7 +130,12 @@ public:
         }
     }
 
-    Result<SurfaceMesh> mesh(const JobControl& job) const override { return surface_.mesh(lastStats_.isovalue, job); }
+    Result<SurfaceMesh> mesh(const JobControl& job) const override {
+        auto mesh = surface_.mesh(lastStats_.isovalue, job);
+        if (mesh.isOk())
+            mesh.value().mergeBound = mergeBound_;
+        return mesh;
+    }
 
 private:
     Result<SlideStats> moveSurface(double isovalue, std::stop_token stop) {
@@ -135,6 +151,7 @@ private:
             return error;
         }
         stats.updateMs = millisecondsSince(start);
+        mergeBound_ = wantedBound_;
         stats.activeEdges = surface_.activeEdges();
         stats.triangles = surface_.triangles();
         stats.ambiguousCells = surface_.ambiguousCells();
@@ -187,10 +204,15 @@ private:
     LiveSurface<Live> surface_;
     KeyThreshold position_;
     SlideStats lastStats_;
+    MergeBound wantedBound_, mergeBound_; ///< for the next move, and of the surface
     bool hasMoved_ = false;
 };
 
 } // namespace
+
+MergeError builtError(const index::IndexInfo& info) {
+    return {info.isMergeErrorInCells ? MergeBound::Measure::Distance : MergeBound::Measure::Scalar, info.mergeError};
+}
 
 Result<std::unique_ptr<SlideEngine>> SlideEngine::open(const std::filesystem::path& indexPath,
                                                        const SlideOptions& options) {

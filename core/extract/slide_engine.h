@@ -24,6 +24,9 @@ struct SlideOptions {
     bool readsAhead = true; ///< between moves, what the next one in the same direction would need is read
 };
 
+/// Within which the cells of an index were merged when it was built.
+MergeError builtError(const index::IndexInfo& info);
+
 /// The live surface over one index or volume: moves from isovalue to isovalue and keeps the arrays current.
 /// One thread at a time (it uses TBB inside). After a failed or cancelled move the engine holds no
 /// surface; the next move builds it again.
@@ -45,10 +48,14 @@ public:
     /// the active edges. Errors: Cancelled, IoError, Corruption, InvalidArgument (NaN).
     virtual Result<SlideStats> slideTo(double isovalue, std::stop_token stop = {}) = 0;
 
-    /// Whether cells can be merged: of an index of edges only when it is built.
+    /// Whether the error within which cells are merged can be chosen: not of an index of edges, which has them merged
+    /// as it was built, if at all.
     virtual bool canMerge() const = 0;
+    /// Of the surface as it is.
+    virtual MergeBound mergeBound() const = 0;
     /// From the next move on, cells are merged within the bound (PAPER 2.2), to the size of a brick at most; the
-    /// surface is then extractMerged()'s. Errors: InvalidArgument if it is not canMerge(), unless the bound is none.
+    /// surface is then extractMerged()'s. Errors: InvalidArgument if it is not canMerge(), unless the bound is none, or
+    /// that of the index.
     virtual Status setMergeBound(const MergeBound& bound) = 0;
 
     /// Waits until nothing is read ahead any more.

@@ -5,6 +5,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "core/extract/merged/merge_bound.h"
 #include "core/grid/grid_geometry.h"
 
 namespace isoslider::extract {
@@ -19,6 +20,7 @@ using EdgeId = std::uint64_t;
 struct SurfaceMesh {
     GridGeometry geometry;
     double isovalue = 0.0;
+    MergeBound mergeBound; ///< within which its cells are merged
     std::vector<glm::vec3> positions; ///< grid index units: (x, y, z) in cells from grid point 0
     std::vector<glm::vec3> normals; ///< unit, along the grid's axes, towards lower scalars
     std::vector<std::uint32_t> triangles; ///< three vertex indices each

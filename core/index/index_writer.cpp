@@ -102,6 +102,7 @@ Result<IndexInfo> IndexWriter::finish(IndexMeta meta) {
     countHiddenCorners(meta);
     const std::vector<std::byte> bytes = encodeMeta(meta);
     Preamble preamble;
+    preamble.major = meta.info.mergeError > 0.0 ? kMergedFormatMajor : kFormatMajor;
     preamble.minor = minorOf(meta);
     preamble.metaOffset = sizeBytes();
     preamble.metaBytes = bytes.size();

@@ -10,12 +10,20 @@ namespace {
 template <class Key>
 void appendWithoutRedundant(const DecodedPage<Key>& from, std::uint64_t begin, std::uint64_t end,
                             DecodedPage<Key>& to) {
+    if (!from.forms.empty())
+        to.forms.resize(to.keys.size(), record_form::kPoint);
+    const bool hasForms = !from.forms.empty() || !to.forms.empty();
     std::size_t edge = 0;
     for (std::size_t i = 0; i < from.pointCount(); ++i) {
+        const auto isRedundant = [&](std::size_t entry) {
+            return from.farKeys[entry] >= begin && from.farKeys[entry] < end;
+        };
+        // An interval goes whole, by its first entry.
+        const std::uint8_t form = from.form(i);
+        const bool isDropped = form != record_form::kPoint && isRedundant(edge);
         std::uint8_t mask = 0;
         for (unsigned rest = from.masks[i]; rest != 0; rest &= rest - 1, ++edge) {
-            const std::uint64_t far = from.farKeys[edge];
-            if (far >= begin && far < end)
+            if (form != record_form::kPoint ? isDropped : isRedundant(edge))
                 continue;
             mask |= static_cast<std::uint8_t>(rest & (~rest + 1));
             to.farKeys.push_back(from.farKeys[edge]);
@@ -27,6 +35,8 @@ void appendWithoutRedundant(const DecodedPage<Key>& from, std::uint64_t begin, s
         to.ids.push_back(from.ids[i]);
         to.masks.push_back(mask);
         to.normals.push_back(from.normals[i]);
+        if (hasForms)
+            to.forms.push_back(form);
     }
 }
 

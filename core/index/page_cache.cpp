@@ -24,6 +24,9 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std
     ISO_TRY(reader_.readPage(entry, bytes));
     std::shared_ptr<DecodedPage<Key>> page = takeSpare();
     ISO_TRY(decodePage<Key>(bytes, reader_.grid(), *page, reader_.pathString()));
+    if (!page->forms.empty() && !(reader_.info().mergeError > 0.0))
+        return makeError(ErrorCode::Corruption, "index page is damaged: merged cells where there are none",
+                         reader_.pathString());
     if (page->pointCount() != entry.points || page->edgeCount() != entry.edges)
         return makeError(ErrorCode::Corruption, "index page disagrees with the directory", reader_.pathString(),
                          entry.offset);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 namespace isoslider::mesh {
@@ -213,11 +214,18 @@ std::vector<CertificateLine> checkedLines(const Certificate& certificate) {
 
 } // namespace
 
-std::string mergingText(const extract::MergeError& error, const extract::MergeBound& bound, int side) {
-    const bool isInCells = error.measure == extract::MergeBound::Measure::Distance;
-    return "within " + text(error.amount) +
-           (isInCells ? std::string(" cells") : " % of the value range (" + text(bound.limit) + ")") + ", of up to " +
-           std::to_string(side) + " cells a side";
+std::string mergingText(const extract::MergeBound& bound, double least, double greatest, int side) {
+    if (!(bound.limit > 0.0))
+        return {};
+    std::string within;
+    if (bound.measure == extract::MergeBound::Measure::Distance) {
+        within = text(bound.limit) + " cells";
+    } else {
+        char percent[40];
+        std::snprintf(percent, sizeof percent, "%.6g", 50.0 * (bound.limit / (0.5 * greatest - 0.5 * least)));
+        within = std::string(percent) + " % of the value range (" + text(bound.limit) + ")";
+    }
+    return "within " + within + ", of up to " + std::to_string(side) + " cells a side";
 }
 
 std::vector<CertificateLine> linesOf(const Certificate& certificate) {

@@ -35,8 +35,9 @@ struct SurfaceSource {
     std::string merging = {}; ///< how far merged cells may differ, in one line; empty: none are merged
 };
 
-/// For SurfaceSource::merging; `side`: of the largest merged cells that there may be.
-std::string mergingText(const extract::MergeError& error, const extract::MergeBound& bound, int side);
+/// For SurfaceSource::merging, of a volume of values from `least` to `greatest`; `side`: of the largest merged cells
+/// that there may be. Empty where nothing is merged.
+std::string mergingText(const extract::MergeBound& bound, double least, double greatest, int side);
 
 /// What is known of a surface as it is exported: the facts of its mesh in world space, where it is
 /// open, and what the export moved.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
+#include <optional>
 
 #include <tbb/task_arena.h>
 #include <xxhash.h>
@@ -142,6 +144,9 @@ private:
         SlabWindow<Sample> window(source_);
         HiddenPageBuilder hiddenPages(writer, source_.info().type);
         std::vector<std::uint64_t> withoutEdges;
+        std::optional<MergedLayers<Sample>> merged;
+        if (options_.mergeError.amount > 0.0)
+            merged.emplace(geometry_.dims, extract::boundOf(options_.mergeError, info_.min, info_.max));
         const auto consume = [&](const LayerRecords<Key>& records) -> Status {
             sampleRecords(records);
             for (const auto& brick : records.bricks)
@@ -160,7 +165,8 @@ private:
             const std::int64_t z1 = std::min(geometry_.dims[2], (layer + 1) * kBrickSide + kLayerApron);
             ISO_TRY(window.advance(z0, z1));
             countIntoHistogram(window, layer);
-            ISO_TRY(generateLayer<Sample>(window, geometry_, layer, bins, histograms, consume));
+            ISO_TRY(generateLayer<Sample>(window, geometry_, layer, bins, histograms, merged ? &*merged : nullptr,
+                                          consume));
         }
         if (info_.min == info_.max)
             withoutEdges.push_back(keyOf(static_cast<Sample>(info_.min)));
@@ -178,7 +184,8 @@ private:
     void sampleRecords(const LayerRecords<Key>& records) {
         for (std::size_t i = 0; i < records.bricks.size(); ++i)
             if ((records.firstBrick + i).number() % kSampleStride == 0 && sample_.size() < kSampleRecords)
-                sample_.insert(sample_.end(), records.bricks[i].begin(), records.bricks[i].end());
+                std::copy_if(records.bricks[i].begin(), records.bricks[i].end(), std::back_inserter(sample_),
+                             [](const Record& record) { return record.edgeMask != 0; });
     }
 
     // Of the field, not of the type it is stored in: keys stand for their ranks, so that one field gets the same levels
@@ -212,6 +219,7 @@ private:
                 out.setId(record.id());
                 out.normal = record.normal;
                 out.edgeMask = record.edgeMask;
+                out.form = record.form;
                 forEachEdge(record, [&](int e) {
                     out.farKeys[e] = rankOf(record.farKeys[e]);
                     out.farNormals[e] = record.farNormals[e];
@@ -279,7 +287,9 @@ private:
             while (nextBin_ < ValueBins<Sample>::kCount && record.key >= valueBins_.threshold(nextBin_))
                 info_.activeEdgesPerBin[nextBin_++] = static_cast<std::uint64_t>(activeEdges_);
             distinct_.add(record.key);
-            for (int e = 0; e < index::kPointEdges; ++e)
+            if (index::record_form::isEdge(record.form))
+                activeEdges_ += record.farKeys[index::record_form::kOtherEnd] > record.key ? 1 : -1;
+            for (int e = 0; record.form == index::record_form::kPoint && e < index::kPointEdges; ++e)
                 if (record.edgeMask >> e & 1)
                     activeEdges_ += record.farKeys[e] > record.key ? 1 : -1;
         }
@@ -291,6 +301,8 @@ private:
         info_.type = source_.info().type;
         info_.distinctValues = distinct_.count();
         info_.redundancyThreshold = redundancyThreshold_;
+        info_.mergeError = options_.mergeError.amount;
+        info_.isMergeErrorInCells = options_.mergeError.measure == extract::MergeBound::Measure::Distance;
         info_.sourceName = options_.sourceName;
         info_.lengthUnit = source_.info().lengthUnit;
         if (const auto& resampled = source_.info().resampling)
@@ -308,7 +320,16 @@ private:
         const auto bricks = std::min<std::uint64_t>(kBricksAtOnce, plane / (kBrickSide * kBrickSide) + 1);
         constexpr std::uint64_t kElsewhere = std::uint64_t{8} << 20; // pages of the levels
         return plane * (12 * sizeof(Sample) + 10 * (sizeof(Key) + sizeof(NormalCode) + 1)) +
-               bricks * kBrickPoints * sizeof(Record) * 3 / 2 + kElsewhere;
+               bricks * kBrickPoints * sizeof(Record) * 3 / 2 * (options_.mergeError.amount > 0.0 ? 2 : 1) +
+               leafMemory() + kElsewhere;
+    }
+    // Two layers of bricks, each with some hundred intervals.
+    std::uint64_t leafMemory() const {
+        constexpr std::uint64_t kIntervals = 256;
+        if (!(options_.mergeError.amount > 0.0))
+            return 0;
+        return static_cast<std::uint64_t>(2 * grid_.bricks()[0] * grid_.bricks()[1]) *
+               (sizeof(LeafIntervals<Key>) + kIntervals * sizeof(KeyInterval<Key>));
     }
     std::uint64_t leastMemory() const {
         constexpr std::uint64_t kLeastForSort = std::uint64_t{8} << 20;
@@ -335,6 +356,10 @@ private:
         XXH3_64bits_update(state, countsByPrefix_.data(), countsByPrefix_.size() * sizeof countsByPrefix_[0]);
         XXH3_64bits_update(state, &options_.skipLevels, sizeof options_.skipLevels);
         XXH3_64bits_update(state, &redundancyThreshold_, sizeof redundancyThreshold_);
+        if (options_.mergeError.amount > 0.0) {
+            XXH3_64bits_update(state, &options_.mergeError.measure, sizeof options_.mergeError.measure);
+            XXH3_64bits_update(state, &options_.mergeError.amount, sizeof options_.mergeError.amount);
+        }
         const std::uint64_t digest = XXH3_64bits_digest(state);
         XXH3_freeState(state);
         return digest;

@@ -7,9 +7,8 @@
 #include <tbb/parallel_for.h>
 
 #include "core/cell/trilinear_cell.h"
-#include "core/grid/edge_cells.h"
-#include "core/grid/gradient.h"
 #include "preprocess/edges/hidden_corner_filter.h"
+#include "preprocess/edges/prepared_layer.h"
 #include "preprocess/missing_cells.h"
 
 namespace isoslider::preprocess {
@@ -20,91 +19,14 @@ using index::kPointEdges;
 using index::MissingCells;
 using index::PointRecord;
 
-// A layer's planes and one on either side, prepared once: keys, normals, missing flags.
-template <class Sample>
-class PreparedLayer {
-public:
-    using Key = KeyOf<Sample>;
-
-    PreparedLayer(const SlabWindow<Sample>& window, const GridGeometry& geometry, std::int64_t layer)
-        : dims_(geometry.dims), plane_(dims_[0] * dims_[1]) {
-        begin_ = std::max<std::int64_t>(0, layer * kBrickSide - 1);
-        end_ = std::min(dims_[2], (layer + 1) * kBrickSide + 1);
-        const std::size_t count = static_cast<std::size_t>((end_ - begin_) * plane_);
-        keys_.resize(count);
-        normals_.resize(count);
-        missing_.resize(count);
-        glm::vec3 inverseSpacing;
-        for (int a = 0; a < 3; ++a)
-            inverseSpacing[a] = static_cast<float>(1.0 / std::abs(geometry.spacing[a]));
-        // The window is a separate grid; at its own ends it is cut off only where the box is.
-        const SampleView<Sample> view{window.plane(window.begin()),
-                                      {dims_[0], dims_[1], window.end() - window.begin()}};
-        tbb::parallel_for(begin_, end_,
-                          [&](std::int64_t z) { preparePlane(view, z - window.begin(), z, inverseSpacing); });
-        hasMissing_ = std::any_of(missing_.begin(), missing_.end(), [](std::uint8_t m) { return m != 0; });
-    }
-
-    std::size_t at(std::int64_t x, std::int64_t y, std::int64_t z) const {
-        return static_cast<std::size_t>(x + dims_[0] * y + plane_ * (z - begin_));
-    }
-    Key key(std::size_t i) const { return keys_[i]; }
-    const Key* keysFrom(std::size_t i) const { return keys_.data() + i; }
-    NormalCode normal(std::size_t i) const { return normals_[i]; }
-    bool missing(std::size_t i) const { return missing_[i] != 0; }
-    bool hasMissing() const { return hasMissing_; }
-    const GridDims& dims() const { return dims_; }
-    std::ptrdiff_t stride(int axis) const {
-        return axis == 0 ? 1 : axis == 1 ? static_cast<std::ptrdiff_t>(dims_[0]) : static_cast<std::ptrdiff_t>(plane_);
-    }
-
-    // A cell whose planes are here; outside the box no cell is valid.
-    bool isCellValid(std::int64_t x, std::int64_t y, std::int64_t z) const {
-        if (x < 0 || y < 0 || z < 0 || x + 1 >= dims_[0] || y + 1 >= dims_[1] || z + 1 >= dims_[2])
-            return false;
-        const std::size_t i = at(x, y, z);
-        for (int c = 0; c < 8; ++c)
-            if (missing_[i + static_cast<std::size_t>((c & 1) + (c >> 1 & 1) * stride(1) + (c >> 2) * stride(2))])
-                return false;
-        return true;
-    }
-
-    bool hasValidCell(std::int64_t x, std::int64_t y, std::int64_t z, int axis) const {
-        return isoslider::hasValidCell(x, y, z, axis, [this](auto... cell) { return isCellValid(cell...); });
-    }
-
-private:
-    void preparePlane(const SampleView<Sample>& view, std::int64_t viewZ, std::int64_t z,
-                      const glm::vec3& inverseSpacing) {
-        std::size_t i = at(0, 0, z);
-        const Sample* sample = view.samples + view.offset(0, 0, viewZ);
-        for (std::int64_t y = 0; y < dims_[1]; ++y)
-            for (std::int64_t x = 0; x < dims_[0]; ++x, ++i, ++sample) {
-                missing_[i] = isMissing(*sample);
-                if (missing_[i])
-                    continue;
-                keys_[i] = keyOf(*sample);
-                normals_[i] = normalOfGradient(gradientAt(view, x, y, viewZ, inverseSpacing));
-            }
-    }
-
-    GridDims dims_;
-    std::int64_t plane_;
-    std::int64_t begin_ = 0;
-    std::int64_t end_ = 0;
-    bool hasMissing_ = false;
-    std::vector<Key> keys_;
-    std::vector<NormalCode> normals_;
-    std::vector<std::uint8_t> missing_;
-};
-
 template <class Sample>
 class BrickGenerator {
 public:
     using Key = KeyOf<Sample>;
 
-    BrickGenerator(const PreparedLayer<Sample>& layer, const BrickGrid& grid, const KeyIntervals& bins)
-        : layer_(layer), grid_(grid), bins_(bins) {}
+    BrickGenerator(const PreparedLayer<Sample>& layer, const BrickGrid& grid, const KeyIntervals& bins,
+                   const MergedLayers<Sample>* merged)
+        : layer_(layer), grid_(grid), bins_(bins), merged_(merged) {}
 
     void generate(BrickIndex brick, SpanHistogram& histogram, std::vector<PointRecord<Key>>& records,
                   std::vector<std::uint64_t>& withoutEdges) const {
@@ -114,6 +36,7 @@ public:
             begin[a] = b[a] * kBrickSide;
             end[a] = std::min(begin[a] + kBrickSide, grid_.dims()[a]);
         }
+        const bool isMerged = merged_ != nullptr && merged_->hasLeavesAround(b);
         PointRecord<Key> record;
         for (std::int64_t z = begin[2]; z < end[2]; ++z)
             for (std::int64_t y = begin[1]; y < end[1]; ++y)
@@ -122,10 +45,18 @@ public:
                     if (layer_.missing(i))
                         continue;
                     if (fill(record, i, x, y, z, withoutEdges)) {
-                        count(record, histogram);
+                        const std::size_t at = records.size();
                         records.push_back(record);
+                        if (isMerged)
+                            carry({x, y, z}, at, histogram, records);
+                        count(records[at], histogram);
                     }
                 }
+        if (isMerged && !merged_->of(b[0], b[1], b[2]).isEmpty()) {
+            addLeaves(b, histogram, records);
+            std::stable_sort(records.begin(), records.end(),
+                             [](const auto& first, const auto& second) { return first.id() < second.id(); });
+        }
     }
 
     // Of the cells that exist and have no missing corner.
@@ -161,6 +92,72 @@ public:
     }
 
 private:
+    // Takes the edges of a point whose vertices are not theirs alone, all the time, out of its record, and appends
+    // those that start at the point as intervals.
+    void carry(const std::array<std::int64_t, 3>& point, std::size_t at, SpanHistogram& histogram,
+               std::vector<PointRecord<Key>>& records) const {
+        thread_local std::vector<CarriedVertex<Key>> carried;
+        for (unsigned mask = records[at].edgeMask; mask != 0; mask &= mask - 1) {
+            const int e = std::countr_zero(mask);
+            std::array<std::int64_t, 3> start = point;
+            start[static_cast<std::size_t>(e >> 1)] -= e & 1 ? 0 : 1;
+            const Key own = records[at].key, far = records[at].farKeys[e];
+            const KeyInterval<Key> ends{std::min(own, far), std::max(own, far)};
+            merged_->carriedBy(start, e >> 1, ends, carried);
+            if (carried.size() == 1 && carried.front() == CarriedVertex<Key>{ends, 0})
+                continue;
+            records[at].edgeMask = static_cast<std::uint8_t>(records[at].edgeMask & ~(1u << e));
+            if (e & 1)
+                for (const CarriedVertex<Key>& vertex : carried)
+                    addCarried(start, e >> 1, vertex, histogram, records);
+        }
+    }
+
+    void addCarried(const std::array<std::int64_t, 3>& start, int axis, const CarriedVertex<Key>& vertex,
+                    SpanHistogram& histogram, std::vector<PointRecord<Key>>& records) const {
+        namespace form = index::record_form;
+        std::array<std::int64_t, 3> lower = start, upper = start;
+        const auto along = static_cast<std::size_t>(axis);
+        const std::int64_t side = std::int64_t{1} << vertex.level;
+        lower[along] &= ~(side - 1);
+        upper[along] = lower[along] + side;
+        const std::size_t first = layer_.at(lower[0], lower[1], lower[2]),
+                          last = layer_.at(upper[0], upper[1], upper[2]);
+        PointRecord<Key> record;
+        record.form = form::edge(axis, vertex.level);
+        record.farKeys[form::kLowerEnd] = layer_.key(first);
+        record.farKeys[form::kUpperEnd] = layer_.key(last);
+        record.normal = record.farNormals[form::kLowerEnd] = record.farNormals[form::kUpperEnd] = layer_.normal(first);
+        record.farNormals[form::kOtherEnd] = layer_.normal(last);
+        addInterval(record, grid_.pointId(start[0], start[1], start[2]), vertex.interval, histogram, records);
+    }
+
+    void addLeaves(const std::array<std::int64_t, 3>& brick, SpanHistogram& histogram,
+                   std::vector<PointRecord<Key>>& records) const {
+        merged_->of(brick[0], brick[1], brick[2])
+            .forEach([&](int level, int x, int y, int z, const KeyInterval<Key>& interval) {
+                PointRecord<Key> record;
+                record.form = index::record_form::leaf(level);
+                addInterval(
+                    record,
+                    grid_.pointId(brick[0] * kBrickSide + x, brick[1] * kBrickSide + y, brick[2] * kBrickSide + z),
+                    interval, histogram, records);
+            });
+    }
+
+    // A record at each end.
+    void addInterval(PointRecord<Key>& record, PointId id, const KeyInterval<Key>& interval, SpanHistogram& histogram,
+                     std::vector<PointRecord<Key>>& records) const {
+        record.setId(id);
+        record.edgeMask = index::record_form::maskOf(record.form);
+        record.key = interval.after;
+        record.farKeys[index::record_form::kOtherEnd] = interval.until;
+        records.push_back(record);
+        std::swap(record.key, record.farKeys[index::record_form::kOtherEnd]);
+        records.push_back(record);
+        histogram.add(bins_.find(interval.after), bins_.find(interval.until));
+    }
+
     void hiddenCornersOfCell(BrickIndex brick, std::int64_t cell, std::size_t at,
                              std::vector<HiddenCorner>& corners) const {
         Key keys[8];
@@ -236,6 +233,7 @@ private:
     const PreparedLayer<Sample>& layer_;
     const BrickGrid& grid_;
     const KeyIntervals& bins_;
+    const MergedLayers<Sample>* merged_; ///< null: no cells are merged
 };
 
 template <class Sample>
@@ -273,11 +271,13 @@ void generateBricks(const BrickGenerator<Sample>& generator, std::size_t count, 
 
 template <class Sample>
 Status generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geometry, std::int64_t layer,
-                     const KeyIntervals& bins, std::span<SpanHistogram> histograms,
+                     const KeyIntervals& bins, std::span<SpanHistogram> histograms, MergedLayers<Sample>* merged,
                      const ConsumeRecords<KeyOf<Sample>>& consume) {
     const BrickGrid grid(geometry.dims);
     const PreparedLayer<Sample> prepared(window, geometry, layer);
-    const BrickGenerator<Sample> generator(prepared, grid, bins);
+    if (merged != nullptr)
+        merged->advance(prepared, layer);
+    const BrickGenerator<Sample> generator(prepared, grid, bins, merged);
     const auto inLayer = static_cast<std::size_t>(grid.bricks()[0] * grid.bricks()[1]);
     LayerRecords<KeyOf<Sample>> records;
     for (std::size_t begin = 0; begin < inLayer; begin += kBricksAtOnce) {
@@ -290,7 +290,7 @@ Status generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geome
 
 #define ISO_INSTANTIATE(Sample, Name) \
     template Status generateLayer<Sample>(const SlabWindow<Sample>&, const GridGeometry&, std::int64_t, \
-                                          const KeyIntervals&, std::span<SpanHistogram>, \
+                                          const KeyIntervals&, std::span<SpanHistogram>, MergedLayers<Sample>*, \
                                           const ConsumeRecords<KeyOf<Sample>>&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE

@@ -8,6 +8,7 @@
 #include "core/index/format/hidden_corner_codec.h"
 #include "core/index/format/index_format.h"
 #include "core/index/format/point_record.h"
+#include "preprocess/edges/merged_layers.h"
 #include "preprocess/edges/slab_window.h"
 #include "preprocess/levels/block_intervals.h"
 
@@ -41,11 +42,14 @@ using ConsumeRecords = std::function<Status(const LayerRecords<Key>&)>;
 /// at least one usable edge to an unequal scalar; an edge is usable when both ends are finite and one of its four cells
 /// is whole.
 /// REQUIRES: `window` holds the layer's planes and the apron, cut off at the box.
-/// Adds every edge once to one of `histograms`. As many threads as there are of these work side by side; the sum and
-/// all else does not depend on their number. Errors: those of `consume`, which end it.
+/// `merged`, if not null, decides which cells are merged, layer by layer: edges then carry vertices on leaf edges of
+/// any level, at times, and the leaves have records, too (record_form); points that are left without edges have a
+/// record without any, so that their values are counted. Adds every edge once to one of `histograms`. As many threads
+/// as there are of these work side by side; the sum and all else does not depend on their number. Errors: those of
+/// `consume`, which end it.
 template <class Sample>
 Status generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geometry, std::int64_t layer,
-                     const KeyIntervals& bins, std::span<SpanHistogram> histograms,
+                     const KeyIntervals& bins, std::span<SpanHistogram> histograms, MergedLayers<Sample>* merged,
                      const ConsumeRecords<KeyOf<Sample>>& consume);
 
 } // namespace isoslider::preprocess

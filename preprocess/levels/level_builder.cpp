@@ -71,6 +71,8 @@ private:
     void addToValuePages(std::span<const Record> records, std::uint64_t position) {
         for (const Record& record : records) {
             ++position;
+            if (record.edgeMask == 0)
+                continue; // there only to be counted
             info_.blocks += !hasBlock_ || record.key != lastKey_;
             hasBlock_ = true;
             lastKey_ = record.key;
@@ -142,8 +144,13 @@ private:
     }
 
     void countActivated(const Record& record, std::uint8_t mask) {
-        for (int e = 0; e < index::kPointEdges; ++e)
-            info_.activatedEdges += (mask >> e & 1) && record.farKeys[e] > record.key;
+        if (record.form != index::record_form::kPoint) // as it becomes active or not, so do all its entries
+            info_.activatedEdges += record.farKeys[index::record_form::kOtherEnd] > record.key
+                                        ? static_cast<std::uint64_t>(std::popcount(mask))
+                                        : 0;
+        else
+            for (int e = 0; e < index::kPointEdges; ++e)
+                info_.activatedEdges += (mask >> e & 1) && record.farKeys[e] > record.key;
     }
 
     index::SkipLevel level_;

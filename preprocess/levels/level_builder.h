@@ -33,7 +33,8 @@ public:
                  std::vector<std::vector<std::uint64_t>> blockBegins);
     ~LevelBuilder();
 
-    /// Takes the next records of the stream, in (key, id) order. Errors: those of the writer.
+    /// Takes the next records of the stream, in (key, id) order; those without edges are left out. Errors: those of
+    /// the writer.
     Status add(std::span<const Record> records);
     /// Ends all blocks and writes what is left.
     Status finish();

@@ -2,10 +2,13 @@
 // Two-sided: a key light over the viewer's left shoulder, a headlight, a cool fill from below right.
 in vec3 viewPosition;
 in vec3 viewNormal;
+in float leafLevel; // of the leaf edge on which a vertex lies
 
 uniform vec3 frontColour; // linear light
 uniform vec3 backColour;
 uniform vec4 highlightColour;  // a: how much of it covers the surface
+uniform vec3 levelColours[4];
+uniform float levelShare; // 1: surface coloured by level, 0: not
 uniform float perspective; // 1 perspective, 0 orthographic
 
 out vec4 colour;
@@ -24,6 +27,9 @@ void main() {
     if (!gl_FrontFacing)
         normal = -normal;
     vec3 base = gl_FrontFacing ? frontColour : backColour;
+    float level = clamp(leafLevel, 0.0, 2.999);
+    vec3 ofLevel = mix(levelColours[int(level)], levelColours[int(level) + 1], fract(level));
+    base = mix(base, ofLevel * (gl_FrontFacing ? 1.0 : 0.45), levelShare);
 
     const vec3 keyDirection = normalize(vec3(-0.45, 0.62, 0.75));
     const vec3 fillDirection = normalize(vec3(0.75, -0.45, 0.35));

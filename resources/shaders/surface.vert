@@ -9,10 +9,12 @@ uniform mat3 normalToView;
 
 out vec3 viewPosition;
 out vec3 viewNormal;
+out float leafLevel;
 
 void main() {
     vec4 place = modelToView * vec4(position, 1.0);
     viewPosition = place.xyz;
     viewNormal = normalToView * normal;
+    leafLevel = 0.0;
     gl_Position = viewToClip * place;
 }

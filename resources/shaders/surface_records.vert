@@ -14,6 +14,7 @@ out vec3 viewPosition;
 out vec3 viewNormal;
 out vec3 gridPosition;
 out vec3 gridNormal;
+out float leafLevel;
 
 // Not of unit length; zero for a point without gradient.
 vec3 directionOf(uint code) {
@@ -58,6 +59,7 @@ void main() {
         placeInside(brick);
     else
         placeOnEdge(brick);
+    leafLevel = record.x >= 3072u ? 0.0 : float(record.y);
     vec4 place = modelToView * vec4(gridPosition, 1.0);
     viewPosition = place.xyz;
     viewNormal = normalToView * gridNormal;

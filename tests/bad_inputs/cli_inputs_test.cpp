@@ -115,7 +115,7 @@ TEST_F(BadCommand, B099_OutputsInTheWay) {
     EXPECT_TRUE(readText(path("old.ply")) == readText(path("new.ply"))) << "nothing of the longer file is left";
     folder_.write("old.isx", std::string(1'000'000, 'x'));
     ASSERT_EQ(run({"build", volume, "-o", path("old.isx")}).exitCode, 0);
-    EXPECT_EQ(expectAcceptedSoon({"stats", path("old.isx")})["kind"], "edges");
+    EXPECT_EQ(expectAcceptedSoon({"stats", path("old.isx")})["kind"], "metacells");
 }
 
 TEST_F(BadCommand, B099_OutputsThatAreInputsUnderAnotherName) {
@@ -159,7 +159,7 @@ TEST_F(BadCommand, B099_OutputsThatAreLinks) {
     }
     ASSERT_EQ(run({"build", volume, "-o", path("link.isx")}).exitCode, 0);
     EXPECT_TRUE(fs::is_symlink(path("link.isx")));
-    EXPECT_EQ(expectAcceptedSoon({"stats", path("there/old")})["kind"], "edges");
+    EXPECT_EQ(expectAcceptedSoon({"stats", path("there/old")})["kind"], "metacells");
     EXPECT_EQ(std::distance(fs::directory_iterator(path("there")), {}), 2);
     fs::create_symlink("circle.ply", path("circle.ply"));
     expectRefusedSoon({"extract", volume, "--isovalue", "5", "-o", path("circle.ply")}, "circle.ply", 4);

@@ -104,7 +104,7 @@ TEST_F(BadIndex, B077_LaterMajorVersion) {
         folder_.write("later.isx", bytes);
         const auto result = run({"stats", path("later.isx")});
         expectRefusedSoon({"stats", path("later.isx")}, "format version 9");
-        EXPECT_THAT(result.standardError, HasSubstr("this program reads version 3"));
+        EXPECT_THAT(result.standardError, HasSubstr("this program reads versions 3 and 4"));
         EXPECT_THAT(result.standardError, HasSubstr("build it again"));
         for (const auto& words :
              {std::vector<std::string>{"info"}, {"extract", "--isovalue", "1"}, {"slide", "--path", "1"}})

@@ -13,14 +13,15 @@ class CliBuild : public CliTest {};
 
 TEST_F(CliBuild, ReportsWhatItBuilt) {
     const auto volume = sphereVolume();
-    const auto json = runJson({"build", volume, "-o", path("a.isx"), "--memory", "64M", "--threads", "2"});
+    const auto json =
+        runJson({"build", volume, "-o", path("a.isx"), "--memory", "64M", "--threads", "2", "--index", "edges"});
     EXPECT_THAT(keysOf(json),
                 ElementsAre("seconds", "peak_rss_bytes", "index_bytes", "distinct_values", "levels", "kind"));
     EXPECT_EQ(json["index_bytes"], std::filesystem::file_size(path("a.isx")));
     EXPECT_EQ(json["distinct_values"], runJson({"info", volume})["distinct_values"]);
     ASSERT_FALSE(json["levels"].empty());
     EXPECT_EQ(json["levels"][0]["blocks"], json["distinct_values"]);
-    EXPECT_EQ(json["kind"], "edges") << "a small volume";
+    EXPECT_EQ(json["kind"], "edges");
     EXPECT_THAT(folder_.names(), ElementsAre("a.isx", "sphere.mha"));
 }
 
@@ -36,6 +37,7 @@ TEST_F(CliBuild, ReportsItsOwnPeakMemory) {
 
 TEST_F(CliBuild, BuildsTheKindAskedFor) {
     const auto volume = sphereVolume();
+    EXPECT_EQ(runJson({"build", volume, "-o", path("auto.isx")})["kind"], "metacells");
     for (const std::string kind : {"edges", "metacells"}) {
         const auto index = path(kind + ".isx");
         EXPECT_EQ(runJson({"build", volume, "-o", index, "--index", kind})["kind"], kind);
@@ -62,7 +64,7 @@ TEST_F(CliBuild, WritesTheSameBytesForAnyThreadsAndMemory) {
 }
 
 TEST_F(CliBuild, WritesTheLevelsAskedFor) {
-    const auto json = runJson({"build", sphereVolume(), "-o", path("a.isx"), "--skip-levels", "2"});
+    const auto json = runJson({"build", sphereVolume(), "-o", path("a.isx"), "--skip-levels", "2", "--index", "edges"});
     EXPECT_EQ(json["levels"].size(), 2U);
 }
 
@@ -160,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(Signals, CliUninterruptedBuild, ::testing::Values(SIGIN
 class CliStats : public CliTest {};
 
 TEST_F(CliStats, TellsOfTheIndexAndItsLevels) {
-    const auto json = runJson({"stats", sphereIndex()});
+    const auto json = runJson({"stats", edgesIndex()});
     EXPECT_THAT(keysOf(json),
                 ElementsAre("source_name", "kind", "dims", "scalar_type", "distinct_values", "average_active_edges",
                             "average_change", "redundancy", "index_bytes", "bytes_per_voxel", "sample_bytes",
@@ -179,7 +181,8 @@ TEST_F(CliStats, TellsOfTheIndexAndItsLevels) {
 TEST_F(CliStats, CountsHiddenCorners) {
     // The two cells of the worked example in core/index/format/FORMAT.md.
     folder_.write("two.raw", std::string("\0\1\2\0\0\2\1\0\2\0\1\0", 12));
-    runJson({"build", path("two.raw"), "-o", path("two.isx"), "--raw-dims", "3,2,2", "--raw-type", "u8"});
+    runJson({"build", path("two.raw"), "-o", path("two.isx"), "--raw-dims", "3,2,2", "--raw-type", "u8", "--index",
+             "edges"});
     const auto json = runJson({"stats", path("two.isx")});
     EXPECT_EQ(json["hidden_corners"], 2);
     EXPECT_EQ(json["hidden_corner_bytes"], 48);
@@ -188,11 +191,17 @@ TEST_F(CliStats, CountsHiddenCorners) {
 }
 
 TEST_F(CliStats, ShowsBothTables) {
-    const auto text = run({"stats", sphereIndex()}).standardOutput;
+    const auto text = run({"stats", edgesIndex()}).standardOutput;
     EXPECT_THAT(text, ::testing::HasSubstr("Table 1"));
     EXPECT_THAT(text, ::testing::HasSubstr("Table 2"));
     EXPECT_THAT(text, ::testing::HasSubstr("hidden corners        0, 0 bytes"));
     EXPECT_THAT(text, ::testing::HasSubstr("16x16x16"));
+}
+
+TEST_F(CliStats, TellWithinWhichErrorCellsAreMerged) {
+    const auto index = edgesIndex("merged.isx", {"--lod-error", "0.3c"});
+    EXPECT_EQ(runJson({"stats", index})["lod_error"], "0.3c");
+    EXPECT_THAT(run({"stats", index}).standardOutput, ::testing::HasSubstr("error                 0.3 cells\n"));
 }
 
 TEST_F(CliStats, RefusesWhatIsNoIndex) {

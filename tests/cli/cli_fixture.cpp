@@ -96,6 +96,14 @@ std::string CliTest::sphereIndex(const std::string& name) const {
     return path(name);
 }
 
+std::string CliTest::edgesIndex(const std::string& name, const std::vector<std::string>& further) const {
+    std::vector<std::string> arguments{"build", sphereVolume(), "-o", path(name), "--index", "edges"};
+    arguments.insert(arguments.end(), further.begin(), further.end());
+    const auto result = run(arguments);
+    EXPECT_EQ(result.exitCode, 0) << result.standardError;
+    return path(name);
+}
+
 std::string CliTest::noiseVolume(std::int64_t side, const std::string& name) const {
     std::vector<float> values(static_cast<std::size_t>(side * side * side));
     std::iota(values.begin(), values.end(), 0.0f);

@@ -36,6 +36,8 @@ protected:
     std::vector<std::string> rawOptions() const { return {"--raw-dims", "16,16,16", "--raw-type", "f32"}; }
     /// Builds an index of sphereVolume() with the program.
     std::string sphereIndex(const std::string& name = "sphere.isx") const;
+    /// The same of edges; `further`: options of the build.
+    std::string edgesIndex(const std::string& name = "edges.isx", const std::vector<std::string>& further = {}) const;
     /// side^3 samples of type f32, all different, at random: much work in little room.
     std::string noiseVolume(std::int64_t side, const std::string& name = "noise.mha") const;
 

@@ -116,7 +116,7 @@ TEST_F(CliExtract, MergesCellsWithinAnError) {
     EXPECT_THAT(text.standardOutput, HasSubstr("within 0.3 cells"));
     for (const char* bound : {"0.3", "-1c", "c", "%", "1e999%", "nanc", "1%c"})
         expectRefusal({"extract", volume, "--isovalue", "5", "--lod-error", bound}, 2, "is not an error bound");
-    expectRefusal({"extract", sphereIndex(), "--isovalue", "5", "--lod-error", "1c"}, 3, "an index of edges");
+    expectRefusal({"extract", edgesIndex(), "--isovalue", "5", "--lod-error", "1c"}, 3, "an index of edges");
 }
 
 TEST_F(CliExtract, NoTriangleWithoutAreaLeavesAtATie) {
@@ -225,7 +225,7 @@ TEST_F(CliExtract, RefusesOutputsBeforeWork) {
 
 TEST_F(CliExtract, RefusesAnIndexOfAnotherVersion) {
     auto bytes = readText(sphereIndex());
-    bytes[12] = static_cast<char>(bytes[12] + 1); // the version lies behind the twelve bytes of magic
+    bytes[12] = static_cast<char>(bytes[12] + 2); // the version lies behind the twelve bytes of magic
     folder_.write("later.isx", bytes);
     expectRefusal({"extract", path("later.isx"), "--isovalue", "5"}, 3, "version");
 }

@@ -53,8 +53,28 @@ TEST_F(CliSlide, MergesCellsWithinAnError) {
                   fresh["leaves"]);
     }
     EXPECT_THAT(readText(path("0.ply")), HasSubstr("within 0.3 cells, of up to 8 cells a side"));
-    expectRefusal({"slide", sphereIndex(), "--path", "5", "--lod-error", "1c"}, 3, "an index of edges");
+    expectRefusal({"slide", edgesIndex(), "--path", "5", "--lod-error", "1c"}, 3, "an index of edges");
     expectRefusal({"extract", index, "--isovalue", "5", "--lod-error", "1c", "--lod-levels", "4"}, 2, "--lod-levels");
+}
+
+TEST_F(CliSlide, MergesCellsOfEdgesWithinTheErrorTheyWereBuiltWith) {
+    const auto edges = path("merged.isx"), metacells = sphereIndex();
+    EXPECT_EQ(runJson({"build", sphereVolume(), "-o", edges, "--lod-error", "0.3c"})["kind"], "edges");
+    const auto json = runJson({"slide", edges, "--path", "5,4,4.5", "--export", path("edges_%d.ply")});
+    const auto expected =
+        runJson({"slide", metacells, "--path", "5,4,4.5", "--lod-error", "0.3c", "--export", path("metacells_%d.ply")});
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (const auto* key : {"triangles", "active_edges", "leaves"})
+            EXPECT_EQ(json["steps"][i][key], expected["steps"][i][key]) << key;
+        EXPECT_TRUE(readText(path("edges_" + std::to_string(i) + ".ply")) ==
+                    readText(path("metacells_" + std::to_string(i) + ".ply")))
+            << "certificate included";
+    }
+    EXPECT_EQ(runJson({"extract", edges, "--isovalue", "5"})["lod_error"], "0.3c");
+    EXPECT_EQ(run({"extract", edges, "--isovalue", "5", "--lod-error", "0.3c"}).exitCode, 0);
+    expectRefusal({"extract", edges, "--isovalue", "5", "--lod-error", "1c"}, 3, "the error it was built with");
+    expectRefusal({"build", sphereVolume(), "-o", edges, "--index", "metacells", "--lod-error", "1c"}, 2,
+                  "merged while sliding");
 }
 
 TEST_F(CliSlide, PrintsALineForEachStep) {

@@ -5,6 +5,8 @@
 
 #include "tests/gui/window_fixture.h"
 #include "ui/widgets/isovalue/detail_control.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::test {
 namespace {
@@ -67,6 +69,48 @@ TEST_F(DetailControlTest, StaysForTheNextVolume) {
     EXPECT_EQ(session_->frame()->mergeBound.limit, 0.5);
     const auto& leaves = session_->frame()->stats.activeLeaves;
     EXPECT_GT(leaves[1] + leaves[2] + leaves[3], leaves[0]);
+}
+
+TEST_F(DetailControlTest, IsCoarserWhileTheHandleIsHeld) {
+    open(index::IndexKind::Metacells);
+    const std::uint64_t all = triangles();
+    const double isovalue = session_->frame()->isovalue;
+    auto* plot = child<widgets::HistogramPlot>("histogramPlot");
+    const QPoint place(plot->width() / 2, plot->height() / 2);
+    QTest::mousePress(plot, Qt::LeftButton, {}, place);
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.0) << "not unless it is wanted";
+    QTest::mouseRelease(plot, Qt::LeftButton, {}, place);
+    session_->isovalue().request(isovalue);
+    window_->actions().action("isovalue.coarserWhileMoving")->trigger();
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.0);
+
+    QTest::mousePress(plot, Qt::LeftButton, {}, place);
+    QTest::mouseMove(plot, place + QPoint(3, 0));
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(session_->frame()->mergeBound, (extract::MergeBound{extract::MergeBound::Measure::Distance, 0.5}));
+    const auto& leaves = session_->frame()->stats.activeLeaves;
+    EXPECT_GT(leaves[1] + leaves[2] + leaves[3], 0u);
+    EXPECT_EQ(value().toStdString(), "none") << "what was chosen stays";
+    QTest::mouseRelease(plot, Qt::LeftButton, {}, place + QPoint(3, 0));
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.0);
+    session_->isovalue().request(isovalue);
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(triangles(), all);
+}
+
+TEST_F(DetailControlTest, ColoursCellsByTheirSize) {
+    open(index::IndexKind::Metacells);
+    auto* legend = child<QLabel>("levelsLegend");
+    window_->actions().action("view.levels")->trigger();
+    EXPECT_TRUE(legend->isHidden()) << "there are no merged cells";
+    press(Qt::Key_Right, 5);
+    EXPECT_TRUE(legend->isVisible());
+    keepPicture(*window_, "levels");
+    window_->actions().action("view.levels")->trigger();
+    EXPECT_TRUE(legend->isHidden());
 }
 
 TEST_F(DetailControlTest, IsNotForAnIndexOfEdges) {

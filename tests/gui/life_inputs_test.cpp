@@ -84,7 +84,10 @@ TEST_F(WindowLife, B108_ClosedWhileAVolumeIsRead) {
 TEST_F(WindowLife, B108_ClosedWhileAnIndexIsBuilt) {
     const auto ball = writeBall(folder_, "ball.mha", 128); // much to index, little to draw
     expectClosesSoon(
-        [&] { window_->openFile(qpath(ball)); },
+        [&] {
+            builder_->kind = index::IndexKind::Edges; // takes long
+            window_->openFile(qpath(ball));
+        },
         [this] { return session_->dataset() != nullptr && session_->indexState() == model::IndexState::Building; });
     EXPECT_TRUE(!fs::exists(folder_ / "indexes") || fs::is_empty(folder_ / "indexes")) << "half an index";
 }

@@ -101,6 +101,7 @@ TEST_F(MainWindowTest, TheLevelsPanelIsFilledFromTheIndex) {
     auto* walk = child<QTableView>("walkTable");
     QAbstractItemModelTester levelsTester(levels->model(), QAbstractItemModelTester::FailureReportingMode::Warning);
     QAbstractItemModelTester walkTester(walk->model(), QAbstractItemModelTester::FailureReportingMode::Warning);
+    builder_->kind = index::IndexKind::Edges;
     openBall();
     EXPECT_EQ(levels->model()->rowCount(), static_cast<int>(session_->dataset()->index->levels.size()) + 1);
     session_->isovalue().request(-3.0);

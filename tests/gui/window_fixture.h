@@ -5,7 +5,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include <QString>
@@ -70,7 +69,7 @@ public:
     Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,
                                                                  const JobControl& job) override;
     std::atomic<bool> holds{false};
-    std::optional<index::IndexKind> kind; ///< of the next index; else the one that suits the volume
+    index::IndexKind kind = index::IndexKind::Metacells; ///< of the next index
 
 private:
     Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const std::filesystem::path& indexPath,

@@ -138,6 +138,24 @@ TEST_F(BrickPictureTest, ShowsTheEdgesOfTriangles) {
     EXPECT_LT(merged, plain);
 }
 
+TEST_F(BrickPictureTest, ColoursMergedCellsByTheirLevel) {
+    open(0.0);
+    const auto blueOverRed = [&](bool showsLevels, double error) {
+        model::ViewOptions options;
+        options.showsLevels = showsLevels;
+        viewport_->setOptions(options);
+        EXPECT_THAT(engine_->setMergeBound({extract::MergeBound::Measure::Distance, error}), IsOk());
+        const QImage image = grab(*viewport_, slideTo(0.1));
+        double sum = 0.0;
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x)
+                sum += std::max(0, qBlue(image.pixel(x, y)) - qRed(image.pixel(x, y)) - 40);
+        return sum;
+    };
+    EXPECT_EQ(blueOverRed(false, 0.1), blueOverRed(true, 0.0)) << "ivory, as long as nothing is merged";
+    EXPECT_GT(blueOverRed(true, 0.1), blueOverRed(false, 0.1) + 10000.0) << "cells of two a side are blue";
+}
+
 // Bricks outside the view are left out; none that reaches into it may be.
 TEST_F(BrickPictureTest, IsThatOfArraysWhereverTheViewEnds) {
     open(0.0);

@@ -85,8 +85,23 @@ TEST(SlideMerged, IsExtractMergedOnRandomWalks) {
     EXPECT_EQ(seen.levels, 0b1110u);
 }
 
+// An index of edges has its merged cells from its build.
+std::vector<test::Way> mergedEdges(const std::shared_ptr<const ScalarGrid>& grid, const std::filesystem::path& path,
+                                   const MergeError& error) {
+    preprocess::BuildOptions build;
+    build.kind = index::IndexKind::Edges;
+    build.mergeError = error;
+    EXPECT_THAT(test::buildIndexOf(grid, path, build), IsOk());
+    std::vector<test::Way> ways;
+    ways.push_back({"edges", test::openIndex(grid, path, index::IndexKind::Edges)});
+    ways.push_back({"edges, no cache", test::openIndex(grid, path, index::IndexKind::Edges, 0)});
+    return ways;
+}
+
+enum class Kept { InSamples, InEdges };
+
 template <class Sample>
-void stepThroughEveryValue(ScalarType type) {
+void stepThroughEveryValue(ScalarType type, Kept kept = Kept::InSamples) {
     GridGeometry geometry;
     geometry.dims = {26, 33, 17};
     const auto grid = test::makeVolume<Sample>(type, geometry, [](std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -96,14 +111,24 @@ void stepThroughEveryValue(ScalarType type) {
         const bool isRough = x / 8 == 1 && y / 8 != 2; // bricks beside bricks whose leaves are of other sizes
         return std::floor(20.0 * smooth + (isRough ? 3.0 * wave(static_cast<double>(x + y * z), 2.7) : 0.0));
     });
-    const test::TemporaryFolder folder;
-    std::vector<test::Way> ways = mergingWays(grid, folder / "");
     Merges seen;
-    for (const MergeBound& bound : {MergeBound{Measure::Scalar, 1.5}, MergeBound{Measure::Distance, 0.4}}) {
+    const auto stepThrough = [&](std::vector<test::Way>& ways, const MergeBound& bound) {
         for (int value = 15; value <= 105 && !testing::Test::HasFatalFailure(); ++value)
             expectMerged(ways, *grid, value, bound, seen);
         for (int value = 105; value >= 15 && !testing::Test::HasFatalFailure(); --value)
             expectMerged(ways, *grid, value - 0.5, bound, seen);
+    };
+    if (kept == Kept::InEdges) {
+        for (const MergeError& error : {MergeError{Measure::Scalar, 1.5}, MergeError{Measure::Distance, 0.4}}) {
+            const test::TemporaryFolder folder;
+            std::vector<test::Way> ways = mergedEdges(grid, folder / "e.isx", error);
+            stepThrough(ways, ways.front().engine->mergeBound());
+        }
+    } else {
+        const test::TemporaryFolder folder;
+        std::vector<test::Way> ways = mergingWays(grid, folder / "");
+        for (const MergeBound& bound : {MergeBound{Measure::Scalar, 1.5}, MergeBound{Measure::Distance, 0.4}})
+            stepThrough(ways, bound);
     }
     EXPECT_EQ(seen.levels, 0b1110u);
 }
@@ -111,6 +136,89 @@ void stepThroughEveryValue(ScalarType type) {
 TEST(SlideMerged, IsExtractMergedAtEveryValueOfShortIntegers) { stepThroughEveryValue<std::uint16_t>(ScalarType::U16); }
 TEST(SlideMerged, IsExtractMergedAtEveryValueOfLongIntegers) { stepThroughEveryValue<std::int32_t>(ScalarType::I32); }
 TEST(SlideMerged, IsExtractMergedAtEveryValueOfDoubles) { stepThroughEveryValue<double>(ScalarType::F64); }
+TEST(SlideMergedEdges, AreExtractMergedAtEveryValueOfShortIntegers) {
+    stepThroughEveryValue<std::uint16_t>(ScalarType::U16, Kept::InEdges);
+}
+TEST(SlideMergedEdges, AreExtractMergedAtEveryValueOfLongIntegers) {
+    stepThroughEveryValue<std::int32_t>(ScalarType::I32, Kept::InEdges);
+}
+TEST(SlideMergedEdges, AreExtractMergedAtEveryValueOfDoubles) {
+    stepThroughEveryValue<double>(ScalarType::F64, Kept::InEdges);
+}
+
+const MergeError kErrors[] = {{Measure::Scalar, 0.5},   {Measure::Scalar, 3.0},   {Measure::Scalar, 1e9},
+                              {Measure::Distance, 0.1}, {Measure::Distance, 0.5}, {Measure::Distance, 1e9}};
+
+TEST(SlideMergedEdges, IsExtractMergedOnRandomWalks) {
+    test::Random random(test::testSeed(62));
+    Merges seen;
+    for (int i = 0; i < 48; ++i) {
+        const test::RandomVolume other = test::randomVolume(random, 30);
+        const auto grid = i % 3 == 2 && other.hasFinite ? other.grid : test::patchyVolume(random);
+        const MergeError& error = kErrors[i / 3 % 6];
+        SCOPED_TRACE(testing::Message() << "volume " << i << ", error " << static_cast<int>(error.measure) << " "
+                                        << error.amount);
+        const test::TemporaryFolder folder;
+        std::vector<test::Way> ways = mergedEdges(grid, folder / "e.isx", error);
+        const MergeBound bound = ways.front().engine->mergeBound();
+        double isovalue = 40.0 * test::unitRandom(random);
+        for (int step = 0; step < 20 && !testing::Test::HasFatalFailure(); ++step) {
+            isovalue = step % 5 == 4 ? 140.0 * test::unitRandom(random) - 50.0
+                                     : isovalue + 2.0 * test::unitRandom(random) - 1.0;
+            SCOPED_TRACE(testing::Message() << "step " << step << ", isovalue " << isovalue);
+            expectMerged(ways, *grid, isovalue, bound, seen);
+        }
+        ASSERT_FALSE(testing::Test::HasFailure());
+    }
+    EXPECT_GT(seen.leaves, 10000u);
+    EXPECT_EQ(seen.levels, 0b1110u);
+}
+
+TEST(SlideMergedEdges, RefuseAnotherErrorThanTheirs) {
+    test::Random random(test::testSeed(63));
+    const test::TemporaryFolder folder;
+    const auto ways = mergedEdges(test::patchyVolume(random), folder / "e.isx", {Measure::Distance, 0.25});
+    extract::SlideEngine& engine = *ways.front().engine;
+    EXPECT_FALSE(engine.canMerge());
+    EXPECT_EQ(engine.mergeBound(), (MergeBound{Measure::Distance, 0.25}));
+    EXPECT_THAT(engine.setMergeBound({Measure::Distance, 0.25}), IsOk());
+    EXPECT_THAT(engine.setMergeBound({}), IsOk()); // what it has stays
+    EXPECT_THAT(engine.setMergeBound({Measure::Distance, 0.5}), test::HasError(ErrorCode::InvalidArgument));
+    EXPECT_EQ(engine.mergeBound(), (MergeBound{Measure::Distance, 0.25}));
+}
+
+// In cells, an error does not depend on the scale of the values: also where squares of them overflow or vanish.
+TEST(SlideMerged, MergesTheSameCellsAtEveryScale) {
+    const auto volumeAt = [](double scale) {
+        GridGeometry geometry;
+        geometry.dims = {34, 27, 25};
+        return test::makeVolume<double>(ScalarType::F64, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+            const double dx = static_cast<double>(x) - 15.0, dy = static_cast<double>(y) - 12.0,
+                         dz = static_cast<double>(z) - 11.0;
+            const bool isRough = x / 8 == 1;
+            return scale * (std::sqrt(dx * dx + dy * dy + dz * dz) - 9.0 +
+                            (isRough ? 0.2 * std::sin(static_cast<double>(7 * x + 5 * y + 3 * z)) : 0.0));
+        });
+    };
+    LeafCounts expected{};
+    const auto unscaled =
+        extractMerged(*volumeAt(1.0), 0.0, {Measure::Distance, 0.2}, kMaxBrickMergeLevel, {}, &expected);
+    ASSERT_THAT(unscaled, IsOk());
+    ASSERT_GT(expected[1], 10u);
+    ASSERT_GT(expected[0], 10u);
+    for (const double scale : {1.0, std::ldexp(1.0, 530), std::ldexp(1.0, -530), std::ldexp(1.0, 1010)}) {
+        SCOPED_TRACE(scale);
+        const auto grid = volumeAt(scale);
+        const test::TemporaryFolder folder;
+        std::vector<test::Way> ways = mergingWays(grid, folder / "");
+        Merges seen;
+        expectMerged(ways, *grid, 0.0, {Measure::Distance, 0.2}, seen);
+        expectMerged(ways, *grid, 0.5 * scale, {Measure::Scalar, 0.2 * scale}, seen);
+        LeafCounts leaves{};
+        ASSERT_THAT(extractMerged(*grid, 0.0, {Measure::Distance, 0.2}, kMaxBrickMergeLevel, {}, &leaves), IsOk());
+        EXPECT_EQ(leaves, expected);
+    }
+}
 
 } // namespace
 } // namespace isoslider::extract

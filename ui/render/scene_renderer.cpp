@@ -278,6 +278,11 @@ void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, co
     program.setUniformValue("frontColour", toQt(colours_.front));
     program.setUniformValue("backColour", toQt(colours_.back));
     program.setUniformValue("highlightColour", QVector4D());
+    std::array<QVector3D, 4> levels;
+    std::transform(colours_.levels.begin(), colours_.levels.end(), levels.begin(),
+                   [](const glm::vec3& colour) { return toQt(colour); });
+    program.setUniformValueArray("levelColours", levels.data(), static_cast<int>(levels.size()));
+    program.setUniformValue("levelShare", options.showsLevels ? 1.0f : 0.0f);
     program.setUniformValue("perspective", isPerspective ? 1.0f : 0.0f);
     if (options.showsEdges) { // lines in the triangles' own planes need room behind them
         gl.glEnable(GL_POLYGON_OFFSET_FILL);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -18,6 +19,9 @@ namespace isoslider::render {
 struct SceneColours {
     glm::vec3 front{0.80f, 0.70f, 0.54f}; ///< warm ivory
     glm::vec3 back{0.26f, 0.33f, 0.42f}; ///< slate: the side of higher values
+    /// Of merged cells, by their level.
+    std::array<glm::vec3, 4> levels{
+        {{0.80f, 0.70f, 0.54f}, {0.13f, 0.42f, 0.85f}, {0.10f, 0.58f, 0.32f}, {0.82f, 0.26f, 0.50f}}};
     glm::vec4 highlight{1.0f, 0.035f, 0.02f, 0.86f};
     glm::vec4 edges{0.012f, 0.02f, 0.035f, 0.8f};
     glm::vec4 box{0.78f, 0.82f, 0.88f, 0.38f};

@@ -69,4 +69,20 @@ ISO_ALWAYS_INLINE void endsOfEdges(const std::array<BitString, 3>& edges, BitStr
     }
 }
 
+/// Edges of the given cells.
+inline void edgesOfCells(const BitString& cells, std::array<BitString, 3>& edges) {
+    BitString acrossX, acrossY, acrossZ; // the cells and their neighbours' places a step up
+    for (int i = 0; i < kBitWords; ++i) {
+        const auto w = static_cast<std::size_t>(i);
+        acrossX.words[w] = cells.words[w] | shiftedUp<1>(cells, i);
+        acrossY.words[w] = cells.words[w] | shiftedUp<9>(cells, i);
+    }
+    for (int i = 0; i < kBitWords; ++i) {
+        const auto w = static_cast<std::size_t>(i);
+        edges[0].words[w] = acrossY.words[w] | shiftedUp<81>(acrossY, i);
+        edges[1].words[w] = acrossX.words[w] | shiftedUp<81>(acrossX, i);
+        edges[2].words[w] = acrossX.words[w] | shiftedUp<9>(acrossX, i);
+    }
+}
+
 } // namespace isoslider::extract

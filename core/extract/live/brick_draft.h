@@ -12,6 +12,7 @@
 #include "core/extract/live/edge_record.h"
 #include "core/extract/live/merged_cells.h"
 #include "core/extract/live/run_arena.h"
+#include "core/extract/merged/merge_bound.h"
 
 namespace isoslider::extract {
 
@@ -61,6 +62,7 @@ struct BrickDraft {
     std::vector<RetiredRuns> retired; ///< likewise: what pictures still refer to
     struct Counts { ///< since the move began
         std::int64_t activeEdges = 0, triangles = 0, ambiguousCells = 0; ///< differences
+        std::array<std::int64_t, kMaxMergeLevel + 1> leaves{}; ///< likewise, by level
         std::uint64_t cellsDecided = 0, cellsChanged = 0;
     } counts;
 

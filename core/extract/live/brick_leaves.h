@@ -5,8 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/extract/live/brick_bits.h"
+#include "core/extract/live/brick_slot.h"
 #include "core/extract/merged/merged_polygon.h"
 #include "core/grid/brick_grid.h"
 
@@ -40,6 +44,17 @@ struct BrickLeaves {
     }
     friend bool operator==(const BrickLeaves&, const BrickLeaves&) = default;
 };
+
+/// One merged cell with all its halves; `number` as its bit in BrickLeaves, 0 at level 3.
+inline BrickLeaves leafBits(int level, unsigned number) {
+    constexpr std::uint64_t kHalvesOfFirst = 0x330033;
+    if (level == 1)
+        return {std::uint64_t{1} << number, 0, false};
+    if (level == 2)
+        return {kHalvesOfFirst << (2 * (number & 1) + 8 * (number >> 1 & 1) + 32 * (number >> 2)),
+                static_cast<std::uint8_t>(1u << number), false};
+    return {~std::uint64_t{0}, 0xff, true};
+}
 
 /// A step to a brick beside, along one axis or two: -1, 0 or 1 each.
 using BrickStep = std::array<int, 3>;
@@ -78,6 +93,34 @@ inline BrickLeaves cellsBeside(const BrickStep& step) {
 inline bool leavesDiffer(const BrickLeaves& a, const BrickLeaves& b, const BrickLeaves& among) {
     return ((a.level1 ^ b.level1) & among.level1) != 0 || ((a.level2 ^ b.level2) & among.level2) != 0 ||
            a.level3 != b.level3;
+}
+
+/// The live brick a step from the one at `at`, if there is one. `slotOf(brick)`: one more than its slot, 0 for none.
+template <class SlotOf>
+std::optional<BrickSlot> slotBeside(const BrickGrid& grid, std::array<std::int64_t, 3> at, const BrickStep& step,
+                                    const SlotOf& slotOf) {
+    for (std::size_t a = 0; a < 3; ++a) {
+        at[a] += step[a];
+        if (at[a] < 0 || at[a] >= grid.bricks()[a])
+            return std::nullopt;
+    }
+    const std::uint32_t slot = slotOf(grid.brickAt(at[0], at[1], at[2]));
+    return slot == 0 ? std::nullopt : std::optional(BrickSlot(slot - 1));
+}
+
+/// Calls visit(slot) for the live bricks that touch leaves of a brick which are others now.
+template <class SlotOf, class Visit>
+void forEachBesideChanged(const BrickGrid& grid, const std::array<std::int64_t, 3>& at, const BrickLeaves& before,
+                          const BrickLeaves& now, const SlotOf& slotOf, const Visit& visit) {
+    static const auto kBeside = [] {
+        std::vector<std::pair<BrickStep, BrickLeaves>> cells;
+        forEachBrickStep([&](const BrickStep& step) { cells.emplace_back(step, cellsBeside(step)); });
+        return cells;
+    }();
+    for (const auto& [step, cells] : kBeside)
+        if (leavesDiffer(before, now, cells))
+            if (const auto other = slotBeside(grid, at, step, slotOf))
+                visit(*other);
 }
 
 /// The leaves of a brick and of the cells that touch it, in the brick's coordinates from -1 to 8: what its merged cells

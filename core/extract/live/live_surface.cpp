@@ -81,6 +81,7 @@ void LiveSurface<Live>::forgetBricks() noexcept {
     shown_.clear();
     replaced_.clear();
     liveBricks_ = activeEdges_ = triangles_ = ambiguousCells_ = 0;
+    activeLeaves_ = {};
     hasCleared_ = true;
 }
 
@@ -92,6 +93,15 @@ void LiveSurface<Live>::trim() noexcept {
     merged_.trim();
     bricks_.shrink(slotCount());
     hasCleared_ = false;
+}
+
+template <class Live>
+template <class Counts>
+void LiveSurface<Live>::countLeaves(const Brick& brick, int sign, Counts& counts) const {
+    using Count = typename Counts::value_type;
+    counts[0] += static_cast<Count>(sign * brick.cells.count());
+    for (const MergedLeaf& leaf : mergedLeaves(brick))
+        counts[leaf.level] += static_cast<Count>(sign);
 }
 
 template <class Live>
@@ -132,6 +142,7 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
     Brick& brick = bricks_[slot.index()];
     activeEdges_ -= brick.ownedEdges;
     triangles_ -= brick.indexCount / 3;
+    countLeaves(brick, -1, activeLeaves_);
     ambiguousCells_ -= brick.ambiguousCells;
     if (isWatched_) {
         retired_.push_back({version_, {brick.vertices, brick.indices}});
@@ -184,6 +195,8 @@ void LiveSurface<Live>::finishMove(const BrickDraft<Live>& draft) {
     activeEdges_ += static_cast<std::uint64_t>(draft.counts.activeEdges);
     triangles_ += static_cast<std::uint64_t>(draft.counts.triangles);
     ambiguousCells_ += static_cast<std::uint64_t>(draft.counts.ambiguousCells);
+    for (std::size_t level = 0; level < activeLeaves_.size(); ++level)
+        activeLeaves_[level] += static_cast<std::uint64_t>(draft.counts.leaves[level]);
     replaced_.insert(replaced_.end(), draft.replaced.begin(), draft.replaced.end());
     for (const RetiredRuns& runs : draft.retired)
         retired_.push_back({version_, runs});
@@ -241,7 +254,9 @@ void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerS
     draft.counts.triangles += (static_cast<std::int64_t>(draft.indexCount) - brick.indexCount) / 3;
     draft.counts.ambiguousCells += static_cast<std::int64_t>(draft.ambiguous.size()) - brick.ambiguousCells;
     brick.ownedEdges = static_cast<std::uint16_t>(draft.ownedEdges);
+    countLeaves(brick, -1, draft.counts.leaves);
     commit(slot, draft);
+    countLeaves(brick, 1, draft.counts.leaves);
     draft.replaced.push_back(slot);
 }
 
@@ -365,8 +380,8 @@ void LiveSurface<Live>::triangulateMerged(BrickSlot slot, BrickDraft<Live>& draf
     const auto firstCentre = static_cast<std::uint32_t>(draft.edgeVertices + draft.inner.size());
     const std::uint32_t first = draft.indexCount;
     draft.indexCount += static_cast<std::uint32_t>(draft.merged.triangles().size());
-    if (draft.indices.size() < draft.indexCount)
-        draft.indices.resize(draft.indexCount);
+    if (const std::size_t room = draft.indexCount + kIndexOverrun; draft.indices.size() < room)
+        draft.indices.resize(room); // it is copied in whole vectors
     std::uint16_t* out = draft.indices.data() + first;
     for (const std::uint32_t corner : draft.merged.triangles())
         *out++ = corner < MergedCells::kCentre
@@ -462,18 +477,6 @@ void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& d
     }
     std::copy(draft.inner.begin(), draft.inner.end(), stored + brick.edgeVertices);
     show(slot);
-}
-
-template <class Live>
-LeafCounts LiveSurface<Live>::activeLeaves() const {
-    LeafCounts counts{};
-    for (const BrickSlot slot : slots()) {
-        const Brick& brick = bricks_[slot.index()];
-        counts[0] += static_cast<std::uint64_t>(brick.cells.count());
-        for (const MergedLeaf& leaf : mergedLeaves(brick))
-            ++counts[leaf.level];
-    }
-    return counts;
 }
 
 template <class Live>

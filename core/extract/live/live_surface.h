@@ -90,8 +90,8 @@ public:
     std::uint64_t activeEdges() const { return activeEdges_; }
     std::uint64_t triangles() const { return triangles_; }
     std::uint64_t ambiguousCells() const { return ambiguousCells_; }
-    /// Active cells, by their level. O(live bricks).
-    LeafCounts activeLeaves() const;
+    /// Active cells, by their level.
+    const LeafCounts& activeLeaves() const { return activeLeaves_; }
 
     /// The surface as it is now, for other threads to draw; `pointsOutChanges`: with the triangles that the last move
     /// has changed. O(live bricks + what has changed).
@@ -131,6 +131,9 @@ private:
     std::span<const MergedLeaf> mergedLeaves(const Brick& brick) const {
         return {brick.mergedCells > 0 ? merged_.at(brick.merged.begin) : nullptr, brick.mergedCells};
     }
+    /// Adds a brick's active cells to numbers by level, times `sign`.
+    template <class Counts>
+    void countLeaves(const Brick& brick, int sign, Counts& counts) const;
     class Welding;
 
     GridGeometry geometry_;
@@ -163,6 +166,7 @@ private:
     std::uint64_t activeEdges_ = 0;
     std::uint64_t triangles_ = 0;
     std::uint64_t ambiguousCells_ = 0;
+    LeafCounts activeLeaves_{};
 };
 
 template <class Live>

@@ -7,22 +7,6 @@
 namespace isoslider::extract {
 namespace {
 
-// Edges of the given cells.
-void edgesOfCells(const BitString& cells, std::array<BitString, 3>& edges) {
-    BitString acrossX, acrossY, acrossZ; // the cells and their neighbours' places a step up
-    for (int i = 0; i < kBitWords; ++i) {
-        const auto w = static_cast<std::size_t>(i);
-        acrossX.words[w] = cells.words[w] | shiftedUp<1>(cells, i);
-        acrossY.words[w] = cells.words[w] | shiftedUp<9>(cells, i);
-    }
-    for (int i = 0; i < kBitWords; ++i) {
-        const auto w = static_cast<std::size_t>(i);
-        edges[0].words[w] = acrossY.words[w] | shiftedUp<81>(acrossY, i);
-        edges[1].words[w] = acrossX.words[w] | shiftedUp<81>(acrossX, i);
-        edges[2].words[w] = acrossX.words[w] | shiftedUp<9>(acrossX, i);
-    }
-}
-
 // Takes the cells of side 2 given by bits x + 4 y + 16 z out of a string of cells; returns which had some in it.
 std::uint64_t takeOut(std::uint64_t squares, BitString& cells) {
     std::uint64_t found = 0;
@@ -55,6 +39,22 @@ std::uint64_t firstOfHalves(std::uint8_t halves) {
 }
 
 } // namespace
+
+BrickLeaves crossedLeaves(const BrickLeaves& leaves, const BitString& cells) {
+    BitString rest = cells;
+    BrickLeaves crossed;
+    crossed.level1 = takeOut(leaves.level1, rest);
+    if (leaves.level3)
+        return {0, 0, crossed.level1 != 0};
+    for (unsigned i = 0; i < 8; ++i) {
+        const std::uint64_t halves = leafBits(2, i).level1;
+        if (!(leaves.level2 >> i & 1) || (crossed.level1 & halves) == 0)
+            continue;
+        crossed.level1 &= ~halves;
+        crossed.level2 = static_cast<std::uint8_t>(crossed.level2 | 1u << i);
+    }
+    return crossed;
+}
 
 void MergedCells::clear() {
     leaves_.clear();

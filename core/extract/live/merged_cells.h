@@ -19,6 +19,9 @@ struct MergedLeaf {
     std::uint16_t indexCount = 0;
 };
 
+/// Those of the leaves that have one of the cells in them. Each is there by itself, without its halves.
+BrickLeaves crossedLeaves(const BrickLeaves& leaves, const BitString& cells);
+
 /// The merged cells of one brick and the vertices of their polygons. PAPER 2.2.
 class MergedCells {
 public:

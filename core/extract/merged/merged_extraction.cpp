@@ -277,6 +277,7 @@ Result<SurfaceMesh> extractMerged(const ScalarGrid& grid, double isovalue, const
     SurfaceMesh mesh;
     mesh.geometry = grid.geometry();
     mesh.isovalue = isovalue;
+    mesh.mergeBound = bound;
     const Status status = visitScalarType(grid.type(), [&](auto sample) {
         MergedExtractor<decltype(sample)> extractor(grid, isovalue, job);
         const Status done = extractor.run(bound, maxLevel, mesh);

@@ -11,7 +11,7 @@
 namespace isoslider::extract {
 
 /// The trilinear interpolant of a merged cell as a polynomial of places in cells of the grid from its first corner.
-/// Exact for samples of up to 32 bits at grid points, whose places are multiples of a power of two of its side.
+/// Exact for integers of up to 32 bits at grid points: the side is a power of two.
 class MergedInterpolant {
 public:
     /// `side` in cells of the grid.
@@ -46,7 +46,12 @@ public:
             return difference <= bound.limit;
         p[axis] += 0.5;
         const double du = derivative((axis + 1) % 3, p), dv = derivative((axis + 2) % 3, p);
-        return difference <= bound.limit * std::sqrt(along * along + du * du + dv * dv);
+        double length = std::sqrt(along * along + du * du + dv * dv);
+        if (!(length > 1e-150 && length < 1e150)) { // squares overflow, or vanish
+            const double most = std::max({std::abs(along), std::abs(du), std::abs(dv)});
+            length = most > 0.0 ? most * std::hypot(along / most, du / most, dv / most) : 0.0;
+        }
+        return std::isfinite(difference) && std::isfinite(length) && difference <= bound.limit * length;
     }
 
 private:

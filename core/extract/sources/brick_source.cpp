@@ -66,7 +66,7 @@ BrickSource<Sample>::~BrickSource() = default;
 
 template <class Sample>
 void BrickSource<Sample>::setMergeBound(const MergeBound& bound) {
-    hasNewBound_ = hasNewBound_ || bound != bound_;
+    hasNewBound_ = hasNewBound_ || (bound != bound_ && (bound.limit > 0.0 || bound_.limit > 0.0));
     bound_ = bound;
 }
 

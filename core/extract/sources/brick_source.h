@@ -110,8 +110,6 @@ private:
     bool settle(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     bool rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     static void stretch(const LiveSamples& kept, const MergedCells::Corner& corner, EdgeRecord<Live>& record);
-    std::optional<BrickSlot> slotBeside(const LiveSurface<Live>& surface, std::array<std::int64_t, 3> at,
-                                        const BrickStep& step) const;
     void addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const;
     void finish(const Move& move, LiveSurface<Live>& surface, const Job& job, LiveSamples& kept, Scratch& scratch);
     LiveSamples& keptFor(const Job& job, Scratch& scratch);

@@ -61,33 +61,18 @@ void BrickSource<Sample>::addBricksBeside(const LiveSurface<Live>& surface, std:
     std::vector<bool> isListed(watch_.size(), false);
     for (const Job& job : jobs)
         isListed[job.slot.index()] = true;
-    forEachBrickStep([&](const BrickStep& step) {
-        const BrickLeaves beside = cellsBeside(step);
-        for (const Scratch& scratch : *scratches_)
-            for (const auto& [slot, before] : scratch.resettled) {
-                if (!leavesDiffer(before, leaves_[slot.index()], beside))
-                    continue;
-                const auto other =
-                    slotBeside(surface, surface.shapes().grid().brickCoords(brickOf_[slot.index()]), step);
-                if (!other || isListed[other->index()] || !leaves_[other->index()].hasMerged())
-                    continue;
-                isListed[other->index()] = true;
-                jobs.push_back({*other, false});
-            }
-    });
-}
-
-template <class Sample>
-std::optional<BrickSlot> BrickSource<Sample>::slotBeside(const LiveSurface<Live>& surface,
-                                                         std::array<std::int64_t, 3> at, const BrickStep& step) const {
     const BrickGrid& grid = surface.shapes().grid();
-    for (std::size_t a = 0; a < 3; ++a) {
-        at[a] += step[a];
-        if (at[a] < 0 || at[a] >= grid.bricks()[a])
-            return std::nullopt;
-    }
-    const std::uint32_t other = slotOf_[grid.brickAt(at[0], at[1], at[2]).index()];
-    return other == 0 ? std::nullopt : std::optional(BrickSlot(other - 1));
+    for (const Scratch& scratch : *scratches_)
+        for (const auto& [slot, before] : scratch.resettled)
+            forEachBesideChanged(
+                grid, grid.brickCoords(brickOf_[slot.index()]), before, leaves_[slot.index()],
+                [this](BrickIndex brick) { return slotOf_[brick.index()]; },
+                [&](BrickSlot other) {
+                    if (isListed[other.index()] || !leaves_[other.index()].hasMerged())
+                        return;
+                    isListed[other.index()] = true;
+                    jobs.push_back({other, false});
+                });
 }
 
 template <class Sample>
@@ -104,7 +89,8 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
         const auto leavesAt = [&](const BrickStep& step) -> const BrickLeaves* {
             if (step == BrickStep{0, 0, 0})
                 return &leaves;
-            const auto other = slotBeside(surface, coords, step);
+            const auto other = slotBeside(surface.shapes().grid(), coords, step,
+                                          [this](BrickIndex brick) { return slotOf_[brick.index()]; });
             return other ? &leaves_[other->index()] : nullptr;
         };
         scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brickOf_[job.slot.index()]),

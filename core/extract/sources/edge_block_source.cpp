@@ -9,37 +9,16 @@
 #include "core/base/worker_team.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/stream_copy.h"
+#include "core/extract/sources/edge_scratch.h"
 #include "core/extract/sources/sample_kernels.h"
 
 namespace isoslider::extract {
 namespace {
 
-constexpr std::uint32_t kEndOfChain = ~std::uint32_t{0};
 constexpr std::uint64_t kKeptEntries = 1u << 16;
 constexpr std::uint32_t kArriving = ~std::uint32_t{0}; ///< in place of a slot, until there is one
 
 } // namespace
-
-template <class Sample>
-struct EdgeBlockSource<Sample>::Scratch {
-    BrickDraft<Live> draft;
-    // Changes of the partition at hand: entries, and for each the next one of its brick.
-    std::vector<BrickSlot> touched;
-    std::vector<const Activated*> activated;
-    std::vector<const Deactivated*> deactivated;
-    std::vector<std::uint32_t> nextActivated, nextDeactivated;
-    std::vector<BrickIndex> arriving; // bricks that have no slot yet
-    std::vector<BrickSlot> emptied;
-    std::optional<Error> error;
-    bool isConsistent = true;
-
-    void beginMove() {
-        draft.beginMove();
-        emptied.clear();
-        error.reset();
-        isConsistent = true;
-    }
-};
 
 // Corner scalars of cells from the records of their active edges; the corner that lies on none is looked up.
 template <class Sample>
@@ -85,6 +64,7 @@ void EdgeBlockSource<Sample>::Lists::clear() {
     for (std::size_t p = 0; p < kPartitions; ++p) {
         activated[p].clear();
         deactivated[p].clear();
+        leaves[p].clear();
     }
     edgesAdded = edgesRemoved = 0;
 }
@@ -92,6 +72,7 @@ void EdgeBlockSource<Sample>::Lists::clear() {
 template <class Sample>
 EdgeBlockSource<Sample>::EdgeBlockSource(const index::IndexReader& reader, std::uint64_t cacheBytes)
     : WalkedSource<Sample>(reader, cacheBytes),
+      merges_(reader.info().mergeError > 0.0),
       hiddenCorners_(reader),
       slotOf_(reader.grid().brickCount()),
       edges_(reader.grid().brickCount()),
@@ -113,39 +94,8 @@ void EdgeBlockSource<Sample>::reset() {
     slotOf_.shrink(0);
     slotOf_.grow(reader_.grid().brickCount());
     edges_.shrink(0);
+    leaves_.clear();
     chains_.clear();
-}
-
-// Calls visit(brick, edge) for the closed bricks that hold the edge: where it lies on a brick's lower face, the brick
-// below does, too.
-template <class Sample>
-template <class Visit>
-void EdgeBlockSource<Sample>::forEachHolder(PointId start, int axis, const Visit& visit) const {
-    const BrickGrid& grid = reader_.grid();
-    const BrickIndex brick = brickOf(start);
-    const int local = localOf(start).number();
-    const std::array<int, 3> c{local & 7, local >> 3 & 7, local >> 6};
-    const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
-    const ClosedEdge base = closedEdge(axis, closedPoint(c[0], c[1], c[2]));
-    if (c[u] > 0 && c[v] > 0 && allHaveCells_) { // three edges in four
-        visit(brick, base);
-        return;
-    }
-    const auto at = grid.brickCoords(brick);
-    for (int k = 0; k < 4; ++k) {
-        const bool isBelowU = k & 1, isBelowV = k >> 1;
-        if ((isBelowU && (c[u] > 0 || at[u] == 0)) || (isBelowV && (c[v] > 0 || at[v] == 0)))
-            continue;
-        const bool hasCells =
-            at[u] - isBelowU < cellBricks_[static_cast<int>(u)] && at[v] - isBelowV < cellBricks_[static_cast<int>(v)];
-        if (!hasCells)
-            continue;
-        const BrickIndex holder = brick - ((isBelowU ? grid.brickStride(static_cast<int>(u)) : 0) +
-                                           (isBelowV ? grid.brickStride(static_cast<int>(v)) : 0));
-        const ClosedEdge edge =
-            base + ((isBelowU ? kCellSide * kPointStride[u] : 0) + (isBelowV ? kCellSide * kPointStride[v] : 0));
-        visit(holder, edge);
-    }
 }
 
 template <class Sample>
@@ -156,6 +106,12 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
     std::size_t entry = part.firstEntry;
     static constexpr int kLocalStride[3] = {1, 8, 64};
     for (std::size_t i = part.begin; i < part.end; ++i) {
+        if (page.form(i) != index::record_form::kPoint) {
+            if (const std::uint64_t other = page.farKeys[entry]; other < lower || other >= upper)
+                collectMerged(part, i, entry, goesUp, lists);
+            entry += static_cast<std::size_t>(std::popcount(page.masks[i]));
+            continue;
+        }
         const PointId id(page.ids[i]);
         const Key key = page.keys[i];
         const Live near = static_cast<Live>(sampleOfKey<Sample>(key));
@@ -216,9 +172,12 @@ Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface) {
             const BrickSlot added = surface.add(brick);
             edges_.grow(added.index() + 1);
             edges_[added.index()] = {};
+            if (added.index() < leaves_.size())
+                leaves_[added.index()] = {};
             slotOf_[brick.index()] = added.number() + 1;
         }
-    chains_.resize(surface.slotCount(), {kEndOfChain, kEndOfChain});
+    chains_.resize(surface.slotCount());
+    leaves_.resize(surface.slotCount());
     if (!isConsistent)
         return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice",
                          reader_.pathString());
@@ -237,7 +196,7 @@ void EdgeBlockSource<Sample>::chainChanges(std::size_t partition, Scratch& scrat
         if (slot == 0)
             return nullptr;
         Chain& chain = chains_[slot - 1];
-        if (chain.firstActivated == kEndOfChain && chain.firstDeactivated == kEndOfChain)
+        if (chain.isEmpty())
             scratch.touched.push_back(BrickSlot(slot - 1));
         return &chain;
     };
@@ -254,6 +213,9 @@ void EdgeBlockSource<Sample>::chainChanges(std::size_t partition, Scratch& scrat
                 chain->firstDeactivated = static_cast<std::uint32_t>(scratch.deactivated.size());
                 scratch.deactivated.push_back(&change);
             }
+        for (const ChangedLeaf& change : lists.leaves[partition])
+            if (Chain* chain = chainOf(change.brick))
+                chain->hasChangedLeaves = true;
     }
 }
 
@@ -264,7 +226,7 @@ void EdgeBlockSource<Sample>::listCrossedSaddles(const Move& move, const LiveSur
                                                  std::vector<BrickSlot>& refreshed) const {
     for (const BrickSlot slot : firstIds<BrickSlot>(chains_.size())) {
         const Chain& chain = chains_[slot.index()];
-        if (chain.firstActivated != kEndOfChain || chain.firstDeactivated != kEndOfChain)
+        if (!chain.isEmpty())
             continue;
         if (!surface.stateInterval(slot).contains(move.isovalue))
             crossed.push_back(slot);
@@ -297,6 +259,15 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
     ISO_TRY(addArrivingBricks(surface));
     const std::uint64_t hiddenBytes = hiddenCorners_.bytesRead();
 
+    std::vector<BrickSlot> beside;
+    if (merges_) {
+        forEachIndex(kPartitions, 1, [&](std::size_t partition) { changeLeaves(partition, scratches_->local()); });
+        listBesideLeaves(surface, beside);
+        for (Scratch& scratch : *scratches_)
+            for (const auto& [slot, before] : scratch.resettled)
+                chains_[slot.index()].hasChangedLeaves = false; // until it is chained
+    }
+
     // All chains first: which bricks change must be known before the others are looked through.
     std::vector<BrickSlot> crossed, refreshed;
     std::array<std::vector<BrickSlot>, kPartitions> changedBy;
@@ -316,11 +287,18 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
         return cancelledError();
     for (const std::vector<BrickSlot>& slots : changedBy)
         for (const BrickSlot slot : slots)
-            chains_[slot.index()] = {0, 0}; // they are done
+            chains_[slot.index()] = {0, 0, false}; // they are done
+    for (const BrickSlot slot : beside)
+        if (chains_[slot.index()].isEmpty())
+            crossed.push_back(slot);
+    for (const BrickSlot slot : crossed)
+        chains_[slot.index()] = {0, 0, false};
     listCrossedSaddles(move, surface, crossed, refreshed);
     for (const std::vector<BrickSlot>& slots : changedBy)
         for (const BrickSlot slot : slots)
-            chains_[slot.index()] = {kEndOfChain, kEndOfChain};
+            chains_[slot.index()] = {};
+    for (const BrickSlot slot : crossed)
+        chains_[slot.index()] = {};
     forEachIndex(crossed.size(), kBricksTogether, [&](std::size_t i) {
         if (!stop.stop_requested())
             changeBrick(crossed[i], move, surface, scratches_->local());
@@ -402,18 +380,21 @@ void EdgeBlockSource<Sample>::mergeRecords(BrickSlot slot, const LiveSurface<Liv
 
 // Signs of the corners of all active cells. Those at the ends of active edges follow from the edges' scalars; every
 // other corner of an active cell is at most two inactive edges of the cell away from one of these and has its sign.
-// False when the edges are those of no scalars: only a damaged index has such.
+// The same holds of a leaf and its edges; inside it, nothing is known.
 template <class Sample>
-bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
+void EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
     const std::array<BitString, 3>& edges = edges_[slot.index()];
     const BrickMasks& masks = surface.masks(slot);
     BrickDraft<Live>& draft = scratch.draft;
     BitString above;
     for (std::uint32_t k = 0; k < draft.edgeVertices; ++k) {
         const Record& record = draft.records[k];
-        const ClosedPoint lower = startOf(record.edge);
+        const auto axis = static_cast<std::size_t>(axisOf(record.edge));
+        const int stride = kPointStride[axis], side = 1 << record.levelOrUpperZ;
+        const int along = coordsOf(startOf(record.edge))[axis] & (side - 1); // from the leaf edge's lower end
         const bool isLowerAbove = record.scalar1 > record.scalar2;
-        above.set(isLowerAbove ? lower : lower + kPointStride[static_cast<std::size_t>(axisOf(record.edge))]);
+        for (int i = isLowerAbove ? 0 : along + 1; i <= (isLowerAbove ? along : side); ++i)
+            above.set(ClosedPoint(startOf(record.edge).number() + (i - along) * stride));
     }
     // Cells of active edges: the edge's point and those one step back across it.
     BitString cells;
@@ -428,11 +409,16 @@ bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>&
         cells.words[w] = (x | y | z) & masks.cells.words[w];
     }
     draft.active.cells = cells;
-    for (int round = 0; round < 2; ++round) {
-        std::array<BitString, 3> still; // inactive edges
-        for (std::size_t a = 0; a < 3; ++a)
-            for (std::size_t w = 0; w < kBitWords; ++w)
-                still[a].words[w] = masks.edges[a].words[w] & ~edges[a].words[w];
+    std::array<BitString, 3> still = masks.edges; // inactive edges, of which that is known
+    int rounds = 2;
+    if (leaves_[slot.index()].hasMerged()) {
+        rounds = kClosedPoints; // as long as they bring any
+        findLeafEdges(slot, scratch, still);
+    }
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t w = 0; w < kBitWords; ++w)
+            still[a].words[w] &= masks.edges[a].words[w] & ~edges[a].words[w];
+    for (int round = 0; round < rounds; ++round) {
         const auto spread = [&](const BitString& from) {
             BitString to = from;
             BitString up0, up1, up2;
@@ -450,10 +436,20 @@ bool EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>&
             }
             return to;
         };
-        above = spread(above);
+        const BitString further = spread(above);
+        if (further == above)
+            break;
+        above = further;
     }
     draft.above = above;
-    // No active cell without a sign at each corner, and no edge of one but as the signs state.
+}
+
+// Whether no active cell is without a sign at each corner, and no edge of one but as the signs state: false when the
+// edges are those of no scalars, which only a damaged index has.
+template <class Sample>
+bool EdgeBlockSource<Sample>::areSignsWhole(BrickSlot slot, const Scratch& scratch) const {
+    const std::array<BitString, 3>& edges = edges_[slot.index()];
+    const BitString &above = scratch.draft.above, &cells = scratch.draft.active.cells;
     for (int i = 0; i < kBitWords; ++i) {
         const auto w = static_cast<std::size_t>(i);
         const std::uint64_t x =
@@ -485,7 +481,12 @@ void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, Live
     mergeRecords(slot, surface, scratch);
     if (draft.edgeVertices == 0)
         scratch.emptied.push_back(slot);
-    if (!findSigns(slot, surface, scratch)) {
+    draft.merged.clear();
+    const bool hasMerged = leaves_[slot.index()].hasMerged();
+    if (hasMerged)
+        findLeavesAround(slot, surface, scratch);
+    findSigns(slot, surface, scratch);
+    if ((hasMerged && !mergeCells(slot, scratch)) || !areSignsWhole(slot, scratch)) {
         scratch.isConsistent = false;
         return;
     }

@@ -22,6 +22,10 @@ namespace isoslider::extract {
 /// Each live brick keeps its active edges as bits, and the surface its records. An entry goes to every brick that holds
 /// the edge, at most four; there it toggles a bit and is merged into the records. Signs follow from the edges.
 /// What is collected for a move is cut into partitions of brick numbers, so that threads share nothing.
+///
+/// Where cells were merged when the index was built (PAPER 2.2), it states of each edge when it carries a vertex, and
+/// on a leaf edge of which level; and of each merged cell when it is a leaf. Those come and go like edges. A brick with
+/// leaves is made in a second step, once those of the bricks beside it are known.
 template <class Sample>
 class EdgeBlockSource final : public WalkedSource<Sample> {
 public:
@@ -48,9 +52,17 @@ private:
     using Record = EdgeRecord<Live>;
 
     static constexpr std::size_t kPartitions = 64;
+    static constexpr std::uint32_t kEndOfChain = ~std::uint32_t{0};
     struct Deactivated {
         BrickIndex brick;
         ClosedEdge edge;
+    };
+    /// A merged cell that becomes a leaf the surface passes through, or is none any more.
+    struct ChangedLeaf {
+        BrickIndex brick;
+        std::uint8_t level;
+        std::uint8_t number; ///< as leafBits() has it
+        bool isActivated;
     };
     struct Activated {
         BrickIndex brick;
@@ -60,18 +72,24 @@ private:
     struct Lists {
         std::array<std::vector<Activated>, kPartitions> activated;
         std::array<std::vector<Deactivated>, kPartitions> deactivated;
+        std::array<std::vector<ChangedLeaf>, kPartitions> leaves;
         std::uint64_t edgesAdded = 0, edgesRemoved = 0;
         void clear();
     };
     /// The changes of one brick, as chains through the lists of its partition.
     struct Chain {
-        std::uint32_t firstActivated, firstDeactivated;
+        std::uint32_t firstActivated = kEndOfChain, firstDeactivated = kEndOfChain;
+        bool hasChangedLeaves = false;
+        bool isEmpty() const {
+            return firstActivated == kEndOfChain && firstDeactivated == kEndOfChain && !hasChangedLeaves;
+        }
     };
     struct Scratch;
     class Corners;
 
     void reset();
     std::size_t collect(const Part& part, KeyThreshold lower, KeyThreshold upper, bool goesUp);
+    void collectMerged(const Part& part, std::size_t record, std::size_t entry, bool goesUp, Lists& lists);
     template <class Visit>
     void forEachHolder(PointId start, int axis, const Visit& visit) const;
     std::size_t partitionOf(BrickIndex brick) const {
@@ -84,14 +102,22 @@ private:
                             std::vector<BrickSlot>& refreshed) const;
     bool toggle(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch);
     void mergeRecords(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
-    bool findSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
+    void findSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
+    bool areSignsWhole(BrickSlot slot, const Scratch& scratch) const;
+    void changeLeaves(std::size_t partition, Scratch& scratch);
+    void listBesideLeaves(const LiveSurface<Live>& surface, std::vector<BrickSlot>& beside) const;
+    void findLeafEdges(BrickSlot slot, const Scratch& scratch, std::array<BitString, 3>& edges) const;
+    void findLeavesAround(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
+    bool mergeCells(BrickSlot slot, Scratch& scratch) const;
 
+    bool merges_; ///< the index has merged cells
     GridDims cellBricks_; ///< bricks with cells along each axis
     bool allHaveCells_ = false;
     std::uint64_t partitionScale_;
     index::HiddenCorners hiddenCorners_;
     ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
     ChunkedArray<std::array<BitString, 3>, 8> edges_; ///< active ones, by slot
+    std::vector<BrickLeaves> leaves_; ///< by slot: those that the surface passes through, with their halves
     std::vector<Chain> chains_; ///< by slot, during a move
     std::unique_ptr<tbb::enumerable_thread_specific<Lists>> lists_;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;

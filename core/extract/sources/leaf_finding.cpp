@@ -146,17 +146,21 @@ public:
         }
     }
 
+    // Whether squares of differences neither overflow nor vanish.
+    bool areOfUsualSize() const { return largest_ > 1e-140 && largest_ < 1e140; }
+
     // Whether the bound holds wherever edges are active: one answer a cell, in the order of x, y, z.
     template <int Side, class Answer>
     void check(const MergeBound& bound, const Answer& answer) {
         interpolate<Side>();
         constexpr int kCells = kCellSide / Side;
         const std::array<double, kClosedPoints>& errors = largestInCells<Side>();
+        const double slack = bound.measure == MergeBound::Measure::Scalar ? 1.0 : 1.0 + bound.limit;
         for (int i = 0; i < kCells * kCells * kCells; ++i) {
             const int x = i % kCells, y = i / kCells % kCells, z = i / (kCells * kCells);
             // Rounding, here and where single edges are looked at.
             const double error =
-                errors[static_cast<std::size_t>(x + kPointSide * (y + kPointSide * z))] + 1e-13 * largest_;
+                errors[static_cast<std::size_t>(x + kPointSide * (y + kPointSide * z))] + 1e-13 * largest_ * slack;
             const double unit = bound.measure == MergeBound::Measure::Scalar
                                     ? 1.0
                                     : leastGradient(closedPoint(Side * x, Side * y, Side * z), Side);
@@ -252,6 +256,8 @@ template <class Sample>
 BrickLeaves findSurelyWithin(const StoredSample<Sample>* samples, const MergeBound& bound) {
     BrickErrors errors(std::type_identity<Sample>(), samples);
     BrickLeaves within;
+    if (!errors.areOfUsualSize())
+        return within;
     errors.check<2>(bound, [&](int i, bool is) { within.level1 |= std::uint64_t{is} << i; });
     errors.check<4>(bound, [&](int i, bool is) { within.level2 = static_cast<std::uint8_t>(within.level2 | is << i); });
     errors.check<8>(bound, [&](int, bool is) { within.level3 = is; });

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kPageHeaderBytes = 32;
 
-enum PageFlag : std::uint8_t { kSecondDifferences = 1, kMirroredNormals = 2 };
-constexpr std::uint8_t kKnownFlags = kSecondDifferences | kMirroredNormals;
+enum PageFlag : std::uint8_t { kSecondDifferences = 1, kMirroredNormals = 2, kForms = 4 };
+constexpr std::uint8_t kKnownFlags = kSecondDifferences | kMirroredNormals | kForms;
 
 int bytesFor(std::uint64_t largest) { return std::max(1, (static_cast<int>(std::bit_width(largest)) + 7) / 8); }
 
@@ -42,7 +42,7 @@ template <class Key>
 struct PageColumns {
     std::vector<Key> keys, farKeys, farKeysMirrored;
     std::vector<std::uint64_t> ids;
-    std::vector<std::uint8_t> masks;
+    std::vector<std::uint8_t> masks, forms;
     std::vector<NormalCode> normals, farNormals, farNormalsMirrored;
     std::int64_t keyBitsSaved = 0, normalBitsSaved = 0; ///< by predicting from the opposite edge
 };
@@ -110,6 +110,8 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     columns.keys.clear();
     columns.ids.clear();
     columns.masks.clear();
+    columns.forms.clear();
+    bool hasForms = false;
     columns.normals.clear();
     Key previousKey = base;
     std::uint64_t previousId = 0;
@@ -119,6 +121,8 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
         const std::uint64_t id = r.id().number();
         columns.ids.push_back(id >= previousId ? id - previousId : id + (idCount - previousId));
         columns.masks.push_back(r.edgeMask);
+        columns.forms.push_back(r.form);
+        hasForms = hasForms || r.form != record_form::kPoint;
         columns.normals.push_back(subtractNormal(r.normal, previousNormal));
         previousKey = r.key;
         previousId = id;
@@ -126,12 +130,12 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     }
     findFarResiduals(records, columns);
     const bool mirrorsKeys = columns.keyBitsSaved > 0, mirrorsNormals = columns.normalBitsSaved > 0;
-    const auto flags =
-        static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) | (mirrorsNormals ? kMirroredNormals : 0));
+    const auto flags = static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) |
+                                                 (mirrorsNormals ? kMirroredNormals : 0) | (hasForms ? kForms : 0));
 
     constexpr int kKeyBytes = sizeof(Key);
     const int idBytes = bytesFor(idCount);
-    const int planes = kKeyBytes + idBytes + 1 + 2 + kKeyBytes + 2;
+    const int planes = kKeyBytes + idBytes + 1 + (hasForms ? 1 : 0) + 2 + kKeyBytes + 2;
     std::vector<std::byte> bytes;
     bytes.reserve(records.size() * 32 + 512);
     ByteWriter header(bytes);
@@ -148,6 +152,8 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     writer.addColumn(columns.keys, kKeyBytes);
     writer.addColumn(columns.ids, idBytes);
     writer.addColumn(columns.masks, 1);
+    if (hasForms)
+        writer.addColumn(columns.forms, 1);
     writer.addColumn(columns.normals, 2);
     writer.addColumn(mirrorsKeys ? columns.farKeysMirrored : columns.farKeys, kKeyBytes);
     writer.addColumn(mirrorsNormals ? columns.farNormalsMirrored : columns.farNormals, 2);
@@ -158,6 +164,37 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
 // ---- reading
 
 namespace {
+
+// Whether a record of merged cells has its entries, and its edge or cell lies in the grid, aligned.
+bool fits(std::uint8_t form, std::uint8_t mask, const std::array<std::int64_t, 3>& point, const GridDims& dims) {
+    if (form >= record_form::kEnd || mask != record_form::maskOf(form))
+        return false;
+    const std::int64_t side = std::int64_t{1} << record_form::levelOf(form);
+    for (int a = 0; a < 3; ++a) {
+        const std::int64_t at = point[static_cast<std::size_t>(a)], inside = at & (side - 1);
+        const bool isAlong = record_form::isEdge(form) && a == record_form::axisOf(form);
+        const bool reachesOn = isAlong || !record_form::isEdge(form);
+        if (at < 0 || at >= dims[a] || (!isAlong && inside != 0) || (reachesOn && at - inside + side >= dims[a]))
+            return false;
+    }
+    return true;
+}
+
+// Whether the ends of leaf edges lie on both sides of the isovalue while they carry a vertex.
+template <class Key>
+bool enclosesIntervals(const DecodedPage<Key>& page) {
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < page.forms.size(); ++i) {
+        if (record_form::isEdge(page.forms[i])) {
+            const Key other = page.farKeys[at], lower = page.farKeys[at + 1], upper = page.farKeys[at + 2];
+            if (std::min(lower, upper) > std::min(page.keys[i], other) ||
+                std::max(lower, upper) < std::max(page.keys[i], other) || lower == upper)
+                return false;
+        }
+        at += static_cast<std::size_t>(std::popcount(page.masks[i]));
+    }
+    return true;
+}
 
 // Residuals back to ids, keys and normals, checking every id and edge against the grid.
 template <class Key>
@@ -180,6 +217,12 @@ Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const Br
         page.ids[i] = previousId = id;
         page.normals[i] = previousNormal = addNormal(page.normals[i], previousNormal);
         const auto p = grid.pointCoords(PointId(id));
+        if (const std::uint8_t form = page.form(i); form != record_form::kPoint) {
+            if (!fits(form, page.masks[i], p, grid.dims()))
+                return reader.corrupt("record of merged cells");
+            edges += static_cast<std::size_t>(std::popcount(page.masks[i]));
+            continue;
+        }
         std::uint8_t allowed = 0;
         for (int a = 0; a < 3; ++a) {
             if (p[a] >= grid.dims()[a])
@@ -248,12 +291,16 @@ Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, Decod
     if (points == 0 || points > kMaxPagePoints || edges > points * kPointEdges)
         return reader.corrupt("point or edge count");
     if (keyBytes != sizeof(Key) || idBytes != bytesFor(grid.idCount()) || order > 1 || (flags & ~kKnownFlags) != 0 ||
-        planes != static_cast<std::uint32_t>(2 * keyBytes + idBytes + 5) || base > std::numeric_limits<Key>::max())
+        planes != static_cast<std::uint32_t>(2 * keyBytes + idBytes + (flags & kForms ? 6 : 5)) ||
+        base > std::numeric_limits<Key>::max())
         return reader.corrupt("header field");
     ISO_TRY(reader.beginPlanes(kPageHeaderBytes, planes));
     ISO_TRY(reader.readColumn(page.keys, points, keyBytes));
     ISO_TRY(reader.readColumn(page.ids, points, idBytes));
     ISO_TRY(reader.readColumn(page.masks, points, 1));
+    page.forms.clear();
+    if (flags & kForms)
+        ISO_TRY(reader.readColumn(page.forms, points, 1));
     ISO_TRY(reader.readColumn(page.normals, points, 2));
     ISO_TRY(reader.readColumn(page.farKeys, edges, keyBytes));
     ISO_TRY(reader.readColumn(page.farNormals, edges, 2));
@@ -261,6 +308,8 @@ Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, Decod
         return reader.corrupt("bytes after the last plane");
     ISO_TRY(restorePoints(page, static_cast<Key>(base), static_cast<PageOrder>(order), grid, reader));
     restoreEdges(page, flags);
+    if (!enclosesIntervals(page))
+        return reader.corrupt("leaf edge");
     return {};
 }
 

@@ -15,22 +15,25 @@ namespace isoslider::index {
 ///
 /// Invariants: 1. keys, ids, masks, normals have one length; 2. the far columns have as many entries
 /// as the masks have bits; 3. every id lies in the grid and every edge's far end too; 4. in value
-/// order keys never decrease.
+/// order keys never decrease; 5. records of other forms have the entries of their form, aligned leaf edges and cells
+/// inside the grid, and leaf edges whose ends enclose the interval.
 template <class Key>
 struct DecodedPage {
     std::vector<Key> keys;
     std::vector<std::uint64_t> ids; ///< numbers of PointIds
     std::vector<std::uint8_t> masks;
+    std::vector<std::uint8_t> forms; ///< of records (record_form); empty: all are of points
     std::vector<NormalCode> normals;
     std::vector<Key> farKeys;
     std::vector<NormalCode> farNormals;
 
     std::size_t pointCount() const { return keys.size(); }
+    std::uint8_t form(std::size_t i) const { return forms.empty() ? record_form::kPoint : forms[i]; }
     std::size_t edgeCount() const { return farKeys.size(); }
     /// What the arrays take, which may have held a larger page before.
     std::size_t memoryBytes() const {
         return keys.capacity() * sizeof(Key) + ids.capacity() * sizeof(std::uint64_t) + masks.capacity() +
-               normals.capacity() * sizeof(NormalCode) + farKeys.capacity() * sizeof(Key) +
+               forms.capacity() + normals.capacity() * sizeof(NormalCode) + farKeys.capacity() * sizeof(Key) +
                farNormals.capacity() * sizeof(NormalCode);
     }
 };

@@ -283,11 +283,11 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
     preamble.minor = in.get<std::uint16_t>();
     if (bytes.size() < kPreambleBytes)
         return makeError(ErrorCode::Corruption, "index ends inside its header", path, bytes.size());
-    if (preamble.major != kFormatMajor)
+    if (preamble.major != kFormatMajor && preamble.major != kMergedFormatMajor)
         return makeError(ErrorCode::UnsupportedVersion,
                          "index has format version " + std::to_string(preamble.major) +
-                             ", this program reads version " + std::to_string(kFormatMajor) +
-                             ": build it again from its volume",
+                             ", this program reads versions " + std::to_string(kFormatMajor) + " and " +
+                             std::to_string(kMergedFormatMajor) + ": build it again from its volume",
                          path, sizeof kIndexMagic);
     for (std::uint64_t* value :
          {&preamble.metaOffset, &preamble.metaBytes, &preamble.metaChecksum, &preamble.fileBytes, &preamble.seed})
@@ -335,6 +335,10 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     putHiddenPages(out, meta.hiddenPages);
     putChunkGroups(out, meta);
     putMissingCells(out, meta.missingCells);
+    if (info.mergeError > 0.0) {
+        out.put<std::uint8_t>(info.isMergeErrorInCells);
+        out.put<double>(info.mergeError);
+    }
     if (minorOf(meta) >= 1)
         out.putString(info.lengthUnit);
     if (minorOf(meta) >= 2)
@@ -389,6 +393,14 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
         return corrupt("chunk groups of samples");
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
+    if (preamble.major == kMergedFormatMajor) {
+        const std::uint8_t measure = in.get<std::uint8_t>();
+        info.isMergeErrorInCells = measure == 1;
+        info.mergeError = in.get<double>();
+        if (in.hasFailed() || info.kind != IndexKind::Edges || measure > 1 || !std::isfinite(info.mergeError) ||
+            !(info.mergeError > 0.0))
+            return corrupt("error of merged cells");
+    }
     if (preamble.minor >= 1)
         info.lengthUnit = in.getString(kMaxLengthUnitBytes);
     if (!isLengthUnit(info.lengthUnit))

@@ -15,7 +15,8 @@ namespace isoslider::index {
 
 /// FORMAT.md describes the bytes; this header is the one place where code knows them.
 inline constexpr char kIndexMagic[12] = {'I', 'S', 'O', 'S', 'L', 'I', 'D', 'E', '\r', '\n', '\x1a', '\n'};
-inline constexpr std::uint16_t kFormatMajor = 3;
+/// Of an index of edges without merged cells, and of metacells; with merged cells one more.
+inline constexpr std::uint16_t kFormatMajor = 3, kMergedFormatMajor = 4;
 inline constexpr std::uint16_t kFormatMinor = 2;
 inline constexpr std::size_t kPreambleBytes = 64;
 inline constexpr std::uint64_t kMaxMetaBytes = std::uint64_t{4} << 30;

@@ -45,6 +45,9 @@ struct IndexInfo {
     std::uint64_t sampleBytes = 0; ///< encoded bytes of the samples; 0 with edges
     std::uint64_t mergeErrorBytes = 0; ///< encoded bytes of the merged cells' errors; 0 with edges
     double redundancyThreshold = 0.0; ///< k of the paper, section 2.1
+    /// Edges: within how much cells are merged (PAPER 2.2); 0: they are not, or are while sliding.
+    double mergeError = 0.0;
+    bool isMergeErrorInCells = false; ///< else % of the value range
     std::string sourceName; ///< file name of the volume, without its folder
     std::string lengthUnit; ///< of spacing and origin (core/grid/length_unit.h); empty: unknown
     std::string resampling; ///< what resampling the volume onto a uniform grid lost, in one line; empty: it was not

@@ -41,15 +41,15 @@ Result<LoadedDataset> loadIndexFile(const OpenRequest& request) {
     return fromEngine(std::move(dataset), std::move(engine).value(), request);
 }
 
-/// The cached index, if there is a whole one that is of this volume's shape.
+/// The cached index, if there is a whole one that is of this volume's shape and of metacells, as they are built now.
 std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
     if (!isPresent(dataset.indexPath))
         return nullptr;
     auto engine = extract::SlideEngine::open(dataset.indexPath);
     if (engine.isOk() && engine.value()->info().geometry == dataset.geometry &&
-        engine.value()->info().type == dataset.type)
+        engine.value()->info().type == dataset.type && engine.value()->canMerge())
         return std::move(engine).value();
-    return nullptr; // damaged or of another shape: the next build replaces it
+    return nullptr; // damaged, of another shape or kind: the next build replaces it
 }
 
 /// What is known of a volume without its samples. Complete once they are read.

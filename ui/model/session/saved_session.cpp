@@ -243,8 +243,9 @@ struct OptionName {
     const char* name;
     bool ViewOptions::*member;
 };
-constexpr std::array<OptionName, 5> kOptionNames{{{"changed", &ViewOptions::showsChanged},
+constexpr std::array<OptionName, 6> kOptionNames{{{"changed", &ViewOptions::showsChanged},
                                                   {"edges", &ViewOptions::showsEdges},
+                                                  {"levels", &ViewOptions::showsLevels},
                                                   {"box", &ViewOptions::showsBox},
                                                   {"axes", &ViewOptions::showsAxes},
                                                   {"readout", &ViewOptions::showsReadout}}};

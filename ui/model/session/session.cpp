@@ -20,15 +20,29 @@ struct Session::FrameSlot {
 
 namespace {
 
-// A window on an index file shows that file's name; its surfaces are of the volume.
-mesh::SurfaceSource sourceOf(const Dataset& dataset) {
-    const bool hasSourceName = dataset.index && !dataset.index->sourceName.empty();
-    std::string lost = dataset.index ? dataset.index->resampling : std::string();
-    if (dataset.resampling)
-        lost = io::lossText(*dataset.resampling, dataset.geometry.dims);
-    return {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples, dataset.lengthUnit,
-            std::move(lost)};
-}
+// What a certificate names of a volume.
+class SourceOfMesh {
+public:
+    // A window on an index file shows that file's name; its surfaces are of the volume.
+    explicit SourceOfMesh(const Dataset& dataset) : least_(dataset.min), greatest_(dataset.max) {
+        const bool hasSourceName = dataset.index && !dataset.index->sourceName.empty();
+        std::string lost = dataset.index ? dataset.index->resampling : std::string();
+        if (dataset.resampling)
+            lost = io::lossText(*dataset.resampling, dataset.geometry.dims);
+        source_ = {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples, dataset.lengthUnit,
+                   std::move(lost)};
+    }
+    // How its cells are merged, the mesh states: meanwhile another error may have been chosen.
+    mesh::SurfaceSource of(const extract::SurfaceMesh& surface) const {
+        mesh::SurfaceSource source = source_;
+        source.merging = mesh::mergingText(surface.mergeBound, least_, greatest_, 1 << extract::kMaxBrickMergeLevel);
+        return source;
+    }
+
+private:
+    mesh::SurfaceSource source_;
+    double least_, greatest_;
+};
 
 } // namespace
 
@@ -202,7 +216,7 @@ void Session::redraw() {
 
 void Session::mergeCells() {
     if (dataset_)
-        worker_->mergeWithin(extract::boundOf(detail_.error(), dataset_->min, dataset_->max));
+        worker_->mergeWithin(extract::boundOf(detail_.usedError(), dataset_->min, dataset_->max));
 }
 
 void Session::takeFrame() {
@@ -322,15 +336,6 @@ bool Session::isPreview() const { return dataset_ && dataset_->coarseStep > 1 &&
 
 std::int64_t Session::shownStep() const { return frame_ && !frame_->isFromIndex ? dataset_->coarseStep : 1; }
 
-mesh::SurfaceSource Session::surfaceSource() const {
-    mesh::SurfaceSource source = sourceOf(*dataset_);
-    if (frame_->canMerge && detail_.error().amount > 0.0)
-        source.merging =
-            mesh::mergingText(detail_.error(), extract::boundOf(detail_.error(), dataset_->min, dataset_->max),
-                              1 << extract::kMaxBrickMergeLevel);
-    return source;
-}
-
 bool Session::refusesMesh(const std::string& title, const std::string& verb) {
     if (!isPreview())
         return false;
@@ -352,13 +357,13 @@ void Session::checkMesh() {
     runner_->run<mesh::Certificate>(
         "Check mesh",
         [worker = worker_.get(), of = datasetGeneration_,
-         source = surfaceSource()](const JobControl& job) -> Result<mesh::Certificate> {
+         source = SourceOfMesh(*dataset_)](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
             auto surface = worker->takeMesh(of, job);
             if (!surface.isOk())
                 return surface.error();
             job.report(0.3, "Checking with OpenMesh");
-            return mesh::certify(surface.value(), source, job);
+            return mesh::certify(surface.value(), source.of(surface.value()), job);
         },
         [this, ticket = datasetGeneration_](Result<mesh::Certificate> certificate) {
             if (ticket != datasetGeneration_)
@@ -388,7 +393,7 @@ void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
                               path.string()));
     runner_->run<mesh::Certificate>(
         "Export " + path.filename().string(),
-        [worker = worker_.get(), of, source = surfaceSource(),
+        [worker = worker_.get(), of, source = SourceOfMesh(*dataset_),
          path](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
             auto surface = worker->takeMesh(of, job);
@@ -396,7 +401,7 @@ void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
                 return surface.error();
             job.report(0.2, "Checking with OpenMesh");
             const JobControl checking = job.part(0.2, 0.7), writing = job.part(0.7, 1.0);
-            auto certificate = mesh::certify(surface.value(), source, checking);
+            auto certificate = mesh::certify(surface.value(), source.of(surface.value()), checking);
             if (!certificate.isOk())
                 return certificate;
             job.report(0.7, "Writing");

@@ -110,7 +110,6 @@ private:
     void requestMove(double isovalue);
     void mergeCells();
     void redraw();
-    mesh::SurfaceSource surfaceSource() const;
     bool hasMoveFailed() const;
     void onSlideError(const Error& error, double isovalue, SourceGeneration generation);
     void onExported(const std::filesystem::path& path, DatasetGeneration of, mesh::Certificate certificate);

@@ -12,6 +12,9 @@ namespace {
 constexpr std::array kCells{0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.35, 0.5, 0.7, 1.0};
 constexpr std::array kPercent{0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0};
 
+// At least, while the handle moves.
+constexpr double kMovingCells = 0.5, kMovingPercent = 1.0;
+
 } // namespace
 
 void DetailModel::setError(const extract::MergeError& error) {
@@ -19,6 +22,27 @@ void DetailModel::setError(const extract::MergeError& error) {
         return;
     error_ = error;
     changed_.notify();
+}
+
+void DetailModel::setCoarserWhileMoving(bool isCoarser) {
+    if (isCoarser == isCoarserWhileMoving_)
+        return;
+    isCoarserWhileMoving_ = isCoarser;
+    changed_.notify();
+}
+
+void DetailModel::setMoving(bool isMoving) {
+    const extract::MergeError before = usedError();
+    isMoving_ = isMoving;
+    if (usedError() != before)
+        changed_.notify();
+}
+
+extract::MergeError DetailModel::usedError() const {
+    if (!isMoving_ || !isCoarserWhileMoving_)
+        return error_;
+    return {error_.measure,
+            std::max(2.0 * error_.amount, error_.measure == Measure::Distance ? kMovingCells : kMovingPercent)};
 }
 
 std::span<const double> DetailModel::choices(Measure measure) {

@@ -64,6 +64,7 @@ public:
         if (!stats.isOk())
             return stats.error();
         engine_->copyFrame(frame, frame.marksChanges);
+        frame.mergeBound = engine_->mergeBound();
         frame.stats = std::move(stats).value();
         frame.geometry = engine_->info().geometry;
         frame.isovalue = isovalue;

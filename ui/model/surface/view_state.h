@@ -7,6 +7,7 @@ namespace isoslider::model {
 /// What the viewport draws beside the surface.
 struct ViewOptions {
     bool showsChanged = true; ///< red highlight on what the last move retriangulated
+    bool showsLevels = false; ///< merged cells by their size
     bool showsBox = true;
     bool showsAxes = true;
     bool showsEdges = false; ///< the triangles' edges

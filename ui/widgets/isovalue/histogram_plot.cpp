@@ -232,6 +232,7 @@ void HistogramPlot::mousePressEvent(QMouseEvent* event) {
         const bool isOnHandle = std::abs(event->position().x() - pixelOf(requested_)) <= kGrabPixels;
         const bool isFine = event->modifiers().testFlag(Qt::ShiftModifier);
         dragValue_ = isOnHandle || isFine ? requested_ : xAxis->pixelToCoord(event->position().x());
+        Q_EMIT handleHeld(true);
         if (!isOnHandle && !isFine)
             Q_EMIT isovalueRequested(dragValue_);
     }
@@ -257,7 +258,8 @@ void HistogramPlot::mouseMoveEvent(QMouseEvent* event) {
 }
 
 void HistogramPlot::mouseReleaseEvent(QMouseEvent*) {
-    drag_ = Drag::None;
+    if (std::exchange(drag_, Drag::None) == Drag::Handle)
+        Q_EMIT handleHeld(false);
     unsetCursor();
 }
 

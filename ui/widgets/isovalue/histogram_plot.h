@@ -37,6 +37,8 @@ public:
 Q_SIGNALS:
     void isovalueRequested(double isovalue);
     void stepRequested(double rangeFraction);
+    /// The handle is held with the mouse, or no longer.
+    void handleHeld(bool isHeld);
 
 protected:
     void mousePressEvent(QMouseEvent* event) override;

@@ -105,6 +105,14 @@ void IsovaluePanel::connectControls(SettingsStore& settings, const ActionRegistr
     auto& isovalue = session_.isovalue();
     connect(plot_, &HistogramPlot::isovalueRequested, this, [&isovalue](double value) { isovalue.request(value); });
     connect(plot_, &HistogramPlot::stepRequested, this, [&isovalue](double step) { isovalue.step(step); });
+    connect(plot_, &HistogramPlot::handleHeld, this, [this](bool isHeld) { session_.detail().setMoving(isHeld); });
+    QAction* coarser = actions.action("isovalue.coarserWhileMoving");
+    coarser->setChecked(settings.boolean("detail/coarserWhileMoving"));
+    session_.detail().setCoarserWhileMoving(coarser->isChecked());
+    connect(coarser, &QAction::toggled, this, [this, &settings](bool isCoarser) {
+        session_.detail().setCoarserWhileMoving(isCoarser);
+        settings.set("detail/coarserWhileMoving", isCoarser);
+    });
     connect(edit_, &IsovalueEdit::valueCommitted, this, [&isovalue](double value) { isovalue.request(value); });
     connect(edit_, &IsovalueEdit::stepRequested, this, [&isovalue](double step) { isovalue.step(step); });
 
@@ -156,6 +164,7 @@ void IsovaluePanel::makeRoomForControls() {
     const auto widthOf = [this](const QWidget* widget) {
         return widget->sizeHint().width() + controls_->layout()->spacing();
     };
+    detail_->layout()->activate(); // what it shows may just have changed
     int room = contentsRect().width() - 2 * kMargin - controls_->sizeHint().width();
     for (const QWidget* widget : optional)
         room += widget->isHidden() ? 0 : widthOf(widget);

@@ -1,5 +1,7 @@
 #include "ui/widgets/viewport/viewport_host.h"
 
+#include <cmath>
+
 #include <QAction>
 #include <QEvent>
 #include <QLabel>
@@ -29,9 +31,10 @@ struct OptionAction {
     const char* setting;
     bool model::ViewOptions::*member;
 };
-constexpr std::array<OptionAction, 5> kOptionActions{
+constexpr std::array<OptionAction, 6> kOptionActions{
     {{"view.changed", "view/showsChanged", &model::ViewOptions::showsChanged},
      {"view.edges", "view/showsEdges", &model::ViewOptions::showsEdges},
+     {"view.levels", "view/showsLevels", &model::ViewOptions::showsLevels},
      {"view.box", "view/showsBox", &model::ViewOptions::showsBox},
      {"view.axes", "view/showsAxes", &model::ViewOptions::showsAxes},
      {"view.readout", "view/showsReadout", &model::ViewOptions::showsReadout}}};
@@ -58,6 +61,20 @@ QString indexText(model::IndexState state) {
     return {};
 }
 
+// The colours of merged cells as they are seen, and how many cells a side each stands for.
+QString levelsText() {
+    const render::SceneColours colours;
+    QString text;
+    for (std::size_t level = 0; level < colours.levels.size(); ++level) {
+        const auto seen = [](float linear) { return std::pow(static_cast<double>(linear), 1.0 / 2.2); };
+        const glm::vec3& linear = colours.levels[level];
+        const QColor colour = QColor::fromRgbF(seen(linear.r), seen(linear.g), seen(linear.b));
+        text +=
+            QStringLiteral("<span style=\"color:%1\">■</span>&nbsp;%2&nbsp;&nbsp; ").arg(colour.name()).arg(1 << level);
+    }
+    return text + ViewportHost::tr("cells a side");
+}
+
 } // namespace
 
 ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
@@ -74,6 +91,11 @@ ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, con
     readout_ = new ViewReadout(this);
     preview_ = new ViewReadout(this, kPreviewColour);
     preview_->setObjectName(QStringLiteral("previewLabel"));
+    legend_ = new ViewReadout(this);
+    legend_->setObjectName(QStringLiteral("levelsLegend"));
+    legend_->setTextFormat(Qt::RichText);
+    legend_->setText(levelsText());
+    legend_->adjustSize();
     loading_ = new LoadingCard(session_, this);
     startPage_ = new StartPage(actions, this);
     startPage_->installEventFilter(this);
@@ -205,8 +227,8 @@ QString ViewportHost::standInText() const {
 
 void ViewportHost::showFrame() {
     const auto frame = session_.frame();
+    const auto* dataset = session_.dataset();
     if (viewport_ != nullptr) {
-        const auto* dataset = session_.dataset();
         if (dataset != nullptr &&
             std::exchange(framedDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
             viewport_->changeCamera(
@@ -218,8 +240,11 @@ void ViewportHost::showFrame() {
         QString lines =
             tr("isovalue %1\n%2 triangles")
                 .arg(text(model::valueText(frame->isovalue, 7)), text(model::groupedText(frame->stats.triangles)));
-        if (frame->mergeBound.limit > 0.0)
-            lines += tr(", error %1").arg(text(model::DetailModel::text(session_.detail().error())));
+        const bool isAsBuilt = !frame->canMerge && dataset != nullptr && dataset->index;
+        const extract::MergeError error =
+            isAsBuilt ? extract::builtError(*dataset->index) : session_.detail().usedError();
+        if (frame->mergeBound.limit > 0.0 && error.amount > 0.0)
+            lines += tr(", error %1").arg(text(model::DetailModel::text(error)));
         readout_->setText(lines + QLatin1Char('\n') +
                           text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs)));
         readout_->adjustSize();
@@ -269,6 +294,14 @@ void ViewportHost::placeOverlays() {
     }
     preview_->move(kOverlayMargin,
                    readout_->isHidden() ? kOverlayMargin : readout_->geometry().bottom() + kOverlaySpacing);
+    const auto frame = session_.frame();
+    const bool isMerged = frame && frame->mergeBound.limit > 0.0 && frame->bricks != nullptr;
+    legend_->setVisible(viewState_.options().showsLevels && isMerged && fits(*legend_));
+    int below = kOverlayMargin;
+    for (const QWidget* above : {static_cast<const QWidget*>(readout_), static_cast<const QWidget*>(preview_)})
+        if (!above->isHidden())
+            below = std::max(below, above->geometry().bottom() + kOverlaySpacing);
+    legend_->move(kOverlayMargin, below);
     axes_->move(4, height() - axes_->height() - 4);
     centreOn(startPage_);
     centreOn(loading_);

@@ -61,6 +61,7 @@ private:
     LoadingCard* loading_ = nullptr;
     ViewReadout* readout_ = nullptr;
     ViewReadout* preview_ = nullptr;
+    ViewReadout* legend_ = nullptr; ///< of the levels of merged cells
     AxesGlyph* axes_ = nullptr;
     bool areAxesWanted_ = false;
     bool isReadoutWanted_ = false;

@@ -40,7 +40,7 @@ void MainWindow::makeMenus() {
     QMenu* standard = view->addMenu(tr("&Standard Views"));
     add(standard, {"view.front", "view.back", "view.right", "view.left", "view.top", "view.bottom"});
     view->addSeparator();
-    add(view, {"view.changed", "view.edges", "view.box", "view.axes", "view.readout"});
+    add(view, {"view.changed", "view.edges", "view.levels", "view.box", "view.axes", "view.readout"});
     view->addSeparator();
     QMenu* panels = view->addMenu(tr("Pa&nels"));
     for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})
@@ -51,7 +51,7 @@ void MainWindow::makeMenus() {
     QMenu* isovalue = menuBar()->addMenu(tr("&Isovalue"));
     add(isovalue, {"isovalue.edit", "isovalue.play"});
     isovalue->addSeparator();
-    add(isovalue, {"isovalue.logCounts", "isovalue.resetZoom"});
+    add(isovalue, {"isovalue.logCounts", "isovalue.coarserWhileMoving", "isovalue.resetZoom"});
 
     QMenu* mesh = menuBar()->addMenu(tr("&Mesh"));
     add(mesh, {"mesh.check", "mesh.export"});

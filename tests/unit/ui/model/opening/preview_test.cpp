@@ -170,6 +170,7 @@ public:
             return source.error();
         preprocess::BuildOptions build;
         build.sourceName = sourceName;
+        build.kind = index::IndexKind::Metacells;
         auto report = preprocess::buildIndex(*source.value(), indexPath, build, job);
         return report.isOk() ? Status{} : Status{report.error()};
     }

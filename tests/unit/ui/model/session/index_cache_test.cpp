@@ -44,7 +44,9 @@ protected:
         if (loaded.value().grid) {
             fs::create_directories(cache_.folder());
             const auto source = io::openVolume(path);
-            EXPECT_THAT(preprocess::buildIndex(*source.value(), dataset.indexPath, {}, {}), IsOk());
+            preprocess::BuildOptions build;
+            build.kind = kind_;
+            EXPECT_THAT(preprocess::buildIndex(*source.value(), dataset.indexPath, build, {}), IsOk());
             EXPECT_THAT(IndexCache::record(dataset.indexPath, *dataset.stamp, "", {}), IsOk());
         }
         return std::move(loaded).value();
@@ -62,6 +64,7 @@ protected:
 
     test::TemporaryFolder folder_;
     IndexCache cache_{folder_ / "cache"};
+    index::IndexKind kind_ = index::IndexKind::Metacells;
 };
 
 TEST_F(IndexCacheTest, NamesAreOfThePlaceAndTheReading) {
@@ -77,6 +80,16 @@ TEST_F(IndexCacheTest, NamesAreOfThePlaceAndTheReading) {
 TEST_F(IndexCacheTest, AnUnchangedVolumeOpensFromItsIndex) {
     const auto path = writeVolume();
     EXPECT_FALSE(opensFromCache(path));
+    EXPECT_TRUE(opensFromCache(path));
+}
+
+TEST_F(IndexCacheTest, AnIndexOfEdgesIsBuiltAnewAsItsCellsDoNotMerge) {
+    kind_ = index::IndexKind::Edges; // as an earlier version may have built
+    const auto path = writeVolume();
+    open(path);
+    EXPECT_FALSE(opensFromCache(path));
+    kind_ = index::IndexKind::Metacells;
+    open(path);
     EXPECT_TRUE(opensFromCache(path));
 }
 

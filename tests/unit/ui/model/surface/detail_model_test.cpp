@@ -27,6 +27,27 @@ TEST(DetailModel, TellsObserversOfAnErrorThatDiffers) {
     EXPECT_EQ(detail.error(), (extract::MergeError{Measure::Scalar, 0.25}));
 }
 
+TEST(DetailModel, UsesACoarserErrorWhileMovingIfThatIsWanted) {
+    DetailModel detail;
+    int told = 0;
+    const auto subscription = detail.observe([&] { ++told; });
+    detail.setMoving(true);
+    EXPECT_EQ(detail.usedError(), detail.error());
+    EXPECT_EQ(told, 0);
+    detail.setCoarserWhileMoving(true);
+    EXPECT_EQ(told, 1);
+    EXPECT_EQ(detail.usedError(), (extract::MergeError{DetailModel::Measure::Distance, 0.5}));
+    detail.setMoving(false);
+    EXPECT_EQ(told, 2);
+    EXPECT_EQ(detail.usedError(), detail.error());
+    detail.setError({DetailModel::Measure::Scalar, 0.8});
+    detail.setMoving(true);
+    EXPECT_EQ(detail.usedError(), (extract::MergeError{DetailModel::Measure::Scalar, 1.6}));
+    EXPECT_EQ(detail.error().amount, 0.8);
+    detail.setMoving(true);
+    EXPECT_EQ(told, 4) << "nothing has changed";
+}
+
 TEST(DetailModel, OffersErrorsFromNoneToTwoPercentOrOneCell) {
     for (const Measure measure : {Measure::Scalar, Measure::Distance}) {
         const auto all = DetailModel::choices(measure);

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/extract/sources/edge_block_source.h"
+
+namespace isoslider::extract {
+
+/// What a thread changes bricks in.
+template <class Sample>
+struct EdgeBlockSource<Sample>::Scratch {
+    BrickDraft<Live> draft;
+    // Changes of the partition at hand: entries, and for each the next one of its brick.
+    std::vector<BrickSlot> touched;
+    std::vector<const Activated*> activated;
+    std::vector<const Deactivated*> deactivated;
+    std::vector<std::uint32_t> nextActivated, nextDeactivated;
+    std::vector<BrickIndex> arriving; // bricks that have no slot yet
+    LeavesAround around;
+    std::vector<std::pair<BrickSlot, BrickLeaves>> resettled; // bricks whose leaves change, and what they were
+    std::vector<BrickSlot> emptied;
+    std::optional<Error> error;
+    bool isConsistent = true;
+
+    void beginMove() {
+        draft.beginMove();
+        emptied.clear();
+        resettled.clear();
+        error.reset();
+        isConsistent = true;
+    }
+};
+
+// Calls visit(brick, edge) for the closed bricks that hold the edge: where it lies on a brick's lower face, the brick
+// below does, too.
+template <class Sample>
+template <class Visit>
+void EdgeBlockSource<Sample>::forEachHolder(PointId start, int axis, const Visit& visit) const {
+    const BrickGrid& grid = reader_.grid();
+    const BrickIndex brick = brickOf(start);
+    const int local = localOf(start).number();
+    const std::array<int, 3> c{local & 7, local >> 3 & 7, local >> 6};
+    const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
+    const ClosedEdge base = closedEdge(axis, closedPoint(c[0], c[1], c[2]));
+    if (c[u] > 0 && c[v] > 0 && allHaveCells_) { // three edges in four
+        visit(brick, base);
+        return;
+    }
+    const auto at = grid.brickCoords(brick);
+    for (int k = 0; k < 4; ++k) {
+        const bool isBelowU = k & 1, isBelowV = k >> 1;
+        if ((isBelowU && (c[u] > 0 || at[u] == 0)) || (isBelowV && (c[v] > 0 || at[v] == 0)))
+            continue;
+        const bool hasCells =
+            at[u] - isBelowU < cellBricks_[static_cast<int>(u)] && at[v] - isBelowV < cellBricks_[static_cast<int>(v)];
+        if (!hasCells)
+            continue;
+        const BrickIndex holder = brick - ((isBelowU ? grid.brickStride(static_cast<int>(u)) : 0) +
+                                           (isBelowV ? grid.brickStride(static_cast<int>(v)) : 0));
+        const ClosedEdge edge =
+            base + ((isBelowU ? kCellSide * kPointStride[u] : 0) + (isBelowV ? kCellSide * kPointStride[v] : 0));
+        visit(holder, edge);
+    }
+}
+
+} // namespace isoslider::extract

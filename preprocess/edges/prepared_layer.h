@@ -1,0 +1,96 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "core/grid/brick_grid.h"
+#include "core/grid/edge_cells.h"
+#include "core/grid/gradient.h"
+#include "core/grid/scalar_key.h"
+#include "preprocess/edges/slab_window.h"
+
+namespace isoslider::preprocess {
+
+/// The planes of a layer of bricks and one on either side, prepared once: keys, normals, missing flags.
+template <class Sample>
+class PreparedLayer {
+public:
+    using Key = KeyOf<Sample>;
+
+    PreparedLayer(const SlabWindow<Sample>& window, const GridGeometry& geometry, std::int64_t layer)
+        : dims_(geometry.dims), plane_(dims_[0] * dims_[1]) {
+        begin_ = std::max<std::int64_t>(0, layer * kBrickSide - 1);
+        end_ = std::min(dims_[2], (layer + 1) * kBrickSide + 1);
+        const std::size_t count = static_cast<std::size_t>((end_ - begin_) * plane_);
+        keys_.resize(count);
+        normals_.resize(count);
+        missing_.resize(count);
+        glm::vec3 inverseSpacing;
+        for (int a = 0; a < 3; ++a)
+            inverseSpacing[a] = static_cast<float>(1.0 / std::abs(geometry.spacing[a]));
+        // The window is a separate grid; at its own ends it is cut off only where the box is.
+        const SampleView<Sample> view{window.plane(window.begin()),
+                                      {dims_[0], dims_[1], window.end() - window.begin()}};
+        tbb::parallel_for(begin_, end_,
+                          [&](std::int64_t z) { preparePlane(view, z - window.begin(), z, inverseSpacing); });
+        hasMissing_ = std::any_of(missing_.begin(), missing_.end(), [](std::uint8_t m) { return m != 0; });
+    }
+
+    std::size_t at(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        return static_cast<std::size_t>(x + dims_[0] * y + plane_ * (z - begin_));
+    }
+    Key key(std::size_t i) const { return keys_[i]; }
+    const Key* keysFrom(std::size_t i) const { return keys_.data() + i; }
+    NormalCode normal(std::size_t i) const { return normals_[i]; }
+    bool missing(std::size_t i) const { return missing_[i] != 0; }
+    bool hasMissing() const { return hasMissing_; }
+    const GridDims& dims() const { return dims_; }
+    std::ptrdiff_t stride(int axis) const {
+        return axis == 0 ? 1 : axis == 1 ? static_cast<std::ptrdiff_t>(dims_[0]) : static_cast<std::ptrdiff_t>(plane_);
+    }
+
+    // A cell whose planes are here; outside the box no cell is valid.
+    bool isCellValid(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        if (x < 0 || y < 0 || z < 0 || x + 1 >= dims_[0] || y + 1 >= dims_[1] || z + 1 >= dims_[2])
+            return false;
+        const std::size_t i = at(x, y, z);
+        for (int c = 0; c < 8; ++c)
+            if (missing_[i + static_cast<std::size_t>((c & 1) + (c >> 1 & 1) * stride(1) + (c >> 2) * stride(2))])
+                return false;
+        return true;
+    }
+
+    bool hasValidCell(std::int64_t x, std::int64_t y, std::int64_t z, int axis) const {
+        return isoslider::hasValidCell(x, y, z, axis, [this](auto... cell) { return isCellValid(cell...); });
+    }
+
+private:
+    void preparePlane(const SampleView<Sample>& view, std::int64_t viewZ, std::int64_t z,
+                      const glm::vec3& inverseSpacing) {
+        std::size_t i = at(0, 0, z);
+        const Sample* sample = view.samples + view.offset(0, 0, viewZ);
+        for (std::int64_t y = 0; y < dims_[1]; ++y)
+            for (std::int64_t x = 0; x < dims_[0]; ++x, ++i, ++sample) {
+                missing_[i] = isMissing(*sample);
+                if (missing_[i])
+                    continue;
+                keys_[i] = keyOf(*sample);
+                normals_[i] = normalOfGradient(gradientAt(view, x, y, viewZ, inverseSpacing));
+            }
+    }
+
+    GridDims dims_;
+    std::int64_t plane_;
+    std::int64_t begin_ = 0;
+    std::int64_t end_ = 0;
+    bool hasMissing_ = false;
+    std::vector<Key> keys_;
+    std::vector<NormalCode> normals_;
+    std::vector<std::uint8_t> missing_;
+};
+
+} // namespace isoslider::preprocess
