@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -34,14 +33,6 @@ std::vector<index::IndexKind> kindsOrThrow(const std::string& text) {
         if (text == index::indexKindName(kind))
             return {kind};
     throw CLI::ValidationError("--index", fmt::format("'{}' is not known; give edges, metacells or both", text));
-}
-
-Status writeWhole(const std::filesystem::path& path, const std::string& text) {
-    auto file = AtomicFile::create(path);
-    if (!file.isOk())
-        return file.error();
-    ISO_TRY(file.value()->writeAll(std::as_bytes(std::span(text))));
-    return file.value()->publish();
 }
 
 class ReportCommand final : public Command {
@@ -127,9 +118,10 @@ private:
             const std::filesystem::path page = output_;
             plots = plotsOf(volumes, page.stem().string());
             for (const ReportPlot& plot : plots)
-                if (const Status written = writeWhole(page.parent_path() / plot.fileName, plot.svg); !written.isOk())
+                if (const Status written = writeWholeFile(page.parent_path() / plot.fileName, plot.svg);
+                    !written.isOk())
                     return written.error();
-            if (const Status written = writeWhole(page, pageOf(volumes, plots)); !written.isOk())
+            if (const Status written = writeWholeFile(page, pageOf(volumes, plots)); !written.isOk())
                 return written.error();
         }
         if (session.isJson)

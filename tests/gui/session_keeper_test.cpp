@@ -56,6 +56,7 @@ protected:
 TEST_F(SessionKeeperTest, ShowsAgainWhatWasSaved) {
     openBall();
     session_->isovalue().request(-7.5);
+    session_->detail().setError({extract::MergeBound::Measure::Distance, 0.35});
     ASSERT_TRUE(waitUntilSettled());
     window_->actions().action("view.box")->setChecked(false);
     window_->actions().action("view.perspective")->setChecked(false);
@@ -71,9 +72,11 @@ TEST_F(SessionKeeperTest, ShowsAgainWhatWasSaved) {
     window_->actions().action("view.box")->setChecked(true);
     window_->actions().action("view.perspective")->setChecked(true);
     trigger("file.close");
+    session_->detail().setError({});
     drop(path);
     ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr && session_->isSettled(); }));
     EXPECT_EQ(session_->isovalue().requested(), -7.5);
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.35);
     EXPECT_FALSE(isChecked("view.box"));
     if (auto* viewport = window_->viewportHost().viewport()) {
         EXPECT_FALSE(isChecked("view.perspective"));

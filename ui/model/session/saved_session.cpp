@@ -239,6 +239,24 @@ std::optional<CameraPose> cameraFrom(const Json& json, std::vector<std::string>&
     return std::nullopt;
 }
 
+Json toJson(const extract::MergeError& error) {
+    return {{"in", error.measure == extract::MergeBound::Measure::Distance ? "cells" : "percent"},
+            {"amount", error.amount}};
+}
+
+std::optional<extract::MergeError> errorFrom(const Json& json, std::vector<std::string>& problems) {
+    Members members(json, "error", problems);
+    extract::MergeError error;
+    std::string unit;
+    const bool hasUnit = members.text("in", unit), hasAmount = members.number("amount", error.amount);
+    if (!hasUnit || !hasAmount || (unit != "cells" && unit != "percent") || !(error.amount >= 0.0)) {
+        members.reportOf("in or amount", "cannot be used; no cells are merged");
+        return std::nullopt;
+    }
+    error.measure = unit == "cells" ? extract::MergeBound::Measure::Distance : extract::MergeBound::Measure::Scalar;
+    return error;
+}
+
 struct OptionName {
     const char* name;
     bool ViewOptions::*member;
@@ -289,6 +307,8 @@ std::string sessionText(const SavedSession& session, const fs::path& folder) {
     volume["options"] = toJson(session.readOptions);
     if (session.isovalue && std::isfinite(*session.isovalue))
         json["isovalue"] = *session.isovalue;
+    if (session.error)
+        json["error"] = toJson(*session.error);
     if (session.camera)
         json["camera"] = toJson(*session.camera);
     if (session.view)
@@ -330,6 +350,8 @@ ReadSession sessionFromText(const std::string& text, const fs::path& folder) {
     double isovalue = 0.0;
     if (members.number("isovalue", isovalue))
         read.session.isovalue = isovalue;
+    if (const Json* error = members.find("error"))
+        read.session.error = errorFrom(*error, problems);
     if (const Json* camera = members.find("camera"))
         read.session.camera = cameraFrom(*camera, problems);
     if (const Json* view = members.find("view"))

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/extract/merged/merge_bound.h"
 #include "core/volume_io/volume_reader.h"
 #include "ui/model/surface/camera.h"
 #include "ui/model/surface/view_state.h"
@@ -17,6 +18,7 @@ struct SavedSession {
     std::string sampleName;
     io::ReadOptions readOptions;
     std::optional<double> isovalue;
+    std::optional<extract::MergeError> error; ///< within which cells are merged
     std::optional<CameraPose> camera;
     std::optional<ViewOptions> view;
 

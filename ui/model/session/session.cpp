@@ -208,15 +208,19 @@ void Session::limitPicture(std::uint64_t bytes) {
 
 // Asks for another picture of the same surface.
 void Session::redraw() {
-    if (!frame_)
+    if (!dataset_)
         return;
-    isPictureComing_ = true;
+    isPictureComing_ = frame_ != nullptr;
     requestMove(isovalue_.requested());
 }
 
 void Session::mergeCells() {
     if (dataset_)
-        worker_->mergeWithin(extract::boundOf(detail_.usedError(), dataset_->min, dataset_->max));
+        worker_->mergeWithin(wantedBound());
+}
+
+extract::MergeBound Session::wantedBound() const {
+    return extract::boundOf(detail_.usedError(), dataset_->min, dataset_->max);
 }
 
 void Session::takeFrame() {
@@ -231,7 +235,8 @@ void Session::takeFrame() {
     if (!frame || generation != generation_)
         return;
     frame_ = std::move(frame);
-    isPictureComing_ = false;
+    // A move that had begun before the error was changed goes to its end; the one that was asked for then follows.
+    isPictureComing_ = frame_->canMerge && frame_->mergeBound != wantedBound();
     failedIsovalue_.reset();
     isovalue_.setDisplayed(frame_->isovalue, frame_->stats.updateMs + frame_->stats.interpolateMs);
     frameChanged_.notify();

@@ -109,6 +109,7 @@ private:
     void takeFrame();
     void requestMove(double isovalue);
     void mergeCells();
+    extract::MergeBound wantedBound() const;
     void redraw();
     bool hasMoveFailed() const;
     void onSlideError(const Error& error, double isovalue, SourceGeneration generation);

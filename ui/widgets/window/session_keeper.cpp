@@ -54,6 +54,7 @@ SessionKeeper::SessionKeeper(model::Session& session, ViewportHost& host, const 
     if (host_.viewport() != nullptr)
         connect(host_.viewport(), &ViewportWidget::cameraChanged, this, &SessionKeeper::noteChange);
     subscriptions_.push_back(host_.viewState().observe([this] { noteChange(); }));
+    subscriptions_.push_back(session_.detail().observe([this] { noteChange(); }));
 }
 
 SessionKeeper::~SessionKeeper() {
@@ -73,6 +74,7 @@ model::SavedSession SessionKeeper::capture() const {
     saved.sampleName = dataset->sampleName;
     saved.readOptions = dataset->readOptions;
     saved.isovalue = session_.isovalue().requested();
+    saved.error = session_.detail().error();
     if (host_.viewport() != nullptr)
         saved.camera = host_.viewport()->camera().pose();
     saved.view = host_.viewState().options();
@@ -162,6 +164,8 @@ void SessionKeeper::showView() {
         const auto* dataset = session_.dataset();
         if (dataset->path != saved.volume || dataset->sampleName != saved.sampleName)
             return noteChange(); // another volume was opened meanwhile
+        if (saved.error)
+            session_.detail().setError(*saved.error);
         if (saved.view)
             host_.viewState().setOptions(*saved.view);
         if (saved.camera) {

@@ -37,6 +37,7 @@ SavedSession fullSession(const fs::path& volume) {
     session.readOptions.raw = io::RawLayout{{4, 5, 6}, ScalarType::U16, {0.5, 1.0, 2.0}, 128, true};
     session.readOptions.allowsTrailing = true;
     session.isovalue = -0.1;
+    session.error = extract::MergeError{extract::MergeBound::Measure::Distance, 0.35};
     session.camera = CameraPose{{0.5, 0.5, -0.5, 0.5}, {1.0, 2.0, 1e-30}, 7.25, false};
     session.view = ViewOptions{true, false, true, false};
     return session;
@@ -47,6 +48,7 @@ void expectSame(const SavedSession& a, const SavedSession& b) {
     EXPECT_EQ(a.sampleName, b.sampleName);
     EXPECT_EQ(a.readOptions, b.readOptions);
     EXPECT_EQ(a.isovalue, b.isovalue);
+    EXPECT_EQ(a.error, b.error);
     ASSERT_EQ(a.camera.has_value(), b.camera.has_value());
     if (a.camera) {
         EXPECT_EQ(a.camera->orientation, b.camera->orientation);
@@ -131,6 +133,11 @@ TEST_F(SavedSessionTest, B110_ANumberThatIsNoneLeavesTheDefault) {
     EXPECT_THAT(read(changed("7.25", "NaN")).problems, ElementsAre(HasSubstr("not a session")));
     EXPECT_THAT(read(changed("7.25", "1e999")).problems, ElementsAre(HasSubstr("not a session")));
     EXPECT_FALSE(read(changed("-0.1", "\"bone\"")).session.isovalue.has_value());
+    for (const auto& [from, to] : {std::pair{"\"cells\"", "\"inches\""}, {"0.35", "-0.35"}, {"0.35", "\"some\""}}) {
+        const auto error = read(changed(from, to));
+        EXPECT_FALSE(error.session.error.has_value()) << to;
+        EXPECT_THAT(error.problems, testing::Contains(HasSubstr("no cells are merged"))) << to;
+    }
 }
 
 TEST_F(SavedSessionTest, B110_AnUnknownKeyIsToldAndTheRestUsed) {
