@@ -84,7 +84,7 @@ public:
     }
 
     Outcome run(Session& session) override {
-        if (lodError_.isGiven() && kind_ == index::IndexKind::Metacells)
+        if (lodError_.merges() && kind_ == index::IndexKind::Metacells)
             return Outcome::wrongUsage(
                 "--lod-error: metacells are merged while sliding; give it to slide or extract, or build --index edges");
         const auto kind = sniffInput(volumePath_, volume_.readOptions());
@@ -147,7 +147,7 @@ private:
     Result<Built> build(io::VolumeSource& source, const JobControl& job) {
         preprocess::BuildOptions options;
         // Metacells slide as fast, are built sooner and are smaller; only edges hold merged cells.
-        options.kind = kind_.value_or(lodError_.isGiven() ? index::IndexKind::Edges : index::IndexKind::Metacells);
+        options.kind = kind_.value_or(lodError_.merges() ? index::IndexKind::Edges : index::IndexKind::Metacells);
         options.mergeError = lodError_.error;
         options.skipLevels = static_cast<int>(skipLevels_);
         options.redundancyThreshold = redundancy_.value_or(options.redundancyThreshold);

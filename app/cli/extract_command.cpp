@@ -76,7 +76,9 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
     extracted.leaves = move.value().activeLeaves;
     extracted.source.merging =
         mesh::mergingText(engine.value()->mergeBound(), info.min, info.max, 1 << extract::kMaxBrickMergeLevel);
-    extracted.lodError = lodError.isGiven() ? lodError.text : errorText(extract::builtError(info));
+    extracted.lodError = !lodError.isGiven() ? errorText(extract::builtError(info))
+                         : lodError.merges() ? lodError.text
+                                             : std::string();
     auto surface = engine.value()->mesh(job);
     if (!surface.isOk())
         return std::move(surface).error();
@@ -99,7 +101,7 @@ Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptio
     const io::VolumeInfo& info = source.value()->info();
     Extracted extracted{{}, {sourceName(path), missing, info.lengthUnit, resamplingText(info), ""}, info, {}, {}};
     Result<extract::SurfaceMesh> surface = extract::SurfaceMesh();
-    if (lodError.isGiven()) {
+    if (lodError.merges()) {
         double least = 0.0, greatest = 0.0;
         if (lodError.error.measure == extract::MergeBound::Measure::Scalar) {
             const auto statistics = computeStatistics(*grid.value(), false, 1, extracting.part(0.0, 0.2));

@@ -11,7 +11,8 @@ struct LodError {
     extract::MergeError error;
     std::string text; ///< as given
 
-    bool isGiven() const { return error.amount > 0.0; }
+    bool isGiven() const { return !text.empty(); }
+    bool merges() const { return error.amount > 0.0; }
 };
 
 } // namespace isoslider::cli

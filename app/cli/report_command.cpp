@@ -82,8 +82,13 @@ public:
                 return makeError(ErrorCode::InvalidArgument, "is an index; a report is of volumes", path);
         }
         std::vector<VolumeMeasures> volumes;
-        ISO_CLI_TRY(measureAll(session, volumes));
-        return write(session, volumes);
+        const Outcome measured = measureAll(session, volumes);
+        if (measured.isSuccess())
+            return write(session, volumes);
+        // What has been measured took long: it is not lost with the volume that failed.
+        if (!output_.empty() && !volumes.empty())
+            ISO_CLI_TRY(writePage(volumes));
+        return measured;
     }
 
 private:
@@ -92,7 +97,13 @@ private:
             return Outcome::wrongUsage(fmt::format("--output: '{}': a report is written as .md", output_));
         for (const std::string& path : paths_)
             ISO_CLI_TRY(checkOutput(output_, path));
-        return tryOutput(output_);
+        ISO_CLI_TRY(tryOutput(output_));
+        const std::filesystem::path page = output_;
+        for (const std::string& name : plotNames(page.stem().string())) {
+            ISO_CLI_TRY(checkOutput(page.parent_path() / name, ""));
+            ISO_CLI_TRY(tryOutput(page.parent_path() / name));
+        }
+        return {};
     }
 
     Outcome measureAll(Session& session, std::vector<VolumeMeasures>& volumes) {
@@ -112,24 +123,25 @@ private:
         return {};
     }
 
-    Outcome write(Session& session, const std::vector<VolumeMeasures>& volumes) const {
-        std::vector<ReportPlot> plots;
-        if (!output_.empty()) {
-            const std::filesystem::path page = output_;
-            plots = plotsOf(volumes, page.stem().string());
-            for (const ReportPlot& plot : plots)
-                if (const Status written = writeWholeFile(page.parent_path() / plot.fileName, plot.svg);
-                    !written.isOk())
-                    return written.error();
-            if (const Status written = writeWholeFile(page, pageOf(volumes, plots)); !written.isOk())
+    Outcome writePage(const std::vector<VolumeMeasures>& volumes) const {
+        const std::filesystem::path page = output_;
+        const std::vector<ReportPlot> plots = plotsOf(volumes, page.stem().string());
+        for (const ReportPlot& plot : plots)
+            if (const Status written = writeWholeFile(page.parent_path() / plot.fileName, plot.svg); !written.isOk())
                 return written.error();
-        }
+        const Status written = writeWholeFile(page, pageOf(volumes, plots));
+        return written.isOk() ? Outcome() : Outcome(written.error());
+    }
+
+    Outcome write(Session& session, const std::vector<VolumeMeasures>& volumes) const {
+        if (!output_.empty())
+            ISO_CLI_TRY(writePage(volumes));
         if (session.isJson)
             session.output.writeJson(reportJson(volumes));
         else if (output_.empty())
-            session.output.write(pageOf(volumes, plots));
+            session.output.write(pageOf(volumes, {}));
         else
-            session.output.write(fmt::format("{}: {} volumes, {} plots\n", output_, volumes.size(), plots.size()));
+            session.output.write(fmt::format("{}: {} volumes\n", output_, volumes.size()));
         return {};
     }
 

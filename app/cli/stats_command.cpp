@@ -20,11 +20,11 @@ double meanActiveEdges(const index::IndexInfo& info) {
     return counts.empty() ? 0.0 : sum / static_cast<double>(counts.size());
 }
 
-/// Edges, or bricks, that come or go from one value of the list to the next.
+/// Edges, bricks or entries of merged edges that come or go from one value to the next.
 double meanChange(const index::IndexInfo& info) {
-    if (info.levels.empty() || info.levels[0].blocks == 0)
-        return 0.0;
-    return static_cast<double>(info.levels[0].edges) / static_cast<double>(info.levels[0].blocks);
+    const bool isMerged = info.mergeError > 0.0; // there, values may have no block
+    const std::uint64_t values = info.levels.empty() ? 0 : isMerged ? info.distinctValues : info.levels[0].blocks;
+    return values == 0 ? 0.0 : static_cast<double>(info.levels[0].edges) / static_cast<double>(values);
 }
 
 double bytesPerPoint(const index::IndexInfo& info, std::uint64_t bytes) {
@@ -46,7 +46,6 @@ Json jsonOf(const index::IndexInfo& info) {
     json["index_bytes"] = info.indexBytes;
     json["bytes_per_voxel"] = bytesPerPoint(info, info.indexBytes);
     json["sample_bytes"] = info.sampleBytes;
-    json["merge_error_bytes"] = info.mergeErrorBytes;
     json["hidden_corners"] = info.hiddenCorners;
     json["hidden_corner_bytes"] = info.hiddenCornerBytes;
     json["levels"] = levelsJson(info);
@@ -68,18 +67,22 @@ std::string textOf(const index::IndexInfo& info) {
                             ? fmt::format("{:g} {}", info.mergeError, info.isMergeErrorInCells ? "cells" : "%")
                             : std::string(isEdges ? "0 % (no merging)" : "chosen while sliding"));
     text += fmt::format("  redundancy k          {}\n", info.redundancyThreshold);
-    text += fmt::format("  change per value      {:.1f} {}\n", meanChange(info), isEdges ? "edges" : "bricks");
+    text += fmt::format("  change per value      {:.1f} {}\n", meanChange(info),
+                        !isEdges                ? "bricks"
+                        : info.mergeError > 0.0 ? "entries"
+                                                : "edges");
     if (isEdges)
         text += fmt::format("  hidden corners        {}, {} bytes\n", info.hiddenCorners, info.hiddenCornerBytes);
     else
-        text += fmt::format("  samples               {} bytes, {:.2f} bytes per voxel\n"
-                            "  merge errors          {} bytes\n",
-                            info.sampleBytes, bytesPerPoint(info, info.sampleBytes), info.mergeErrorBytes);
+        text += fmt::format("  samples               {} bytes, {:.2f} bytes per voxel\n", info.sampleBytes,
+                            bytesPerPoint(info, info.sampleBytes));
     text += fmt::format("  index                 {} bytes, {:.2f} bytes per voxel\n\n", info.indexBytes,
                         bytesPerPoint(info, info.indexBytes));
-    text +=
-        fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks",
-                    isEdges ? "points" : "bricks", isEdges ? "edges" : "entries", "redundant", "bytes", "bytes/voxel");
+    text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks",
+                        !isEdges                ? "bricks"
+                        : info.mergeError > 0.0 ? "records"
+                                                : "points",
+                        isEdges && !(info.mergeError > 0.0) ? "edges" : "entries", "redundant", "bytes", "bytes/voxel");
     for (std::size_t level = 0; level < info.levels.size(); ++level) {
         const index::SkipLevelInfo& facts = info.levels[level];
         text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11.2f}\n", level, facts.blocks, facts.points,

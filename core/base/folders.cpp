@@ -1,6 +1,8 @@
 #include "core/base/folders.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
 
 #include "core/base/file_system.h"
 
@@ -49,6 +51,18 @@ fs::path temporaryFolder() {
     std::error_code problem;
     const fs::path folder = fs::temp_directory_path(problem);
     return problem ? fs::path("/tmp") : folder;
+}
+
+Result<fs::path> makeUniqueFolder(const fs::path& parent, const std::string& name) {
+    std::string pattern = (parent / (name + "-XXXXXX")).string();
+    if (::mkdtemp(pattern.data()) == nullptr)
+        return systemError(errno, "cannot make a folder in", parent);
+    return fs::path(pattern);
+}
+
+void removeFolder(const fs::path& folder) {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
 }
 
 Status makeFolders(const fs::path& folder) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "core/base/result.h"
@@ -25,6 +26,11 @@ std::filesystem::path programFolder();
 
 /// Where files that are soon gone may lie.
 std::filesystem::path temporaryFolder();
+
+/// A new folder below another one that only this user may look into. Errors: NotFound, OutOfSpace, IoError.
+Result<std::filesystem::path> makeUniqueFolder(const std::filesystem::path& parent, const std::string& name);
+/// With all that is in it, as far as that can be.
+void removeFolder(const std::filesystem::path& folder);
 
 /// Makes a folder and those above it, unless they are there. Errors: OutOfSpace, IoError.
 Status makeFolders(const std::filesystem::path& folder);

@@ -93,7 +93,7 @@ public:
     MergeBound mergeBound() const override { return mergeBound_; }
     Status setMergeBound(const MergeBound& bound) override {
         if (!canMerge()) {
-            if (!(bound.limit > 0.0) || bound == wantedBound_)
+            if (bound == wantedBound_ || (!(bound.limit > 0.0) && !(wantedBound_.limit > 0.0)))
                 return {};
             return makeError(
                 ErrorCode::InvalidArgument,

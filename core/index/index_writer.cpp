@@ -49,18 +49,15 @@ Status IndexWriter::addHiddenPage(HiddenPageEntry entry, std::span<const std::by
     return {};
 }
 
-Status IndexWriter::addChunk(std::span<const std::byte> samples, std::span<const std::byte> errors) {
-    ISO_CHECK(samples.size() <= 0xffff && errors.size() <= 0xffff);
+Status IndexWriter::addChunk(std::span<const std::byte> samples) {
+    ISO_CHECK(samples.size() <= 0xffff);
     const std::uint64_t offset = sizeBytes();
     if (groupTable_.empty())
         groupOffset_ = offset;
     putChunkPlace(groupTable_,
-                  {offset, static_cast<std::uint16_t>(samples.size()), static_cast<std::uint16_t>(errors.size()),
-                   pageChecksum(samples, seed_, offset), pageChecksum(errors, seed_, offset + samples.size())});
+                  {offset, static_cast<std::uint16_t>(samples.size()), pageChecksum(samples, seed_, offset)});
     ISO_TRY(append(samples));
-    ISO_TRY(append(errors));
     sampleBytes_ += samples.size();
-    mergeErrorBytes_ += errors.size();
     return groupTable_.size() == kGroupChunks * kGroupEntryBytes ? endGroup() : Status();
 }
 
@@ -96,13 +93,11 @@ Result<IndexInfo> IndexWriter::finish(IndexMeta meta) {
     ISO_CHECK(groupTable_.empty());
     meta.chunkGroups = std::move(groups_);
     meta.info.sampleBytes = sampleBytes_;
-    meta.info.mergeErrorBytes = mergeErrorBytes_;
     meta.levels = std::move(levels_);
     meta.hiddenPages = std::move(hiddenPages_);
     countHiddenCorners(meta);
     const std::vector<std::byte> bytes = encodeMeta(meta);
     Preamble preamble;
-    preamble.major = meta.info.mergeError > 0.0 ? kMergedFormatMajor : kFormatMajor;
     preamble.minor = minorOf(meta);
     preamble.metaOffset = sizeBytes();
     preamble.metaBytes = bytes.size();

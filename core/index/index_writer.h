@@ -20,9 +20,8 @@ public:
     Status addPage(SkipLevel level, PageEntry entry, std::span<const std::byte> bytes);
     /// Appends one encoded page of hidden corners, in the order of bricks; likewise.
     Status addHiddenPage(HiddenPageEntry entry, std::span<const std::byte> bytes);
-    /// Appends the next chunk of samples, in chunk order, with the errors of its merged cells (may be empty).
-    /// `kGroupChunks` fill a group, whose table then follows.
-    Status addChunk(std::span<const std::byte> samples, std::span<const std::byte> errors);
+    /// Appends the next chunk of samples, in chunk order. `kGroupChunks` fill a group, whose table then follows.
+    Status addChunk(std::span<const std::byte> samples);
     /// Ends the last group. REQUIRES: called after the last chunk, before anything else is added.
     Status endChunks() { return groupTable_.empty() ? Status() : endGroup(); }
     /// Ends a block of a level above 0: all pages added there since the last one.
@@ -51,7 +50,6 @@ private:
     std::vector<std::byte> groupTable_; ///< of the group that is being filled
     std::uint64_t groupOffset_ = 0;
     std::uint64_t sampleBytes_ = 0;
-    std::uint64_t mergeErrorBytes_ = 0;
 };
 
 } // namespace isoslider::index

@@ -50,7 +50,7 @@ Status SampleStore::read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out,
     if (!place.isOk())
         return place.error();
     thread_local std::vector<std::byte> bytes;
-    ISO_TRY(reader_.readPart(place.value().offset, place.value().sampleBytes, place.value().sampleChecksum, bytes));
+    ISO_TRY(reader_.readPart(place.value().offset, place.value().bytes, place.value().checksum, bytes));
     bytesRead += bytes.size();
     const ChunkExtent extent = chunks_.extent(chunk);
     const std::size_t samples =
@@ -70,20 +70,6 @@ Status SampleStore::read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out,
     return {};
 }
 
-Result<MergeErrors> SampleStore::readMergeErrors(ChunkIndex chunk, std::uint64_t& bytesRead) const {
-    const auto place = find(chunk, bytesRead);
-    if (!place.isOk())
-        return place.error();
-    const std::uint64_t offset = place.value().offset + place.value().sampleBytes;
-    std::vector<std::byte> bytes;
-    ISO_TRY(reader_.readPart(offset, place.value().errorBytes, place.value().errorChecksum, bytes));
-    bytesRead += bytes.size();
-    MergeErrors errors;
-    if (!decodeMergeErrors(bytes, chunks_.cellCorners(chunk), errors))
-        return makeError(ErrorCode::Corruption, "errors of merged cells are damaged", reader_.pathString(), offset);
-    return errors;
-}
-
 void SampleStore::willNeed(std::span<const ChunkIndex> chunks, std::uint64_t& bytesRead, std::stop_token stop) const {
     // Neighbours on disk are asked for together; a gap of a few pages is cheaper than another request.
     constexpr std::uint64_t kGapBytes = 1u << 15;
@@ -100,7 +86,7 @@ void SampleStore::willNeed(std::span<const ChunkIndex> chunks, std::uint64_t& by
                 reader_.willNeed(begin, end - begin);
             begin = offset;
         }
-        end = offset + place.value().sampleBytes;
+        end = offset + place.value().bytes;
     }
     if (end > begin)
         reader_.willNeed(begin, end - begin);

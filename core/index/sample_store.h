@@ -9,9 +9,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/index/format/chunk_codec.h"
 #include "core/index/format/chunk_grid.h"
 #include "core/index/format/chunk_table.h"
-#include "core/index/format/merge_errors.h"
 #include "core/index/index_reader.h"
 
 namespace isoslider::index {
@@ -35,8 +35,6 @@ public:
     /// REQUIRES: Sample is the volume's scalar type.
     template <class Sample>
     Status read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out, std::uint64_t& bytesRead) const;
-    /// The errors of a chunk's merged cells. Errors: IoError, Corruption.
-    Result<MergeErrors> readMergeErrors(ChunkIndex chunk, std::uint64_t& bytesRead) const;
     /// Asks the system to read what `chunks`, in rising order, need, all at once. Adds to `bytesRead` what tables took.
     void willNeed(std::span<const ChunkIndex> chunks, std::uint64_t& bytesRead, std::stop_token stop) const;
 

@@ -217,12 +217,10 @@ std::vector<CertificateLine> checkedLines(const Certificate& certificate) {
 std::string mergingText(const extract::MergeBound& bound, double least, double greatest, int side) {
     if (!(bound.limit > 0.0))
         return {};
-    std::string within;
-    if (bound.measure == extract::MergeBound::Measure::Distance) {
-        within = text(bound.limit) + " cells";
-    } else {
+    std::string within = text(bound.limit) + " cells";
+    if (bound.measure == extract::MergeBound::Measure::Scalar) {
         char percent[40];
-        std::snprintf(percent, sizeof percent, "%.6g", 50.0 * (bound.limit / (0.5 * greatest - 0.5 * least)));
+        std::snprintf(percent, sizeof percent, "%.6g", extract::errorOf(bound, least, greatest).amount);
         within = std::string(percent) + " % of the value range (" + text(bound.limit) + ")";
     }
     return "within " + within + ", of up to " + std::to_string(side) + " cells a side";

@@ -146,7 +146,7 @@ private:
         std::vector<std::uint64_t> withoutEdges;
         std::optional<MergedLayers<Sample>> merged;
         if (options_.mergeError.amount > 0.0)
-            merged.emplace(geometry_.dims, extract::boundOf(options_.mergeError, info_.min, info_.max));
+            merged.emplace(geometry_.dims, extract::boundOf(options_.mergeError, info_.min, info_.max), job_.stop);
         const auto consume = [&](const LayerRecords<Key>& records) -> Status {
             sampleRecords(records);
             for (const auto& brick : records.bricks)
@@ -224,7 +224,8 @@ private:
                     out.farKeys[e] = rankOf(record.farKeys[e]);
                     out.farNormals[e] = record.farNormals[e];
                 });
-                entries += std::popcount(record.edgeMask);
+                // As the histogram over span space counts them: an interval once for each end.
+                entries += record.form == index::record_form::kPoint ? std::popcount(record.edgeMask) : 1;
             }
             bytes +=
                 static_cast<double>(index::encodePage<std::uint32_t>(ranked, index::PageOrder::Value, grid_).size());
@@ -320,7 +321,7 @@ private:
         const auto bricks = std::min<std::uint64_t>(kBricksAtOnce, plane / (kBrickSide * kBrickSide) + 1);
         constexpr std::uint64_t kElsewhere = std::uint64_t{8} << 20; // pages of the levels
         return plane * (12 * sizeof(Sample) + 10 * (sizeof(Key) + sizeof(NormalCode) + 1)) +
-               bricks * kBrickPoints * sizeof(Record) * 3 / 2 * (options_.mergeError.amount > 0.0 ? 2 : 1) +
+               bricks * kBrickPoints * sizeof(Record) * 3 / 2 * (options_.mergeError.amount > 0.0 ? 4 : 1) +
                leafMemory() + kElsewhere;
     }
     // Two layers of bricks, each with some hundred intervals.

@@ -5,12 +5,14 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include "core/base/job_control.h"
 #include "core/extract/live/active_bits.h"
 #include "preprocess/edges/leaf_intervals.h"
 #include "preprocess/edges/prepared_layer.h"
@@ -36,20 +38,25 @@ class MergedLayers {
 public:
     using Key = KeyOf<Sample>;
 
-    MergedLayers(const GridDims& dims, const extract::MergeBound& bound) : grid_(dims), bound_(bound) {}
+    MergedLayers(const GridDims& dims, const extract::MergeBound& bound, std::stop_token stop)
+        : grid_(dims), bound_(bound), stop_(std::move(stop)) {}
 
     /// Finds the leaves of a layer's bricks, on all threads; those of the layer before stay. REQUIRES: layers in order.
-    void advance(const PreparedLayer<Sample>& layer, std::int64_t number) {
+    /// Errors: Cancelled.
+    Status advance(const PreparedLayer<Sample>& layer, std::int64_t number) {
         number_ = number;
         below_.swap(here_);
         here_.resize(static_cast<std::size_t>(grid_.bricks()[0] * grid_.bricks()[1]));
         tbb::enumerable_thread_specific<Block> blocks;
         tbb::parallel_for(std::size_t{0}, here_.size(), [&](std::size_t i) {
-            Block& block = blocks.local();
             here_[i] = {};
+            if (stop_.stop_requested())
+                return;
+            Block& block = blocks.local();
             if (fill(layer, grid_.brickAt(0, 0, number) + i, block))
                 here_[i].template find<Sample>(block.samples.data(), block.masks, bound_);
         });
+        return stop_.stop_requested() ? Status(cancelledError()) : Status();
     }
 
     const LeafIntervals<Key>& of(std::int64_t x, std::int64_t y, std::int64_t z) const {
@@ -177,6 +184,7 @@ private:
 
     BrickGrid grid_;
     extract::MergeBound bound_;
+    std::stop_token stop_;
     std::int64_t number_ = 0;
     std::vector<LeafIntervals<Key>> here_, below_; ///< by brick of the layer
 };

@@ -276,7 +276,7 @@ Status generateLayer(const SlabWindow<Sample>& window, const GridGeometry& geome
     const BrickGrid grid(geometry.dims);
     const PreparedLayer<Sample> prepared(window, geometry, layer);
     if (merged != nullptr)
-        merged->advance(prepared, layer);
+        ISO_TRY(merged->advance(prepared, layer));
     const BrickGenerator<Sample> generator(prepared, grid, bins, merged);
     const auto inLayer = static_cast<std::size_t>(grid.bricks()[0] * grid.bricks()[1]);
     LayerRecords<KeyOf<Sample>> records;

@@ -8,7 +8,6 @@
 
 #include "core/grid/classification.h"
 #include "core/grid/edge_cells.h"
-#include "core/index/format/merge_errors.h"
 #include "preprocess/missing_cells.h"
 
 namespace isoslider::preprocess {
@@ -106,7 +105,6 @@ template <class Sample>
 void ChunkScan<Sample>::load(index::ChunkIndex chunk, const PlaneAt& planeAt) {
     const auto c = chunks_.chunkCoords(chunk);
     extent_ = chunks_.extent(chunk);
-    cellCorners_ = chunks_.cellCorners(chunk);
     for (std::size_t a = 0; a < 3; ++a)
         origin_[a] = c[a] * kChunk;
     // Along x from `begin` to `end` of the block's row the samples are there.
@@ -147,12 +145,6 @@ std::span<const Sample> ChunkScan<Sample>::packed() {
             std::memcpy(out, at(0, y, z),
                         (isWide ? std::size_t{kChunk} : static_cast<std::size_t>(extent_[0])) * sizeof(Sample));
     return {packed_.data(), static_cast<std::size_t>(out - packed_.data())};
-}
-
-template <class Sample>
-std::vector<std::byte> ChunkScan<Sample>::mergeErrors() const {
-    return index::encodeMergeErrors(
-        index::measureMergeErrors(index::SampleBox<Sample>{at(0, 0, 0), kSide, kSide * kSide, cellCorners_}));
 }
 
 template <class Sample>

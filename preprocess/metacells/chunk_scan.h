@@ -86,8 +86,6 @@ public:
     /// The chunk's own samples, packed, x fastest.
     std::span<const Sample> packed();
     const index::ChunkExtent& extent() const { return extent_; }
-    /// The errors of the chunk's merged cells, encoded.
-    std::vector<std::byte> mergeErrors() const;
     /// Least and greatest keys of the chunk's bricks; those without finite samples get least > greatest.
     void spans(BrickSpans<KeyOf<Sample>>& spans) const;
     /// True when a sample of the block is missing: in the chunk or beside it.
@@ -109,7 +107,6 @@ private:
     index::ChunkGrid chunks_;
     std::array<std::int64_t, 3> origin_{};
     index::ChunkExtent extent_{};
-    std::array<int, 3> cellCorners_{};
     bool hasMissing_ = false;
     std::array<Sample, kSide * kSide * kSide> block_;
     std::array<Sample, index::kChunkSide * index::kChunkSide * index::kChunkSide> packed_;

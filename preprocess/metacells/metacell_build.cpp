@@ -186,9 +186,7 @@ private:
         std::vector<index::MissingCells> missingCells;
     };
 
-    struct EncodedChunk {
-        std::vector<std::byte> samples, mergeErrors;
-    };
+    using EncodedChunk = std::vector<std::byte>;
     using Row = std::vector<EncodedChunk>;
 
     Status storeSamples(const JobControl& job) {
@@ -242,7 +240,7 @@ private:
             }) & tbb::make_filter<Row, void>(tbb::filter_mode::serial_in_order, [&](const Row& row) {
                 for (const EncodedChunk& chunk : row)
                     if (written.isOk())
-                        written = writer_->addChunk(chunk.samples, chunk.mergeErrors);
+                        written = writer_->addChunk(chunk);
                 hasFailed = !written.isOk();
             }));
         if (job_.isStopRequested())
@@ -259,7 +257,7 @@ private:
         const std::span<const Sample> samples = scan.packed();
         if constexpr (!ValueCounts<Sample>::kByKey)
             distinct_.add(samples);
-        return {index::encodeChunk<Sample>(samples, scan.extent()), scan.mergeErrors()};
+        return index::encodeChunk<Sample>(samples, scan.extent());
     }
 
     // What did not fit into memory is counted in further passes.

@@ -1,7 +1,7 @@
 #version 330 core
 // Edge records in, view space out: positions and normals are made here, as vertexOf() in
 // core/extract/live/edge_record.h makes them.
-layout(location = 0) in uvec4 record; // edge, or 3072 and more; level of the leaf edge, or upper half of z; two normals
+layout(location = 0) in uvec4 record; // edge, or 3072 + level of the cell; level of the leaf edge, or upper half of z; two normals
 layout(location = 1) in vec2 scalars; // at both ends; inside a cell: x and y
 
 uniform usamplerBuffer places; // of the brick of each 16 records
@@ -59,7 +59,7 @@ void main() {
         placeInside(brick);
     else
         placeOnEdge(brick);
-    leafLevel = record.x >= 3072u ? 0.0 : float(record.y);
+    leafLevel = float(record.x >= 3072u ? record.x - 3072u : record.y);
     vec4 place = modelToView * vec4(gridPosition, 1.0);
     viewPosition = place.xyz;
     viewNormal = normalToView * gridNormal;

@@ -80,6 +80,16 @@ TEST_F(CliReport, WritesAPageWithItsPlotsBesideIt) {
     }
 }
 
+TEST_F(CliReport, KeepsWhatWasMeasuredBeforeAVolumeThatFails) {
+    const auto result =
+        run({"report", rawSphere(), path("gone.raw"), "--raw-dims", "16,16,16", "--raw-type", "f32", "--steps", "2"});
+    EXPECT_EQ(result.exitCode, 4) << "looked for before anything is measured";
+    folder_.write("short.mha", test::metaImage(16, "MET_FLOAT", "too short"));
+    const auto half = run({"report", sphereVolume(), path("short.mha"), "--steps", "2", "-o", path("half.md")});
+    EXPECT_EQ(half.exitCode, 3) << half.standardError;
+    EXPECT_THAT(contentOf(path("half.md")), HasSubstr("| sphere.mha"));
+}
+
 TEST_F(CliReport, RefusesWhatItCannotMeasureOrWrite) {
     expectRefusal({"report"}, 2);
     expectRefusal({"report", sphereIndex()}, 3, "is an index");
@@ -87,6 +97,8 @@ TEST_F(CliReport, RefusesWhatItCannotMeasureOrWrite) {
     expectRefusal({"report", sphereVolume(), "-o", path("nowhere/page.md")}, 4);
     expectRefusal({"report", sphereVolume(), "--index", "trees"}, 2, "edges, metacells or both");
     expectRefusal({"report", sphereVolume(), "--folder", path("nowhere")}, 4);
+    std::filesystem::create_directory(path("page_steps.svg"));
+    expectRefusal({"report", sphereVolume(), "-o", path("page.md")}, 4, "page_steps.svg");
 }
 
 TEST(WalkAround, KeepsItsStepAndTurnsRound) {

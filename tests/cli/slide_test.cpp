@@ -72,7 +72,8 @@ TEST_F(CliSlide, MergesCellsOfEdgesWithinTheErrorTheyWereBuiltWith) {
     }
     EXPECT_EQ(runJson({"extract", edges, "--isovalue", "5"})["lod_error"], "0.3c");
     EXPECT_EQ(run({"extract", edges, "--isovalue", "5", "--lod-error", "0.3c"}).exitCode, 0);
-    expectRefusal({"extract", edges, "--isovalue", "5", "--lod-error", "1c"}, 3, "the error it was built with");
+    for (const char* other : {"1c", "0.3%", "0c", "0"})
+        expectRefusal({"extract", edges, "--isovalue", "5", "--lod-error", other}, 3, "the error it was built with");
     expectRefusal({"build", sphereVolume(), "-o", edges, "--index", "metacells", "--lod-error", "1c"}, 2,
                   "merged while sliding");
 }

@@ -116,9 +116,6 @@ void readParts(const index::IndexReader& reader) {
          firstIds<index::ChunkIndex>(std::min<std::uint64_t>(store.chunks().chunkCount(), kMaxChunks))) {
         requireGood(
             store.read<Sample>(chunk, std::span<Sample, index::SampleStore::kChunkSamples>(samples), bytesRead));
-        const auto errors = store.readMergeErrors(chunk, bytesRead);
-        if (!errors.isOk())
-            requireGoodError(errors.error());
     }
 }
 

@@ -8,7 +8,6 @@
 #include "core/index/format/block_codec.h"
 #include "core/index/format/chunk_codec.h"
 #include "core/index/format/hidden_corner_codec.h"
-#include "core/index/format/merge_errors.h"
 #include "tests/fuzz/fuzz_support.h"
 #include "tests/fuzz/fuzz_targets.h"
 
@@ -65,29 +64,13 @@ void decodeSamples(std::span<const std::byte> bytes, const index::ChunkExtent& e
     ISO_REQUIRE(std::ranges::equal(std::as_bytes(std::span(samples)), std::as_bytes(std::span(copy))), "");
 }
 
-void decodeErrors(std::span<const std::byte> bytes, const index::MergeExtent& points) {
-    index::MergeErrors errors, copy;
-    if (!index::decodeMergeErrors(bytes, points, errors))
-        return;
-    ISO_REQUIRE(index::decodeMergeErrors(index::encodeMergeErrors(errors), points, copy), "");
-    for (int level = 1; level <= index::kMergeLevels; ++level) {
-        const auto [nx, ny, nz] = errors.cells(level);
-        for (int z = 0; z < nz; ++z)
-            for (int y = 0; y < ny; ++y)
-                for (int x = 0; x < nx; ++x) {
-                    const double bound = errors.errorBound(level, x, y, z);
-                    ISO_REQUIRE(bound >= 0.0 && bound == copy.errorBound(level, x, y, z), std::to_string(bound));
-                }
-    }
-}
-
 } // namespace
 
 /// One part of an index, without the checksums that stand around it. Six bytes state what it is, the type of samples
 /// and the dims, all of them small; then comes the part.
 void fuzzIndexParts(std::span<const std::byte> bytes) {
     ByteReader in(bytes);
-    const auto part = in.get<std::uint8_t>() % 4;
+    const auto part = in.get<std::uint8_t>() % 3;
     const ScalarType type = kAllScalarTypes[in.get<std::uint8_t>() % kAllScalarTypes.size()];
     std::array<int, 3> sizes{};
     for (int& size : sizes)
@@ -97,8 +80,6 @@ void fuzzIndexParts(std::span<const std::byte> bytes) {
     if (part == 1)
         return decodeHidden(in, type, dims);
     const auto content = in.getBytes(in.remaining());
-    if (part == 3)
-        return decodeErrors(content, sizes);
     const auto chunk = [](int size) { return std::min(size, index::kChunkSide); };
     visitScalarType(type, [&](auto sample) {
         using Sample = decltype(sample);

@@ -96,6 +96,13 @@ TEST_F(DetailControlTest, IsCoarserWhileTheHandleIsHeld) {
     QTest::mouseRelease(plot, Qt::LeftButton, {}, place + QPoint(3, 0));
     ASSERT_TRUE(waitUntilSettled());
     EXPECT_EQ(session_->frame()->mergeBound.limit, 0.0);
+    // Another button ends it, too.
+    QTest::mousePress(plot, Qt::LeftButton, {}, place);
+    QTest::mousePress(plot, Qt::RightButton, {}, place);
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.0);
+    QTest::mouseRelease(plot, Qt::RightButton, {}, place);
+    QTest::mouseRelease(plot, Qt::LeftButton, {}, place);
     session_->isovalue().request(isovalue);
     ASSERT_TRUE(waitUntilSettled());
     EXPECT_EQ(triangles(), all);

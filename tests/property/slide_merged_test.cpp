@@ -182,7 +182,8 @@ TEST(SlideMergedEdges, RefuseAnotherErrorThanTheirs) {
     EXPECT_FALSE(engine.canMerge());
     EXPECT_EQ(engine.mergeBound(), (MergeBound{Measure::Distance, 0.25}));
     EXPECT_THAT(engine.setMergeBound({Measure::Distance, 0.25}), IsOk());
-    EXPECT_THAT(engine.setMergeBound({}), IsOk()); // what it has stays
+    EXPECT_THAT(engine.setMergeBound({}), test::HasError(ErrorCode::InvalidArgument))
+        << "its other edges are not there";
     EXPECT_THAT(engine.setMergeBound({Measure::Distance, 0.5}), test::HasError(ErrorCode::InvalidArgument));
     EXPECT_EQ(engine.mergeBound(), (MergeBound{Measure::Distance, 0.25}));
 }

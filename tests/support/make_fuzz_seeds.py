@@ -365,7 +365,7 @@ def without_histogram(index):
 
 
 def parts_of(index):
-    """Of an index without histogram: its pages, pages of hidden corners, chunks of samples and errors of merged cells."""
+    """Of an index without histogram: its pages, pages of hidden corners and chunks of samples."""
     index, at = without_histogram(index)
     meta = struct.unpack_from("<Q", index, 16)[0]
     kind, scalar, *dims = struct.unpack_from("<BB3q", index, meta)
@@ -384,12 +384,11 @@ def parts_of(index):
     for page in range(hidden):
         _, last, corners, size, begin = struct.unpack_from("<4IQ", index, at + 8 + 32 * page)
         parts.append(("hidden", b"\1" + head + struct.pack("<BH", last, corners) + index[begin:begin + size]))
-    at += 8 + 32 * hidden + 16
+    at += 8 + 32 * hidden + 8
     if struct.unpack_from("<Q", index, at)[0] > 0:
         begin, size = struct.unpack_from("<2Q", index, at + 8)
-        samples, errors = struct.unpack_from("<2H", index, begin + size)
+        samples = struct.unpack_from("<H", index, begin + size)[0]
         parts.append(("chunk", b"\2" + head + index[begin:begin + samples]))
-        parts.append(("errors", b"\3" + head + index[begin + samples:begin + samples + errors]))
     return parts
 
 
@@ -402,9 +401,10 @@ def of_program(program):
         folder = pathlib.Path(folder)
         for name, samples in volumes.items():
             (folder / "a.raw").write_bytes(samples.tobytes())
-            for kind in ("edges", "metacells"):
-                subprocess.run([program, "build", folder / "a.raw", "-o", folder / "a.isx", "--index", kind, "--raw-type", name,
-                                "--raw-dims", ",".join(map(str, samples.shape[::-1]))], check=True, capture_output=True)
+            for kind, options in (("edges", []), ("merged", ["--lod-error", "9c"]), ("metacells", [])):
+                options += ["--index", "metacells" if kind == "metacells" else "edges"]
+                subprocess.run([program, "build", folder / "a.raw", "-o", folder / "a.isx", "--raw-type", name,
+                                "--raw-dims", ",".join(map(str, samples.shape[::-1])), *options], check=True, capture_output=True)
                 index = (folder / "a.isx").read_bytes()
                 put("index", f"{name}_{kind}", without_histogram(index)[0])
                 for part, content in parts_of(index):

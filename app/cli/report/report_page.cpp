@@ -257,11 +257,16 @@ Json errorJson(const VolumeMeasures& volume, const MeasuredError& row) {
 
 } // namespace
 
+std::vector<std::string> plotNames(const std::string& stem) {
+    return {stem + "_active_edges.svg", stem + "_steps.svg", stem + "_triangles.svg", stem + "_triangles_cells.svg"};
+}
+
 std::vector<ReportPlot> plotsOf(const std::vector<VolumeMeasures>& volumes, const std::string& stem) {
-    return {{stem + "_active_edges.svg", activeEdgesPlot(volumes).svg()},
-            {stem + "_steps.svg", stepsPlot(volumes).svg()},
-            {stem + "_triangles.svg", trianglesPlot(volumes, Measure::Scalar).svg()},
-            {stem + "_triangles_cells.svg", trianglesPlot(volumes, Measure::Distance).svg()}};
+    const std::vector<std::string> names = plotNames(stem);
+    return {{names[0], activeEdgesPlot(volumes).svg()},
+            {names[1], stepsPlot(volumes).svg()},
+            {names[2], trianglesPlot(volumes, Measure::Scalar).svg()},
+            {names[3], trianglesPlot(volumes, Measure::Distance).svg()}};
 }
 
 std::string pageOf(const std::vector<VolumeMeasures>& volumes, const std::vector<ReportPlot>& plots) {

@@ -17,6 +17,8 @@ struct ReportPlot {
     std::string svg;
 };
 
+/// Of plotsOf().
+std::vector<std::string> plotNames(const std::string& stem);
 /// Active edges, steps and triangles of all volumes. File names begin with `stem`.
 std::vector<ReportPlot> plotsOf(const std::vector<VolumeMeasures>& volumes, const std::string& stem);
 

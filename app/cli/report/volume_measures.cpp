@@ -7,9 +7,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include "core/base/file_system.h"
+#include "core/base/folders.h"
 #include "core/base/machine.h"
 #include "core/extract/full_extraction.h"
 #include "core/extract/merged/merged_extraction.h"
@@ -39,14 +38,25 @@ double medianOf(std::vector<double> values) {
     return *middle;
 }
 
-/// Removes a file when it goes.
-class TemporaryFile {
+/// A folder that goes with all that is in it.
+class WorkFolder {
 public:
-    explicit TemporaryFile(std::filesystem::path path) : path_(std::move(path)) {}
-    ~TemporaryFile() { (void)defaultFileSystem().removeFile(path_); }
-    TemporaryFile(const TemporaryFile&) = delete;
-    TemporaryFile& operator=(const TemporaryFile&) = delete;
-    const std::filesystem::path& path() const { return path_; }
+    ~WorkFolder() {
+        if (!path_.empty())
+            removeFolder(path_);
+    }
+    WorkFolder() = default;
+    WorkFolder(const WorkFolder&) = delete;
+    WorkFolder& operator=(const WorkFolder&) = delete;
+
+    Status make(const std::filesystem::path& parent) {
+        auto made = makeUniqueFolder(parent, "isoslider-report");
+        if (!made.isOk())
+            return made.error();
+        path_ = std::move(made).value();
+        return {};
+    }
+    std::filesystem::path indexPath(std::size_t k) const { return path_ / fmt::format("{}.isx", k); }
 
 private:
     std::filesystem::path path_;
@@ -86,6 +96,7 @@ public:
     Result<VolumeMeasures> run(const JobControl& job) {
         const JobControl building = job.part(0.0, 0.5), reading = job.part(0.5, 0.55), sliding = job.part(0.55, 0.8),
                          merging = job.part(0.8, 1.0);
+        ISO_TRY(folder_.make(options_.folder));
         ISO_TRY(buildAll(building));
         ISO_TRY(hold(reading));
         ISO_TRY(measureSteps(sliding));
@@ -102,8 +113,6 @@ private:
         for (std::size_t k = 0; k < options_.kinds.size(); ++k) {
             MeasuredIndex index;
             index.kind = options_.kinds[k];
-            files_.push_back(std::make_unique<TemporaryFile>(options_.folder /
-                                                             fmt::format("isoslider-report-{}-{}.isx", ::getpid(), k)));
             const double expected = preprocess::kBytesPerVoxelAim * static_cast<double>(pointCount(measured_.dims));
             if (index.kind == index::IndexKind::Metacells || expected <= static_cast<double>(options_.mostIndexBytes)) {
                 const auto count = static_cast<double>(options_.kinds.size());
@@ -113,7 +122,7 @@ private:
                 build.kind = index.kind;
                 build.memoryBytes = options_.memoryBytes;
                 build.sourceName = measured_.name;
-                auto report = preprocess::buildIndex(source_, files_.back()->path(), build, building);
+                auto report = preprocess::buildIndex(source_, folder_.indexPath(k), build, building);
                 if (!report.isOk())
                     return report.error();
                 index.buildSeconds = report.value().seconds;
@@ -122,6 +131,9 @@ private:
             }
             measured_.indexes.push_back(std::move(index));
         }
+        if (measured_.facts.levels.empty())
+            return makeError(ErrorCode::InvalidArgument, "an index of edges would be too large; measure metacells, too",
+                             path_.string());
         measured_.centre = busiestIsovalue(measured_.facts);
         return {};
     }
@@ -225,7 +237,7 @@ private:
     Status open(std::size_t k, std::unique_ptr<extract::SlideEngine>& engine) const {
         extract::SlideOptions options;
         options.readsAhead = false; // the next step follows at once
-        auto opened = extract::SlideEngine::open(files_[k]->path(), options);
+        auto opened = extract::SlideEngine::open(folder_.indexPath(k), options);
         if (!opened.isOk())
             return opened.error();
         engine = std::move(opened).value();
@@ -235,7 +247,7 @@ private:
     io::VolumeSource& source_;
     const std::filesystem::path& path_;
     const MeasureOptions& options_;
-    std::vector<std::unique_ptr<TemporaryFile>> files_; ///< as measured_.indexes
+    WorkFolder folder_; ///< indexes, by their place in measured_.indexes
     std::shared_ptr<const ScalarGrid> grid_;
     VolumeMeasures measured_;
 };

@@ -21,7 +21,7 @@ namespace isoslider::extract {
 /// position itself, in cells from the brick's first grid point.
 template <class Live>
 struct EdgeRecord {
-    ClosedEdge edge{}; ///< kInside for a vertex inside a cell
+    ClosedEdge edge{}; ///< for a vertex inside a cell kInside + the cell's level
     std::uint16_t levelOrUpperZ = 0; ///< of the leaf edge; inside: upper half of z as bits of a float
     NormalCode normal1 = 0; ///< at the edge's lower grid point; inside: the normal
     NormalCode normal2 = 0; ///< at its upper one; inside: lower half of z
@@ -30,9 +30,10 @@ struct EdgeRecord {
     static constexpr ClosedEdge kInside{3 << kEdgeAxisShift};
 
     bool isInside() const { return edge >= kInside; }
-    static EdgeRecord inside(const glm::vec3& place, NormalCode normal) {
+    /// `level`: of the cell.
+    static EdgeRecord inside(const glm::vec3& place, NormalCode normal, int level = 0) {
         const auto z = std::bit_cast<std::uint32_t>(place.z);
-        return {kInside,
+        return {kInside + level,
                 static_cast<std::uint16_t>(z >> 16),
                 normal,
                 static_cast<NormalCode>(z & 0xffff),

@@ -412,7 +412,7 @@ void LiveSurface<Live>::placeCentres(const std::array<std::int32_t, 3>& origin, 
             const InnerVertex centre =
                 placeLoopCentre(positions, normals, {origin[0] + local[0], origin[1] + local[1], origin[2] + local[2]},
                                 1 << leaf.level);
-            draft.inner.push_back(Record::inside(centre.place, centre.normal));
+            draft.inner.push_back(Record::inside(centre.place, centre.normal, leaf.level));
         }
         indices += leaf.indexCount;
     }

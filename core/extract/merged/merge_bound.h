@@ -33,6 +33,13 @@ inline MergeBound boundOf(const MergeError& error, double least, double greatest
     return {error.measure, error.amount / 100.0 * greatest - error.amount / 100.0 * least};
 }
 
+/// The other way round.
+inline MergeError errorOf(const MergeBound& bound, double least, double greatest) {
+    if (bound.measure == MergeBound::Measure::Distance || !(bound.limit > 0.0))
+        return {bound.measure, bound.limit};
+    return {bound.measure, 50.0 * (bound.limit / (0.5 * greatest - 0.5 * least))};
+}
+
 /// Merged cells have 2^n cells of the grid along each axis, n from 1 to this.
 inline constexpr int kMaxMergeLevel = 5;
 /// Those of a live brick are not larger than the brick.

@@ -190,12 +190,34 @@ void EdgeBlockSource<Sample>::findLeavesAround(BrickSlot slot, const LiveSurface
     scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brick), scratch.draft.above, leavesAt);
 }
 
-// The polygons of the brick's leaves. False when what carries a vertex then is not what the index states.
+// The polygons of the brick's leaves. False when a leaf has none, or when what carries a vertex then, at which level,
+// is not what the index states.
 template <class Sample>
 bool EdgeBlockSource<Sample>::mergeCells(BrickSlot slot, Scratch& scratch) const {
     BrickDraft<Live>& draft = scratch.draft;
     draft.merged.find(leaves_[slot.index()], scratch.around, draft.active);
-    return draft.active.edges == edges_[slot.index()];
+    for (const MergedLeaf& leaf : draft.merged.leaves())
+        if (leaf.indexCount < (leaf.hasCentre ? 9 : 3))
+            return false;
+    if (draft.active.edges != edges_[slot.index()])
+        return false;
+    for (const MergedCells::Corner& corner : draft.merged.corners())
+        if (draft.records[draft.vertices.of(corner.edge)].levelOrUpperZ != corner.level)
+            return false;
+    return true;
+}
+
+// Whether the vertices of cells that are not merged lie on edges of the grid.
+template <class Sample>
+bool EdgeBlockSource<Sample>::areUnmergedWhole(const Scratch& scratch) const {
+    std::array<BitString, 3> edges;
+    edgesOfCells(scratch.draft.active.cells, edges);
+    for (std::uint32_t k = 0; k < scratch.draft.edgeVertices; ++k) {
+        const Record& record = scratch.draft.records[k];
+        if (record.levelOrUpperZ > 0 && edges[static_cast<std::size_t>(axisOf(record.edge))].test(startOf(record.edge)))
+            return false;
+    }
+    return true;
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
@@ -204,7 +226,8 @@ bool EdgeBlockSource<Sample>::mergeCells(BrickSlot slot, Scratch& scratch) const
     template void EdgeBlockSource<Sample>::listBesideLeaves(const LiveSurface<Live>&, std::vector<BrickSlot>&) const; \
     template void EdgeBlockSource<Sample>::findLeafEdges(BrickSlot, const Scratch&, std::array<BitString, 3>&) const; \
     template void EdgeBlockSource<Sample>::findLeavesAround(BrickSlot, const LiveSurface<Live>&, Scratch&) const; \
-    template bool EdgeBlockSource<Sample>::mergeCells(BrickSlot, Scratch&) const;
+    template bool EdgeBlockSource<Sample>::mergeCells(BrickSlot, Scratch&) const; \
+    template bool EdgeBlockSource<Sample>::areUnmergedWhole(const Scratch&) const;
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

@@ -486,7 +486,8 @@ void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, Live
     if (hasMerged)
         findLeavesAround(slot, surface, scratch);
     findSigns(slot, surface, scratch);
-    if ((hasMerged && !mergeCells(slot, scratch)) || !areSignsWhole(slot, scratch)) {
+    if ((hasMerged && !mergeCells(slot, scratch)) || (merges_ && !areUnmergedWhole(scratch)) ||
+        !areSignsWhole(slot, scratch)) {
         scratch.isConsistent = false;
         return;
     }

@@ -109,6 +109,7 @@ private:
     void findLeafEdges(BrickSlot slot, const Scratch& scratch, std::array<BitString, 3>& edges) const;
     void findLeavesAround(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
     bool mergeCells(BrickSlot slot, Scratch& scratch) const;
+    bool areUnmergedWhole(const Scratch& scratch) const;
 
     bool merges_; ///< the index has merged cells
     GridDims cellBricks_; ///< bricks with cells along each axis

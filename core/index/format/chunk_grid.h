@@ -36,8 +36,6 @@ public:
     }
     /// Samples of a chunk along each axis: fewer than kChunkSide where the grid ends.
     ChunkExtent extent(ChunkIndex chunk) const { return pointsFrom(chunk, kChunkSide); }
-    /// Grid points at the corners of a chunk's cells: those of the next chunks' first planes too.
-    std::array<int, 3> cellCorners(ChunkIndex chunk) const { return pointsFrom(chunk, kChunkSide + 1); }
 
 private:
     std::array<int, 3> pointsFrom(ChunkIndex chunk, std::int64_t most) const {

@@ -15,10 +15,8 @@ std::uint64_t chunksInGroup(const ChunkGrid& grid, std::uint64_t group) {
 
 void putChunkPlace(std::vector<std::byte>& table, const ChunkPlace& place) {
     ByteWriter out(table);
-    out.put<std::uint16_t>(place.sampleBytes);
-    out.put<std::uint16_t>(place.errorBytes);
-    out.put<std::uint64_t>(place.sampleChecksum);
-    out.put<std::uint64_t>(place.errorChecksum);
+    out.put<std::uint16_t>(place.bytes);
+    out.put<std::uint64_t>(place.checksum);
 }
 
 bool getChunkPlaces(std::span<const std::byte> table, std::uint64_t groupOffset, std::uint64_t tableAt,
@@ -28,11 +26,9 @@ bool getChunkPlaces(std::span<const std::byte> table, std::uint64_t groupOffset,
     std::uint64_t at = groupOffset;
     for (ChunkPlace& place : places) {
         place.offset = at;
-        place.sampleBytes = in.get<std::uint16_t>();
-        place.errorBytes = in.get<std::uint16_t>();
-        place.sampleChecksum = in.get<std::uint64_t>();
-        place.errorChecksum = in.get<std::uint64_t>();
-        at += std::uint64_t{place.sampleBytes} + place.errorBytes;
+        place.bytes = in.get<std::uint16_t>();
+        place.checksum = in.get<std::uint64_t>();
+        at += place.bytes;
     }
     return at == tableAt;
 }

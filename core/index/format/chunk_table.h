@@ -12,16 +12,14 @@ namespace isoslider::index {
 /// Chunks of a group: consecutive in chunk order. Their table states where each lies, so that the directory in
 /// memory has 24 bytes for a million samples, whatever the volume.
 inline constexpr std::size_t kGroupChunks = 256;
-/// Of a chunk in the table: bytes of its samples and of its merged cells' errors, two checksums.
-inline constexpr std::size_t kGroupEntryBytes = 2 + 2 + 8 + 8;
+/// Of a chunk in the table: its bytes, their checksum.
+inline constexpr std::size_t kGroupEntryBytes = 2 + 8;
 
-/// Where a chunk lies: its samples, and right after them the errors of its merged cells.
+/// Where a chunk lies.
 struct ChunkPlace {
     std::uint64_t offset = 0;
-    std::uint16_t sampleBytes = 0;
-    std::uint16_t errorBytes = 0;
-    std::uint64_t sampleChecksum = 0;
-    std::uint64_t errorChecksum = 0;
+    std::uint16_t bytes = 0;
+    std::uint64_t checksum = 0;
 };
 
 std::uint64_t chunkGroupCount(const ChunkGrid& grid);

@@ -162,7 +162,6 @@ bool getHiddenPages(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
 
 void putChunkGroups(ByteWriter& out, const IndexMeta& meta) {
     out.put<std::uint64_t>(meta.info.sampleBytes);
-    out.put<std::uint64_t>(meta.info.mergeErrorBytes);
     out.put<std::uint64_t>(meta.chunkGroups.size());
     for (const ChunkGroupEntry& group : meta.chunkGroups)
         for (const std::uint64_t value : {group.offset, group.chunkBytes, group.checksum})
@@ -171,7 +170,6 @@ void putChunkGroups(ByteWriter& out, const IndexMeta& meta) {
 
 bool getChunkGroups(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
     meta.info.sampleBytes = in.get<std::uint64_t>();
-    meta.info.mergeErrorBytes = in.get<std::uint64_t>();
     const std::uint64_t count = in.get<std::uint64_t>();
     const ChunkGrid grid(meta.info.geometry.dims);
     const bool hasSamples = meta.info.kind == IndexKind::Metacells;
@@ -283,11 +281,11 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
     preamble.minor = in.get<std::uint16_t>();
     if (bytes.size() < kPreambleBytes)
         return makeError(ErrorCode::Corruption, "index ends inside its header", path, bytes.size());
-    if (preamble.major != kFormatMajor && preamble.major != kMergedFormatMajor)
+    if (preamble.major != kFormatMajor)
         return makeError(ErrorCode::UnsupportedVersion,
                          "index has format version " + std::to_string(preamble.major) +
-                             ", this program reads versions " + std::to_string(kFormatMajor) + " and " +
-                             std::to_string(kMergedFormatMajor) + ": build it again from its volume",
+                             ", this program reads version " + std::to_string(kFormatMajor) +
+                             ": build it again from its volume",
                          path, sizeof kIndexMagic);
     for (std::uint64_t* value :
          {&preamble.metaOffset, &preamble.metaBytes, &preamble.metaChecksum, &preamble.fileBytes, &preamble.seed})
@@ -335,10 +333,8 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     putHiddenPages(out, meta.hiddenPages);
     putChunkGroups(out, meta);
     putMissingCells(out, meta.missingCells);
-    if (info.mergeError > 0.0) {
-        out.put<std::uint8_t>(info.isMergeErrorInCells);
-        out.put<double>(info.mergeError);
-    }
+    out.put<std::uint8_t>(info.isMergeErrorInCells);
+    out.put<double>(info.mergeError);
     if (minorOf(meta) >= 1)
         out.putString(info.lengthUnit);
     if (minorOf(meta) >= 2)
@@ -393,14 +389,12 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
         return corrupt("chunk groups of samples");
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
-    if (preamble.major == kMergedFormatMajor) {
-        const std::uint8_t measure = in.get<std::uint8_t>();
-        info.isMergeErrorInCells = measure == 1;
-        info.mergeError = in.get<double>();
-        if (in.hasFailed() || info.kind != IndexKind::Edges || measure > 1 || !std::isfinite(info.mergeError) ||
-            !(info.mergeError > 0.0))
-            return corrupt("error of merged cells");
-    }
+    const std::uint8_t measure = in.get<std::uint8_t>();
+    info.isMergeErrorInCells = measure == 1;
+    info.mergeError = in.get<double>();
+    if (in.hasFailed() || measure > 1 || !std::isfinite(info.mergeError) || !(info.mergeError >= 0.0) ||
+        (info.mergeError > 0.0 && info.kind != IndexKind::Edges))
+        return corrupt("error of merged cells");
     if (preamble.minor >= 1)
         info.lengthUnit = in.getString(kMaxLengthUnitBytes);
     if (!isLengthUnit(info.lengthUnit))

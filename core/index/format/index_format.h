@@ -15,8 +15,7 @@ namespace isoslider::index {
 
 /// FORMAT.md describes the bytes; this header is the one place where code knows them.
 inline constexpr char kIndexMagic[12] = {'I', 'S', 'O', 'S', 'L', 'I', 'D', 'E', '\r', '\n', '\x1a', '\n'};
-/// Of an index of edges without merged cells, and of metacells; with merged cells one more.
-inline constexpr std::uint16_t kFormatMajor = 3, kMergedFormatMajor = 4;
+inline constexpr std::uint16_t kFormatMajor = 4;
 inline constexpr std::uint16_t kFormatMinor = 2;
 inline constexpr std::size_t kPreambleBytes = 64;
 inline constexpr std::uint64_t kMaxMetaBytes = std::uint64_t{4} << 30;
@@ -108,7 +107,7 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
 void countHiddenCorners(IndexMeta& meta);
 
 /// The least minor version whose readers know all of `meta`: files of volumes without a
-/// unit that were not resampled stay those of 3.0.
+/// unit that were not resampled stay those of 4.0.
 std::uint16_t minorOf(const IndexMeta& meta);
 
 std::vector<std::byte> encodeMeta(const IndexMeta& meta);

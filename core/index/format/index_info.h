@@ -43,7 +43,6 @@ struct IndexInfo {
     std::uint64_t hiddenCorners = 0; ///< samples stored because sliding cannot learn them from active edges
     std::uint64_t hiddenCornerBytes = 0; ///< encoded bytes of their pages
     std::uint64_t sampleBytes = 0; ///< encoded bytes of the samples; 0 with edges
-    std::uint64_t mergeErrorBytes = 0; ///< encoded bytes of the merged cells' errors; 0 with edges
     double redundancyThreshold = 0.0; ///< k of the paper, section 2.1
     /// Edges: within how much cells are merged (PAPER 2.2); 0: they are not, or are while sliding.
     double mergeError = 0.0;

@@ -57,9 +57,8 @@ public:
 
     Status moveTo(double isovalue, std::stop_token stop, extract::SurfaceFrame& frame) override {
         frame.canMerge = engine_->canMerge();
-        if (!frame.canMerge)
-            frame.mergeBound = {};
-        ISO_TRY(engine_->setMergeBound(frame.mergeBound));
+        if (frame.canMerge)
+            ISO_TRY(engine_->setMergeBound(frame.mergeBound));
         auto stats = engine_->slideTo(isovalue, stop);
         if (!stats.isOk())
             return stats.error();

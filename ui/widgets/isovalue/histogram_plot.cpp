@@ -219,7 +219,8 @@ void HistogramPlot::mousePressEvent(QMouseEvent* event) {
     if (!hasHistogram_)
         return;
     const bool isOnAxis = event->position().y() > axisRect()->bottom();
-    drag_ = Drag::None;
+    if (std::exchange(drag_, Drag::None) == Drag::Handle)
+        Q_EMIT handleHeld(false); // another button takes over
     valueBeforePress_.reset();
     dragPoint_ = event->position();
     if (event->button() == Qt::MiddleButton || (event->button() == Qt::LeftButton && isOnAxis)) {

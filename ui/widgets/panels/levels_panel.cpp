@@ -67,7 +67,6 @@ std::vector<QStringList> levelRows(const model::Dataset& dataset) {
         all.bytes += size;
     };
     addPart(LevelsPanel::tr("Samples"), info.sampleBytes);
-    addPart(LevelsPanel::tr("Merge errors"), info.mergeErrorBytes);
     addPart(LevelsPanel::tr("Hidden corners"), info.hiddenCornerBytes);
     rows.push_back({LevelsPanel::tr("All"),
                     compact(all.blocks),

@@ -240,11 +240,10 @@ void ViewportHost::showFrame() {
         QString lines =
             tr("isovalue %1\n%2 triangles")
                 .arg(text(model::valueText(frame->isovalue, 7)), text(model::groupedText(frame->stats.triangles)));
-        const bool isAsBuilt = !frame->canMerge && dataset != nullptr && dataset->index;
-        const extract::MergeError error =
-            isAsBuilt ? extract::builtError(*dataset->index) : session_.detail().usedError();
-        if (frame->mergeBound.limit > 0.0 && error.amount > 0.0)
-            lines += tr(", error %1").arg(text(model::DetailModel::text(error)));
+        if (frame->mergeBound.limit > 0.0 && dataset != nullptr)
+            lines += tr(", error %1")
+                         .arg(text(model::DetailModel::text(
+                             extract::errorOf(frame->mergeBound, dataset->min, dataset->max))));
         readout_->setText(lines + QLatin1Char('\n') +
                           text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs)));
         readout_->adjustSize();

@@ -86,16 +86,10 @@ protected:
                           }});
         for (const ChunkIndex chunk : firstIds<ChunkIndex>(chunks)) {
             const ChunkPlace at = store.find(chunk, ignored).value();
-            parts_.push_back({at.offset, at.sampleBytes, [this, chunk] {
+            parts_.push_back({at.offset, at.bytes, [this, chunk] {
                                   SampleStore fresh(*reader_);
                                   std::uint64_t read = 0;
                                   return fresh.read<std::uint8_t>(chunk, samples_, read);
-                              }});
-            parts_.push_back({at.offset + at.sampleBytes, at.errorBytes, [this, chunk] {
-                                  SampleStore fresh(*reader_);
-                                  std::uint64_t read = 0;
-                                  const auto errors = fresh.readMergeErrors(chunk, read);
-                                  return errors.isOk() ? Status() : Status(errors.error());
                               }});
         }
     }

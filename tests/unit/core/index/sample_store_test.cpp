@@ -49,11 +49,8 @@ protected:
         std::vector<std::uint16_t> chunk(SampleStore::kChunkSamples);
         const std::span<std::uint16_t, SampleStore::kChunkSamples> out(chunk.data(), chunk.size());
         std::uint64_t bytesRead = 0;
-        for (const ChunkIndex c : firstIds<ChunkIndex>(store.chunks().chunkCount())) {
+        for (const ChunkIndex c : firstIds<ChunkIndex>(store.chunks().chunkCount()))
             ISO_TRY(store.read<std::uint16_t>(c, out, bytesRead));
-            if (const auto errors = store.readMergeErrors(c, bytesRead); !errors.isOk())
-                return errors.error();
-        }
         return {};
     }
 
@@ -68,40 +65,8 @@ TEST_F(SampleStoreFile, HasGroupsOneAfterTheOther) {
     EXPECT_EQ(meta_.chunkGroups[0].offset, kPreambleBytes);
     EXPECT_EQ(meta_.chunkGroups[1].offset,
               meta_.chunkGroups[0].offset + meta_.chunkGroups[0].chunkBytes + kGroupChunks * kGroupEntryBytes);
-    EXPECT_EQ(meta_.info.sampleBytes,
-              meta_.chunkGroups[0].chunkBytes + meta_.chunkGroups[1].chunkBytes - meta_.info.mergeErrorBytes);
+    EXPECT_EQ(meta_.info.sampleBytes, meta_.chunkGroups[0].chunkBytes + meta_.chunkGroups[1].chunkBytes);
     EXPECT_THAT(readAll(folder_ / "good.isx"), IsOk());
-}
-
-// What level of detail will ask for: how far a merged cell is from what it stands for, at least.
-TEST_F(SampleStoreFile, BoundsTheErrorsOfMergedCells) {
-    const auto reader = IndexReader::open(folder_ / "good.isx");
-    ASSERT_THAT(reader, IsOk());
-    const SampleStore store(*reader.value());
-    std::uint64_t bytesRead = 0;
-    double largest = 0.0;
-    for (const ChunkIndex chunk :
-         {ChunkIndex{0}, ChunkIndex{57}, ChunkIndex{251}, ChunkIndex(store.chunks().chunkCount() - 1)}) {
-        const auto errors = store.readMergeErrors(chunk, bytesRead);
-        ASSERT_THAT(errors, IsOk());
-        const auto origin = store.chunks().chunkCoords(chunk);
-        const auto cells = errors.value().cells(1);
-        for (int z = 0; z < cells[2]; ++z)
-            for (int y = 0; y < cells[1]; ++y)
-                for (int x = 0; x < cells[0]; ++x) {
-                    const auto sample = [&](int i, int j, int k) {
-                        return grid_->valueAt(16 * origin[0] + 2 * x + i, 16 * origin[1] + 2 * y + j,
-                                              16 * origin[2] + 2 * z + k);
-                    };
-                    double mean = 0.0;
-                    for (int c = 0; c < 8; ++c)
-                        mean += sample(2 * (c & 1), 2 * (c >> 1 & 1), 2 * (c >> 2)) / 8.0;
-                    const double error = std::abs(sample(1, 1, 1) - mean); // in the middle of the cell
-                    ASSERT_GE(errors.value().errorBound(1, x, y, z), error);
-                    largest = std::max(largest, error);
-                }
-    }
-    EXPECT_GT(largest, 0.0);
 }
 
 TEST_F(SampleStoreFile, EveryDamagedByteIsFoundWhereItLies) {
@@ -131,10 +96,10 @@ TEST_F(SampleStoreFile, SwappedChunksAndGroupsAreFound) {
     const ChunkPlace first = store.find(ChunkIndex(10), bytesRead).value();
     for (ChunkIndex other(11); other < ChunkIndex(40); ++other) {
         const ChunkPlace second = store.find(other, bytesRead).value();
-        if (second.sampleBytes != first.sampleBytes)
+        if (second.bytes != first.bytes)
             continue;
         std::string swapped = bytes_;
-        for (std::size_t i = 0; i < first.sampleBytes; ++i)
+        for (std::size_t i = 0; i < first.bytes; ++i)
             std::swap(swapped[first.offset + i], swapped[second.offset + i]);
         EXPECT_THAT(readAll(write(swapped)), HasError(ErrorCode::Corruption));
     }
@@ -179,8 +144,8 @@ TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreRefused) {
         std::uint64_t bytesRead = 0;
         std::vector<std::byte> samples;
         const ChunkPlace place = store.find(ChunkIndex(), bytesRead).value();
-        ASSERT_THAT(good.value()->readPart(place.offset, place.sampleBytes, place.sampleChecksum, samples), IsOk());
-        ASSERT_THAT(writer.value()->addChunk(samples, {}), IsOk());
+        ASSERT_THAT(good.value()->readPart(place.offset, place.bytes, place.checksum, samples), IsOk());
+        ASSERT_THAT(writer.value()->addChunk(samples), IsOk());
         ASSERT_THAT(writer.value()->endChunks(), IsOk());
         std::vector<PointRecord<std::uint16_t>> records;
         for (const std::uint16_t key : {std::uint16_t{100}, std::uint16_t{900}}) {
