@@ -122,7 +122,6 @@ TEST_F(MainWindowTest, AnIndexOfMetacellsIsShownInTheSameTerms) {
     const int rows = static_cast<int>(session_->dataset()->index->levels.size());
     ASSERT_EQ(levels->rowCount(), rows + 2);
     EXPECT_EQ(levels->index(rows, 0).data().toString(), QStringLiteral("Samples"));
-    EXPECT_EQ(levels->index(rows + 1, 0).data().toString(), QStringLiteral("Merge errors"));
     EXPECT_EQ(levels->index(0, 2).data(), levels->index(0, 3).data()) << "a brick has one entry";
     const auto triangles = session_->frame()->stats.triangles;
     session_->isovalue().request(session_->isovalue().requested() + 1.0);
