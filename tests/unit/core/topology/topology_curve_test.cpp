@@ -1,0 +1,144 @@
+// Counts at every isovalue against an oracle that sweeps slabs and knows no union-find, no case table and no events.
+
+#include "core/topology/topology_curve.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/result_matchers.h"
+#include "tests/support/slab_oracle.h"
+#include "tests/support/topology_grids.h"
+
+namespace isoslider::topology {
+namespace {
+
+using test::HasError;
+using test::IsOk;
+
+TopologyCurve curveOf(const test::TopologyGrid& grid) {
+    auto curve = TopologyCurve::analyse(*grid.grid);
+    EXPECT_THAT(curve, IsOk());
+    return curve.isOk() ? std::move(curve).value() : TopologyCurve();
+}
+
+void expectCounts(const test::TopologyGrid& grid, const TopologyCurve& curve, double isovalue) {
+    const test::GridTopology expected = test::sweepGrid(grid.scalars, grid.dims, isovalue);
+    const SurfaceCounts found = curve.at(isovalue);
+    ASSERT_EQ(found.euler, expected.euler) << grid.description << " at " << isovalue;
+    ASSERT_EQ(found.components, expected.components) << grid.description << " at " << isovalue;
+    ASSERT_EQ(found.loops, expected.loops) << grid.description << " at " << isovalue;
+    ASSERT_EQ((2 * found.components - found.loops - found.euler) % 2, 0);
+}
+
+class EveryKindOfGrid : public testing::TestWithParam<int> {};
+
+TEST_P(EveryKindOfGrid, HasTheCountsOfTheOracleAtAndBetweenAllEvents) {
+    const auto kind = static_cast<test::GridKind>(GetParam());
+    std::size_t saddles = 0;
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+        test::Random random(seed * 100 + static_cast<std::uint64_t>(GetParam()));
+        const test::TopologyGrid grid = test::randomTopologyGrid(kind, 2, 6, random);
+        const TopologyCurve curve = curveOf(grid);
+        std::vector<double> isovalues;
+        double last = -std::numeric_limits<double>::infinity();
+        for (const TopologyEvent& event : curve.events()) {
+            ASSERT_GT(event.isovalue, last) << "ascending, one for each isovalue";
+            ASSERT_FALSE(event.below == event.above);
+            if (std::isfinite(last)) {
+                ASSERT_EQ(curve.at(event.isovalue), event.below);
+            }
+            last = event.isovalue;
+            saddles += event.kind != EventKind::Vertex;
+            isovalues.push_back(event.isovalue);
+            isovalues.push_back(std::nextafter(event.isovalue, std::numeric_limits<double>::infinity()));
+        }
+        // Also where nothing is said to happen: samples, and somewhere between.
+        for (std::size_t i = 0; i < grid.scalars.size(); i += 7)
+            isovalues.push_back(grid.scalars[i]);
+        const std::size_t known = isovalues.size();
+        for (std::size_t i = 1; i < known; i += 1 + known / 20)
+            isovalues.push_back(0.5 * isovalues[i - 1] + 0.5 * isovalues[i]);
+        std::shuffle(isovalues.begin(), isovalues.end(), random);
+        isovalues.resize(std::min<std::size_t>(isovalues.size(), 150));
+        for (const double isovalue : isovalues) {
+            expectCounts(grid, curve, isovalue);
+            if (HasFatalFailure())
+                return;
+        }
+    }
+    if (kind == test::GridKind::Open || kind == test::GridKind::Checkerboard) {
+        EXPECT_GT(saddles, 50u);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryKindOfGrid, testing::Range(0, test::kGridKinds), [](const auto& kind) {
+    std::string name = test::gridKindName(static_cast<test::GridKind>(kind.param));
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+    return name;
+});
+
+template <class Field>
+TopologyCurve curveOfField(const std::array<std::int64_t, 3>& dims, const Field& field) {
+    GridGeometry geometry;
+    geometry.dims = {dims[0], dims[1], dims[2]};
+    std::vector<float> samples;
+    for (std::int64_t z = 0; z < dims[2]; ++z)
+        for (std::int64_t y = 0; y < dims[1]; ++y)
+            for (std::int64_t x = 0; x < dims[0]; ++x)
+                samples.push_back(
+                    static_cast<float>(field(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z))));
+    const auto curve = TopologyCurve::analyse(ScalarGrid::fromValues<float>(geometry, ScalarType::F32, samples));
+    EXPECT_THAT(curve, IsOk());
+    return curve.isOk() ? curve.value() : TopologyCurve();
+}
+
+TEST(TopologyCurve, KnowsShapesThatEverybodyKnows) {
+    const auto sphere = curveOfField(
+        {21, 21, 21}, [](double x, double y, double z) { return 10.0 - std::hypot(x - 10.1, y - 9.9, z - 10.2); });
+    EXPECT_EQ(sphere.at(5.0), (SurfaceCounts{1, 2, 0, 0}));
+    const auto torus = curveOfField({41, 41, 21}, [](double x, double y, double z) {
+        return 6.0 - std::hypot(std::hypot(x - 20.1, y - 19.8) - 12.0, z - 10.2);
+    });
+    EXPECT_EQ(torus.at(2.0), (SurfaceCounts{1, 0, 0, 0}));
+    EXPECT_EQ(torus.at(2.0).handles(), 1);
+    const auto shell = curveOfField({31, 31, 31}, [](double x, double y, double z) {
+        return 4.0 - std::abs(std::hypot(x - 15.1, y - 14.9, z - 15.2) - 9.0);
+    });
+    EXPECT_EQ(shell.at(1.0), (SurfaceCounts{2, 4, 0, 1})) << "the inner sphere encloses a void";
+    const auto plane = curveOfField({9, 9, 9}, [](double x, double, double) { return x; });
+    EXPECT_EQ(plane.at(3.5), (SurfaceCounts{1, 1, 1, 0}));
+    EXPECT_EQ(plane.events().size(), 2u) << "comes at 0, goes at 8";
+    EXPECT_EQ(plane.at(9.0), SurfaceCounts());
+    EXPECT_EQ(plane.at(0.0), SurfaceCounts());
+}
+
+TEST(TopologyCurve, FindsWhereEightSpheresJoin) {
+    const auto curve = curveOfField({41, 41, 41}, [](double x, double y, double z) {
+        const auto wave = [](double t) { return std::cos(2.0 * 3.14159265358979 * (t - 10.0) / 20.0); };
+        return wave(x) + wave(y) + wave(z);
+    });
+    EXPECT_EQ(curve.at(2.0).components, 8);
+    EXPECT_EQ(curve.at(2.0).euler, 16);
+    // Neighbours join at cos 0 + cos 0 + cos pi = 1, all at once.
+    EXPECT_EQ(curve.at(0.99).components, 1);
+    EXPECT_EQ(curve.at(0.99).handles(), 5);
+}
+
+TEST(TopologyCurve, IsEmptyWithoutCellsAndRefusesMissingValues) {
+    EXPECT_TRUE(curveOfField({9, 9, 1}, [](double x, double, double) { return x; }).events().empty());
+    EXPECT_TRUE(curveOfField({3, 3, 3}, [](double, double, double) { return 1.0; }).events().empty());
+    GridGeometry geometry;
+    geometry.dims = {2, 2, 2};
+    const std::vector<float> samples{0, 1, 2, 3, 4, 5, 6, std::nanf("")};
+    EXPECT_THAT(TopologyCurve::analyse(ScalarGrid::fromValues<float>(geometry, ScalarType::F32, samples)),
+                HasError(ErrorCode::InvalidArgument));
+}
+
+} // namespace
+} // namespace isoslider::topology
