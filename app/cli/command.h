@@ -39,5 +39,6 @@ std::unique_ptr<Command> makeSlideCommand();
 std::unique_ptr<Command> makeCheckCommand();
 std::unique_ptr<Command> makeResampleCommand();
 std::unique_ptr<Command> makeReportCommand();
+std::unique_ptr<Command> makeTopologyCommand();
 
 } // namespace isoslider::cli

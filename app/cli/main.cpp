@@ -31,7 +31,7 @@ struct Entry {
 
 /// Words that the documentation reserves; refused by name instead of as unknown.
 void addLaterCommands(CLI::App& program) {
-    for (const char* name : {"topology", "validate"}) {
+    for (const char* name : {"validate"}) {
         auto* command = program.add_subcommand(name, "")->group("")->allow_extras();
         command->set_help_flag();
         command->parse_complete_callback(
@@ -45,8 +45,9 @@ public:
         parser_.require_subcommand(1);
         parser_.set_version_flag("--version", std::string("isoslider-cli ") + ISOSLIDER_VERSION);
         parser_.option_defaults()->always_capture_default(false);
-        for (const auto make : {makeInfoCommand, makeBuildCommand, makeStatsCommand, makeExtractCommand,
-                                makeSlideCommand, makeCheckCommand, makeResampleCommand, makeReportCommand})
+        for (const auto make :
+             {makeInfoCommand, makeBuildCommand, makeStatsCommand, makeExtractCommand, makeSlideCommand,
+              makeCheckCommand, makeResampleCommand, makeReportCommand, makeTopologyCommand})
             add(make());
         addLaterCommands(parser_);
     }

@@ -92,6 +92,40 @@ void SampleStore::willNeed(std::span<const ChunkIndex> chunks, std::uint64_t& by
         reader_.willNeed(begin, end - begin);
 }
 
+namespace {
+
+template <class Sample>
+Result<std::shared_ptr<const ScalarGrid>> readAs(const IndexReader& reader, const JobControl& job) {
+    const SampleStore store(reader);
+    const GridDims& dims = reader.info().geometry.dims;
+    std::vector<Sample> samples(static_cast<std::size_t>(pointCount(dims)));
+    std::vector<Sample> chunk(SampleStore::kChunkSamples);
+    std::uint64_t bytesRead = 0;
+    const std::uint64_t count = store.chunks().chunkCount();
+    for (const ChunkIndex index : firstIds<ChunkIndex>(count)) {
+        if (job.isStopRequested())
+            return cancelledError();
+        ISO_TRY(store.read<Sample>(index, std::span<Sample, SampleStore::kChunkSamples>(chunk), bytesRead));
+        const auto at = store.chunks().chunkCoords(index);
+        const ChunkExtent extent = store.chunks().extent(index);
+        for (int z = 0; z < extent[2]; ++z)
+            for (int y = 0; y < extent[1]; ++y)
+                std::copy_n(chunk.data() + kChunkSide * (y + kChunkSide * z), extent[0],
+                            samples.data() + kChunkSide * at[0] +
+                                dims[0] * (kChunkSide * at[1] + y + dims[1] * (kChunkSide * at[2] + z)));
+        if (index.number() % 64 == 0)
+            job.report(static_cast<double>(index.number()) / static_cast<double>(count), "reading samples");
+    }
+    return std::make_shared<const ScalarGrid>(
+        ScalarGrid::fromValues<Sample>(reader.info().geometry, reader.info().type, samples));
+}
+
+} // namespace
+
+Result<std::shared_ptr<const ScalarGrid>> readSamples(const IndexReader& reader, const JobControl& job) {
+    return visitScalarType(reader.info().type, [&](auto sample) { return readAs<decltype(sample)>(reader, job); });
+}
+
 #define ISO_INSTANTIATE(Sample, Name) \
     template Status SampleStore::read(ChunkIndex, std::span<Sample, kChunkSamples>, std::uint64_t&) const;
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)

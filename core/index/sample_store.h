@@ -9,6 +9,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/base/job_control.h"
+#include "core/grid/scalar_grid.h"
 #include "core/index/format/chunk_codec.h"
 #include "core/index/format/chunk_grid.h"
 #include "core/index/format/chunk_table.h"
@@ -49,5 +51,8 @@ private:
     mutable std::mutex mutex_; // of loading
     std::unique_ptr<std::atomic<const ChunkGroup*>[]> groups_;
 };
+
+/// All samples of an index of metacells, as the volume that it was built from. Errors: IoError, Corruption, Cancelled.
+Result<std::shared_ptr<const ScalarGrid>> readSamples(const IndexReader& reader, const JobControl& job = {});
 
 } // namespace isoslider::index

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <span>
 
 #include <tbb/parallel_for.h>
@@ -39,6 +40,7 @@ struct Change {
     bool isAtSample = false;
     Point place = 0;
     std::int8_t face = -1;
+    double persistence = 0.0;
 
     bool isNone() const { return components == 0 && boundary == 0 && voids == 0 && euler == 0; }
 };
@@ -223,7 +225,7 @@ private:
                     const auto q = static_cast<Point>(p + step * of_.stride_[axis]);
                     if (!inside_.has(q))
                         continue;
-                    inside_.join(p, q);
+                    note(inside_.join(p, q));
                     auto start = at;
                     start[axis] += std::min(step, 0);
                     if (of_.isBoundaryEdge(start, axis))
@@ -231,22 +233,60 @@ private:
                 }
         }
         void add(const Join& join) {
-            inside_.join(join.a, join.b);
+            note(inside_.join(join.a, join.b));
             if (join.isOnBoundary)
                 boundary_.join(join.a, join.b);
         }
         std::int64_t components() const { return inside_.sets(); }
         std::int64_t closed() const { return inside_.unmarkedSets(); }
         std::int64_t onBoundary() const { return boundary_.sets(); }
+        /// First points of the components that have become parts of elder ones since the last call.
+        std::span<const Point> takeJoined() {
+            taken_.swap(joined_);
+            joined_.clear();
+            return taken_;
+        }
 
     private:
+        void note(std::optional<Point> younger) {
+            if (younger)
+                joined_.push_back(*younger);
+        }
+
         const Analysis& of_;
         DisjointSets inside_, boundary_;
+        std::vector<Point> joined_, taken_;
     };
+
+    /// Where a component comes, and how long it lasts.
+    struct Life {
+        double birth, persistence;
+    };
+    void addJoined(Side& side, double now, Change& change, std::vector<Life>& lives) const {
+        for (const Point first : side.takeJoined()) {
+            const Life life{scalarAt(first), std::abs(scalarAt(first) - now)};
+            change.persistence = std::max(change.persistence, life.persistence);
+            if (life.persistence > 0.0)
+                lives.push_back(life);
+        }
+    }
+    // `changes` ascend. The first component of all lasts through all values.
+    void addLives(std::vector<Change>& changes, const std::vector<Life>& lives, double first) const {
+        const auto note = [&](double isovalue, double persistence) {
+            const auto at = std::lower_bound(changes.begin(), changes.end(), isovalue,
+                                             [](const Change& c, double v) { return c.isovalue < v; });
+            if (at != changes.end() && at->isovalue == isovalue)
+                at->persistence = std::max(at->persistence, persistence);
+        };
+        for (const Life& life : lives)
+            note(life.birth, life.persistence);
+        note(first, scalarAt(order_.back()) - scalarAt(order_.front()));
+    }
 
     // Isovalues rise: what is below grows, at each beyond it.
     std::vector<Change> sweepUp() const {
         std::vector<Change> changes;
+        std::vector<Life> lives;
         Side side(*this);
         std::size_t point = 0, join = 0, saddle = 0;
         while (point < count_ || join < below_.size() || saddle < saddles_.size()) {
@@ -275,18 +315,21 @@ private:
             }
             for (; join < below_.size() && below_[join].isovalue == now; ++join)
                 side.add(below_[join]);
+            addJoined(side, now, change, lives);
             change.components = side.components() - components;
             change.boundary = side.onBoundary() - boundary;
             change.voids = side.closed() - voids;
             if (!change.isNone())
                 changes.push_back(change);
         }
+        addLives(changes, lives, scalarAt(order_.front()));
         return changes;
     }
 
     // Isovalues fall: what is above grows, at each of them.
     std::vector<Change> sweepDown() const {
         std::vector<Change> changes;
+        std::vector<Life> lives;
         Side side(*this);
         std::size_t point = count_, join = above_.size();
         while (point > 0 || join > 0) {
@@ -306,12 +349,14 @@ private:
                     change.place = above_[join - 1].a;
                 side.add(above_[join - 1]);
             }
+            addJoined(side, now, change, lives);
             change.components = components - side.components(); // as it rises
             change.boundary = boundary - side.onBoundary();
             if (!change.isNone())
                 changes.push_back(change);
         }
         std::reverse(changes.begin(), changes.end());
+        addLives(changes, lives, scalarAt(order_.back()));
         return changes;
     }
 
@@ -338,6 +383,7 @@ private:
             const Change& change = isUp ? rising[up] : falling[down];
             event.isovalue = change.isovalue;
             describe(change, event);
+            event.persistence = change.persistence;
             if (isUp) {
                 below += change.components;
                 belowOnBoundary += change.boundary;
@@ -346,6 +392,7 @@ private:
                 ++up;
             }
             if (down < falling.size() && falling[down].isovalue == event.isovalue) {
+                event.persistence = std::max(event.persistence, falling[down].persistence);
                 above += falling[down].components;
                 aboveOnBoundary += falling[down].boundary;
                 ++down;

@@ -37,7 +37,7 @@ TEST_F(CliUsage, RefusesWordsItDoesNotKnow) {
 
 TEST_F(CliUsage, RefusesLaterCommandsByNameAndDoesNotListThem) {
     const auto help = run({"--help"}).standardOutput;
-    for (const auto* command : {"topology", "validate"}) {
+    for (const auto* command : {"validate"}) {
         expectRefusal({command}, 2, "not available in this version");
         expectRefusal({command, "x.isx", "--json", "--at", "5"}, 2, "not available in this version");
         EXPECT_THAT(help, Not(HasSubstr(command)));

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -128,6 +129,28 @@ TEST(TopologyCurve, FindsWhereEightSpheresJoin) {
     // Neighbours join at cos 0 + cos 0 + cos pi = 1, all at once.
     EXPECT_EQ(curve.at(0.99).components, 1);
     EXPECT_EQ(curve.at(0.99).handles(), 5);
+}
+
+// Three hills and two valleys between them, on a plateau of 0.
+TEST(TopologyCurve, PairsHillsWithThePassesWhereTheyJoinHigherOnes) {
+    const auto curve = curveOfField({31, 7, 7}, [](double x, double y, double z) {
+        if (y != 3.0 || z != 3.0)
+            return 0.0;
+        const std::array<std::pair<double, double>, 5> shape{{{5, 10}, {10, 3}, {15, 7}, {20, 4}, {25, 5}}};
+        for (std::size_t i = 1; i < shape.size(); ++i)
+            if (x >= shape[i - 1].first && x <= shape[i].first)
+                return shape[i - 1].second + (x - shape[i - 1].first) / (shape[i].first - shape[i - 1].first) *
+                                                 (shape[i].second - shape[i - 1].second);
+        return 0.0;
+    });
+    std::map<double, double> persistence;
+    for (const TopologyEvent& event : curve.events())
+        if (event.below.components != event.above.components)
+            persistence[event.isovalue] = event.persistence;
+    const std::map<double, double> expected{{0, 10}, {3, 4}, {4, 1}, {5, 1}, {7, 4}, {10, 10}};
+    EXPECT_EQ(persistence, expected);
+    EXPECT_EQ(curve.at(4.5).components, 3);
+    EXPECT_EQ(curve.at(3.5).components, 2);
 }
 
 TEST(TopologyCurve, IsEmptyWithoutCellsAndRefusesMissingValues) {
