@@ -18,7 +18,7 @@ struct BrickSource<Sample>::Scratch {
     std::vector<BrickIndex> read; ///< bricks whose samples were
     LeavesAround around;
     /// Bricks whose leaves are others now, and what they were.
-    std::vector<std::pair<BrickSlot, BrickLeaves>> resettled;
+    std::vector<std::pair<BrickSlot, BrickLeaves>> otherLeaves;
     std::uint64_t bricks = 0, edgesAdded = 0, edgesRemoved = 0;
 };
 

@@ -107,7 +107,7 @@ private:
                       std::stop_token stop);
     void prefetchKept(const Job& job) const;
     bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
-    bool settle(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    bool findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     bool rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     static void stretch(const LiveSamples& kept, const MergedCells::Corner& corner, EdgeRecord<Live>& record);
     void addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const;

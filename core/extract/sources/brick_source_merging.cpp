@@ -16,14 +16,14 @@ template <class Sample>
 Status BrickSource<Sample>::runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
                                        SlideStats& stats, std::stop_token stop) {
     for (Scratch& scratch : *scratches_)
-        scratch.resettled.clear();
-    ISO_TRY(runJobs(move, surface, jobs, stats, stop, &BrickSource::settle));
+        scratch.otherLeaves.clear();
+    ISO_TRY(runJobs(move, surface, jobs, stats, stop, &BrickSource::findLeaves));
     addBricksBeside(surface, jobs);
     return runJobs(move, surface, std::move(jobs), stats, stop, &BrickSource::rebuildMerged);
 }
 
 template <class Sample>
-bool BrickSource<Sample>::settle(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
+bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
     const BrickIndex brick = brickOf_[job.slot.index()];
     if (job.isNew && !samples_.isReady(brick))
         return false;
@@ -47,7 +47,7 @@ bool BrickSource<Sample>::settle(const Move& move, LiveSurface<Live>& surface, c
     if (!completeNormals(surface, job, found.hasMerged(), kept, scratch))
         return false;
     if (!job.isNew && found != leaves)
-        scratch.resettled.emplace_back(job.slot, leaves);
+        scratch.otherLeaves.emplace_back(job.slot, leaves);
     leaves = found;
     if (job.isNew)
         streamCopy(&kept_[job.slot.index()], &scratch.arriving, sizeof(LiveSamples));
@@ -63,7 +63,7 @@ void BrickSource<Sample>::addBricksBeside(const LiveSurface<Live>& surface, std:
         isListed[job.slot.index()] = true;
     const BrickGrid& grid = surface.shapes().grid();
     for (const Scratch& scratch : *scratches_)
-        for (const auto& [slot, before] : scratch.resettled)
+        for (const auto& [slot, before] : scratch.otherLeaves)
             forEachBesideChanged(
                 grid, grid.brickCoords(brickOf_[slot.index()]), before, leaves_[slot.index()],
                 [this](BrickIndex brick) { return slotOf_[brick.index()]; },

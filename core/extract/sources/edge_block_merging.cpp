@@ -122,7 +122,7 @@ void EdgeBlockSource<Sample>::changeLeaves(std::size_t partition, Scratch& scrat
     const auto note = [&](BrickSlot slot) {
         if (Chain& chain = chains_[slot.index()]; !chain.hasChangedLeaves) {
             chain.hasChangedLeaves = true;
-            scratch.resettled.emplace_back(slot, leaves_[slot.index()]);
+            scratch.otherLeaves.emplace_back(slot, leaves_[slot.index()]);
         }
     };
     forEachChange(false, [&](BrickSlot slot, const BrickLeaves& bits) {
@@ -152,7 +152,7 @@ void EdgeBlockSource<Sample>::listBesideLeaves(const LiveSurface<Live>& surface,
     const BrickGrid& grid = surface.shapes().grid();
     std::vector<bool> isListed(chains_.size(), false);
     for (const Scratch& scratch : *scratches_)
-        for (const auto& [slot, before] : scratch.resettled)
+        for (const auto& [slot, before] : scratch.otherLeaves)
             forEachBesideChanged(
                 grid, grid.brickCoords(surface.brick(slot).index), before, leaves_[slot.index()],
                 [this](BrickIndex brick) { return slotOf_[brick.index()]; },

@@ -264,7 +264,7 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
         forEachIndex(kPartitions, 1, [&](std::size_t partition) { changeLeaves(partition, scratches_->local()); });
         listBesideLeaves(surface, beside);
         for (Scratch& scratch : *scratches_)
-            for (const auto& [slot, before] : scratch.resettled)
+            for (const auto& [slot, before] : scratch.otherLeaves)
                 chains_[slot.index()].hasChangedLeaves = false; // until it is chained
     }
 

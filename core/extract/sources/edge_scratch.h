@@ -20,7 +20,7 @@ struct EdgeBlockSource<Sample>::Scratch {
     std::vector<std::uint32_t> nextActivated, nextDeactivated;
     std::vector<BrickIndex> arriving; // bricks that have no slot yet
     LeavesAround around;
-    std::vector<std::pair<BrickSlot, BrickLeaves>> resettled; // bricks whose leaves change, and what they were
+    std::vector<std::pair<BrickSlot, BrickLeaves>> otherLeaves; // bricks whose leaves change, and what they were
     std::vector<BrickSlot> emptied;
     std::optional<Error> error;
     bool isConsistent = true;
@@ -28,7 +28,7 @@ struct EdgeBlockSource<Sample>::Scratch {
     void beginMove() {
         draft.beginMove();
         emptied.clear();
-        resettled.clear();
+        otherLeaves.clear();
         error.reset();
         isConsistent = true;
     }
