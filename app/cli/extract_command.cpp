@@ -51,13 +51,6 @@ std::uint64_t missingSamples(const ScalarGrid& grid, const JobControl& job) {
     });
 }
 
-/// As it is given on the command line; empty for none.
-std::string errorText(const extract::MergeError& error) {
-    if (!(error.amount > 0.0))
-        return {};
-    return fmt::format("{}{}", error.amount, error.measure == extract::MergeBound::Measure::Distance ? 'c' : '%');
-}
-
 Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, const LodError& lodError,
                                    const JobControl& job) {
     auto engine = extract::SlideEngine::open(path);
@@ -76,9 +69,9 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
     extracted.leaves = move.value().activeLeaves;
     extracted.source.merging =
         mesh::mergingText(engine.value()->mergeBound(), info.min, info.max, 1 << extract::kMaxBrickMergeLevel);
-    extracted.lodError = !lodError.isGiven() ? errorText(extract::builtError(info))
-                         : lodError.merges() ? lodError.text
-                                             : std::string();
+    const extract::MergeError error = lodError.isGiven() ? lodError.error : extract::builtError(info);
+    if (error.amount > 0.0)
+        extracted.lodError = lodError.isGiven() ? lodError.text : optionText(error);
     auto surface = engine.value()->mesh(job);
     if (!surface.isOk())
         return std::move(surface).error();

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include <fmt/format.h>
+
 #include "core/extract/merged/merge_bound.h"
 
 namespace isoslider::cli {
@@ -14,5 +16,15 @@ struct LodError {
     bool isGiven() const { return !text.empty(); }
     bool merges() const { return error.amount > 0.0; }
 };
+
+/// As it is given with --lod-error: "0.25c", "0.5%".
+inline std::string optionText(const extract::MergeError& error) {
+    return fmt::format("{}{}", error.amount, error.measure == extract::MergeBound::Measure::Distance ? 'c' : '%');
+}
+/// For people: "0.25 cells", "0.5 %".
+inline std::string plainText(const extract::MergeError& error) {
+    return fmt::format("{:g} {}", error.amount,
+                       error.measure == extract::MergeBound::Measure::Distance ? "cells" : "%");
+}
 
 } // namespace isoslider::cli

@@ -1,4 +1,3 @@
-#include <numeric>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -7,29 +6,14 @@
 
 #include "app/cli/command.h"
 #include "app/cli/geometry_text.h"
+#include "app/cli/index_facts.h"
 #include "app/cli/level_json.h"
+#include "app/cli/lod_error.h"
+#include "core/extract/slide_engine.h"
 #include "core/index/index_reader.h"
 
 namespace isoslider::cli {
 namespace {
-
-/// Over the lower ends of the histogram's bins: even steps through the range of isovalues.
-double meanActiveEdges(const index::IndexInfo& info) {
-    const auto& counts = info.activeEdgesPerBin;
-    const double sum = std::accumulate(counts.begin(), counts.end(), 0.0);
-    return counts.empty() ? 0.0 : sum / static_cast<double>(counts.size());
-}
-
-/// Edges, bricks or entries of merged edges that come or go from one value to the next.
-double meanChange(const index::IndexInfo& info) {
-    const bool isMerged = info.mergeError > 0.0; // there, values may have no block
-    const std::uint64_t values = info.levels.empty() ? 0 : isMerged ? info.distinctValues : info.levels[0].blocks;
-    return values == 0 ? 0.0 : static_cast<double>(info.levels[0].edges) / static_cast<double>(values);
-}
-
-double bytesPerPoint(const index::IndexInfo& info, std::uint64_t bytes) {
-    return static_cast<double>(bytes) / static_cast<double>(std::max<std::int64_t>(1, pointCount(info.geometry.dims)));
-}
 
 Json jsonOf(const index::IndexInfo& info) {
     Json json;
@@ -42,7 +26,7 @@ Json jsonOf(const index::IndexInfo& info) {
     json["average_change"] = meanChange(info);
     json["redundancy"] = info.redundancyThreshold;
     if (info.mergeError > 0.0)
-        json["lod_error"] = fmt::format("{}{}", info.mergeError, info.isMergeErrorInCells ? 'c' : '%');
+        json["lod_error"] = optionText(extract::builtError(info));
     json["index_bytes"] = info.indexBytes;
     json["bytes_per_voxel"] = bytesPerPoint(info, info.indexBytes);
     json["sample_bytes"] = info.sampleBytes;
@@ -63,9 +47,8 @@ std::string textOf(const index::IndexInfo& info) {
     text += "Table 2: the preprocessing\n";
     text += fmt::format("  kind                  {}\n", index::indexKindName(info.kind));
     text += fmt::format("  error                 {}\n",
-                        info.mergeError > 0.0
-                            ? fmt::format("{:g} {}", info.mergeError, info.isMergeErrorInCells ? "cells" : "%")
-                            : std::string(isEdges ? "0 % (no merging)" : "chosen while sliding"));
+                        info.mergeError > 0.0 ? plainText(extract::builtError(info))
+                                              : std::string(isEdges ? "0 % (no merging)" : "chosen while sliding"));
     text += fmt::format("  redundancy k          {}\n", info.redundancyThreshold);
     text += fmt::format("  change per value      {:.1f} {}\n", meanChange(info),
                         !isEdges                ? "bricks"

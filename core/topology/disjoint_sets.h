@@ -18,7 +18,7 @@ public:
     explicit DisjointSets(std::size_t count) : parent_(count, kAbsent), age_(count), isMarked_(count, false) {}
 
     bool has(Element e) const { return parent_[e] != kAbsent; }
-    /// A set of its own. REQUIRES: it is in none.
+    /// A new set. REQUIRES: the element is in none.
     void add(Element e, bool isMarked) {
         parent_[e] = e;
         age_[e] = added_++;

@@ -32,7 +32,7 @@ struct TopologyEvent {
     std::array<float, 3> position{}; ///< of one of its places, in grid index units; of a saddle: the middle of its cell
     SurfaceCounts below, above; ///< at the isovalue, and beyond it
     /// Of a component of what is above or below the isovalue that comes or joins an elder one here: through how many
-    /// values it is one of its own. The greatest of several; 0 where none comes or joins.
+    /// values it lasts as a separate one. The greatest of several; 0 where none comes or joins.
     double persistence = 0.0;
 };
 

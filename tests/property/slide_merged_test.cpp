@@ -59,6 +59,11 @@ void expectMerged(std::vector<test::Way>& ways, const ScalarGrid& grid, double i
     }
 }
 
+// A little further, now and then anywhere.
+double nextIsovalue(double isovalue, int step, test::Random& random) {
+    return step % 5 == 4 ? 140.0 * test::unitRandom(random) - 50.0 : isovalue + 2.0 * test::unitRandom(random) - 1.0;
+}
+
 TEST(SlideMerged, IsExtractMergedOnRandomWalks) {
     test::Random random(test::testSeed(61));
     Merges seen;
@@ -73,8 +78,7 @@ TEST(SlideMerged, IsExtractMergedOnRandomWalks) {
         for (int step = 0; step < 20 && !testing::Test::HasFatalFailure(); ++step) {
             if (step % 7 == 6)
                 bound = kBounds[static_cast<std::size_t>(test::intRandom(random, 0, 6))];
-            isovalue = step % 5 == 4 ? 140.0 * test::unitRandom(random) - 50.0
-                                     : isovalue + 2.0 * test::unitRandom(random) - 1.0;
+            isovalue = nextIsovalue(isovalue, step, random);
             SCOPED_TRACE(testing::Message() << "step " << step << ", isovalue " << isovalue << ", bound "
                                             << static_cast<int>(bound.measure) << " " << bound.limit);
             expectMerged(ways, *grid, isovalue, bound, seen);
@@ -163,8 +167,7 @@ TEST(SlideMergedEdges, IsExtractMergedOnRandomWalks) {
         const MergeBound bound = ways.front().engine->mergeBound();
         double isovalue = 40.0 * test::unitRandom(random);
         for (int step = 0; step < 20 && !testing::Test::HasFatalFailure(); ++step) {
-            isovalue = step % 5 == 4 ? 140.0 * test::unitRandom(random) - 50.0
-                                     : isovalue + 2.0 * test::unitRandom(random) - 1.0;
+            isovalue = nextIsovalue(isovalue, step, random);
             SCOPED_TRACE(testing::Message() << "step " << step << ", isovalue " << isovalue);
             expectMerged(ways, *grid, isovalue, bound, seen);
         }

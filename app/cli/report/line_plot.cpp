@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/report/text_table.h"
+
 namespace isoslider::cli {
 namespace {
 
@@ -35,13 +37,7 @@ std::string escaped(std::string_view text) {
     return out;
 }
 
-std::string tickText(double tick) {
-    std::string text = fmt::format("{:.10g}", tick);
-    const std::size_t end = text.find_first_of(".e"), digits = text[0] == '-' ? 1 : 0;
-    for (std::size_t at = end == std::string::npos ? text.size() : end; at > digits + 3; at -= 3)
-        text.insert(at - 3, ",");
-    return text;
-}
+std::string tickText(double tick) { return withGroups(fmt::format("{:.10g}", tick)); }
 
 /// One axis: which numbers it shows, and where.
 class Axis {

@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/geometry_text.h"
+#include "app/cli/index_facts.h"
 #include "app/cli/level_json.h"
+#include "app/cli/lod_error.h"
 #include "app/cli/report/line_plot.h"
 #include "app/cli/report/text_table.h"
 
@@ -17,7 +19,7 @@ using Measure = extract::MergeBound::Measure;
 
 constexpr double kMega = 1e6;
 
-// What the paper states of its own system; PAPER Tables 1 to 3 and Fig. 10.
+// PAPER Tables 1 to 3 and Fig. 10.
 constexpr const char* kPaper = R"(## The paper's own figures
 
 Chhugani, Vishwanath, Cohen and Kumar, 2003, on a PC of 1.6 GHz. Their Table 3 is the time to update the surface, without
@@ -50,13 +52,6 @@ drawing it; their indexes merge cells within the error stated.
 | 1.5 | 80,197 | 10.8 |
 )";
 
-std::string grouped(std::uint64_t value) {
-    std::string digits = std::to_string(value);
-    for (std::size_t at = digits.size(); at > 3; at -= 3)
-        digits.insert(at - 3, ",");
-    return digits;
-}
-
 std::string groupedOrDash(std::uint64_t value) { return value > 0 ? grouped(value) : "-"; }
 
 std::string rounded(double value) { return grouped(static_cast<std::uint64_t>(std::max(0.0, value) + 0.5)); }
@@ -68,11 +63,7 @@ std::string timeText(double ms) {
     return ms >= 100.0 ? fmt::format("{:.0f}", ms) : fmt::format("{:.3g}", ms);
 }
 
-std::string errorText(const extract::MergeError& error) {
-    if (!(error.amount > 0.0))
-        return "none";
-    return fmt::format("{:g} {}", error.amount, error.measure == Measure::Distance ? "cells" : "%");
-}
+std::string errorText(const extract::MergeError& error) { return error.amount > 0.0 ? plainText(error) : "none"; }
 
 // A pipe would end a cell of the table.
 std::string cellText(std::string text) {
@@ -86,16 +77,12 @@ std::string shareText(std::uint64_t part, std::uint64_t whole) {
                                  : "-";
 }
 
-double bytesPerVoxel(const VolumeMeasures& volume, std::uint64_t bytes) {
-    return static_cast<double>(bytes) / static_cast<double>(std::max<std::int64_t>(1, pointCount(volume.dims)));
-}
-
 std::string volumesTable(const std::vector<VolumeMeasures>& volumes) {
     TextTable table({"volume", "resolution", "type", "distinct values", "mean active edges", "missing samples", "MB"},
                     3);
     for (const VolumeMeasures& volume : volumes)
         table.add({cellText(volume.name), dimsText(volume.dims), std::string(scalarTypeName(volume.type)),
-                   grouped(volume.facts.distinctValues), rounded(volume.meanActiveEdges()),
+                   grouped(volume.facts.distinctValues), rounded(meanActiveEdges(volume.facts)),
                    grouped(volume.facts.nanCount),
                    fmt::format("{:.1f}", static_cast<double>(volume.fileBytes) / kMega)});
     return table.asMarkdown();
@@ -115,11 +102,10 @@ std::string indexesTable(const std::vector<VolumeMeasures>& volumes) {
             const index::IndexInfo& info = *index.info;
             table.add(
                 {cellText(volume.name), index::indexKindName(index.kind), fmt::format("{:.2f}", index.buildSeconds),
-                 fmt::format("{:.1f} {}", VolumeMeasures::changePerValue(info),
-                             index.kind == index::IndexKind::Edges ? "edges" : "bricks"),
+                 fmt::format("{:.1f} {}", meanChange(info), index.kind == index::IndexKind::Edges ? "edges" : "bricks"),
                  std::to_string(info.levels.size()), fmt::format("{:g}", info.redundancyThreshold),
                  fmt::format("{:.1f}", static_cast<double>(info.indexBytes) / kMega),
-                 fmt::format("{:.2f}", bytesPerVoxel(volume, info.indexBytes)),
+                 fmt::format("{:.2f}", bytesPerPoint(info, info.indexBytes)),
                  fmt::format("{:.2f}", static_cast<double>(info.indexBytes) / static_cast<double>(volume.fileBytes))});
         }
     return table.asMarkdown();
@@ -311,7 +297,7 @@ Json reportJson(const std::vector<VolumeMeasures>& volumes) {
         entry["dims"] = volume.dims;
         entry["scalar_type"] = scalarTypeName(volume.type);
         entry["distinct_values"] = volume.facts.distinctValues;
-        entry["average_active_edges"] = volume.meanActiveEdges();
+        entry["average_active_edges"] = meanActiveEdges(volume.facts);
         entry["isovalue"] = volume.centre;
         entry["indexes"] = Json::array();
         for (const MeasuredIndex& index : volume.indexes) {
@@ -321,7 +307,7 @@ Json reportJson(const std::vector<VolumeMeasures>& volumes) {
             if (index.info) {
                 built["seconds"] = index.buildSeconds;
                 built["index_bytes"] = index.info->indexBytes;
-                built["average_change"] = VolumeMeasures::changePerValue(*index.info);
+                built["average_change"] = meanChange(*index.info);
                 built["levels"] = levelsJson(*index.info);
             }
             entry["indexes"].push_back(std::move(built));

@@ -53,6 +53,16 @@ std::string TextTable::asMarkdown() const {
     return out;
 }
 
+std::string withGroups(std::string number) {
+    const std::size_t end = std::min(number.find_first_of(".e"), number.size());
+    const std::size_t first = number.starts_with('-') ? 1 : 0;
+    for (std::size_t at = end; at > first + 3; at -= 3)
+        number.insert(at - 3, ",");
+    return number;
+}
+
+std::string grouped(std::uint64_t value) { return withGroups(std::to_string(value)); }
+
 std::string numberOrDash(double value, int digits) { return value > 0.0 ? fmt::format("{:.{}f}", value, digits) : "-"; }
 
 } // namespace isoslider::cli

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,10 @@ private:
     std::size_t leftColumns_;
 };
 
+/// "1,234,567".
+std::string grouped(std::uint64_t value);
+/// A number in digits with its thousands grouped; a sign, a fraction and an exponent stay as they are.
+std::string withGroups(std::string number);
 /// `value` with so many digits after the point, or "-" where it has not been measured (it is 0 then).
 std::string numberOrDash(double value, int digits);
 

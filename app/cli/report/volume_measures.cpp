@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -253,18 +252,6 @@ private:
 };
 
 } // namespace
-
-double VolumeMeasures::meanActiveEdges() const {
-    const auto& counts = facts.activeEdgesPerBin;
-    return counts.empty() ? 0.0
-                          : std::accumulate(counts.begin(), counts.end(), 0.0) / static_cast<double>(counts.size());
-}
-
-double VolumeMeasures::changePerValue(const index::IndexInfo& info) {
-    if (info.levels.empty() || info.levels[0].blocks == 0)
-        return 0.0;
-    return static_cast<double>(info.levels[0].edges) / static_cast<double>(info.levels[0].blocks);
-}
 
 double busiestIsovalue(const index::IndexInfo& info) {
     const auto& counts = info.activeEdgesPerBin;

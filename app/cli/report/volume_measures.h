@@ -64,10 +64,6 @@ struct VolumeMeasures {
     std::vector<MeasuredStep> steps;
     std::vector<MeasuredError> errors; ///< the first: none
     bool isInMemory = false; ///< what needs the whole volume in memory was measured
-
-    double meanActiveEdges() const;
-    /// Entries of level 0 for each distinct value: how much comes and goes from one value to the next.
-    static double changePerValue(const index::IndexInfo& info);
 };
 
 /// The isovalue of the bin's lower end with the most active edges in the middle 40 % of the range.
