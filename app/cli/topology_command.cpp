@@ -130,13 +130,13 @@ private:
         Json json;
         if (at_) {
             json["isovalue"] = *at_;
-            json.update(countsJson(curve.at(*at_)));
+            json.update(countsJson(curve.countsAt(*at_)));
         } else if (showsCurves_) {
             for (const char* name : {"isovalue", "components", "euler", "boundary_loops", "handles", "voids"})
                 json[name] = Json::array();
             for (const double isovalue : stepsOf(curve)) {
                 json["isovalue"].push_back(isovalue);
-                const Json counts = countsJson(curve.at(isovalue));
+                const Json counts = countsJson(curve.countsAt(isovalue));
                 for (const auto& [name, count] : counts.items())
                     json[name].push_back(count);
             }
@@ -152,13 +152,13 @@ private:
 
     std::string textOf(const topology::TopologyCurve& curve) const {
         if (at_)
-            return fmt::format("isovalue {}: {}\n", *at_, countsText(curve.at(*at_)));
+            return fmt::format("isovalue {}: {}\n", *at_, countsText(curve.countsAt(*at_)));
         std::string text;
         if (showsCurves_) {
             text = fmt::format("{:>14} {:>12} {:>12} {:>14} {:>8} {:>12}\n", "isovalue", "pieces", "tunnels",
                                "boundary loops", "voids", "Euler number");
             for (const double isovalue : stepsOf(curve)) {
-                const topology::SurfaceCounts counts = curve.at(isovalue);
+                const topology::SurfaceCounts counts = curve.countsAt(isovalue);
                 text += fmt::format("{:>14.7g} {:>12} {:>12} {:>14} {:>8} {:>12}\n", isovalue, counts.components,
                                     counts.handles(), counts.loops, counts.voids, counts.euler);
             }

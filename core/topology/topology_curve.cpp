@@ -427,15 +427,6 @@ private:
 
 } // namespace
 
-const char* eventKindName(EventKind kind) {
-    switch (kind) {
-        case EventKind::Vertex: return "vertex";
-        case EventKind::FaceSaddle: return "face_saddle";
-        case EventKind::BodySaddle: return "body_saddle";
-    }
-    return "";
-}
-
 Result<TopologyCurve> TopologyCurve::analyse(const ScalarGrid& grid, const JobControl& job) {
     if (static_cast<std::uint64_t>(pointCount(grid.dims())) >= std::numeric_limits<Point>::max())
         return makeError(ErrorCode::InvalidArgument, "topology of 2^32 samples or more is not analysed");
@@ -443,18 +434,23 @@ Result<TopologyCurve> TopologyCurve::analyse(const ScalarGrid& grid, const JobCo
         auto events = Analysis<decltype(sample)>(grid, job).run();
         if (!events.isOk())
             return std::move(events).error();
-        TopologyCurve curve;
-        curve.events_ = std::move(events).value();
-        return curve;
+        return TopologyCurve(std::move(events).value(), {});
     });
 }
 
-SurfaceCounts TopologyCurve::at(double isovalue) const {
+SurfaceCounts TopologyCurve::countsAt(double isovalue) const {
     const auto next = std::lower_bound(events_.begin(), events_.end(), isovalue,
                                        [](const TopologyEvent& event, double at) { return event.isovalue < at; });
     if (next != events_.end())
         return next->below;
     return events_.empty() ? SurfaceCounts() : events_.back().above;
+}
+
+Status TopologyCurve::visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const {
+    for (const TopologyEvent& event : events_)
+        if (!visit(event))
+            break;
+    return {};
 }
 
 } // namespace isoslider::topology

@@ -72,7 +72,7 @@ check_rooms() {
   allow_includes core/index/format core/base core/grid
   allow_includes core/index core/base core/grid
   allow_includes core/extract core/base core/grid core/cell core/index
-  allow_includes core/topology core/base core/grid core/cell
+  allow_includes core/topology core/base core/grid core/cell core/index
   allow_includes core/mesh core/base core/grid core/extract
   allow_includes core/volume_io core/base core/grid
 }

@@ -4,6 +4,7 @@
 
 #include "core/base/folders.h"
 #include "core/mesh/mesh_export.h"
+#include "core/topology/index_topology.h"
 #include "ui/model/isovalue/histogram_model.h"
 #include "ui/model/opening/volume_choice.h"
 
@@ -149,6 +150,10 @@ void Session::forgetDataset() {
     if (indexJob_)
         runner_->cancel(*indexJob_);
     indexJob_.reset();
+    if (topologyJob_)
+        runner_->cancel(*topologyJob_);
+    topologyJob_.reset();
+    topology_.clear();
     indexState_ = IndexState::None;
     dataset_.reset();
     grid_.reset();
@@ -243,6 +248,8 @@ void Session::takeFrame() {
     // The first picture has both cores for itself; the index comes after it.
     if (indexState_ == IndexState::None)
         startIndexBuild();
+    else if (frame_->isFromIndex && topology_.state() == TopologyState::None)
+        analyseTopology();
 }
 
 void Session::onSlideError(const Error& error, double isovalue, SourceGeneration generation) {
@@ -335,6 +342,27 @@ void Session::useIndex(OpenedIndex opened) {
     grid_.reset(); // exploring needs memory in proportion to the surface, not to the volume
     useSource(std::move(opened.source));
     datasetChanged_.notify();
+}
+
+void Session::analyseTopology() {
+    topology_.setAnalysing();
+    topologyJob_ = runner_->run<TopologyModel::Content>(
+        "Analyse topology of " + dataset_->name,
+        [path = dataset_->indexPath](const JobControl& job) -> Result<TopologyModel::Content> {
+            auto summary = topology::analyseIndex(path, job);
+            if (!summary.isOk())
+                return std::move(summary).error();
+            return TopologyModel::contentOf(std::move(summary).value());
+        },
+        [this, ticket = datasetGeneration_](Result<TopologyModel::Content> content) {
+            if (ticket != datasetGeneration_)
+                return;
+            topologyJob_.reset();
+            if (content.isOk())
+                topology_.setContent(std::move(content).value());
+            else
+                topology_.setFailed(content.isCancelled() ? "stopped" : content.error().line());
+        });
 }
 
 bool Session::isPreview() const { return dataset_ && dataset_->coarseStep > 1 && indexState_ != IndexState::Ready; }

@@ -15,6 +15,7 @@
 #include "ui/model/session/session_services.h"
 #include "ui/model/surface/detail_model.h"
 #include "ui/model/surface/slide_worker.h"
+#include "ui/model/topology/topology_model.h"
 
 namespace isoslider::model {
 
@@ -68,6 +69,8 @@ public:
     IsovalueModel& isovalue() { return isovalue_; }
     /// How far the surface may differ; it follows where it can, see SurfaceFrame::canMerge.
     DetailModel& detail() { return detail_; }
+    /// Analysed once the index is there.
+    TopologyModel& topology() { return topology_; }
     const JobModel& jobs() const { return jobs_; }
     JobModel& jobs() { return jobs_; }
     /// Of the surface that was checked or exported last.
@@ -104,6 +107,7 @@ private:
     void openBuiltIndex();
     void useIndex(OpenedIndex opened);
     void forgetDataset();
+    void analyseTopology();
     bool refusesMesh(const std::string& title, const std::string& verb);
     void useSource(std::shared_ptr<SurfaceSource> source);
     void takeFrame();
@@ -121,6 +125,7 @@ private:
     IndexCache cache_;
     IsovalueModel isovalue_;
     DetailModel detail_;
+    TopologyModel topology_;
     JobModel jobs_;
     std::optional<Dataset> dataset_;
     std::optional<double> firstIsovalue_; ///< asked for in opening; none once the handle has moved
@@ -130,6 +135,7 @@ private:
     IndexState indexState_ = IndexState::None;
     std::optional<JobId> loadJob_;
     std::optional<JobId> indexJob_;
+    std::optional<JobId> topologyJob_;
     std::optional<mesh::Certificate> certificate_;
     bool isCheckingMesh_ = false;
     bool isPictureComing_ = false; ///< another one of the same surface was asked for

@@ -29,7 +29,7 @@ TopologyCurve curveOf(const test::TopologyGrid& grid) {
 
 void expectCounts(const test::TopologyGrid& grid, const TopologyCurve& curve, double isovalue) {
     const test::GridTopology expected = test::sweepGrid(grid.scalars, grid.dims, isovalue);
-    const SurfaceCounts found = curve.at(isovalue);
+    const SurfaceCounts found = curve.countsAt(isovalue);
     ASSERT_EQ(found.euler, expected.euler) << grid.description << " at " << isovalue;
     ASSERT_EQ(found.components, expected.components) << grid.description << " at " << isovalue;
     ASSERT_EQ(found.loops, expected.loops) << grid.description << " at " << isovalue;
@@ -51,7 +51,7 @@ TEST_P(EveryKindOfGrid, HasTheCountsOfTheOracleAtAndBetweenAllEvents) {
             ASSERT_GT(event.isovalue, last) << "ascending, one for each isovalue";
             ASSERT_FALSE(event.below == event.above);
             if (std::isfinite(last)) {
-                ASSERT_EQ(curve.at(event.isovalue), event.below);
+                ASSERT_EQ(curve.countsAt(event.isovalue), event.below);
             }
             last = event.isovalue;
             saddles += event.kind != EventKind::Vertex;
@@ -102,21 +102,21 @@ TopologyCurve curveOfField(const std::array<std::int64_t, 3>& dims, const Field&
 TEST(TopologyCurve, KnowsShapesThatEverybodyKnows) {
     const auto sphere = curveOfField(
         {21, 21, 21}, [](double x, double y, double z) { return 10.0 - std::hypot(x - 10.1, y - 9.9, z - 10.2); });
-    EXPECT_EQ(sphere.at(5.0), (SurfaceCounts{1, 2, 0, 0}));
+    EXPECT_EQ(sphere.countsAt(5.0), (SurfaceCounts{1, 2, 0, 0}));
     const auto torus = curveOfField({41, 41, 21}, [](double x, double y, double z) {
         return 6.0 - std::hypot(std::hypot(x - 20.1, y - 19.8) - 12.0, z - 10.2);
     });
-    EXPECT_EQ(torus.at(2.0), (SurfaceCounts{1, 0, 0, 0}));
-    EXPECT_EQ(torus.at(2.0).handles(), 1);
+    EXPECT_EQ(torus.countsAt(2.0), (SurfaceCounts{1, 0, 0, 0}));
+    EXPECT_EQ(torus.countsAt(2.0).handles(), 1);
     const auto shell = curveOfField({31, 31, 31}, [](double x, double y, double z) {
         return 4.0 - std::abs(std::hypot(x - 15.1, y - 14.9, z - 15.2) - 9.0);
     });
-    EXPECT_EQ(shell.at(1.0), (SurfaceCounts{2, 4, 0, 1})) << "the inner sphere encloses a void";
+    EXPECT_EQ(shell.countsAt(1.0), (SurfaceCounts{2, 4, 0, 1})) << "the inner sphere encloses a void";
     const auto plane = curveOfField({9, 9, 9}, [](double x, double, double) { return x; });
-    EXPECT_EQ(plane.at(3.5), (SurfaceCounts{1, 1, 1, 0}));
+    EXPECT_EQ(plane.countsAt(3.5), (SurfaceCounts{1, 1, 1, 0}));
     EXPECT_EQ(plane.events().size(), 2u) << "comes at 0, goes at 8";
-    EXPECT_EQ(plane.at(9.0), SurfaceCounts());
-    EXPECT_EQ(plane.at(0.0), SurfaceCounts());
+    EXPECT_EQ(plane.countsAt(9.0), SurfaceCounts());
+    EXPECT_EQ(plane.countsAt(0.0), SurfaceCounts());
 }
 
 TEST(TopologyCurve, FindsWhereEightSpheresJoin) {
@@ -124,11 +124,11 @@ TEST(TopologyCurve, FindsWhereEightSpheresJoin) {
         const auto wave = [](double t) { return std::cos(2.0 * 3.14159265358979 * (t - 10.0) / 20.0); };
         return wave(x) + wave(y) + wave(z);
     });
-    EXPECT_EQ(curve.at(2.0).components, 8);
-    EXPECT_EQ(curve.at(2.0).euler, 16);
+    EXPECT_EQ(curve.countsAt(2.0).components, 8);
+    EXPECT_EQ(curve.countsAt(2.0).euler, 16);
     // Neighbours join at cos 0 + cos 0 + cos pi = 1, all at once.
-    EXPECT_EQ(curve.at(0.99).components, 1);
-    EXPECT_EQ(curve.at(0.99).handles(), 5);
+    EXPECT_EQ(curve.countsAt(0.99).components, 1);
+    EXPECT_EQ(curve.countsAt(0.99).handles(), 5);
 }
 
 // Three hills and two valleys between them, on a plateau of 0.
@@ -149,8 +149,8 @@ TEST(TopologyCurve, PairsHillsWithThePassesWhereTheyJoinHigherOnes) {
             persistence[event.isovalue] = event.persistence;
     const std::map<double, double> expected{{0, 10}, {3, 4}, {4, 1}, {5, 1}, {7, 4}, {10, 10}};
     EXPECT_EQ(persistence, expected);
-    EXPECT_EQ(curve.at(4.5).components, 3);
-    EXPECT_EQ(curve.at(3.5).components, 2);
+    EXPECT_EQ(curve.countsAt(4.5).components, 3);
+    EXPECT_EQ(curve.countsAt(3.5).components, 2);
 }
 
 TEST(TopologyCurve, IsEmptyWithoutCellsAndRefusesMissingValues) {

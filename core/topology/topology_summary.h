@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/topology/measure_curves.h"
+#include "core/topology/topology_event.h"
+
+namespace isoslider::topology {
+
+/// All that is known in advance of a volume's surfaces: events, counts at every isovalue, curves. Immutable; any
+/// number of threads at once.
+class TopologySummary {
+public:
+    virtual ~TopologySummary() = default;
+
+    virtual std::uint64_t eventCount() const = 0;
+    /// Microseconds. Errors: IoError, Corruption.
+    virtual Result<SurfaceCounts> at(double isovalue) const = 0;
+    /// Calls `visit` for all events, ascending, until it returns false. Errors: IoError, Corruption.
+    virtual Status visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const = 0;
+    /// Empty where they were not made.
+    virtual const MeasureCurves& curves() const = 0;
+
+    /// The `count` most persistent events, ascending by isovalue; all if there are fewer. O(events).
+    Result<std::vector<TopologyEvent>> mostPersistent(std::size_t count) const;
+};
+
+} // namespace isoslider::topology

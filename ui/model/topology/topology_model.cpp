@@ -1,0 +1,135 @@
+#include "ui/model/topology/topology_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace isoslider::model {
+namespace {
+
+// Enough for every pixel of a screen.
+constexpr std::size_t kCurvePoints = 1500;
+
+} // namespace
+
+Result<TopologyModel::Content> TopologyModel::contentOf(std::shared_ptr<const topology::TopologySummary> summary) {
+    auto events = summary->mostPersistent(kMostListed);
+    if (!events.isOk())
+        return std::move(events).error();
+    return Content{std::move(summary), std::move(events).value()};
+}
+
+void TopologyModel::clear() {
+    state_ = TopologyState::None;
+    problem_.clear();
+    content_ = {};
+    filter();
+    changed_.notify();
+    choose(std::nullopt);
+}
+
+void TopologyModel::setAnalysing() {
+    clear();
+    state_ = TopologyState::Analysing;
+    changed_.notify();
+}
+
+void TopologyModel::setFailed(std::string problem) {
+    clear();
+    state_ = TopologyState::Failed;
+    problem_ = std::move(problem);
+    changed_.notify();
+}
+
+void TopologyModel::setContent(Content content) {
+    content_ = std::move(content);
+    state_ = TopologyState::Ready;
+    problem_.clear();
+    greatestPersistence_ = 0.0;
+    for (const auto& event : content_.events)
+        greatestPersistence_ = std::max(greatestPersistence_, event.persistence);
+    leastPersistence_ = 0.02 * greatestPersistence_;
+    filter();
+    changed_.notify();
+    choose(std::nullopt);
+}
+
+void TopologyModel::setLeastPersistence(double persistence) {
+    if (!(persistence >= 0.0) || persistence == leastPersistence_)
+        return;
+    leastPersistence_ = persistence;
+    filter();
+    changed_.notify();
+}
+
+void TopologyModel::filter() {
+    shown_.clear();
+    for (std::size_t i = 0; i < content_.events.size(); ++i)
+        if (content_.events[i].persistence >= leastPersistence_)
+            shown_.push_back(i);
+}
+
+// An event at its isovalue has not happened yet.
+std::optional<std::size_t> TopologyModel::next(double isovalue) const {
+    const auto at = std::lower_bound(shown_.begin(), shown_.end(), isovalue, [this](std::size_t event, double value) {
+        return content_.events[event].isovalue < value;
+    });
+    return at == shown_.end() ? std::nullopt : std::optional(*at);
+}
+
+std::optional<std::size_t> TopologyModel::previous(double isovalue) const {
+    const auto at = std::lower_bound(shown_.begin(), shown_.end(), isovalue,
+                                     [this](std::size_t event, double value) { return justPast(event) < value; });
+    return at == shown_.begin() ? std::nullopt : std::optional(*std::prev(at));
+}
+
+double TopologyModel::justPast(std::size_t event) const {
+    return std::nextafter(content_.events[event].isovalue, std::numeric_limits<double>::infinity());
+}
+
+void TopologyModel::choose(std::optional<std::size_t> event) {
+    if (event && *event >= content_.events.size())
+        event.reset();
+    if (!event && !chosen_)
+        return;
+    chosen_ = event;
+    chosenChanged_.notify();
+}
+
+std::optional<topology::SurfaceCounts> TopologyModel::countsAt(double isovalue) const {
+    if (!content_.summary)
+        return std::nullopt;
+    const auto counts = content_.summary->at(isovalue);
+    return counts.isOk() ? std::optional(counts.value()) : std::nullopt;
+}
+
+TopologyModel::Curve TopologyModel::curve(TopologyQuantity quantity) const {
+    Curve curve;
+    if (!content_.summary || content_.events.empty())
+        return curve;
+    const auto& measured = content_.summary->curves();
+    if (quantity != TopologyQuantity::Pieces && quantity != TopologyQuantity::Tunnels) {
+        curve.isovalues = measured.isovalues;
+        for (const auto& at : measured.measures)
+            curve.values.push_back(quantity == TopologyQuantity::Area        ? at.area
+                                   : quantity == TopologyQuantity::Volume    ? at.volume
+                                   : quantity == TopologyQuantity::Triangles ? at.triangles
+                                                                             : at.gradient);
+        return curve;
+    }
+    const double first = content_.events.front().isovalue, last = content_.events.back().isovalue;
+    for (std::size_t i = 0; i <= kCurvePoints; ++i) {
+        const double part = static_cast<double>(i) / kCurvePoints;
+        const double isovalue = first * (1.0 - part) + last * part;
+        const auto counts = countsAt(isovalue);
+        if (!counts)
+            return {};
+        curve.isovalues.push_back(isovalue);
+        curve.values.push_back(
+            static_cast<double>(quantity == TopologyQuantity::Pieces ? counts->components : counts->handles()));
+    }
+    return curve;
+}
+
+} // namespace isoslider::model

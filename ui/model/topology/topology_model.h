@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/topology/topology_summary.h"
+#include "ui/model/observers.h"
+
+namespace isoslider::model {
+
+enum class TopologyState { None, Analysing, Ready, Failed };
+
+/// What is drawn over the histogram.
+enum class TopologyQuantity { Pieces, Tunnels, Area, Volume, Triangles, Gradient };
+inline constexpr std::size_t kTopologyQuantities = 6;
+
+/// What the window shows of the topology of the volume that is open: its most persistent events, those among them that
+/// last long enough, the one that was chosen, and counts at any isovalue. Window thread only.
+class TopologyModel {
+public:
+    /// Of more events the most persistent ones are listed.
+    static constexpr std::size_t kMostListed = 20'000;
+
+    /// The summary with what is listed of it, made on a worker's thread.
+    struct Content {
+        std::shared_ptr<const topology::TopologySummary> summary;
+        std::vector<topology::TopologyEvent> events; ///< ascending
+    };
+    static Result<Content> contentOf(std::shared_ptr<const topology::TopologySummary> summary);
+
+    TopologyState state() const { return state_; }
+    /// Why there is none: one line.
+    const std::string& problem() const { return problem_; }
+    void clear();
+    void setAnalysing();
+    void setFailed(std::string problem);
+    void setContent(Content content);
+
+    /// Of all, listed or not.
+    std::uint64_t eventCount() const { return content_.summary ? content_.summary->eventCount() : 0; }
+    /// Ascending by isovalue.
+    const std::vector<topology::TopologyEvent>& events() const { return content_.events; }
+    double greatestPersistence() const { return greatestPersistence_; }
+    /// Events that last less are not shown.
+    double leastPersistence() const { return leastPersistence_; }
+    void setLeastPersistence(double persistence);
+    /// Places in events() of those that are shown, ascending by isovalue.
+    const std::vector<std::size_t>& shown() const { return shown_; }
+
+    /// The first shown event that lies beyond what `isovalue` shows: moving just past it changes the surface's
+    /// topology.
+    std::optional<std::size_t> next(double isovalue) const;
+    /// The last shown event that moving just past is a move down to.
+    std::optional<std::size_t> previous(double isovalue) const;
+    /// The least isovalue at which the event has happened: the next double.
+    double justPast(std::size_t event) const;
+
+    /// The one that was chosen last, in a list or by a key: marked in the view.
+    std::optional<std::size_t> chosen() const { return chosen_; }
+    void choose(std::optional<std::size_t> event);
+
+    /// None while there are no counts.
+    std::optional<topology::SurfaceCounts> countsAt(double isovalue) const;
+    /// Values of one quantity at isovalues that ascend, to be drawn; empty where it is not known.
+    struct Curve {
+        std::vector<double> isovalues, values;
+    };
+    Curve curve(TopologyQuantity quantity) const;
+
+    const Observable<>& changed() const { return changed_; } ///< state, content or filter
+    const Observable<>& chosenChanged() const { return chosenChanged_; }
+
+private:
+    void filter();
+
+    TopologyState state_ = TopologyState::None;
+    std::string problem_;
+    Content content_;
+    double greatestPersistence_ = 0.0, leastPersistence_ = 0.0;
+    std::vector<std::size_t> shown_;
+    std::optional<std::size_t> chosen_;
+    ObserverList<> changed_;
+    ObserverList<> chosenChanged_;
+};
+
+} // namespace isoslider::model
