@@ -12,7 +12,7 @@
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
 #include "core/index/sample_store.h"
-#include "core/topology/topology_curve.h"
+#include "core/topology/topology_analysis.h"
 #include "core/volume_io/volume_reader.h"
 
 namespace isoslider::cli {
@@ -72,7 +72,7 @@ public:
         const auto grid = read(reading);
         if (!grid.isOk())
             return grid.error();
-        const auto curve = topology::TopologyCurve::analyse(*grid.value(), analysing);
+        const auto curve = topology::analyseTopology(topology::planesOf(*grid.value()), {}, analysing);
         bar.wipe();
         if (!curve.isOk()) {
             Error error = curve.error();

@@ -10,6 +10,7 @@
 #include "core/cell/cell_polynomials.h"
 #include "core/cell/cell_states.h"
 #include "core/cell/exact_sign.h"
+#include "core/grid/scalar_key.h"
 
 namespace isoslider::cell {
 namespace {
@@ -370,6 +371,40 @@ ResolvedCell resolveCell(std::uint8_t signs, const CornerScalars& scalars, bool 
         allowed != 0 && (knowsHidden || hiddenCorner(signs) < 0))
         inside = resolveInside(scalars, allowed, isovalue, interval);
     return {stateOf(signs, joinedFaces, inside.tunnel, inside.diagonal), interval};
+}
+
+ResolvedTunnel resolveTunnel(const CornerScalars& scalars, unsigned allowed, double isovalue) {
+    ResolvedTunnel resolved{{}, {-kInfinity, kInfinity}};
+    resolved.decision = resolveInside(scalars, allowed, isovalue, resolved.interval);
+    return resolved;
+}
+
+double lastJoined(double a, double b, double c, double d) {
+    // Of doubles in their order: at `joined` the corners are joined, at `parted` not. Near the saddle as computed,
+    // mostly.
+    std::uint64_t joined = keyOf(std::max(b, d)), parted = keyOf(std::min(a, c));
+    const double middle = 0.5 * std::max(b, d) + 0.5 * std::min(a, c);
+    const double saddle = saddleOfFace(a, b, c, d, middle).value;
+    const auto isJoinedAt = [&](std::uint64_t key) {
+        return saddleOfFace(a, b, c, d, sampleOfKey<double>(key)).isJoined;
+    };
+    if (saddle > sampleOfKey<double>(joined) && saddle < sampleOfKey<double>(parted)) {
+        const std::uint64_t start = keyOf(saddle);
+        const bool goesUp = isJoinedAt(start);
+        (goesUp ? joined : parted) = start;
+        for (std::uint64_t step = 1; parted - joined > step; step *= 2) { // ever longer steps
+            const std::uint64_t probe = goesUp ? joined + step : parted - step;
+            const bool isJoined = isJoinedAt(probe);
+            (isJoined ? joined : parted) = probe;
+            if (isJoined != goesUp)
+                break;
+        }
+    }
+    while (parted - joined > 1) {
+        const std::uint64_t probe = joined + (parted - joined) / 2;
+        (isJoinedAt(probe) ? joined : parted) = probe;
+    }
+    return sampleOfKey<double>(joined);
 }
 
 TunnelWaist tunnelWaist(const CornerScalars& scalars, double isovalue, double least) {

@@ -67,6 +67,18 @@ struct ResolvedCell {
 /// tunnels: without it (`knowsHidden` false) there is none. 2 divisions and some products for an ambiguous face.
 ResolvedCell resolveCell(std::uint8_t signs, const CornerScalars& scalars, bool knowsHidden, double isovalue);
 
+/// The greatest isovalue at which the above corners `a` and `c` of a face are joined, `b` and `d` below between them:
+/// the double at or below the saddle. Exact. REQUIRES: the lesser of a and c is greater than the greater of b and d;
+/// the result lies between those two.
+double lastJoined(double a, double b, double c, double d);
+
+/// The tunnel of a cell, and how long it lasts while neither signs nor joined faces change. `allowed`: mayHaveTunnel().
+struct ResolvedTunnel {
+    TunnelDecision decision;
+    StateInterval interval{};
+};
+ResolvedTunnel resolveTunnel(const CornerScalars& scalars, unsigned allowed, double isovalue);
+
 /// The six inner vertices of a tunnel: roots of the three quadratics, ascending along each axis, in cell
 /// units. Kept apart and off the faces by at least `least`, so that no triangle vanishes.
 struct TunnelWaist {

@@ -12,18 +12,17 @@
 
 namespace isoslider::topology {
 
-/// Isovalues in (below, above] at which the cell has one state.
-struct CellHistory::Stretch {
-    const cell::CellState* state = nullptr; ///< null: the surface does not pass through
-    double below = 0.0, above = 0.0;
+int CellHistory::Stretch::euler() const {
+    return state == nullptr ? 0 : state->loops - (state->tunnel == cell::Tunnel::None ? 0 : 2);
+}
 
-    int euler() const { return state == nullptr ? 0 : state->loops - (state->tunnel == cell::Tunnel::None ? 0 : 2); }
-    unsigned joinedAbove() const { return state == nullptr ? 0u : state->joinedFaces; }
-    unsigned joinedBelow() const {
-        return state == nullptr ? 0u : cell::ambiguousFaces(state->signs) & ~unsigned{state->joinedFaces};
-    }
-    bool hasTunnel(cell::Tunnel which) const { return state != nullptr && state->tunnel == which; }
-};
+unsigned CellHistory::Stretch::joinedAbove() const { return state == nullptr ? 0u : state->joinedFaces; }
+
+unsigned CellHistory::Stretch::joinedBelow() const {
+    return state == nullptr ? 0u : cell::ambiguousFaces(state->signs) & ~unsigned{state->joinedFaces};
+}
+
+bool CellHistory::Stretch::hasTunnel(cell::Tunnel which) const { return state != nullptr && state->tunnel == which; }
 
 namespace {
 
@@ -35,71 +34,192 @@ std::array<std::uint8_t, 2> cornersOfFace(int face, std::uint8_t signs, bool are
                    : std::array<std::uint8_t, 2>{corners[1], corners[3]};
 }
 
-// The greatest double from `low` on, below `at`, at which the state is another than at `at`; `low` if there is none but
-// there. Between them it changes once.
-template <class StateAt>
-double lastOfAnother(std::uint16_t state, double low, double at, const StateAt& stateAt) {
-    std::uint64_t other = keyOf(low), same = keyOf(at); // doubles in their order
-    if (other + 1 < same && stateAt(sampleOfKey<double>(other + 1)) == state)
-        return low;
-    while (same - other > 1) {
-        const std::uint64_t middle = other + (same - other) / 2;
-        (stateAt(sampleOfKey<double>(middle)) == state ? same : other) = middle;
+// Which tunnel a cell has at isovalues between which its signs and faces do not change. It changes at a body saddle
+// only, of which there are two at most. What an isovalue tells lasts up to near the next saddle; so those in the middle
+// of what is not known yet are asked, in plain arithmetic mostly. Exact decisions are left for where a tunnel begins.
+class TunnelStretches {
+public:
+    TunnelStretches(const cell::CornerScalars& scalars, std::uint8_t signs, std::uint8_t joinedFaces, unsigned allowed)
+        : scalars_(scalars), signs_(signs), joinedFaces_(joinedFaces), allowed_(allowed) {}
+
+    /// Calls `add(state, below)` for all stretches of (low, high], from above downwards.
+    template <class Add>
+    void find(double low, double high, const Add& add) {
+        lookAt(low, high, 0);
+        for (std::size_t i = 0; i < count_; ++i) {
+            const Known& here = known_[i];
+            const double top = i == 0 ? high : known_[i - 1].below;
+            if (here.isKnown) {
+                add(here.state, here.below);
+            } else if (isWide(here.below, top) || i == 0 || i + 1 == count_) {
+                known_[i].state = walk(here.below, top, add);
+            } else {
+                const cell::StateId upper = known_[i - 1].state, lower = known_[i + 1].state;
+                if (upper != lower)
+                    add(upper, lastBefore(upper, here.below, top));
+                add(lower, here.below);
+            }
+        }
     }
-    return sampleOfKey<double>(other);
-}
+
+private:
+    struct Known {
+        cell::StateId state;
+        double below;
+        bool isKnown; ///< else it changes once at most
+    };
+
+    cell::StateId stateOf(const cell::TunnelDecision& inside) const {
+        return cell::stateOf(signs_, joinedFaces_, inside.tunnel, inside.diagonal);
+    }
+    cell::StateId stateAt(double isovalue) const {
+        return stateOf(cell::resolveTunnel(scalars_, allowed_, isovalue).decision);
+    }
+    void note(const Known& known) { known_[count_++] = known; }
+
+    static bool isWide(double low, double high) { return high - low > 1e-12 * (std::abs(low) + std::abs(high)); }
+
+    void lookAt(double low, double high, int depth) {
+        constexpr int kMostDepth = 8;
+        if (!(low < high))
+            return;
+        const double middle = low + 0.5 * (high - low);
+        if (middle > low && middle < high && depth < kMostDepth) {
+            const cell::ResolvedTunnel inside = cell::resolveTunnel(scalars_, allowed_, middle);
+            if (inside.interval.contains(middle)) {
+                const double below = std::max(low, inside.interval.below),
+                             above = std::min(high, inside.interval.above);
+                lookAt(above, high, depth + 1);
+                note({stateOf(inside.decision), below, true});
+                lookAt(low, below, depth + 1);
+                return;
+            }
+        }
+        note({0, low, false});
+    }
+
+    // From above downwards, by exact decisions where need be; returns the lowest state.
+    template <class Add>
+    cell::StateId walk(double low, double high, const Add& add) const {
+        cell::StateId state = 0;
+        for (double at = high; at > low;) {
+            const cell::ResolvedTunnel inside = cell::resolveTunnel(scalars_, allowed_, at);
+            state = stateOf(inside.decision);
+            double below = std::max(low, inside.interval.below);
+            if (!(below < at)) // near a saddle, or where all is rounding
+                below = stateAt(sampleOfKey<double>(keyOf(low) + 1)) == state ? low : lastBefore(state, low, at);
+            add(state, below);
+            at = below;
+        }
+        return state;
+    }
+
+    // The greatest double in (low, high) at which the state is not yet `upper`.
+    double lastBefore(cell::StateId upper, double low, double high) const {
+        std::uint64_t other = keyOf(low), same = keyOf(high); // doubles in their order
+        while (same - other > 1) {
+            const std::uint64_t middle = other + (same - other) / 2;
+            (stateAt(sampleOfKey<double>(middle)) == upper ? same : other) = middle;
+        }
+        return sampleOfKey<double>(other);
+    }
+
+    const cell::CornerScalars& scalars_;
+    std::uint8_t signs_, joinedFaces_;
+    unsigned allowed_;
+    std::array<Known, 600> known_; // 2^9 at most
+    std::size_t count_ = 0;
+};
 
 } // namespace
+
+// While a face is ambiguous: joined up to an isovalue, which lies between its corners.
+struct CellHistory::FaceJoin {
+    int face;
+    double lastJoined;
+};
+
+// Stretches of one sign pattern, in (low, high], from above downwards.
+void CellHistory::findStretches(const cell::CornerScalars& scalars, std::uint8_t signs, double low, double high) {
+    std::array<FaceJoin, 16> joins; // 6 at most; std::sort warns of less
+    std::size_t joinCount = 0;
+    unsigned joined = 0;
+    for (unsigned faces = cell::ambiguousFaces(signs); faces != 0; faces &= faces - 1) {
+        const int face = std::countr_zero(faces);
+        const double last = lastJoined_[static_cast<std::size_t>(face)];
+        if (last >= high)
+            joined |= 1u << face; // all the way
+        else if (last > low)
+            joins[joinCount++] = {face, last};
+    }
+    std::sort(joins.begin(), joins.begin() + static_cast<std::ptrdiff_t>(joinCount),
+              [](const FaceJoin& a, const FaceJoin& b) { return a.lastJoined > b.lastJoined; });
+    for (std::size_t next = 0; high > low;) {
+        while (next < joinCount && joins[next].lastJoined >= high)
+            joined |= 1u << joins[next++].face;
+        const double end = next < joinCount ? joins[next].lastJoined : low;
+        const auto joinedFaces = static_cast<std::uint8_t>(joined);
+        const unsigned allowed = cell::mayHaveTunnel(signs, joinedFaces);
+        if (allowed == 0)
+            addStretch(cell::stateOf(signs, joinedFaces), end);
+        else
+            TunnelStretches(scalars, signs, joinedFaces, allowed)
+                .find(end, high, [this](cell::StateId state, double below) { addStretch(state, below); });
+        high = end;
+    }
+}
+
+void CellHistory::addStretch(cell::StateId id, double below) {
+    const cell::CellState* const state = &cell::cellStates()[id];
+    if (stretchCount_ > 0 && stretches_[stretchCount_ - 1].state == state)
+        stretches_[stretchCount_ - 1].below = below;
+    else if (stretchCount_ < kMost)
+        stretches_[stretchCount_++] = {state, below};
+}
 
 void CellHistory::find(const cell::CornerScalars& scalars) {
     eulerAtCorners_ = {};
     saddleCount_ = joinCount_ = 0;
+    for (std::size_t face = 0; face < 6; ++face) {
+        const auto& c = cell::kFaceCorners[face];
+        const double p0 = scalars[c[0]], p1 = scalars[c[1]], p2 = scalars[c[2]], p3 = scalars[c[3]];
+        if (std::min(p0, p2) > std::max(p1, p3))
+            lastJoined_[face] = cell::lastJoined(p0, p1, p2, p3);
+        else if (std::min(p1, p3) > std::max(p0, p2))
+            lastJoined_[face] = cell::lastJoined(p1, p2, p3, p0);
+    }
     std::array<std::uint8_t, 8> order{0, 1, 2, 3, 4, 5, 6, 7};
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint8_t a, std::uint8_t b) { return scalars[a] < scalars[b]; });
     const auto states = cell::cellStates();
     Stretch before; // the one below
     std::uint8_t signs = 0xff;
-    std::array<Stretch, kMost> found;
     for (std::size_t k = 1; k <= 8; ++k) {
         const std::uint8_t crossed = order[k - 1];
         signs = static_cast<std::uint8_t>(signs & ~(1u << crossed));
         const double low = scalars[crossed], high = k < 8 ? scalars[order[k]] : std::numeric_limits<double>::infinity();
         if (k < 8 && !(low < high))
             continue; // equal scalars are crossed together
-        // From above downwards: resolveCell() is about the limit from below.
-        std::size_t count = 0;
-        if (k == 8) {
-            found[count++] = {nullptr, low, high};
-        } else if (!cell::isAmbiguous(signs)) {
-            found[count++] = {&states[signs], low, high};
-        } else {
-            const auto stateAt = [&](double at) { return cell::resolveCell(signs, scalars, true, at).state; };
-            for (double at = high; at > low;) {
-                const cell::ResolvedCell resolved = cell::resolveCell(signs, scalars, true, at);
-                double next = std::max(low, resolved.interval.below);
-                if (!(next < at)) // near a saddle, or where all is rounding
-                    next = lastOfAnother(resolved.state, low, at, stateAt);
-                const cell::CellState* const state = &states[resolved.state];
-                if (count > 0 && found[count - 1].state == state)
-                    found[count - 1].below = next;
-                else if (count < kMost)
-                    found[count++] = {state, next, at};
-                at = next;
-            }
-        }
-        std::reverse(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count));
-        eulerAtCorners_[crossed] = static_cast<std::int8_t>(found[0].euler() - before.euler());
-        add(before, found[0], low);
-        for (std::size_t i = 1; i < count; ++i) {
-            CellSaddle saddle{found[i].below, found[i].euler() - found[i - 1].euler(), -1};
-            if (const unsigned changed = found[i].joinedAbove() ^ found[i - 1].joinedAbove(); changed != 0)
+        stretchCount_ = 0;
+        if (k == 8)
+            stretches_[stretchCount_++] = {nullptr, low};
+        else if (!cell::isAmbiguous(signs))
+            stretches_[stretchCount_++] = {&states[signs], low};
+        else
+            findStretches(scalars, signs, low, high);
+        std::size_t i = stretchCount_ - 1;
+        eulerAtCorners_[crossed] = static_cast<std::int8_t>(stretches_[i].euler() - before.euler());
+        add(before, stretches_[i], low);
+        for (; i > 0; --i) {
+            const Stretch &lower = stretches_[i], &upper = stretches_[i - 1];
+            CellSaddle saddle{upper.below, upper.euler() - lower.euler(), -1};
+            if (const unsigned changed = upper.joinedAbove() ^ lower.joinedAbove(); changed != 0)
                 saddle.face = static_cast<std::int8_t>(std::countr_zero(changed));
             if (saddleCount_ < kMost)
                 saddles_[saddleCount_++] = saddle;
-            add(found[i - 1], found[i], found[i].below);
+            add(lower, upper, upper.below);
         }
-        before = found[count - 1];
+        before = stretches_[0];
     }
 }
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/cell/trilinear_cell.h"
+#include "core/cell/cell_states.h"
 
 namespace isoslider::topology {
 
@@ -36,11 +36,26 @@ public:
     std::span<const CellJoin> joins() const { return {joins_.data(), joinCount_}; }
 
 private:
-    struct Stretch;
+    struct FaceJoin;
+    /// Isovalues at which the cell has one state, from above those of the stretch below it.
+    struct Stretch {
+        const cell::CellState* state = nullptr; ///< null: the surface does not pass through
+        double below = 0.0;
+
+        int euler() const; ///< discs less tubes
+        unsigned joinedAbove() const;
+        unsigned joinedBelow() const;
+        bool hasTunnel(cell::Tunnel which) const;
+    };
+    void findStretches(const cell::CornerScalars& scalars, std::uint8_t signs, double low, double high);
+    void addStretch(cell::StateId state, double below);
     void add(const Stretch& lower, const Stretch& upper, double isovalue);
 
     // Between two corners a state changes at six face saddles and two body saddles at most.
     static constexpr std::size_t kMost = 64;
+    std::array<double, 6> lastJoined_{}; ///< of faces that are ambiguous at some isovalue
+    std::array<Stretch, kMost> stretches_{}; ///< of one sign pattern, from above downwards
+    std::size_t stretchCount_ = 0;
     std::array<std::int8_t, 8> eulerAtCorners_{};
     std::array<CellSaddle, kMost> saddles_{};
     std::array<CellJoin, 2 * kMost> joins_{};

@@ -1,7 +1,7 @@
 #include "core/topology/index_topology.h"
 
 #include "core/index/sample_store.h"
-#include "core/topology/topology_curve.h"
+#include "core/topology/topology_analysis.h"
 
 namespace isoslider::topology {
 
@@ -15,7 +15,7 @@ Result<std::shared_ptr<const TopologySummary>> analyseIndex(const std::filesyste
     const auto grid = index::readSamples(*reader.value(), job.part(0.0, 0.3));
     if (!grid.isOk())
         return grid.error();
-    auto curve = TopologyCurve::analyse(*grid.value(), job.part(0.3, 1.0));
+    auto curve = analyseTopology(planesOf(*grid.value()), {}, job.part(0.3, 1.0));
     if (!curve.isOk())
         return std::move(curve).error();
     return std::shared_ptr<const TopologySummary>(std::make_shared<TopologyCurve>(std::move(curve).value()));

@@ -3,8 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/job_control.h"
-#include "core/grid/scalar_grid.h"
 #include "core/topology/topology_summary.h"
 
 namespace isoslider::topology {
@@ -14,10 +12,8 @@ class TopologyCurve final : public TopologySummary {
 public:
     TopologyCurve() = default;
     /// REQUIRES: `events` ascend.
-    TopologyCurve(std::vector<TopologyEvent> events, MeasureCurves curves)
-        : events_(std::move(events)), curves_(std::move(curves)) {}
-    /// Analyses a whole volume. Errors: InvalidArgument (missing values, 2^32 samples or more), Cancelled.
-    static Result<TopologyCurve> analyse(const ScalarGrid& grid, const JobControl& job = {});
+    TopologyCurve(std::vector<TopologyEvent> events, MeasureCurves curves, bool areCountsExact)
+        : events_(std::move(events)), curves_(std::move(curves)), areCountsExact_(areCountsExact) {}
 
     /// Ascending.
     const std::vector<TopologyEvent>& events() const { return events_; }
@@ -26,12 +22,14 @@ public:
     /// O(log n).
     SurfaceCounts countsAt(double isovalue) const;
     Result<SurfaceCounts> at(double isovalue) const override { return countsAt(isovalue); }
+    bool areCountsExact() const override { return areCountsExact_; }
     Status visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const override;
     const MeasureCurves& curves() const override { return curves_; }
 
 private:
     std::vector<TopologyEvent> events_;
     MeasureCurves curves_;
+    bool areCountsExact_ = true;
 };
 
 } // namespace isoslider::topology

@@ -20,6 +20,9 @@ public:
     virtual std::uint64_t eventCount() const = 0;
     /// Microseconds. Errors: IoError, Corruption.
     virtual Result<SurfaceCounts> at(double isovalue) const = 0;
+    /// False where samples are missing such that the rest is no ball, or none with hollows: then pieces and boundary
+    /// loops are at least as many as stated, and tunnels are not known. Euler numbers and voids hold.
+    virtual bool areCountsExact() const = 0;
     /// Calls `visit` for all events, ascending, until it returns false. Errors: IoError, Corruption.
     virtual Status visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const = 0;
     /// Empty where they were not made.

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/topology/topology_curve.h"
+#include "core/topology/topology_analysis.h"
 #include "tests/support/csv_rows.h"
 #include "tests/support/result_matchers.h"
 
@@ -51,7 +51,8 @@ TEST(ListedEvents, AreFoundAndNoOthers) {
         std::vector<double> samples(64);
         for (double& sample : samples)
             columns >> sample;
-        const auto curve = TopologyCurve::analyse(ScalarGrid::fromValues<double>(geometry, ScalarType::F64, samples));
+        const auto volume = ScalarGrid::fromValues<double>(geometry, ScalarType::F64, samples);
+        const auto curve = analyseTopology(planesOf(volume));
         ASSERT_THAT(curve, test::IsOk());
         const auto& found = curve.value().events();
         const auto& expected = events[id];

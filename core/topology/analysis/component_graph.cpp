@@ -1,0 +1,179 @@
+#include "core/topology/analysis/component_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <tbb/parallel_sort.h>
+
+#include "core/topology/analysis/disjoint_sets.h"
+
+namespace isoslider::topology {
+
+void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
+    using Element = DisjointSets::Element;
+    constexpr auto kNone = std::numeric_limits<std::size_t>::max();
+    struct Left { // a link that may still be kept, by the sets of its ends
+        std::size_t link;
+        Element a, b;
+    };
+    DisjointSets sets(seeds);
+    std::vector<Left> left;
+    for (std::size_t i = 0; i < links.size(); ++i)
+        left.push_back({i, links[i].a, links[i].b});
+    std::vector<Link> kept;
+    std::vector<std::size_t> best(seeds, kNone); // by root
+    while (!left.empty()) {
+        // Links have an order of their isovalues, then of their places: so no ring of bests can come about.
+        std::size_t count = 0;
+        for (Left each : left) {
+            each.a = sets.rootOf(each.a);
+            each.b = sets.rootOf(each.b);
+            if (each.a == each.b)
+                continue;
+            left[count] = each;
+            for (const Element end : {each.a, each.b})
+                if (best[end] == kNone ||
+                    comesEarlier(side, links[each.link].isovalue, links[left[best[end]].link].isovalue))
+                    best[end] = count;
+            ++count;
+        }
+        left.resize(count);
+        for (const Left& each : left)
+            for (const Element end : {each.a, each.b}) {
+                const std::size_t chosen = std::exchange(best[end], kNone);
+                if (chosen == kNone)
+                    continue;
+                const Element a = sets.rootOf(left[chosen].a), b = sets.rootOf(left[chosen].b);
+                if (a == b)
+                    continue;
+                sets.attach(std::max(a, b), std::min(a, b));
+                kept.push_back(links[left[chosen].link]);
+            }
+    }
+    links = std::move(kept);
+}
+
+namespace {
+
+// Steps of one kind, in the order of isovalues met.
+template <class Step, class Earlier>
+void order(std::vector<Step>& steps, const Earlier& isEarlier) {
+    tbb::parallel_sort(steps.begin(), steps.end(), isEarlier);
+}
+
+class Follower {
+public:
+    Follower(ComponentGraph& graph, double span) : graph_(graph), span_(span), sets_(graph.seeds.size()) {
+        if (graph.side == Side::Below)
+            isClosed_.assign(graph.seeds.size(), true);
+    }
+
+    ComponentHistory run() {
+        const Side side = graph_.side;
+        const auto& seeds = graph_.seeds;
+        order(graph_.links, [side](const Link& a, const Link& b) {
+            return a.isovalue != b.isovalue ? comesEarlier(side, a.isovalue, b.isovalue) : a.cause < b.cause;
+        });
+        if (side == Side::Above) {
+            for (const Link& link : graph_.links)
+                join(link);
+        } else {
+            followClosed();
+        }
+        for (std::uint32_t seed = 0; seed < seeds.size(); ++seed)
+            if (sets_.rootOf(seed) == seed) {
+                addBirth(seed, span_);
+                ++history_.lasting;
+            }
+        return std::move(history_);
+    }
+
+private:
+    void addBirth(std::uint32_t seed, double persistence) {
+        const Seed& of = graph_.seeds[seed];
+        history_.changes.push_back({of.isovalue, persistence, Cause::vertex(of.point), true});
+    }
+
+    // Whether two sets have become one; whether one of them, or the whole, was closed.
+    bool join(const Link& link) {
+        std::uint32_t elder = sets_.rootOf(link.a), younger = sets_.rootOf(link.b);
+        if (elder == younger)
+            return false;
+        const auto& seeds = graph_.seeds;
+        const auto isElder = [&](std::uint32_t a, std::uint32_t b) {
+            return seeds[a].isovalue != seeds[b].isovalue
+                       ? comesEarlier(graph_.side, seeds[a].isovalue, seeds[b].isovalue)
+                       : seeds[a].point < seeds[b].point;
+        };
+        if (isElder(younger, elder))
+            std::swap(elder, younger);
+        sets_.attach(younger, elder);
+        const double persistence = std::abs(seeds[younger].isovalue - link.isovalue);
+        if (persistence > 0.0) {
+            addBirth(younger, persistence);
+            history_.changes.push_back({link.isovalue, persistence, link.cause, false});
+        }
+        if (!isClosed_.empty()) {
+            if (isClosed_[elder] || isClosed_[younger])
+                --closed_; // two closed ones are one, or a closed one is open
+            isClosed_[elder] = isClosed_[elder] && isClosed_[younger];
+        }
+        return true;
+    }
+
+    // Seeds come, components reach the boundary and join: all in one order.
+    void followClosed() {
+        const auto& seeds = graph_.seeds;
+        std::vector<std::uint32_t> coming(seeds.size()), reaching;
+        std::iota(coming.begin(), coming.end(), 0u);
+        order(coming, [&](std::uint32_t a, std::uint32_t b) { return seeds[a].isovalue < seeds[b].isovalue; });
+        for (std::uint32_t seed = 0; seed < seeds.size(); ++seed)
+            if (!std::isnan(seeds[seed].reachesBoundary))
+                reaching.push_back(seed);
+        order(reaching,
+              [&](std::uint32_t a, std::uint32_t b) { return seeds[a].reachesBoundary < seeds[b].reachesBoundary; });
+        const auto& links = graph_.links;
+        std::size_t c = 0, r = 0, l = 0;
+        constexpr double kNever = std::numeric_limits<double>::infinity();
+        while (c < coming.size() || r < reaching.size() || l < links.size()) {
+            const double now = std::min({c < coming.size() ? seeds[coming[c]].isovalue : kNever,
+                                         r < reaching.size() ? seeds[reaching[r]].reachesBoundary : kNever,
+                                         l < links.size() ? links[l].isovalue : kNever});
+            const std::int64_t before = closed_;
+            Cause cause;
+            for (; c < coming.size() && seeds[coming[c]].isovalue == now; ++c) {
+                ++closed_;
+                cause = Cause::vertex(seeds[coming[c]].point);
+            }
+            for (; r < reaching.size() && seeds[reaching[r]].reachesBoundary == now; ++r) {
+                const std::uint32_t root = sets_.rootOf(reaching[r]);
+                if (isClosed_[root])
+                    --closed_;
+                isClosed_[root] = false;
+                cause = Cause::vertex(seeds[reaching[r]].point);
+            }
+            for (; l < links.size() && links[l].isovalue == now; ++l) {
+                join(links[l]);
+                cause = links[l].cause;
+            }
+            if (closed_ != before)
+                history_.closed.push_back({now, closed_ - before, cause});
+        }
+    }
+
+    ComponentGraph& graph_;
+    double span_;
+    DisjointSets sets_;
+    std::vector<bool> isClosed_; ///< of roots; the side below only
+    std::int64_t closed_ = 0;
+    ComponentHistory history_;
+};
+
+} // namespace
+
+ComponentHistory followComponents(ComponentGraph& graph, double span) { return Follower(graph, span).run(); }
+
+} // namespace isoslider::topology

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/grid/classification.h"
+#include "core/grid/grid_geometry.h"
+#include "core/topology/analysis/packed_cause.h"
+
+namespace isoslider::topology {
+
+/// The cells round a grid point that have eight finite corners: bit i that at (i & 1, i >> 1 & 1, i >> 2) - 1 from it.
+using CellStar = std::uint8_t;
+inline constexpr CellStar kWholeStar = 255;
+/// Cells of a star on each side of the point: those with x = 0, with x = 1, with y = 0 ...
+inline constexpr std::array<CellStar, 6> kStarSides{0x55, 0xaa, 0x33, 0xcc, 0x0f, 0xf0};
+
+/// Planes of samples around one layer of cells: those of the layer's grid points, and one more on each side where the
+/// grid has one, by which the cells round the outer points are known.
+template <class Sample>
+class LayerWindow {
+public:
+    /// Grid points of the layer lie in planes zBegin to zEnd, its cells between them.
+    GridDims dims{};
+    std::int64_t firstPlane = 0, zBegin = 0, zEnd = 0;
+    std::vector<Sample> samples; ///< from plane `firstPlane` on
+    std::vector<CellStar> stars; ///< of the layer's grid points
+
+    std::int64_t rowStep() const { return dims[0]; }
+    std::int64_t planeStep() const { return dims[0] * dims[1]; }
+    bool isLast() const { return zEnd + 1 == dims[2]; }
+    /// Planes of grid points that belong to this layer and to no other.
+    std::int64_t ownedEnd() const { return isLast() ? zEnd + 1 : zEnd; }
+    std::int64_t points() const { return planeStep() * (zEnd - zBegin + 1); }
+    /// Of the whole grid.
+    Point firstPoint() const { return static_cast<Point>(planeStep() * zBegin); }
+    /// The layer's samples: element 0 is its first grid point. Planes before and after it are there too.
+    const Sample* layer() const { return samples.data() + planeStep() * (zBegin - firstPlane); }
+
+    /// Fills `stars`. O(points).
+    void findStars();
+
+private:
+    void findStarsOfBox();
+    void findStarsWithMissing();
+};
+
+template <class Sample>
+void LayerWindow<Sample>::findStars() {
+    stars.resize(static_cast<std::size_t>(points()));
+    if (std::any_of(samples.begin(), samples.end(), [](Sample s) { return isMissing(s); }))
+        findStarsWithMissing();
+    else
+        findStarsOfBox();
+}
+
+template <class Sample>
+void LayerWindow<Sample>::findStarsOfBox() {
+    // A side of the star sticks out of the grid at its ends.
+    const auto inside = [this](std::size_t axis, std::int64_t at) {
+        unsigned star = kWholeStar;
+        if (at == 0)
+            star &= kStarSides[2 * axis + 1];
+        if (at + 1 == dims[axis])
+            star &= kStarSides[2 * axis];
+        return static_cast<CellStar>(star);
+    };
+    auto out = stars.begin();
+    for (std::int64_t z = zBegin; z <= zEnd; ++z)
+        for (std::int64_t y = 0; y < dims[1]; ++y, out += dims[0]) {
+            const auto row = static_cast<CellStar>(inside(2, z) & inside(1, y));
+            std::fill_n(out, dims[0], row);
+            out[0] = static_cast<CellStar>(row & inside(0, 0));
+            out[dims[0] - 1] = static_cast<CellStar>(out[dims[0] - 1] & inside(0, dims[0] - 1));
+        }
+}
+
+template <class Sample>
+void LayerWindow<Sample>::findStarsWithMissing() {
+    const std::int64_t nx = dims[0], ny = dims[1], step = planeStep();
+    const std::int64_t planes = static_cast<std::int64_t>(samples.size()) / step;
+    // A plane of cells at a time adds its bits to the points below and above.
+    std::fill(stars.begin(), stars.end(), CellStar{0});
+    std::vector<std::uint8_t> isComplete(static_cast<std::size_t>(step));
+    for (std::int64_t plane = 0; plane + 1 < planes; ++plane) {
+        const Sample* const low = samples.data() + step * plane;
+        for (std::int64_t y = 0; y + 1 < ny; ++y)
+            for (std::int64_t x = 0; x + 1 < nx; ++x) {
+                bool isWhole = true;
+                for (std::size_t c = 0; c < 8; ++c)
+                    isWhole = isWhole && !isMissing(low[x + (c & 1) + nx * (y + (c >> 1 & 1)) + step * (c >> 2)]);
+                isComplete[static_cast<std::size_t>(x + nx * y)] = isWhole;
+            }
+        for (std::int64_t dz = 0; dz < 2; ++dz) {
+            const std::int64_t z = firstPlane + plane + dz;
+            if (z < zBegin || z > zEnd)
+                continue;
+            for (std::int64_t y = 0; y + 1 < ny; ++y)
+                for (std::int64_t x = 0; x + 1 < nx; ++x)
+                    if (isComplete[static_cast<std::size_t>(x + nx * y)] != 0)
+                        for (std::int64_t c = 0; c < 4; ++c) // the cell lies on the far side of its near corners
+                            stars[static_cast<std::size_t>(x + (c & 1) + nx * (y + (c >> 1)) + step * (z - zBegin))] |=
+                                static_cast<CellStar>(1u << (7 - (c | dz << 2)));
+        }
+    }
+}
+
+} // namespace isoslider::topology

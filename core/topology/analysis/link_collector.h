@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/topology/analysis/component_graph.h"
+
+namespace isoslider::topology {
+
+/// Gathers links. The boundary between two seeds' points is long in smooth data, and only its earliest link matters:
+/// of links between the same seeds that come one after the other, nearly all are dropped at once.
+class LinkCollector {
+public:
+    explicit LinkCollector(Side side) : side_(side), recent_(kRecent) {}
+
+    void add(double isovalue, Cause cause, std::uint32_t a, std::uint32_t b) {
+        if (a == b)
+            return;
+        if (a > b)
+            std::swap(a, b);
+        Link& recent = recent_[(a * 0x9e3779b1u ^ b * 0x85ebca6bu) >> (32 - kRecentBits)];
+        if (recent.a == a && recent.b == b) {
+            if (comesEarlier(side_, isovalue, recent.isovalue))
+                recent = {isovalue, cause, a, b};
+            return;
+        }
+        if (recent.a != recent.b)
+            links_.push_back(recent);
+        recent = {isovalue, cause, a, b};
+    }
+    std::vector<Link> take() {
+        for (Link& link : recent_)
+            if (link.a != link.b)
+                links_.push_back(std::exchange(link, Link{}));
+        return std::move(links_);
+    }
+
+private:
+    static constexpr unsigned kRecentBits = 12;
+    static constexpr std::size_t kRecent = std::size_t{1} << kRecentBits;
+    Side side_;
+    std::vector<Link> recent_; ///< by a hash of both seeds
+    std::vector<Link> links_;
+};
+
+} // namespace isoslider::topology

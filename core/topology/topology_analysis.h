@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <span>
+
+#include "core/base/job_control.h"
+#include "core/grid/grid_geometry.h"
+#include "core/grid/scalar_grid.h"
+#include "core/grid/scalar_type.h"
+#include "core/topology/topology_curve.h"
+
+namespace isoslider::topology {
+
+/// A volume to analyse, read in planes that rise.
+struct PlaneSource {
+    GridGeometry geometry;
+    ScalarType type = ScalarType::U8;
+    /// Fills `out` with planes [zBegin, zEnd), x fastest. One call at a time, from any thread.
+    std::function<Status(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out)> read;
+};
+/// `grid` must outlive it.
+PlaneSource planesOf(const ScalarGrid& grid);
+
+struct AnalysisOptions {
+    std::uint64_t memoryBytes = std::numeric_limits<std::uint64_t>::max();
+    /// Planes read at once, 3 or more: layers thick enough that little is said twice. Any number gives the same events.
+    std::int64_t planesAtOnce = 16;
+};
+
+/// Every isovalue at which the topology of the volume's surface changes. TOPOLOGY.md. Each sample is read once.
+/// O(n) in samples, O(m log m) in what can be an event; all threads. Memory: some planes, and what can be an event.
+/// Errors: those of `source`; InvalidArgument (planes of 2^27 samples or more); OutOfSpace (more than
+/// `options.memoryBytes`); Cancelled.
+Result<TopologyCurve> analyseTopology(const PlaneSource& source, const AnalysisOptions& options = {},
+                                      const JobControl& job = {});
+
+} // namespace isoslider::topology
