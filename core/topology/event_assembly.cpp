@@ -63,6 +63,16 @@ private:
     Cause cause_;
 };
 
+struct EulerSum {
+    std::int64_t euler = 0;
+    EulerChange largest{};
+    void add(const EulerChange& change) {
+        if (euler == 0 || std::abs(change.euler) > std::abs(largest.euler))
+            largest = change;
+        euler += change.euler;
+    }
+};
+
 } // namespace
 
 std::vector<TopologyEvent> assembleEvents(EventParts parts, const GridDims& dims) {
@@ -81,10 +91,14 @@ std::vector<TopologyEvent> assembleEvents(EventParts parts, const GridDims& dims
                                    aboveOuter.isovalue(), belowOuter.isovalue()});
         event.below = counts;
         Place place;
-        euler.takeAt(event.isovalue, [&](const EulerChange& change) {
-            counts.euler += change.euler;
-            place.offer(change.cause, 0.0, change.euler);
-        });
+        std::array<EulerSum, 2> sums; // at grid points, at saddles
+        euler.takeAt(event.isovalue,
+                     [&](const EulerChange& change) { sums[change.cause.isVertex() ? 0 : 1].add(change); });
+        for (const EulerSum& sum : sums) {
+            counts.euler += sum.euler;
+            if (sum.euler != 0)
+                place.offer(sum.largest.cause, 0.0, sum.largest.euler);
+        }
         // What is above shrinks: its components go where they come when the isovalue falls.
         above.takeAt(event.isovalue, [&](const ComponentChange& change) {
             ++(change.isBirth ? event.pieces.deaths : event.pieces.splits);

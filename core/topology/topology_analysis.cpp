@@ -71,7 +71,13 @@ template <class Sample>
 class Analysis {
 public:
     Analysis(const PlaneSource& source, const AnalysisOptions& options, const JobControl& job)
-        : source_(source), options_(options), job_(job), dims_(source.geometry.dims) {}
+        : source_(source), options_(options), job_(job), dims_(source.geometry.dims) {
+        // Thick enough that little is said twice, thin enough for the caches and for many threads.
+        constexpr std::int64_t kLayerSamples = 1 << 20;
+        planesAtOnce_ = options.planesAtOnce > 0
+                            ? options.planesAtOnce
+                            : std::clamp<std::int64_t>(kLayerSamples / (dims_[0] * dims_[1]), 3, 16);
+    }
 
     Result<TopologyCurve> run() {
         if (std::min({dims_[0], dims_[1], dims_[2]}) < 2)
@@ -115,7 +121,7 @@ private:
         LayerWindow<Sample>& window = layer->window;
         const std::int64_t step = dims_[0] * dims_[1];
         // The last plane read lies beyond the layer, but at the end of the grid.
-        const std::int64_t read = std::min(dims_[2], readEnd_ + options_.planesAtOnce);
+        const std::int64_t read = std::min(dims_[2], readEnd_ + planesAtOnce_);
         window.dims = dims_;
         window.zBegin = zBegin_;
         window.zEnd = read == dims_[2] ? read - 1 : read - 2;
@@ -204,6 +210,7 @@ private:
     const AnalysisOptions& options_;
     const JobControl& job_;
     GridDims dims_;
+    std::int64_t planesAtOnce_ = 0;
     std::int64_t zBegin_ = 0, readEnd_ = 0; ///< of the next layer; planes read so far
     std::vector<Sample> kept_; ///< planes read that the next layer needs, too
     std::mutex problemMutex_;

@@ -26,8 +26,8 @@ PlaneSource planesOf(const ScalarGrid& grid);
 
 struct AnalysisOptions {
     std::uint64_t memoryBytes = std::numeric_limits<std::uint64_t>::max();
-    /// Planes read at once, 3 or more: layers thick enough that little is said twice. Any number gives the same events.
-    std::int64_t planesAtOnce = 16;
+    /// Planes read at once, 3 or more; 0: layers of a million samples. Any number gives the same events.
+    std::int64_t planesAtOnce = 0;
 };
 
 /// Every isovalue at which the topology of the volume's surface changes. TOPOLOGY.md. Each sample is read once.

@@ -1,6 +1,8 @@
 #include "core/topology/analysis/layer_euler.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <tuple>
 
 #include "core/grid/scalar_type.h"
 #include "core/topology/analysis/cell_discs.h"
@@ -19,7 +21,8 @@ public:
           low_(static_cast<std::size_t>(nx_)),
           high_(low_.size()),
           level_(low_.size()),
-          isAmbiguous_(low_.size()) {}
+          isAmbiguous_(low_.size()),
+          atPoints_(static_cast<std::size_t>(window.points())) {}
 
     LayerChanges run() {
         for (std::int64_t z = window_.zBegin; z < window_.ownedEnd(); ++z)
@@ -28,6 +31,7 @@ public:
         for (std::int64_t z = window_.zBegin; z < window_.zEnd; ++z)
             for (std::int64_t y = 0; y + 1 < window_.dims[1]; ++y)
                 scanCells(y, z);
+        gather();
         return std::move(found_);
     }
 
@@ -35,9 +39,32 @@ private:
     std::int64_t placeOf(std::int64_t y, std::int64_t z) const { return row_ * y + plane_ * (z - window_.zBegin); }
 
     void note(std::int64_t at, int euler) {
-        if (euler != 0)
-            found_.euler.push_back({static_cast<double>(window_.layer()[at]),
-                                    Cause::vertex(window_.firstPoint() + static_cast<Point>(at)), euler});
+        auto& sum = atPoints_[static_cast<std::size_t>(at)];
+        sum = static_cast<std::int16_t>(sum + euler);
+    }
+
+    // Saddles of a face are found by both its cells, and mostly cancel out; so does much among equal samples.
+    void gather() {
+        for (std::size_t at = 0; at < atPoints_.size(); ++at)
+            if (atPoints_[at] != 0)
+                found_.euler.push_back({static_cast<double>(window_.layer()[at]),
+                                        Cause::vertex(window_.firstPoint() + at), atPoints_[at]});
+        std::sort(found_.euler.begin(), found_.euler.end(), [](const EulerChange& a, const EulerChange& b) {
+            return std::tuple(a.isovalue, a.cause.isVertex(), -std::abs(a.euler), a.cause) <
+                   std::tuple(b.isovalue, b.cause.isVertex(), -std::abs(b.euler), b.cause);
+        });
+        std::size_t kept = 0;
+        for (std::size_t first = 0, next = 0; first < found_.euler.size(); first = next) {
+            EulerChange sum = found_.euler[first]; // at the place that most is due to
+            for (next = first + 1; next < found_.euler.size() && found_.euler[next].isovalue == sum.isovalue &&
+                                   found_.euler[next].cause.isVertex() == sum.cause.isVertex();
+                 ++next)
+                sum.euler += found_.euler[next].euler;
+            if (sum.euler != 0)
+                found_.euler[kept++] = sum;
+        }
+        found_.euler.resize(kept);
+        found_.euler.shrink_to_fit();
     }
 
     // ---- grid points
@@ -207,6 +234,7 @@ private:
     std::int64_t nx_, row_, plane_;
     std::vector<std::uint16_t> low_, high_, level_;
     std::vector<std::uint8_t> isAmbiguous_;
+    std::vector<std::int16_t> atPoints_; ///< what the Euler number changes by where the isovalue rises beyond each
     CellHistory history_;
     LayerChanges found_;
 };
