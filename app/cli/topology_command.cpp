@@ -72,7 +72,9 @@ public:
         const auto grid = read(reading);
         if (!grid.isOk())
             return grid.error();
-        const auto curve = topology::analyseTopology(topology::planesOf(*grid.value()), {}, analysing);
+        topology::AnalysisOptions options;
+        options.measures = topology::planMeasures(*grid.value());
+        const auto curve = topology::analyseTopology(topology::planesOf(*grid.value()), options, analysing);
         bar.wipe();
         if (!curve.isOk()) {
             Error error = curve.error();

@@ -20,6 +20,7 @@
 #include "core/topology/analysis/domain_boundary.h"
 #include "core/topology/analysis/layer_components.h"
 #include "core/topology/analysis/layer_euler.h"
+#include "core/topology/analysis/layer_measures.h"
 #include "core/topology/analysis/layer_window.h"
 #include "core/topology/analysis/link_collector.h"
 #include "core/topology/event_assembly.h"
@@ -108,6 +109,7 @@ private:
         LayerChanges changes;
         LayerComponents above, below;
         DomainBoundary::Part boundary;
+        MeasureSums measures;
     };
 
     // ---- in turn: reading
@@ -153,6 +155,7 @@ private:
             [&] { layer.above = findLayerComponents(Side::Above, layer.window, layer.changes.above); },
             [&] { layer.below = findLayerComponents(Side::Below, layer.window, layer.changes.below); });
         layer.boundary = DomainBoundary::partOf(layer.window, layer.changes);
+        layer.measures = measureLayer(layer.window, options_.measures, source_.geometry);
     }
 
     // ---- in turn: putting together
@@ -162,6 +165,7 @@ private:
             return;
         euler_.insert(euler_.end(), layer.changes.euler.begin(), layer.changes.euler.end());
         boundary_.add(layer.boundary);
+        measures_.add(layer.measures);
         Status status = above_.add(layer.above, layer.window);
         if (status.isOk())
             status = below_.add(layer.below, layer.window);
@@ -203,7 +207,8 @@ private:
         if (job_.isStopRequested())
             return cancelledError();
         const bool areExact = boundary_.isOfSpheres(parts.aboveOnBoundary.lasting);
-        return TopologyCurve(assembleEvents(std::move(parts), dims_), {}, areExact);
+        return TopologyCurve(assembleEvents(std::move(parts), dims_),
+                             measures_.curves(options_.measures, source_.geometry), areExact);
     }
 
     const PlaneSource& source_;
@@ -218,6 +223,7 @@ private:
     std::vector<EulerChange> euler_;
     SideGraph above_{Side::Above}, below_{Side::Below};
     DomainBoundary boundary_;
+    MeasureSums measures_;
     double least_ = std::numeric_limits<double>::infinity(), greatest_ = -std::numeric_limits<double>::infinity();
 };
 

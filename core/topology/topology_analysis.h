@@ -10,6 +10,7 @@
 #include "core/grid/grid_geometry.h"
 #include "core/grid/scalar_grid.h"
 #include "core/grid/scalar_type.h"
+#include "core/topology/measuring.h"
 #include "core/topology/topology_curve.h"
 
 namespace isoslider::topology {
@@ -26,6 +27,7 @@ PlaneSource planesOf(const ScalarGrid& grid);
 
 struct AnalysisOptions {
     std::uint64_t memoryBytes = std::numeric_limits<std::uint64_t>::max();
+    MeasurePlan measures; ///< none: the curves stay empty
     /// Planes read at once, 3 or more; 0: layers of a million samples. Any number gives the same events.
     std::int64_t planesAtOnce = 0;
 };

@@ -1,0 +1,251 @@
+#include "core/topology/analysis/layer_measures.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "core/cell/cell_states.h"
+#include "core/grid/scalar_type.h"
+
+namespace isoslider::topology {
+namespace {
+
+using cell::CornerScalars;
+
+glm::dvec3 cornerPlace(unsigned corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
+
+// Of the unit square beyond a cell at x = 1: how much is above, within the mesh's segments.
+double areaAboveOnFace(const CornerScalars& scalars, const cell::CellState& state, double isovalue) {
+    constexpr std::size_t kFace = 1; // x = 1
+    const auto& corners = cell::kFaceCorners[kFace];
+    std::array<glm::dvec2, 8> ring;
+    std::size_t count = 0;
+    double corner = 0.0; // triangles at above corners, where they are parted
+    for (std::size_t i = 0; i < 4; ++i) {
+        const std::size_t next = (i + 1) % 4, last = (i + 3) % 4;
+        const auto place = [&](std::size_t k) {
+            const glm::dvec3 at = cornerPlace(corners[k]);
+            return glm::dvec2(at.y, at.z);
+        };
+        const auto part = [&](std::size_t k) { // of the side from corner i to k
+            return (isovalue - scalars[corners[i]]) / (scalars[corners[k]] - scalars[corners[i]]);
+        };
+        const bool isUp = (state.signs >> corners[i] & 1) != 0;
+        if (isUp)
+            ring[count++] = place(i);
+        if (isUp != ((state.signs >> corners[next] & 1) != 0))
+            ring[count++] = place(i) + part(next) * (place(next) - place(i));
+        if (isUp && (cell::ambiguousFaces(state.signs) >> kFace & 1) != 0)
+            corner += 0.5 * part(next) * part(last);
+    }
+    if ((cell::ambiguousFaces(state.signs) >> kFace & 1) != 0 && (state.joinedFaces >> kFace & 1) == 0)
+        return corner;
+    double twice = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::dvec2 a = ring[i], b = ring[(i + 1) % count];
+        twice += a.x * b.y - a.y * b.x;
+    }
+    return 0.5 * std::abs(twice);
+}
+
+class CellMeasure {
+public:
+    explicit CellMeasure(const GridGeometry& geometry)
+        : toWorld_(geometry.direction *
+                   glm::dmat3(geometry.spacing.x, 0, 0, 0, geometry.spacing.y, 0, 0, 0, geometry.spacing.z)),
+          gradientToWorld_(glm::transpose(glm::inverse(toWorld_))) {}
+
+    MeasureSums::Sum at(const CornerScalars& scalars, double isovalue) {
+        unsigned signs = 0;
+        for (unsigned c = 0; c < 8; ++c)
+            signs |= (scalars[c] >= isovalue ? 1u : 0u) << c;
+        const auto pattern = static_cast<std::uint8_t>(signs);
+        const cell::StateId id =
+            cell::isAmbiguous(pattern) ? cell::resolveCell(pattern, scalars, true, isovalue).state : pattern;
+        const cell::CellState& state = cell::cellStates()[id];
+        for (unsigned edges = cell::activeEdges(pattern); edges != 0; edges &= edges - 1) {
+            const auto e = static_cast<std::size_t>(std::countr_zero(edges));
+            const auto& edge = cell::kCellEdges[e];
+            const double a = scalars[edge.lowerCorner], b = scalars[edge.upperCorner];
+            places_[e] = cornerPlace(edge.lowerCorner);
+            places_[e][edge.axis] = (isovalue - a) / (b - a);
+        }
+        if (state.innerVertices > 0)
+            placeInner(scalars, state, isovalue);
+        MeasureSums::Sum sum;
+        sum.triangles = state.triangleCount;
+        glm::dvec3 middle{0.0};
+        for (std::size_t t = 0; t < state.triangles.size(); t += 3) {
+            const glm::dvec3 &a = places_[state.triangles[t]], &b = places_[state.triangles[t + 1]],
+                             &c = places_[state.triangles[t + 2]];
+            sum.area += 0.5 * glm::length(glm::cross(toWorld_ * (b - a), toWorld_ * (c - a)));
+            middle += a + b + c;
+            // Of the field (x, 0, 0) through the triangle, which is wound so that it faces what is below.
+            const double facingX = (b.y - a.y) * (c.z - a.z) - (b.z - a.z) * (c.y - a.y);
+            sum.volume += facingX / 2.0 * (a.x + b.x + c.x) / 3.0;
+        }
+        sum.volume += areaAboveOnFace(scalars, state, isovalue);
+        middle /= std::max<double>(1.0, static_cast<double>(state.triangles.size()));
+        const auto gradient = cell::gradientInCell(scalars, middle.x, middle.y, middle.z);
+        sum.gradient = sum.area * glm::length(gradientToWorld_ * glm::dvec3(gradient[0], gradient[1], gradient[2]));
+        return sum;
+    }
+
+private:
+    void placeInner(const CornerScalars& scalars, const cell::CellState& state, double isovalue) {
+        std::size_t inner = cell::kInnerVertex;
+        if (state.tunnel != cell::Tunnel::None) {
+            const cell::TunnelWaist waist = cell::tunnelWaist(scalars, isovalue, 1.0 / 2048.0);
+            for (const std::uint8_t corner : state.ring)
+                places_[inner++] = {waist.x[corner & 1], waist.y[corner >> 1 & 1], waist.z[corner >> 2 & 1]};
+        }
+        for (const cell::CellCentre& centre : state.centres) {
+            glm::dvec3 sum{0.0};
+            for (unsigned edges = centre.loopEdges; edges != 0; edges &= edges - 1)
+                sum += places_[static_cast<std::size_t>(std::countr_zero(edges))];
+            places_[inner++] = sum / static_cast<double>(std::popcount(centre.loopEdges));
+        }
+    }
+
+    glm::dmat3 toWorld_, gradientToWorld_;
+    std::array<glm::dvec3, cell::kInnerVertex + cell::kMaxInnerVertices> places_{};
+};
+
+// How many isovalues a scalar reaches: a table to begin with, then a look at the next ones.
+class IsovalueFinder {
+public:
+    explicit IsovalueFinder(const std::vector<double>& isovalues) : isovalues_(isovalues) {
+        least_ = isovalues.front();
+        scale_ = static_cast<double>(kParts) / (isovalues.back() - least_);
+        for (std::size_t i = 0, k = 0; i < kParts; ++i) {
+            while (k < isovalues.size() && (isovalues[k] - least_) * scale_ < static_cast<double>(i))
+                ++k;
+            start_[i] = static_cast<std::uint32_t>(k);
+        }
+    }
+    std::size_t reached(double scalar) const {
+        const double part = (scalar - least_) * scale_;
+        if (!(part >= 0.0))
+            return 0;
+        std::size_t k = part < static_cast<double>(kParts) ? start_[static_cast<std::size_t>(part)] : 0;
+        while (k > 0 && isovalues_[k - 1] > scalar)
+            --k;
+        while (k < isovalues_.size() && isovalues_[k] <= scalar)
+            ++k;
+        return k;
+    }
+
+private:
+    static constexpr std::size_t kParts = 4096;
+    const std::vector<double>& isovalues_;
+    double least_, scale_;
+    std::array<std::uint32_t, kParts> start_{};
+};
+
+// Cells spread evenly whatever their number: multiples of three irrational numbers (Roberts' R3 sequence).
+std::uint32_t rankOf(std::int64_t x, std::int64_t y, std::int64_t z) {
+    return static_cast<std::uint32_t>(x) * 3518319153u + static_cast<std::uint32_t>(y) * 2882110345u +
+           static_cast<std::uint32_t>(z) * 2360945575u;
+}
+
+} // namespace
+
+void MeasureSums::add(const MeasureSums& other) {
+    sums.resize(other.sums.size());
+    cellsAbove.resize(other.cellsAbove.size());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        sums[i].area += other.sums[i].area;
+        sums[i].volume += other.sums[i].volume;
+        sums[i].triangles += other.sums[i].triangles;
+        sums[i].gradient += other.sums[i].gradient;
+    }
+    for (std::size_t i = 0; i < cellsAbove.size(); ++i)
+        cellsAbove[i] += other.cellsAbove[i];
+}
+
+MeasureCurves MeasureSums::curves(const MeasurePlan& plan, const GridGeometry& geometry) const {
+    MeasureCurves curves;
+    if (sums.empty())
+        return curves;
+    const double cell =
+        std::abs(glm::determinant(geometry.direction) * geometry.spacing.x * geometry.spacing.y * geometry.spacing.z);
+    curves.isovalues = plan.isovalues;
+    curves.measures.resize(sums.size());
+    double whole = 0.0; // cells above the isovalue
+    for (std::size_t i = sums.size(); i-- > 0;) {
+        whole += static_cast<double>(cellsAbove[i + 1]);
+        curves.measures[i] = {sums[i].area, cell * (whole + sums[i].volume), sums[i].triangles,
+                              sums[i].area > 0.0 ? sums[i].gradient / sums[i].area : 0.0};
+    }
+    return curves;
+}
+
+template <class Sample>
+MeasureSums measureLayer(const LayerWindow<Sample>& window, const MeasurePlan& plan, const GridGeometry& geometry) {
+    MeasureSums found;
+    if (plan.isovalues.empty())
+        return found;
+    found.sums.resize(plan.isovalues.size());
+    found.cellsAbove.resize(plan.isovalues.size() + 1);
+    constexpr double kRanks = 4294967296.0;
+    std::vector<std::uint32_t> lastRank; // those up to it are looked at
+    std::vector<double> weight;
+    for (const double share : plan.shares) {
+        lastRank.push_back(static_cast<std::uint32_t>(std::min(kRanks - 1.0, share * kRanks)));
+        weight.push_back(kRanks / (static_cast<double>(lastRank.back()) + 1.0));
+    }
+    const IsovalueFinder finder(plan.isovalues);
+    CellMeasure measure(geometry);
+    const std::int64_t nx = window.dims[0], row = window.rowStep(), plane = window.planeStep();
+    std::vector<Sample> least(static_cast<std::size_t>(nx)), most(least.size());
+    for (std::int64_t z = window.zBegin; z < window.zEnd; ++z)
+        for (std::int64_t y = 0; y + 1 < window.dims[1]; ++y) {
+            const std::int64_t start = row * y + plane * (z - window.zBegin);
+            const Sample* const s = window.layer() + start;
+            for (std::int64_t x = 0; x + 1 < nx; ++x) {
+                const auto pair = [&](std::int64_t at, auto pick) { return pick(s[at + x], s[at + x + 1]); };
+                const auto four = [&](auto pick) {
+                    return pick(pick(pair(0, pick), pair(row, pick)), pick(pair(plane, pick), pair(plane + row, pick)));
+                };
+                least[static_cast<std::size_t>(x)] = four([](Sample a, Sample b) { return std::min(a, b); });
+                most[static_cast<std::size_t>(x)] = four([](Sample a, Sample b) { return std::max(a, b); });
+            }
+            for (std::int64_t x = 0; x + 1 < nx; ++x) {
+                if ((window.stars[static_cast<std::size_t>(start + x)] & 0x80) == 0)
+                    continue;
+                const auto high = static_cast<double>(most[static_cast<std::size_t>(x)]);
+                std::size_t k = finder.reached(static_cast<double>(least[static_cast<std::size_t>(x)]));
+                ++found.cellsAbove[k];
+                if (k == plan.isovalues.size() || high < plan.isovalues[k])
+                    continue;
+                const std::uint32_t rank = rankOf(x, y, z);
+                CornerScalars scalars;
+                for (std::int64_t c = 0; c < 8; ++c)
+                    scalars[static_cast<std::size_t>(c)] =
+                        static_cast<double>(s[x + (c & 1) + row * (c >> 1 & 1) + plane * (c >> 2)]);
+                for (; k < plan.isovalues.size() && plan.isovalues[k] <= high; ++k) {
+                    if (rank > lastRank[k])
+                        continue;
+                    const MeasureSums::Sum sum = measure.at(scalars, plan.isovalues[k]);
+                    MeasureSums::Sum& into = found.sums[k];
+                    into.area += weight[k] * sum.area;
+                    into.volume += weight[k] * sum.volume;
+                    into.triangles += weight[k] * sum.triangles;
+                    into.gradient += weight[k] * sum.gradient;
+                }
+            }
+        }
+    return found;
+}
+
+#define ISO_INSTANTIATE(Sample, Name) \
+    template MeasureSums measureLayer(const LayerWindow<Sample>&, const MeasurePlan&, const GridGeometry&);
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
+
+} // namespace isoslider::topology

@@ -1,0 +1,335 @@
+// What is known of surfaces in advance against the surfaces themselves, as OpenMesh counts and measures them.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/cell/cell_states.h"
+#include "core/extract/full_extraction.h"
+#include "core/mesh/mesh_checks.h"
+#include "core/topology/topology_analysis.h"
+#include "tests/support/result_matchers.h"
+
+namespace isoslider::topology {
+namespace {
+
+using test::IsOk;
+using Field = std::function<double(double x, double y, double z)>;
+
+ScalarGrid gridOf(const GridDims& dims, const Field& field, glm::dvec3 spacing = glm::dvec3(1.0)) {
+    GridGeometry geometry;
+    geometry.dims = dims;
+    geometry.spacing = spacing;
+    std::vector<float> samples;
+    for (std::int64_t z = 0; z < dims[2]; ++z)
+        for (std::int64_t y = 0; y < dims[1]; ++y)
+            for (std::int64_t x = 0; x < dims[0]; ++x)
+                samples.push_back(
+                    static_cast<float>(field(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z))));
+    return ScalarGrid::fromValues<float>(geometry, ScalarType::F32, samples);
+}
+
+Field noise(unsigned seed) {
+    return [random = std::make_shared<std::mt19937>(seed)](double, double, double) {
+        return std::uniform_real_distribution<double>(-1.0, 1.0)(*random);
+    };
+}
+
+TopologyCurve analysed(const ScalarGrid& grid, const AnalysisOptions& options = {}) {
+    auto curve = analyseTopology(planesOf(grid), options);
+    EXPECT_THAT(curve, IsOk());
+    return curve.isOk() ? std::move(curve).value() : TopologyCurve();
+}
+
+mesh::MeshReport meshAt(const ScalarGrid& grid, double isovalue) {
+    const auto surface = extract::extractFull(grid, isovalue);
+    EXPECT_THAT(surface, IsOk());
+    return surface.isOk() ? mesh::checkMesh(surface.value()) : mesh::MeshReport();
+}
+
+void expectCountsOfMesh(const ScalarGrid& grid, const TopologyCurve& curve, double isovalue) {
+    const mesh::MeshReport mesh = meshAt(grid, isovalue);
+    const SurfaceCounts counts = curve.countsAt(isovalue);
+    ASSERT_EQ(counts.euler, mesh.euler) << isovalue;
+    ASSERT_EQ(counts.components, static_cast<std::int64_t>(mesh.components)) << isovalue;
+    ASSERT_EQ(counts.loops, static_cast<std::int64_t>(mesh.boundaryLoops)) << isovalue;
+    ASSERT_EQ(counts.handles(), mesh.genus) << isovalue;
+}
+
+TEST(CountsOfMeshes, AreThoseOfNoise) {
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+        const ScalarGrid grid = gridOf({16, 16, 16}, noise(seed));
+        const TopologyCurve curve = analysed(grid);
+        std::mt19937 random(seed);
+        for (int i = 0; i < 50; ++i) {
+            expectCountsOfMesh(grid, curve, std::uniform_real_distribution<double>(-1.0, 1.0)(random));
+            if (HasFatalFailure())
+                return;
+        }
+    }
+}
+
+// What is left is a ball with a hollow: the counts are exact, on its boundary too.
+TEST(CountsOfMeshes, AreThoseWhereSamplesAreMissing) {
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+        const auto base = noise(seed);
+        const ScalarGrid grid = gridOf({14, 13, 37}, [&](double x, double y, double z) {
+            const double value = base(x, y, z);
+            const bool isCut = x + y < 6.0, isHollow = std::hypot(x - 8, y - 8, z - 16) < 3.0;
+            return isCut || isHollow ? std::numeric_limits<double>::quiet_NaN() : value;
+        });
+        const TopologyCurve curve = analysed(grid);
+        AnalysisOptions thin;
+        thin.planesAtOnce = 3;
+        EXPECT_EQ(analysed(grid, thin).events().size(), curve.events().size());
+        EXPECT_TRUE(curve.areCountsExact());
+        std::mt19937 random(seed);
+        for (int i = 0; i < 30; ++i) {
+            expectCountsOfMesh(grid, curve, std::uniform_real_distribution<double>(-1.0, 1.0)(random));
+            if (HasFatalFailure())
+                return;
+        }
+    }
+}
+
+// A tunnel where nothing is: a surface round it parts nothing.
+TEST(CountsOfMeshes, AreAtLeastThoseStatedWhereWhatIsThereHasATunnel) {
+    const auto base = noise(5);
+    const ScalarGrid grid = gridOf({13, 13, 13}, [&](double x, double y, double z) {
+        const double value = base(x, y, z);
+        return std::abs(x - 6) < 2 && std::abs(y - 6) < 2 ? std::numeric_limits<double>::quiet_NaN() : value;
+    });
+    const TopologyCurve curve = analysed(grid);
+    EXPECT_FALSE(curve.areCountsExact());
+    std::mt19937 random(5);
+    for (int i = 0; i < 30; ++i) {
+        const double isovalue = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
+        const mesh::MeshReport mesh = meshAt(grid, isovalue);
+        EXPECT_EQ(curve.countsAt(isovalue).euler, mesh.euler);
+        EXPECT_LE(curve.countsAt(isovalue).components, static_cast<std::int64_t>(mesh.components));
+    }
+}
+
+TEST(KnownShapes, HaveTheirCounts) {
+    const auto ring = [](double x, double y, double z, double cx) {
+        return std::hypot(std::hypot(x - cx, y - 20.1) - 10.0, z - 10.2);
+    };
+    const auto doubleTorus = analysed(gridOf({61, 41, 21}, [&](double x, double y, double z) {
+        return 4.0 - std::min(ring(x, y, z, 18.3), ring(x, y, z, 38.4));
+    }));
+    EXPECT_EQ(doubleTorus.countsAt(1.5), (SurfaceCounts{1, -2, 0, 0}));
+    EXPECT_EQ(doubleTorus.countsAt(1.5).handles(), 2);
+
+    // A gyroid of period 20 through a box of 40: one piece, to the sides of the box.
+    const double k = 2.0 * std::numbers::pi / 20.0;
+    const ScalarGrid gyroid = gridOf({41, 41, 41}, [k](double x, double y, double z) {
+        return std::sin(k * x) * std::cos(k * y) + std::sin(k * y) * std::cos(k * z) +
+               std::sin(k * z) * std::cos(k * x);
+    });
+    const TopologyCurve curve = analysed(gyroid);
+    for (const double isovalue : {-1.2, -0.7, 0.013, 0.4, 1.3})
+        expectCountsOfMesh(gyroid, curve, isovalue);
+    EXPECT_GT(curve.countsAt(0.013).handles(), 10);
+}
+
+TEST(PieceChanges, TellWhatHappens) {
+    // Two hills of 10 and 7 joined at 4, with a hollow of 1 in the plain of 2 round them; below 0 at the ends.
+    const auto curve = analysed(gridOf({31, 9, 9}, [](double x, double y, double z) {
+        if (x == 0 || x == 30 || y == 0 || y == 8 || z == 0 || z == 8)
+            return 0.0;
+        if (x == 27 && y == 4 && z == 4)
+            return 1.0;
+        if (y != 4 || z != 4)
+            return 2.0;
+        const std::array<std::pair<double, double>, 4> shape{{{3, 2}, {8, 10}, {13, 4}, {18, 7}}};
+        for (std::size_t i = 1; i < shape.size(); ++i)
+            if (x >= shape[i - 1].first && x <= shape[i].first)
+                return shape[i - 1].second + (x - shape[i - 1].first) / (shape[i].first - shape[i - 1].first) *
+                                                 (shape[i].second - shape[i - 1].second);
+        return 2.0;
+    }));
+    std::map<double, PieceChanges> changes;
+    for (const TopologyEvent& event : curve.events())
+        if (!(event.pieces == PieceChanges()))
+            changes[event.isovalue] = event.pieces;
+    const std::map<double, PieceChanges> expected{{0, {1, 0, 0, 0}}, {1, {1, 0, 0, 0}}, {2, {0, 0, 1, 0}},
+                                                  {4, {0, 0, 0, 1}}, {7, {0, 1, 0, 0}}, {10, {0, 1, 0, 0}}};
+    EXPECT_EQ(changes, expected);
+}
+
+// What is above an isovalue, by flooding: for each grid point the greatest sample that it hangs together with.
+std::vector<float> summits(const ScalarGrid& grid, double isovalue) {
+    const auto samples = grid.values<float>();
+    const GridDims& dims = grid.dims();
+    const auto count = samples.size();
+    std::vector<std::vector<std::size_t>> next(count);
+    const auto link = [&](std::size_t a, std::size_t b) {
+        next[a].push_back(b);
+        next[b].push_back(a);
+    };
+    for (std::int64_t z = 0; z + 1 < dims[2]; ++z)
+        for (std::int64_t y = 0; y + 1 < dims[1]; ++y)
+            for (std::int64_t x = 0; x + 1 < dims[0]; ++x) {
+                std::array<std::size_t, 8> at{};
+                cell::CornerScalars scalars{};
+                unsigned signs = 0;
+                for (unsigned c = 0; c < 8; ++c) {
+                    at[c] =
+                        static_cast<std::size_t>(x + (c & 1) + dims[0] * (y + (c >> 1 & 1) + dims[1] * (z + (c >> 2))));
+                    scalars[c] = samples[at[c]];
+                    signs |= (scalars[c] >= isovalue ? 1u : 0u) << c;
+                }
+                for (const auto& edge : cell::kCellEdges)
+                    link(at[edge.lowerCorner], at[edge.upperCorner]);
+                if (!cell::isAmbiguous(static_cast<std::uint8_t>(signs)))
+                    continue;
+                const auto id = cell::resolveCell(static_cast<std::uint8_t>(signs), scalars, true, isovalue).state;
+                const cell::CellState& state = cell::cellStates()[id];
+                for (std::size_t face = 0; face < 6; ++face)
+                    if ((state.joinedFaces >> face & 1) != 0) {
+                        const auto& c = cell::kFaceCorners[face];
+                        link(at[c[0]], at[c[2]]); // of these two pairs one is above
+                        link(at[c[1]], at[c[3]]);
+                    }
+                if (state.tunnel == cell::Tunnel::Above)
+                    for (unsigned c = 1; c < 8; c <<= 1) // the ends of the diagonal, and what is round them
+                        for (const unsigned d : {0u, c}) {
+                            link(at[state.diagonal], at[state.diagonal ^ c]);
+                            link(at[state.diagonal ^ d], at[(7u - state.diagonal) ^ d]);
+                            link(at[state.diagonal ^ d], at[7u - state.diagonal]);
+                            link(at[state.diagonal], at[(7u - state.diagonal) ^ d]);
+                        }
+            }
+    std::vector<float> summit(count, -std::numeric_limits<float>::infinity());
+    std::vector<bool> isSeen(count);
+    for (std::size_t start = 0; start < count; ++start) {
+        if (isSeen[start] || samples[start] < isovalue)
+            continue;
+        std::vector<std::size_t> reached{start};
+        isSeen[start] = true;
+        float greatest = samples[start];
+        for (std::size_t i = 0; i < reached.size(); ++i)
+            for (const std::size_t other : next[reached[i]])
+                if (!isSeen[other] && samples[other] >= isovalue) {
+                    isSeen[other] = true;
+                    reached.push_back(other);
+                    greatest = std::max(greatest, samples[other]);
+                }
+        for (const std::size_t at : reached)
+            summit[at] = greatest;
+    }
+    return summit;
+}
+
+TEST(Persistence, IsThatOfAMergeTreeMadeByFlooding) {
+    for (unsigned seed = 1; seed <= 6; ++seed) {
+        const ScalarGrid grid = gridOf({6, 5, 7}, noise(seed));
+        const auto samples = grid.values<float>();
+        AnalysisOptions thin;
+        thin.planesAtOnce = 3;
+        const TopologyCurve curve = analysed(grid, thin);
+        // Isovalues fall through all events and samples: at each, whose summit is another one has joined it.
+        std::vector<double> isovalues(samples.begin(), samples.end());
+        for (const TopologyEvent& event : curve.events())
+            isovalues.push_back(event.isovalue);
+        std::sort(isovalues.begin(), isovalues.end(), std::greater<>());
+        std::map<double, double> lasting; // by the summit's scalar
+        for (const double isovalue : isovalues) {
+            const std::vector<float> summit = summits(grid, isovalue);
+            for (std::size_t i = 0; i < samples.size(); ++i)
+                if (samples[i] >= isovalue && summit[i] != samples[i])
+                    lasting.try_emplace(samples[i], static_cast<double>(samples[i]) - isovalue);
+        }
+        std::erase_if(lasting, [](const auto& each) { return each.second == 0.0; });
+        std::map<double, double> found;
+        for (const TopologyEvent& event : curve.events())
+            if (event.pieces.deaths > 0)
+                found[event.isovalue] = event.persistence;
+        const auto [least, greatest] = std::minmax_element(samples.begin(), samples.end());
+        lasting[*greatest] = static_cast<double>(*greatest) - static_cast<double>(*least);
+        EXPECT_GT(lasting.size(), 10u);
+        EXPECT_EQ(found, lasting) << "seed " << seed;
+    }
+}
+
+// ---- curves
+
+// Of surfaces that are closed: of others the mesh encloses nothing.
+void expectMeasuresOfMesh(const ScalarGrid& grid, const MeasureCurves& curves, std::size_t at, double share) {
+    const double isovalue = curves.isovalues[at];
+    const mesh::MeshReport mesh = meshAt(grid, isovalue);
+    const SurfaceMeasures& measures = curves.measures[at];
+    ASSERT_TRUE(mesh.isClosed);
+    EXPECT_NEAR(measures.area, mesh.area, share * mesh.area) << isovalue;
+    EXPECT_NEAR(measures.volume, std::abs(mesh.enclosedVolume), share * std::abs(mesh.enclosedVolume)) << isovalue;
+    EXPECT_NEAR(measures.triangles, static_cast<double>(mesh.triangles), share * static_cast<double>(mesh.triangles));
+}
+
+TEST(MeasureCurves, AreThoseOfMeshes) {
+    const auto base = noise(3);
+    const glm::dvec3 spacing{0.5, 1.25, 2.0};
+    const ScalarGrid closed = gridOf(
+        {20, 22, 24},
+        [&](double x, double y, double z) {
+            const double value = base(x, y, z);
+            return x < 1 || y < 1 || z < 1 || x > 18 || y > 20 || z > 22 ? -1.5 : value;
+        },
+        spacing);
+    AnalysisOptions options;
+    options.measures = planMeasures(closed);
+    const MeasureCurves noisy = analysed(closed, options).curves();
+    ASSERT_GT(noisy.isovalues.size(), 200u);
+    for (std::size_t i = 1; i < noisy.isovalues.size(); i += 23)
+        if (noisy.measures[i].triangles > 0)
+            expectMeasuresOfMesh(closed, noisy, i, 5e-4); // the mesh keeps vertices a little apart
+
+    const ScalarGrid sphere = gridOf(
+        {41, 41, 41}, [](double x, double y, double z) { return 19.0 - std::hypot(x - 20.1, y - 19.9, z - 20.2); });
+    options.measures = planMeasures(sphere);
+    const MeasureCurves curves = analysed(sphere, options).curves();
+    const SurfaceMeasures at = curves.at(9.0);
+    EXPECT_NEAR(at.area, 4 * std::numbers::pi * 100, 0.005 * at.area);
+    EXPECT_NEAR(at.volume, 4.0 / 3.0 * std::numbers::pi * 1000, 0.01 * at.volume);
+    EXPECT_NEAR(at.gradient, 1.0, 0.01);
+}
+
+TEST(MeasureCurves, OfAFewCellsAreNearThoseOfAll) {
+    const double k = 2.0 * std::numbers::pi / 31.0;
+    const auto base = noise(9);
+    for (const bool isNoisy : {false, true}) {
+        const ScalarGrid grid = gridOf({80, 80, 80}, [&](double x, double y, double z) {
+            const double border = std::min({x, y, z, 79 - x, 79 - y, 79 - z});
+            const double wave =
+                std::sin(k * x) + std::sin(k * y + 1) + std::sin(k * z + 2) + (isNoisy ? base(x, y, z) : 0.0);
+            return border < 1 ? -4.5 : wave;
+        });
+        AnalysisOptions options;
+        options.measures = planMeasures(grid);
+        for (double& share : options.measures.shares)
+            share = isNoisy ? 0.4 : 0.2;
+        const MeasureCurves curves = analysed(grid, options).curves();
+        for (const std::size_t at : {80u, 120u, 160u, 190u})
+            expectMeasuresOfMesh(grid, curves, at, 0.01);
+    }
+}
+
+TEST(MeasureCurves, AreLinearBetweenIsovaluesAndConstantBeyond) {
+    const MeasureCurves curves{{1.0, 3.0}, {{10, 100, 1000, 1}, {20, 50, 2000, 3}}};
+    EXPECT_EQ(curves.at(2.0).area, 15);
+    EXPECT_EQ(curves.at(2.5).volume, 62.5);
+    EXPECT_EQ(curves.at(0.0).triangles, 1000);
+    EXPECT_EQ(curves.at(9.0).gradient, 3);
+    EXPECT_EQ(MeasureCurves().at(1.0).area, 0);
+}
+
+} // namespace
+} // namespace isoslider::topology
