@@ -1,11 +1,14 @@
+#include <chrono>
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <tbb/task_arena.h>
 
 #include "app/cli/command.h"
 #include "app/cli/input_kind.h"
@@ -17,6 +20,8 @@
 #include "app/cli/resampling_report.h"
 #include "core/base/machine.h"
 #include "core/index/format/index_format.h"
+#include "core/topology/index_topology.h"
+#include "core/topology/stored_topology.h"
 #include "preprocess/build_index.h"
 
 namespace isoslider::cli {
@@ -56,6 +61,9 @@ std::string isAboveZero(const std::string& text) {
 struct Built {
     preprocess::BuildReport report;
     io::VolumeInfo volume;
+    std::uint64_t events = 0; ///< of topology
+    double topologySeconds = 0.0;
+    std::string topologyProblem; ///< why the index has none; empty: it has, or it was not wanted
 };
 
 Json jsonOf(const Built& built) {
@@ -67,6 +75,12 @@ Json jsonOf(const Built& built) {
     json["distinct_values"] = report.info.distinctValues;
     json["levels"] = levelsJson(report.info);
     json["kind"] = index::indexKindName(report.info.kind);
+    if (!built.topologyProblem.empty()) {
+        json["topology_problem"] = built.topologyProblem;
+    } else if (built.topologySeconds > 0.0) {
+        json["topology_events"] = built.events;
+        json["topology_seconds"] = built.topologySeconds;
+    }
     addResampling(built.volume, json);
     return json;
 }
@@ -101,7 +115,12 @@ public:
         }
         ISO_CLI_TRY(checkNotRead(indexPath_, source.value()->info().dataFiles));
         ISO_CLI_TRY(tryOutput(indexPath_));
-        const auto report = build(*source.value(), bar.job());
+        const JobControl all = bar.job();
+        const JobControl building = withTopology_ ? all.part(0.0, 0.5) : all, analysing = all.part(0.5, 1.0);
+        auto report = build(*source.value(), building);
+        if (report.isOk() && withTopology_)
+            if (Status added = addTopology(*source.value(), report.value(), analysing); !added.isOk())
+                report = std::move(added).error();
         bar.wipe();
         if (!report.isOk())
             return report.error();
@@ -137,6 +156,9 @@ private:
                 "--memory", [this](const std::string& text) { memoryBytes_ = memoryOrThrow(text); },
                 fmt::format("memory to keep within, as 512M or 2G ({})", sizeText(memoryBytes_)))
             ->type_name("SIZE");
+        command.add_flag_callback(
+            "--no-topology", [this] { withTopology_ = false; },
+            "leave out events, counts and curves: topology then analyses the volume");
         addInteger(command, "--threads", threads_, 1, kMaxThreads, "threads to use (all cores)");
         command
             .add_flag_callback("--resume",
@@ -161,12 +183,49 @@ private:
         return Built{std::move(report).value(), source.info()};
     }
 
+    // The index is there, and stays whatever happens here. Too little memory is no failure: a message states it.
+    Status addTopology(io::VolumeSource& source, Built& built, const JobControl& job) {
+        const auto start = std::chrono::steady_clock::now();
+        topology::AnalysisOptions options;
+        options.memoryBytes = memoryBytes_;
+        options.measures = topology::planMeasures(built.report.info);
+        std::unique_ptr<index::IndexReader> reader;
+        topology::PlaneSource planes{source.info().geometry, source.info().type,
+                                     [&](std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
+                                         return source.readSlab(zBegin, zEnd, out);
+                                     }};
+        if (built.report.info.kind == index::IndexKind::Metacells) { // decoded faster than most files are read
+            auto opened = index::IndexReader::open(indexPath_);
+            if (!opened.isOk())
+                return std::move(opened).error();
+            reader = std::move(opened).value();
+            planes = topology::planesOf(*reader);
+        }
+        tbb::task_arena arena(threads_ > 0 ? static_cast<int>(threads_) : tbb::task_arena::automatic);
+        const auto curve = arena.execute([&] { return topology::analyseTopology(planes, options, job); });
+        if (!curve.isOk() &&
+            (curve.error().code == ErrorCode::OutOfSpace || curve.error().code == ErrorCode::InvalidArgument)) {
+            built.topologyProblem = curve.error().message;
+            return {};
+        }
+        if (!curve.isOk())
+            return curve.error();
+        ISO_TRY(topology::storeTopology(indexPath_, curve.value()));
+        built.events = curve.value().eventCount();
+        built.topologySeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return {};
+    }
+
     std::string textOf(const Built& built) const {
         const preprocess::BuildReport& report = built.report;
         std::string text = fmt::format("{}: {} in {:.2f} s, peak memory {}\n", indexPath_,
                                        sizeText(report.info.indexBytes), report.seconds, sizeText(report.peakRssBytes));
         text += fmt::format("{}, {} distinct values, {} skip levels\n", index::indexKindName(report.info.kind),
                             report.info.distinctValues, report.info.levels.size());
+        if (!built.topologyProblem.empty())
+            text += fmt::format("without topology: {}\n", built.topologyProblem);
+        else if (withTopology_)
+            text += fmt::format("{} events of topology in {:.2f} s\n", built.events, built.topologySeconds);
         if (const std::string lost = resamplingText(built.volume); !lost.empty())
             text += fmt::format("resampled {}\n", lost);
         return text;
@@ -181,6 +240,7 @@ private:
     std::optional<double> redundancy_;
     std::uint64_t memoryBytes_ = preprocess::BuildOptions{}.memoryBytes;
     std::int64_t threads_ = 0;
+    bool withTopology_ = true;
 };
 
 } // namespace

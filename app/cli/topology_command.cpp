@@ -1,4 +1,5 @@
-#include <algorithm>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,10 +10,13 @@
 
 #include "app/cli/command.h"
 #include "app/cli/input_kind.h"
+#include "app/cli/number_parsing.h"
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
-#include "core/index/sample_store.h"
-#include "core/topology/topology_analysis.h"
+#include "core/base/machine.h"
+#include "core/topology/index_topology.h"
+#include "core/topology/stored_topology.h"
+#include "core/topology/topology_queries.h"
 #include "core/volume_io/volume_reader.h"
 
 namespace isoslider::cli {
@@ -39,6 +43,19 @@ Json eventJson(const topology::TopologyEvent& event) {
     json["before"] = countsJson(event.below);
     json["after"] = countsJson(event.above);
     json["persistence"] = event.persistence;
+    json["births"] = event.pieces.births;
+    json["deaths"] = event.pieces.deaths;
+    json["joins"] = event.pieces.joins;
+    json["splits"] = event.pieces.splits;
+    return json;
+}
+
+Json measuresJson(const topology::SurfaceMeasures& measures) {
+    Json json;
+    json["area"] = measures.area;
+    json["volume"] = measures.volume;
+    json["triangles"] = measures.triangles;
+    json["mean_gradient"] = measures.gradient;
     return json;
 }
 
@@ -51,143 +68,289 @@ class TopologyCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand(
-            "topology", "Isovalues at which pieces, tunnels and boundary loops change, and how many there are");
-        command->add_option("FILE", path_, "volume, or index of metacells")->required()->type_name("");
-        auto* at = addNumber(*command, "--at", at_, "the counts at one isovalue");
-        auto* events = addInteger(*command, "--events", events_, 0, kMostEvents,
-                                  "the N most persistent events, ascending; 0: all of them");
-        command->add_flag("--curves", showsCurves_, fmt::format("the counts at {} even steps", kCurveSteps + 1))
-            ->excludes(at)
-            ->excludes(events);
-        at->excludes(events);
-        hasEvents_ = events;
+            "topology", "Isovalues at which pieces, tunnels and boundary loops change, and what surfaces measure");
+        command->add_option("FILE", path_, "volume, or index")->required()->type_name("");
+        std::vector<CLI::Option*> questions;
+        questions.push_back(addNumber(*command, "--at", at_, "counts and measures at one isovalue"));
+        questions.push_back(addInteger(*command, "--events", events_, 0, kMostEvents,
+                                       "the N most persistent events, ascending; 0: all of them"));
+        hasEvents_ = questions.back();
+        questions.push_back(command->add_flag("--curves", showsCurves_,
+                                              fmt::format("counts and measures at {} even steps", kCurveSteps + 1)));
+        questions.push_back(addInteger(*command, "--pieces", pieces_, 0, kMostEvents, "isovalues with N pieces"));
+        hasPieces_ = questions.back();
+        questions.push_back(addInteger(*command, "--tunnels", tunnels_, 0, kMostEvents,
+                                       "isovalues with N tunnels: of a closed surface the genus"));
+        hasTunnels_ = questions.back();
+        questions.push_back(addNumber(*command, "--area", area_, "isovalues of surfaces of this area"));
+        questions.push_back(addNumber(*command, "--volume", enclosed_, "isovalues above which this volume lies"));
+        questions.push_back(command
+                                ->add_option_function<std::vector<std::string>>(
+                                    "--between", [this](const std::vector<std::string>& ends) { setEnds(ends); },
+                                    "what changes from one isovalue to another, and the volume between")
+                                ->expected(2)
+                                ->type_name("A B"));
+        questions.push_back(
+            command->add_flag("--suggest", suggests_, "isovalues worth a look, the best first, with a reason each"));
+        for (CLI::Option* question : questions)
+            for (CLI::Option* other : questions)
+                if (question != other)
+                    question->excludes(other);
         addVolumeOptions(*command, volume_);
         return command;
     }
 
     Outcome run(Session& session) override {
         ProgressBar bar(session.showsProgress, session.stop);
-        const JobControl job = bar.job();
-        const JobControl reading = job.part(0.0, 0.3), analysing = job.part(0.3, 1.0);
-        const auto grid = read(reading);
-        if (!grid.isOk())
-            return grid.error();
-        topology::AnalysisOptions options;
-        options.measures = topology::planMeasures(*grid.value());
-        const auto curve = topology::analyseTopology(topology::planesOf(*grid.value()), options, analysing);
+        const auto summary = find(bar.job());
         bar.wipe();
-        if (!curve.isOk()) {
-            Error error = curve.error();
+        if (!summary.isOk()) {
+            Error error = summary.error();
             error.path = error.path.empty() ? path_ : error.path;
             return error;
         }
+        Answer answer;
+        if (const Status status = describe(*summary.value(), answer); !status.isOk())
+            return status.error();
         if (session.isJson)
-            session.output.writeJson(jsonOf(curve.value()));
+            session.output.writeJson(answer.json);
         else
-            session.output.write(textOf(curve.value()));
+            session.output.write(answer.text);
         return {};
     }
 
 private:
-    Result<std::shared_ptr<const ScalarGrid>> read(const JobControl& job) const {
+    using Summary = std::shared_ptr<const topology::TopologySummary>;
+    struct Answer {
+        Json json;
+        std::string text;
+    };
+
+    void setEnds(const std::vector<std::string>& ends) {
+        for (const std::string& end : ends) {
+            const auto value = parseFinite(end);
+            if (!value)
+                throw CLI::ValidationError("--between", fmt::format("'{}' is not a number", end));
+            between_.push_back(*value);
+        }
+        if (!(between_[0] <= between_[1]))
+            throw CLI::ValidationError("--between", "the lesser isovalue comes first");
+    }
+
+    // Of an index what was stored in it; else analysed now, and for the next time stored where that can be.
+    Result<Summary> find(const JobControl& job) const {
         const auto kind = sniffInput(path_, volume_.readOptions());
         if (!kind.isOk())
             return kind.error();
-        if (kind.value() == InputKind::Volume)
-            return io::readVolume(path_, volume_.readOptions(), job);
-        const auto reader = index::IndexReader::open(path_);
-        if (!reader.isOk())
-            return reader.error();
-        if (reader.value()->info().kind != index::IndexKind::Metacells)
-            return makeError(ErrorCode::InvalidArgument, "an index of edges holds no samples; give the volume", path_);
-        return index::readSamples(*reader.value(), job);
+        topology::AnalysisOptions options;
+        options.memoryBytes = physicalMemoryBytes() / 2;
+        if (kind.value() == InputKind::Index) {
+            auto found = topology::topologyOfIndex(path_, options, job);
+            if (!found.isOk())
+                return std::move(found).error();
+            return std::move(found).value().summary;
+        }
+        const JobControl reading = job.part(0.0, 0.3), analysing = job.part(0.3, 1.0);
+        const auto grid = io::readVolume(path_, volume_.readOptions(), reading);
+        if (!grid.isOk())
+            return grid.error();
+        options.measures = topology::planMeasures(*grid.value());
+        auto curve = topology::analyseTopology(topology::planesOf(*grid.value()), options, analysing);
+        if (!curve.isOk())
+            return std::move(curve).error();
+        return Summary(std::make_shared<topology::TopologyCurve>(std::move(curve).value()));
     }
 
-    std::vector<topology::TopologyEvent> chosen(const topology::TopologyCurve& curve) const {
-        std::vector<topology::TopologyEvent> events = curve.events();
-        const auto count = static_cast<std::size_t>(events_);
-        if (events_ == 0 || count >= events.size())
-            return events;
-        std::stable_sort(events.begin(), events.end(),
-                         [](const auto& a, const auto& b) { return a.persistence > b.persistence; });
-        events.resize(count);
-        std::sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.isovalue < b.isovalue; });
-        return events;
+    Status describe(const topology::TopologySummary& summary, Answer& answer) const {
+        ISO_TRY(answerQuestion(summary, answer));
+        if (!summary.areCountsExact()) {
+            answer.json["counts_exact"] = false;
+            answer.text += "samples are missing: pieces and boundary loops are at least as many\n";
+        }
+        return {};
+    }
+    Status answerQuestion(const topology::TopologySummary& summary, Answer& answer) const {
+        if (at_)
+            return showAt(summary, answer);
+        if (showsCurves_)
+            return showCurves(summary, answer);
+        if (*hasEvents_)
+            return showEvents(summary, answer);
+        if (*hasPieces_)
+            return showIntervals(summary, answer, [this](const topology::SurfaceCounts& counts) {
+                return counts.components == pieces_;
+            });
+        if (*hasTunnels_)
+            return showIntervals(summary, answer, [this](const topology::SurfaceCounts& counts) {
+                return counts.handles() == tunnels_;
+            });
+        if (area_)
+            return showIsovalues(summary, answer, &topology::SurfaceMeasures::area, *area_);
+        if (enclosed_)
+            return showIsovalues(summary, answer, &topology::SurfaceMeasures::volume, *enclosed_);
+        if (!between_.empty())
+            return showDifference(summary, answer);
+        if (suggests_)
+            return showSuggestions(summary, answer);
+        answer.json["event_count"] = summary.eventCount();
+        answer.json["events"] = Json::array();
+        answer.text = fmt::format("{} events; see --at, --events, --curves and --suggest\n", summary.eventCount());
+        return {};
+    }
+
+    Status showAt(const topology::TopologySummary& summary, Answer& answer) const {
+        const auto counts = summary.at(*at_);
+        if (!counts.isOk())
+            return counts.error();
+        answer.json["isovalue"] = *at_;
+        answer.json.update(countsJson(counts.value()));
+        answer.text = fmt::format("isovalue {}: {}\n", *at_, countsText(counts.value()));
+        if (!summary.curves().isEmpty()) {
+            const topology::SurfaceMeasures measures = summary.curves().at(*at_);
+            answer.json.update(measuresJson(measures));
+            answer.text +=
+                fmt::format("about: area {:.5g}, volume above {:.5g}, {:.0f} triangles, mean gradient {:.5g}\n",
+                            measures.area, measures.volume, measures.triangles, measures.gradient);
+        }
+        return {};
+    }
+
+    Status showEvents(const topology::TopologySummary& summary, Answer& answer) const {
+        const auto events =
+            summary.mostPersistent(events_ == 0 ? summary.eventCount() : static_cast<std::size_t>(events_));
+        if (!events.isOk())
+            return events.error();
+        answer.json["event_count"] = summary.eventCount();
+        answer.json["events"] = Json::array();
+        answer.text = fmt::format("{:>14} {:<12} {:>12} {:>18} {:>18} {:>18} {:>20}\n", "isovalue", "kind",
+                                  "persistence", "pieces", "tunnels", "boundary loops", "near grid point");
+        const auto change = [](std::int64_t before, std::int64_t after) {
+            return before == after ? fmt::format("{}", before) : fmt::format("{} > {}", before, after);
+        };
+        for (const auto& event : events.value()) {
+            answer.json["events"].push_back(eventJson(event));
+            answer.text += fmt::format(
+                "{:>14.7g} {:<12} {:>12.5g} {:>18} {:>18} {:>18} {:>20}\n", event.isovalue,
+                topology::eventKindName(event.kind), event.persistence,
+                change(event.below.components, event.above.components),
+                change(event.below.handles(), event.above.handles()), change(event.below.loops, event.above.loops),
+                fmt::format("{:g} {:g} {:g}", event.position[0], event.position[1], event.position[2]));
+        }
+        return {};
     }
 
     // Even steps from the first event to the last.
-    static std::vector<double> stepsOf(const topology::TopologyCurve& curve) {
+    static Result<std::vector<double>> stepsOf(const topology::TopologySummary& summary) {
+        std::optional<double> first;
+        double last = 0.0;
+        ISO_TRY(summary.visitEvents([&](const topology::TopologyEvent& event) {
+            first = first.value_or(event.isovalue);
+            last = event.isovalue;
+            return true;
+        }));
         std::vector<double> steps;
-        if (curve.events().empty())
-            return steps;
-        const double first = curve.events().front().isovalue, last = curve.events().back().isovalue;
-        for (int i = 0; i <= kCurveSteps; ++i) {
+        for (int i = 0; first && i <= kCurveSteps; ++i) {
             const double part = static_cast<double>(i) / kCurveSteps;
-            steps.push_back(first * (1.0 - part) + last * part);
+            steps.push_back(*first * (1.0 - part) + last * part);
         }
         return steps;
     }
 
-    Json jsonOf(const topology::TopologyCurve& curve) const {
-        Json json;
-        if (at_) {
-            json["isovalue"] = *at_;
-            json.update(countsJson(curve.countsAt(*at_)));
-        } else if (showsCurves_) {
-            for (const char* name : {"isovalue", "components", "euler", "boundary_loops", "handles", "voids"})
-                json[name] = Json::array();
-            for (const double isovalue : stepsOf(curve)) {
-                json["isovalue"].push_back(isovalue);
-                const Json counts = countsJson(curve.countsAt(isovalue));
-                for (const auto& [name, count] : counts.items())
-                    json[name].push_back(count);
-            }
-        } else {
-            json["event_count"] = curve.events().size();
-            json["events"] = Json::array();
-            if (*hasEvents_)
-                for (const auto& event : chosen(curve))
-                    json["events"].push_back(eventJson(event));
+    static Status showCurves(const topology::TopologySummary& summary, Answer& answer) {
+        const auto steps = stepsOf(summary);
+        if (!steps.isOk())
+            return steps.error();
+        for (const char* name : {"isovalue", "components", "euler", "boundary_loops", "handles", "voids"})
+            answer.json[name] = Json::array();
+        answer.text = fmt::format("{:>14} {:>10} {:>10} {:>14} {:>8} {:>12} {:>12} {:>12} {:>10} {:>12}\n", "isovalue",
+                                  "pieces", "tunnels", "boundary loops", "voids", "Euler number", "area",
+                                  "volume above", "triangles", "mean gradient");
+        for (const double isovalue : steps.value()) {
+            const auto counts = summary.at(isovalue);
+            if (!counts.isOk())
+                return counts.error();
+            const topology::SurfaceMeasures measures = summary.curves().at(isovalue);
+            answer.json["isovalue"].push_back(isovalue);
+            Json all = countsJson(counts.value());
+            all.update(measuresJson(measures));
+            for (const auto& [name, value] : all.items())
+                answer.json[name].push_back(value);
+            answer.text += fmt::format(
+                "{:>14.7g} {:>10} {:>10} {:>14} {:>8} {:>12} {:>12.5g} {:>12.5g} {:>10.0f} {:>12.5g}\n", isovalue,
+                counts.value().components, counts.value().handles(), counts.value().loops, counts.value().voids,
+                counts.value().euler, measures.area, measures.volume, measures.triangles, measures.gradient);
         }
-        return json;
+        return {};
     }
 
-    std::string textOf(const topology::TopologyCurve& curve) const {
-        if (at_)
-            return fmt::format("isovalue {}: {}\n", *at_, countsText(curve.countsAt(*at_)));
-        std::string text;
-        if (showsCurves_) {
-            text = fmt::format("{:>14} {:>12} {:>12} {:>14} {:>8} {:>12}\n", "isovalue", "pieces", "tunnels",
-                               "boundary loops", "voids", "Euler number");
-            for (const double isovalue : stepsOf(curve)) {
-                const topology::SurfaceCounts counts = curve.countsAt(isovalue);
-                text += fmt::format("{:>14.7g} {:>12} {:>12} {:>14} {:>8} {:>12}\n", isovalue, counts.components,
-                                    counts.handles(), counts.loops, counts.voids, counts.euler);
-            }
-            return text;
+    static Status showIntervals(const topology::TopologySummary& summary, Answer& answer,
+                                const std::function<bool(const topology::SurfaceCounts&)>& isWanted) {
+        const auto intervals = topology::intervalsWith(summary, isWanted);
+        if (!intervals.isOk())
+            return intervals.error();
+        answer.json["intervals"] = Json::array();
+        for (const auto& interval : intervals.value()) {
+            answer.json["intervals"].push_back({interval.below, interval.above});
+            answer.text += fmt::format("above {} up to {}\n", interval.below, interval.above);
         }
-        if (!*hasEvents_)
-            return fmt::format("{} events; see --at, --events and --curves\n", curve.events().size());
-        text = fmt::format("{:>14} {:<12} {:>12} {:>18} {:>18} {:>18} {:>20}\n", "isovalue", "kind", "persistence",
-                           "pieces", "tunnels", "boundary loops", "near grid point");
-        const auto change = [](std::int64_t before, std::int64_t after) {
-            return before == after ? fmt::format("{}", before) : fmt::format("{} > {}", before, after);
-        };
-        for (const auto& event : chosen(curve))
-            text += fmt::format("{:>14.7g} {:<12} {:>12.5g} {:>18} {:>18} {:>18} {:>20}\n", event.isovalue,
-                                topology::eventKindName(event.kind), event.persistence,
-                                change(event.below.components, event.above.components),
-                                change(event.below.handles(), event.above.handles()),
-                                change(event.below.loops, event.above.loops),
-                                fmt::format("{:g} {:g} {:g}", event.position[0], event.position[1], event.position[2]));
-        return text;
+        if (intervals.value().empty())
+            answer.text = "no isovalue has so many\n";
+        return {};
+    }
+
+    static Status showIsovalues(const topology::TopologySummary& summary, Answer& answer,
+                                double topology::SurfaceMeasures::*measure, double value) {
+        const std::vector<double> isovalues = topology::isovaluesWith(summary.curves(), measure, value);
+        answer.json["isovalues"] = isovalues;
+        for (const double isovalue : isovalues)
+            answer.text += fmt::format("{}\n", isovalue);
+        if (isovalues.empty())
+            answer.text = "no isovalue has so much\n";
+        return {};
+    }
+
+    Status showDifference(const topology::TopologySummary& summary, Answer& answer) const {
+        const auto found = topology::difference(summary, between_[0], between_[1]);
+        if (!found.isOk())
+            return found.error();
+        const topology::SurfaceDifference& difference = found.value();
+        answer.json["from"] = countsJson(difference.from);
+        answer.json["to"] = countsJson(difference.to);
+        answer.json["events"] = difference.events;
+        answer.json["births"] = difference.births;
+        answer.json["deaths"] = difference.deaths;
+        answer.json["joins"] = difference.joins;
+        answer.json["splits"] = difference.splits;
+        answer.json["volume_between"] = difference.volume;
+        answer.text = fmt::format(
+            "{}: {}\n{}: {}\n{} events: pieces come {} times, go {} times, join {} times, split {} "
+            "times\nvolume between: about {:.5g}\n",
+            between_[0], countsText(difference.from), between_[1], countsText(difference.to), difference.events,
+            difference.births, difference.deaths, difference.joins, difference.splits, difference.volume);
+        return {};
+    }
+
+    static Status showSuggestions(const topology::TopologySummary& summary, Answer& answer) {
+        const auto suggestions = topology::suggestIsovalues(summary);
+        if (!suggestions.isOk())
+            return suggestions.error();
+        answer.json["suggestions"] = Json::array();
+        for (const auto& suggestion : suggestions.value()) {
+            answer.json["suggestions"].push_back(
+                {{"isovalue", suggestion.isovalue}, {"reason", topology::reasonText(suggestion.reason)}});
+            answer.text += fmt::format("{:>14.7g}  {}\n", suggestion.isovalue, topology::reasonText(suggestion.reason));
+        }
+        if (suggestions.value().empty())
+            answer.text = "none: the volume has no surface\n";
+        return {};
     }
 
     std::string path_;
-    std::optional<double> at_;
-    std::int64_t events_ = 0;
-    const CLI::Option* hasEvents_ = nullptr;
-    bool showsCurves_ = false;
+    std::optional<double> at_, area_, enclosed_;
+    std::int64_t events_ = 0, pieces_ = 0, tunnels_ = 0;
+    const CLI::Option *hasEvents_ = nullptr, *hasPieces_ = nullptr, *hasTunnels_ = nullptr;
+    bool showsCurves_ = false, suggests_ = false;
+    std::vector<double> between_;
     VolumeOptions volume_;
 };
 

@@ -117,7 +117,10 @@ private:
 class PosixWritableFile final : public WritableFile {
 public:
     explicit PosixWritableFile(fs::path path) : path_(std::move(path)), descriptor_(-1) {}
-    void adopt(FileDescriptor descriptor) { descriptor_ = std::move(descriptor); }
+    void adopt(FileDescriptor descriptor, std::uint64_t size = 0) {
+        descriptor_ = std::move(descriptor);
+        size_ = size;
+    }
 
     const fs::path& path() const override { return path_; }
     std::uint64_t sizeBytes() const override { return size_; }
@@ -200,6 +203,26 @@ public:
         return makeError(ErrorCode::IoError, "keeps being replaced by another program", path);
     }
 
+    Result<std::unique_ptr<WritableFile>> extend(const fs::path& path, std::uint64_t keepBytes) override {
+        auto file = std::make_unique<PosixWritableFile>(path);
+        FileDescriptor descriptor(openRetrying(path, O_RDWR | O_NONBLOCK | O_NOCTTY));
+        if (!descriptor.isOpen())
+            return systemError(errno, "cannot write", path);
+        if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+            return makeError(ErrorCode::InvalidArgument, "is being written by another program", path);
+        struct stat facts {};
+        if (::fstat(descriptor.get(), &facts) != 0)
+            return systemError(errno, "cannot inspect", path);
+        if (!S_ISREG(facts.st_mode))
+            return notRegularError(facts.st_mode, path);
+        if (static_cast<std::uint64_t>(facts.st_size) < keepBytes)
+            return makeError(ErrorCode::InvalidArgument, "has become shorter", path);
+        if (retrying([&] { return ::ftruncate(descriptor.get(), static_cast<off_t>(keepBytes)); }) != 0)
+            return systemError(errno, "cannot write", path);
+        file->adopt(std::move(descriptor), keepBytes);
+        return std::unique_ptr<WritableFile>(std::move(file));
+    }
+
     Status renameDurably(const fs::path& from, const fs::path& to) override {
         // Opened before: once renamed, nothing may fail any more.
         const FileDescriptor folder(openRetrying(folderOf(to), O_RDONLY | O_DIRECTORY));
@@ -220,6 +243,10 @@ public:
 };
 
 } // namespace
+
+Result<std::unique_ptr<WritableFile>> FileSystem::extend(const fs::path& path, std::uint64_t) {
+    return makeError(ErrorCode::IoError, "cannot be extended here", path);
+}
 
 Status RandomAccessFile::readExactlyAt(std::uint64_t offset, std::span<std::byte> out) const {
     auto got = readAt(offset, out);

@@ -59,6 +59,10 @@ public:
     /// Creates or empties a file and locks it until it is closed.
     /// Errors: InvalidArgument when another writer holds it, OutOfSpace, IoError.
     virtual Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) = 0;
+    /// Opens an existing file to append to it, its first `keepBytes` bytes kept, what follows them cut off. Locks it
+    /// until it is closed. Errors: NotFound, InvalidArgument (another writer holds it; not that many bytes; not a
+    /// regular file), IoError. Where a file system cannot: IoError.
+    virtual Result<std::unique_ptr<WritableFile>> extend(const std::filesystem::path& path, std::uint64_t keepBytes);
     /// Replaces `to` if it exists, in one step, and makes the change survive a power loss where the file system can.
     /// On failure `to` is what it was.
     virtual Status renameDurably(const std::filesystem::path& from, const std::filesystem::path& to) = 0;

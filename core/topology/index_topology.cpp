@@ -1,24 +1,119 @@
 #include "core/topology/index_topology.h"
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
 #include "core/index/sample_store.h"
-#include "core/topology/topology_analysis.h"
+#include "core/topology/stored_topology.h"
 
 namespace isoslider::topology {
+namespace {
 
-Result<std::shared_ptr<const TopologySummary>> analyseIndex(const std::filesystem::path& index, const JobControl& job) {
+// Reads a layer of chunks at a time, on all threads, and keeps it for the planes that follow.
+template <class Sample>
+class ChunkPlanes {
+public:
+    explicit ChunkPlanes(const index::IndexReader& reader) : store_(reader), dims_(reader.info().geometry.dims) {}
+
+    Status read(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
+        const std::int64_t plane = dims_[0] * dims_[1];
+        auto* to = reinterpret_cast<Sample*>(out.data());
+        for (std::int64_t z = zBegin; z < zEnd; ++z, to += plane) {
+            const std::int64_t layer = z / index::kChunkSide;
+            if (layer != layer_)
+                ISO_TRY(decode(layer));
+            std::copy_n(samples_.data() + plane * (z - layer * index::kChunkSide), plane, to);
+        }
+        return {};
+    }
+
+private:
+    Status decode(std::int64_t layer) {
+        const std::int64_t plane = dims_[0] * dims_[1];
+        samples_.resize(static_cast<std::size_t>(plane * index::kChunkSide));
+        layer_ = -1;
+        const GridDims& chunks = store_.chunks().chunks();
+        std::vector<Status> rows(static_cast<std::size_t>(chunks[1]));
+        tbb::parallel_for(std::int64_t{0}, chunks[1], [&](std::int64_t cy) {
+            Status& status = rows[static_cast<std::size_t>(cy)];
+            std::vector<Sample> chunk(index::SampleStore::kChunkSamples);
+            std::uint64_t bytesRead = 0;
+            for (std::int64_t cx = 0; cx < chunks[0] && status.isOk(); ++cx) {
+                const index::ChunkIndex at = store_.chunks().chunkAt(cx, cy, layer);
+                status = store_.template read<Sample>(at, std::span<Sample, index::SampleStore::kChunkSamples>(chunk),
+                                                      bytesRead);
+                if (!status.isOk())
+                    return;
+                const index::ChunkExtent extent = store_.chunks().extent(at);
+                for (int z = 0; z < extent[2]; ++z)
+                    for (int y = 0; y < extent[1]; ++y)
+                        std::copy_n(chunk.data() + index::kChunkSide * (y + index::kChunkSide * z), extent[0],
+                                    samples_.data() + index::kChunkSide * cx + dims_[0] * (index::kChunkSide * cy + y) +
+                                        plane * z);
+            }
+        });
+        for (Status& status : rows)
+            ISO_TRY(status);
+        layer_ = layer;
+        return {};
+    }
+
+    index::SampleStore store_;
+    GridDims dims_;
+    std::int64_t layer_ = -1;
+    std::vector<Sample> samples_;
+};
+
+} // namespace
+
+PlaneSource planesOf(const index::IndexReader& reader) {
+    PlaneSource source{reader.info().geometry, reader.info().type, {}};
+    visitScalarType(source.type, [&](auto sample) {
+        source.read = [planes = std::make_shared<ChunkPlanes<decltype(sample)>>(reader)](
+                          std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
+            return planes->read(zBegin, zEnd, out);
+        };
+    });
+    return source;
+}
+
+MeasurePlan planMeasures(const index::IndexInfo& info) {
+    return planMeasures(info.histogram, info.activeEdgesPerBin); // a cell for each edge, about
+}
+
+Result<std::shared_ptr<const TopologySummary>> analyseIndex(const std::filesystem::path& index, AnalysisOptions options,
+                                                            const JobControl& job) {
     const auto reader = index::IndexReader::open(index);
     if (!reader.isOk())
         return reader.error();
     if (reader.value()->info().kind != index::IndexKind::Metacells)
         return makeError(ErrorCode::InvalidArgument, "an index of edges holds no samples; give the volume",
                          index.string());
-    const auto grid = index::readSamples(*reader.value(), job.part(0.0, 0.3));
-    if (!grid.isOk())
-        return grid.error();
-    auto curve = analyseTopology(planesOf(*grid.value()), {}, job.part(0.3, 1.0));
+    options.measures = planMeasures(reader.value()->info());
+    auto curve = analyseTopology(planesOf(*reader.value()), options, job);
     if (!curve.isOk())
         return std::move(curve).error();
     return std::shared_ptr<const TopologySummary>(std::make_shared<TopologyCurve>(std::move(curve).value()));
+}
+
+Result<IndexTopology> topologyOfIndex(const std::filesystem::path& index, const AnalysisOptions& options,
+                                      const JobControl& job) {
+    auto stored = openTopology(index);
+    if (stored.isOk() && stored.value())
+        return IndexTopology{std::move(stored).value(), {}};
+    auto summary = analyseIndex(index, options, job);
+    if (!summary.isOk())
+        return std::move(summary).error();
+    // Read from the disk from now on: what was analysed need not stay in memory.
+    IndexTopology found{std::move(summary).value(), {}};
+    found.storing = storeTopology(index, *found.summary);
+    if (found.storing.isOk())
+        if (auto again = openTopology(index); again.isOk() && again.value())
+            found.summary = std::move(again).value();
+    return found;
 }
 
 } // namespace isoslider::topology

@@ -4,12 +4,28 @@
 #include <memory>
 
 #include "core/base/job_control.h"
-#include "core/topology/topology_summary.h"
+#include "core/index/index_reader.h"
+#include "core/topology/topology_analysis.h"
 
 namespace isoslider::topology {
 
-/// The topology of the volume of an index of metacells, analysed from its samples.
-/// Errors: those of opening an index; InvalidArgument (an index of edges); Cancelled.
-Result<std::shared_ptr<const TopologySummary>> analyseIndex(const std::filesystem::path& index, const JobControl& job);
+/// Planes of samples of an index of metacells, sixteen of them decoded at a time. `reader` must outlive it.
+PlaneSource planesOf(const index::IndexReader& reader);
+/// At which isovalues to measure, by what the index knows of its volume.
+MeasurePlan planMeasures(const index::IndexInfo& info);
+
+/// The topology of the volume of an index of metacells, analysed from its samples. `options.measures` are made.
+/// Errors: those of opening an index and of analysing; InvalidArgument (an index of edges).
+Result<std::shared_ptr<const TopologySummary>> analyseIndex(const std::filesystem::path& index, AnalysisOptions options,
+                                                            const JobControl& job);
+
+/// What the index states, or else analysed now, and added to the index for the next time where that can be: `storing`
+/// tells how that went.
+struct IndexTopology {
+    std::shared_ptr<const TopologySummary> summary;
+    Status storing;
+};
+Result<IndexTopology> topologyOfIndex(const std::filesystem::path& index, const AnalysisOptions& options,
+                                      const JobControl& job);
 
 } // namespace isoslider::topology

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -28,6 +29,9 @@
 namespace isoslider::topology {
 namespace {
 
+// Of one layer while it is worked on: samples, what points lead to, and links where every point is an extreme of some
+// kind.
+constexpr std::uint64_t kLayerBytesPerSample = 64;
 constexpr std::int64_t kMostPlaneSamples = std::int64_t{1} << 27;
 
 // One side of all layers, put together as they come.
@@ -75,16 +79,21 @@ public:
         : source_(source), options_(options), job_(job), dims_(source.geometry.dims) {
         // Thick enough that little is said twice, thin enough for the caches and for many threads.
         constexpr std::int64_t kLayerSamples = 1 << 20;
-        planesAtOnce_ = options.planesAtOnce > 0
-                            ? options.planesAtOnce
-                            : std::clamp<std::int64_t>(kLayerSamples / (dims_[0] * dims_[1]), 3, 16);
+        const std::int64_t plane = std::max<std::int64_t>(1, dims_[0] * dims_[1]);
+        planesAtOnce_ =
+            options.planesAtOnce > 0 ? options.planesAtOnce : std::clamp<std::int64_t>(kLayerSamples / plane, 3, 16);
+        layerBytes_ = static_cast<std::uint64_t>(plane * std::min(dims_[2], planesAtOnce_ + 2)) * kLayerBytesPerSample;
     }
 
     Result<TopologyCurve> run() {
         if (std::min({dims_[0], dims_[1], dims_[2]}) < 2)
             return TopologyCurve(); // no cells, no surface
-        // Two layers for each thread: one that is being worked on, one that waits.
-        const auto tokens = static_cast<std::size_t>(2 * tbb::this_task_arena::max_concurrency());
+        if (layerBytes_ > options_.memoryBytes)
+            return tooLarge();
+        // Two layers for each thread: one that is being worked on, one that waits; fewer where memory is scarce.
+        const auto tokens = static_cast<std::size_t>(
+            std::clamp<std::uint64_t>(options_.memoryBytes / 2 / layerBytes_, 1,
+                                      static_cast<std::uint64_t>(2 * tbb::this_task_arena::max_concurrency())));
         tbb::parallel_pipeline(
             tokens,
             tbb::make_filter<void, std::shared_ptr<Layer>>(tbb::filter_mode::serial_in_order,
@@ -104,6 +113,16 @@ public:
     }
 
 private:
+    Error tooLarge() const {
+        return makeError(ErrorCode::OutOfSpace, "the topology of this volume takes more than the " +
+                                                    std::to_string(options_.memoryBytes >> 20) + " MB it may use");
+    }
+    void fail(Status status) {
+        const std::lock_guard lock(problemMutex_);
+        problem_ = std::move(status);
+        hasFailed_ = true;
+    }
+
     struct Layer {
         LayerWindow<Sample> window;
         LayerChanges changes;
@@ -115,7 +134,7 @@ private:
     // ---- in turn: reading
 
     std::shared_ptr<Layer> next(tbb::flow_control& flow) {
-        if (zBegin_ + 1 >= dims_[2] || job_.isStopRequested() || !problem_.isOk()) {
+        if (zBegin_ + 1 >= dims_[2] || job_.isStopRequested() || hasFailed_) {
             flow.stop();
             return {};
         }
@@ -133,8 +152,7 @@ private:
         const auto fresh =
             std::span(window.samples).subspan(static_cast<std::size_t>(step * (readEnd_ - window.firstPlane)));
         if (Status status = source_.read(readEnd_, read, std::as_writable_bytes(fresh)); !status.isOk()) {
-            const std::lock_guard lock(problemMutex_);
-            problem_ = std::move(status);
+            fail(std::move(status));
             flow.stop();
             return {};
         }
@@ -161,7 +179,7 @@ private:
     // ---- in turn: putting together
 
     void add(Layer& layer) {
-        if (job_.isStopRequested() || !problem_.isOk())
+        if (job_.isStopRequested() || hasFailed_)
             return;
         euler_.insert(euler_.end(), layer.changes.euler.begin(), layer.changes.euler.end());
         boundary_.add(layer.boundary);
@@ -172,13 +190,9 @@ private:
         const std::uint64_t bytes =
             euler_.size() * sizeof(EulerChange) + above_.sizeBytes() + below_.sizeBytes() + boundary_.sizeBytes();
         if (status.isOk() && bytes > options_.memoryBytes)
-            status =
-                makeError(ErrorCode::OutOfSpace, "the topology of this volume takes more than the " +
-                                                     std::to_string(options_.memoryBytes >> 20) + " MB it may use");
-        if (!status.isOk()) {
-            const std::lock_guard lock(problemMutex_);
-            problem_ = std::move(status);
-        }
+            status = tooLarge();
+        if (!status.isOk())
+            fail(std::move(status));
         for (std::int64_t at = 0; at < layer.window.planeStep() * (layer.window.ownedEnd() - layer.window.zBegin); ++at)
             if (layer.window.stars[static_cast<std::size_t>(at)] != 0) {
                 const auto scalar = static_cast<double>(layer.window.layer()[at]);
@@ -216,10 +230,12 @@ private:
     const JobControl& job_;
     GridDims dims_;
     std::int64_t planesAtOnce_ = 0;
+    std::uint64_t layerBytes_ = 0; ///< that one layer takes while it is worked on, at most about
     std::int64_t zBegin_ = 0, readEnd_ = 0; ///< of the next layer; planes read so far
     std::vector<Sample> kept_; ///< planes read that the next layer needs, too
     std::mutex problemMutex_;
     Status problem_;
+    std::atomic<bool> hasFailed_ = false;
     std::vector<EulerChange> euler_;
     SideGraph above_{Side::Above}, below_{Side::Below};
     DomainBoundary boundary_;

@@ -29,6 +29,14 @@ public:
         return std::unique_ptr<WritableFile>(std::make_unique<File>(*this, std::move(file).value()));
     }
 
+    Result<std::unique_ptr<WritableFile>> extend(const std::filesystem::path& path, std::uint64_t keepBytes) override {
+        ISO_TRY(countCall(path));
+        auto file = defaultFileSystem().extend(path, keepBytes);
+        if (!file.isOk())
+            return std::move(file).error();
+        return std::unique_ptr<WritableFile>(std::make_unique<File>(*this, std::move(file).value()));
+    }
+
     Status renameDurably(const std::filesystem::path& from, const std::filesystem::path& to) override {
         ISO_TRY(countCall(to));
         return defaultFileSystem().renameDurably(from, to);

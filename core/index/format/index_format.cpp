@@ -292,13 +292,13 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
         *value = in.get<std::uint64_t>();
     if (in.get<std::uint64_t>() != hashBytes(bytes.first(kPreambleBytes - 8), 0))
         return makeError(ErrorCode::Corruption, "index header fails its checksum", path, 0);
-    if (preamble.fileBytes != fileBytes)
+    if (preamble.fileBytes > fileBytes) // what follows an index is an appendix
         return makeError(ErrorCode::Corruption,
                          "index should have " + std::to_string(preamble.fileBytes) + " bytes, the file has " +
                              std::to_string(fileBytes),
                          path);
-    if (preamble.metaOffset < kPreambleBytes || preamble.metaOffset > fileBytes ||
-        preamble.metaBytes > fileBytes - preamble.metaOffset || preamble.metaBytes > kMaxMetaBytes)
+    if (preamble.metaOffset < kPreambleBytes || preamble.metaOffset > preamble.fileBytes ||
+        preamble.metaBytes > preamble.fileBytes - preamble.metaOffset || preamble.metaBytes > kMaxMetaBytes)
         return makeError(ErrorCode::Corruption, "index header points outside the file", path, 16);
     return preamble;
 }

@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include "core/base/folders.h"
+#include "core/base/machine.h"
 #include "core/mesh/mesh_export.h"
 #include "core/topology/index_topology.h"
 #include "ui/model/isovalue/histogram_model.h"
@@ -346,13 +347,15 @@ void Session::useIndex(OpenedIndex opened) {
 
 void Session::analyseTopology() {
     topology_.setAnalysing();
+    topology::AnalysisOptions options;
+    options.memoryBytes = physicalMemoryBytes() / 4;
     topologyJob_ = runner_->run<TopologyModel::Content>(
         "Analyse topology of " + dataset_->name,
-        [path = dataset_->indexPath](const JobControl& job) -> Result<TopologyModel::Content> {
-            auto summary = topology::analyseIndex(path, job);
-            if (!summary.isOk())
-                return std::move(summary).error();
-            return TopologyModel::contentOf(std::move(summary).value());
+        [path = dataset_->indexPath, options](const JobControl& job) -> Result<TopologyModel::Content> {
+            auto found = topology::topologyOfIndex(path, options, job); // not stored: analysed again the next time
+            if (!found.isOk())
+                return std::move(found).error();
+            return TopologyModel::contentOf(std::move(found.value().summary));
         },
         [this, ticket = datasetGeneration_](Result<TopologyModel::Content> content) {
             if (ticket != datasetGeneration_)

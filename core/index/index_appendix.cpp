@@ -1,0 +1,118 @@
+#include "core/index/index_appendix.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/base/byte_codec.h"
+#include "core/index/format/index_format.h"
+
+namespace isoslider::index {
+namespace {
+
+constexpr std::array<char, 8> kAppendixMagic{'I', 'S', 'O', 'A', 'P', 'P', 'E', 'N'};
+constexpr std::size_t kHeaderBytes = 64;
+constexpr std::uint64_t kMaxDirectoryBytes = std::uint64_t{1} << 32;
+
+struct Header {
+    std::uint64_t indexChecksum = 0; ///< of the preamble of the index that it belongs to
+    std::uint64_t bodyBytes = 0, directoryBytes = 0, directoryChecksum = 0;
+};
+
+std::vector<std::byte> encode(const Header& header) {
+    std::vector<std::byte> bytes;
+    ByteWriter out(bytes);
+    out.putBytes(std::as_bytes(std::span(kAppendixMagic)));
+    for (const std::uint64_t field : {header.indexChecksum, header.bodyBytes, header.directoryBytes,
+                                      header.directoryChecksum, std::uint64_t{0}, std::uint64_t{0}})
+        out.put<std::uint64_t>(field);
+    out.put<std::uint64_t>(metaChecksum(bytes));
+    return bytes;
+}
+
+std::optional<Header> decode(std::span<const std::byte> bytes) {
+    ByteReader in(bytes);
+    const auto magic = in.getBytes(kAppendixMagic.size());
+    Header header;
+    for (std::uint64_t* field :
+         {&header.indexChecksum, &header.bodyBytes, &header.directoryBytes, &header.directoryChecksum})
+        *field = in.get<std::uint64_t>();
+    in.getBytes(16);
+    if (in.get<std::uint64_t>() != metaChecksum(bytes.first(kHeaderBytes - 8)) ||
+        !std::equal(magic.begin(), magic.end(), std::as_bytes(std::span(kAppendixMagic)).begin()))
+        return std::nullopt;
+    return header;
+}
+
+struct OpenIndex {
+    std::unique_ptr<RandomAccessFile> file;
+    std::uint64_t bytes = 0, checksum = 0; ///< of the index itself; of its preamble
+};
+
+Result<OpenIndex> openIndex(const std::filesystem::path& path, FileSystem& fileSystem) {
+    auto file = fileSystem.openForReading(path);
+    if (!file.isOk())
+        return std::move(file).error();
+    OpenIndex index;
+    index.file = std::move(file).value();
+    std::vector<std::byte> first(
+        static_cast<std::size_t>(std::min<std::uint64_t>(index.file->sizeBytes(), kPreambleBytes)));
+    ISO_TRY(index.file->readExactlyAt(0, first));
+    const auto preamble = decodePreamble(first, index.file->sizeBytes(), path.string());
+    if (!preamble.isOk())
+        return preamble.error();
+    index.bytes = preamble.value().fileBytes;
+    index.checksum = loadLittle<std::uint64_t>(first.data() + kPreambleBytes - 8);
+    return index;
+}
+
+} // namespace
+
+Result<std::optional<Appendix>> readAppendix(const std::filesystem::path& path, FileSystem& fileSystem) {
+    auto index = openIndex(path, fileSystem);
+    if (!index.isOk())
+        return std::move(index).error();
+    const auto none = [] { return std::optional<Appendix>(); };
+    RandomAccessFile& file = *index.value().file;
+    const std::uint64_t start = index.value().bytes, behind = file.sizeBytes() - start;
+    if (behind < kHeaderBytes)
+        return none();
+    std::vector<std::byte> bytes(kHeaderBytes);
+    ISO_TRY(file.readExactlyAt(start, bytes));
+    const auto header = decode(bytes);
+    if (!header || header->indexChecksum != index.value().checksum || header->bodyBytes > behind - kHeaderBytes ||
+        header->directoryBytes > behind - kHeaderBytes - header->bodyBytes ||
+        header->directoryBytes > kMaxDirectoryBytes)
+        return none();
+    Appendix appendix;
+    appendix.bodyOffset = start + kHeaderBytes;
+    appendix.bodyBytes = header->bodyBytes;
+    appendix.directory.resize(static_cast<std::size_t>(header->directoryBytes));
+    ISO_TRY(file.readExactlyAt(appendix.bodyOffset + header->bodyBytes, appendix.directory));
+    if (metaChecksum(appendix.directory) != header->directoryChecksum)
+        return none();
+    appendix.file = std::move(index.value().file);
+    return std::optional<Appendix>(std::move(appendix));
+}
+
+Status writeAppendix(const std::filesystem::path& path, std::span<const std::byte> body,
+                     std::span<const std::byte> directory, FileSystem& fileSystem) {
+    const auto index = openIndex(path, fileSystem);
+    if (!index.isOk())
+        return index.error();
+    auto file = fileSystem.extend(path, index.value().bytes);
+    if (!file.isOk())
+        return std::move(file).error();
+    WritableFile& out = *file.value();
+    // The header comes last: without it there is no appendix.
+    const std::vector<std::byte> noHeader(kHeaderBytes);
+    ISO_TRY(out.writeAll(noHeader));
+    ISO_TRY(out.writeAll(body));
+    ISO_TRY(out.writeAll(directory));
+    ISO_TRY(out.sync());
+    ISO_TRY(out.writeAt(index.value().bytes,
+                        encode({index.value().checksum, body.size(), directory.size(), metaChecksum(directory)})));
+    ISO_TRY(out.sync());
+    return out.close();
+}
+
+} // namespace isoslider::index
