@@ -31,6 +31,18 @@ PlotColours plotColours(const QPalette& palette) {
             QColor(255, 255, 255)};
 }
 
+QColor eventColour(model::EventClass kind, const QPalette& palette) {
+    const bool dark = isDark(palette);
+    switch (kind) {
+        case model::EventClass::PieceComes: return dark ? QColor(112, 184, 255) : QColor(0, 92, 180);
+        case model::EventClass::PieceGoes: return dark ? QColor(206, 158, 120) : QColor(112, 56, 18);
+        case model::EventClass::PiecesJoin: return dark ? QColor(242, 132, 212) : QColor(172, 22, 128);
+        case model::EventClass::PieceSplits: return dark ? QColor(244, 224, 92) : QColor(150, 116, 0);
+        case model::EventClass::Other: break;
+    }
+    return dark ? QColor(176, 180, 186) : QColor(98, 102, 108);
+}
+
 void styleAxis(QCPAxis* axis, const QPalette& palette) {
     QColor line = palette.color(QPalette::Text);
     line.setAlpha(90);

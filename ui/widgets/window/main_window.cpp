@@ -31,6 +31,7 @@
 #include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/window/session_keeper.h"
 #include "ui/widgets/window/settings_store.h"
+#include "ui/widgets/window/topology_wiring.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -109,6 +110,7 @@ void MainWindow::makeDocks() {
     levelsDock_ = addDock(tr("Levels"), "levelsDock", new LevelsPanel(session_, this));
     meshDock_ = addDock(tr("Mesh"), "meshDock", new MeshPanel(session_, *actions_, this));
     jobsDock_ = addDock(tr("Jobs"), "jobsDock", new JobsPanel(session_, this));
+    topology_ = new TopologyWiring(session_, settings_, *actions_, isovaluePanel_->plot(), *this);
     setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
     compactLayout_ =
         new CompactLayout(*this, {datasetDock_, levelsDock_, meshDock_, jobsDock_}, isovaluePanel_->plot());

@@ -28,6 +28,7 @@ class OpenFlow;
 class RecentFiles;
 class SessionKeeper;
 class SettingsStore;
+class TopologyWiring;
 class ViewportHost;
 
 /// The program's window: the view in the middle, panels around it, menus and tool bar. Everything it
@@ -85,6 +86,7 @@ private:
     ViewportHost* host_ = nullptr;
     IsovaluePanel* isovaluePanel_ = nullptr;
     CompactLayout* compactLayout_ = nullptr;
+    TopologyWiring* topology_ = nullptr;
     QMenu* recentMenu_ = nullptr;
     QMenu* panelsMenu_ = nullptr;
     QDockWidget* datasetDock_ = nullptr;

@@ -51,6 +51,8 @@ void MainWindow::makeMenus() {
     QMenu* isovalue = menuBar()->addMenu(tr("&Isovalue"));
     add(isovalue, {"isovalue.edit", "isovalue.play"});
     isovalue->addSeparator();
+    add(isovalue, {"isovalue.previousEvent", "isovalue.nextEvent", "isovalue.snap", "isovalue.clearEvent"});
+    isovalue->addSeparator();
     add(isovalue, {"isovalue.logCounts", "isovalue.coarserWhileMoving", "isovalue.resetZoom"});
 
     QMenu* mesh = menuBar()->addMenu(tr("&Mesh"));

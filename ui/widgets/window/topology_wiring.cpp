@@ -1,0 +1,86 @@
+#include "ui/widgets/window/topology_wiring.h"
+
+#include <algorithm>
+
+#include <QAction>
+#include <QMainWindow>
+
+#include "ui/model/session/session.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/settings_store.h"
+
+namespace isoslider::widgets {
+namespace {
+
+std::vector<EventMark> marksOf(const model::TopologyModel& topology) {
+    std::vector<EventMark> marks;
+    const double greatest = topology.greatestPersistence();
+    for (const std::size_t place : topology.shown()) {
+        const auto& event = topology.events()[place];
+        marks.push_back({place, event.isovalue, topology.justPast(place),
+                         greatest > 0.0 ? std::min(event.persistence / greatest, 1.0) : 0.0, model::classOf(event)});
+    }
+    return marks;
+}
+
+} // namespace
+
+TopologyWiring::TopologyWiring(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
+                               HistogramPlot& plot, QMainWindow& window)
+    : QObject(&window), session_(session), actions_(actions), plot_(plot) {
+    connectActions(settings);
+    connect(&plot_, &HistogramPlot::eventPressed, this, &TopologyWiring::moveTo);
+    subscriptions_.push_back(session_.topology().changed().observe([this] { showEvents(); }));
+    subscriptions_.push_back(session_.topology().chosenChanged().observe([this] { showChosen(); }));
+    showEvents();
+    showChosen();
+}
+
+void TopologyWiring::connectActions(SettingsStore& settings) {
+    connect(actions_.action("isovalue.previousEvent"), &QAction::triggered, this, [this] { moveToNext(false); });
+    connect(actions_.action("isovalue.nextEvent"), &QAction::triggered, this, [this] { moveToNext(true); });
+    connect(actions_.action("isovalue.clearEvent"), &QAction::triggered, this,
+            [this] { session_.topology().choose(std::nullopt); });
+    QAction* snap = actions_.action("isovalue.snap");
+    snap->setChecked(settings.boolean("isovalue/snapsToEvents"));
+    plot_.setSnapping(snap->isChecked());
+    connect(snap, &QAction::toggled, this, [this, &settings](bool isSnapping) {
+        plot_.setSnapping(isSnapping);
+        settings.set("isovalue/snapsToEvents", isSnapping);
+    });
+}
+
+void TopologyWiring::moveTo(std::size_t event) {
+    auto& topology = session_.topology();
+    if (event >= topology.events().size())
+        return;
+    topology.choose(event);
+    session_.isovalue().request(topology.justPast(event));
+}
+
+void TopologyWiring::moveToNext(bool isUpwards) {
+    const auto& topology = session_.topology();
+    const double isovalue = session_.isovalue().requested();
+    if (const auto event = isUpwards ? topology.next(isovalue) : topology.previous(isovalue))
+        moveTo(*event);
+}
+
+void TopologyWiring::showEvents() {
+    const auto& topology = session_.topology();
+    const bool hasEvents = !topology.shown().empty();
+    actions_.action("isovalue.previousEvent")->setEnabled(hasEvents);
+    actions_.action("isovalue.nextEvent")->setEnabled(hasEvents);
+    plot_.setEventMarks(marksOf(topology), [&topology](std::size_t event) {
+        return event < topology.events().size() ? QString::fromStdString(model::describe(topology.events()[event]))
+                                                : QString();
+    });
+}
+
+void TopologyWiring::showChosen() {
+    const auto chosen = session_.topology().chosen();
+    actions_.action("isovalue.clearEvent")->setEnabled(chosen.has_value());
+    plot_.setChosenEvent(chosen);
+}
+
+} // namespace isoslider::widgets
