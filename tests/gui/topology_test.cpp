@@ -3,10 +3,12 @@
 
 #include <QAction>
 #include <QHelpEvent>
+#include <QStatusBar>
 #include <QTest>
 #include <QToolTip>
 
 #include "tests/gui/window_fixture.h"
+#include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_edit.h"
 #include "ui/widgets/isovalue/isovalue_panel.h"
@@ -15,7 +17,7 @@
 namespace isoslider::test {
 namespace {
 
-/// Three cones: the surface at 0 is three pieces; below, they join at -2.5 and at -3.5.
+/// Three cones: the surface at 1.5 is three pieces; below, two of them join at 1 and the third at -1.
 std::filesystem::path writeCones(const TemporaryFolder& folder) {
     constexpr int kPoints = 32;
     struct Cone {
@@ -211,6 +213,35 @@ TEST_F(TopologyTest, ADragSnapsToEventsWhereThatIsWanted) {
     EXPECT_EQ(isovalue().requested(), past) << "a press is the beginning of a drag";
     trigger("isovalue.snap");
     EXPECT_NE(dragNear(4), past);
+}
+
+TEST_F(TopologyTest, TheStatusBarCountsWhatIsDisplayed) {
+    auto* counts = child<widgets::ElidedLabel>("topologyCounts");
+    ASSERT_TRUE(counts->isVisible());
+    const auto textAt = [&](double value) {
+        isovalue().request(value);
+        EXPECT_TRUE(waitUntil([this] { return !isovalue().isLagging(); }));
+        return counts->text();
+    };
+    EXPECT_EQ(textAt(1.5), QStringLiteral("3 pieces · 0 tunnels · 0 voids · 0 boundary loops"));
+    EXPECT_EQ(textAt(5.0), QStringLiteral("1 piece · 0 tunnels · 0 voids · 0 boundary loops"));
+    EXPECT_TRUE(counts->toolTip().isEmpty());
+    window_->resize(700, 600);
+    ASSERT_TRUE(waitUntil([&] { return counts->width() <= 700; }));
+    EXPECT_FALSE(counts->text().contains(QChar(0x2026))) << "there is room enough";
+    const int widthBefore = window_->width();
+    window_->resize(320, 600);
+    ASSERT_TRUE(waitUntil([&] { return window_->width() < widthBefore; }));
+    QTest::qWait(30);
+    EXPECT_LE(window_->width(), 360) << "the bar does not hold the window open";
+    EXPECT_TRUE(counts->text().endsWith(QChar(0x2026)) || counts->toolTip().isEmpty());
+    window_->resize(1000, 300);
+    ASSERT_TRUE(waitUntil([this] { return !window_->statusBar()->isVisible(); }));
+    window_->resize(1400, 900);
+    ASSERT_TRUE(waitUntil([this] { return window_->statusBar()->isVisible(); }));
+    session_->close();
+    EXPECT_FALSE(window_->statusBar()->isVisible());
+    EXPECT_FALSE(counts->isVisibleTo(window_->statusBar()));
 }
 
 } // namespace

@@ -31,6 +31,7 @@
 #include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/window/session_keeper.h"
 #include "ui/widgets/window/settings_store.h"
+#include "ui/widgets/window/topology_status.h"
 #include "ui/widgets/window/topology_wiring.h"
 
 namespace isoslider::widgets {
@@ -67,6 +68,7 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     makeMenus();
     makeToolBar();
     connectActions();
+    new TopologyStatus(session_, *this);
     subscriptions_.push_back(session_.datasetChanged().observe([this] { showDataset(); }));
     subscriptions_.push_back(session_.frameChanged().observe([this] { updateActions(); }));
     subscriptions_.push_back(session_.certificateChanged().observe([this] { updateActions(); }));
