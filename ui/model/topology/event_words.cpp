@@ -128,7 +128,7 @@ std::string wordsOf(const TopologyEvent& event) {
         for (const auto& change : changesOfPieces(event))
             text += (text.empty() ? "" : ", ") + change;
     } else if (const int change = changeOfPieces(event); change != 0) {
-        text = change > 0 ? "pieces appear or split" : "pieces join or disappear";
+        text = change > 0 ? "pieces appear or split" : "pieces join or go";
     } else {
         text = changeOfOthers(event);
     }

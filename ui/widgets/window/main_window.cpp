@@ -23,6 +23,7 @@
 #include "ui/widgets/panels/jobs_panel.h"
 #include "ui/widgets/panels/levels_panel.h"
 #include "ui/widgets/panels/mesh_panel.h"
+#include "ui/widgets/panels/topology_panel.h"
 #include "ui/widgets/viewport/picture_file.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
@@ -38,7 +39,7 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kMostFilesNamed = 3;
-constexpr int kLayoutVersion = 1;
+constexpr int kLayoutVersion = 2; // goes up when a panel comes or goes
 constexpr int kPanelWidth = 450;
 constexpr QSize kSmallestWindow(320, 240); // smaller than all panels together, see CompactLayout
 
@@ -111,15 +112,17 @@ void MainWindow::makeDocks() {
     isovalueDock_ = addDock(tr("Isovalue"), "isovalueDock", isovaluePanel_);
     levelsDock_ = addDock(tr("Levels"), "levelsDock", new LevelsPanel(session_, this));
     meshDock_ = addDock(tr("Mesh"), "meshDock", new MeshPanel(session_, *actions_, this));
+    auto* topologyPanel = new TopologyPanel(session_, this);
+    topologyDock_ = addDock(tr("Topology"), "topologyDock", topologyPanel);
     jobsDock_ = addDock(tr("Jobs"), "jobsDock", new JobsPanel(session_, this));
-    topology_ = new TopologyWiring(session_, settings_, *actions_, isovaluePanel_->plot(), *this);
+    new TopologyWiring(session_, settings_, *actions_, {isovaluePanel_->plot(), *topologyPanel, *host_}, this);
     setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
-    compactLayout_ =
-        new CompactLayout(*this, {datasetDock_, levelsDock_, meshDock_, jobsDock_}, isovaluePanel_->plot());
+    compactLayout_ = new CompactLayout(*this, {datasetDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_},
+                                       isovaluePanel_->plot());
 }
 
 void MainWindow::resetLayout() {
-    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_}) {
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_}) {
         dock->setFloating(false);
         removeDockWidget(dock);
     }
@@ -127,8 +130,9 @@ void MainWindow::resetLayout() {
     addDockWidget(Qt::RightDockWidgetArea, datasetDock_);
     addDockWidget(Qt::RightDockWidgetArea, levelsDock_);
     tabifyDockWidget(levelsDock_, meshDock_);
-    tabifyDockWidget(meshDock_, jobsDock_);
-    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})
+    tabifyDockWidget(meshDock_, topologyDock_);
+    tabifyDockWidget(topologyDock_, jobsDock_);
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_})
         dock->show();
     levelsDock_->raise();
     compactLayout_->setWidths({{datasetDock_, kPanelWidth}, {levelsDock_, kPanelWidth}});

@@ -28,7 +28,6 @@ class OpenFlow;
 class RecentFiles;
 class SessionKeeper;
 class SettingsStore;
-class TopologyWiring;
 class ViewportHost;
 
 /// The program's window: the view in the middle, panels around it, menus and tool bar. Everything it
@@ -86,13 +85,13 @@ private:
     ViewportHost* host_ = nullptr;
     IsovaluePanel* isovaluePanel_ = nullptr;
     CompactLayout* compactLayout_ = nullptr;
-    TopologyWiring* topology_ = nullptr;
     QMenu* recentMenu_ = nullptr;
     QMenu* panelsMenu_ = nullptr;
     QDockWidget* datasetDock_ = nullptr;
     QDockWidget* isovalueDock_ = nullptr;
     QDockWidget* levelsDock_ = nullptr;
     QDockWidget* meshDock_ = nullptr;
+    QDockWidget* topologyDock_ = nullptr;
     QDockWidget* jobsDock_ = nullptr;
     std::vector<model::Subscription> subscriptions_;
     std::shared_ptr<model::BackgroundJobs>

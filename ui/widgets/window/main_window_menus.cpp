@@ -43,7 +43,7 @@ void MainWindow::makeMenus() {
     add(view, {"view.changed", "view.edges", "view.levels", "view.box", "view.axes", "view.readout"});
     view->addSeparator();
     QMenu* panels = view->addMenu(tr("Pa&nels"));
-    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_})
         panels->addAction(dock->toggleViewAction());
     panelsMenu_ = panels;
     add(view, {"view.resetLayout", "view.fullScreen"});

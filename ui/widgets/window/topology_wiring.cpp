@@ -3,10 +3,13 @@
 #include <algorithm>
 
 #include <QAction>
-#include <QMainWindow>
 
 #include "ui/model/session/session.h"
+#include "ui/render/scene_renderer.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/panels/topology_panel.h"
+#include "ui/widgets/viewport/camera_flight.h"
+#include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/window/settings_store.h"
 
@@ -27,9 +30,15 @@ std::vector<EventMark> marksOf(const model::TopologyModel& topology) {
 } // namespace
 
 TopologyWiring::TopologyWiring(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
-                               HistogramPlot& plot, QMainWindow& window)
-    : QObject(&window), session_(session), actions_(actions), plot_(plot) {
+                               const Parts& parts, QObject* parent)
+    : QObject(parent), session_(session), actions_(actions), plot_(parts.plot) {
     connectActions(settings);
+    if (auto* viewport = parts.host.viewport())
+        flight_ = new CameraFlight(*viewport);
+    connect(&parts.panel, &TopologyPanel::eventPicked, this, [this](std::size_t event) {
+        moveTo(event);
+        flyTo(event);
+    });
     connect(&plot_, &HistogramPlot::eventPressed, this, &TopologyWiring::moveTo);
     subscriptions_.push_back(session_.topology().changed().observe([this] { showEvents(); }));
     subscriptions_.push_back(session_.topology().chosenChanged().observe([this] { showChosen(); }));
@@ -57,6 +66,15 @@ void TopologyWiring::moveTo(std::size_t event) {
         return;
     topology.choose(event);
     session_.isovalue().request(topology.justPast(event));
+}
+
+void TopologyWiring::flyTo(std::size_t event) {
+    const auto* dataset = session_.dataset();
+    const auto& events = session_.topology().events();
+    if (flight_ == nullptr || dataset == nullptr || event >= events.size())
+        return;
+    const auto& [x, y, z] = events[event].position;
+    flight_->flyTo(render::indexToCentredWorld(dataset->geometry, dataset->geometry) * glm::dvec4(x, y, z, 1.0));
 }
 
 void TopologyWiring::moveToNext(bool isUpwards) {

@@ -6,8 +6,6 @@
 
 #include "ui/model/observers.h"
 
-class QMainWindow;
-
 namespace isoslider::model {
 class Session;
 }
@@ -15,22 +13,32 @@ class Session;
 namespace isoslider::widgets {
 
 class ActionRegistry;
+class CameraFlight;
 class HistogramPlot;
 class SettingsStore;
+class TopologyPanel;
+class ViewportHost;
 
 /// Connects the topology's events with the window: marks on the histogram, the actions that move from event to event,
-/// and snapping to them. Everything it is given must outlive it.
+/// snapping to them, and the panel that lists them. Everything it is given must outlive it.
 class TopologyWiring : public QObject {
     Q_OBJECT
 public:
-    TopologyWiring(model::Session& session, SettingsStore& settings, const ActionRegistry& actions, HistogramPlot& plot,
-                   QMainWindow& window);
+    /// What is connected.
+    struct Parts {
+        HistogramPlot& plot;
+        TopologyPanel& panel;
+        ViewportHost& host;
+    };
+    TopologyWiring(model::Session& session, SettingsStore& settings, const ActionRegistry& actions, const Parts& parts,
+                   QObject* parent);
 
     /// Chooses an event and moves the isovalue just past it.
     void moveTo(std::size_t event);
 
 private:
     void connectActions(SettingsStore& settings);
+    void flyTo(std::size_t event);
     void moveToNext(bool isUpwards);
     void showEvents();
     void showChosen();
@@ -38,6 +46,7 @@ private:
     model::Session& session_;
     const ActionRegistry& actions_;
     HistogramPlot& plot_;
+    CameraFlight* flight_ = nullptr; ///< null without a view
     std::vector<model::Subscription> subscriptions_;
 };
 

@@ -41,7 +41,7 @@ TEST(EventWords, NameWhatHappensToPieces) {
 
 TEST(EventWords, FallBackOnCounts) {
     EXPECT_EQ(wordsOf(change(counts(1, 0), counts(2, 0))), "Pieces appear or split");
-    EXPECT_EQ(wordsOf(change(counts(2, 0), counts(1, 0))), "Pieces join or disappear");
+    EXPECT_EQ(wordsOf(change(counts(2, 0), counts(1, 0))), "Pieces join or go");
     EXPECT_EQ(wordsOf(change(counts(1, 0), counts(1, 1))), "A tunnel opens");
     EXPECT_EQ(wordsOf(change(counts(1, 3), counts(1, 1))), "2 tunnels close");
     EXPECT_EQ(wordsOf(change(counts(1, 0, 0), counts(1, 0, 1))), "A void appears");
