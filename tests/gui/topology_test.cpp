@@ -8,6 +8,7 @@
 #include <QHeaderView>
 #include <QHelpEvent>
 #include <QLabel>
+#include <QMenu>
 #include <QProgressBar>
 #include <QScrollBar>
 #include <QSlider>
@@ -15,11 +16,14 @@
 #include <QStatusBar>
 #include <QTableView>
 #include <QTest>
+#include <QTimer>
+#include <QToolButton>
 #include <QToolTip>
 
 #include "tests/gui/window_fixture.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/isovalue/curve_overlay.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_edit.h"
 #include "ui/widgets/isovalue/isovalue_panel.h"
@@ -258,9 +262,13 @@ TEST_F(TopologyTest, TheStatusBarCountsWhatIsDisplayed) {
     EXPECT_FALSE(counts->isVisibleTo(window_->statusBar()));
 }
 
-/// A summary of a volume that nothing happens in.
+/// A summary of a volume that nothing happens in; its area falls, its volume is 0.
 class QuietSummary final : public topology::TopologySummary {
 public:
+    QuietSummary() {
+        curves_.isovalues = {-30.0, 10.0};
+        curves_.measures = {{40.0, 0.0, 1e6, 1.0}, {0.0, 0.0, 1.0, 1.0}};
+    }
     std::uint64_t eventCount() const override { return 0; }
     Result<topology::SurfaceCounts> at(double) const override { return topology::SurfaceCounts{}; }
     Status visitEvents(const std::function<bool(const topology::TopologyEvent&)>&) const override { return {}; }
@@ -418,6 +426,74 @@ TEST_F(TopologyPanelTest, StatesWhyThereIsNothing) {
     EXPECT_FALSE(window_->actions().action("isovalue.nextEvent")->isEnabled());
     session_->close();
     EXPECT_EQ(stateText(), "No volume is open.");
+}
+
+class CurvesTest : public TopologyTest {
+protected:
+    /// Opens the menu with the mouse and clicks the entry.
+    void toggle(const char* name) {
+        auto* button = child<QToolButton>("curvesButton");
+        QAction* action = actionOf(name);
+        // The menu has an event loop.
+        QTimer::singleShot(0, button->menu(), [button, action] {
+            ASSERT_TRUE(waitUntil([&] { return button->menu()->isVisible(); }, std::chrono::seconds(5)));
+            QTest::mouseClick(button->menu(), Qt::LeftButton, {}, button->menu()->actionGeometry(action).center());
+            button->menu()->close();
+        });
+        QTest::mouseClick(button, Qt::LeftButton);
+        ASSERT_TRUE(waitUntil([button] { return !button->menu()->isVisible(); }));
+    }
+    QAction* actionOf(const char* name) {
+        auto* action = window_->findChild<QAction*>(QStringLiteral("curve.") + QLatin1String(name));
+        EXPECT_NE(action, nullptr);
+        return action;
+    }
+    std::string legend() {
+        auto* label = child<QLabel>("curveLegend");
+        QString text = label->isVisible() ? label->text() : QString();
+        text.replace(QStringLiteral("&nbsp;"), QStringLiteral(" ")).replace(QChar(QChar::Nbsp), QLatin1Char(' '));
+        return text.toStdString();
+    }
+};
+
+TEST_F(CurvesTest, AreDrawnWhereTheyAreWantedAndKnown) {
+    EXPECT_EQ(legend(), "");
+    EXPECT_TRUE(actionOf("pieces")->isEnabled());
+    toggle("pieces");
+    isovalue().request(1.5);
+    EXPECT_NE(legend().find("pieces: 3"), std::string::npos) << legend();
+    isovalue().request(5.0);
+    EXPECT_NE(legend().find("pieces: 1"), std::string::npos) << legend();
+    EXPECT_EQ(settings_->list("histogram/curves"), QStringList{QStringLiteral("pieces")});
+    keepPicture(*window_, "topology_curves");
+    toggle("pieces");
+    EXPECT_EQ(legend(), "");
+    EXPECT_TRUE(settings_->list("histogram/curves").isEmpty());
+}
+
+TEST_F(CurvesTest, OfMeasuresAreThereOnceTheyAreKnown) {
+    topology().setFailed("no measures");
+    for (const char* name : {"pieces", "area", "gradient"}) {
+        EXPECT_FALSE(actionOf(name)->isEnabled()) << name;
+        EXPECT_EQ(actionOf(name)->toolTip(), QStringLiteral("Not known for this volume"));
+    }
+    topology().setContent(model::TopologyModel::contentOf(std::make_shared<QuietSummary>()).value());
+    EXPECT_FALSE(actionOf("pieces")->isEnabled());
+    toggle("area");
+    toggle("triangles");
+    isovalue().request(-10.0);
+    EXPECT_NE(legend().find("area: 20 units²"), std::string::npos) << legend();
+    EXPECT_NE(legend().find("triangles (log): 500,001"), std::string::npos) << legend();
+    topology().setFailed("gone");
+    EXPECT_EQ(legend(), "") << "what is chosen is not shown of nothing";
+}
+
+TEST_F(CurvesTest, ChoicesAreKept) {
+    toggle("tunnels");
+    makeWindow();
+    openCones();
+    EXPECT_TRUE(actionOf("tunnels")->isChecked());
+    EXPECT_NE(legend().find("tunnels: "), std::string::npos) << legend();
 }
 
 } // namespace

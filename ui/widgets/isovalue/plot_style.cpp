@@ -1,5 +1,6 @@
 #include "ui/widgets/isovalue/plot_style.h"
 
+#include <array>
 #include <cmath>
 
 #include <QRegularExpression>
@@ -41,6 +42,22 @@ QColor eventColour(model::EventClass kind, const QPalette& palette) {
         case model::EventClass::Other: break;
     }
     return dark ? QColor(176, 180, 186) : QColor(98, 102, 108);
+}
+
+QPen curvePen(model::TopologyQuantity quantity, const QPalette& palette) {
+    struct Style {
+        QColor light, dark;
+        Qt::PenStyle line;
+    };
+    static const std::array<Style, model::kTopologyQuantities> kStyles{
+        {{QColor(176, 30, 60), QColor(255, 128, 140), Qt::SolidLine},
+         {QColor(96, 56, 176), QColor(186, 154, 255), Qt::SolidLine},
+         {QColor(168, 104, 0), QColor(250, 190, 80), Qt::DashLine},
+         {QColor(0, 98, 160), QColor(104, 196, 255), Qt::DashLine},
+         {QColor(70, 74, 80), QColor(208, 212, 218), Qt::DashDotLine},
+         {QColor(62, 112, 0), QColor(168, 220, 96), Qt::DashDotLine}}};
+    const Style& style = kStyles[static_cast<std::size_t>(quantity)];
+    return QPen(isDark(palette) ? style.dark : style.light, 1.6, style.line);
 }
 
 void styleAxis(QCPAxis* axis, const QPalette& palette) {

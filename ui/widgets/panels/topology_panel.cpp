@@ -89,6 +89,7 @@ QWidget* TopologyPanel::makeEventsPage() {
     layout->setContentsMargins(10, 8, 10, 8);
     layout->setVerticalSpacing(6);
     layout->setColumnStretch(1, 1);
+    layout->setColumnMinimumWidth(1, 40);
     filter_ = new QComboBox(page);
     filter_->setObjectName(QStringLiteral("topologyFilter"));
     for (int filter = 0; filter < model::kEventFilters; ++filter)
@@ -100,11 +101,12 @@ QWidget* TopologyPanel::makeEventsPage() {
     persistence_->setToolTip(
         tr("Events of less persistence are neither listed here nor marked at the histogram. The scale is logarithmic"));
     persistence_->setAccessibleName(tr("Least persistence"));
-    persistence_->setMinimumWidth(60);
+    persistence_->setMinimumWidth(40);
+    filter_->setSizeAdjustPolicy(QComboBox::AdjustToContents);
+    filter_->setMinimumWidth(60); // gives way in a narrow panel
     filter_->setAccessibleName(tr("Kind of event"));
-    persistenceValue_ = new QLabel(page);
+    persistenceValue_ = new ElidedLabel(page);
     persistenceValue_->setObjectName(QStringLiteral("topologyLeastPersistence"));
-    persistenceValue_->setMinimumWidth(fontMetrics().horizontalAdvance(persistenceText(8888.0)));
     count_ = new ElidedLabel(page);
     count_->setObjectName(QStringLiteral("topologyCount"));
     makeQuiet(count_);
@@ -206,7 +208,7 @@ void TopologyPanel::showFilters() {
     const double least = topology.leastPersistence();
     persistence_->setValue(qRound(topology.fractionOf(least) * kSliderSteps));
     persistence_->setEnabled(topology.greatestPersistence() > 0.0);
-    persistenceValue_->setText(persistenceText(least));
+    persistenceValue_->setFullText(persistenceText(least));
     count_->setFullText(topology.shown().empty() ? tr("%1: none passes these filters").arg(countText(topology))
                                                  : countText(topology));
 }

@@ -54,7 +54,7 @@ private:
     QProgressBar* progress_ = nullptr;
     QComboBox* filter_ = nullptr;
     QSlider* persistence_ = nullptr;
-    QLabel* persistenceValue_ = nullptr;
+    ElidedLabel* persistenceValue_ = nullptr;
     ElidedLabel* count_ = nullptr;
     QTableView* view_ = nullptr;
     model::Subscription topologySubscription_;
