@@ -496,5 +496,39 @@ TEST_F(CurvesTest, ChoicesAreKept) {
     EXPECT_NE(legend().find("tunnels: "), std::string::npos) << legend();
 }
 
+TEST_F(TopologyTest, TheChosenEventIsPointedOutInTheView) {
+    auto* viewport = window_->viewportHost().viewport();
+    if (viewport == nullptr)
+        GTEST_SKIP() << "no OpenGL 3.3 here";
+    const auto cyan = [viewport] {
+        const QImage image = viewport->grabFramebuffer().convertToFormat(QImage::Format_RGB32);
+        int count = 0;
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x) {
+                const QRgb pixel = image.pixel(x, y);
+                count += qBlue(pixel) > 100 && qGreen(pixel) > 80 && qBlue(pixel) > 2 * qRed(pixel);
+            }
+        return count;
+    };
+    EXPECT_EQ(cyan(), 0);
+    trigger("isovalue.nextEvent");
+    ASSERT_TRUE(waitUntil([this] { return !isovalue().isLagging(); }));
+    const int clear = cyan();
+    EXPECT_GT(clear, 50);
+    EXPECT_TRUE(waitUntil([&] { return cyan() < clear / 4; }, std::chrono::seconds(8))) << "it fades";
+    trigger("isovalue.nextEvent");
+    ASSERT_TRUE(waitUntil([this] { return !isovalue().isLagging(); }));
+    EXPECT_GT(cyan(), 50) << "another one is clear again";
+    QTest::keyClick(window_.get(), Qt::Key_Escape);
+    const QImage plain = viewport->grabFramebuffer();
+    EXPECT_EQ(cyan(), 0);
+    QTest::qWait(150);
+    EXPECT_EQ(viewport->grabFramebuffer(), plain) << "and stays away";
+    topology().choose(topology().shown().front());
+    EXPECT_GT(cyan(), 50);
+    session_->close();
+    EXPECT_EQ(cyan(), 0);
+}
+
 } // namespace
 } // namespace isoslider::test

@@ -8,7 +8,6 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kFlightMs = 300;
-constexpr double kCloseDistance = 0.7; // of the scene's radius
 
 bool isSamePlace(const model::CameraPose& a, const model::CameraPose& b) {
     return a.target == b.target && a.distance == b.distance && a.orientation == b.orientation;
@@ -25,12 +24,11 @@ CameraFlight::CameraFlight(ViewportWidget& viewport) : QObject(&viewport), viewp
             [this](const QVariant& part) { follow(part.toDouble()); });
 }
 
-void CameraFlight::flyTo(const glm::dvec3& place) {
+void CameraFlight::flyTo(const glm::dvec3& place, double distance) {
     animation_.stop();
-    const model::Camera& camera = viewport_.camera();
-    from_ = last_ = to_ = camera.pose();
+    from_ = last_ = to_ = viewport_.camera().pose();
     to_.target = place;
-    to_.distance = std::min(from_.distance, kCloseDistance * camera.sceneRadius());
+    to_.distance = std::min(from_.distance, distance);
     animation_.start();
 }
 

@@ -14,9 +14,9 @@ class CameraFlight : public QObject {
 public:
     explicit CameraFlight(ViewportWidget& viewport);
 
-    /// A place in centred world space, see model::Camera. Looks from the present direction, from as near as shows the
-    /// place with what surrounds it; comes no farther away.
-    void flyTo(const glm::dvec3& place);
+    /// To look at a place in centred world space, see model::Camera, from the present direction. Comes as near as
+    /// `distance`, or stays nearer.
+    void flyTo(const glm::dvec3& place, double distance);
     bool isFlying() const { return animation_.state() == QAbstractAnimation::Running; }
 
 private:

@@ -9,12 +9,17 @@
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/panels/topology_panel.h"
 #include "ui/widgets/viewport/camera_flight.h"
+#include "ui/widgets/viewport/event_marker.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/window/settings_store.h"
 
 namespace isoslider::widgets {
 namespace {
+
+// From where an event is looked at: near enough for its cells, far enough for what surrounds them.
+constexpr double kCloseCells = 45.0;
+constexpr double kClosest = 0.45, kFarthest = 0.9; // of the scene's radius
 
 std::vector<EventMark> marksOf(const model::TopologyModel& topology) {
     std::vector<EventMark> marks;
@@ -27,14 +32,20 @@ std::vector<EventMark> marksOf(const model::TopologyModel& topology) {
     return marks;
 }
 
+glm::dvec3 placeOf(const topology::TopologyEvent& event) {
+    return {event.position[0], event.position[1], event.position[2]};
+}
+
 } // namespace
 
 TopologyWiring::TopologyWiring(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
                                const Parts& parts, QObject* parent)
     : QObject(parent), session_(session), actions_(actions), plot_(parts.plot) {
     connectActions(settings);
-    if (auto* viewport = parts.host.viewport())
+    if (auto* viewport = parts.host.viewport()) {
         flight_ = new CameraFlight(*viewport);
+        marker_ = new EventMarker(*viewport);
+    }
     connect(&parts.panel, &TopologyPanel::eventPicked, this, [this](std::size_t event) {
         moveTo(event);
         flyTo(event);
@@ -73,8 +84,12 @@ void TopologyWiring::flyTo(std::size_t event) {
     const auto& events = session_.topology().events();
     if (flight_ == nullptr || dataset == nullptr || event >= events.size())
         return;
-    const auto& [x, y, z] = events[event].position;
-    flight_->flyTo(render::indexToCentredWorld(dataset->geometry, dataset->geometry) * glm::dvec4(x, y, z, 1.0));
+    const GridGeometry& geometry = dataset->geometry;
+    const glm::dvec3& spacing = geometry.spacing;
+    const double radius = render::sceneRadius(geometry);
+    const double cell = std::max({spacing.x, spacing.y, spacing.z});
+    flight_->flyTo(render::indexToCentredWorld(geometry, geometry) * glm::dvec4(placeOf(events[event]), 1.0),
+                   std::clamp(kCloseCells * cell, kClosest * radius, kFarthest * radius));
 }
 
 void TopologyWiring::moveToNext(bool isUpwards) {
@@ -99,6 +114,12 @@ void TopologyWiring::showChosen() {
     const auto chosen = session_.topology().chosen();
     actions_.action("isovalue.clearEvent")->setEnabled(chosen.has_value());
     plot_.setChosenEvent(chosen);
+    if (marker_ == nullptr)
+        return;
+    if (chosen)
+        marker_->mark(placeOf(session_.topology().events()[*chosen]));
+    else
+        marker_->clear();
 }
 
 } // namespace isoslider::widgets

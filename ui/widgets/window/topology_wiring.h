@@ -14,13 +14,15 @@ namespace isoslider::widgets {
 
 class ActionRegistry;
 class CameraFlight;
+class EventMarker;
 class HistogramPlot;
 class SettingsStore;
 class TopologyPanel;
 class ViewportHost;
 
 /// Connects the topology's events with the window: marks on the histogram, the actions that move from event to event,
-/// snapping to them, and the panel that lists them. Everything it is given must outlive it.
+/// snapping to them, the panel that lists them, and what points them out in the view. Everything it is given must
+/// outlive it.
 class TopologyWiring : public QObject {
     Q_OBJECT
 public:
@@ -46,7 +48,8 @@ private:
     model::Session& session_;
     const ActionRegistry& actions_;
     HistogramPlot& plot_;
-    CameraFlight* flight_ = nullptr; ///< null without a view
+    CameraFlight* flight_ = nullptr; ///< null without a view, and so is the marker
+    EventMarker* marker_ = nullptr;
     std::vector<model::Subscription> subscriptions_;
 };
 
