@@ -115,7 +115,7 @@ void showShortcutSheet(const ActionRegistry& actions, QWidget* parent) {
     scroll->setWidget(page);
     layout->addWidget(scroll);
     layout->addWidget(makeCloseButton(dialog));
-    dialog->resize(1180, 560);
+    dialog->resize(1180, 620);
     dialog->show();
 }
 
