@@ -187,7 +187,7 @@ void CurveOverlay::applyPalette() {
     forEachQuantity(
         [this](TopologyQuantity quantity) { curveOf(quantity).graph->setPen(curvePen(quantity, plot_.palette())); });
     QColor background = plot_.palette().color(QPalette::Base);
-    background.setAlpha(215);
+    background.setAlpha(185);
     legend_->setStyleSheet(QStringLiteral("background: %1").arg(background.name(QColor::HexArgb)));
 }
 

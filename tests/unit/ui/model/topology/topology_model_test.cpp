@@ -86,11 +86,13 @@ TEST(TopologyModel, GoesFromEventToEvent) {
     double isovalue = -10.0;
     for (const double expected : {1.0, 2.0, 4.0}) {
         const auto at = model.next(isovalue);
+        ASSERT_TRUE(at);
         EXPECT_EQ(isovalueOf(model, at), expected);
         isovalue = model.justPast(*at);
     }
     for (const double expected : {2.0, 1.0}) {
         const auto at = model.previous(isovalue);
+        ASSERT_TRUE(at);
         EXPECT_EQ(isovalueOf(model, at), expected);
         isovalue = model.justPast(*at);
     }
