@@ -2,11 +2,14 @@
 // Two-sided: a key light over the viewer's left shoulder, a headlight, a cool fill from below right.
 in vec3 viewPosition;
 in vec3 viewNormal;
+in vec3 gridPosition; // grid index units
 in float leafLevel; // of the leaf edge on which a vertex lies
 
 uniform vec3 frontColour; // linear light
 uniform vec3 backColour;
 uniform vec4 highlightColour;  // a: how much of it covers the surface
+uniform vec4 spot;        // grid index units: middle and radius of what is highlighted
+uniform vec4 spotColour;  // a: how much of it covers the surface
 uniform vec3 levelColours[4];
 uniform float levelShare; // 1: surface coloured by level, 0: not
 uniform float perspective; // 1 perspective, 0 orthographic
@@ -50,5 +53,7 @@ void main() {
 
     vec3 highlight = highlightColour.rgb * (0.25 + 0.75 * head);
     lit = mix(lit, highlight, highlightColour.a);
+    float inSpot = 1.0 - smoothstep(0.8 * spot.w, spot.w, distance(gridPosition, spot.xyz));
+    lit = mix(lit, spotColour.rgb * (0.25 + 0.75 * head), spotColour.a * inSpot);
     colour = vec4(pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2)), 1.0);
 }

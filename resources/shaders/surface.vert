@@ -9,12 +9,14 @@ uniform mat3 normalToView;
 
 out vec3 viewPosition;
 out vec3 viewNormal;
+out vec3 gridPosition;
 out float leafLevel;
 
 void main() {
     vec4 place = modelToView * vec4(position, 1.0);
     viewPosition = place.xyz;
     viewNormal = normalToView * normal;
+    gridPosition = position;
     leafLevel = 0.0;
     gl_Position = viewToClip * place;
 }

@@ -279,7 +279,7 @@ TEST_F(WindowInputs, B112_ASmallWindowKeepsItsPanelsForALargerOne) {
     child<QDockWidget>("meshDock")->raise();
     QTest::qWait(20);
     const auto before = shown();
-    ASSERT_EQ(before.size(), 4u);
+    ASSERT_EQ(before.size(), 5u);
     window_->resize(320, 240);
     QTest::qWait(20);
     EXPECT_EQ(shown(), (std::set<QString>{QStringLiteral("isovalueDock")}));

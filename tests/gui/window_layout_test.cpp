@@ -87,7 +87,7 @@ TEST_F(WindowLayoutTest, AWindowThatBeginsSmallHasItsPanelsLater) {
     window_->show();
     QTest::qWait(30);
     resizeTo(1400, 900);
-    EXPECT_EQ(panelWidth(), width);
+    EXPECT_TRUE(waitUntil([&] { return panelWidth() == width; }, std::chrono::seconds(5))) << panelWidth();
 }
 
 TEST_F(WindowLayoutTest, FullScreenGoesBackToAMaximisedWindow) {

@@ -57,6 +57,9 @@ GridGeometry cubeGeometry() {
 bool isSurface(QRgb pixel) { return qRed(pixel) > qBlue(pixel) + 12; }
 bool isHighlight(QRgb pixel) { return qRed(pixel) > 110 && qRed(pixel) > 2 * qGreen(pixel); }
 
+/// Cyan, as nothing else in the view.
+bool isSpot(QRgb pixel) { return qBlue(pixel) > 100 && qGreen(pixel) > 80 && qBlue(pixel) > 2 * qRed(pixel); }
+
 template <class Predicate>
 std::size_t countPixels(const QImage& image, Predicate&& predicate) {
     std::size_t count = 0;
@@ -201,6 +204,64 @@ TEST_F(ViewportImageTest, WhatChangedIsHighlightedWhereItIs) {
     options_.showsChanged = false;
     viewport_->setOptions(options_);
     EXPECT_EQ(countPixels(grab(), isHighlight), 0u);
+}
+
+TEST_F(ViewportImageTest, ASpotIsHighlightedAndGoesAgain) {
+    show(sphereFrame(cubeGeometry()));
+    viewport_->changeCamera([](model::Camera& camera) {
+        camera.setStandardView(model::StandardView::Front);
+        camera.zoom(3.0, {0.0, 0.0}, 1.0);
+    });
+    const double middle = (kPoints - 1) / 2.0;
+    const QImage plain = grab();
+    ASSERT_EQ(countPixels(plain, isSpot), 0u);
+    viewport_->setSpot(glm::dvec3(middle, middle - kRadius, middle)); // nearest to the viewer
+    const QImage image = grab();
+    const double cell = pixelsPerUnit(image);
+    const QPoint centre(image.width() / 2, image.height() / 2);
+    EXPECT_TRUE(isSpot(image.pixel(centre)));
+    EXPECT_TRUE(isSpot(image.pixel(centre + QPoint(static_cast<int>(0.9 * cell), 0))));
+    EXPECT_TRUE(isSurface(image.pixel(centre + QPoint(static_cast<int>(2.2 * cell), 0)))) << "other cells are not";
+    EXPECT_FALSE(isHighlight(image.pixel(centre)));
+    viewport_->setSpot(glm::dvec3(middle, middle - kRadius, middle), 0.35f);
+    const QRgb faint = grab().pixel(centre);
+    EXPECT_FALSE(isSpot(faint));
+    EXPECT_NE(faint, plain.pixel(centre));
+    viewport_->setSpot(std::nullopt);
+    EXPECT_EQ(grab(), plain);
+}
+
+TEST_F(ViewportImageTest, ASpotBehindTheSurfaceHasARingAllTheSame) {
+    show(sphereFrame(cubeGeometry()));
+    viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
+    const double middle = (kPoints - 1) / 2.0;
+    const QImage plain = grab();
+    viewport_->setSpot(glm::dvec3(middle, middle + kRadius, middle));
+    const QImage image = grab();
+    const QPoint centre(image.width() / 2, image.height() / 2);
+    EXPECT_EQ(image.pixel(centre), plain.pixel(centre)) << "the surface before it is not highlighted";
+    const auto ring = countPixels(image, isSpot);
+    EXPECT_GT(ring, 80u);
+    EXPECT_LT(ring, 700u);
+    viewport_->changeCamera([](model::Camera& camera) { camera.setPerspective(true); });
+    viewport_->setSpot(glm::dvec3(middle, -1e6, middle)); // behind the viewer
+    EXPECT_EQ(countPixels(grab(), isSpot), 0u);
+}
+
+TEST_F(ViewportImageTest, ASpotOnWhatChangedIsSeen) {
+    auto frame = sphereFrame(cubeGeometry());
+    frame->changedIndices.assign(frame->indices.begin(),
+                                 frame->indices.begin() + static_cast<std::ptrdiff_t>(frame->indices.size() / 30 * 27));
+    show(frame);
+    viewport_->changeCamera([](model::Camera& camera) {
+        camera.setStandardView(model::StandardView::Front);
+        camera.zoom(3.0, {0.0, 0.0}, 1.0);
+    });
+    const double middle = (kPoints - 1) / 2.0;
+    const QPoint centre(300, 250);
+    ASSERT_TRUE(isHighlight(grab().pixel(centre)));
+    viewport_->setSpot(glm::dvec3(middle, middle - kRadius, middle));
+    EXPECT_TRUE(isSpot(grab().pixel(centre)));
 }
 
 TEST_F(ViewportImageTest, ASurfaceThatIsNewThroughoutIsNotHighlighted) {

@@ -17,6 +17,9 @@ namespace isoslider::render {
 namespace {
 
 constexpr int kBoxVertices = 24;
+constexpr float kSpotCells = 1.5f; // around the middle
+constexpr float kSpotShare = 0.9f; // of the surface's colour at full strength
+constexpr float kMarkerPixels = 24.0f; // half the side of its square
 
 QMatrix4x4 toQt(const glm::dmat4& matrix) {
     QMatrix4x4 result;
@@ -66,6 +69,7 @@ struct SceneRenderer::Matrices {
     QMatrix4x4 boxToView;
     QMatrix4x4 viewToClip;
     QMatrix3x3 normalToView;
+    glm::vec3 spot; ///< index units of the frame
 };
 
 struct SceneRenderer::Resources {
@@ -94,6 +98,7 @@ struct SceneRenderer::Resources {
     GLuint boxBuffer = 0;
     std::unique_ptr<QOpenGLShaderProgram> backgroundProgram;
     std::unique_ptr<QOpenGLShaderProgram> lineProgram;
+    std::unique_ptr<QOpenGLShaderProgram> markerProgram;
     std::unique_ptr<QOpenGLShaderProgram> arraysProgram;
     std::unique_ptr<QOpenGLShaderProgram> bricksProgram;
 };
@@ -123,11 +128,12 @@ bool SceneRenderer::initialize() {
     resources_ = std::make_unique<Resources>(*gl, *driver_);
     resources_->backgroundProgram = loadProgram("background");
     resources_->lineProgram = loadProgram("line");
+    resources_->markerProgram = loadProgram("marker");
     resources_->arraysProgram = loadProgram("surface");
     resources_->bricksProgram = loadProgram("surface_records", "surface");
     isFrameNew_ = true;
-    if (resources_->backgroundProgram && resources_->lineProgram && resources_->arraysProgram &&
-        resources_->bricksProgram)
+    if (resources_->backgroundProgram && resources_->lineProgram && resources_->markerProgram &&
+        resources_->arraysProgram && resources_->bricksProgram)
         return true;
     resources_.reset();
     return false;
@@ -210,7 +216,7 @@ void SceneRenderer::draw(const model::Camera& camera, const model::ViewOptions& 
     if (!frame_)
         return;
     const glm::dmat4 view = camera.viewMatrix();
-    Matrices matrices;
+    Matrices matrices{};
     const glm::dmat4 projection = camera.projectionMatrix(static_cast<double>(pixels.x) / pixels.y);
     const glm::dmat4 modelToView = view * indexToCentredWorld(frame_->geometry, volume_);
     matrices.modelToClip = projection * modelToView;
@@ -218,12 +224,18 @@ void SceneRenderer::draw(const model::Camera& camera, const model::ViewOptions& 
     matrices.boxToView = toQt(view * indexToCentredWorld(volume_, volume_));
     matrices.viewToClip = toQt(projection);
     matrices.normalToView = toQt(glm::dmat3(view) * frame_->geometry.normalToWorld());
+    const glm::dvec4 spot =
+        spot_ ? indexToCentredWorld(volume_, volume_) * glm::dvec4(spot_->place, 1.0) : glm::dvec4();
+    if (spot_)
+        matrices.spot = glm::dvec3(glm::inverse(indexToCentredWorld(frame_->geometry, volume_)) * spot);
     gl.glEnable(GL_DEPTH_TEST);
     gl.glDepthFunc(GL_LEQUAL);
     drawSurface(matrices, camera.isPerspective(), options);
     if (options.showsBox && resources_->hasBox)
         drawBox(matrices);
     gl.glDisable(GL_DEPTH_TEST);
+    if (spot_)
+        drawMarker(projection * view * spot, pixels);
 }
 
 void SceneRenderer::drawBackground() {
@@ -257,6 +269,28 @@ void SceneRenderer::drawBox(const Matrices& matrices) {
     gl.glDisable(GL_BLEND);
 }
 
+void SceneRenderer::drawMarker(const glm::dvec4& place, glm::ivec2 pixels) {
+    if (!(place.w > 0.0)) // behind the viewer
+        return;
+    auto& gl = resources_->gl;
+    auto& program = *resources_->markerProgram;
+    const float halfPixels = kMarkerPixels * spot_->pixelRatio;
+    gl.glEnable(GL_BLEND);
+    gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA); // as for the box
+    program.bind();
+    program.setUniformValue("centre", static_cast<float>(place.x / place.w), static_cast<float>(place.y / place.w));
+    program.setUniformValue("halfSize", 2.0f * halfPixels / static_cast<float>(pixels.x),
+                            2.0f * halfPixels / static_cast<float>(pixels.y));
+    program.setUniformValue("halfPixels", halfPixels);
+    program.setUniformValue("pixelRatio", spot_->pixelRatio);
+    program.setUniformValue("markerColour", toQt(glm::vec4(colours_.marker, spot_->strength)));
+    gl.glBindVertexArray(resources_->emptyArray);
+    gl.glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    gl.glBindVertexArray(0);
+    program.release();
+    gl.glDisable(GL_BLEND);
+}
+
 void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, const model::ViewOptions& options) {
     auto& bricks = resources_->bricks;
     auto& arrays = resources_->arrays;
@@ -278,6 +312,8 @@ void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, co
     program.setUniformValue("frontColour", toQt(colours_.front));
     program.setUniformValue("backColour", toQt(colours_.back));
     program.setUniformValue("highlightColour", QVector4D());
+    program.setUniformValue("spot", toQt(glm::vec4(matrices.spot, kSpotCells)));
+    program.setUniformValue("spotColour", toQt(glm::vec4(colours_.spot, spot_ ? kSpotShare * spot_->strength : 0.0f)));
     std::array<QVector3D, 4> levels;
     std::transform(colours_.levels.begin(), colours_.levels.end(), levels.begin(),
                    [](const glm::vec3& colour) { return toQt(colour); });
@@ -299,6 +335,7 @@ void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, co
     }
     if (options.showsEdges) {
         program.setUniformValue("highlightColour", toQt(colours_.edges));
+        program.setUniformValue("spotColour", QVector4D());
         gl.glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
         gl.glEnable(GL_POLYGON_OFFSET_LINE);
         gl.glPolygonOffset(-1.0f, -1.0f);

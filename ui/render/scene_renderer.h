@@ -23,10 +23,21 @@ struct SceneColours {
     std::array<glm::vec3, 4> levels{
         {{0.80f, 0.70f, 0.54f}, {0.13f, 0.42f, 0.85f}, {0.10f, 0.58f, 0.32f}, {0.82f, 0.26f, 0.50f}}};
     glm::vec4 highlight{1.0f, 0.035f, 0.02f, 0.86f};
+    glm::vec3 spot{0.0f, 0.55f, 0.80f}; ///< cyan: apart from the red and from all levels
+    glm::vec3 marker{0.25f, 0.90f, 1.0f}; ///< as seen
     glm::vec4 edges{0.012f, 0.02f, 0.035f, 0.8f};
     glm::vec4 box{0.78f, 0.82f, 0.88f, 0.38f};
     glm::vec3 backgroundBottom{0.085f, 0.092f, 0.105f};
     glm::vec3 backgroundTop{0.225f, 0.240f, 0.265f};
+};
+
+/// A place that is pointed out: a ring on it that is seen through the surface, and the surface around it highlighted.
+struct Spot {
+    glm::dvec3 place{0.0}; ///< grid index units of the volume
+    float strength = 1.0f; ///< 0 to 1: how much both cover what is below
+    float pixelRatio = 1.0f; ///< of the screen
+
+    bool operator==(const Spot&) const = default;
 };
 
 /// World units; half the diagonal of the volume's box. 1 for a volume without extent.
@@ -34,8 +45,8 @@ double sceneRadius(const GridGeometry& geometry);
 /// Index units of `grid` to world space moved so that the centre of `volume`, which it is of, is the origin.
 glm::dmat4 indexToCentredWorld(const GridGeometry& grid, const GridGeometry& volume);
 
-/// Draws background, bounding box, surface and the changed part of it into the bound framebuffer.
-/// Made in initialize() and gone in release(); every call but the constructor and setFrame needs
+/// Draws background, bounding box, surface, the changed part of it and a spot into the bound framebuffer.
+/// Made in initialize() and gone in release(); every call but the constructor, setFrame and setSpot needs
 /// the same context current.
 class SceneRenderer {
 public:
@@ -54,6 +65,8 @@ public:
     /// the origin.
     void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame, const std::optional<GridGeometry>& volume = {});
 
+    void setSpot(const std::optional<Spot>& spot) { spot_ = spot; }
+
     void draw(const model::Camera& camera, const model::ViewOptions& options, glm::ivec2 pixels);
 
     /// Bytes of the present surface, if the card has no memory for it and it is not drawn; 0 otherwise.
@@ -68,6 +81,7 @@ private:
     void uploadIfNew();
     void drawBackground();
     void drawBox(const Matrices& matrices);
+    void drawMarker(const glm::dvec4& place, glm::ivec2 pixels);
     void drawSurface(const Matrices& matrices, bool isPerspective, const model::ViewOptions& options);
 
     bool uploadSurface();
@@ -78,6 +92,7 @@ private:
     std::unique_ptr<Resources> resources_;
     std::shared_ptr<const extract::SurfaceFrame> frame_;
     GridGeometry volume_;
+    std::optional<Spot> spot_;
     SceneColours colours_;
     bool isFrameNew_ = false;
     std::uint64_t refusedBytes_ = 0;

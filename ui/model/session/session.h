@@ -71,6 +71,8 @@ public:
     DetailModel& detail() { return detail_; }
     /// Analysed once the index is there.
     TopologyModel& topology() { return topology_; }
+    /// Of the analysis, in jobs(); null when there is none under way.
+    const JobEntry* analysing() const { return topologyJob_ ? jobs_.find(*topologyJob_) : nullptr; }
     const JobModel& jobs() const { return jobs_; }
     JobModel& jobs() { return jobs_; }
     /// Of the surface that was checked or exported last.

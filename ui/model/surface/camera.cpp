@@ -22,6 +22,15 @@ glm::dquat lookFrom(glm::dvec3 direction, glm::dvec3 up) {
 
 } // namespace
 
+CameraPose poseBetween(const CameraPose& from, const CameraPose& to, double part) {
+    part = std::clamp(part, 0.0, 1.0);
+    CameraPose pose = to;
+    pose.orientation = glm::slerp(from.orientation, to.orientation, part);
+    pose.target = from.target * (1.0 - part) + to.target * part;
+    pose.distance = std::exp(std::lerp(std::log(from.distance), std::log(to.distance), part));
+    return pose;
+}
+
 void Camera::reset(double sceneRadius) {
     sceneRadius_ = std::isfinite(sceneRadius) && sceneRadius > 0.0 ? sceneRadius : 1.0;
     orientation_ = lookFrom({-0.55, -1.0, 0.45}, {0.0, 0.0, 1.0});

@@ -17,6 +17,10 @@ struct CameraPose {
     bool isPerspective = true;
 };
 
+/// On the way from one pose to another, `part` from 0 to 1; the distance changes by equal factors in equal parts.
+/// REQUIRES: both are poses of cameras.
+CameraPose poseBetween(const CameraPose& from, const CameraPose& to, double part);
+
 /// Where the viewer stands. World space is centred: the volume's centre is (0, 0, 0), its bounding
 /// sphere has sceneRadius(). Screen positions are in [-1, 1], y up, x scaled like y by the caller's
 /// aspect (width / height). Everything is in double; the renderer rounds the product.

@@ -10,6 +10,21 @@ namespace {
 
 // Enough for every pixel of a screen.
 constexpr std::size_t kCurvePoints = 1500;
+constexpr double kFirstShare = 0.02; // of the greatest persistence: what is shown at first
+constexpr double kDecades = 6.0; // of the scale of persistences
+
+bool isMeasured(TopologyQuantity quantity) {
+    return quantity != TopologyQuantity::Pieces && quantity != TopologyQuantity::Tunnels;
+}
+
+double valueOf(TopologyQuantity quantity, const topology::SurfaceMeasures& measures) {
+    switch (quantity) {
+        case TopologyQuantity::Area: return measures.area;
+        case TopologyQuantity::Volume: return measures.volume;
+        case TopologyQuantity::Triangles: return measures.triangles;
+        default: return measures.gradient;
+    }
+}
 
 } // namespace
 
@@ -24,6 +39,7 @@ void TopologyModel::clear() {
     state_ = TopologyState::None;
     problem_.clear();
     content_ = {};
+    greatestPersistence_ = leastPersistence_ = 0.0;
     filter();
     changed_.notify();
     choose(std::nullopt);
@@ -49,7 +65,9 @@ void TopologyModel::setContent(Content content) {
     greatestPersistence_ = 0.0;
     for (const auto& event : content_.events)
         greatestPersistence_ = std::max(greatestPersistence_, event.persistence);
-    leastPersistence_ = 0.02 * greatestPersistence_;
+    // Of two doubles of opposite sign the difference may be infinite.
+    greatestPersistence_ = std::min(greatestPersistence_, std::numeric_limits<double>::max());
+    leastPersistence_ = kFirstShare * greatestPersistence_;
     filter();
     changed_.notify();
     choose(std::nullopt);
@@ -63,10 +81,28 @@ void TopologyModel::setLeastPersistence(double persistence) {
     changed_.notify();
 }
 
+void TopologyModel::setEventFilter(EventFilter filter) {
+    if (filter == eventFilter_)
+        return;
+    eventFilter_ = filter;
+    this->filter();
+    changed_.notify();
+}
+
+double TopologyModel::persistenceAt(double fraction) const {
+    return fraction > 0.0 ? greatestPersistence_ * std::pow(10.0, kDecades * (std::min(fraction, 1.0) - 1.0)) : 0.0;
+}
+
+double TopologyModel::fractionOf(double persistence) const {
+    if (!(persistence > 0.0) || !(greatestPersistence_ > 0.0))
+        return 0.0;
+    return std::clamp(1.0 + (std::log10(persistence) - std::log10(greatestPersistence_)) / kDecades, 0.0, 1.0);
+}
+
 void TopologyModel::filter() {
     shown_.clear();
     for (std::size_t i = 0; i < content_.events.size(); ++i)
-        if (content_.events[i].persistence >= leastPersistence_)
+        if (content_.events[i].persistence >= leastPersistence_ && passes(eventFilter_, content_.events[i]))
             shown_.push_back(i);
 }
 
@@ -104,30 +140,43 @@ std::optional<topology::SurfaceCounts> TopologyModel::countsAt(double isovalue) 
     return counts.isOk() ? std::optional(counts.value()) : std::nullopt;
 }
 
-TopologyModel::Curve TopologyModel::curve(TopologyQuantity quantity) const {
-    Curve curve;
-    if (!content_.summary || content_.events.empty())
+bool TopologyModel::hasCurve(TopologyQuantity quantity) const {
+    if (!content_.summary)
+        return false;
+    return isMeasured(quantity) ? !content_.summary->curves().isEmpty() : !content_.events.empty();
+}
+
+std::optional<double> TopologyModel::valueAt(TopologyQuantity quantity, double isovalue) const {
+    if (!hasCurve(quantity))
+        return std::nullopt;
+    if (isMeasured(quantity))
+        return valueOf(quantity, content_.summary->curves().at(isovalue));
+    const auto counts = countsAt(isovalue);
+    if (!counts)
+        return std::nullopt;
+    return static_cast<double>(quantity == TopologyQuantity::Pieces ? counts->components : counts->handles());
+}
+
+TopologyCurve TopologyModel::curve(TopologyQuantity quantity) const {
+    TopologyCurve curve;
+    if (!hasCurve(quantity))
         return curve;
-    const auto& measured = content_.summary->curves();
-    if (quantity != TopologyQuantity::Pieces && quantity != TopologyQuantity::Tunnels) {
+    if (isMeasured(quantity)) {
+        const auto& measured = content_.summary->curves();
         curve.isovalues = measured.isovalues;
         for (const auto& at : measured.measures)
-            curve.values.push_back(quantity == TopologyQuantity::Area        ? at.area
-                                   : quantity == TopologyQuantity::Volume    ? at.volume
-                                   : quantity == TopologyQuantity::Triangles ? at.triangles
-                                                                             : at.gradient);
+            curve.values.push_back(valueOf(quantity, at));
         return curve;
     }
     const double first = content_.events.front().isovalue, last = content_.events.back().isovalue;
     for (std::size_t i = 0; i <= kCurvePoints; ++i) {
         const double part = static_cast<double>(i) / kCurvePoints;
         const double isovalue = first * (1.0 - part) + last * part;
-        const auto counts = countsAt(isovalue);
-        if (!counts)
+        const auto value = valueAt(quantity, isovalue);
+        if (!value)
             return {};
         curve.isovalues.push_back(isovalue);
-        curve.values.push_back(
-            static_cast<double>(quantity == TopologyQuantity::Pieces ? counts->components : counts->handles()));
+        curve.values.push_back(*value);
     }
     return curve;
 }

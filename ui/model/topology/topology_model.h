@@ -8,14 +8,20 @@
 
 #include "core/topology/topology_summary.h"
 #include "ui/model/observers.h"
+#include "ui/model/topology/event_words.h"
 
 namespace isoslider::model {
 
 enum class TopologyState { None, Analysing, Ready, Failed };
 
-/// What is drawn over the histogram.
+/// What may be drawn over the histogram.
 enum class TopologyQuantity { Pieces, Tunnels, Area, Volume, Triangles, Gradient };
 inline constexpr std::size_t kTopologyQuantities = 6;
+
+/// Values at isovalues that ascend.
+struct TopologyCurve {
+    std::vector<double> isovalues, values;
+};
 
 /// What the window shows of the topology of the volume that is open: its most persistent events, those among them that
 /// last long enough, the one that was chosen, and counts at any isovalue. Window thread only.
@@ -43,10 +49,17 @@ public:
     std::uint64_t eventCount() const { return content_.summary ? content_.summary->eventCount() : 0; }
     /// Ascending by isovalue.
     const std::vector<topology::TopologyEvent>& events() const { return content_.events; }
+    /// Finite.
     double greatestPersistence() const { return greatestPersistence_; }
     /// Events that last less are not shown.
     double leastPersistence() const { return leastPersistence_; }
     void setLeastPersistence(double persistence);
+    /// Persistences on a logarithmic scale from 0 to 1, where 1 is the greatest and 0 stands for 0.
+    double persistenceAt(double fraction) const;
+    double fractionOf(double persistence) const;
+    /// Events of another kind are not shown.
+    EventFilter eventFilter() const { return eventFilter_; }
+    void setEventFilter(EventFilter filter);
     /// Places in events() of those that are shown, ascending by isovalue.
     const std::vector<std::size_t>& shown() const { return shown_; }
 
@@ -64,11 +77,10 @@ public:
 
     /// None while there are no counts.
     std::optional<topology::SurfaceCounts> countsAt(double isovalue) const;
-    /// Values of one quantity at isovalues that ascend, to be drawn; empty where it is not known.
-    struct Curve {
-        std::vector<double> isovalues, values;
-    };
-    Curve curve(TopologyQuantity quantity) const;
+    /// Values of one quantity over the value range, to be drawn; empty where it is not known.
+    TopologyCurve curve(TopologyQuantity quantity) const;
+    bool hasCurve(TopologyQuantity quantity) const;
+    std::optional<double> valueAt(TopologyQuantity quantity, double isovalue) const;
 
     const Observable<>& changed() const { return changed_; } ///< state, content or filter
     const Observable<>& chosenChanged() const { return chosenChanged_; }
@@ -80,6 +92,7 @@ private:
     std::string problem_;
     Content content_;
     double greatestPersistence_ = 0.0, leastPersistence_ = 0.0;
+    EventFilter eventFilter_ = EventFilter::All;
     std::vector<std::size_t> shown_;
     std::optional<std::size_t> chosen_;
     ObserverList<> changed_;

@@ -168,6 +168,37 @@ bool RowScroll::eventFilter(QObject* watched, QEvent* event) {
     return QScrollArea::eventFilter(watched, event);
 }
 
+ElidedLabel::ElidedLabel(QWidget* parent) : QLabel(parent) { setTextFormat(Qt::PlainText); }
+
+void ElidedLabel::setFullText(const QString& text) {
+    if (text == fullText_)
+        return;
+    fullText_ = text;
+    setAccessibleName(text);
+    updateGeometry();
+    elide();
+}
+
+QSize ElidedLabel::sizeHint() const {
+    return {fontMetrics().horizontalAdvance(fullText_) + 2 * margin() + 2, QLabel::sizeHint().height()};
+}
+
+QSize ElidedLabel::minimumSizeHint() const {
+    return {fontMetrics().horizontalAdvance(QLatin1Char('m')), QLabel::minimumSizeHint().height()};
+}
+
+void ElidedLabel::resizeEvent(QResizeEvent* event) {
+    QLabel::resizeEvent(event);
+    elide();
+}
+
+void ElidedLabel::elide() {
+    const QString shown = fontMetrics().elidedText(fullText_, Qt::ElideRight, std::max(0, width() - 2 * margin()));
+    if (shown != text())
+        setText(shown);
+    setToolTip(shown == fullText_ ? QString() : plainTip(fullText_));
+}
+
 // Not a QFormLayout: when rows come and go, it shares the height of wrapped texts out among all rows.
 FactForm::FactForm(QWidget* parent) : QWidget(parent), grid_(new QGridLayout(this)) {
     grid_->setContentsMargins(0, 0, 0, 0);

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include <QLabel>
 #include <QScrollArea>
 #include <QString>
 #include <QWidget>
@@ -11,7 +12,6 @@ class QAction;
 class QDialog;
 class QGridLayout;
 class QHBoxLayout;
-class QLabel;
 class QPushButton;
 class QScrollArea;
 class QToolButton;
@@ -69,6 +69,25 @@ protected:
 
 private:
     void fitHeight();
+};
+
+/// A line of text that ends in dots where there is no room for all of it, which the tool tip then shows.
+class ElidedLabel : public QLabel {
+    Q_OBJECT
+public:
+    explicit ElidedLabel(QWidget* parent = nullptr);
+    void setFullText(const QString& text);
+    const QString& fullText() const { return fullText_; }
+    QSize sizeHint() const override;
+    QSize minimumSizeHint() const override;
+
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+
+private:
+    void elide();
+
+    QString fullText_;
 };
 
 struct Fact {

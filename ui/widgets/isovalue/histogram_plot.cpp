@@ -5,6 +5,8 @@
 #include <utility>
 
 #include <QApplication>
+#include <QHelpEvent>
+#include <QToolTip>
 
 #include "ui/model/isovalue/histogram_model.h"
 #include "ui/model/isovalue/isovalue_model.h"
@@ -17,6 +19,7 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kGrabPixels = 6;
+constexpr double kSnapPixels = 6.0;
 constexpr double kZoomPerNotch = 1.25;
 constexpr double kNotch = 120.0;
 constexpr double kSmallestRange = 1e-6; // of the whole
@@ -54,8 +57,13 @@ void HistogramPlot::setUpAxes() {
 }
 
 void HistogramPlot::setUpHandle() {
-    addLayer(QStringLiteral("handle"), layer(QStringLiteral("overlay")));
-    layer(QStringLiteral("handle"))->setMode(QCPLayer::lmBuffered);
+    // Each has a buffer: when the handle moves, neither the histogram nor the marks are drawn again.
+    QString below = QStringLiteral("overlay");
+    for (const QString& name : {QStringLiteral("marks"), QStringLiteral("handle")}) {
+        addLayer(name, layer(std::exchange(below, name)));
+        layer(name)->setMode(QCPLayer::lmBuffered);
+    }
+    marks_ = new EventMarks(*this, QStringLiteral("marks"));
     displayedLine_ = new QCPItemStraightLine(this);
     requestedLine_ = new QCPItemStraightLine(this);
     tag_ = new QCPItemText(this);
@@ -125,6 +133,17 @@ void HistogramPlot::setLogCounts(bool isLog) {
     isLog_ = isLog;
     applyVerticalRange();
     replot();
+}
+
+void HistogramPlot::setEventMarks(std::vector<EventMark> marks, std::function<QString(std::size_t)> describe) {
+    marks_->setMarks(std::move(marks));
+    describeEvent_ = std::move(describe);
+    layer(QStringLiteral("marks"))->replot();
+}
+
+void HistogramPlot::setChosenEvent(std::optional<std::size_t> event) {
+    marks_->setChosen(event);
+    layer(QStringLiteral("marks"))->replot();
 }
 
 void HistogramPlot::applyVerticalRange() {
@@ -215,6 +234,45 @@ void HistogramPlot::zoomAt(double pixel, double factor) {
     replot(QCustomPlot::rpQueuedReplot);
 }
 
+// Where mark and handle are close, the nearer one is meant.
+const EventMark* HistogramPlot::markToPress(QPointF place) const {
+    const EventMark* mark = marks_->markAt(place);
+    if (mark == nullptr)
+        return nullptr;
+    const double toHandle = std::abs(place.x() - pixelOf(requested_));
+    return toHandle > kGrabPixels || std::abs(place.x() - pixelOf(mark->isovalue)) <= toHandle ? mark : nullptr;
+}
+
+void HistogramPlot::showCursor(QPointF place) {
+    const bool isOnHandle = std::abs(place.x() - pixelOf(requested_)) <= kGrabPixels;
+    setCursor(place.y() > axisRect()->bottom() ? Qt::OpenHandCursor
+              : markToPress(place) != nullptr  ? Qt::PointingHandCursor
+              : isOnHandle                     ? Qt::SizeHorCursor
+                                               : Qt::ArrowCursor);
+}
+
+// What is dragged moves on below a snapped handle, so that it can leave the event again.
+void HistogramPlot::requestDragged(bool isFine) {
+    double value = std::clamp(dragValue_, min_, max_);
+    if (isSnapping_ && !isFine)
+        if (const EventMark* mark = marks_->markNear(pixelOf(value), kSnapPixels))
+            value = mark->justPast;
+    Q_EMIT isovalueRequested(value);
+}
+
+bool HistogramPlot::event(QEvent* event) {
+    if (event->type() != QEvent::ToolTip)
+        return QCustomPlot::event(event);
+    const auto* help = static_cast<QHelpEvent*>(event);
+    const EventMark* mark = drag_ == Drag::None ? marks_->markAt(help->pos()) : nullptr;
+    if (mark != nullptr && describeEvent_)
+        QToolTip::showText(help->globalPos(), describeEvent_(mark->event), this,
+                           QRect(help->pos() - QPoint(3, 3), QSize(7, 7)));
+    else
+        QToolTip::hideText();
+    return true;
+}
+
 void HistogramPlot::mousePressEvent(QMouseEvent* event) {
     if (!hasHistogram_)
         return;
@@ -232,10 +290,15 @@ void HistogramPlot::mousePressEvent(QMouseEvent* event) {
         sincePress_.start();
         const bool isOnHandle = std::abs(event->position().x() - pixelOf(requested_)) <= kGrabPixels;
         const bool isFine = event->modifiers().testFlag(Qt::ShiftModifier);
-        dragValue_ = isOnHandle || isFine ? requested_ : xAxis->pixelToCoord(event->position().x());
+        const EventMark* mark = isFine ? nullptr : markToPress(event->position());
+        dragValue_ = mark != nullptr        ? mark->justPast
+                     : isOnHandle || isFine ? requested_
+                                            : xAxis->pixelToCoord(event->position().x());
         Q_EMIT handleHeld(true);
-        if (!isOnHandle && !isFine)
-            Q_EMIT isovalueRequested(dragValue_);
+        if (mark != nullptr)
+            Q_EMIT eventPressed(mark->event);
+        else if (!isOnHandle && !isFine)
+            requestDragged(isFine);
     }
 }
 
@@ -245,16 +308,14 @@ void HistogramPlot::mouseMoveEvent(QMouseEvent* event) {
     if (drag_ == Drag::Handle) {
         const bool isFine = event->modifiers().testFlag(Qt::ShiftModifier);
         dragValue_ += moved * valuePerPixel() / (isFine ? model::kPrecisionFactor : 1.0);
-        Q_EMIT isovalueRequested(std::clamp(dragValue_, min_, max_));
+        requestDragged(isFine);
     } else if (drag_ == Drag::Pan) {
         const double shift = moved * valuePerPixel();
         xAxis->setRange(xAxis->range().lower - shift, xAxis->range().upper - shift);
         placeHandle();
         replot(QCustomPlot::rpQueuedReplot);
     } else if (hasHistogram_) {
-        const bool isOnHandle = std::abs(event->position().x() - pixelOf(requested_)) <= kGrabPixels;
-        const bool isOnAxis = event->position().y() > axisRect()->bottom();
-        setCursor(isOnAxis ? Qt::OpenHandCursor : isOnHandle ? Qt::SizeHorCursor : Qt::ArrowCursor);
+        showCursor(event->position());
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -8,13 +9,15 @@
 
 #include "core/grid/histogram.h"
 #include "core/grid/scalar_type.h"
+#include "ui/widgets/isovalue/event_marks.h"
 
 namespace isoslider::widgets {
 
 /// The histogram with the isovalue handle on it. The whole plot is the slider: press anywhere and
 /// drag; Shift makes a drag 10 times finer; the wheel and the keys step. Ctrl+wheel zooms about the
 /// pointer, dragging the axis or the middle button pans, a double click shows the whole range and leaves the isovalue
-/// where it was before its first click. Shows values only; whoever listens decides what becomes of a request.
+/// where it was before its first click. Events of the topology stand on the axis as marks; pressing one chooses it.
+/// Shows values only; whoever listens decides what becomes of a request.
 class HistogramPlot : public QCustomPlot {
     Q_OBJECT
 public:
@@ -25,6 +28,12 @@ public:
     void clearHistogram();
     void setIsovalues(double requested, double displayed);
     void setLogCounts(bool isLog);
+    /// Ascending by isovalue. `describe` gives the tool tip of one; empty if there are no marks.
+    void setEventMarks(std::vector<EventMark> marks, std::function<QString(std::size_t event)> describe);
+    void setChosenEvent(std::optional<std::size_t> event);
+    /// Whether a drag near a mark goes just past its event; not while Shift is held.
+    void setSnapping(bool isSnapping) { isSnapping_ = isSnapping; }
+    const EventMarks& eventMarks() const { return *marks_; }
     void showWholeRange();
 
     double minimum() const { return min_; }
@@ -37,10 +46,13 @@ public:
 Q_SIGNALS:
     void isovalueRequested(double isovalue);
     void stepRequested(double rangeFraction);
+    /// A mark was pressed.
+    void eventPressed(std::size_t event);
     /// The handle is held with the mouse, or no longer.
     void handleHeld(bool isHeld);
 
 protected:
+    bool event(QEvent* event) override;
     void mousePressEvent(QMouseEvent* event) override;
     void mouseMoveEvent(QMouseEvent* event) override;
     void mouseReleaseEvent(QMouseEvent* event) override;
@@ -64,6 +76,9 @@ private:
     void clampRange(const QCPRange& range);
     void placeHandle();
     void zoomAt(double pixel, double factor);
+    void showCursor(QPointF place);
+    void requestDragged(bool isFine);
+    const EventMark* markToPress(QPointF place) const;
     double valuePerPixel() const;
 
     QCPGraph* counts_ = nullptr;
@@ -72,6 +87,8 @@ private:
     QCPItemStraightLine* displayedLine_ = nullptr;
     QCPItemText* tag_ = nullptr;
     QCPItemText* emptyHint_ = nullptr;
+    EventMarks* marks_ = nullptr;
+    std::function<QString(std::size_t)> describeEvent_;
     double min_ = 0.0;
     double max_ = 0.0;
     double requested_ = 0.0;
@@ -83,6 +100,7 @@ private:
     Drag drag_ = Drag::None;
     bool hasHistogram_ = false;
     bool isLog_ = true;
+    bool isSnapping_ = false;
 };
 
 } // namespace isoslider::widgets

@@ -90,6 +90,13 @@ void IsovalueEdit::refuse(const QString& reason) {
                        this);
 }
 
+// Escape puts the value back, whatever it does elsewhere in the window.
+bool IsovalueEdit::event(QEvent* event) {
+    if (event->type() == QEvent::ShortcutOverride && static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape)
+        event->accept();
+    return QLineEdit::event(event);
+}
+
 void IsovalueEdit::keyPressEvent(QKeyEvent* event) {
     const double fine = event->modifiers().testFlag(Qt::ShiftModifier) ? 1.0 / model::kPrecisionFactor : 1.0;
     const double page = event->modifiers().testFlag(Qt::ControlModifier) ? model::kLargePageStep : model::kPageStep;

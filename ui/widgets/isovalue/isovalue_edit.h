@@ -19,6 +19,7 @@ Q_SIGNALS:
     void stepRequested(double rangeFraction);
 
 protected:
+    bool event(QEvent* event) override;
     void keyPressEvent(QKeyEvent* event) override;
     void wheelEvent(QWheelEvent* event) override;
 

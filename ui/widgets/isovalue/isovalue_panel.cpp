@@ -17,6 +17,7 @@
 #include "ui/widgets/common/icon_loader.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/isovalue/curve_overlay.h"
 #include "ui/widgets/isovalue/detail_control.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_edit.h"
@@ -41,7 +42,11 @@ constexpr std::array<ModeName, 3> kModes{{{"once", model::PlaybackMode::Once},
 
 IsovaluePanel::IsovaluePanel(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
                              QWidget* parent)
-    : QWidget(parent), session_(session), plot_(new HistogramPlot(this)), edit_(new IsovalueEdit(this)) {
+    : QWidget(parent),
+      session_(session),
+      plot_(new HistogramPlot(this)),
+      curves_(new CurveOverlay(session, settings, *plot_)),
+      edit_(new IsovalueEdit(this)) {
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(kMargin, 6, kMargin, 8);
     layout->setSpacing(6);
@@ -85,6 +90,7 @@ QWidget* IsovaluePanel::makeControls(const ActionRegistry& actions) {
     layout->addWidget(makeSeparator(row));
     actions.action("isovalue.logCounts")->setIconText(tr("Log"));
     layout->addWidget(makeToolButton(actions.action("isovalue.logCounts"), Qt::ToolButtonTextOnly, row));
+    layout->addWidget(curves_->makeButton(row));
     layout->addWidget(makeToolButton(actions.action("isovalue.resetZoom"), Qt::ToolButtonIconOnly, row));
     layout->addWidget(makeSeparator(row));
     detail_ = new DetailControl(session_, row);
@@ -152,7 +158,7 @@ void IsovaluePanel::connectControls(SettingsStore& settings, const ActionRegistr
     connect(&playTimer_, &QTimer::timeout, this, [this, play] { advance(play); });
 }
 
-// The view shows what the readouts show, the axis the range: in a narrow window they give way before the controls have
+// The axis shows the range, the view what the readouts show: in a narrow window they give way before the controls have
 // to be scrolled.
 void IsovaluePanel::resizeEvent(QResizeEvent* event) {
     QWidget::resizeEvent(event);
@@ -160,7 +166,7 @@ void IsovaluePanel::resizeEvent(QResizeEvent* event) {
 }
 
 void IsovaluePanel::makeRoomForControls() {
-    const std::array<QWidget*, 5> optional{mode_, speed_, detail_->measure(), range_, readouts_}; // the last goes first
+    const std::array<QWidget*, 5> optional{mode_, speed_, detail_->measure(), readouts_, range_}; // the last goes first
     const auto widthOf = [this](const QWidget* widget) {
         return widget->sizeHint().width() + controls_->layout()->spacing();
     };

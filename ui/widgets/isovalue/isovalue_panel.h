@@ -20,6 +20,7 @@ class Session;
 namespace isoslider::widgets {
 
 class ActionRegistry;
+class CurveOverlay;
 class DetailControl;
 class HistogramPlot;
 class IsovalueEdit;
@@ -50,6 +51,7 @@ private:
 
     model::Session& session_;
     HistogramPlot* plot_ = nullptr;
+    CurveOverlay* curves_ = nullptr;
     IsovalueEdit* edit_ = nullptr;
     QLabel* range_ = nullptr;
     DetailControl* detail_ = nullptr;

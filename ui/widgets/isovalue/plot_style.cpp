@@ -1,5 +1,6 @@
 #include "ui/widgets/isovalue/plot_style.h"
 
+#include <array>
 #include <cmath>
 
 #include <QRegularExpression>
@@ -29,6 +30,34 @@ PlotColours plotColours(const QPalette& palette) {
                 QColor(24, 20, 16)};
     return {QColor(96, 120, 158), QColor(120, 148, 190, 110), QColor(0, 128, 108), QColor(208, 84, 16),
             QColor(255, 255, 255)};
+}
+
+QColor eventColour(model::EventClass kind, const QPalette& palette) {
+    const bool dark = isDark(palette);
+    switch (kind) {
+        case model::EventClass::PieceComes: return dark ? QColor(112, 184, 255) : QColor(0, 92, 180);
+        case model::EventClass::PieceGoes: return dark ? QColor(206, 158, 120) : QColor(112, 56, 18);
+        case model::EventClass::PiecesJoin: return dark ? QColor(242, 132, 212) : QColor(172, 22, 128);
+        case model::EventClass::PieceSplits: return dark ? QColor(244, 224, 92) : QColor(150, 116, 0);
+        case model::EventClass::Other: break;
+    }
+    return dark ? QColor(176, 180, 186) : QColor(98, 102, 108);
+}
+
+QPen curvePen(model::TopologyQuantity quantity, const QPalette& palette) {
+    struct Style {
+        QColor light, dark;
+        Qt::PenStyle line;
+    };
+    static const std::array<Style, model::kTopologyQuantities> kStyles{
+        {{QColor(176, 30, 60), QColor(255, 128, 140), Qt::SolidLine},
+         {QColor(96, 56, 176), QColor(186, 154, 255), Qt::SolidLine},
+         {QColor(168, 104, 0), QColor(250, 190, 80), Qt::DashLine},
+         {QColor(0, 98, 160), QColor(104, 196, 255), Qt::DashLine},
+         {QColor(70, 74, 80), QColor(208, 212, 218), Qt::DashDotLine},
+         {QColor(62, 112, 0), QColor(168, 220, 96), Qt::DashDotLine}}};
+    const Style& style = kStyles[static_cast<std::size_t>(quantity)];
+    return QPen(isDark(palette) ? style.dark : style.light, 1.6, style.line);
 }
 
 void styleAxis(QCPAxis* axis, const QPalette& palette) {

@@ -2,6 +2,8 @@
 
 #include <qcustomplot.h>
 
+#include "ui/model/topology/topology_model.h"
+
 namespace isoslider::widgets {
 
 /// Plot colours that read on the palette's base, dark or light.
@@ -13,6 +15,10 @@ struct PlotColours {
     QColor handleText;
 };
 PlotColours plotColours(const QPalette& palette);
+/// Of what happens at an event; also apart by lightness, for those who do not see the hues.
+QColor eventColour(model::EventClass kind, const QPalette& palette);
+/// Of a curve over the histogram: colour and dashes differ.
+QPen curvePen(model::TopologyQuantity quantity, const QPalette& palette);
 
 /// Thin axis without minor ticks, in the palette's colours.
 void styleAxis(QCPAxis* axis, const QPalette& palette);

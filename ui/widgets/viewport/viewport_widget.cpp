@@ -98,6 +98,12 @@ void ViewportWidget::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame
 
 std::uint64_t ViewportWidget::uploadedBytes() const { return renderer_->uploadedBytes(); }
 
+void ViewportWidget::setSpot(const std::optional<glm::dvec3>& place, float strength) {
+    spot_ = place;
+    spotStrength_ = strength;
+    update();
+}
+
 void ViewportWidget::setOptions(const model::ViewOptions& options) {
     options_ = options;
     update();
@@ -122,6 +128,8 @@ void ViewportWidget::paintGL() {
     rebuilds_ = 0;
     const auto ratio = devicePixelRatioF();
     const glm::ivec2 pixels(std::lround(width() * ratio), std::lround(height() * ratio));
+    renderer_->setSpot(spot_ ? std::optional(render::Spot{*spot_, spotStrength_, static_cast<float>(ratio)})
+                             : std::nullopt);
     renderer_->draw(camera_, options_, pixels);
     if (renderer_->refusedBytes() > 0 && !std::exchange(isRefusalTold_, true))
         Q_EMIT surfaceRefused(renderer_->refusedBytes());

@@ -29,6 +29,8 @@ public:
 
     /// See render::SceneRenderer.
     void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame, const std::optional<GridGeometry>& volume = {});
+    /// Points a place out in the next picture; see render::Spot.
+    void setSpot(const std::optional<glm::dvec3>& place, float strength = 1.0f);
     void setOptions(const model::ViewOptions& options);
     const model::Camera& camera() const { return camera_; }
     /// Changes the camera and draws again.
@@ -69,6 +71,8 @@ private:
     std::unique_ptr<render::SceneRenderer> renderer_;
     std::shared_ptr<const extract::SurfaceFrame> frame_;
     std::optional<GridGeometry> volume_;
+    std::optional<glm::dvec3> spot_;
+    float spotStrength_ = 0.0f;
     QTimer rebuildTimer_;
     int rebuilds_ = 0; ///< in a row, without a picture
     bool isRefusalTold_ = false; ///< of frame_

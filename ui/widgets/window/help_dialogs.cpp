@@ -36,6 +36,7 @@ std::vector<Gesture> viewGestures() {
 
 std::vector<Gesture> isovalueGestures() {
     return {{tr("Drag on the histogram"), tr("Move the isovalue; with Shift 10 times finer")},
+            {tr("Click on a mark"), tr("Move just past an event of the topology")},
             {tr("Wheel, arrow keys"), tr("Step by 0.1 % of the range; with Shift 0.01 %")},
             {tr("Page Up, Page Down"), tr("Step by 1 %; with Ctrl 10 %; with Shift 10 times finer")},
             {tr("Home, End"), tr("Smallest and largest value")},
@@ -114,7 +115,7 @@ void showShortcutSheet(const ActionRegistry& actions, QWidget* parent) {
     scroll->setWidget(page);
     layout->addWidget(scroll);
     layout->addWidget(makeCloseButton(dialog));
-    dialog->resize(1180, 560);
+    dialog->resize(1180, 620);
     dialog->show();
 }
 

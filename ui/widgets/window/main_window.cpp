@@ -23,6 +23,7 @@
 #include "ui/widgets/panels/jobs_panel.h"
 #include "ui/widgets/panels/levels_panel.h"
 #include "ui/widgets/panels/mesh_panel.h"
+#include "ui/widgets/panels/topology_panel.h"
 #include "ui/widgets/viewport/picture_file.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
@@ -31,12 +32,14 @@
 #include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/window/session_keeper.h"
 #include "ui/widgets/window/settings_store.h"
+#include "ui/widgets/window/topology_status.h"
+#include "ui/widgets/window/topology_wiring.h"
 
 namespace isoslider::widgets {
 namespace {
 
 constexpr int kMostFilesNamed = 3;
-constexpr int kLayoutVersion = 1;
+constexpr int kLayoutVersion = 2; // goes up when a panel comes or goes
 constexpr int kPanelWidth = 450;
 constexpr QSize kSmallestWindow(320, 240); // smaller than all panels together, see CompactLayout
 
@@ -66,6 +69,7 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     makeMenus();
     makeToolBar();
     connectActions();
+    new TopologyStatus(session_, *this);
     subscriptions_.push_back(session_.datasetChanged().observe([this] { showDataset(); }));
     subscriptions_.push_back(session_.frameChanged().observe([this] { updateActions(); }));
     subscriptions_.push_back(session_.certificateChanged().observe([this] { updateActions(); }));
@@ -108,14 +112,17 @@ void MainWindow::makeDocks() {
     isovalueDock_ = addDock(tr("Isovalue"), "isovalueDock", isovaluePanel_);
     levelsDock_ = addDock(tr("Levels"), "levelsDock", new LevelsPanel(session_, this));
     meshDock_ = addDock(tr("Mesh"), "meshDock", new MeshPanel(session_, *actions_, this));
+    auto* topologyPanel = new TopologyPanel(session_, this);
+    topologyDock_ = addDock(tr("Topology"), "topologyDock", topologyPanel);
     jobsDock_ = addDock(tr("Jobs"), "jobsDock", new JobsPanel(session_, this));
+    new TopologyWiring(session_, settings_, *actions_, {isovaluePanel_->plot(), *topologyPanel, *host_}, this);
     setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
-    compactLayout_ =
-        new CompactLayout(*this, {datasetDock_, levelsDock_, meshDock_, jobsDock_}, isovaluePanel_->plot());
+    compactLayout_ = new CompactLayout(*this, {datasetDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_},
+                                       isovaluePanel_->plot());
 }
 
 void MainWindow::resetLayout() {
-    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_}) {
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_}) {
         dock->setFloating(false);
         removeDockWidget(dock);
     }
@@ -123,8 +130,9 @@ void MainWindow::resetLayout() {
     addDockWidget(Qt::RightDockWidgetArea, datasetDock_);
     addDockWidget(Qt::RightDockWidgetArea, levelsDock_);
     tabifyDockWidget(levelsDock_, meshDock_);
-    tabifyDockWidget(meshDock_, jobsDock_);
-    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})
+    tabifyDockWidget(meshDock_, topologyDock_);
+    tabifyDockWidget(topologyDock_, jobsDock_);
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_})
         dock->show();
     levelsDock_->raise();
     compactLayout_->setWidths({{datasetDock_, kPanelWidth}, {levelsDock_, kPanelWidth}});

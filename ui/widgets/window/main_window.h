@@ -91,6 +91,7 @@ private:
     QDockWidget* isovalueDock_ = nullptr;
     QDockWidget* levelsDock_ = nullptr;
     QDockWidget* meshDock_ = nullptr;
+    QDockWidget* topologyDock_ = nullptr;
     QDockWidget* jobsDock_ = nullptr;
     std::vector<model::Subscription> subscriptions_;
     std::shared_ptr<model::BackgroundJobs>

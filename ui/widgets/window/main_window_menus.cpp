@@ -43,13 +43,15 @@ void MainWindow::makeMenus() {
     add(view, {"view.changed", "view.edges", "view.levels", "view.box", "view.axes", "view.readout"});
     view->addSeparator();
     QMenu* panels = view->addMenu(tr("Pa&nels"));
-    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, jobsDock_})
+    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_})
         panels->addAction(dock->toggleViewAction());
     panelsMenu_ = panels;
     add(view, {"view.resetLayout", "view.fullScreen"});
 
     QMenu* isovalue = menuBar()->addMenu(tr("&Isovalue"));
     add(isovalue, {"isovalue.edit", "isovalue.play"});
+    isovalue->addSeparator();
+    add(isovalue, {"isovalue.previousEvent", "isovalue.nextEvent", "isovalue.snap", "isovalue.clearEvent"});
     isovalue->addSeparator();
     add(isovalue, {"isovalue.logCounts", "isovalue.coarserWhileMoving", "isovalue.resetZoom"});
 

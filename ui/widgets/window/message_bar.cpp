@@ -99,6 +99,13 @@ void MessageBar::showNotice(const model::Notice& notice) {
 
 QString MessageBar::text() const { return title_->text() + QStringLiteral("\n") + detail_->text(); }
 
+// Escape closes the bar that has the focus, whatever it does elsewhere in the window.
+bool MessageBar::event(QEvent* event) {
+    if (event->type() == QEvent::ShortcutOverride && static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape)
+        event->accept();
+    return QFrame::event(event);
+}
+
 void MessageBar::keyPressEvent(QKeyEvent* event) {
     if (event->key() == Qt::Key_Escape)
         hide();

@@ -174,5 +174,22 @@ TEST(Camera, RefusesAPoseThatIsNone) {
     EXPECT_NEAR(glm::length(camera.orientation()), 1.0, 1e-12);
 }
 
+TEST(Camera, GoesFromPoseToPoseWithoutAJump) {
+    CameraPose from, to;
+    from.target = {1.0, 2.0, 3.0};
+    from.distance = 100.0;
+    to.target = {5.0, 2.0, 3.0};
+    to.distance = 1.0;
+    to.orientation = glm::angleAxis(1.0, glm::dvec3(0.0, 0.0, 1.0));
+    EXPECT_EQ(poseBetween(from, to, 0.0).target, from.target);
+    EXPECT_NEAR(poseBetween(from, to, 0.0).distance, 100.0, 1e-9);
+    EXPECT_EQ(poseBetween(from, to, 1.0).target, to.target);
+    EXPECT_NEAR(poseBetween(from, to, 2.0).distance, 1.0, 1e-12) << "no farther than the end";
+    const CameraPose middle = poseBetween(from, to, 0.5);
+    EXPECT_EQ(middle.target.x, 3.0);
+    EXPECT_NEAR(middle.distance, 10.0, 1e-9);
+    EXPECT_NEAR(glm::angle(middle.orientation), 0.5, 1e-9);
+}
+
 } // namespace
 } // namespace isoslider::model

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <QObject>
+
+#include "ui/model/observers.h"
+#include "ui/model/topology/topology_model.h"
+
+class QAction;
+class QLabel;
+class QToolButton;
+class QCPAxis;
+class QCPGraph;
+
+namespace isoslider::model {
+class Session;
+}
+
+namespace isoslider::widgets {
+
+class HistogramPlot;
+class SettingsStore;
+
+/// Curves over the histogram: pieces, tunnels, area, enclosed volume, triangles and gradient against the isovalue, each
+/// scaled to its own greatest value. A legend on the plot gives their values at the handle.
+class CurveOverlay : public QObject {
+    Q_OBJECT
+public:
+    CurveOverlay(model::Session& session, SettingsStore& settings, HistogramPlot& plot);
+
+    /// A button with a menu of the curves; one that is not known is disabled and states so.
+    QToolButton* makeButton(QWidget* parent);
+    bool isShown(model::TopologyQuantity quantity) const;
+
+protected:
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+private:
+    struct Curve {
+        QAction* action = nullptr;
+        QCPGraph* graph = nullptr;
+        bool isLogarithmic = false;
+    };
+
+    Curve& curveOf(model::TopologyQuantity quantity) { return curves_[static_cast<std::size_t>(quantity)]; }
+    void makeActions(SettingsStore& settings);
+    void keepChoices(SettingsStore& settings) const;
+    void showCurves();
+    void showLegend();
+    void placeLegend();
+    void applyPalette();
+    QString valueText(model::TopologyQuantity quantity, double value) const;
+
+    model::Session& session_;
+    HistogramPlot& plot_;
+    QCPAxis* axis_; ///< 0 to 1, not drawn
+    QLabel* legend_;
+    std::array<Curve, model::kTopologyQuantities> curves_;
+    std::vector<model::Subscription> subscriptions_;
+};
+
+} // namespace isoslider::widgets
