@@ -272,6 +272,7 @@ public:
     std::uint64_t eventCount() const override { return 0; }
     Result<topology::SurfaceCounts> at(double) const override { return topology::SurfaceCounts{}; }
     Status visitEvents(const std::function<bool(const topology::TopologyEvent&)>&) const override { return {}; }
+    bool areCountsExact() const override { return true; }
     const topology::MeasureCurves& curves() const override { return curves_; }
 
 private:

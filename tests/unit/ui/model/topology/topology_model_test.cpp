@@ -33,6 +33,7 @@ public:
                 break;
         return {};
     }
+    bool areCountsExact() const override { return true; }
     const MeasureCurves& curves() const override { return curves_; }
 
 private:

@@ -1,0 +1,258 @@
+// What is added to an index behind it in its file, whole, cut off, damaged, and on failing disks.
+
+#include "core/topology/stored_topology.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/index/index_appendix.h"
+#include "core/index/index_reader.h"
+#include "core/topology/index_topology.h"
+#include "tests/property/test_volumes.h"
+#include "tests/support/faulty_file_system.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider::topology {
+namespace {
+
+namespace fs = std::filesystem;
+using test::HasError;
+using test::IsOk;
+using Bytes = std::vector<char>;
+
+std::shared_ptr<const ScalarGrid> noise(const GridDims& dims, ScalarType type, unsigned seed) {
+    GridGeometry geometry;
+    geometry.dims = dims;
+    std::mt19937 random(seed);
+    return visitScalarType(type, [&](auto sample) {
+        using Sample = decltype(sample);
+        std::vector<Sample> samples(static_cast<std::size_t>(pointCount(dims)));
+        for (Sample& each : samples)
+            each = static_cast<Sample>(std::uniform_real_distribution<double>(-100.0, 100.0)(random));
+        return std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<Sample>(geometry, type, samples));
+    });
+}
+
+Bytes readFile(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+void writeFile(const fs::path& path, const Bytes& bytes) {
+    std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+std::vector<TopologyEvent> eventsOf(const TopologySummary& summary) {
+    std::vector<TopologyEvent> events;
+    EXPECT_THAT(summary.visitEvents([&](const TopologyEvent& event) {
+        events.push_back(event);
+        return true;
+    }),
+                IsOk());
+    return events;
+}
+
+void expectSame(const TopologySummary& stored, const TopologySummary& made) {
+    EXPECT_EQ(stored.eventCount(), made.eventCount());
+    EXPECT_EQ(stored.areCountsExact(), made.areCountsExact());
+    const auto found = eventsOf(stored), expected = eventsOf(made);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        ASSERT_EQ(found[i].isovalue, expected[i].isovalue);
+        ASSERT_EQ(found[i].kind, expected[i].kind);
+        ASSERT_EQ(found[i].position, expected[i].position);
+        ASSERT_EQ(found[i].below, expected[i].below);
+        ASSERT_EQ(found[i].above, expected[i].above);
+        ASSERT_EQ(found[i].pieces, expected[i].pieces);
+        ASSERT_EQ(found[i].persistence, expected[i].persistence);
+    }
+    ASSERT_EQ(stored.curves().isovalues, made.curves().isovalues);
+    for (std::size_t i = 0; i < made.curves().measures.size(); ++i)
+        ASSERT_EQ(stored.curves().measures[i].area, made.curves().measures[i].area);
+}
+
+class StoredTopologyTest : public testing::Test {
+protected:
+    void build(const std::shared_ptr<const ScalarGrid>& grid) {
+        preprocess::BuildOptions options;
+        options.kind = index::IndexKind::Metacells;
+        ASSERT_THAT(test::buildIndexOf(grid, path_, options), IsOk());
+        bare_ = readFile(path_);
+    }
+    TopologyCurve analysed(const ScalarGrid& grid) {
+        AnalysisOptions options;
+        options.measures = planMeasures(grid);
+        auto curve = analyseTopology(planesOf(grid), options);
+        EXPECT_THAT(curve, IsOk());
+        return std::move(curve).value();
+    }
+
+    test::TemporaryFolder folder_;
+    fs::path path_ = folder_ / "a.isx";
+    Bytes bare_; ///< the index before anything was added
+};
+
+TEST_F(StoredTopologyTest, IsReadAsItWasMade) {
+    for (const ScalarType type : {ScalarType::U8, ScalarType::I16, ScalarType::F32, ScalarType::F64}) {
+        const auto grid = noise({17, 16, 18}, type, 7);
+        build(grid);
+        ASSERT_THAT(openTopology(path_), IsOk());
+        EXPECT_EQ(openTopology(path_).value(), nullptr) << "there is none yet";
+        const TopologyCurve curve = analysed(*grid);
+        ASSERT_THAT(storeTopology(path_, curve), IsOk());
+        const auto stored = openTopology(path_);
+        ASSERT_THAT(stored, IsOk());
+        ASSERT_NE(stored.value(), nullptr);
+        expectSame(*stored.value(), curve);
+        if (type == ScalarType::F32) {
+            EXPECT_GT(curve.eventCount(), 3000u) << "several pages";
+        }
+        std::mt19937 random(3);
+        for (int i = 0; i < 500; ++i) {
+            const double isovalue = std::uniform_real_distribution<double>(-110.0, 110.0)(random);
+            ASSERT_EQ(stored.value()->at(isovalue).value(), curve.countsAt(isovalue)) << isovalue;
+        }
+        for (const TopologyEvent& event : curve.events())
+            ASSERT_EQ(stored.value()->at(event.isovalue).value(), event.below);
+        // The index itself is as it was.
+        const Bytes now = readFile(path_);
+        EXPECT_TRUE(std::equal(bare_.begin(), bare_.end(), now.begin()));
+        EXPECT_THAT(index::IndexReader::open(path_), IsOk());
+        // A second one takes the place of the first.
+        ASSERT_THAT(storeTopology(path_, curve), IsOk());
+        EXPECT_EQ(readFile(path_), now);
+    }
+}
+
+TEST_F(StoredTopologyTest, IsMadeOfTheIndexAsOfTheVolume) {
+    for (const GridDims& dims : {GridDims{5, 7, 2}, GridDims{33, 18, 16}, GridDims{16, 17, 17}, GridDims{18, 20, 49}}) {
+        const auto grid = noise(dims, ScalarType::F32, 11);
+        build(grid);
+        const auto found = topologyOfIndex(path_, {}, {});
+        ASSERT_THAT(found, IsOk());
+        EXPECT_THAT(found.value().storing, IsOk());
+        EXPECT_EQ(eventsOf(*found.value().summary).size(), analysed(*grid).eventCount());
+        const auto again = topologyOfIndex(path_, {}, {});
+        ASSERT_THAT(again, IsOk());
+        expectSame(*again.value().summary, *found.value().summary);
+    }
+}
+
+// A program that is killed leaves the index, and what was added or nothing.
+TEST_F(StoredTopologyTest, CutOffAnywhereIsNone) {
+    const auto grid = noise({16, 16, 16}, ScalarType::F32, 5);
+    build(grid);
+    ASSERT_THAT(storeTopology(path_, analysed(*grid)), IsOk());
+    const Bytes whole = readFile(path_);
+    for (std::size_t size = bare_.size(); size < whole.size(); size += 1 + (whole.size() - bare_.size()) / 97) {
+        writeFile(path_, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)});
+        const auto stored = openTopology(path_);
+        ASSERT_THAT(stored, IsOk()) << size;
+        EXPECT_EQ(stored.value(), nullptr) << size;
+        EXPECT_THAT(index::IndexReader::open(path_), IsOk());
+    }
+    writeFile(path_, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(bare_.size()) - 1});
+    EXPECT_THAT(openTopology(path_), HasError(ErrorCode::Corruption)) << "not even an index";
+    // What is left over is replaced.
+    writeFile(path_, {whole.begin(), whole.end() - 10});
+    ASSERT_THAT(storeTopology(path_, analysed(*grid)), IsOk());
+    EXPECT_EQ(readFile(path_), whole);
+}
+
+TEST_F(StoredTopologyTest, DamagedIsNeverTakenForAnother) {
+    const auto grid = noise({16, 16, 16}, ScalarType::F32, 5);
+    build(grid);
+    const TopologyCurve curve = analysed(*grid);
+    ASSERT_THAT(storeTopology(path_, curve), IsOk());
+    const Bytes whole = readFile(path_);
+    int refused = 0, none = 0;
+    for (std::size_t at = bare_.size(); at < whole.size(); at += 1 + (whole.size() - bare_.size()) / 331) {
+        Bytes damaged = whole;
+        damaged[at] = static_cast<char>(damaged[at] ^ (1 << at % 8));
+        writeFile(path_, damaged);
+        const auto stored = openTopology(path_);
+        ASSERT_THAT(stored, IsOk());
+        if (stored.value() == nullptr) {
+            ++none;
+            continue;
+        }
+        std::size_t seen = 0;
+        const Status status = stored.value()->visitEvents([&](const TopologyEvent& event) {
+            EXPECT_EQ(event.isovalue, curve.events()[seen++].isovalue);
+            return true;
+        });
+        EXPECT_THAT(status, HasError(ErrorCode::Corruption)) << "byte " << at;
+        ++refused;
+    }
+    EXPECT_GT(none, 10);
+    EXPECT_GT(refused, 50);
+    // Of another index: its seed differs.
+    build(noise({16, 16, 16}, ScalarType::F32, 6));
+    Bytes other = bare_;
+    const auto appendix = index::readAppendix(path_);
+    EXPECT_FALSE(appendix.value().has_value());
+    other.insert(other.end(), whole.end() - 1000, whole.end());
+    writeFile(path_, other);
+    EXPECT_EQ(openTopology(path_).value(), nullptr);
+}
+
+TEST_F(StoredTopologyTest, LosesNothingOnAFailingDisk) {
+    const auto grid = noise({12, 12, 12}, ScalarType::I16, 5);
+    build(grid);
+    const TopologyCurve curve = analysed(*grid);
+    test::FaultyFileSystem counting(-1, 0);
+    ASSERT_THAT(storeTopology(path_, curve, counting), IsOk());
+    ASSERT_GT(counting.calls(), 5);
+    for (int call = 0; call < counting.calls(); ++call) {
+        writeFile(path_, bare_);
+        test::FaultyFileSystem faulty(call, ENOSPC);
+        EXPECT_THAT(storeTopology(path_, curve, faulty), HasError(ErrorCode::OutOfSpace)) << call;
+        EXPECT_THAT(index::IndexReader::open(path_), IsOk()) << call;
+        const Bytes now = readFile(path_);
+        EXPECT_TRUE(std::equal(bare_.begin(), bare_.end(), now.begin()));
+        const auto stored = openTopology(path_);
+        ASSERT_THAT(stored, IsOk()) << call;
+        if (stored.value() != nullptr) // all was written, but for what syncs and closes
+            expectSame(*stored.value(), curve);
+        ASSERT_THAT(storeTopology(path_, curve), IsOk()) << "the next time it works";
+    }
+}
+
+TEST_F(StoredTopologyTest, IsAddedByOneProgramAtATime) {
+    const auto grid = noise({8, 8, 8}, ScalarType::U8, 5);
+    build(grid);
+    const auto first = defaultFileSystem().extend(path_, bare_.size());
+    ASSERT_THAT(first, IsOk());
+    EXPECT_THAT(storeTopology(path_, analysed(*grid)), HasError(ErrorCode::InvalidArgument));
+    EXPECT_THAT(defaultFileSystem().extend(folder_ / "nowhere", 0), HasError(ErrorCode::NotFound));
+}
+
+TEST(AnalysisLimits, AreKept) {
+    const auto grid = noise({24, 24, 24}, ScalarType::F32, 5);
+    AnalysisOptions options;
+    options.memoryBytes = 100'000;
+    EXPECT_THAT(analyseTopology(planesOf(*grid), options), HasError(ErrorCode::OutOfSpace));
+    std::stop_source stop;
+    stop.request_stop();
+    JobControl job;
+    job.stop = stop.get_token();
+    EXPECT_THAT(analyseTopology(planesOf(*grid), {}, job), HasError(ErrorCode::Cancelled));
+    PlaneSource broken = planesOf(*grid);
+    broken.read = [inner = broken.read](std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) -> Status {
+        if (zEnd > 10)
+            return makeError(ErrorCode::IoError, "cannot read");
+        return inner(zBegin, zEnd, out);
+    };
+    options = {};
+    options.planesAtOnce = 4;
+    EXPECT_THAT(analyseTopology(broken, options), HasError(ErrorCode::IoError));
+}
+
+} // namespace
+} // namespace isoslider::topology
