@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 
@@ -183,36 +185,48 @@ private:
         return Built{std::move(report).value(), source.info()};
     }
 
-    // The index is there, and stays whatever happens here. Too little memory is no failure: a message states it.
+    Result<topology::TopologyCurve> analysed(const topology::PlaneSource& planes,
+                                             const topology::AnalysisOptions& options, const JobControl& job) const {
+        tbb::task_arena arena(threads_ > 0 ? static_cast<int>(threads_) : tbb::task_arena::automatic);
+        try {
+            return arena.execute([&] { return topology::analyseTopology(planes, options, job); });
+        } catch (const std::bad_alloc&) {
+            return makeError(ErrorCode::OutOfSpace, "out of memory");
+        }
+    }
+
+    // The index is there, and stays: what fails here is reported beside it.
     Status addTopology(io::VolumeSource& source, Built& built, const JobControl& job) {
         const auto start = std::chrono::steady_clock::now();
+        const Status status = tryTopology(source, built, job);
+        if (status.isCancelled())
+            return makeError(ErrorCode::Cancelled, "cancelled; the index is complete, without topology", indexPath_);
+        if (!status.isOk())
+            built.topologyProblem = status.error().message;
+        built.topologySeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return {};
+    }
+
+    Status tryTopology(io::VolumeSource& source, Built& built, const JobControl& job) const {
+        const auto reader = index::IndexReader::open(indexPath_);
+        if (!reader.isOk())
+            return reader.error();
         topology::AnalysisOptions options;
         options.memoryBytes = memoryBytes_;
-        options.measures = topology::planMeasures(built.report.info);
-        std::unique_ptr<index::IndexReader> reader;
+        options.measures = topology::planMeasures(reader.value()->info());
         topology::PlaneSource planes{source.info().geometry, source.info().type,
                                      [&](std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
                                          return source.readSlab(zBegin, zEnd, out);
                                      }};
-        if (built.report.info.kind == index::IndexKind::Metacells) { // decoded faster than most files are read
-            auto opened = index::IndexReader::open(indexPath_);
-            if (!opened.isOk())
-                return std::move(opened).error();
-            reader = std::move(opened).value();
-            planes = topology::planesOf(*reader);
-        }
-        tbb::task_arena arena(threads_ > 0 ? static_cast<int>(threads_) : tbb::task_arena::automatic);
-        const auto curve = arena.execute([&] { return topology::analyseTopology(planes, options, job); });
-        if (!curve.isOk() &&
-            (curve.error().code == ErrorCode::OutOfSpace || curve.error().code == ErrorCode::InvalidArgument)) {
-            built.topologyProblem = curve.error().message;
-            return {};
-        }
+        if (reader.value()->info().kind == index::IndexKind::Metacells) // decoded faster than most files are read
+            planes = topology::planesOf(*reader.value());
+        const auto curve = analysed(planes, options, job);
         if (!curve.isOk())
             return curve.error();
-        ISO_TRY(topology::storeTopology(indexPath_, curve.value()));
+        ISO_TRY(source.checkUnchanged());
+        ISO_TRY(topology::storeTopology(*reader.value(), curve.value()));
         built.events = curve.value().eventCount();
-        built.topologySeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        built.report.peakRssBytes = std::max(built.report.peakRssBytes, peakRssBytes());
         return {};
     }
 

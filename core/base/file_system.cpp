@@ -136,6 +136,13 @@ public:
         return writeFully(descriptor_.get(), offset, bytes, path_);
     }
 
+    Status cut(std::uint64_t bytes) override {
+        if (retrying([&] { return ::ftruncate(descriptor_.get(), static_cast<off_t>(bytes)); }) != 0)
+            return systemError(errno, "cannot write", path_);
+        size_ = bytes;
+        return {};
+    }
+
     Status sync() override {
         if (retrying([&] { return ::fsync(descriptor_.get()); }) != 0)
             return systemError(errno, "cannot sync", path_);
@@ -203,7 +210,8 @@ public:
         return makeError(ErrorCode::IoError, "keeps being replaced by another program", path);
     }
 
-    Result<std::unique_ptr<WritableFile>> extend(const fs::path& path, std::uint64_t keepBytes) override {
+    Result<std::unique_ptr<WritableFile>> extend(const fs::path& path, std::span<const std::byte> head,
+                                                 std::uint64_t keepBytes) override {
         auto file = std::make_unique<PosixWritableFile>(path);
         FileDescriptor descriptor(openRetrying(path, O_RDWR | O_NONBLOCK | O_NOCTTY));
         if (!descriptor.isOpen())
@@ -215,10 +223,15 @@ public:
             return systemError(errno, "cannot inspect", path);
         if (!S_ISREG(facts.st_mode))
             return notRegularError(facts.st_mode, path);
-        if (static_cast<std::uint64_t>(facts.st_size) < keepBytes)
-            return makeError(ErrorCode::InvalidArgument, "has become shorter", path);
-        if (retrying([&] { return ::ftruncate(descriptor.get(), static_cast<off_t>(keepBytes)); }) != 0)
-            return systemError(errno, "cannot write", path);
+        std::vector<std::byte> first(head.size());
+        const ssize_t got = ::pread(descriptor.get(), first.data(), first.size(), 0);
+        // Its former owner may have renamed another one here between our open and our lock.
+        struct stat named {};
+        const bool isNamed =
+            ::stat(path.c_str(), &named) == 0 && named.st_ino == facts.st_ino && named.st_dev == facts.st_dev;
+        if (!isNamed || static_cast<std::uint64_t>(facts.st_size) < keepBytes ||
+            got != static_cast<ssize_t>(head.size()) || !std::equal(head.begin(), head.end(), first.begin()))
+            return makeError(ErrorCode::InvalidArgument, "has been replaced by another program", path);
         file->adopt(std::move(descriptor), keepBytes);
         return std::unique_ptr<WritableFile>(std::move(file));
     }
@@ -244,7 +257,10 @@ public:
 
 } // namespace
 
-Result<std::unique_ptr<WritableFile>> FileSystem::extend(const fs::path& path, std::uint64_t) {
+Status WritableFile::cut(std::uint64_t) { return makeError(ErrorCode::IoError, "cannot be cut here", path()); }
+
+Result<std::unique_ptr<WritableFile>> FileSystem::extend(const fs::path& path, std::span<const std::byte>,
+                                                         std::uint64_t) {
     return makeError(ErrorCode::IoError, "cannot be extended here", path);
 }
 

@@ -42,6 +42,8 @@ public:
     virtual Status writeAll(std::span<const std::byte> bytes) = 0;
     /// Overwrites bytes that have been appended already. REQUIRES: offset + bytes.size() <= sizeBytes().
     virtual Status writeAt(std::uint64_t offset, std::span<const std::byte> bytes) = 0;
+    /// Leaves the first `bytes` bytes only: where the next append goes. REQUIRES: there are as many.
+    virtual Status cut(std::uint64_t bytes);
     /// Returns when the bytes would survive a power loss.
     virtual Status sync() = 0;
     /// Reports errors that only appear on closing; the destructor closes without a word.
@@ -59,10 +61,12 @@ public:
     /// Creates or empties a file and locks it until it is closed.
     /// Errors: InvalidArgument when another writer holds it, OutOfSpace, IoError.
     virtual Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) = 0;
-    /// Opens an existing file to append to it, its first `keepBytes` bytes kept, what follows them cut off. Locks it
-    /// until it is closed. Errors: NotFound, InvalidArgument (another writer holds it; not that many bytes; not a
-    /// regular file), IoError. Where a file system cannot: IoError.
-    virtual Result<std::unique_ptr<WritableFile>> extend(const std::filesystem::path& path, std::uint64_t keepBytes);
+    /// Opens an existing file to write behind its first `keepBytes` bytes; what is there now stays until it is
+    /// overwritten or cut off. Locks it until it is closed. Errors: NotFound, InvalidArgument (another writer holds it; it
+    /// has fewer bytes, or does not begin with `head`: it is another file than the caller thinks; no regular file),
+    /// IoError, also where a file system cannot.
+    virtual Result<std::unique_ptr<WritableFile>> extend(const std::filesystem::path& path,
+                                                         std::span<const std::byte> head, std::uint64_t keepBytes);
     /// Replaces `to` if it exists, in one step, and makes the change survive a power loss where the file system can.
     /// On failure `to` is what it was.
     virtual Status renameDurably(const std::filesystem::path& from, const std::filesystem::path& to) = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include "core/base/byte_codec.h"
 #include "core/index/format/index_format.h"
@@ -61,11 +62,30 @@ Result<OpenIndex> openIndex(const std::filesystem::path& path, FileSystem& fileS
     if (!preamble.isOk())
         return preamble.error();
     index.bytes = preamble.value().fileBytes;
+    ISO_TRY(checkBehindIndex(*index.file, index.bytes));
     index.checksum = loadLittle<std::uint64_t>(first.data() + kPreambleBytes - 8);
     return index;
 }
 
 } // namespace
+
+Status checkBehindIndex(const RandomAccessFile& file, std::uint64_t indexBytes) {
+    const std::uint64_t behind = file.sizeBytes() - indexBytes;
+    if (behind == 0)
+        return {};
+    // The header is zeros until all else is written; a full disk may have left a part of it.
+    std::vector<std::byte> first(static_cast<std::size_t>(std::min<std::uint64_t>(behind, kHeaderBytes)));
+    ISO_TRY(file.readExactlyAt(indexBytes, first));
+    const bool isUnfinished = std::all_of(first.begin(), first.end(), [](std::byte b) { return b == std::byte{0}; });
+    const auto magic = std::as_bytes(std::span(kAppendixMagic));
+    const bool isAppendix = first.size() == kHeaderBytes && std::equal(magic.begin(), magic.end(), first.begin());
+    if (!isUnfinished && !isAppendix)
+        return makeError(ErrorCode::Corruption,
+                         "index should have " + std::to_string(indexBytes) + " bytes, the file has " +
+                             std::to_string(file.sizeBytes()),
+                         file.path().string());
+    return {};
+}
 
 Result<std::optional<Appendix>> readAppendix(const std::filesystem::path& path, FileSystem& fileSystem) {
     auto index = openIndex(path, fileSystem);
@@ -94,25 +114,32 @@ Result<std::optional<Appendix>> readAppendix(const std::filesystem::path& path, 
     return std::optional<Appendix>(std::move(appendix));
 }
 
-Status writeAppendix(const std::filesystem::path& path, std::span<const std::byte> body,
-                     std::span<const std::byte> directory, FileSystem& fileSystem) {
-    const auto index = openIndex(path, fileSystem);
-    if (!index.isOk())
-        return index.error();
-    auto file = fileSystem.extend(path, index.value().bytes);
+Status writeAppendix(const IndexReader& reader, std::span<const std::byte> body, std::span<const std::byte> directory,
+                     bool replaces, FileSystem& fileSystem) {
+    const std::filesystem::path path = reader.pathString();
+    const std::uint64_t start = reader.info().indexBytes;
+    auto file = fileSystem.extend(path, reader.preambleBytes(), start);
     if (!file.isOk())
         return std::move(file).error();
     WritableFile& out = *file.value();
-    // The header comes last: without it there is no appendix.
-    const std::vector<std::byte> noHeader(kHeaderBytes);
-    ISO_TRY(out.writeAll(noHeader));
-    ISO_TRY(out.writeAll(body));
-    ISO_TRY(out.writeAll(directory));
-    ISO_TRY(out.sync());
-    ISO_TRY(out.writeAt(index.value().bytes,
-                        encode({index.value().checksum, body.size(), directory.size(), metaChecksum(directory)})));
-    ISO_TRY(out.sync());
-    return out.close();
+    if (!replaces) // a program that has just written one may be reading it
+        if (const auto present = readAppendix(path); present.isOk() && present.value())
+            return {};
+    const auto write = [&]() -> Status {
+        ISO_TRY(out.cut(start));
+        // The header comes last: without it there is no appendix.
+        ISO_TRY(out.writeAll(std::vector<std::byte>(kHeaderBytes)));
+        ISO_TRY(out.writeAll(body));
+        ISO_TRY(out.writeAll(directory));
+        ISO_TRY(out.sync());
+        const auto checksum = loadLittle<std::uint64_t>(reader.preambleBytes().data() + kPreambleBytes - 8);
+        ISO_TRY(out.writeAt(start, encode({checksum, body.size(), directory.size(), metaChecksum(directory)})));
+        return out.sync();
+    };
+    Status status = write();
+    if (!status.isOk())
+        (void)out.cut(start); // or it is cut off the next time
+    return status.isOk() ? out.close() : status;
 }
 
 } // namespace isoslider::index

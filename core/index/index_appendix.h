@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/file_system.h"
+#include "core/index/index_reader.h"
 
 namespace isoslider::index {
 
@@ -19,13 +20,19 @@ struct Appendix {
     std::vector<std::byte> directory; ///< its checksum is right
 };
 
+/// What follows the `indexBytes` bytes of an index in its file is nothing, an appendix, or what is there of one that
+/// was not finished. Errors: IoError; Corruption (anything else).
+Status checkBehindIndex(const RandomAccessFile& file, std::uint64_t indexBytes);
+
 /// None where there is no whole one that belongs to this index. Errors: those of opening a file; Corruption (no index).
 Result<std::optional<Appendix>> readAppendix(const std::filesystem::path& index,
                                              FileSystem& fileSystem = defaultFileSystem());
 
-/// Puts one in the place of what follows the index. It counts once all is on the disk. Errors: those of reading the
-/// index; OutOfSpace, IoError, InvalidArgument (another program writes it).
-Status writeAppendix(const std::filesystem::path& index, std::span<const std::byte> body,
-                     std::span<const std::byte> directory, FileSystem& fileSystem = defaultFileSystem());
+/// Adds one to the index that `reader` has open, and to no other: by then another may have its name. It counts once all
+/// is on the disk; a whole one that is there already stays, unless `replaces`. On failure the file is as it was before
+/// anything was added. Errors: OutOfSpace, IoError, InvalidArgument (another program writes the index, or has replaced
+/// it).
+Status writeAppendix(const IndexReader& reader, std::span<const std::byte> body, std::span<const std::byte> directory,
+                     bool replaces, FileSystem& fileSystem = defaultFileSystem());
 
 } // namespace isoslider::index

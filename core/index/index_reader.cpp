@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/index/index_appendix.h"
+
 namespace isoslider::index {
 
 Result<std::unique_ptr<IndexReader>> IndexReader::open(const std::filesystem::path& path, FileSystem& fileSystem) {
@@ -17,6 +19,7 @@ Result<std::unique_ptr<IndexReader>> IndexReader::open(const std::filesystem::pa
     auto preamble = decodePreamble(first, fileBytes, path.string());
     if (!preamble.isOk())
         return std::move(preamble).error();
+    ISO_TRY(checkBehindIndex(*reader->file_, preamble.value().fileBytes));
 
     std::vector<std::byte> metaBytes(preamble.value().metaBytes);
     ISO_TRY(reader->file_->readExactlyAt(preamble.value().metaOffset, metaBytes));
@@ -28,6 +31,7 @@ Result<std::unique_ptr<IndexReader>> IndexReader::open(const std::filesystem::pa
         return std::move(meta).error();
     reader->meta_ = std::move(meta).value();
     reader->seed_ = preamble.value().seed;
+    reader->preambleBytes_ = std::move(first);
     reader->grid_ = BrickGrid(reader->meta_.info.geometry.dims);
     return reader;
 }

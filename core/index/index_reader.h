@@ -19,6 +19,8 @@ public:
     const IndexMeta& meta() const { return meta_; }
     const IndexInfo& info() const { return meta_.info; }
     const BrickGrid& grid() const { return grid_; }
+    /// What no two indexes share.
+    std::span<const std::byte> preambleBytes() const { return preambleBytes_; }
     std::string pathString() const { return file_->path().string(); }
 
     /// One page's bytes into `bytes`, its checksum verified. Errors: IoError, Corruption.
@@ -34,6 +36,7 @@ private:
     IndexReader() = default;
 
     std::unique_ptr<RandomAccessFile> file_;
+    std::vector<std::byte> preambleBytes_;
     std::uint64_t seed_ = 0;
     IndexMeta meta_;
     BrickGrid grid_;

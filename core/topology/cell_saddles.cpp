@@ -4,9 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
-#include "core/base/check.h"
 #include "core/cell/cell_states.h"
 #include "core/grid/scalar_key.h"
 

@@ -125,7 +125,7 @@ std::vector<TopologyEvent> assembleEvents(EventParts parts, const GridDims& dims
             place.offer(change.cause, 0.0, 1);
         });
         event.above = counts;
-        if (event.above == event.below)
+        if (event.above == event.below && event.pieces == PieceChanges())
             continue;
         place.describe(dims, event);
         events.push_back(event);

@@ -84,32 +84,38 @@ MeasurePlan planMeasures(const index::IndexInfo& info) {
     return planMeasures(info.histogram, info.activeEdgesPerBin); // a cell for each edge, about
 }
 
-Result<std::shared_ptr<const TopologySummary>> analyseIndex(const std::filesystem::path& index, AnalysisOptions options,
-                                                            const JobControl& job) {
-    const auto reader = index::IndexReader::open(index);
-    if (!reader.isOk())
-        return reader.error();
-    if (reader.value()->info().kind != index::IndexKind::Metacells)
+Result<TopologyCurve> analyseIndex(const index::IndexReader& reader, AnalysisOptions options, const JobControl& job) {
+    if (reader.info().kind != index::IndexKind::Metacells)
         return makeError(ErrorCode::InvalidArgument, "an index of edges holds no samples; give the volume",
-                         index.string());
-    options.measures = planMeasures(reader.value()->info());
-    auto curve = analyseTopology(planesOf(*reader.value()), options, job);
-    if (!curve.isOk())
-        return std::move(curve).error();
-    return std::shared_ptr<const TopologySummary>(std::make_shared<TopologyCurve>(std::move(curve).value()));
+                         reader.pathString());
+    options.measures = planMeasures(reader.info());
+    return analyseTopology(planesOf(reader), options, job);
 }
 
 Result<IndexTopology> topologyOfIndex(const std::filesystem::path& index, const AnalysisOptions& options,
                                       const JobControl& job) {
     auto stored = openTopology(index);
-    if (stored.isOk() && stored.value())
-        return IndexTopology{std::move(stored).value(), {}};
-    auto summary = analyseIndex(index, options, job);
-    if (!summary.isOk())
-        return std::move(summary).error();
+    bool isDamaged = !stored.isOk() && stored.error().code == ErrorCode::Corruption;
+    if (!stored.isOk() && !isDamaged)
+        return std::move(stored).error();
+    if (stored.isOk() && stored.value()) {
+        // Every page is looked at once: a damaged one is made again.
+        const Status status = stored.value()->visitEvents([&](const TopologyEvent&) { return !job.isStopRequested(); });
+        isDamaged = !status.isOk() && status.error().code == ErrorCode::Corruption;
+        if (!isDamaged) {
+            ISO_TRY(status);
+            return IndexTopology{std::move(stored).value(), {}};
+        }
+    }
+    const auto reader = index::IndexReader::open(index);
+    if (!reader.isOk())
+        return reader.error();
+    auto curve = analyseIndex(*reader.value(), options, job);
+    if (!curve.isOk())
+        return std::move(curve).error();
+    IndexTopology found{std::make_shared<TopologyCurve>(std::move(curve).value()), {}};
+    found.storing = storeTopology(*reader.value(), *found.summary, isDamaged);
     // Read from the disk from now on: what was analysed need not stay in memory.
-    IndexTopology found{std::move(summary).value(), {}};
-    found.storing = storeTopology(index, *found.summary);
     if (found.storing.isOk())
         if (auto again = openTopology(index); again.isOk() && again.value())
             found.summary = std::move(again).value();

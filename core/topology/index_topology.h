@@ -15,12 +15,11 @@ PlaneSource planesOf(const index::IndexReader& reader);
 MeasurePlan planMeasures(const index::IndexInfo& info);
 
 /// The topology of the volume of an index of metacells, analysed from its samples. `options.measures` are made.
-/// Errors: those of opening an index and of analysing; InvalidArgument (an index of edges).
-Result<std::shared_ptr<const TopologySummary>> analyseIndex(const std::filesystem::path& index, AnalysisOptions options,
-                                                            const JobControl& job);
+/// Errors: those of analysing and of reading the index; InvalidArgument (an index of edges).
+Result<TopologyCurve> analyseIndex(const index::IndexReader& reader, AnalysisOptions options, const JobControl& job);
 
-/// What the index states, or else analysed now, and added to the index for the next time where that can be: `storing`
-/// tells how that went.
+/// What is stored with the index, or else (none, or a damaged one) analysed now, and added to the index for the next
+/// time where that can be: `storing` reports how that went. Errors: those of opening an index, and of analysing it.
 struct IndexTopology {
     std::shared_ptr<const TopologySummary> summary;
     Status storing;

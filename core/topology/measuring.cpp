@@ -15,12 +15,18 @@ namespace {
 constexpr std::size_t kIsovalues = 128;
 constexpr double kMostCells = 80'000.0;
 
+// Ranges near the ends of what doubles hold leave nothing to reckon with.
+bool isMeasurable(const Histogram& histogram) {
+    const double range = histogram.max - histogram.min;
+    return range > 1e-290 && range < 1e290 && std::max(std::abs(histogram.min), std::abs(histogram.max)) < 1e290;
+}
+
 } // namespace
 
 MeasurePlan planMeasures(const Histogram& histogram, std::span<const std::uint64_t> activeCells) {
     MeasurePlan plan;
     const std::size_t bins = histogram.counts.size();
-    if (bins == 0 || !(histogram.min < histogram.max))
+    if (bins == 0 || !isMeasurable(histogram))
         return plan;
     const auto endOfBin = [&](double bin) {
         const double part = bin / static_cast<double>(bins);
@@ -72,7 +78,7 @@ MeasurePlan planMeasures(const ScalarGrid& grid) {
         constexpr double kLooked = 200'000.0;
         histogram.counts.assign(kBins, 0);
         std::vector<std::uint64_t> active(kBins, 0);
-        if (std::min({dims[0], dims[1], dims[2]}) < 2 || !(histogram.min < histogram.max))
+        if (std::min({dims[0], dims[1], dims[2]}) < 2 || !isMeasurable(histogram))
             return MeasurePlan();
         const auto step =
             std::max<std::int64_t>(1, std::llround(std::cbrt(static_cast<double>(samples.size()) / kLooked)));

@@ -136,7 +136,7 @@ public:
         const auto damaged = [&] { return makeError(ErrorCode::Corruption, "topology of the index is damaged", path); };
         ByteReader in(appendix.directory);
         if (in.get<std::uint32_t>() != kKind)
-            return std::shared_ptr<const TopologySummary>(); // of a later version of the program
+            return makeError(ErrorCode::UnsupportedVersion, "topology of the index is of a later version", path);
         stored->areCountsExact_ = in.get<std::uint8_t>() != 0;
         const auto pages = in.get<std::uint64_t>();
         if (in.hasFailed() || pages > appendix.directory.size() / 64)
@@ -245,7 +245,8 @@ private:
 
 } // namespace
 
-Status storeTopology(const std::filesystem::path& index, const TopologySummary& summary, FileSystem& fileSystem) {
+Status storeTopology(const index::IndexReader& index, const TopologySummary& summary, bool replaces,
+                     FileSystem& fileSystem) {
     std::vector<std::byte> body;
     std::vector<Page> pages;
     std::vector<TopologyEvent> events;
@@ -292,7 +293,7 @@ Status storeTopology(const std::filesystem::path& index, const TopologySummary& 
         for (const double measure : {at.area, at.volume, at.triangles, at.gradient})
             out.put<double>(measure);
     }
-    return index::writeAppendix(index, body, directory, fileSystem);
+    return index::writeAppendix(index, body, directory, replaces, fileSystem);
 }
 
 Result<std::shared_ptr<const TopologySummary>> openTopology(const std::filesystem::path& index,

@@ -1,20 +1,16 @@
 #include "core/topology/topology_analysis.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
-#include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 
 #include "core/topology/analysis/component_graph.h"
@@ -29,9 +25,8 @@
 namespace isoslider::topology {
 namespace {
 
-// Of one layer while it is worked on: samples, what points lead to, and links where every point is an extreme of some
-// kind.
-constexpr std::uint64_t kLayerBytesPerSample = 64;
+// Of one layer while it is worked on: samples, what points lead to, and in noise a link and a saddle for each.
+constexpr std::uint64_t kLayerBytesPerSample = 160;
 constexpr std::int64_t kMostPlaneSamples = std::int64_t{1} << 27;
 
 // One side of all layers, put together as they come.
@@ -80,8 +75,8 @@ public:
         // Thick enough that little is said twice, thin enough for the caches and for many threads.
         constexpr std::int64_t kLayerSamples = 1 << 20;
         const std::int64_t plane = std::max<std::int64_t>(1, dims_[0] * dims_[1]);
-        planesAtOnce_ =
-            options.planesAtOnce > 0 ? options.planesAtOnce : std::clamp<std::int64_t>(kLayerSamples / plane, 3, 16);
+        planesAtOnce_ = options.planesAtOnce > 0 ? std::max<std::int64_t>(3, options.planesAtOnce)
+                                                 : std::clamp<std::int64_t>(kLayerSamples / plane, 3, 16);
         layerBytes_ = static_cast<std::uint64_t>(plane * std::min(dims_[2], planesAtOnce_ + 2)) * kLayerBytesPerSample;
     }
 
@@ -144,6 +139,7 @@ private:
         // The last plane read lies beyond the layer, but at the end of the grid.
         const std::int64_t read = std::min(dims_[2], readEnd_ + planesAtOnce_);
         window.dims = dims_;
+        window.stop = job_.stop;
         window.zBegin = zBegin_;
         window.zEnd = read == dims_[2] ? read - 1 : read - 2;
         window.firstPlane = std::max<std::int64_t>(0, zBegin_ - 1);
@@ -187,8 +183,9 @@ private:
         Status status = above_.add(layer.above, layer.window);
         if (status.isOk())
             status = below_.add(layer.below, layer.window);
+        // Following and sorting them takes about as much again, and so do the events.
         const std::uint64_t bytes =
-            euler_.size() * sizeof(EulerChange) + above_.sizeBytes() + below_.sizeBytes() + boundary_.sizeBytes();
+            3 * (euler_.size() * sizeof(EulerChange) + above_.sizeBytes() + below_.sizeBytes() + boundary_.sizeBytes());
         if (status.isOk() && bytes > options_.memoryBytes)
             status = tooLarge();
         if (!status.isOk())
@@ -204,7 +201,7 @@ private:
 
     Result<TopologyCurve> assemble() {
         EventParts parts;
-        const double span = greatest_ - least_;
+        const double span = std::min(greatest_ - least_, std::numeric_limits<double>::max());
         tbb::parallel_invoke(
             [&] {
                 ComponentGraph graph = above_.take();
@@ -215,8 +212,8 @@ private:
                 parts.below = followComponents(graph, span);
             });
         job_.report(0.9, "analysing topology");
-        parts.aboveOnBoundary = boundary_.follow(Side::Above);
-        parts.belowOnBoundary = boundary_.follow(Side::Below);
+        parts.aboveOnBoundary = boundary_.follow(Side::Above, span);
+        parts.belowOnBoundary = boundary_.follow(Side::Below, span);
         parts.euler = std::move(euler_);
         if (job_.isStopRequested())
             return cancelledError();

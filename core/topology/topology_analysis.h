@@ -28,7 +28,8 @@ PlaneSource planesOf(const ScalarGrid& grid);
 struct AnalysisOptions {
     std::uint64_t memoryBytes = std::numeric_limits<std::uint64_t>::max();
     MeasurePlan measures; ///< none: the curves stay empty
-    /// Planes read at once, 3 or more; 0: layers of a million samples. Any number gives the same events.
+    /// Planes read at once, 3 or more; 0: layers of a million samples. Events are the same with any number, but for
+    /// which of several places of one isovalue is stated.
     std::int64_t planesAtOnce = 0;
 };
 

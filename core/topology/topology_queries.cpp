@@ -93,19 +93,19 @@ Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary)
     }));
     if (!first || !(*first < last))
         return found;
-    const double range = last - *first;
+    const double halfRange = 0.5 * last - 0.5 * *first; // a whole one may be more than a double holds
     double widest = 0.0, since = *first, greatest = 0.0;
     std::optional<double> middle, ofPiece;
     ISO_TRY(summary.visitEvents([&](const TopologyEvent& event) {
-        if (event.persistence >= kPersistent * range || event.isovalue == last) {
-            if (event.isovalue - since > widest) {
-                widest = event.isovalue - since;
-                middle = since + 0.5 * widest;
+        if (0.5 * event.persistence >= kPersistent * halfRange || event.isovalue == last) {
+            if (0.5 * event.isovalue - 0.5 * since > widest) {
+                widest = 0.5 * event.isovalue - 0.5 * since;
+                middle = since + widest;
             }
             since = event.isovalue;
         }
         const bool isOfPiece = event.pieces.joins + event.pieces.splits > 0; // not where the first one comes or goes
-        if (isOfPiece && event.persistence > greatest && event.persistence >= kPersistent * range) {
+        if (isOfPiece && event.persistence > greatest && 0.5 * event.persistence >= kPersistent * halfRange) {
             greatest = event.persistence;
             ofPiece = nextAbove(event.isovalue);
         }

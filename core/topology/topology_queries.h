@@ -32,7 +32,7 @@ struct SurfaceDifference {
 Result<SurfaceDifference> difference(const TopologySummary& summary, double from, double to);
 
 enum class SuggestionReason : std::uint8_t { WidestInterval, StrongestGradient, LargestPiece, HalfVolume };
-/// "lies in the widest interval without a persistent event" and the like.
+/// "middle of the widest interval without a persistent event" and the like.
 const char* reasonText(SuggestionReason reason);
 
 /// An isovalue worth a look.

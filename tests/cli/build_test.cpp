@@ -15,9 +15,13 @@ TEST_F(CliBuild, ReportsWhatItBuilt) {
     const auto volume = sphereVolume();
     const auto json =
         runJson({"build", volume, "-o", path("a.isx"), "--memory", "64M", "--threads", "2", "--index", "edges"});
-    EXPECT_THAT(keysOf(json),
-                ElementsAre("seconds", "peak_rss_bytes", "index_bytes", "distinct_values", "levels", "kind"));
-    EXPECT_EQ(json["index_bytes"], std::filesystem::file_size(path("a.isx")));
+    EXPECT_THAT(keysOf(json), ElementsAre("seconds", "peak_rss_bytes", "index_bytes", "distinct_values", "levels",
+                                          "kind", "topology_events", "topology_seconds"));
+    EXPECT_LT(json["index_bytes"], std::filesystem::file_size(path("a.isx"))) << "topology lies behind it";
+    EXPECT_EQ(json["topology_events"], runJson({"topology", path("a.isx")})["event_count"]);
+    const auto bare = runJson({"build", volume, "-o", path("a.isx"), "--no-topology", "--index", "edges"});
+    EXPECT_FALSE(bare.contains("topology_events"));
+    EXPECT_EQ(bare["index_bytes"], std::filesystem::file_size(path("a.isx")));
     EXPECT_EQ(json["distinct_values"], runJson({"info", volume})["distinct_values"]);
     ASSERT_FALSE(json["levels"].empty());
     EXPECT_EQ(json["levels"][0]["blocks"], json["distinct_values"]);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -14,6 +15,7 @@
 #include "core/index/index_appendix.h"
 #include "core/index/index_reader.h"
 #include "core/topology/index_topology.h"
+#include "core/topology/topology_queries.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/faulty_file_system.h"
 #include "tests/support/result_matchers.h"
@@ -85,6 +87,11 @@ protected:
         ASSERT_THAT(test::buildIndexOf(grid, path_, options), IsOk());
         bare_ = readFile(path_);
     }
+    std::unique_ptr<index::IndexReader> reader() {
+        auto opened = index::IndexReader::open(path_);
+        EXPECT_THAT(opened, IsOk());
+        return std::move(opened).value();
+    }
     TopologyCurve analysed(const ScalarGrid& grid) {
         AnalysisOptions options;
         options.measures = planMeasures(grid);
@@ -105,7 +112,7 @@ TEST_F(StoredTopologyTest, IsReadAsItWasMade) {
         ASSERT_THAT(openTopology(path_), IsOk());
         EXPECT_EQ(openTopology(path_).value(), nullptr) << "there is none yet";
         const TopologyCurve curve = analysed(*grid);
-        ASSERT_THAT(storeTopology(path_, curve), IsOk());
+        ASSERT_THAT(storeTopology(*reader(), curve), IsOk());
         const auto stored = openTopology(path_);
         ASSERT_THAT(stored, IsOk());
         ASSERT_NE(stored.value(), nullptr);
@@ -124,9 +131,6 @@ TEST_F(StoredTopologyTest, IsReadAsItWasMade) {
         const Bytes now = readFile(path_);
         EXPECT_TRUE(std::equal(bare_.begin(), bare_.end(), now.begin()));
         EXPECT_THAT(index::IndexReader::open(path_), IsOk());
-        // A second one takes the place of the first.
-        ASSERT_THAT(storeTopology(path_, curve), IsOk());
-        EXPECT_EQ(readFile(path_), now);
     }
 }
 
@@ -148,20 +152,32 @@ TEST_F(StoredTopologyTest, IsMadeOfTheIndexAsOfTheVolume) {
 TEST_F(StoredTopologyTest, CutOffAnywhereIsNone) {
     const auto grid = noise({16, 16, 16}, ScalarType::F32, 5);
     build(grid);
-    ASSERT_THAT(storeTopology(path_, analysed(*grid)), IsOk());
+    ASSERT_THAT(storeTopology(*reader(), analysed(*grid)), IsOk());
     const Bytes whole = readFile(path_);
     for (std::size_t size = bare_.size(); size < whole.size(); size += 1 + (whole.size() - bare_.size()) / 97) {
         writeFile(path_, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)});
         const auto stored = openTopology(path_);
+        if (size > bare_.size() && size < bare_.size() + 64) { // a header is written whole: this was not us
+            EXPECT_THAT(stored, HasError(ErrorCode::Corruption)) << size;
+            continue;
+        }
         ASSERT_THAT(stored, IsOk()) << size;
         EXPECT_EQ(stored.value(), nullptr) << size;
         EXPECT_THAT(index::IndexReader::open(path_), IsOk());
     }
     writeFile(path_, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(bare_.size()) - 1});
     EXPECT_THAT(openTopology(path_), HasError(ErrorCode::Corruption)) << "not even an index";
+    // A full disk may have left zeros.
+    for (const std::size_t zeros : {1u, 30u, 63u, 64u, 1000u}) {
+        Bytes unfinished = bare_;
+        unfinished.resize(bare_.size() + zeros, '\0');
+        writeFile(path_, unfinished);
+        ASSERT_THAT(openTopology(path_), IsOk()) << zeros;
+        EXPECT_EQ(openTopology(path_).value(), nullptr);
+    }
     // What is left over is replaced.
     writeFile(path_, {whole.begin(), whole.end() - 10});
-    ASSERT_THAT(storeTopology(path_, analysed(*grid)), IsOk());
+    ASSERT_THAT(storeTopology(*reader(), analysed(*grid)), IsOk());
     EXPECT_EQ(readFile(path_), whole);
 }
 
@@ -169,14 +185,19 @@ TEST_F(StoredTopologyTest, DamagedIsNeverTakenForAnother) {
     const auto grid = noise({16, 16, 16}, ScalarType::F32, 5);
     build(grid);
     const TopologyCurve curve = analysed(*grid);
-    ASSERT_THAT(storeTopology(path_, curve), IsOk());
+    ASSERT_THAT(storeTopology(*reader(), curve), IsOk());
     const Bytes whole = readFile(path_);
+    const std::size_t size = bare_.size();
     int refused = 0, none = 0;
     for (std::size_t at = bare_.size(); at < whole.size(); at += 1 + (whole.size() - bare_.size()) / 331) {
         Bytes damaged = whole;
         damaged[at] = static_cast<char>(damaged[at] ^ (1 << at % 8));
         writeFile(path_, damaged);
         const auto stored = openTopology(path_);
+        if (at < bare_.size() + 8) { // its name
+            EXPECT_THAT(stored, HasError(ErrorCode::Corruption));
+            continue;
+        }
         ASSERT_THAT(stored, IsOk());
         if (stored.value() == nullptr) {
             ++none;
@@ -194,11 +215,11 @@ TEST_F(StoredTopologyTest, DamagedIsNeverTakenForAnother) {
     EXPECT_GT(refused, 50);
     // Of another index: its seed differs.
     build(noise({16, 16, 16}, ScalarType::F32, 6));
+    const auto added = whole.end() - static_cast<std::ptrdiff_t>(whole.size() - size);
     Bytes other = bare_;
-    const auto appendix = index::readAppendix(path_);
-    EXPECT_FALSE(appendix.value().has_value());
-    other.insert(other.end(), whole.end() - 1000, whole.end());
+    other.insert(other.end(), added, whole.end());
     writeFile(path_, other);
+    ASSERT_THAT(openTopology(path_), IsOk());
     EXPECT_EQ(openTopology(path_).value(), nullptr);
 }
 
@@ -207,12 +228,12 @@ TEST_F(StoredTopologyTest, LosesNothingOnAFailingDisk) {
     build(grid);
     const TopologyCurve curve = analysed(*grid);
     test::FaultyFileSystem counting(-1, 0);
-    ASSERT_THAT(storeTopology(path_, curve, counting), IsOk());
+    ASSERT_THAT(storeTopology(*reader(), curve, false, counting), IsOk());
     ASSERT_GT(counting.calls(), 5);
     for (int call = 0; call < counting.calls(); ++call) {
         writeFile(path_, bare_);
         test::FaultyFileSystem faulty(call, ENOSPC);
-        EXPECT_THAT(storeTopology(path_, curve, faulty), HasError(ErrorCode::OutOfSpace)) << call;
+        EXPECT_THAT(storeTopology(*reader(), curve, false, faulty), HasError(ErrorCode::OutOfSpace)) << call;
         EXPECT_THAT(index::IndexReader::open(path_), IsOk()) << call;
         const Bytes now = readFile(path_);
         EXPECT_TRUE(std::equal(bare_.begin(), bare_.end(), now.begin()));
@@ -220,17 +241,85 @@ TEST_F(StoredTopologyTest, LosesNothingOnAFailingDisk) {
         ASSERT_THAT(stored, IsOk()) << call;
         if (stored.value() != nullptr) // all was written, but for what syncs and closes
             expectSame(*stored.value(), curve);
-        ASSERT_THAT(storeTopology(path_, curve), IsOk()) << "the next time it works";
+        ASSERT_THAT(storeTopology(*reader(), curve), IsOk()) << "the next time it works";
     }
 }
 
 TEST_F(StoredTopologyTest, IsAddedByOneProgramAtATime) {
     const auto grid = noise({8, 8, 8}, ScalarType::U8, 5);
     build(grid);
-    const auto first = defaultFileSystem().extend(path_, bare_.size());
-    ASSERT_THAT(first, IsOk());
-    EXPECT_THAT(storeTopology(path_, analysed(*grid)), HasError(ErrorCode::InvalidArgument));
-    EXPECT_THAT(defaultFileSystem().extend(folder_ / "nowhere", 0), HasError(ErrorCode::NotFound));
+    {
+        const auto first = defaultFileSystem().extend(path_, {}, bare_.size());
+        ASSERT_THAT(first, IsOk());
+        EXPECT_THAT(storeTopology(*reader(), analysed(*grid)), HasError(ErrorCode::InvalidArgument));
+    }
+    EXPECT_THAT(defaultFileSystem().extend(folder_ / "nowhere", {}, 0), HasError(ErrorCode::NotFound));
+    EXPECT_THAT(defaultFileSystem().extend(path_, {}, bare_.size() + 1), HasError(ErrorCode::InvalidArgument));
+}
+
+// While one volume was analysed another index may have taken the name.
+TEST_F(StoredTopologyTest, IsAddedToNoOtherIndex) {
+    const auto grid = noise({12, 12, 12}, ScalarType::U8, 5);
+    build(grid);
+    const auto before = reader();
+    build(noise({14, 14, 14}, ScalarType::U8, 6)); // renamed to the same name
+    const Bytes other = readFile(path_);
+    EXPECT_THAT(storeTopology(*before, analysed(*grid)), HasError(ErrorCode::InvalidArgument));
+    EXPECT_EQ(readFile(path_), other);
+}
+
+TEST_F(StoredTopologyTest, StaysWhereItIsWhole) {
+    const auto grid = noise({12, 12, 12}, ScalarType::U8, 5);
+    build(grid);
+    ASSERT_THAT(storeTopology(*reader(), analysed(*grid)), IsOk());
+    const Bytes whole = readFile(path_);
+    ASSERT_THAT(storeTopology(*reader(), TopologyCurve()), IsOk());
+    EXPECT_EQ(readFile(path_), whole);
+    ASSERT_THAT(storeTopology(*reader(), TopologyCurve(), true), IsOk());
+    EXPECT_NE(readFile(path_), whole);
+}
+
+TEST_F(StoredTopologyTest, DamagedIsMadeAgain) {
+    const auto grid = noise({12, 12, 12}, ScalarType::F32, 5);
+    build(grid);
+    const auto made = topologyOfIndex(path_, {}, {});
+    ASSERT_THAT(made, IsOk());
+    const auto events = eventsOf(*made.value().summary);
+    const Bytes whole = readFile(path_);
+    Bytes damaged = whole;
+    damaged[bare_.size() + 500] = static_cast<char>(damaged[bare_.size() + 500] ^ 4);
+    writeFile(path_, damaged);
+    const auto again = topologyOfIndex(path_, {}, {});
+    ASSERT_THAT(again, IsOk());
+    EXPECT_EQ(eventsOf(*again.value().summary).size(), events.size());
+    EXPECT_EQ(readFile(path_), whole);
+}
+
+// Ranges beyond doubles and below them.
+TEST_F(StoredTopologyTest, HoldsTheEndsOfDoubles) {
+    for (const double scale : {1.7e308, 5e-324, 1e300, 1e-310}) {
+        GridGeometry geometry;
+        geometry.dims = {6, 6, 6};
+        std::mt19937 random(9);
+        std::vector<double> samples(216);
+        for (double& sample : samples)
+            sample = scale * (static_cast<double>(random() % 3) - 1.0);
+        const auto grid =
+            std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<double>(geometry, ScalarType::F64, samples));
+        build(grid);
+        const auto made = topologyOfIndex(path_, {}, {});
+        ASSERT_THAT(made, IsOk());
+        ASSERT_THAT(made.value().storing, IsOk());
+        const Bytes whole = readFile(path_);
+        const auto again = topologyOfIndex(path_, {}, {});
+        ASSERT_THAT(again, IsOk());
+        EXPECT_EQ(readFile(path_), whole) << "not made again";
+        EXPECT_GT(again.value().summary->eventCount(), 0u);
+        const auto suggestions = suggestIsovalues(*again.value().summary);
+        ASSERT_THAT(suggestions, IsOk());
+        for (const Suggestion& suggestion : suggestions.value())
+            EXPECT_TRUE(std::isfinite(suggestion.isovalue));
+    }
 }
 
 TEST(AnalysisLimits, AreKept) {

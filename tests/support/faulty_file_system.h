@@ -29,9 +29,10 @@ public:
         return std::unique_ptr<WritableFile>(std::make_unique<File>(*this, std::move(file).value()));
     }
 
-    Result<std::unique_ptr<WritableFile>> extend(const std::filesystem::path& path, std::uint64_t keepBytes) override {
+    Result<std::unique_ptr<WritableFile>> extend(const std::filesystem::path& path, std::span<const std::byte> head,
+                                                 std::uint64_t keepBytes) override {
         ISO_TRY(countCall(path));
-        auto file = defaultFileSystem().extend(path, keepBytes);
+        auto file = defaultFileSystem().extend(path, head, keepBytes);
         if (!file.isOk())
             return std::move(file).error();
         return std::unique_ptr<WritableFile>(std::make_unique<File>(*this, std::move(file).value()));
@@ -63,6 +64,8 @@ private:
             ISO_TRY(owner_.countCall(path()));
             return file_->writeAt(offset, bytes);
         }
+        // Never fails, like a removal.
+        Status cut(std::uint64_t bytes) override { return file_->cut(bytes); }
         Status sync() override {
             ISO_TRY(owner_.countCall(path()));
             return file_->sync();

@@ -85,7 +85,8 @@ public:
         }
         for (std::uint32_t seed = 0; seed < seeds.size(); ++seed)
             if (sets_.rootOf(seed) == seed) {
-                addBirth(seed, span_);
+                if (span_ > 0.0) // else all samples are equal
+                    addBirth(seed, span_);
                 ++history_.lasting;
             }
         return std::move(history_);
@@ -111,7 +112,8 @@ private:
         if (isElder(younger, elder))
             std::swap(elder, younger);
         sets_.attach(younger, elder);
-        const double persistence = std::abs(seeds[younger].isovalue - link.isovalue);
+        const double persistence = std::min(std::abs(seeds[younger].isovalue - link.isovalue),
+                                            std::numeric_limits<double>::max()); // of doubles from end to end
         if (persistence > 0.0) {
             addBirth(younger, persistence);
             history_.changes.push_back({link.isovalue, persistence, link.cause, false});

@@ -87,7 +87,7 @@ void DomainBoundary::add(const Part& part) {
     all_.isManifold = all_.isManifold && part.isManifold;
 }
 
-ComponentHistory DomainBoundary::follow(Side side) const {
+ComponentHistory DomainBoundary::follow(Side side, double span) const {
     ComponentGraph graph;
     graph.side = side;
     // Every point is a seed: there are few.
@@ -104,7 +104,7 @@ ComponentHistory DomainBoundary::follow(Side side) const {
     }
     for (const Part::Join& join : side == Side::Above ? all_.above : all_.below)
         graph.links.push_back({join.isovalue, join.cause, seedOf(join.points[0]), seedOf(join.points[1])});
-    return followComponents(graph, 0.0);
+    return followComponents(graph, span);
 }
 
 std::uint64_t DomainBoundary::sizeBytes() const {

@@ -21,7 +21,10 @@ public:
     LayerComponents run(std::span<const CornerJoin> joins) {
         findNeighbours();
         numberSeeds();
-        linkNeighbours();
+        if (!window_.stop.stop_requested())
+            linkNeighbours();
+        if (window_.stop.stop_requested())
+            return {};
         for (const CornerJoin& join : joins)
             links_.add(join.isovalue, join.cause, leadsTo(join.a), leadsTo(join.b));
         found_.links = links_.take();

@@ -70,6 +70,8 @@ private:
     // ---- grid points
 
     void scanPoints(std::int64_t y, std::int64_t z) {
+        if (window_.stop.stop_requested())
+            return;
         const std::int64_t start = placeOf(y, z);
         const CellStar* const stars = window_.stars.data() + start;
         const bool isInner = y > 0 && y + 1 < window_.dims[1] && z > 0 && z + 1 < window_.dims[2];
@@ -153,7 +155,7 @@ private:
         const std::int64_t start = placeOf(y, z);
         findAmbiguous(window_.layer() + start);
         for (std::int64_t x = 0; x + 1 < nx_; ++x)
-            if (isAmbiguous_[static_cast<std::size_t>(x)] != 0 &&
+            if (isAmbiguous_[static_cast<std::size_t>(x)] != 0 && !window_.stop.stop_requested() &&
                 (window_.stars[static_cast<std::size_t>(start + x)] & 0x80) != 0)
                 addCell(start + x);
     }

@@ -179,8 +179,9 @@ MeasureCurves MeasureSums::curves(const MeasurePlan& plan, const GridGeometry& g
     double whole = 0.0; // cells above the isovalue
     for (std::size_t i = sums.size(); i-- > 0;) {
         whole += static_cast<double>(cellsAbove[i + 1]);
-        curves.measures[i] = {sums[i].area, cell * (whole + sums[i].volume), sums[i].triangles,
-                              sums[i].area > 0.0 ? sums[i].gradient / sums[i].area : 0.0};
+        const auto finite = [](double value) { return std::isfinite(value) ? value : 0.0; };
+        curves.measures[i] = {finite(sums[i].area), finite(cell * (whole + sums[i].volume)), sums[i].triangles,
+                              sums[i].area > 0.0 ? finite(sums[i].gradient / sums[i].area) : 0.0};
     }
     return curves;
 }
@@ -204,7 +205,7 @@ MeasureSums measureLayer(const LayerWindow<Sample>& window, const MeasurePlan& p
     const std::int64_t nx = window.dims[0], row = window.rowStep(), plane = window.planeStep();
     std::vector<Sample> least(static_cast<std::size_t>(nx)), most(least.size());
     for (std::int64_t z = window.zBegin; z < window.zEnd; ++z)
-        for (std::int64_t y = 0; y + 1 < window.dims[1]; ++y) {
+        for (std::int64_t y = 0; y + 1 < window.dims[1] && !window.stop.stop_requested(); ++y) {
             const std::int64_t start = row * y + plane * (z - window.zBegin);
             const Sample* const s = window.layer() + start;
             for (std::int64_t x = 0; x + 1 < nx; ++x) {

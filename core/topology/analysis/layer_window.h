@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "core/grid/classification.h"
@@ -27,6 +28,7 @@ public:
     std::int64_t firstPlane = 0, zBegin = 0, zEnd = 0;
     std::vector<Sample> samples; ///< from plane `firstPlane` on
     std::vector<CellStar> stars; ///< of the layer's grid points
+    std::stop_token stop; ///< once asked for, what is found in the layer no longer matters
 
     std::int64_t rowStep() const { return dims[0]; }
     std::int64_t planeStep() const { return dims[0] * dims[1]; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace isoslider::model {
@@ -26,13 +27,40 @@ double valueOf(TopologyQuantity quantity, const topology::SurfaceMeasures& measu
     }
 }
 
+// All pages of a stored summary are read for it: not work for the window's thread.
+Status drawCounts(TopologyModel::Content& content) {
+    std::optional<double> first;
+    double last = 0.0;
+    ISO_TRY(content.summary->visitEvents([&](const topology::TopologyEvent& event) {
+        first = first.value_or(event.isovalue);
+        last = event.isovalue;
+        return true;
+    }));
+    if (!first)
+        return {};
+    for (std::size_t i = 0; i <= kCurvePoints; ++i) {
+        const double part = static_cast<double>(i) / kCurvePoints;
+        content.isovalues.push_back(*first * (1.0 - part) + last * part);
+    }
+    ISO_TRY(content.summary->visitEvents([&](const topology::TopologyEvent& event) {
+        while (content.counts.size() < content.isovalues.size() &&
+               content.isovalues[content.counts.size()] <= event.isovalue)
+            content.counts.push_back(event.below);
+        return true;
+    }));
+    content.counts.resize(content.isovalues.size());
+    return {};
+}
+
 } // namespace
 
 Result<TopologyModel::Content> TopologyModel::contentOf(std::shared_ptr<const topology::TopologySummary> summary) {
     auto events = summary->mostPersistent(kMostListed);
     if (!events.isOk())
         return std::move(events).error();
-    return Content{std::move(summary), std::move(events).value()};
+    Content content{std::move(summary), std::move(events).value(), {}, {}};
+    ISO_TRY(drawCounts(content));
+    return content;
 }
 
 void TopologyModel::clear() {
@@ -168,16 +196,10 @@ TopologyCurve TopologyModel::curve(TopologyQuantity quantity) const {
             curve.values.push_back(valueOf(quantity, at));
         return curve;
     }
-    const double first = content_.events.front().isovalue, last = content_.events.back().isovalue;
-    for (std::size_t i = 0; i <= kCurvePoints; ++i) {
-        const double part = static_cast<double>(i) / kCurvePoints;
-        const double isovalue = first * (1.0 - part) + last * part;
-        const auto value = valueAt(quantity, isovalue);
-        if (!value)
-            return {};
-        curve.isovalues.push_back(isovalue);
-        curve.values.push_back(*value);
-    }
+    curve.isovalues = content_.isovalues;
+    for (const auto& counts : content_.counts)
+        curve.values.push_back(
+            static_cast<double>(quantity == TopologyQuantity::Pieces ? counts.components : counts.handles()));
     return curve;
 }
 

@@ -34,6 +34,9 @@ public:
     struct Content {
         std::shared_ptr<const topology::TopologySummary> summary;
         std::vector<topology::TopologyEvent> events; ///< ascending
+        /// Counts at even steps from the first event of all to the last, to be drawn.
+        std::vector<double> isovalues;
+        std::vector<topology::SurfaceCounts> counts;
     };
     static Result<Content> contentOf(std::shared_ptr<const topology::TopologySummary> summary);
 
