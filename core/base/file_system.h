@@ -62,8 +62,8 @@ public:
     /// Errors: InvalidArgument when another writer holds it, OutOfSpace, IoError.
     virtual Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) = 0;
     /// Opens an existing file to write behind its first `keepBytes` bytes; what is there now stays until it is
-    /// overwritten or cut off. Locks it until it is closed. Errors: NotFound, InvalidArgument (another writer holds it; it
-    /// has fewer bytes, or does not begin with `head`: it is another file than the caller thinks; no regular file),
+    /// overwritten or cut off. Locks it until it is closed. Errors: NotFound, InvalidArgument (another writer holds it;
+    /// it has fewer bytes, or does not begin with `head`: it is another file than the caller thinks; no regular file),
     /// IoError, also where a file system cannot.
     virtual Result<std::unique_ptr<WritableFile>> extend(const std::filesystem::path& path,
                                                          std::span<const std::byte> head, std::uint64_t keepBytes);
