@@ -12,7 +12,7 @@
 
 namespace isoslider::index {
 
-/// What was added to an index once it was complete, behind it in its file (FORMAT.md, Appendix). The index is as it was
+/// What was added to an index once it was complete, behind it in its file (FORMAT.md, "Appendix"). The index is as it was
 /// whether there is one or not, and whether adding it went to its end or not.
 struct Appendix {
     std::unique_ptr<RandomAccessFile> file;

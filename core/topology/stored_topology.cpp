@@ -21,7 +21,7 @@ namespace isoslider::topology {
 namespace {
 
 // Events in pages of a thousand, by columns of bytes; a directory tells where each page begins, and the counts there.
-// FORMAT.md, Topology.
+// FORMAT.md, "Topology".
 constexpr std::uint32_t kKind = 1; // of appendix
 constexpr std::size_t kPageEvents = 1024;
 constexpr std::size_t kMostPageBytes = std::size_t{1} << 20;
