@@ -195,14 +195,16 @@ private:
         }
     }
 
-    // The index is there, and stays: what fails here is reported beside it.
+    // The index is there, and stays. That its volume is too large for an analysis is no failure of the build.
     Status addTopology(io::VolumeSource& source, Built& built, const JobControl& job) {
         const auto start = std::chrono::steady_clock::now();
         const Status status = tryTopology(source, built, job);
-        if (status.isCancelled())
-            return makeError(ErrorCode::Cancelled, "cancelled; the index is complete, without topology", indexPath_);
-        if (!status.isOk())
-            built.topologyProblem = status.error().message;
+        if (!status.isOk()) {
+            Error error = status.error();
+            error.path = indexPath_;
+            error.message += "; the index is complete, without topology";
+            return error;
+        }
         built.topologySeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return {};
     }
@@ -221,6 +223,10 @@ private:
         if (reader.value()->info().kind == index::IndexKind::Metacells) // decoded faster than most files are read
             planes = topology::planesOf(*reader.value());
         const auto curve = analysed(planes, options, job);
+        if (!curve.isOk() && curve.error().code == ErrorCode::OutOfSpace) { // memory
+            built.topologyProblem = curve.error().message;
+            return {};
+        }
         if (!curve.isOk())
             return curve.error();
         ISO_TRY(source.checkUnchanged());

@@ -79,6 +79,23 @@ Status writeFully(int descriptor, std::uint64_t offset, std::span<const std::byt
     return {};
 }
 
+// Fewer bytes only where the file ends.
+Result<std::size_t> readFully(int descriptor, std::uint64_t offset, std::span<std::byte> out, const fs::path& path) {
+    std::size_t done = 0;
+    while (done < out.size()) {
+        const ssize_t got = ::pread(descriptor, out.data() + done, std::min(out.size() - done, kMaxTransfer),
+                                    static_cast<off_t>(offset + done));
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return systemError(errno, "cannot read", path);
+        if (got == 0)
+            break;
+        done += static_cast<std::size_t>(got);
+    }
+    return done;
+}
+
 class PosixRandomAccessFile final : public RandomAccessFile {
 public:
     PosixRandomAccessFile(fs::path path, FileDescriptor descriptor, std::uint64_t size)
@@ -88,19 +105,7 @@ public:
     std::uint64_t sizeBytes() const override { return size_; }
 
     Result<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> out) const override {
-        std::size_t done = 0;
-        while (done < out.size()) {
-            const ssize_t got = ::pread(descriptor_.get(), out.data() + done, std::min(out.size() - done, kMaxTransfer),
-                                        static_cast<off_t>(offset + done));
-            if (got < 0 && errno == EINTR)
-                continue;
-            if (got < 0)
-                return systemError(errno, "cannot read", path_);
-            if (got == 0)
-                break;
-            done += static_cast<std::size_t>(got);
-        }
-        return done;
+        return readFully(descriptor_.get(), offset, out, path_);
     }
 
     void willNeed(std::uint64_t offset, std::uint64_t size) const override {
@@ -224,13 +229,15 @@ public:
         if (!S_ISREG(facts.st_mode))
             return notRegularError(facts.st_mode, path);
         std::vector<std::byte> first(head.size());
-        const ssize_t got = ::pread(descriptor.get(), first.data(), first.size(), 0);
+        const auto got = readFully(descriptor.get(), 0, first, path);
+        if (!got.isOk())
+            return got.error();
         // Its former owner may have renamed another one here between our open and our lock.
         struct stat named {};
         const bool isNamed =
             ::stat(path.c_str(), &named) == 0 && named.st_ino == facts.st_ino && named.st_dev == facts.st_dev;
-        if (!isNamed || static_cast<std::uint64_t>(facts.st_size) < keepBytes ||
-            got != static_cast<ssize_t>(head.size()) || !std::equal(head.begin(), head.end(), first.begin()))
+        if (!isNamed || static_cast<std::uint64_t>(facts.st_size) < keepBytes || got.value() != head.size() ||
+            !std::equal(head.begin(), head.end(), first.begin()))
             return makeError(ErrorCode::InvalidArgument, "has been replaced by another program", path);
         file->adopt(std::move(descriptor), keepBytes);
         return std::unique_ptr<WritableFile>(std::move(file));

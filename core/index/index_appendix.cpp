@@ -73,13 +73,12 @@ Status checkBehindIndex(const RandomAccessFile& file, std::uint64_t indexBytes) 
     const std::uint64_t behind = file.sizeBytes() - indexBytes;
     if (behind == 0)
         return {};
-    // The header is zeros until all else is written; a full disk may have left a part of it.
+    // The header is zeros until all else is written.
     std::vector<std::byte> first(static_cast<std::size_t>(std::min<std::uint64_t>(behind, kHeaderBytes)));
     ISO_TRY(file.readExactlyAt(indexBytes, first));
     const bool isUnfinished = std::all_of(first.begin(), first.end(), [](std::byte b) { return b == std::byte{0}; });
     const auto magic = std::as_bytes(std::span(kAppendixMagic));
-    const bool isAppendix = first.size() == kHeaderBytes && std::equal(magic.begin(), magic.end(), first.begin());
-    if (!isUnfinished && !isAppendix)
+    if (behind < kHeaderBytes || (!isUnfinished && !std::equal(magic.begin(), magic.end(), first.begin())))
         return makeError(ErrorCode::Corruption,
                          "index should have " + std::to_string(indexBytes) + " bytes, the file has " +
                              std::to_string(file.sizeBytes()),
@@ -94,7 +93,7 @@ Result<std::optional<Appendix>> readAppendix(const std::filesystem::path& path, 
     const auto none = [] { return std::optional<Appendix>(); };
     RandomAccessFile& file = *index.value().file;
     const std::uint64_t start = index.value().bytes, behind = file.sizeBytes() - start;
-    if (behind < kHeaderBytes)
+    if (behind == 0)
         return none();
     std::vector<std::byte> bytes(kHeaderBytes);
     ISO_TRY(file.readExactlyAt(start, bytes));

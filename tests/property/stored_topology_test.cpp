@@ -167,13 +167,16 @@ TEST_F(StoredTopologyTest, CutOffAnywhereIsNone) {
     }
     writeFile(path_, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(bare_.size()) - 1});
     EXPECT_THAT(openTopology(path_), HasError(ErrorCode::Corruption)) << "not even an index";
-    // A full disk may have left zeros.
-    for (const std::size_t zeros : {1u, 30u, 63u, 64u, 1000u}) {
+    // Zeros are one that was not finished, but fewer than a header has are not ours.
+    for (const std::size_t zeros : {1u, 63u, 64u, 1000u}) {
         Bytes unfinished = bare_;
         unfinished.resize(bare_.size() + zeros, '\0');
         writeFile(path_, unfinished);
-        ASSERT_THAT(openTopology(path_), IsOk()) << zeros;
-        EXPECT_EQ(openTopology(path_).value(), nullptr);
+        const auto stored = openTopology(path_);
+        EXPECT_EQ(stored.isOk(), zeros >= 64) << zeros;
+        if (stored.isOk()) {
+            EXPECT_EQ(stored.value(), nullptr);
+        }
     }
     // What is left over is replaced.
     writeFile(path_, {whole.begin(), whole.end() - 10});

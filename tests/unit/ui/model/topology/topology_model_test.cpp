@@ -16,7 +16,13 @@ using topology::TopologyEvent;
 class ListedSummary final : public topology::TopologySummary {
 public:
     explicit ListedSummary(std::vector<TopologyEvent> events, MeasureCurves curves = {})
-        : events_(std::move(events)), curves_(std::move(curves)) {}
+        : events_(std::move(events)), curves_(std::move(curves)) {
+        SurfaceCounts counts;
+        for (TopologyEvent& event : events_) {
+            counts.euler = 2 * ++counts.components;
+            event.below = counts;
+        }
+    }
 
     std::uint64_t eventCount() const override { return events_.size(); }
     Result<SurfaceCounts> at(double isovalue) const override {
