@@ -216,7 +216,7 @@ TEST_F(BadIndex, B088_NoPlaceToWrite) {
 }
 
 TEST_F(BadIndex, B089_KilledAtAnyMoment) {
-    const auto volume = BadInputTest::noiseVolume(kHasSanitizers ? 64 : 112);
+    const auto volume = BadInputTest::noiseVolume(kHasSanitizers ? 32 : 64);
     const auto begin = std::chrono::steady_clock::now();
     ASSERT_EQ(run({"build", volume, "-o", path("whole.isx")}).exitCode, 0);
     const auto whole = std::chrono::steady_clock::now() - begin;
