@@ -81,7 +81,9 @@ TEST_F(CliTopology, AnswersOtherQuestions) {
     EXPECT_EQ(between["from"]["components"], 1);
     EXPECT_NEAR(std::abs(between["volume_between"].get<double>()), 4.0 / 3.0 * 3.14159265 * (343 - 125),
                 15.0); // radii of 7 and 5
-    for (const auto& suggestion : runJson({"topology", volume, "--suggest"})["suggestions"])
+    const auto suggested = runJson({"topology", volume, "--suggest"});
+    EXPECT_FALSE(suggested["suggestions"].empty());
+    for (const auto& suggestion : suggested["suggestions"])
         EXPECT_FALSE(suggestion["reason"].get<std::string>().empty());
     EXPECT_THAT(run({"topology", volume, "--tunnels", "77"}).standardOutput, testing::HasSubstr("no isovalue"));
     expectRefusal({"topology", volume, "--between", "5", "3"}, 2, "lesser");
