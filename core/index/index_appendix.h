@@ -12,8 +12,8 @@
 
 namespace isoslider::index {
 
-/// What was added to an index once it was complete, behind it in its file (FORMAT.md, "Appendix"). The index is as it was
-/// whether there is one or not, and whether adding it went to its end or not.
+/// What was added to an index once it was complete, behind it in its file (FORMAT.md, "Appendix"). The index is as it
+/// was whether there is one or not, and whether adding it went to its end or not.
 struct Appendix {
     std::unique_ptr<RandomAccessFile> file;
     std::uint64_t bodyOffset = 0, bodyBytes = 0; ///< in the file; pages that the directory knows
