@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 
 #include <tbb/task_arena.h>
@@ -12,6 +11,7 @@
 #include "core/base/file_system.h"
 #include "core/base/machine.h"
 #include "core/index/format/index_format.h"
+#include "preprocess/forecast/metered_file_system.h"
 #include "preprocess/index_builds.h"
 
 namespace isoslider::preprocess {
@@ -49,19 +49,19 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
     ISO_TRY(checkOptions(options, source.info().geometry));
     ISO_TRY(checkOutputPath(indexPath));
     ISO_TRY(source.prepare(job)); // a grid that is resampled shows its progress
-    const auto run = [&] {
-        return options.kind == index::IndexKind::Edges ? buildEdges(source, indexPath, options, job)
-                                                       : buildMetacells(source, indexPath, options, job);
-    };
+    MeteredFileSystem metered(fileSystemOf(options), indexPath);
+    BuildOptions actual = options;
+    actual.fileSystem = &metered;
+    // One that is brief elsewhere makes none on a slow machine either: the forecast has no room for them.
+    if (isBrief(source.info().geometry.dims, options))
+        actual.checkpointSeconds = -1.0;
+    BuildReport report;
+    const auto build = options.kind == index::IndexKind::Edges ? buildEdges : buildMetacells;
     // More threads than cores would only make TBB complain.
     const int cores = tbb::this_task_arena::max_concurrency();
     tbb::task_arena arena(options.threads == 0 ? cores : std::min(options.threads, cores));
-    std::optional<Result<index::IndexInfo>> info;
-    arena.execute([&] { info.emplace(run()); });
-    if (!info->isOk())
-        return std::move(*info).error();
-    BuildReport report;
-    report.info = std::move(*info).value();
+    ISO_TRY(arena.execute([&] { return build(source, indexPath, actual, job, report); }));
+    report.temporaryBytes = metered.mostBytes();
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report.peakRssBytes = peakRssBytes();
     return report;

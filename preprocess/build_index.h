@@ -9,6 +9,7 @@
 #include "core/extract/merged/merge_bound.h"
 #include "core/index/format/index_info.h"
 #include "core/volume_io/sources/volume_source.h"
+#include "preprocess/forecast/disk_forecast.h"
 
 namespace isoslider::preprocess {
 
@@ -24,6 +25,13 @@ struct BuildOptions {
     int threads = 0; ///< 0: all cores
     std::filesystem::path temporaryFolder; ///< for sort runs; empty: beside the index
     std::string sourceName;
+    /// Goes on with an unfinished build of this index, if there is one, and leaves one if it does not come to its end
+    /// (resume/RESUME.md).
+    bool resumes = false;
+    /// An unfinished build that does not fit, of another input or another version of the program, makes room for this
+    /// one; otherwise it is refused.
+    bool replacesUnfit = false;
+    double checkpointSeconds = 10.0; ///< at least, between two checkpoints; below 0: none
     FileSystem* fileSystem = nullptr; ///< what to write through; null: the disk
 };
 
@@ -38,13 +46,17 @@ struct BuildReport {
     double seconds = 0.0;
     std::uint64_t peakRssBytes = 0;
     index::IndexInfo info;
+    bool isResumed = false; ///< an unfinished build was gone on with
+    DiskForecast forecast; ///< before the work was done
+    std::uint64_t temporaryBytes = 0; ///< the most that lay beside the index at one time
 };
 
 /// Builds the index for a volume and publishes it at `indexPath`: written to a
 /// temporary file beside it, synced, renamed. The same bytes for any thread count and memory budget.
-/// On failure or cancel nothing is left behind and an earlier index at `indexPath` is untouched.
-/// Errors: InvalidArgument (also when the volume's files changed meanwhile), IoError, OutOfSpace, Cancelled, whatever
-/// the source reports.
+/// On failure or cancel an earlier index at `indexPath` is untouched, and nothing is left behind but what
+/// `options.resumes` asks for.
+/// Errors: InvalidArgument (also when the volume's files changed meanwhile), IoError, OutOfSpace (also when the
+/// forecast asks for more of the disk than is free), Cancelled, whatever the source reports.
 Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::path& indexPath,
                                const BuildOptions& options = {}, const JobControl& job = {});
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -20,11 +21,13 @@
 #include "app/cli/output_check.h"
 #include "app/cli/progress_bar.h"
 #include "app/cli/resampling_report.h"
+#include "app/cli/standard_input.h"
 #include "core/base/machine.h"
 #include "core/index/format/index_format.h"
 #include "core/topology/index_topology.h"
 #include "core/topology/stored_topology.h"
 #include "preprocess/build_index.h"
+#include "preprocess/resume/build_checkpoints.h"
 
 namespace isoslider::cli {
 namespace {
@@ -59,6 +62,11 @@ std::string isAboveZero(const std::string& text) {
     return value && *value <= 0.0 ? fmt::format("'{}' is not above zero", text) : std::string();
 }
 
+std::string isNotNegative(const std::string& text) {
+    const auto value = parseFinite(text);
+    return value && *value < 0.0 ? fmt::format("'{}' is below zero", text) : std::string();
+}
+
 /// An index, and the volume that it is of.
 struct Built {
     preprocess::BuildReport report;
@@ -73,10 +81,14 @@ Json jsonOf(const Built& built) {
     Json json;
     json["seconds"] = report.seconds;
     json["peak_rss_bytes"] = report.peakRssBytes;
+    json["forecast_bytes"] = report.forecast.indexBytes;
     json["index_bytes"] = report.info.indexBytes;
+    json["forecast_temporary_bytes"] = report.forecast.temporaryBytes;
+    json["temporary_bytes"] = report.temporaryBytes;
     json["distinct_values"] = report.info.distinctValues;
     json["levels"] = levelsJson(report.info);
     json["kind"] = index::indexKindName(report.info.kind);
+    json["resumed"] = report.isResumed;
     if (!built.topologyProblem.empty()) {
         json["topology_problem"] = built.topologyProblem;
     } else if (built.topologySeconds > 0.0) {
@@ -91,11 +103,12 @@ class BuildCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("build", "Build the index of a volume, for sliding");
-        command->add_option("VOLUME", volumePath_, "volume to index")->required()->type_name("");
+        command->add_option("VOLUME", volumePath_, "volume to index; - for standard input")->required()->type_name("");
         command->add_option("-o,--output", indexPath_, "index to write")->required()->type_name("INDEX.isx");
         addIndexOptions(*command);
         addMachineOptions(*command);
         addVolumeOptions(*command, volume_);
+        standardInput_.declare(*command, volumePath_, InputContent::Volume);
         return command;
     }
 
@@ -103,6 +116,15 @@ public:
         if (lodError_.merges() && kind_ == index::IndexKind::Metacells)
             return Outcome::wrongUsage(
                 "--lod-error: metacells are merged while sliding; give it to slide or extract, or build --index edges");
+        if (indexPath_ == "-")
+            return Outcome::wrongUsage(
+                "-o -: an index is written to and fro, which standard output cannot; give a file");
+        if (volumePath_ == "-" && resumes_)
+            return Outcome::wrongUsage("build - --resume: standard input cannot be read again; save it to a file");
+        if (volumePath_ == "-") { // kept where the build keeps its temporary files: beside the index
+            ISO_CLI_TRY(checkOutput(indexPath_, ""));
+            ISO_CLI_TRY(standardInput_.fetch(session, volume_, std::filesystem::path(indexPath_).parent_path()));
+        }
         const auto kind = sniffInput(volumePath_, volume_.readOptions());
         if (!kind.isOk())
             return kind.error();
@@ -116,7 +138,16 @@ public:
             return source.error();
         }
         ISO_CLI_TRY(checkNotRead(indexPath_, source.value()->info().dataFiles));
-        ISO_CLI_TRY(tryOutput(indexPath_));
+        const bool isUnfinished = preprocess::hasCheckpoint(indexPath_);
+        if (!isUnfinished || !resumes_) // which empties what is unfinished
+            ISO_CLI_TRY(tryOutput(indexPath_));
+        if (isUnfinished && !resumes_ && !session.isQuiet) {
+            bar.wipe();
+            const Error note =
+                makeError(ErrorCode::InvalidArgument,
+                          "an unfinished build is replaced; --resume would have gone on with it", indexPath_);
+            std::fputs(("isoslider-cli: " + note.line() + "\n").c_str(), stderr);
+        }
         const JobControl all = bar.job();
         const JobControl building = withTopology_ ? all.part(0.0, 0.5) : all, analysing = all.part(0.5, 1.0);
         auto report = build(*source.value(), building);
@@ -162,10 +193,12 @@ private:
             "--no-topology", [this] { withTopology_ = false; },
             "leave out events, counts and curves: topology then analyses the volume");
         addInteger(command, "--threads", threads_, 1, kMaxThreads, "threads to use (all cores)");
-        command
-            .add_flag_callback("--resume",
-                               [] { throw CLI::ValidationError("--resume", "is not available in this version"); })
-            ->group("");
+        command.add_flag("--resume", resumes_,
+                         "go on with an unfinished build of this index, and leave one if this is interrupted");
+        addNumber(command, "--checkpoint", checkpointSeconds_,
+                  fmt::format("seconds between two states that --resume can go on from ({:.0f})",
+                              preprocess::BuildOptions{}.checkpointSeconds))
+            ->check(isNotNegative);
     }
 
     Result<Built> build(io::VolumeSource& source, const JobControl& job) {
@@ -178,10 +211,14 @@ private:
         options.memoryBytes = memoryBytes_;
         returnLargeBlocksAtOnce();
         options.threads = static_cast<int>(threads_);
+        options.resumes = resumes_;
+        options.checkpointSeconds = checkpointSeconds_.value_or(options.checkpointSeconds);
         options.sourceName = std::filesystem::path(volumePath_).filename().string();
         auto report = preprocess::buildIndex(source, indexPath_, options, job);
         if (!report.isOk())
             return std::move(report).error();
+        report.value().forecast.temporaryBytes += standardInput_.bytes();
+        report.value().temporaryBytes += standardInput_.bytes();
         return Built{std::move(report).value(), source.info()};
     }
 
@@ -215,13 +252,17 @@ private:
             return reader.error();
         topology::AnalysisOptions options;
         options.memoryBytes = memoryBytes_;
-        options.measures = topology::planMeasures(reader.value()->info());
         topology::PlaneSource planes{source.info().geometry, source.info().type,
                                      [&](std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
                                          return source.readSlab(zBegin, zEnd, out);
                                      }};
         if (reader.value()->info().kind == index::IndexKind::Metacells) // decoded faster than most files are read
             planes = topology::planesOf(*reader.value());
+        const index::IndexInfo& info = reader.value()->info();
+        auto plan = topology::planMeasures(planes, info.min, info.max, job);
+        if (!plan.isOk())
+            return std::move(plan).error();
+        options.measures = std::move(plan).value();
         const auto curve = analysed(planes, options, job);
         if (!curve.isOk() && curve.error().code == ErrorCode::OutOfSpace) { // memory
             built.topologyProblem = curve.error().message;
@@ -238,8 +279,12 @@ private:
 
     std::string textOf(const Built& built) const {
         const preprocess::BuildReport& report = built.report;
-        std::string text = fmt::format("{}: {} in {:.2f} s, peak memory {}\n", indexPath_,
-                                       sizeText(report.info.indexBytes), report.seconds, sizeText(report.peakRssBytes));
+        std::string text = fmt::format("{}: {} in {:.2f} s, peak memory {}{}\n", indexPath_,
+                                       sizeText(report.info.indexBytes), report.seconds, sizeText(report.peakRssBytes),
+                                       report.isResumed ? ", of which a part was there" : "");
+        text += fmt::format("forecast: {}, and up to {} of temporary files, of which {} were used\n",
+                            sizeText(report.forecast.indexBytes), sizeText(report.forecast.temporaryBytes),
+                            sizeText(report.temporaryBytes));
         text += fmt::format("{}, {} distinct values, {} skip levels\n", index::indexKindName(report.info.kind),
                             report.info.distinctValues, report.info.levels.size());
         if (!built.topologyProblem.empty())
@@ -254,6 +299,7 @@ private:
     std::string volumePath_;
     std::string indexPath_;
     VolumeOptions volume_;
+    StandardInput standardInput_;
     std::optional<index::IndexKind> kind_;
     LodError lodError_;
     std::int64_t skipLevels_ = preprocess::BuildOptions{}.skipLevels;
@@ -261,6 +307,8 @@ private:
     std::uint64_t memoryBytes_ = preprocess::BuildOptions{}.memoryBytes;
     std::int64_t threads_ = 0;
     bool withTopology_ = true;
+    bool resumes_ = false;
+    std::optional<double> checkpointSeconds_;
 };
 
 } // namespace

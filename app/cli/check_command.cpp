@@ -6,6 +6,7 @@
 
 #include "app/cli/command.h"
 #include "app/cli/progress_bar.h"
+#include "app/cli/standard_input.h"
 #include "core/mesh/mesh_checks.h"
 
 namespace isoslider::cli {
@@ -50,11 +51,15 @@ class CheckCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("check", "Whether a mesh is a sound, oriented 2-manifold");
-        command->add_option("MESH", path_, "mesh to check (ply, obj, stl, off, om)")->required()->type_name("");
+        command->add_option("MESH", path_, "mesh to check (ply, obj, stl, off, om); - for standard input")
+            ->required()
+            ->type_name("");
+        standardInput_.declare(*command, path_, InputContent::Mesh);
         return command;
     }
 
     Outcome run(Session& session) override {
+        ISO_CLI_TRY(standardInput_.fetch(session));
         ProgressBar bar(session.showsProgress, session.stop);
         const JobControl job = bar.job();
         const auto report = mesh::checkMeshFile(path_, job);
@@ -74,6 +79,7 @@ public:
 
 private:
     std::string path_;
+    StandardInput standardInput_;
 };
 
 } // namespace

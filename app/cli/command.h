@@ -2,6 +2,9 @@
 
 #include <memory>
 #include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "app/cli/outcome.h"
 #include "app/cli/output.h"
@@ -16,8 +19,14 @@ namespace isoslider::cli {
 struct Session {
     std::stop_token stop; ///< requested by SIGINT, SIGTERM and SIGHUP
     bool isJson = false; ///< one object on standard output and nothing else
-    bool showsProgress = false; ///< standard error is a terminal and nobody asked for JSON
+    bool isQuiet = false; ///< nothing but failures, and --json where it is asked for
+    bool showsProgress = false; ///< standard error is a terminal, and nobody asked for JSON or silence
     Output output;
+    /// Names of files that nobody has given, and what is said in place of them, in failures too.
+    std::vector<std::pair<std::string, std::string>> shownNames;
+
+    /// `text` with all of them replaced, the first ones first. REQUIRES: none is empty.
+    std::string shown(std::string text) const;
 };
 
 /// One word of the command line: declares its options, then runs with what was given.
@@ -40,5 +49,6 @@ std::unique_ptr<Command> makeCheckCommand();
 std::unique_ptr<Command> makeResampleCommand();
 std::unique_ptr<Command> makeReportCommand();
 std::unique_ptr<Command> makeTopologyCommand();
+std::unique_ptr<Command> makeValidateCommand();
 
 } // namespace isoslider::cli

@@ -15,6 +15,9 @@
 #include "app/cli/output_check.h"
 #include "app/cli/progress_bar.h"
 #include "app/cli/resampling_report.h"
+#include "app/cli/standard_input.h"
+#include "app/cli/standard_output.h"
+#include "core/base/folders.h"
 #include "core/extract/full_extraction.h"
 #include "core/extract/merged/merged_extraction.h"
 #include "core/extract/slide_engine.h"
@@ -63,7 +66,7 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
         if (const Status set = engine.value()->setMergeBound(bound); !set.isOk())
             return set.error();
     }
-    const auto move = engine.value()->slideTo(isovalue, job.stop);
+    const auto move = engine.value()->slideTo(isovalue, job.part(0.0, 0.5));
     if (!move.isOk())
         return move.error();
     extracted.leaves = move.value().activeLeaves;
@@ -72,7 +75,7 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
     const extract::MergeError error = lodError.isGiven() ? lodError.error : extract::builtError(info);
     if (error.amount > 0.0)
         extracted.lodError = lodError.isGiven() ? lodError.text : optionText(error);
-    auto surface = engine.value()->mesh(job);
+    auto surface = engine.value()->mesh(job.part(0.5, 1.0));
     if (!surface.isOk())
         return std::move(surface).error();
     extracted.surface = std::move(surface).value();
@@ -179,9 +182,11 @@ class ExtractCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("extract", "The surface at one isovalue, counted and exported");
-        command->add_option("FILE", path_, "index or volume")->required()->type_name("");
+        command->add_option("FILE", path_, "index or volume; - for standard input")->required()->type_name("");
         addNumber(*command, "--isovalue", isovalue_, "isovalue of the surface")->required();
-        command->add_option("-o,--output", meshPath_, "mesh to write (ply, obj, stl, off, om)")->type_name("MESH");
+        command->add_option("-o,--output", meshPath_, "mesh to write (ply, obj, stl, off, om); - for standard output")
+            ->type_name("MESH");
+        addFormat(*command);
         command->add_flag("--no-check", skipsCheck_, "write and count the surface without checking it: no certificate");
         auto* lodError =
             addLodError(*command, lodError_, "merge cells that differ by no more: % of the value range, or c (cells)");
@@ -189,10 +194,16 @@ public:
                    "merge up to 2^N cells along each axis: 5 of a volume unless given, always 3 of an index")
             ->needs(lodError);
         addVolumeOptions(*command, volume_);
+        standardInput_.declare(*command, path_, InputContent::VolumeOrIndex);
         return command;
     }
 
     Outcome run(Session& session) override {
+        ISO_CLI_TRY(checkFormat());
+        ISO_CLI_TRY(standardOutput_.prepare(session, meshPath_, "." + format_));
+        if (!meshPath_.empty() && path_ == "-") // before all of standard input is read
+            ISO_CLI_TRY(checkMeshOutput(meshPath_, ""));
+        ISO_CLI_TRY(standardInput_.fetch(session, volume_, temporaryFolder()));
         const auto kind = sniffInput(path_, volume_.readOptions());
         if (!kind.isOk())
             return kind.error();
@@ -215,14 +226,38 @@ public:
         if (!certificate.isOk())
             return certificate.error();
         bar.wipe();
+        if (const Status sent = standardOutput_.send(session); !sent.isOk())
+            return sent.error();
         if (session.isJson)
             session.output.writeJson(jsonOf(certificate.value(), kind.value(), extracted.value()));
         else
-            session.output.write(textOf(certificate.value(), meshPath_));
+            session.output.write(textOf(certificate.value(), session.shown(meshPath_)));
         return faultOutcome(certificate.value(), meshPath_.empty() ? path_ : meshPath_);
     }
 
 private:
+    void addFormat(CLI::App& command) {
+        command
+            .add_option_function<std::string>(
+                "--format",
+                [this](const std::string& text) {
+                    if (!mesh::isExportSuffix("mesh." + text))
+                        throw CLI::ValidationError(
+                            "--format", fmt::format("'{}' is not a format; known: ply, obj, stl, off, om", text));
+                    format_ = text;
+                },
+                "format of the mesh on standard output (-o -); of a file, its suffix states it")
+            ->type_name("FORMAT");
+    }
+
+    Outcome checkFormat() const {
+        if (meshPath_ == "-" && format_.empty())
+            return Outcome::wrongUsage("-o - needs --format: ply, obj, stl, off or om");
+        if (meshPath_ != "-" && !format_.empty())
+            return Outcome::wrongUsage("--format is for standard output (-o -); a file's suffix states its format");
+        return {};
+    }
+
     Result<mesh::Certificate> certifyAndExport(const Extracted& extracted, const JobControl& job) const {
         const JobControl checking = job.part(0.0, 0.7), writing = job.part(0.7, 1.0);
         auto certificate = skipsCheck_ ? mesh::uncheckedCertificate(extracted.surface, extracted.source)
@@ -242,7 +277,10 @@ private:
     bool skipsCheck_ = false;
     LodError lodError_;
     std::int64_t lodLevels_ = 0; ///< 0: not given
+    std::string format_; ///< of standard output
     VolumeOptions volume_;
+    StandardInput standardInput_;
+    StandardOutput standardOutput_;
 };
 
 } // namespace

@@ -14,6 +14,8 @@
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
 #include "app/cli/resampling_report.h"
+#include "app/cli/standard_input.h"
+#include "core/base/folders.h"
 #include "core/base/plain_text.h"
 #include "core/index/index_reader.h"
 #include "core/volume_io/volume_contents.h"
@@ -80,6 +82,8 @@ Result<Facts> factsOfVolume(const std::string& path, const io::ReadOptions& opti
     auto found = preprocess::findFacts(*source.value(), kDistinctBytes, job);
     if (!found.isOk())
         return std::move(found).error();
+    if (const Status unchanged = source.value()->checkUnchanged(); !unchanged.isOk())
+        return unchanged.error();
     if (std::isnan(found.value().min))
         return makeError(ErrorCode::InvalidArgument, "has no finite sample", path);
     const io::VolumeInfo& info = source.value()->info();
@@ -288,12 +292,14 @@ class InfoCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("info", "What a volume, or an index of one, contains");
-        command->add_option("FILE", path_, "volume or index")->required()->type_name("");
+        command->add_option("FILE", path_, "volume or index; - for standard input")->required()->type_name("");
         addVolumeOptions(*command, volume_);
+        standardInput_.declare(*command, path_, InputContent::VolumeOrIndex);
         return command;
     }
 
     Outcome run(Session& session) override {
+        ISO_CLI_TRY(standardInput_.fetch(session, volume_, temporaryFolder()));
         const auto kind = sniffInput(path_, volume_.readOptions());
         if (!kind.isOk())
             return kind.error();
@@ -313,6 +319,7 @@ public:
 private:
     std::string path_;
     VolumeOptions volume_;
+    StandardInput standardInput_;
 };
 
 } // namespace

@@ -6,6 +6,7 @@
 #include <signal.h>
 
 #include "app/cli/outcome.h"
+#include "app/cli/scratch_folder.h"
 
 namespace isoslider::cli {
 namespace {
@@ -52,8 +53,10 @@ void InterruptWatch::wait() {
             return;
         if (sigismember(&ignored_, signal) == 1) // a blocked signal arrives here although it is ignored
             continue;
-        if (!source_.request_stop())
+        if (!source_.request_stop()) {
+            removeScratchFolders();
             std::_Exit(static_cast<int>(ExitCode::Interrupted));
+        }
     }
 }
 

@@ -9,7 +9,7 @@
 namespace isoslider::cli {
 
 /// Turns the first SIGINT, SIGTERM or SIGHUP into a stop request; the second ends the program there
-/// and then with code 130. Signals that were ignored on entry (nohup) stay ignored.
+/// and then with code 130, without its scratch folders. Signals that were ignored on entry (nohup) stay ignored.
 /// REQUIRES: made in main before any other thread, so that all inherit the blocked signals.
 class InterruptWatch {
 public:

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -21,23 +22,13 @@ namespace {
 void printFailure(std::string line) {
     for (char& c : line)
         c = c == '\n' || c == '\r' ? ' ' : c;
-    fmt::print(stderr, "isoslider-cli: {}\n", line);
+    std::fputs(("isoslider-cli: " + line + "\n").c_str(), stderr); // fmt throws where that is closed
 }
 
 struct Entry {
     std::unique_ptr<Command> command;
     CLI::App* parser = nullptr;
 };
-
-/// Words that the documentation reserves; refused by name instead of as unknown.
-void addLaterCommands(CLI::App& program) {
-    for (const char* name : {"validate"}) {
-        auto* command = program.add_subcommand(name, "")->group("")->allow_extras();
-        command->set_help_flag();
-        command->parse_complete_callback(
-            [name] { throw CLI::ValidationError(name, "is not available in this version"); });
-    }
-}
 
 class Program {
 public:
@@ -47,9 +38,8 @@ public:
         parser_.option_defaults()->always_capture_default(false);
         for (const auto make :
              {makeInfoCommand, makeBuildCommand, makeStatsCommand, makeExtractCommand, makeSlideCommand,
-              makeCheckCommand, makeResampleCommand, makeReportCommand, makeTopologyCommand})
+              makeCheckCommand, makeResampleCommand, makeReportCommand, makeTopologyCommand, makeValidateCommand})
             add(make());
-        addLaterCommands(parser_);
     }
 
     Outcome run(int argc, char** argv) {
@@ -75,7 +65,8 @@ public:
         }
         const InterruptWatch interrupts;
         session_.stop = interrupts.stop();
-        session_.showsProgress = !session_.isJson && ::isatty(STDERR_FILENO) == 1;
+        session_.showsProgress = !session_.isJson && !session_.isQuiet && ::isatty(STDERR_FILENO) == 1;
+        session_.output.setSilent(session_.isQuiet && !session_.isJson);
         for (const auto& entry : entries_) {
             if (entry.parser->parsed())
                 return finish(entry.command->run(session_));
@@ -87,6 +78,7 @@ private:
     void add(std::unique_ptr<Command> command) {
         auto* parser = command->declare(parser_);
         parser->add_flag("--json", session_.isJson, "one JSON object on standard output and nothing else");
+        parser->add_flag("-q,--quiet", session_.isQuiet, "no progress, no report: failures only");
         entries_.push_back({std::move(command), parser});
     }
 
@@ -100,7 +92,9 @@ private:
 
     Outcome finish(const Outcome& outcome) {
         const auto written = session_.output.flush();
-        return outcome.isSuccess() && !written.isOk() ? Outcome(written.error()) : outcome;
+        if (outcome.isSuccess())
+            return written.isOk() ? outcome : Outcome(written.error());
+        return {outcome.code(), session_.shown(outcome.line())};
     }
 
     CLI::App parser_;
@@ -108,7 +102,16 @@ private:
     std::vector<Entry> entries_;
 };
 
+// A file that is opened later must not take the place of a stream that the shell has closed, and get what is said
+// there. Each is opened the wrong way: to use it is an error, as before.
+void occupyStandardStreams() {
+    for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
+        if (::fcntl(descriptor, F_GETFD) < 0)
+            static_cast<void>(::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY));
+}
+
 int runProgram(int argc, char** argv) {
+    occupyStandardStreams();
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN); // a file beyond the shell's limit is a failed write like any other
     try {

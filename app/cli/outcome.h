@@ -11,6 +11,7 @@ namespace isoslider::cli {
 class Outcome {
 public:
     Outcome() = default; ///< success
+    Outcome(ExitCode code, std::string line) : code_(code), line_(std::move(line)) {}
     Outcome(const Error& error);
     static Outcome wrongUsage(std::string line) { return {ExitCode::WrongUsage, std::move(line)}; }
     static Outcome foundFault(std::string line) { return {ExitCode::FoundFault, std::move(line)}; }
@@ -20,8 +21,6 @@ public:
     const std::string& line() const { return line_; }
 
 private:
-    Outcome(ExitCode code, std::string line) : code_(code), line_(std::move(line)) {}
-
     ExitCode code_ = ExitCode::Success;
     std::string line_;
 };

@@ -11,13 +11,22 @@ namespace isoslider::cli {
 std::string jsonText(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 void Output::write(std::string_view text) {
+    if (isSilent_)
+        return;
+    if (isForData_)
+        std::fwrite(text.data(), 1, text.size(), stderr);
+    else
+        put(text);
+}
+
+void Output::put(std::string_view text) {
     if (isClosed_ || errorNumber_ != 0)
         return;
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
         noteFailure();
 }
 
-void Output::writeJson(const Json& object) { write(jsonText(object) + '\n'); }
+void Output::writeJson(const Json& object) { put(jsonText(object) + '\n'); }
 
 Status Output::flush() {
     if (!isClosed_ && errorNumber_ == 0 && std::fflush(stdout) != 0)

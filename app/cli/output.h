@@ -18,6 +18,10 @@ std::string jsonText(const Json& value);
 class Output {
 public:
     void write(std::string_view text);
+    /// From now on write() goes to standard error: standard output is for data.
+    void leaveStandardOutput() { isForData_ = true; }
+    /// From now on write() does nothing, writeJson() does.
+    void setSilent(bool isSilent) { isSilent_ = isSilent; }
     /// One object on a separate line.
     void writeJson(const Json& object);
     /// True when nobody reads any more.
@@ -26,9 +30,12 @@ public:
     Status flush();
 
 private:
+    void put(std::string_view text);
     void noteFailure();
 
     bool isClosed_ = false;
+    bool isSilent_ = false;
+    bool isForData_ = false;
     int errorNumber_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #include "app/cli/progress_bar.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -13,6 +14,25 @@ constexpr int kBarWidth = 32;
 constexpr std::chrono::milliseconds kBetweenDraws{100};
 
 } // namespace
+
+std::string durationText(double seconds) {
+    if (seconds < 95.0)
+        return fmt::format("{:.0f} s", std::max(5.0, 5.0 * std::ceil(seconds / 5.0)));
+    const double minutes = std::ceil(seconds / 60.0);
+    if (minutes < 60.0)
+        return fmt::format("{:.0f} min", minutes);
+    const double tens = std::ceil(minutes / 10.0);
+    return fmt::format("{:.0f} h {:.0f} min", std::floor(tens / 6.0), 10.0 * std::fmod(tens, 6.0));
+}
+
+// As long as before, for what is left: stages are weighed by how long they take.
+std::string ProgressBar::timeLeft(double fraction, std::chrono::steady_clock::time_point now) const {
+    constexpr double kLeastSeconds = 5.0, kLeastFraction = 0.02;
+    const double spent = std::chrono::duration<double>(now - begin_).count();
+    if (spent < kLeastSeconds || fraction < kLeastFraction)
+        return {};
+    return ", about " + durationText(spent / fraction * (1.0 - fraction)) + " left";
+}
 
 JobControl ProgressBar::job() {
     JobControl job;
@@ -30,7 +50,7 @@ void ProgressBar::draw(double fraction, std::string_view stage) {
     const double part = std::clamp(fraction, 0.0, 1.0);
     const auto filled = static_cast<std::size_t>(part * kBarWidth);
     const std::string bar = std::string(filled, '#') + std::string(kBarWidth - filled, '.');
-    fmt::print(stderr, "\r\x1b[K[{}] {:3.0f} %  {}", bar, 100.0 * part, stage);
+    fmt::print(stderr, "\r\x1b[K[{}] {:3.0f} %  {}{}", bar, 100.0 * part, stage, timeLeft(part, now));
     std::fflush(stderr);
     hasDrawn_ = true;
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -68,6 +69,11 @@ public:
     }
 
     Outcome run(Session& session) override {
+        if (output_ == "-")
+            output_.clear();
+        if (std::find(paths_.begin(), paths_.end(), "-") != paths_.end())
+            return Outcome::wrongUsage(
+                "report -: volumes are read several times, which standard input cannot; save it to a file");
         if (!output_.empty())
             ISO_CLI_TRY(checkPage());
         options_.steps = static_cast<int>(steps_);

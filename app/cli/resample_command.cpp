@@ -9,6 +9,9 @@
 #include "app/cli/options.h"
 #include "app/cli/output_check.h"
 #include "app/cli/progress_bar.h"
+#include "app/cli/standard_input.h"
+#include "app/cli/standard_output.h"
+#include "core/base/folders.h"
 #include "core/volume_io/volume_reader.h"
 #include "core/volume_io/volume_writer.h"
 
@@ -49,28 +52,37 @@ class ResampleCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("resample", "Make a uniform volume of a non-uniform grid");
-        command->add_option("GRID", path_, "rectilinear, curvilinear or unstructured grid")->required()->type_name("");
-        command->add_option("-o,--output", output_, "volume to write")->required()->type_name("VOLUME.mha");
+        command->add_option("GRID", path_, "rectilinear, curvilinear or unstructured grid; - for standard input")
+            ->required()
+            ->type_name("");
+        command->add_option("-o,--output", output_, "volume to write; - for standard output")
+            ->required()
+            ->type_name("VOLUME.mha");
         addVolumeOptions(*command, volume_);
+        standardInput_.declare(*command, path_, InputContent::Volume);
         command->get_option("--resample")->group("");
         addDims(*command, "--size", volume_.resampleDims, "size of the volume (about as many points as the grid has)");
         return command;
     }
 
     Outcome run(Session& session) override {
-        ISO_CLI_TRY(checkOutput(output_, path_));
+        ISO_CLI_TRY(standardOutput_.prepare(session, output_, ".mha"));
+        ISO_CLI_TRY(checkOutput(output_, path_ == "-" ? "" : path_)); // before all of standard input is read
         if (!output_.ends_with(".mha"))
             return Outcome::wrongUsage(fmt::format("--output: '{}': volumes are written as .mha", output_));
+        ISO_CLI_TRY(standardInput_.fetch(session, volume_, temporaryFolder()));
         ISO_CLI_TRY(tryOutput(output_));
         ProgressBar bar(session.showsProgress, session.stop);
         const auto info = resample(bar.job());
         bar.wipe();
         if (!info.isOk())
             return info.error();
+        if (const Status sent = standardOutput_.send(session); !sent.isOk())
+            return sent.error();
         if (session.isJson)
             session.output.writeJson(jsonOf(info.value()));
         else
-            session.output.write(textOf(output_, info.value()));
+            session.output.write(textOf(session.shown(output_), info.value()));
         return {};
     }
 
@@ -92,6 +104,8 @@ private:
     std::string path_;
     std::string output_;
     VolumeOptions volume_;
+    StandardInput standardInput_;
+    StandardOutput standardOutput_;
 };
 
 } // namespace

@@ -98,6 +98,9 @@ public:
     Outcome run(Session& session) override {
         if (path_.empty() && !from_)
             return Outcome::wrongUsage("slide needs --from, --to and --steps, or --path");
+        if (indexPath_ == "-")
+            return Outcome::wrongUsage(
+                "slide -: an index is read to and fro, which standard input cannot; save it to a file");
         ISO_CLI_TRY(checkExports());
         const auto begin = std::chrono::steady_clock::now();
         extract::SlideOptions options;
@@ -145,7 +148,7 @@ private:
         if (!session.isJson)
             session.output.write(headLine());
         for (std::size_t step = 0; step < stepCount(); ++step) {
-            const auto stats = engine.slideTo(isovalueOf(step), session.stop);
+            const auto stats = engine.slideTo(isovalueOf(step), {session.stop, {}});
             if (!stats.isOk())
                 return stats.error();
             if (pattern_) {

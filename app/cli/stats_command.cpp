@@ -9,6 +9,7 @@
 #include "app/cli/index_facts.h"
 #include "app/cli/level_json.h"
 #include "app/cli/lod_error.h"
+#include "app/cli/standard_input.h"
 #include "core/extract/slide_engine.h"
 #include "core/index/index_reader.h"
 
@@ -78,11 +79,13 @@ class StatsCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("stats", "Tables 1 and 2 of the paper for an index, and its levels");
-        command->add_option("INDEX", path_, "index to describe")->required()->type_name("");
+        command->add_option("INDEX", path_, "index to describe; - for standard input")->required()->type_name("");
+        standardInput_.declare(*command, path_, InputContent::Index);
         return command;
     }
 
     Outcome run(Session& session) override {
+        ISO_CLI_TRY(standardInput_.fetch(session));
         const auto reader = index::IndexReader::open(path_);
         if (!reader.isOk())
             return reader.error();
@@ -95,6 +98,7 @@ public:
 
 private:
     std::string path_;
+    StandardInput standardInput_;
 };
 
 } // namespace

@@ -13,6 +13,8 @@
 #include "app/cli/number_parsing.h"
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
+#include "app/cli/standard_input.h"
+#include "core/base/folders.h"
 #include "core/base/machine.h"
 #include "core/topology/index_topology.h"
 #include "core/topology/stored_topology.h"
@@ -69,7 +71,9 @@ public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand(
             "topology", "Isovalues at which pieces, tunnels and boundary loops change, and what surfaces measure");
-        command->add_option("FILE", path_, "volume, or index")->required()->type_name("");
+        command->add_option("FILE", path_, "volume, or index; - for a volume from standard input")
+            ->required()
+            ->type_name("");
         std::vector<CLI::Option*> questions;
         questions.push_back(addNumber(*command, "--at", at_, "counts and measures at one isovalue"));
         questions.push_back(addInteger(*command, "--events", events_, 0, kMostEvents,
@@ -97,10 +101,12 @@ public:
                 if (question != other)
                     question->excludes(other);
         addVolumeOptions(*command, volume_);
+        standardInput_.declare(*command, path_, InputContent::Volume);
         return command;
     }
 
     Outcome run(Session& session) override {
+        ISO_CLI_TRY(standardInput_.fetch(session, volume_, temporaryFolder()));
         ProgressBar bar(session.showsProgress, session.stop);
         const auto summary = find(bar.job());
         bar.wipe();
@@ -239,8 +245,10 @@ private:
         return {};
     }
 
-    // Even steps from the first event to the last.
+    // Where the surface was measured, so that nothing is interpolated; even steps where it was not.
     static Result<std::vector<double>> stepsOf(const topology::TopologySummary& summary) {
+        if (!summary.curves().isEmpty())
+            return summary.curves().isovalues;
         std::optional<double> first;
         double last = 0.0;
         ISO_TRY(summary.visitEvents([&](const topology::TopologyEvent& event) {
@@ -346,6 +354,7 @@ private:
     }
 
     std::string path_;
+    StandardInput standardInput_;
     std::optional<double> at_, area_, enclosed_;
     std::int64_t events_ = 0, pieces_ = 0, tunnels_ = 0;
     const CLI::Option *hasEvents_ = nullptr, *hasPieces_ = nullptr, *hasTunnels_ = nullptr;

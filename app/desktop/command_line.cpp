@@ -1,6 +1,8 @@
 #include "app/desktop/command_line.h"
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include <QCommandLineParser>
 #include <QRegularExpression>
@@ -21,6 +23,20 @@ std::optional<QSize> parseSize(const QString& text) {
     return isUsable ? std::optional(size) : std::nullopt;
 }
 
+std::optional<std::int64_t> wholeNumber(const QString& text) {
+    bool isNumber = false;
+    const qlonglong number = text.toLongLong(&isNumber);
+    return isNumber && number >= 0 ? std::optional<std::int64_t>(number) : std::nullopt;
+}
+
+std::optional<int> parseComponent(const QString& text) {
+    if (text == QLatin1String("magnitude"))
+        return io::kMagnitude;
+    const auto number = wholeNumber(text);
+    return number && *number <= std::numeric_limits<int>::max() ? std::optional(static_cast<int>(*number))
+                                                                : std::nullopt;
+}
+
 } // namespace
 
 ParsedCommandLine parseCommandLine(const QStringList& arguments) {
@@ -37,6 +53,14 @@ ParsedCommandLine parseCommandLine(const QStringList& arguments) {
     const QCommandLineOption sample(QStringLiteral("sample"),
                                     QStringLiteral("Open a built-in volume instead of a FILE: bluntfin or shell."),
                                     QStringLiteral("NAME"));
+    const QCommandLineOption field(QStringLiteral("field"),
+                                   QStringLiteral("Field to open, of a file that holds several."),
+                                   QStringLiteral("NAME"));
+    const QCommandLineOption frame(QStringLiteral("frame"), QStringLiteral("Frame of a series to open, from 0."),
+                                   QStringLiteral("N"));
+    const QCommandLineOption component(QStringLiteral("component"),
+                                       QStringLiteral("Component of each sample to open, from 0, or 'magnitude'."),
+                                       QStringLiteral("N"));
     const QCommandLineOption size(QStringLiteral("size"), QStringLiteral("Size of the window in pixels."),
                                   QStringLiteral("1600x1000"));
     const QCommandLineOption screenshot(
@@ -45,7 +69,7 @@ ParsedCommandLine parseCommandLine(const QStringList& arguments) {
         QStringLiteral("out.png"));
     QCommandLineOption selfTest(QStringLiteral("self-test"), QStringLiteral("Start, show a built-in volume and exit."));
     selfTest.setFlags(QCommandLineOption::HiddenFromHelp);
-    parser.addOptions({help, version, sample, isovalue, size, screenshot, selfTest});
+    parser.addOptions({help, version, sample, isovalue, field, frame, component, size, screenshot, selfTest});
     if (!parser.parse(arguments)) {
         QString message = parser.errorText();
         message.remove(QRegularExpression(QStringLiteral("\\.$")));
@@ -72,6 +96,18 @@ ParsedCommandLine parseCommandLine(const QStringList& arguments) {
         if (!isNumber || !std::isfinite(value))
             return wrongUsage(QStringLiteral("--isovalue: '%1' is not a finite number").arg(parser.value(isovalue)));
         line.isovalue = value;
+    }
+    line.readOptions.field = parser.value(field).toStdString();
+    if (parser.isSet(frame)) {
+        line.readOptions.frame = wholeNumber(parser.value(frame));
+        if (!line.readOptions.frame)
+            return wrongUsage(QStringLiteral("--frame: '%1' is not a whole number from 0").arg(parser.value(frame)));
+    }
+    if (parser.isSet(component)) {
+        line.readOptions.component = parseComponent(parser.value(component));
+        if (!line.readOptions.component)
+            return wrongUsage(QStringLiteral("--component: '%1' is neither a whole number from 0 nor 'magnitude'")
+                                  .arg(parser.value(component)));
     }
     if (parser.isSet(size)) {
         line.size = parseSize(parser.value(size));

@@ -87,6 +87,7 @@ void openFirst(widgets::MainWindow& window, model::Session& session, const Comma
     const bool asksUser = line.screenshot.isEmpty() && !line.isSelfTest;
     model::OpenRequest request;
     request.isovalue = line.isovalue;
+    request.readOptions = line.readOptions;
     if (line.isSelfTest)
         request.sampleName = "shell";
     else if (!line.sample.isEmpty())
@@ -96,7 +97,7 @@ void openFirst(widgets::MainWindow& window, model::Session& session, const Comma
     else
         return;
     if (!line.file.isEmpty() && (asksUser || model::isSessionFile(request.path)))
-        window.openFile(line.file, line.isovalue);
+        window.openFile(line.file, line.isovalue, line.readOptions);
     else
         session.open(std::move(request));
     if (!line.furtherFiles.isEmpty())

@@ -6,13 +6,16 @@
 #include "core/volume_io/volume_reader.h"
 #include "preprocess/build_index.h"
 #include "preprocess/metacells/brick_list.h"
+#include "preprocess/resume/build_checkpoints.h"
 
 namespace isoslider::desktop {
 namespace {
 
 Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const std::filesystem::path& indexPath,
-                 const JobControl& job) {
+                 bool resumes, const JobControl& job) {
     preprocess::BuildOptions options;
+    options.resumes = resumes;
+    options.replacesUnfit = true;
     options.sourceName = sourceName;
     options.kind = index::IndexKind::Metacells; // as fast, far smaller, and their cells merge while sliding
     // Of a small machine, a quarter: the window and the volume or its preview are there too.
@@ -32,7 +35,7 @@ Status PreprocessIndexBuilder::build(const std::shared_ptr<const ScalarGrid>& gr
     io::VolumeInfo info;
     info.lengthUnit = about.lengthUnit;
     info.resampling = about.resampling;
-    return buildFrom(*io::makeMemorySource(grid, std::move(info)), sourceName, indexPath, job);
+    return buildFrom(*io::makeMemorySource(grid, std::move(info)), sourceName, indexPath, false, job);
 }
 
 Status PreprocessIndexBuilder::buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
@@ -41,7 +44,11 @@ Status PreprocessIndexBuilder::buildFromFile(const std::filesystem::path& volume
     const auto source = io::openVolume(volume, options);
     if (!source.isOk())
         return source.error();
-    return buildFrom(*source.value(), sourceName, indexPath, job);
+    return buildFrom(*source.value(), sourceName, indexPath, true, job);
+}
+
+bool PreprocessIndexBuilder::hasUnfinished(const std::filesystem::path& indexPath) const {
+    return preprocess::hasCheckpoint(indexPath);
 }
 
 Result<std::unique_ptr<extract::SlideEngine>> PreprocessIndexBuilder::engineInMemory(

@@ -12,6 +12,7 @@ public:
     Status buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
                          const std::string& sourceName, const std::filesystem::path& indexPath,
                          const JobControl& job) override;
+    bool hasUnfinished(const std::filesystem::path& indexPath) const override;
     Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,
                                                                  const JobControl& job) override;
 };

@@ -6,6 +6,7 @@
 #include <QPixmap>
 
 #include "ui/model/session/session.h"
+#include "ui/model/slices/slice_model.h"
 #include "ui/render/gl_support.h"
 #include "ui/widgets/viewport/picture_file.h"
 #include "ui/widgets/viewport/viewport_host.h"
@@ -39,7 +40,7 @@ ScreenshotRunner::ScreenshotRunner(widgets::MainWindow& window, model::Session& 
 }
 
 void ScreenshotRunner::poll() {
-    if (!session_.isSettled()) {
+    if (!session_.isSettled() || !window_.slices().isSettled()) {
         isWaitingForPaint_ = false;
         return;
     }
@@ -53,7 +54,7 @@ void ScreenshotRunner::poll() {
         isWaitingForPaint_ = true;
         paintedBefore_ = viewport != nullptr ? viewport->paintedFrames() : 0;
         if (viewport != nullptr)
-            viewport->update();
+            viewport->showAgain();
         timer_.start(4 * kPollMs);
         return;
     }

@@ -3,9 +3,13 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
+#include <span>
+#include <string>
 
+#include "core/base/content_hash.h"
 #include "core/base/file_system.h"
 #include "core/base/folders.h"
 
@@ -83,6 +87,18 @@ void FileWatch::keepOnly(const std::vector<fs::path>& files) {
         kept.files_[name] = files_[name];
     }
     files_ = std::move(kept.files_);
+}
+
+std::uint64_t FileWatch::digest() const {
+    ContentHash hash;
+    for (const auto& [file, stamp] : files_) {
+        const std::string name = file.filename().string() + '\n';
+        hash.add(std::as_bytes(std::span(name)));
+        const FileStamp known = stamp.value_or(FileStamp());
+        const std::array<std::int64_t, 3> numbers{static_cast<std::int64_t>(known.size), known.modified, known.changed};
+        hash.add(std::as_bytes(std::span(numbers)));
+    }
+    return hash.value();
 }
 
 Status FileWatch::check() const {

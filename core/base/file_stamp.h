@@ -36,6 +36,8 @@ public:
     void keepOnly(const std::vector<std::filesystem::path>& files);
     /// Errors: InvalidArgument (naming a file that changed or went away).
     Status check() const;
+    /// Of names without folders, sizes and times; the same as long as check() would find nothing changed.
+    std::uint64_t digest() const;
 
 private:
     void addFile(const std::filesystem::path& file);

@@ -3,10 +3,12 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <limits>
 #include <system_error>
 
 namespace isoslider {
@@ -260,6 +262,16 @@ public:
             return systemError(errno, "cannot remove", path);
         return {};
     }
+
+    Result<DiskSpace> space(const fs::path& folder) override {
+        const fs::path path = folder.empty() ? fs::path(".") : folder;
+        struct statvfs room {};
+        struct stat facts {};
+        if (retrying([&] { return ::statvfs(path.c_str(), &room); }) != 0 || ::stat(path.c_str(), &facts) != 0)
+            return systemError(errno, "cannot find the free space", path);
+        const auto unit = static_cast<std::uint64_t>(room.f_frsize);
+        return DiskSpace{unit * room.f_bavail, unit * room.f_blocks, static_cast<std::uint64_t>(facts.st_dev)};
+    }
 };
 
 } // namespace
@@ -269,6 +281,11 @@ Status WritableFile::cut(std::uint64_t) { return makeError(ErrorCode::IoError, "
 Result<std::unique_ptr<WritableFile>> FileSystem::extend(const fs::path& path, std::span<const std::byte>,
                                                          std::uint64_t) {
     return makeError(ErrorCode::IoError, "cannot be extended here", path);
+}
+
+Result<DiskSpace> FileSystem::space(const fs::path&) {
+    constexpr std::uint64_t kNoEnd = std::numeric_limits<std::uint64_t>::max();
+    return DiskSpace{kNoEnd, kNoEnd, 0};
 }
 
 Status RandomAccessFile::readExactlyAt(std::uint64_t offset, std::span<std::byte> out) const {
@@ -281,6 +298,11 @@ Status RandomAccessFile::readExactlyAt(std::uint64_t offset, std::span<std::byte
                              std::to_string(got.value()) + " found",
                          path(), offset);
     return {};
+}
+
+Result<fs::path> FileSystem::outputTarget(const fs::path& path) {
+    ISO_TRY(checkOutputPath(path));
+    return linkTarget(path);
 }
 
 FileSystem& defaultFileSystem() {
@@ -311,9 +333,8 @@ AtomicFile::AtomicFile(const fs::path& path, fs::path target, FileSystem& fileSy
     : path_(path), target_(std::move(target)), partial_(partialPath(target_)), fileSystem_(fileSystem) {}
 
 Result<std::unique_ptr<AtomicFile>> AtomicFile::create(const fs::path& path, FileSystem& fileSystem) {
-    ISO_TRY(checkOutputPath(path));
     // Made before the file, which it then removes whatever fails.
-    auto target = linkTarget(path);
+    auto target = fileSystem.outputTarget(path);
     if (!target.isOk())
         return std::move(target).error();
     std::unique_ptr<AtomicFile> atomic(new AtomicFile(path, std::move(target).value(), fileSystem));
@@ -324,9 +345,23 @@ Result<std::unique_ptr<AtomicFile>> AtomicFile::create(const fs::path& path, Fil
     return atomic;
 }
 
+Result<std::unique_ptr<AtomicFile>> AtomicFile::resume(const fs::path& path, std::span<const std::byte> head,
+                                                       std::uint64_t keepBytes, FileSystem& fileSystem) {
+    auto target = fileSystem.outputTarget(path);
+    if (!target.isOk())
+        return std::move(target).error();
+    std::unique_ptr<AtomicFile> atomic(new AtomicFile(path, std::move(target).value(), fileSystem));
+    auto file = fileSystem.extend(atomic->partial_, head, keepBytes);
+    if (!file.isOk())
+        return std::move(file).error();
+    ISO_TRY(file.value()->cut(keepBytes));
+    atomic->file_ = std::move(file).value();
+    return atomic;
+}
+
 AtomicFile::~AtomicFile() {
     // Removed while still locked, so that it can only be ours. Nobody is left to hear of a failure.
-    if (file_ != nullptr && !isPublished_)
+    if (file_ != nullptr && !isPublished_ && !keepsUnfinished_)
         static_cast<void>(fileSystem_.removeFile(partial_));
 }
 

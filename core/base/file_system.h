@@ -50,6 +50,13 @@ public:
     virtual Status close() = 0;
 };
 
+/// What a file system has room for. Two paths with one `fileSystemId` share it.
+struct DiskSpace {
+    std::uint64_t freeBytes = 0; ///< that this user may write
+    std::uint64_t totalBytes = 0;
+    std::uint64_t fileSystemId = 0;
+};
+
 /// The one door to the disk. Tests pass one whose nth call fails.
 class FileSystem {
 public:
@@ -72,6 +79,11 @@ public:
     virtual Status renameDurably(const std::filesystem::path& from, const std::filesystem::path& to) = 0;
     /// No error when there is no such file.
     virtual Status removeFile(const std::filesystem::path& path) = 0;
+    /// Where a file written at `path` comes to lie; reports before any work whether it could be written. That of the
+    /// disk: checkOutputPath() and linkTarget(), which see.
+    virtual Result<std::filesystem::path> outputTarget(const std::filesystem::path& path);
+    /// Of the file system that `folder` lies on; one that states nothing has no end. Errors: NotFound, IoError.
+    virtual Result<DiskSpace> space(const std::filesystem::path& folder);
 };
 
 FileSystem& defaultFileSystem();
@@ -83,6 +95,11 @@ class AtomicFile {
 public:
     static Result<std::unique_ptr<AtomicFile>> create(const std::filesystem::path& path,
                                                       FileSystem& fileSystem = defaultFileSystem());
+    /// Goes on with one that was left unfinished: behind its first `keepBytes` bytes, the rest is cut off. Errors:
+    /// those of FileSystem::extend.
+    static Result<std::unique_ptr<AtomicFile>> resume(const std::filesystem::path& path,
+                                                      std::span<const std::byte> head, std::uint64_t keepBytes,
+                                                      FileSystem& fileSystem = defaultFileSystem());
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
@@ -92,6 +109,8 @@ public:
     Status writeAll(std::span<const std::byte> bytes) { return file_->writeAll(bytes); }
     Status writeAt(std::uint64_t offset, std::span<const std::byte> bytes) { return file_->writeAt(offset, bytes); }
     Status sync() { return file_->sync(); }
+    /// Leaves `name.partial` there if it is not published: it will be gone on with.
+    void keepUnfinished() { keepsUnfinished_ = true; }
 
     /// Syncs, renames to path(), syncs the folder. Call once; nothing may be written afterwards.
     /// On failure the partial is removed and an earlier file is still there.
@@ -104,6 +123,7 @@ private:
     std::unique_ptr<WritableFile> file_; ///< null until it has been created
     FileSystem& fileSystem_;
     bool isPublished_ = false;
+    bool keepsUnfinished_ = false;
 };
 
 /// `path` with ".partial" appended: the name an AtomicFile has before it is published.

@@ -82,4 +82,6 @@ Status MemoryFileSystem::removeFile(const std::filesystem::path& path) {
     return {};
 }
 
+Result<std::filesystem::path> MemoryFileSystem::outputTarget(const std::filesystem::path& path) { return path; }
+
 } // namespace isoslider

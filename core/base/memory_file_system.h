@@ -15,6 +15,8 @@ public:
     Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) override;
     Status renameDurably(const std::filesystem::path& from, const std::filesystem::path& to) override;
     Status removeFile(const std::filesystem::path& path) override;
+    /// `path`: there are neither folders nor links, and what the disk holds is of no interest.
+    Result<std::filesystem::path> outputTarget(const std::filesystem::path& path) override;
 
 private:
     using Bytes = std::shared_ptr<std::vector<std::byte>>;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/extract/live/live_surface.h"
+#include "core/extract/pieces/piece_tracker.h"
 #include "core/extract/sources/brick_source.h"
 #include "core/extract/sources/edge_block_source.h"
 #include "core/extract/sources/memory_samples.h"
@@ -78,11 +79,11 @@ public:
 
     const index::IndexInfo& info() const override { return meta().info; }
 
-    Result<SlideStats> slideTo(double isovalue, std::stop_token stop) override {
+    Result<SlideStats> slideTo(double isovalue, const JobControl& job) override {
         if (std::isnan(isovalue))
             return makeError(ErrorCode::InvalidArgument, "isovalue is not a number");
         try {
-            return moveSurface(isovalue, std::move(stop));
+            return moveSurface(isovalue, job);
         } catch (...) { // out of memory: whoever catches it may go on with an empty surface
             dropSurface();
             throw;
@@ -113,12 +114,16 @@ public:
         backing_.source.dropCaches();
     }
 
-    void copyFrame(SurfaceFrame& frame, bool marksChanges) const override {
+    void copyFrame(SurfaceFrame& frame, const FrameContents& contents) override {
         frame.geometry = meta().info.geometry;
         frame.isovalue = lastStats_.isovalue;
         frame.stats = lastStats_;
         frame.isFromIndex = Backing::kIsIndex;
-        auto picture = surface_.picture(marksChanges && !lastStats_.hasRebuilt);
+        auto picture = surface_.picture(contents.changes && !lastStats_.hasRebuilt);
+        if (contents.pieces)
+            frame.pieces = piecesOf(*picture, contents.piecesBefore);
+        else
+            forgetPieces(frame);
         if constexpr (std::is_same_v<Live, float>) {
             frame.bricks = std::move(picture);
             frame.positions.clear();
@@ -138,11 +143,24 @@ public:
     }
 
 private:
-    Result<SlideStats> moveSurface(double isovalue, std::stop_token stop) {
+    // The surface is worth more than its pieces, where there is no memory for both.
+    std::shared_ptr<const SurfacePieces> piecesOf(const BrickPicture<Live>& picture,
+                                                  const std::shared_ptr<const SurfacePieces>& before) try {
+        pieces_.follow(before);
+        return pieces_.update(picture, !meta().missingCells.empty());
+    } catch (const std::bad_alloc&) {
+        return nullptr;
+    }
+    void forgetPieces(SurfaceFrame& frame) {
+        frame.pieces.reset();
+        pieces_.forget();
+    }
+
+    Result<SlideStats> moveSurface(double isovalue, const JobControl& job) {
         SlideStats stats;
         stats.isovalue = isovalue;
         const auto start = std::chrono::steady_clock::now();
-        const Status moved = move(isovalue, stats, stop);
+        const Status moved = move(isovalue, stats, job);
         if (!moved.isOk()) {
             dropSurface();
             Error error = moved.error();
@@ -167,7 +185,7 @@ private:
 
     // From where to start: here, or from the empty surface below or above all values, whichever has
     // fewer edge entries on the way. An emptied surface costs nothing to remove.
-    Status move(double isovalue, SlideStats& stats, std::stop_token stop) {
+    Status move(double isovalue, SlideStats& stats, const JobControl& job) {
         const KeyThreshold target = backing_.source.threshold(isovalue);
         std::uint64_t best = backing_.source.estimate(position_, target);
         KeyThreshold start = position_;
@@ -186,7 +204,7 @@ private:
             surface_.clear();
         }
         surface_.beginMove();
-        ISO_TRY(backing_.source.move({start, target, isovalue}, surface_, stats, stop));
+        ISO_TRY(backing_.source.move({start, target, isovalue}, surface_, stats, job));
         surface_.compact();
         position_ = target;
         return {};
@@ -202,6 +220,7 @@ private:
     bool readsAhead_;
     Backing backing_;
     LiveSurface<Live> surface_;
+    PieceTracker<Live> pieces_;
     KeyThreshold position_;
     SlideStats lastStats_;
     MergeBound wantedBound_, mergeBound_; ///< for the next move, and of the surface

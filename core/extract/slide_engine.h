@@ -24,6 +24,14 @@ struct SlideOptions {
     bool readsAhead = true; ///< between moves, what the next one in the same direction would need is read
 };
 
+/// What a frame is to hold beside the surface.
+struct FrameContents {
+    bool changes = false; ///< the triangles that the last move has changed, unless all are new
+    bool pieces = false; ///< which triangles are connected; none in a frame for which there was no memory
+    /// Of a frame of the same grid, from another engine: their numbers are kept.
+    std::shared_ptr<const SurfacePieces> piecesBefore;
+};
+
 /// Within which the cells of an index were merged when it was built.
 MergeError builtError(const index::IndexInfo& info);
 
@@ -45,8 +53,9 @@ public:
     virtual const index::IndexInfo& info() const = 0;
 
     /// Moves the surface to `isovalue`. O(log N + K), K the edges that change, plus interpolation of
-    /// the active edges. Errors: Cancelled, IoError, Corruption, InvalidArgument (NaN).
-    virtual Result<SlideStats> slideTo(double isovalue, std::stop_token stop = {}) = 0;
+    /// the active edges. Errors: Cancelled, IoError, Corruption, InvalidArgument (NaN); the surface is empty after all
+    /// but the last, and the next move begins from there.
+    virtual Result<SlideStats> slideTo(double isovalue, const JobControl& job = {}) = 0;
 
     /// Whether the error within which cells are merged can be chosen: not of an index of edges, which has them merged
     /// as it was built, if at all.
@@ -63,9 +72,9 @@ public:
     /// Forgets what is kept of the index. The surface stays; the next move reads again what it needs.
     virtual void dropCaches() = 0;
 
-    /// The surface as the window needs it: its bricks, or arrays where scalars are kept as double; `marksChanges`: with
-    /// the triangles that the last move has changed, unless all are new.
-    virtual void copyFrame(SurfaceFrame& frame, bool marksChanges = false) const = 0;
+    /// The surface as the window needs it: its bricks, or arrays where scalars are kept as double. Pieces keep their
+    /// numbers from frame to frame as long as every one of them asks for pieces.
+    virtual void copyFrame(SurfaceFrame& frame, const FrameContents& contents = {}) = 0;
     /// The surface welded and compacted, in grid order: comparable with extractFull, extractMerged.
     /// Errors: Cancelled, OutOfSpace (more than 2^32 vertices). O(n log n).
     virtual Result<SurfaceMesh> mesh(const JobControl& job = {}) const = 0;

@@ -45,6 +45,7 @@ struct SlideStats {
 
 template <class Live>
 class BrickPicture;
+class SurfacePieces;
 
 /// An immutable picture of the surface, handed from the worker to the window: either bricks of the live surface, or
 /// whole arrays where there are no bricks, or none that a graphics card could draw (expandPicture() makes them).
@@ -56,6 +57,10 @@ struct SurfaceFrame {
     std::vector<glm::vec3> normals; ///< unit, along the grid's axes, towards lower scalars
     std::vector<std::uint32_t> indices;
     std::vector<std::uint32_t> changedIndices; ///< triangles retriangulated by the last move
+    bool findsPieces = false; ///< wanted by whoever looks: `pieces`
+    /// Of the bricks; where there are arrays, those bricks came one after the other. Null where nobody wants it, and
+    /// for what is not made of bricks, or where there was no memory for them.
+    std::shared_ptr<const SurfacePieces> pieces;
     bool marksChanges = true; ///< wanted by whoever looks: `changedIndices`, or those of the bricks
     MergeBound mergeBound; ///< wanted by whoever looks; afterwards the one that the surface has
     bool canMerge = false; ///< whether it could have one

@@ -113,6 +113,23 @@ Result<std::optional<Appendix>> readAppendix(const std::filesystem::path& path, 
     return std::optional<Appendix>(std::move(appendix));
 }
 
+Result<AppendixState> appendixState(const std::filesystem::path& path, FileSystem& fileSystem) {
+    const auto appendix = readAppendix(path, fileSystem);
+    if (!appendix.isOk())
+        return appendix.error();
+    if (appendix.value())
+        return AppendixState::Whole;
+    const auto index = openIndex(path, fileSystem);
+    if (!index.isOk())
+        return index.error();
+    if (index.value().file->sizeBytes() == index.value().bytes)
+        return AppendixState::None;
+    std::vector<std::byte> first(kHeaderBytes);
+    ISO_TRY(index.value().file->readExactlyAt(index.value().bytes, first));
+    const bool isUnfinished = std::all_of(first.begin(), first.end(), [](std::byte b) { return b == std::byte{0}; });
+    return isUnfinished ? AppendixState::Unfinished : AppendixState::Damaged;
+}
+
 Status writeAppendix(const IndexReader& reader, std::span<const std::byte> body, std::span<const std::byte> directory,
                      bool replaces, FileSystem& fileSystem) {
     const std::filesystem::path path = reader.pathString();

@@ -28,6 +28,16 @@ Status checkBehindIndex(const RandomAccessFile& file, std::uint64_t indexBytes);
 Result<std::optional<Appendix>> readAppendix(const std::filesystem::path& index,
                                              FileSystem& fileSystem = defaultFileSystem());
 
+/// What is behind an index in its file.
+enum class AppendixState {
+    None,
+    Unfinished, ///< adding it did not go to its end: as if there were none
+    Whole,
+    Damaged, ///< a header or a directory that is not right, or is of another index: none is read
+};
+/// Errors: those of readAppendix.
+Result<AppendixState> appendixState(const std::filesystem::path& index, FileSystem& fileSystem = defaultFileSystem());
+
 /// Adds one to the index that `reader` has open, and to no other: by then another may have its name. It counts once all
 /// is on the disk; a whole one that is there already stays, unless `replaces`. On failure the file is as it was before
 /// anything was added. Errors: OutOfSpace, IoError, InvalidArgument (another program writes the index, or has replaced

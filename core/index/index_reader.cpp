@@ -31,6 +31,7 @@ Result<std::unique_ptr<IndexReader>> IndexReader::open(const std::filesystem::pa
         return std::move(meta).error();
     reader->meta_ = std::move(meta).value();
     reader->seed_ = preamble.value().seed;
+    reader->metaOffset_ = preamble.value().metaOffset;
     reader->preambleBytes_ = std::move(first);
     reader->grid_ = BrickGrid(reader->meta_.info.geometry.dims);
     return reader;

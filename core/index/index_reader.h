@@ -21,6 +21,8 @@ public:
     const BrickGrid& grid() const { return grid_; }
     /// What no two indexes share.
     std::span<const std::byte> preambleBytes() const { return preambleBytes_; }
+    /// Where the parts end: the first byte of meta.
+    std::uint64_t metaOffset() const { return metaOffset_; }
     std::string pathString() const { return file_->path().string(); }
 
     /// One page's bytes into `bytes`, its checksum verified. Errors: IoError, Corruption.
@@ -38,6 +40,7 @@ private:
     std::unique_ptr<RandomAccessFile> file_;
     std::vector<std::byte> preambleBytes_;
     std::uint64_t seed_ = 0;
+    std::uint64_t metaOffset_ = 0;
     IndexMeta meta_;
     BrickGrid grid_;
 };

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/base/file_system.h"
+#include "core/base/state_archive.h"
 #include "core/index/format/index_format.h"
 
 namespace isoslider::index {
@@ -15,6 +16,16 @@ public:
     /// `seed` is any number that depends on the volume and the parameters only.
     static Result<std::unique_ptr<IndexWriter>> create(const std::filesystem::path& path, std::uint64_t seed,
                                                        FileSystem& fileSystem = defaultFileSystem());
+
+    /// Syncs all that was added, and saves what is needed to go on from here.
+    Status suspend(StateArchive& archive);
+    /// Goes on with a file that was left unfinished, and leaves it unfinished again if finish() does not come; what was
+    /// added since suspend() is cut off. Errors: those of
+    /// AtomicFile::resume, Corruption.
+    static Result<std::unique_ptr<IndexWriter>> resume(const std::filesystem::path& path, StateArchive& archive,
+                                                       FileSystem& fileSystem = defaultFileSystem());
+    /// Leaves the partial file if finish() does not come: it will be gone on with.
+    void keepUnfinished() { file_->keepUnfinished(); }
 
     /// Appends one encoded page to a level; its place and checksum are filled in here.
     Status addPage(SkipLevel level, PageEntry entry, std::span<const std::byte> bytes);
@@ -37,6 +48,7 @@ public:
 
 private:
     IndexWriter(std::unique_ptr<AtomicFile> file, std::uint64_t seed) : file_(std::move(file)), seed_(seed) {}
+    void state(StateArchive& archive);
     Status endGroup();
     Status append(std::span<const std::byte> bytes);
     Status flush();
@@ -50,6 +62,7 @@ private:
     std::vector<std::byte> groupTable_; ///< of the group that is being filled
     std::uint64_t groupOffset_ = 0;
     std::uint64_t sampleBytes_ = 0;
+    std::uint64_t resumedBytes_ = 0; ///< of the file, when its state was saved
 };
 
 } // namespace isoslider::index

@@ -44,6 +44,9 @@ void SkipList::cover(SkipLevel level, std::uint64_t begin, std::uint64_t end, st
     cover(below(level), coveredEnd, end, out);
 }
 
+// Beyond what any volume has, and a number of 64 bits.
+constexpr double kMostEstimated = 1e18;
+
 std::uint64_t SkipList::estimateEdges(KeyThreshold lower, KeyThreshold upper) const {
     double edges = 0.0;
     for (const WalkSegment& segment : plan(lower, upper))
@@ -54,9 +57,9 @@ std::uint64_t SkipList::estimateEdges(KeyThreshold lower, KeyThreshold upper) co
             const double share = p.firstKey == p.lastKey ? 1.0
                                                          : (static_cast<double>(to - from) + 1.0) /
                                                                (static_cast<double>(p.lastKey - p.firstKey) + 1.0);
-            edges += share * p.edges;
+            edges += std::min(share, 1.0) * p.edges; // pages of a forged directory need not overlap their segment
         }
-    return static_cast<std::uint64_t>(edges);
+    return static_cast<std::uint64_t>(std::min(edges, kMostEstimated));
 }
 
 } // namespace isoslider::index

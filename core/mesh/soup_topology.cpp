@@ -1,37 +1,18 @@
 #include "core/mesh/soup_topology.h"
 
 #include <algorithm>
-#include <numeric>
 #include <unordered_map>
 #include <vector>
 
 #include <tbb/parallel_sort.h>
 
+#include "core/base/disjoint_sets.h"
 #include "core/mesh/loop_control.h"
 
 namespace isoslider::mesh {
 namespace {
 
-class DisjointSets {
-public:
-    explicit DisjointSets(std::size_t count) : parent_(count) {
-        std::iota(parent_.begin(), parent_.end(), std::uint64_t{0});
-    }
-    std::uint64_t find(std::uint64_t i) {
-        while (parent_[i] != i)
-            i = parent_[i] = parent_[parent_[i]]; // path halving
-        return i;
-    }
-    void join(std::uint64_t a, std::uint64_t b) {
-        a = find(a);
-        b = find(b);
-        // The smaller index stays the root: the same answer whatever the order of joins.
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<std::uint64_t> parent_;
-};
+using Sets = DisjointSets<std::uint64_t>;
 
 // Corner 3 * t + c is vertex c of triangle t, and also names the edge from it to the next vertex.
 using Corner = std::uint64_t;
@@ -139,8 +120,8 @@ private:
         std::size_t forward = 0;
         for (const EdgeUse& use : uses) {
             forward += runsForward(use.corner);
-            fans_.join(smallerEnd(uses[0].corner), smallerEnd(use.corner));
-            fans_.join(largerEnd(uses[0].corner), largerEnd(use.corner));
+            fans_.unite(smallerEnd(uses[0].corner), smallerEnd(use.corner));
+            fans_.unite(largerEnd(uses[0].corner), largerEnd(use.corner));
         }
         topology_.disagreeingEdges += forward > 1 || uses.size() - forward > 1;
     }
@@ -148,7 +129,7 @@ private:
     void countFans() {
         std::vector<std::uint8_t> fansOfVertex(vertexCount_, 0);
         for (std::size_t i = 0; i < uses_.size() && goesOn(i); ++i) // every corner of a sound triangle starts one
-            if (const Corner corner = uses_[i].corner; fans_.find(corner) == corner) {
+            if (const Corner corner = uses_[i].corner; fans_.rootOf(corner) == corner) {
                 std::uint8_t& fans = fansOfVertex[vertexOf(corner)];
                 fans = static_cast<std::uint8_t>(std::min(fans + 1, 2));
             }
@@ -159,13 +140,13 @@ private:
     }
 
     void countComponents() {
-        DisjointSets vertices(vertexCount_);
+        Sets vertices(vertexCount_);
         topology_.components = topology_.usedVertices;
         for (std::size_t i = 0; i < uses_.size() && goesOn(i); ++i) {
             const EdgeUse& use = uses_[i];
-            const std::uint64_t a = vertices.find(use.key >> 32), b = vertices.find(use.key & 0xffffffffu);
+            const std::uint64_t a = vertices.rootOf(use.key >> 32), b = vertices.rootOf(use.key & 0xffffffffu);
             topology_.components -= a != b;
-            vertices.join(a, b);
+            vertices.unite(a, b);
         }
     }
 
@@ -175,8 +156,8 @@ private:
         std::vector<std::uint64_t> fans;
         fans.reserve(2 * boundary_.size());
         for (const Corner corner : boundary_) {
-            fans.push_back(fans_.find(corner));
-            fans.push_back(fans_.find(next(corner)));
+            fans.push_back(fans_.rootOf(corner));
+            fans.push_back(fans_.rootOf(next(corner)));
         }
         std::vector<std::uint64_t> known = fans;
         runStoppable(job_, [&] { tbb::parallel_sort(known.begin(), known.end()); });
@@ -186,23 +167,23 @@ private:
         const auto rank = [&](std::uint64_t fan) {
             return static_cast<std::uint64_t>(std::lower_bound(known.begin(), known.end(), fan) - known.begin());
         };
-        DisjointSets loops(known.size());
+        Sets loops(known.size());
         topology_.boundaryLoops = known.size();
         for (std::size_t i = 0; i < fans.size() && goesOn(i); i += 2) {
-            const std::uint64_t a = loops.find(rank(fans[i])), b = loops.find(rank(fans[i + 1]));
+            const std::uint64_t a = loops.rootOf(rank(fans[i])), b = loops.rootOf(rank(fans[i + 1]));
             topology_.boundaryLoops -= a != b;
-            loops.join(a, b);
+            loops.unite(a, b);
         }
         nameLoops(loops, [&](std::size_t edge) { return rank(fans[2 * edge]); });
     }
 
     template <class FanRank>
-    void nameLoops(DisjointSets& loops, const FanRank& fanRankOf) {
+    void nameLoops(Sets& loops, const FanRank& fanRankOf) {
         std::unordered_map<std::uint64_t, std::uint32_t> nameOfRoot;
         topology_.boundary.reserve(boundary_.size());
         for (std::size_t i = 0; i < boundary_.size() && goesOn(i); ++i) {
             const auto next = static_cast<std::uint32_t>(nameOfRoot.size());
-            const std::uint32_t loop = nameOfRoot.try_emplace(loops.find(fanRankOf(i)), next).first->second;
+            const std::uint32_t loop = nameOfRoot.try_emplace(loops.rootOf(fanRankOf(i)), next).first->second;
             topology_.boundary.push_back({vertexOf(boundary_[i]), vertexOf(Analysis::next(boundary_[i])), loop});
         }
     }
@@ -210,7 +191,7 @@ private:
     std::span<const Triangle> triangles_;
     std::size_t vertexCount_;
     const JobControl& job_;
-    DisjointSets fans_;
+    Sets fans_;
     std::vector<EdgeUse> uses_;
     std::vector<Corner> boundary_;
     SoupTopology topology_;

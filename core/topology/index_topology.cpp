@@ -80,15 +80,14 @@ PlaneSource planesOf(const index::IndexReader& reader) {
     return source;
 }
 
-MeasurePlan planMeasures(const index::IndexInfo& info) {
-    return planMeasures(info.histogram, info.activeEdgesPerBin); // a cell for each edge, about
-}
-
 Result<TopologyCurve> analyseIndex(const index::IndexReader& reader, AnalysisOptions options, const JobControl& job) {
     if (reader.info().kind != index::IndexKind::Metacells)
         return makeError(ErrorCode::InvalidArgument, "an index of edges holds no samples; give the volume",
                          reader.pathString());
-    options.measures = planMeasures(reader.info());
+    auto plan = planMeasures(planesOf(reader), reader.info().min, reader.info().max, job);
+    if (!plan.isOk())
+        return std::move(plan).error();
+    options.measures = std::move(plan).value();
     return analyseTopology(planesOf(reader), options, job);
 }
 

@@ -11,8 +11,6 @@ namespace isoslider::topology {
 
 /// Planes of samples of an index of metacells, sixteen of them decoded at a time. `reader` must outlive it.
 PlaneSource planesOf(const index::IndexReader& reader);
-/// At which isovalues to measure, by what the index knows of its volume.
-MeasurePlan planMeasures(const index::IndexInfo& info);
 
 /// The topology of the volume of an index of metacells, analysed from its samples. `options.measures` are made.
 /// Errors: those of analysing and of reading the index; InvalidArgument (an index of edges).

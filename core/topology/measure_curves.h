@@ -9,7 +9,8 @@ struct SurfaceMeasures {
     double area = 0.0;
     double volume = 0.0; ///< of what is above the isovalue
     double triangles = 0.0;
-    double gradient = 0.0; ///< mean gradient magnitude on the surface: scalars per length
+    /// Mean gradient magnitude on the surface, without cells at extreme outliers or fill values: scalars per length.
+    double gradient = 0.0;
 };
 
 /// The same at isovalues that ascend through the value range; between them linear.

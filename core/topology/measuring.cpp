@@ -1,112 +1,165 @@
 #include "core/topology/measuring.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <span>
 
 #include "core/grid/classification.h"
+#include "core/grid/value_distribution.h"
+#include "core/topology/topology_analysis.h"
 
 namespace isoslider::topology {
 namespace {
 
-// Isovalues of each kind; cells of one surface that are looked at. The area of such a sample is off by some tenths of a
-// percent.
+// Isovalues of each kind; cells of one surface that are looked at. The area of such a sample is off by a few tenths of
+// a percent.
 constexpr std::size_t kIsovalues = 128;
-constexpr double kMostCells = 80'000.0;
+constexpr std::size_t kIsovaluesBeyond = 24; // from the usual values to either end
+constexpr double kMostCells = 130'000.0;
+// What the plan itself looks at.
+constexpr std::int64_t kSlabs = 16;
+constexpr double kLooked = 200'000.0;
 
 // Ranges near the ends of what doubles hold leave nothing to reckon with.
-bool isMeasurable(const Histogram& histogram) {
-    const double range = histogram.max - histogram.min;
-    return range > 1e-290 && range < 1e290 && std::max(std::abs(histogram.min), std::abs(histogram.max)) < 1e290;
+bool isMeasurable(double least, double greatest) {
+    const double range = greatest - least;
+    return range > 1e-290 && range < 1e290 && std::max(std::abs(least), std::abs(greatest)) < 1e290;
+}
+
+/// Some cells of a volume.
+struct LookedCells {
+    std::vector<double> samples; ///< one of each
+    std::vector<double> least, greatest; ///< of each, in no common order
+    double weight = 1.0; ///< cells of the volume for each of them
+
+    /// Of the volume, about.
+    double active(double isovalue) const {
+        const auto below = [isovalue](const std::vector<double>& values) {
+            return std::lower_bound(values.begin(), values.end(), isovalue) - values.begin();
+        };
+        return weight * static_cast<double>(below(least) - below(greatest));
+    }
+};
+
+template <class Sample>
+void look(std::span<const Sample> planes, const GridDims& dims, std::int64_t step, LookedCells& found) {
+    const std::int64_t plane = dims[0] * dims[1];
+    for (std::int64_t y = 0; y + 1 < dims[1]; y += step)
+        for (std::int64_t x = 0; x + 1 < dims[0]; x += step) {
+            const std::int64_t first = x + dims[0] * y;
+            Sample low = planes[static_cast<std::size_t>(first)], high = low;
+            bool isWhole = true;
+            for (std::int64_t c = 0; c < 8; ++c) {
+                const Sample sample =
+                    planes[static_cast<std::size_t>(first + (c & 1) + dims[0] * (c >> 1 & 1) + plane * (c >> 2))];
+                isWhole = isWhole && !isMissing(sample);
+                low = std::min(low, sample);
+                high = std::max(high, sample);
+            }
+            if (!isWhole)
+                continue;
+            found.samples.push_back(static_cast<double>(planes[static_cast<std::size_t>(first)]));
+            found.least.push_back(static_cast<double>(low));
+            found.greatest.push_back(static_cast<double>(high));
+        }
+}
+
+Result<LookedCells> lookAt(const PlaneSource& source, const JobControl& job) {
+    const GridDims& dims = source.geometry.dims;
+    LookedCells found;
+    const std::int64_t slabs = std::min(kSlabs, dims[2] - 1);
+    const double cells =
+        static_cast<double>(slabs) * static_cast<double>(dims[0] - 1) * static_cast<double>(dims[1] - 1);
+    const auto step = std::max<std::int64_t>(1, std::llround(std::sqrt(cells / kLooked)));
+    std::vector<std::byte> bytes(2 * static_cast<std::size_t>(dims[0] * dims[1]) * scalarTypeSizeBytes(source.type));
+    for (std::int64_t slab = 0; slab < slabs; ++slab) {
+        if (job.isStopRequested())
+            return cancelledError();
+        const std::int64_t z = (2 * slab + 1) * (dims[2] - 1) / (2 * slabs);
+        ISO_TRY(source.read(z, z + 2, bytes));
+        visitScalarType(source.type, [&](auto sample) {
+            using Sample = decltype(sample);
+            look(std::span(reinterpret_cast<const Sample*>(bytes.data()), bytes.size() / sizeof(Sample)), dims, step,
+                 found);
+        });
+    }
+    for (auto* values : {&found.samples, &found.least, &found.greatest})
+        std::sort(values->begin(), values->end());
+    const double all =
+        static_cast<double>(dims[0] - 1) * static_cast<double>(dims[1] - 1) * static_cast<double>(dims[2] - 1);
+    const double looked = cells / static_cast<double>(step * step);
+    found.weight = std::max(1.0, all / std::max(1.0, looked));
+    return found;
+}
+
+/// Without what is rare and far away; the whole where little is left out.
+std::pair<double, double> usualValues(const std::vector<double>& samples, double least, double greatest) {
+    constexpr double kLittle = 0.05;
+    std::vector<ValueCell> cells;
+    for (const double sample : samples) {
+        if (cells.empty() || cells.back().lower != sample)
+            cells.push_back({sample, sample, 0});
+        ++cells.back().count;
+    }
+    auto usual = rangeWithoutOutliers(cells);
+    const double little = kLittle * (usual.second - usual.first);
+    if (!(usual.first - least > little))
+        usual.first = least;
+    if (!(greatest - usual.second > little))
+        usual.second = greatest;
+    return usual;
 }
 
 } // namespace
 
-MeasurePlan planMeasures(const Histogram& histogram, std::span<const std::uint64_t> activeCells) {
+Result<MeasurePlan> planMeasures(const PlaneSource& source, double least, double greatest, const JobControl& job) {
     MeasurePlan plan;
-    const std::size_t bins = histogram.counts.size();
-    if (bins == 0 || !isMeasurable(histogram))
+    const GridDims& dims = source.geometry.dims;
+    if (std::min({dims[0], dims[1], dims[2]}) < 2 || !(least < greatest))
         return plan;
-    const auto endOfBin = [&](double bin) {
-        const double part = bin / static_cast<double>(bins);
-        return histogram.min * (1.0 - part) + histogram.max * part;
+    const auto looked = lookAt(source, job);
+    if (!looked.isOk())
+        return looked.error();
+    const std::vector<double>& samples = looked.value().samples;
+    plan.usual = samples.empty() ? std::pair(least, greatest) : usualValues(samples, least, greatest);
+    const auto [low, high] = plan.usual;
+    if (!isMeasurable(low, high))
+        return MeasurePlan();
+    const auto addEvenly = [&](double from, double to, std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i) {
+            const double part = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+            plan.isovalues.push_back(from * (1.0 - part) + to * part);
+        }
     };
-    double all = 0.0;
-    for (const std::uint64_t count : histogram.counts)
-        all += static_cast<double>(count);
-    double before = 0.0;
-    std::size_t bin = 0;
-    for (std::size_t i = 0; i < kIsovalues; ++i) {
-        const double part = (static_cast<double>(i) + 0.5) / static_cast<double>(kIsovalues);
-        plan.isovalues.push_back(histogram.min * (1.0 - part) + histogram.max * part);
-        while (bin + 1 < bins && before + static_cast<double>(histogram.counts[bin]) < part * all)
-            before += static_cast<double>(histogram.counts[bin++]);
-        const double count = std::max(1.0, static_cast<double>(histogram.counts[bin]));
-        plan.isovalues.push_back(
-            endOfBin(static_cast<double>(bin) + std::clamp((part * all - before) / count, 0.0, 1.0)));
-    }
+    addEvenly(low, high, kIsovalues);
+    if (least < low && isMeasurable(least, high))
+        addEvenly(least, low, kIsovaluesBeyond);
+    if (high < greatest && isMeasurable(low, greatest))
+        addEvenly(high, greatest, kIsovaluesBeyond);
+    for (std::size_t i = 0; i < kIsovalues && !samples.empty(); ++i)
+        plan.isovalues.push_back(samples[(2 * i + 1) * samples.size() / (2 * kIsovalues)]);
     std::sort(plan.isovalues.begin(), plan.isovalues.end());
     plan.isovalues.erase(std::unique(plan.isovalues.begin(), plan.isovalues.end()), plan.isovalues.end());
-    std::erase_if(plan.isovalues, [&](double v) { return !(v > histogram.min && v < histogram.max); });
-    for (const double isovalue : plan.isovalues) {
-        double cells = 0.0;
-        if (!activeCells.empty()) {
-            const double at = (isovalue / 2 - histogram.min / 2) / (histogram.max / 2 - histogram.min / 2) *
-                              static_cast<double>(activeCells.size());
-            const auto lower = std::min(activeCells.size() - 1, static_cast<std::size_t>(std::max(0.0, at)));
-            const std::size_t upper = std::min(activeCells.size() - 1, lower + 1);
-            cells = static_cast<double>(std::max(activeCells[lower], activeCells[upper]));
-        }
-        plan.shares.push_back(cells > kMostCells ? kMostCells / cells : 1.0);
-    }
+    std::erase_if(plan.isovalues, [&](double v) { return !(v > least && v < greatest); });
+    for (const double isovalue : plan.isovalues)
+        plan.shares.push_back(std::min(1.0, kMostCells / std::max(1.0, looked.value().active(isovalue))));
     return plan;
 }
 
 MeasurePlan planMeasures(const ScalarGrid& grid) {
-    return grid.visit([&](auto samples) {
-        const GridDims& dims = grid.dims();
-        Histogram histogram;
-        histogram.min = std::numeric_limits<double>::infinity();
-        histogram.max = -histogram.min;
+    double least = std::numeric_limits<double>::infinity(), greatest = -least;
+    grid.visit([&](auto samples) {
         for (const auto sample : samples)
             if (!isMissing(sample)) {
-                histogram.min = std::min(histogram.min, static_cast<double>(sample));
-                histogram.max = std::max(histogram.max, static_cast<double>(sample));
+                least = std::min(least, static_cast<double>(sample));
+                greatest = std::max(greatest, static_cast<double>(sample));
             }
-        constexpr std::size_t kBins = 512;
-        constexpr double kLooked = 200'000.0;
-        histogram.counts.assign(kBins, 0);
-        std::vector<std::uint64_t> active(kBins, 0);
-        if (std::min({dims[0], dims[1], dims[2]}) < 2 || !isMeasurable(histogram))
-            return MeasurePlan();
-        const auto step =
-            std::max<std::int64_t>(1, std::llround(std::cbrt(static_cast<double>(samples.size()) / kLooked)));
-        const auto weight = static_cast<std::uint64_t>(step * step * step);
-        const auto binOf = [&](double value) {
-            const double part = (value / 2 - histogram.min / 2) / (histogram.max / 2 - histogram.min / 2);
-            return std::min(kBins - 1, static_cast<std::size_t>(part * static_cast<double>(kBins)));
-        };
-        for (std::int64_t z = 0; z + 1 < dims[2]; z += step)
-            for (std::int64_t y = 0; y + 1 < dims[1]; y += step)
-                for (std::int64_t x = 0; x + 1 < dims[0]; x += step) {
-                    double low = std::numeric_limits<double>::infinity(), high = -low;
-                    bool isWhole = true;
-                    for (std::int64_t c = 0; c < 8; ++c) {
-                        const auto sample = samples[static_cast<std::size_t>(
-                            x + (c & 1) + dims[0] * (y + (c >> 1 & 1) + dims[1] * (z + (c >> 2))))];
-                        isWhole = isWhole && !isMissing(sample);
-                        low = std::min(low, static_cast<double>(sample));
-                        high = std::max(high, static_cast<double>(sample));
-                    }
-                    if (!isWhole)
-                        continue;
-                    ++histogram.counts[binOf(low)];
-                    for (std::size_t bin = binOf(low) + 1; bin <= binOf(high); ++bin)
-                        active[bin] += weight;
-                }
-        return planMeasures(histogram, active);
     });
+    auto plan = planMeasures(planesOf(grid), least, greatest);
+    return plan.isOk() ? std::move(plan).value() : MeasurePlan(); // memory is read without errors
 }
 
 } // namespace isoslider::topology

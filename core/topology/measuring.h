@@ -1,25 +1,31 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <span>
+#include <limits>
+#include <utility>
 #include <vector>
 
-#include "core/grid/histogram.h"
+#include "core/base/job_control.h"
 #include "core/grid/scalar_grid.h"
 #include "core/topology/measure_curves.h"
 
 namespace isoslider::topology {
 
+struct PlaneSource;
+
 /// At which isovalues a volume's surfaces are measured, and what share of their cells is looked at.
 struct MeasurePlan {
     std::vector<double> isovalues; ///< ascending; none: nothing is measured
     std::vector<double> shares; ///< one for each isovalue, above 0 to 1
+    /// The values without extreme outliers and fill values: cells with others do not count in the mean gradient.
+    std::pair<double, double> usual{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 };
-/// Isovalues evenly through the range, and as many with equally many samples between them. `activeCells`: of the lower
-/// end of each bin, about; of large surfaces some ten thousand cells are looked at.
-MeasurePlan planMeasures(const Histogram& histogram, std::span<const std::uint64_t> activeCells);
-/// By some of its samples.
+
+/// Isovalues evenly through the usual values, and as many with equally many samples between them; beyond, where a few
+/// samples may lie orders of magnitude away, some to either end. Of large surfaces some ten thousand cells are looked
+/// at. By some of the samples: reads a few planes. `least` and `greatest` are those of all finite samples.
+/// Errors: those of `source`, Cancelled.
+Result<MeasurePlan> planMeasures(const PlaneSource& source, double least, double greatest, const JobControl& job = {});
+/// Of a volume in memory; looks at each sample once.
 MeasurePlan planMeasures(const ScalarGrid& grid);
 
 } // namespace isoslider::topology

@@ -210,8 +210,23 @@ public:
     }
 
     Status visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const override {
-        for (const Page& page : pages_) {
-            const auto events = read(page);
+        return visitPagesFrom(pages_.begin(), visit);
+    }
+
+    Status visitEventsFrom(double isovalue, const std::function<bool(const TopologyEvent&)>& visit) const override {
+        auto page = std::partition_point(pages_.begin(), pages_.end(),
+                                         [&](const Page& one) { return one.firstIsovalue <= isovalue; });
+        if (page != pages_.begin())
+            --page; // which begins at or below it
+        return visitPagesFrom(page,
+                              [&](const TopologyEvent& event) { return event.isovalue < isovalue || visit(event); });
+    }
+
+private:
+    Status visitPagesFrom(std::vector<Page>::const_iterator page,
+                          const std::function<bool(const TopologyEvent&)>& visit) const {
+        for (; page != pages_.end(); ++page) {
+            const auto events = read(*page);
             if (!events.isOk())
                 return events.error();
             for (const TopologyEvent& event : events.value())
@@ -221,7 +236,6 @@ public:
         return {};
     }
 
-private:
     Result<std::vector<TopologyEvent>> read(const Page& page) const {
         std::vector<std::byte> bytes(page.bytes);
         ISO_TRY(file_->readExactlyAt(bodyOffset_ + page.offset, bytes));

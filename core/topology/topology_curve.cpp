@@ -19,4 +19,12 @@ Status TopologyCurve::visitEvents(const std::function<bool(const TopologyEvent&)
     return {};
 }
 
+Status TopologyCurve::visitEventsFrom(double isovalue, const std::function<bool(const TopologyEvent&)>& visit) const {
+    auto event = std::lower_bound(events_.begin(), events_.end(), isovalue,
+                                  [](const TopologyEvent& one, double at) { return one.isovalue < at; });
+    while (event != events_.end() && visit(*event))
+        ++event;
+    return {};
+}
+
 } // namespace isoslider::topology

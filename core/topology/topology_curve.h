@@ -24,6 +24,7 @@ public:
     Result<SurfaceCounts> at(double isovalue) const override { return countsAt(isovalue); }
     bool areCountsExact() const override { return areCountsExact_; }
     Status visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const override;
+    Status visitEventsFrom(double isovalue, const std::function<bool(const TopologyEvent&)>& visit) const override;
     const MeasureCurves& curves() const override { return curves_; }
 
 private:

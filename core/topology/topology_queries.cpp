@@ -11,6 +11,9 @@ namespace {
 
 // Events that last a twentieth of the range are no noise.
 constexpr double kPersistent = 0.05;
+// A surface of a few cells may be as steep as you like: one that is worth a look has this share of the area of a side
+// of the box, or of the largest surface, if that is less. (In noise the largest surface is much larger than either.)
+constexpr double kWorthALook = 0.05;
 
 double nextAbove(double value) { return std::nextafter(value, std::numeric_limits<double>::infinity()); }
 
@@ -82,6 +85,25 @@ const char* reasonText(SuggestionReason reason) {
     return "";
 }
 
+IsovalueInterval usualRange(const MeasureCurves& curves, double first, double last) {
+    constexpr double kFew = 0.001, kStretch = 10.0;
+    if (curves.isEmpty())
+        return {first, last};
+    // Of the isovalues that are measured: in between, where there may be nothing for orders of magnitude, curves say
+    // little.
+    const double whole = curves.measures.front().volume;
+    double low = last, high = first;
+    for (std::size_t i = 0; i < curves.isovalues.size(); ++i) {
+        if (curves.measures[i].volume < (1.0 - kFew) * whole)
+            low = std::min(low, curves.isovalues[i]);
+        if (curves.measures[i].volume > kFew * whole)
+            high = std::max(high, curves.isovalues[i]);
+    }
+    if (!(low < high && last / kStretch - first / kStretch > high - low))
+        return {first, last};
+    return {low, high};
+}
+
 Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary) {
     std::vector<Suggestion> found;
     std::optional<double> first;
@@ -93,17 +115,24 @@ Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary)
     }));
     if (!first || !(*first < last))
         return found;
-    const double halfRange = 0.5 * last - 0.5 * *first; // a whole one may be more than a double holds
-    double widest = 0.0, since = *first, greatest = 0.0;
+    const MeasureCurves& curves = summary.curves();
+    const auto [low, high] = usualRange(curves, *first, last);
+    const double halfRange = 0.5 * high - 0.5 * low; // a whole one may be more than a double holds
+    double widest = 0.0, since = low, greatest = 0.0;
     std::optional<double> middle, ofPiece;
-    ISO_TRY(summary.visitEvents([&](const TopologyEvent& event) {
-        if (0.5 * event.persistence >= kPersistent * halfRange || event.isovalue == last) {
-            if (0.5 * event.isovalue - 0.5 * since > widest) {
-                widest = 0.5 * event.isovalue - 0.5 * since;
-                middle = since + widest;
-            }
-            since = event.isovalue;
+    const auto endInterval = [&](double isovalue) {
+        if (0.5 * isovalue - 0.5 * since > widest) {
+            widest = 0.5 * isovalue - 0.5 * since;
+            middle = since + widest;
         }
+        since = isovalue;
+    };
+    ISO_TRY(summary.visitEvents([&, low = low, high = high](const TopologyEvent& event) {
+        // One that lasts longer than the usual range is of an outlier.
+        if (event.isovalue < low || event.isovalue > high || 0.5 * event.persistence > halfRange)
+            return true;
+        if (0.5 * event.persistence >= kPersistent * halfRange)
+            endInterval(event.isovalue);
         const bool isOfPiece = event.pieces.joins + event.pieces.splits > 0; // not where the first one comes or goes
         if (isOfPiece && event.persistence > greatest && 0.5 * event.persistence >= kPersistent * halfRange) {
             greatest = event.persistence;
@@ -111,14 +140,16 @@ Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary)
         }
         return true;
     }));
-    const MeasureCurves& curves = summary.curves();
+    endInterval(high);
     std::optional<double> steepest;
+    double worthALook = curves.isEmpty() ? 0.0 : std::pow(curves.measures.front().volume, 2.0 / 3.0);
     double largestArea = 0.0, strongest = 0.0;
     for (const SurfaceMeasures& at : curves.measures)
         largestArea = std::max(largestArea, at.area);
+    worthALook = kWorthALook * std::min(worthALook, largestArea);
     for (std::size_t i = 0; i < curves.isovalues.size(); ++i) {
-        constexpr double kWorthALook = 0.05; // a few cells may be as steep as you like
-        if (curves.measures[i].area >= kWorthALook * largestArea && curves.measures[i].gradient > strongest) {
+        const bool isUsual = curves.isovalues[i] >= low && curves.isovalues[i] <= high;
+        if (isUsual && curves.measures[i].area >= worthALook && curves.measures[i].gradient > strongest) {
             strongest = curves.measures[i].gradient;
             steepest = curves.isovalues[i];
         }

@@ -13,6 +13,10 @@ struct IsovalueInterval {
     double below = 0.0, above = 0.0;
 };
 
+/// Of events from `first` to `last`: without those that a thousandth of the volume at either end stretches over ten
+/// times the range of all others, as extreme outliers and fill values do. The same two where that is not so.
+IsovalueInterval usualRange(const MeasureCurves& curves, double first, double last);
+
 /// Where the counts satisfy a condition: as few intervals as there can be, ascending. Only between the first and the
 /// last event, where there is a surface. O(events). Errors: those of reading events.
 Result<std::vector<IsovalueInterval>> intervalsWith(const TopologySummary& summary,

@@ -30,6 +30,10 @@ SurfaceMeasures MeasureCurves::at(double isovalue) const {
             between(a.gradient, b.gradient)};
 }
 
+Status TopologySummary::visitEventsFrom(double isovalue, const std::function<bool(const TopologyEvent&)>& visit) const {
+    return visitEvents([&](const TopologyEvent& event) { return event.isovalue < isovalue || visit(event); });
+}
+
 Result<std::vector<TopologyEvent>> TopologySummary::mostPersistent(std::size_t count) const {
     // A heap whose top is the least of those kept: one pass, memory for `count`.
     std::vector<TopologyEvent> kept;

@@ -25,6 +25,9 @@ public:
     virtual bool areCountsExact() const = 0;
     /// Calls `visit` for all events, ascending, until it returns false. Errors: IoError, Corruption.
     virtual Status visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const = 0;
+    /// The same without the events below `isovalue`. O(log n) and what is visited where the kind of summary can;
+    /// otherwise all are passed over. Errors: IoError, Corruption.
+    virtual Status visitEventsFrom(double isovalue, const std::function<bool(const TopologyEvent&)>& visit) const;
     /// Empty where they were not made.
     virtual const MeasureCurves& curves() const = 0;
 

@@ -55,6 +55,14 @@ Result<std::shared_ptr<const ScalarGrid>> readSlabs(VolumeSource& source, const 
     return std::make_shared<const ScalarGrid>(info.geometry, info.type, std::move(samples));
 }
 
+// What came from a file that changed meanwhile is of neither version.
+Result<std::shared_ptr<const ScalarGrid>> unchanged(const VolumeSource& source,
+                                                    Result<std::shared_ptr<const ScalarGrid>> grid) {
+    if (grid.isOk())
+        ISO_TRY(source.checkUnchanged());
+    return grid;
+}
+
 Result<std::unique_ptr<VolumeSource>> openAs(const Format& format, const fs::path& path, const ReadOptions& options,
                                              bool isIsolated, const JobControl& job) {
     return isIsolated ? openInReaderProcess(path, options, job) : format.open(path, options);
@@ -131,9 +139,9 @@ Result<std::shared_ptr<const ScalarGrid>> readVolume(VolumeSource& source, const
                                                      const JobControl& job) {
     try {
         if (auto* whole = dynamic_cast<WholeGridSource*>(&source))
-            return whole->grid(job);
+            return unchanged(source, whole->grid(job));
         ISO_TRY(source.prepare(job));
-        return readSlabs(source, path, job);
+        return unchanged(source, readSlabs(source, path, job));
     } catch (const std::bad_alloc&) {
         return makeError(ErrorCode::OutOfSpace, "does not fit in memory", path);
     }

@@ -56,7 +56,7 @@ struct ReadOptions {
 Result<std::unique_ptr<VolumeSource>> openVolume(const std::filesystem::path& path, const ReadOptions& options = {},
                                                  const JobControl& job = {});
 
-/// Reads the whole volume into memory.
+/// Reads the whole volume into memory. Errors, besides those of reading: InvalidArgument (its files changed meanwhile).
 Result<std::shared_ptr<const ScalarGrid>> readVolume(const std::filesystem::path& path, const ReadOptions& options = {},
                                                      const JobControl& job = {});
 

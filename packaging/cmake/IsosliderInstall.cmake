@@ -4,6 +4,10 @@ include(GNUInstallDirs)
 install(TARGETS isoslider-cli RUNTIME COMPONENT cli)
 # Started by the programs, not by people.
 install(TARGETS isoslider-reader RUNTIME DESTINATION libexec/isoslider COMPONENT cli)
+install(FILES ${PROJECT_SOURCE_DIR}/packaging/completions/isoslider-cli
+  DESTINATION share/bash-completion/completions COMPONENT cli)
+install(FILES ${PROJECT_SOURCE_DIR}/packaging/completions/_isoslider-cli
+  DESTINATION share/zsh/site-functions COMPONENT cli)
 install(FILES ${PROJECT_SOURCE_DIR}/packaging/desktop/isoslider-cli.1
   DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT cli)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md

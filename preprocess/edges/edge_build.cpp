@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <optional>
@@ -11,10 +12,13 @@
 
 #include "core/grid/classification.h"
 #include "core/index/index_writer.h"
+#include "preprocess/edges/block_choice.h"
+#include "preprocess/edges/edge_forecast.h"
 #include "preprocess/edges/hidden_page_builder.h"
 #include "preprocess/edges/record_generator.h"
 #include "preprocess/levels/external_sort.h"
 #include "preprocess/levels/level_builder.h"
+#include "preprocess/resume/build_checkpoints.h"
 #include "preprocess/value_bins.h"
 
 namespace isoslider::preprocess {
@@ -47,6 +51,13 @@ public:
         count_ += !isCounted;
     }
     std::uint64_t count() const { return count_; }
+    void state(StateArchive& archive) {
+        archive(withoutEdges_);
+        archive(next_);
+        archive(hasKey_);
+        archive(lastKey_);
+        archive(count_);
+    }
 
 private:
     std::vector<std::uint64_t> withoutEdges_;
@@ -70,7 +81,8 @@ public:
           path_(path),
           options_(options),
           job_(job),
-          redundancyThreshold_(options.redundancyThreshold) {}
+          redundancyThreshold_(options.redundancyThreshold),
+          checkpoints_(path, BuildIdentity::of(source, options), options) {}
 
     Result<index::IndexInfo> run() {
         if (leastMemory() > options_.memoryBytes)
@@ -78,32 +90,182 @@ public:
                              "memory budget is too small for planes of this size: give at least " +
                                  std::to_string((leastMemory() >> 20) + 1) + "M",
                              options_.sourceName);
+        auto left = checkpoints_.load();
+        if (!left.isOk())
+            return std::move(left).error();
+        if (left.value())
+            return resume(*left.value());
         KeyCounter<Key> counter(static_cast<std::uint64_t>(pointCount(geometry_.dims)));
         ISO_TRY(countSamples(counter));
+        std::vector<KeyCount> counts = counter.takeCounts();
+        ISO_TRY(makeForecast(counts));
+        ISO_TRY(checkRoom({}));
         auto writer = index::IndexWriter::create(path_, seed(), fileSystemOf(options_));
         if (!writer.isOk())
             return std::move(writer).error();
-        std::vector<KeyCount> counts = counter.takeCounts();
-        const KeyIntervals bins = makeSpanBins(counts);
-        ExternalSort<Key> sort(counts, sortMemory(), spillPathOf(path_, options_), fileSystemOf(options_));
+        writer_ = std::move(writer).value();
+        checkpoints_.own(false);
+        bins_.emplace(makeSpanBins(counts));
+        sort_ = std::make_unique<ExternalSort<Key>>(counts, sortMemory(), spillPathOf(path_, options_),
+                                                    fileSystemOf(options_));
         std::vector<KeyCount>().swap(counts);
-        std::vector<SpanHistogram> histograms(histogramCount(bins), SpanHistogram(bins.count()));
-        ISO_TRY(generateRecords(bins, histograms, sort, *writer.value()));
-        LevelBuilder<Key> levels(*writer.value(), grid_, chooseBlocks(std::move(histograms), bins));
-        ISO_TRY(
-            sort.drain([&](std::span<const Record> records) { return consume(records, levels); }, job_.part(0.4, 1.0)));
-        ISO_TRY(levels.finish());
+        beginHistogram();
+        makeHistograms();
+        return collectAndSort(0);
+    }
+
+    bool isResumed() const { return isResumed_; }
+    const DiskForecast& forecast() const { return forecast_; }
+
+private:
+    enum class Phase : std::uint8_t { Collecting, Sorting };
+
+    Status makeForecast(const std::vector<KeyCount>& counts) {
+        const auto forecast = forecastEdges<Sample>(source_, {counts, unequalPairs_, info_.min, info_.max}, options_,
+                                                    sortMemory(), path_, job_.part(0.08, 0.1));
+        if (!forecast.isOk())
+            return forecast.error();
+        forecast_ = forecast.value().disk;
+        bytesPerEntry_ = forecast.value().bytesPerEntry;
+        return {};
+    }
+    Status checkRoom(const DiskForecast& there) const {
+        return preprocess::checkRoom(forecast_.less(there), path_, spillPathOf(path_, options_),
+                                     fileSystemOf(options_));
+    }
+
+    Result<index::IndexInfo> collectAndSort(std::int64_t firstLayer) {
+        ISO_TRY(generateRecords(firstLayer));
+        blockBegins_ = chooseBlocks(std::move(histograms_));
+        levels_.emplace(*writer_, grid_, blockBegins_);
+        return sortAndFinish({});
+    }
+
+    Result<index::IndexInfo> sortAndFinish(typename ExternalSort<Key>::Place begin) {
+        ISO_TRY(sort_->drain([&](std::span<const Record> records) { return consume(records, *levels_); },
+                             job_.part(0.4, 1.0), begin,
+                             [&](const typename ExternalSort<Key>::Place& place) {
+                                 return checkpoints_.isDue() ? makeCheckpoint(Phase::Sorting, 0, place) : Status();
+                             }));
+        ISO_TRY(levels_->finish());
         if (job_.isStopRequested())
             return cancelledError();
         ISO_TRY(source_.checkUnchanged());
-        return writer.value()->finish(makeMeta(levels.levelInfos()));
+        auto info = writer_->finish(makeMeta(levels_->levelInfos()));
+        if (info.isOk()) {
+            checkpoints_.finish();
+            sort_->removeRuns();
+        }
+        return info;
     }
 
-private:
+    // ---- going on after a stop (RESUME.md)
+
+    Status makeCheckpoint(Phase phase, std::int64_t nextLayer, typename ExternalSort<Key>::Place place) {
+        const auto begin = std::chrono::steady_clock::now();
+        StateArchive archive;
+        archive(phase);
+        ISO_TRY(writer_->suspend(archive));
+        ISO_TRY(sort_->suspend(archive));
+        state(phase, nextLayer, place, archive);
+        ISO_TRY(checkpoints_.save(archive.bytes(), writer_->sizeBytes(), begin));
+        if (options_.resumes) { // from now on there is something to go on with
+            writer_->keepUnfinished();
+            sort_->keepUnfinished();
+        }
+        return {};
+    }
+
+    Result<index::IndexInfo> resume(const std::vector<std::byte>& left) {
+        StateArchive archive(left);
+        Phase phase{};
+        archive(phase);
+        auto writer = index::IndexWriter::resume(path_, archive, fileSystemOf(options_));
+        if (!writer.isOk())
+            return std::move(writer).error();
+        writer_ = std::move(writer).value();
+        checkpoints_.own(true);
+        auto sort =
+            ExternalSort<Key>::resume(archive, sortMemory(), spillPathOf(path_, options_), fileSystemOf(options_));
+        if (!sort.isOk())
+            return std::move(sort).error();
+        sort_ = std::move(sort).value();
+        isResumed_ = true;
+        std::int64_t nextLayer = 0;
+        typename ExternalSort<Key>::Place place;
+        state(phase, nextLayer, place, archive);
+        if (archive.hasFailed() || archive.remaining() != 0)
+            return makeError(ErrorCode::Corruption, "the state of an unfinished build is damaged", path_.string());
+        ISO_TRY(checkRoom({writer_->sizeBytes(), sort_->spilledBytes() + left.size()}));
+        valueBins_ = ValueBins<Sample>(static_cast<Sample>(info_.min), static_cast<Sample>(info_.max));
+        return phase == Phase::Collecting ? collectAndSort(nextLayer) : sortAndFinish(place);
+    }
+
+    void state(Phase phase, std::int64_t& nextLayer, typename ExternalSort<Key>::Place& place, StateArchive& archive) {
+        for (double* value :
+             {&info_.min, &info_.max, &info_.histogram.min, &info_.histogram.max, &redundancyThreshold_})
+            archive(*value);
+        archive(info_.nanCount);
+        archive(forecast_);
+        archive(info_.histogram.counts);
+        archive(info_.activeEdgesPerBin);
+        archive(missingCells_);
+        archive(withoutEdges_);
+        archive(nextLayer);
+        archive(place);
+        if (phase == Phase::Collecting)
+            stateOfCollecting(archive);
+        else
+            stateOfSorting(archive);
+    }
+
+    void stateOfCollecting(StateArchive& archive) {
+        std::vector<std::uint64_t> begins;
+        for (std::size_t i = 0; bins_ && i < bins_->count(); ++i)
+            begins.push_back(bins_->begin(i));
+        archive(begins);
+        if (archive.isLoading()) {
+            if (begins.empty())
+                return; // it has failed
+            bins_.emplace(std::move(begins));
+            makeHistograms();
+        }
+        for (std::size_t i = 1; i < histograms_.size() && !archive.isLoading(); ++i) {
+            histograms_[0].merge(histograms_[i]);
+            histograms_[i] = SpanHistogram(bins_->count());
+        }
+        histograms_[0].state(archive);
+        archive(bytesPerEntry_);
+        hiddenPages().state(archive);
+    }
+
+    void stateOfSorting(StateArchive& archive) {
+        std::size_t levels = blockBegins_.size();
+        archive(levels);
+        if (archive.isLoading())
+            blockBegins_.resize(levels < index::kMaxSkipLevels ? levels : 0);
+        for (auto& begins : blockBegins_)
+            archive(begins);
+        if (archive.isLoading())
+            levels_.emplace(*writer_, grid_, blockBegins_);
+        levels_->state(archive);
+        distinct_.state(archive);
+        archive(nextBin_);
+        archive(activeEdges_);
+    }
+
+    HiddenPageBuilder& hiddenPages() {
+        if (!hiddenPages_)
+            hiddenPages_.emplace(*writer_, source_.info().type);
+        return *hiddenPages_;
+    }
+
+    // ---- the passes
+
     std::int64_t layerCount() const { return grid_.bricks()[2]; }
 
     Status countSamples(KeyCounter<Key>& counter) {
-        const JobControl share = job_.part(0.0, 0.1);
+        const JobControl share = job_.part(0.0, 0.08);
         countsByPrefix_.assign(std::size_t{1} << 16, 0);
         SlabWindow<Sample> window(source_);
         double low = std::numeric_limits<double>::infinity();
@@ -115,7 +277,8 @@ private:
             share.report(static_cast<double>(layer) / static_cast<double>(layerCount()), "reading values");
             const std::int64_t z0 = layer * kBrickSide;
             const std::int64_t z1 = std::min(geometry_.dims[2], z0 + kBrickSide);
-            ISO_TRY(window.advance(z0, z1));
+            ISO_TRY(window.advance(std::max<std::int64_t>(0, z0 - 1), z1));
+            unequalPairs_ += countUnequalPairs(window, geometry_.dims, z0, z1);
             const Sample* samples = window.plane(z0);
             const std::size_t count = static_cast<std::size_t>((z1 - z0) * geometry_.dims[0] * geometry_.dims[1]);
             for (std::size_t i = 0; i < count; ++i) {
@@ -137,132 +300,53 @@ private:
         return {};
     }
 
-    Status generateRecords(const KeyIntervals& bins, std::span<SpanHistogram> histograms, ExternalSort<Key>& sort,
-                           index::IndexWriter& writer) {
+    void makeHistograms() { histograms_.assign(histogramCount(*bins_), SpanHistogram(bins_->count())); }
+
+    Status generateRecords(std::int64_t firstLayer) {
         const JobControl share = job_.part(0.1, 0.4);
-        beginHistogram();
         SlabWindow<Sample> window(source_);
-        HiddenPageBuilder hiddenPages(writer, source_.info().type);
-        std::vector<std::uint64_t> withoutEdges;
         std::optional<MergedLayers<Sample>> merged;
         if (options_.mergeError.amount > 0.0)
             merged.emplace(geometry_.dims, extract::boundOf(options_.mergeError, info_.min, info_.max), job_.stop);
         const auto consume = [&](const LayerRecords<Key>& records) -> Status {
-            sampleRecords(records);
             for (const auto& brick : records.bricks)
-                ISO_TRY(sort.add(brick));
+                ISO_TRY(sort_->add(brick));
             for (const auto& brick : records.hiddenCorners)
-                ISO_TRY(hiddenPages.addBrick(brick));
+                ISO_TRY(hiddenPages().addBrick(brick));
             missingCells_.insert(missingCells_.end(), records.missingCells.begin(), records.missingCells.end());
-            withoutEdges.insert(withoutEdges.end(), records.keysWithoutEdges.begin(), records.keysWithoutEdges.end());
+            withoutEdges_.insert(withoutEdges_.end(), records.keysWithoutEdges.begin(), records.keysWithoutEdges.end());
             return {};
         };
-        for (std::int64_t layer = 0; layer < layerCount(); ++layer) {
+        for (std::int64_t layer = firstLayer; layer < layerCount(); ++layer) {
             if (job_.isStopRequested())
                 return cancelledError();
+            // Merged cells of two layers depend on each other.
+            if (!merged && layer > firstLayer && checkpoints_.isDue())
+                ISO_TRY(makeCheckpoint(Phase::Collecting, layer, {}));
             share.report(static_cast<double>(layer) / static_cast<double>(layerCount()), "collecting edges");
             const std::int64_t z0 = std::max<std::int64_t>(0, layer * kBrickSide - kLayerApron);
             const std::int64_t z1 = std::min(geometry_.dims[2], (layer + 1) * kBrickSide + kLayerApron);
             ISO_TRY(window.advance(z0, z1));
             countIntoHistogram(window, layer);
-            ISO_TRY(generateLayer<Sample>(window, geometry_, layer, bins, histograms, merged ? &*merged : nullptr,
+            ISO_TRY(generateLayer<Sample>(window, geometry_, layer, *bins_, histograms_, merged ? &*merged : nullptr,
                                           consume));
         }
         if (info_.min == info_.max)
-            withoutEdges.push_back(keyOf(static_cast<Sample>(info_.min)));
-        ISO_TRY(hiddenPages.finish());
-        distinct_.setKeysWithoutEdges(std::move(withoutEdges));
+            withoutEdges_.push_back(keyOf(static_cast<Sample>(info_.min)));
+        ISO_TRY(hiddenPages().finish());
+        distinct_.setKeysWithoutEdges(std::move(withoutEdges_));
         return {};
     }
 
-    // One brick in kSampleStride is encoded for a trial: bytes per edge entry at level 0, from which those
-    // of the levels above follow roughly (they keep fewer edges per point).
-    static constexpr std::size_t kSampleStride = 61;
-    static constexpr std::size_t kSampleRecords = 8 * kValuePagePoints;
-    static constexpr double kHigherLevelCost = 1.4;
-
-    void sampleRecords(const LayerRecords<Key>& records) {
-        for (std::size_t i = 0; i < records.bricks.size(); ++i)
-            if ((records.firstBrick + i).number() % kSampleStride == 0 && sample_.size() < kSampleRecords)
-                std::copy_if(records.bricks[i].begin(), records.bricks[i].end(), std::back_inserter(sample_),
-                             [](const Record& record) { return record.edgeMask != 0; });
-    }
-
-    // Of the field, not of the type it is stored in: keys stand for their ranks, so that one field gets the same levels
-    // in every scalar type. Where nearly all sampled values differ, ranks lie as far apart as in the whole volume.
-    double sampledBytesPerEntry() {
-        std::sort(sample_.begin(), sample_.end(),
-                  [](const Record& a, const Record& b) { return a.key != b.key ? a.key < b.key : a.id() < b.id(); });
-        std::vector<Key> keys;
-        for (const Record& record : sample_) {
-            keys.push_back(record.key);
-            forEachEdge(record, [&](int e) { keys.push_back(record.farKeys[e]); });
-        }
-        const double values = static_cast<double>(keys.size());
-        std::sort(keys.begin(), keys.end());
-        keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-        const bool isSaturated = 2.0 * static_cast<double>(keys.size()) <= values;
-        const double apart =
-            isSaturated ? 1.0 : std::max(1.0, static_cast<double>(pointCount(geometry_.dims)) / values);
-        const auto rankOf = [&](Key key) {
-            const auto rank = static_cast<double>(std::lower_bound(keys.begin(), keys.end(), key) - keys.begin());
-            return static_cast<std::uint32_t>(std::min(rank * apart, 4294967295.0));
-        };
-        double bytes = 0.0, entries = 0.0;
-        std::vector<index::PointRecord<std::uint32_t>> ranked;
-        for (std::size_t first = 0; first < sample_.size(); first += kValuePagePoints) {
-            ranked.clear();
-            for (const Record& record :
-                 std::span<const Record>(sample_).subspan(first, std::min(kValuePagePoints, sample_.size() - first))) {
-                index::PointRecord<std::uint32_t>& out = ranked.emplace_back();
-                out.key = rankOf(record.key);
-                out.setId(record.id());
-                out.normal = record.normal;
-                out.edgeMask = record.edgeMask;
-                out.form = record.form;
-                forEachEdge(record, [&](int e) {
-                    out.farKeys[e] = rankOf(record.farKeys[e]);
-                    out.farNormals[e] = record.farNormals[e];
-                });
-                // As the histogram over span space counts them: an interval once for each end.
-                entries += record.form == index::record_form::kPoint ? std::popcount(record.edgeMask) : 1;
-            }
-            bytes +=
-                static_cast<double>(index::encodePage<std::uint32_t>(ranked, index::PageOrder::Value, grid_).size());
-        }
-        std::vector<Record>().swap(sample_);
-        return entries > 0.0 ? bytes / entries : 0.0;
-    }
-
-    template <class Visit>
-    static void forEachEdge(const Record& record, const Visit& visit) {
-        for (unsigned mask = record.edgeMask; mask != 0; mask &= mask - 1)
-            visit(std::countr_zero(mask));
-    }
-
-    std::vector<std::vector<std::uint64_t>> chooseBlocks(std::vector<SpanHistogram> histograms,
-                                                         const KeyIntervals& bins) {
+    std::vector<std::vector<std::uint64_t>> chooseBlocks(std::vector<SpanHistogram> histograms) {
         SpanHistogram& histogram = histograms.front();
         for (std::size_t i = 1; i < histograms.size(); ++i)
             histogram.merge(histograms[i]);
         histograms.resize(1, histogram);
-        if (redundancyThreshold_ > 0.0)
-            return chooseBlockBegins(histogram, bins, options_.skipLevels, redundancyThreshold_);
-        const double bytesPerEntry = sampledBytesPerEntry();
-        std::uint64_t entries = 0;
-        for (std::size_t lower = 0; lower < bins.count(); ++lower)
-            for (std::size_t upper = lower; upper < bins.count(); ++upper)
-                entries += 2 * std::uint64_t{histogram.at(lower, upper)};
-        std::vector<std::vector<std::uint64_t>> begins;
-        for (const double choice : kRedundancyChoices) {
-            redundancyThreshold_ = choice;
-            begins = chooseBlockBegins(histogram, bins, options_.skipLevels, choice);
-            const double above = static_cast<double>(countEntriesAbove(histogram, bins, begins));
-            const double bytes = bytesPerEntry * (static_cast<double>(entries) + kHigherLevelCost * above);
-            if (bytes <= kBytesPerVoxelAim * static_cast<double>(pointCount(geometry_.dims)))
-                break;
-        }
-        return begins;
+        BlockChoice choice = preprocess::chooseBlocks(histogram, *bins_, options_.skipLevels, redundancyThreshold_,
+                                                      bytesPerEntry_, static_cast<double>(pointCount(geometry_.dims)));
+        redundancyThreshold_ = choice.redundancyThreshold;
+        return std::move(choice.begins);
     }
 
     void beginHistogram() {
@@ -376,19 +460,38 @@ private:
     index::IndexInfo info_;
     std::vector<std::uint64_t> countsByPrefix_;
     std::vector<index::MissingCells> missingCells_;
-    std::vector<Record> sample_;
+    double bytesPerEntry_ = 0.0; ///< at level 0, of a sample
+    std::uint64_t unequalPairs_ = 0; ///< of neighbours
+    DiskForecast forecast_;
     DistinctCounter distinct_;
     ValueBins<Sample> valueBins_;
     std::size_t nextBin_ = 0;
     std::int64_t activeEdges_ = 0;
+    bool isResumed_ = false;
+    std::vector<std::uint64_t> withoutEdges_; ///< keys of points without a record
+    std::optional<KeyIntervals> bins_;
+    std::vector<SpanHistogram> histograms_;
+    std::vector<std::vector<std::uint64_t>> blockBegins_;
+    std::unique_ptr<ExternalSort<Key>> sort_;
+    std::unique_ptr<index::IndexWriter> writer_;
+    std::optional<HiddenPageBuilder> hiddenPages_;
+    std::optional<LevelBuilder<Key>> levels_;
+    BuildCheckpoints checkpoints_; ///< gone before the writer, whose partial file is locked
 };
 
 } // namespace
 
-Result<index::IndexInfo> buildEdges(io::VolumeSource& source, const std::filesystem::path& indexPath,
-                                    const BuildOptions& options, const JobControl& job) {
-    return visitScalarType(source.info().type, [&](auto sample) {
-        return EdgeBuild<decltype(sample)>(source, indexPath, options, job).run();
+Status buildEdges(io::VolumeSource& source, const std::filesystem::path& indexPath, const BuildOptions& options,
+                  const JobControl& job, BuildReport& report) {
+    return visitScalarType(source.info().type, [&](auto sample) -> Status {
+        EdgeBuild<decltype(sample)> build(source, indexPath, options, job);
+        auto info = build.run();
+        if (!info.isOk())
+            return std::move(info).error();
+        report.info = std::move(info).value();
+        report.isResumed = build.isResumed();
+        report.forecast = build.forecast();
+        return {};
     });
 }
 

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/state_archive.h"
 #include "core/index/format/hidden_corner_codec.h"
 #include "core/index/index_writer.h"
 
@@ -18,6 +19,7 @@ public:
     Status addBrick(std::span<const index::HiddenCorner> corners);
     /// Writes what is left.
     Status finish();
+    void state(StateArchive& archive) { archive(page_); }
 
 private:
     index::IndexWriter& writer_;

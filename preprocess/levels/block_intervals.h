@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/state_archive.h"
 #include "preprocess/levels/key_intervals.h"
 
 namespace isoslider::preprocess {
@@ -26,6 +27,7 @@ public:
     explicit SpanHistogram(std::size_t bins) : bins_(bins), counts_(bins * bins, 0) {}
     void add(std::size_t lower, std::size_t upper) { ++counts_[lower * bins_ + upper]; }
     void merge(const SpanHistogram& other);
+    void state(StateArchive& archive) { archive.fixed(std::span(counts_)); }
     std::size_t bins() const { return bins_; }
     std::uint64_t memoryBytes() const { return counts_.size() * sizeof counts_[0]; }
     std::uint32_t at(std::size_t lower, std::size_t upper) const { return counts_[lower * bins_ + upper]; }

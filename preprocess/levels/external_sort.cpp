@@ -23,12 +23,17 @@ constexpr std::size_t kStreamRecords = 1u << 14;
 template <class Key>
 ExternalSort<Key>::ExternalSort(const std::vector<KeyCount>& counts, std::uint64_t memoryBytes,
                                 std::filesystem::path spillPath, FileSystem& fileSystem)
+    : ExternalSort(makePartitions(counts, memoryBytes), memoryBytes, std::move(spillPath), fileSystem) {}
+
+template <class Key>
+ExternalSort<Key>::ExternalSort(KeyIntervals intervals, std::uint64_t memoryBytes, std::filesystem::path spillPath,
+                                FileSystem& fileSystem)
     : memoryBytes_(memoryBytes),
       // Records are held twice while they are sorted, keys and places besides.
       mostRecordsAtOnce_(std::max(kLeastRecordsAtOnce, memoryBytes / (4 * sizeof(Record)))),
       spillPath_(std::move(spillPath)),
       fileSystem_(fileSystem),
-      intervals_(makePartitions(counts, memoryBytes)),
+      intervals_(std::move(intervals)),
       partitions_(intervals_.count()) {}
 
 // A key with many records gets a separate partition.
@@ -57,7 +62,7 @@ KeyIntervals ExternalSort<Key>::makePartitions(const std::vector<KeyCount>& coun
 
 template <class Key>
 ExternalSort<Key>::~ExternalSort() {
-    if (!spillOut_)
+    if (!spillOut_ || keepsUnfinished_)
         return;
     (void)spillOut_->close();
     spillIn_.reset();
@@ -98,6 +103,52 @@ Status ExternalSort<Key>::spill() {
     }
     bufferedBytes_ = 0;
     return {};
+}
+
+template <class Key>
+void ExternalSort<Key>::state(StateArchive& archive) {
+    for (Partition& partition : partitions_) {
+        archive(partition.runs);
+        archive(partition.records);
+    }
+    archive(spilledBytes_);
+    archive(recordCount_);
+}
+
+template <class Key>
+Status ExternalSort<Key>::suspend(StateArchive& archive) {
+    ISO_TRY(spill());
+    ISO_TRY(spillOut_->sync());
+    std::vector<std::uint64_t> begins;
+    for (std::size_t i = 0; i < intervals_.count(); ++i)
+        begins.push_back(intervals_.begin(i));
+    archive(begins);
+    std::uint64_t bytes = spillOut_->sizeBytes();
+    archive(bytes);
+    state(archive);
+    return {};
+}
+
+template <class Key>
+Result<std::unique_ptr<ExternalSort<Key>>> ExternalSort<Key>::resume(StateArchive& archive, std::uint64_t memoryBytes,
+                                                                     std::filesystem::path spillPath,
+                                                                     FileSystem& fileSystem) {
+    std::vector<std::uint64_t> begins;
+    std::uint64_t bytes = 0;
+    archive(begins);
+    archive(bytes);
+    if (archive.hasFailed() || begins.empty())
+        return makeError(ErrorCode::Corruption, "the state of an unfinished build is damaged", spillPath.string());
+    std::unique_ptr<ExternalSort> sort(
+        new ExternalSort(KeyIntervals(std::move(begins)), memoryBytes, std::move(spillPath), fileSystem));
+    sort->state(archive);
+    auto file = fileSystem.extend(sort->spillPath_, {}, bytes);
+    if (!file.isOk())
+        return std::move(file).error();
+    sort->keepsUnfinished_ = true;
+    sort->spillOut_ = std::move(file).value();
+    ISO_TRY(sort->spillOut_->cut(bytes));
+    return sort;
 }
 
 template <class Key>
@@ -173,7 +224,7 @@ Status ExternalSort<Key>::sortBatch(std::size_t begin, std::size_t end, const Co
 }
 
 template <class Key>
-Status ExternalSort<Key>::drain(const Consume& consume, const JobControl& job) {
+Status ExternalSort<Key>::drain(const Consume& consume, const JobControl& job, Place begin, const Between& between) {
     // What is large must be read more than once, and the rest goes to disk with it: drained partitions must fit
     // beside nothing else.
     if (spillOut_ ||
@@ -184,7 +235,7 @@ Status ExternalSort<Key>::drain(const Consume& consume, const JobControl& job) {
             return std::move(file).error();
         spillIn_ = std::move(file).value();
     }
-    std::uint64_t done = 0;
+    std::uint64_t done = begin.records;
     const auto consumeAndCount = [&](std::span<const Record> records) -> Status {
         if (job.isStopRequested())
             return cancelledError();
@@ -192,9 +243,11 @@ Status ExternalSort<Key>::drain(const Consume& consume, const JobControl& job) {
         job.report(static_cast<double>(done) / static_cast<double>(recordCount_), "sorting and writing blocks");
         return consume(records);
     };
-    for (std::size_t next = 0; next < partitions_.size();) {
+    for (std::size_t next = begin.partition; next < partitions_.size();) {
         if (job.isStopRequested())
             return cancelledError();
+        if (between && spillOut_)
+            ISO_TRY(between({next, done}));
         const std::size_t end = endOfBatch(next);
         if (end == next) {
             Partition& partition = partitions_[next];

@@ -8,6 +8,7 @@
 
 #include "core/base/file_system.h"
 #include "core/base/job_control.h"
+#include "core/base/state_archive.h"
 #include "core/index/format/point_record.h"
 #include "preprocess/levels/key_intervals.h"
 
@@ -30,13 +31,31 @@ public:
     /// `counts`: the keys to come, about; how well they fit decides how equal the partitions are, no more.
     ExternalSort(const std::vector<KeyCount>& counts, std::uint64_t memoryBytes, std::filesystem::path spillPath,
                  FileSystem& fileSystem = defaultFileSystem());
+    /// Goes on with one that was suspended, whose runs are at `spillPath`. Errors: those of FileSystem::extend;
+    /// Corruption.
+    static Result<std::unique_ptr<ExternalSort>> resume(StateArchive& archive, std::uint64_t memoryBytes,
+                                                        std::filesystem::path spillPath,
+                                                        FileSystem& fileSystem = defaultFileSystem());
     ~ExternalSort();
+    /// Leaves the runs on disk: they will be gone on with.
+    void keepUnfinished() { keepsUnfinished_ = true; }
+    /// They are not needed any more.
+    void removeRuns() { keepsUnfinished_ = false; }
+
+    /// Writes all records that are in memory, syncs, and saves where they lie.
+    Status suspend(StateArchive& archive);
 
     /// Errors: OutOfSpace, IoError.
     Status add(std::span<const Record> records);
 
-    /// Hands all records to `consume` in (key, id) order, in runs of bounded size. Call once.
-    Status drain(const Consume& consume, const JobControl& job);
+    /// Where a drain stands, between partitions.
+    struct Place {
+        std::uint64_t partition = 0, records = 0; ///< the next one; handed over before
+    };
+    using Between = std::function<Status(const Place&)>;
+    /// Hands all records from `begin` on to `consume` in (key, id) order, in runs of bounded size. Call once. Calls
+    /// `between`, if it is not empty, between partitions where all that is left is on the disk.
+    Status drain(const Consume& consume, const JobControl& job, Place begin = {}, const Between& between = {});
 
     std::uint64_t recordCount() const { return recordCount_; }
     std::uint64_t spilledBytes() const { return spilledBytes_; }
@@ -51,6 +70,9 @@ private:
         std::vector<SpilledRun> runs;
         std::uint64_t records = 0;
     };
+    ExternalSort(KeyIntervals intervals, std::uint64_t memoryBytes, std::filesystem::path spillPath,
+                 FileSystem& fileSystem);
+    void state(StateArchive& archive);
     static KeyIntervals makePartitions(const std::vector<KeyCount>& counts, std::uint64_t memoryBytes);
 
     Status spill();
@@ -77,6 +99,7 @@ private:
     std::uint64_t bufferedBytes_ = 0;
     std::uint64_t spilledBytes_ = 0;
     std::uint64_t recordCount_ = 0;
+    bool keepsUnfinished_ = false;
 };
 
 extern template class ExternalSort<std::uint16_t>;

@@ -64,6 +64,14 @@ public:
         chunk_.clear();
     }
 
+    void state(StateArchive& archive) {
+        archive(chunk_);
+        archive(info_);
+        archive(hasBlock_);
+        for (std::uint64_t* value : {&blockBegin_, &blockEnd_, &blockFirstKey_, &lastKey_})
+            archive(*value);
+    }
+
     std::vector<PendingPage<Key>>& pending() { return pending_; }
     const SkipLevelInfo& info() const { return info_; }
 
@@ -220,6 +228,13 @@ Status LevelBuilder<Key>::encodeAndWrite() {
             ISO_TRY(writer_.addPage(page.level, describePage<Key>(page.records), page.bytes));
     }
     return {};
+}
+
+template <class Key>
+void LevelBuilder<Key>::state(StateArchive& archive) {
+    archive(position_);
+    for (const auto& level : levels_)
+        level->state(archive);
 }
 
 template <class Key>

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/state_archive.h"
 #include "core/index/format/block_codec.h"
 #include "core/index/format/point_record.h"
 #include "core/index/index_writer.h"
@@ -38,6 +39,9 @@ public:
     Status add(std::span<const Record> records);
     /// Ends all blocks and writes what is left.
     Status finish();
+
+    /// What is open between two calls of add(). REQUIRES: the same `blockBegins`.
+    void state(StateArchive& archive);
 
     /// Counts of what was written; bytes are the writer's. REQUIRES: finish() was called.
     std::vector<index::SkipLevelInfo> levelInfos() const;

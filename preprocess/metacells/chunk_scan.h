@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/state_archive.h"
 #include "core/index/format/chunk_grid.h"
 #include "core/index/format/index_format.h"
 #include "preprocess/metacells/brick_list.h"
@@ -46,6 +47,7 @@ public:
         }
     }
     void merge(const ValueCounts& other);
+    void state(StateArchive& archive) { archive(counts_); }
     /// Least and greatest key with a sample; false when there is none. REQUIRES: kByKey.
     bool range(Key& least, Key& greatest) const;
     std::uint64_t distinct() const; ///< REQUIRES: kByKey

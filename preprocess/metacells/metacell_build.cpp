@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -19,7 +20,9 @@
 #include "preprocess/index_builds.h"
 #include "preprocess/metacells/brick_list.h"
 #include "preprocess/metacells/chunk_scan.h"
+#include "preprocess/metacells/metacell_forecast.h"
 #include "preprocess/metacells/plane_ring.h"
+#include "preprocess/resume/build_checkpoints.h"
 
 namespace isoslider::preprocess {
 namespace {
@@ -47,7 +50,11 @@ public:
           options_(options),
           job_(job),
           readsAhead_(PlaneRing<Sample>::memoryBytes(geometry_.dims, true) <= options.memoryBytes / 4),
-          distinct_(distinctMemory()) {}
+          distinct_(distinctMemory()),
+          checkpoints_(path, BuildIdentity::of(source, options), options) {}
+
+    bool isResumed() const { return isResumed_; }
+    const DiskForecast& forecast() const { return forecast_; }
 
     Result<index::IndexInfo> run() {
         if (leastMemory() > options_.memoryBytes)
@@ -57,28 +64,112 @@ public:
                              options_.sourceName);
         spans_.least.resize(bricks_.brickCount());
         spans_.greatest.resize(bricks_.brickCount());
-        double done = 0.0;
+        auto left = checkpoints_.load();
+        if (!left.isOk())
+            return std::move(left).error();
+        if (left.value())
+            return resume(*left.value());
+        double done = 0.03;
+        ISO_TRY(makeForecast(job_.part(0.0, done)));
+        ISO_TRY(checkRoom({}));
         if constexpr (!ValueCounts<Sample>::kByKey) {
-            ISO_TRY(findRange(job_.part(0.0, 0.2)));
+            ISO_TRY(findRange(job_.part(done, 0.2)));
             done = 0.2;
         }
-        ISO_TRY(storeSamples(job_.part(done, 0.9)));
-        ISO_TRY(countDistinct(job_.part(0.9, 0.95)));
+        ISO_TRY(storeSamples(0, job_.part(done, 0.9)));
+        return finish();
+    }
+
+private:
+    Result<index::IndexInfo> resume(const std::vector<std::byte>& left) {
+        StateArchive archive(left);
+        auto writer = index::IndexWriter::resume(path_, archive, fileSystemOf(options_));
+        if (!writer.isOk())
+            return std::move(writer).error();
+        writer_ = std::move(writer).value();
+        checkpoints_.own(true);
+        isResumed_ = true;
+        std::int64_t slab = 0;
+        state(slab, archive);
+        if (archive.hasFailed() || archive.remaining() != 0)
+            return makeError(ErrorCode::Corruption, "the state of an unfinished build is damaged", path_.string());
+        ISO_TRY(checkRoom({writer_->sizeBytes(), left.size()}));
+        // Kept is how many distinct values there were, not which.
+        if constexpr (!ValueCounts<Sample>::kByKey)
+            ISO_TRY(forEachSlab(job_.part(0.0, 0.1), "counting values", 0, slab, countingSamples()));
+        ISO_TRY(storeSamples(slab, job_.part(0.1, 0.9)));
+        return finish();
+    }
+
+    BrickListOptions listOptions() const {
         BrickListOptions list;
         list.skipLevels = options_.skipLevels;
         list.redundancyThreshold =
             options_.redundancyThreshold > 0.0 ? options_.redundancyThreshold : list.redundancyThreshold;
         list.memoryBytes = options_.memoryBytes / 2;
+        return list;
+    }
+
+    Status makeForecast(const JobControl& job) {
+        const auto forecast = forecastMetacells<Sample>(source_, spans_, listOptions(), path_, job);
+        if (!forecast.isOk())
+            return forecast.error();
+        forecast_ = forecast.value();
+        // Two checkpoints: the next one replaces the one before only when it is whole.
+        constexpr std::uint64_t kCounts = (std::uint64_t{1} << 16) * 16 + 4096;
+        if (!isBrief(geometry_.dims, options_))
+            forecast_.temporaryBytes += 2 * (bricks_.brickCount() * 2 * sizeof(Key) + kCounts);
+        return {};
+    }
+    Status checkRoom(const DiskForecast& there) const {
+        return preprocess::checkRoom(forecast_.less(there), path_, spillPathOf(path_, options_),
+                                     fileSystemOf(options_));
+    }
+
+    Result<index::IndexInfo> finish() {
+        ISO_TRY(countDistinct(job_.part(0.9, 0.95)));
+        const BrickListOptions list = listOptions();
         info_.redundancyThreshold = list.redundancyThreshold;
         ISO_TRY(writeBrickList(spans_, geometry_.dims, list, spillPathOf(path_, options_), fileSystemOf(options_),
                                *writer_, info_.levels, job_.part(0.95, 1.0)));
         if (job_.isStopRequested())
             return cancelledError();
         ISO_TRY(source_.checkUnchanged());
-        return writer_->finish(makeMeta());
+        auto info = writer_->finish(makeMeta());
+        if (info.isOk())
+            checkpoints_.finish();
+        return info;
     }
 
-private:
+    // All that slabs before `slab` have left, whichever thread looked at them.
+    void state(std::int64_t& slab, StateArchive& archive) {
+        archive(slab);
+        const std::int64_t layers = std::min(bricks_.bricks()[2], slab * PlaneRing<Sample>::kThickness / kBrickSide);
+        const auto count =
+            static_cast<std::size_t>(bricks_.bricks()[0] * bricks_.bricks()[1] * std::max<std::int64_t>(0, layers));
+        archive.fixed(std::span(spans_.least).first(count));
+        archive.fixed(std::span(spans_.greatest).first(count));
+        archive(missingCells_);
+        archive(forecast_);
+        counts_.state(archive);
+        if constexpr (!ValueCounts<Sample>::kByKey) {
+            archive(info_.min);
+            archive(info_.max);
+            bins_ = ValueBins<Sample>(static_cast<Sample>(info_.min), static_cast<Sample>(info_.max));
+        }
+    }
+
+    Status makeCheckpoint(std::int64_t nextSlab) {
+        const auto begin = std::chrono::steady_clock::now();
+        StateArchive archive;
+        ISO_TRY(writer_->suspend(archive));
+        state(nextSlab, archive);
+        ISO_TRY(checkpoints_.save(archive.bytes(), writer_->sizeBytes(), begin));
+        if (options_.resumes) // from now on there is something to go on with
+            writer_->keepUnfinished();
+        return {};
+    }
+
     std::uint64_t planesAndSpans(bool readsAhead) const {
         return PlaneRing<Sample>::memoryBytes(geometry_.dims, readsAhead) + bricks_.brickCount() * 2 * sizeof(Key);
     }
@@ -107,16 +198,23 @@ private:
     // Calls work(slab, planes) for slab after slab, with progress.
     template <class Work>
     Status forEachSlab(const JobControl& job, std::string_view stage, const Work& work) {
-        PlaneRing<Sample> ring(source_, readsAhead_, job.stop);
-        for (std::int64_t slab = 0; slab < ring.slabCount(); ++slab) {
+        return forEachSlab(job, stage, 0, slabCount(), work);
+    }
+    template <class Work>
+    Status forEachSlab(const JobControl& job, std::string_view stage, std::int64_t begin, std::int64_t end,
+                       const Work& work) {
+        PlaneRing<Sample> ring(source_, readsAhead_, job.stop, begin);
+        for (std::int64_t slab = begin; slab < end; ++slab) {
             if (job.isStopRequested())
                 return cancelledError();
-            job.report(static_cast<double>(slab) / static_cast<double>(ring.slabCount()), stage);
+            job.report(static_cast<double>(slab - begin) / static_cast<double>(end - begin), stage);
             ISO_TRY(ring.advance(slab));
             ISO_TRY(work(slab, ring));
         }
         return {};
     }
+
+    std::int64_t slabCount() const { return chunks_.chunks()[2]; }
 
     // Least and greatest sample, lane by lane, so that whole vectors are compared; missing ones are beyond the ends.
     struct Range {
@@ -189,22 +287,23 @@ private:
     using EncodedChunk = std::vector<std::byte>;
     using Row = std::vector<EncodedChunk>;
 
-    Status storeSamples(const JobControl& job) {
+    Status storeSamples(std::int64_t firstSlab, const JobControl& job) {
         tbb::enumerable_thread_specific<Worker> workers([this] { return Worker(geometry_.dims); });
         const auto store = [&](std::int64_t slab, const PlaneRing<Sample>& ring) -> Status {
             if (slab == 0)
                 ISO_TRY(createWriter(ring));
-            return storeSlab(slab, ring, workers);
+            ISO_TRY(storeSlab(slab, ring, workers));
+            if (!checkpoints_.isDue())
+                return {};
+            collect(workers);
+            return makeCheckpoint(slab + 1);
         };
-        ISO_TRY(forEachSlab(job, "storing samples", store));
+        ISO_TRY(forEachSlab(job, "storing samples", firstSlab, slabCount(), store));
         ISO_TRY(writer_->endChunks());
-        ValueCounts<Sample> counts;
-        for (Worker& worker : workers) {
-            counts.merge(worker.counts);
-            missingCells_.insert(missingCells_.end(), worker.missingCells.begin(), worker.missingCells.end());
-        }
+        collect(workers);
         std::sort(missingCells_.begin(), missingCells_.end(),
                   [](const index::MissingCells& a, const index::MissingCells& b) { return a.brick < b.brick; });
+        ValueCounts<Sample>& counts = counts_;
         if constexpr (ValueCounts<Sample>::kByKey) {
             Key least = 0, greatest = 0;
             if (!counts.range(least, greatest))
@@ -216,6 +315,15 @@ private:
         counts.fill(info_, bins_);
         info_.nanCount = static_cast<std::uint64_t>(pointCount(geometry_.dims)) - counts.samples();
         return {};
+    }
+
+    void collect(tbb::enumerable_thread_specific<Worker>& workers) {
+        for (Worker& worker : workers) {
+            counts_.merge(worker.counts);
+            worker.counts = {};
+            missingCells_.insert(missingCells_.end(), worker.missingCells.begin(), worker.missingCells.end());
+            worker.missingCells.clear();
+        }
     }
 
     Status storeSlab(std::int64_t slab, const PlaneRing<Sample>& ring,
@@ -260,21 +368,24 @@ private:
         return index::encodeChunk<Sample>(samples, scan.extent());
     }
 
+    auto countingSamples() {
+        return [this](std::int64_t slab, const PlaneRing<Sample>& ring) -> Status {
+            const std::int64_t begin = slab * ring.kThickness,
+                               end = std::min(geometry_.dims[2], begin + ring.kThickness);
+            const auto row = static_cast<std::size_t>(geometry_.dims[0]);
+            tbb::parallel_for(begin, end, [&](std::int64_t z) {
+                for (std::int64_t y = 0; y < geometry_.dims[1]; ++y)
+                    distinct_.add(std::span(ring.plane(z) + row * static_cast<std::size_t>(y), row));
+            });
+            return {};
+        };
+    }
+
     // What did not fit into memory is counted in further passes.
     Status countDistinct(const JobControl& job) {
         if constexpr (!ValueCounts<Sample>::kByKey) {
-            const auto count = [&](std::int64_t slab, const PlaneRing<Sample>& ring) -> Status {
-                const std::int64_t begin = slab * ring.kThickness,
-                                   end = std::min(geometry_.dims[2], begin + ring.kThickness);
-                const auto row = static_cast<std::size_t>(geometry_.dims[0]);
-                tbb::parallel_for(begin, end, [&](std::int64_t z) {
-                    for (std::int64_t y = 0; y < geometry_.dims[1]; ++y)
-                        distinct_.add(std::span(ring.plane(z) + row * static_cast<std::size_t>(y), row));
-                });
-                return {};
-            };
             while (!distinct_.endPass())
-                ISO_TRY(forEachSlab(job, "counting values", count));
+                ISO_TRY(forEachSlab(job, "counting values", countingSamples()));
             info_.distinctValues = distinct_.count();
         }
         return {};
@@ -301,6 +412,7 @@ private:
         if (!writer.isOk())
             return std::move(writer).error();
         writer_ = std::move(writer).value();
+        checkpoints_.own(false);
         return {};
     }
 
@@ -328,18 +440,29 @@ private:
     bool readsAhead_;
     index::IndexInfo info_;
     ValueBins<Sample> bins_;
+    ValueCounts<Sample> counts_;
     BrickSpans<Key> spans_;
     DistinctKeys<Sample> distinct_;
     std::vector<index::MissingCells> missingCells_;
+    bool isResumed_ = false;
+    DiskForecast forecast_;
     std::unique_ptr<index::IndexWriter> writer_;
+    BuildCheckpoints checkpoints_; ///< gone before the writer, whose partial file is locked
 };
 
 } // namespace
 
-Result<index::IndexInfo> buildMetacells(io::VolumeSource& source, const std::filesystem::path& indexPath,
-                                        const BuildOptions& options, const JobControl& job) {
-    return visitScalarType(source.info().type, [&](auto sample) {
-        return MetacellBuild<decltype(sample)>(source, indexPath, options, job).run();
+Status buildMetacells(io::VolumeSource& source, const std::filesystem::path& indexPath, const BuildOptions& options,
+                      const JobControl& job, BuildReport& report) {
+    return visitScalarType(source.info().type, [&](auto sample) -> Status {
+        MetacellBuild<decltype(sample)> build(source, indexPath, options, job);
+        auto info = build.run();
+        if (!info.isOk())
+            return std::move(info).error();
+        report.info = std::move(info).value();
+        report.isResumed = build.isResumed();
+        report.forecast = build.forecast();
+        return {};
     });
 }
 

@@ -25,14 +25,16 @@ public:
     static constexpr std::int64_t kLeastPlanes = kThickness + 2;
     static constexpr std::int64_t kPlanes = kLeastPlanes + kThickness;
 
-    PlaneRing(io::VolumeSource& source, bool readsAhead, std::stop_token stop)
+    /// `firstSlab`: the one to begin with.
+    PlaneRing(io::VolumeSource& source, bool readsAhead, std::stop_token stop, std::int64_t firstSlab = 0)
         : source_(source),
           dims_(source.info().geometry.dims),
           planeSize_(static_cast<std::size_t>(dims_[0] * dims_[1])),
           planes_(std::min(dims_[2], readsAhead ? kPlanes : kLeastPlanes)),
           readsAhead_(readsAhead),
           stop_(std::move(stop)),
-          samples_(planeSize_ * static_cast<std::size_t>(planes_)) {}
+          samples_(planeSize_ * static_cast<std::size_t>(planes_)),
+          next_(std::max<std::int64_t>(0, firstSlab * kThickness - 1)) {}
     ~PlaneRing() { reading_.wait(); }
     PlaneRing(const PlaneRing&) = delete;
     PlaneRing& operator=(const PlaneRing&) = delete;
@@ -44,7 +46,7 @@ public:
     }
 
     /// Afterwards the slab, one plane below and one above it are there.
-    /// REQUIRES: called with 0, 1, 2, … Errors: those of the source, Cancelled.
+    /// REQUIRES: called with the first slab, then the next ones in turn. Errors: those of the source, Cancelled.
     Status advance(std::int64_t slab) {
         reading_.wait();
         const std::int64_t end = std::min(dims_[2], (slab + 1) * kThickness + 1);
@@ -92,7 +94,7 @@ private:
     bool readsAhead_;
     std::stop_token stop_;
     std::vector<Sample> samples_; ///< plane z at z modulo planes_
-    std::int64_t next_ = 0; ///< plane to read
+    std::int64_t next_; ///< plane to read
     std::optional<Error> error_;
     tbb::task_group reading_;
 };

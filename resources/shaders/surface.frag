@@ -1,9 +1,10 @@
 #version 330 core
-// Two-sided: a key light over the viewer's left shoulder, a headlight, a cool fill from below right.
+// Two-sided: a key light, a headlight, a cool fill from below right.
 in vec3 viewPosition;
 in vec3 viewNormal;
 in vec3 gridPosition; // grid index units
 in float leafLevel; // of the leaf edge on which a vertex lies
+flat in vec4 tintColour; // of the piece; a: how much of it counts
 
 uniform vec3 frontColour; // linear light
 uniform vec3 backColour;
@@ -11,8 +12,17 @@ uniform vec4 highlightColour;  // a: how much of it covers the surface
 uniform vec4 spot;        // grid index units: middle and radius of what is highlighted
 uniform vec4 spotColour;  // a: how much of it covers the surface
 uniform vec3 levelColours[4];
+uniform float tintShare; // 0: there are no tints
 uniform float levelShare; // 1: surface coloured by level, 0: not
 uniform float perspective; // 1 perspective, 0 orthographic
+uniform vec3 keyDirection; // unit vector
+uniform vec3 lightShares; // of key light, headlight and fill
+
+#ifdef PEELING // see ui/render/transparent_layers.h
+uniform sampler2D opaqueDepth;
+uniform sampler2D peeledDepth; // of the layer before
+uniform float opacity;
+#endif
 
 out vec4 colour;
 
@@ -24,17 +34,30 @@ vec3 shadingNormal() {
     return normal;
 }
 
+vec3 surfaceColour() {
+    if (scalarKind == 0)
+        return gl_FrontFacing ? frontColour : backColour;
+    return scalarColour(gridPosition) * (gl_FrontFacing ? 1.0 : 0.45);
+}
+
 void main() {
     vec3 toViewer = perspective > 0.5 ? normalize(-viewPosition) : vec3(0.0, 0.0, 1.0);
     vec3 normal = shadingNormal();
+#ifdef PEELING
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float depth = gl_FragCoord.z;
+    if (depth <= texelFetch(peeledDepth, pixel, 0).r || depth >= texelFetch(opaqueDepth, pixel, 0).r)
+        discard;
+    gl_FragDepth = depth; // exactly what the next layer compares with
+#endif
     if (!gl_FrontFacing)
         normal = -normal;
-    vec3 base = gl_FrontFacing ? frontColour : backColour;
+    vec3 base = surfaceColour();
+    base = mix(base, tintColour.rgb * (gl_FrontFacing ? 1.0 : 0.45), tintShare * tintColour.a);
     float level = clamp(leafLevel, 0.0, 2.999);
     vec3 ofLevel = mix(levelColours[int(level)], levelColours[int(level) + 1], fract(level));
     base = mix(base, ofLevel * (gl_FrontFacing ? 1.0 : 0.45), levelShare);
 
-    const vec3 keyDirection = normalize(vec3(-0.45, 0.62, 0.75));
     const vec3 fillDirection = normalize(vec3(0.75, -0.45, 0.35));
     float key = max(dot(normal, keyDirection), 0.0);
     float head = max(dot(normal, toViewer), 0.0);
@@ -42,9 +65,9 @@ void main() {
     float sky = 0.5 + 0.5 * normal.y;
 
     vec3 light = vec3(0.055) + 0.05 * sky * vec3(0.9, 0.95, 1.0);
-    light += 0.62 * key * vec3(1.0, 0.97, 0.92);
-    light += 0.26 * head;
-    light += 0.10 * fill * vec3(0.75, 0.85, 1.0);
+    light += lightShares.x * key * vec3(1.0, 0.97, 0.92);
+    light += lightShares.y * head;
+    light += lightShares.z * fill * vec3(0.75, 0.85, 1.0);
 
     vec3 halfway = normalize(keyDirection + toViewer);
     float shine = pow(max(dot(normal, halfway), 0.0), 48.0) * 0.16;
@@ -56,4 +79,7 @@ void main() {
     float inSpot = 1.0 - smoothstep(0.8 * spot.w, spot.w, distance(gridPosition, spot.xyz));
     lit = mix(lit, spotColour.rgb * (0.25 + 0.75 * head), spotColour.a * inSpot);
     colour = vec4(pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2)), 1.0);
+#ifdef PEELING
+    colour *= opacity;
+#endif
 }

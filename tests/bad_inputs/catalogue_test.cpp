@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::test {
 namespace {
@@ -18,7 +19,8 @@ std::set<int> casesWithTests() {
     const std::regex name(R"((?:TEST(?:_F|_P)?\(\w+,\s*|\{\s*")((?:B\d{3}_?)+))");
     const std::regex number(R"(B(\d{3}))");
     std::set<int> cases;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(ISOSLIDER_SOURCE_DIR "/tests")) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(std::string(test::sourceFolder()) + "/tests")) {
         if (entry.path().extension() != ".cpp")
             continue;
         const std::string text = readText(entry.path());

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "tests/bad_inputs/bad_input_fixture.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/slab_oracle.h"
 
 namespace isoslider::test {
@@ -241,7 +242,7 @@ protected:
     }
     /// At another moment for each signal.
     static bool isLater(int signal, std::chrono::milliseconds time, int first, int each) {
-#if defined(__SANITIZE_ADDRESS__)
+#if ISO_HAS_SANITIZER
         first += 2000; // it starts slowly
 #endif
         return time.count() >= first + each * (signal == SIGINT ? 0 : signal == SIGTERM ? 1 : 2);
@@ -282,7 +283,7 @@ TEST_F(BadCommand, B100_NobodyReads) {
 }
 
 TEST_F(BadCommand, B101_OtherLocales) {
-#if defined(__SANITIZE_ADDRESS__)
+#if ISO_HAS_SANITIZER
     GTEST_SKIP() << "the C library keeps what it makes of LOCPATH, which is taken for a leak";
 #endif
     const auto volume = sphereVolume();
@@ -356,7 +357,7 @@ TEST_F(BadCommand, B102_ManyIsovalues) {
     // Records that are printed as they come need no memory.
     const auto lines = run({"slide", index, "--from", "9", "--to", "-3", "--steps", "100000"}, options);
     EXPECT_EQ(std::count(lines.standardOutput.begin(), lines.standardOutput.end(), '\n'), 100002);
-#if !defined(__SANITIZE_ADDRESS__)
+#if !ISO_HAS_SANITIZER
     EXPECT_LT(lines.peakRssBytes, few.peakRssBytes + (std::uint64_t{16} << 20));
 #endif
     // As many as one argument holds, some of them twice, down and up.
@@ -376,7 +377,7 @@ TEST_F(BadCommand, B102_ManyIsovalues) {
         EXPECT_EQ(expectAcceptedSoon({"extract", index, "--isovalue", fmt::format("{}", isovalue)})["triangles"],
                   counts.first)
             << isovalue;
-#if !defined(__SANITIZE_ADDRESS__)
+#if !ISO_HAS_SANITIZER
     EXPECT_LT(many.peakRssBytes, few.peakRssBytes + (std::uint64_t{256} << 20)); // of text that is printed at once
 #endif
 }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "tests/bad_inputs/bad_input_fixture.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::test {
 namespace {
@@ -22,7 +23,7 @@ using ::testing::HasSubstr;
 class BadDisk : public BadInputTest {
 protected:
     void SetUp() override {
-#ifndef ISOSLIDER_FAILING_CALLS
+#ifndef ISOSLIDER_HAS_FAILING_CALLS
         GTEST_SKIP() << "sanitizers want to be loaded first themselves";
 #endif
         volume_ = sphereVolume();
@@ -30,8 +31,8 @@ protected:
     ProcessResult runFailing(const std::vector<std::string>& arguments, const char* calls, const std::string& how,
                              long at = 0) const {
         ProcessOptions options;
-#ifdef ISOSLIDER_FAILING_CALLS
-        options.environment = {{"LD_PRELOAD", ISOSLIDER_FAILING_CALLS},
+#ifdef ISOSLIDER_HAS_FAILING_CALLS
+        options.environment = {{"LD_PRELOAD", test::builtFile("libisoslider_failing_calls.so")},
                                {"ISO_FAIL_BELOW", folder_.path().string()},
                                {"ISO_FAIL_CALLS", calls},
                                {"ISO_FAIL_HOW", how},

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <new>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/extract/full_extraction.h"
@@ -116,7 +117,7 @@ TEST_P(FailingMemory, B092_ABuildEndsAndLeavesNothing) {
         } else {
             EXPECT_FALSE(isDone);
         }
-        EXPECT_TRUE(folder_.names().empty());
+        EXPECT_THAT(folder_.names(), testing::IsEmpty());
         return isDone;
     });
 }

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "tests/bad_inputs/bad_input_fixture.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/slab_oracle.h"
 
 namespace isoslider::test {
@@ -198,7 +199,7 @@ TEST_F(BadRaw, B010_ProductThatWrapsToNothing) {
 }
 
 TEST_F(BadRaw, B011_MorePointsThan31Bits) {
-#if defined(__SANITIZE_ADDRESS__)
+#if ISO_HAS_SANITIZER
     GTEST_SKIP() << "3 billion samples under a sanitizer take minutes";
 #endif
     const auto file = sparse("a.raw", std::uint64_t{1536} * 1536 * 1297);
@@ -224,7 +225,7 @@ TEST_F(BadRaw, B011_MorePointsThan31Bits) {
 TEST_F(BadRaw, B012_BeyondTheMachine) {
     const auto file = sparse("a.raw", std::uint64_t{2049} * 2049 * 2049);
     ProcessOptions bounded;
-#if !defined(__SANITIZE_ADDRESS__)
+#if !ISO_HAS_SANITIZER
     bounded.addressSpaceBytes = std::uint64_t{4} << 30;
 #endif
     const auto result = run({"build", file, "--raw-dims", "2049,2049,2049", "--raw-type", "u8", "-o", path("a.isx"),
@@ -233,7 +234,7 @@ TEST_F(BadRaw, B012_BeyondTheMachine) {
     EXPECT_EQ(result.exitCode, 3) << result.standardError;
     EXPECT_THAT(result.standardError, HasSubstr("memory budget is too small"));
     EXPECT_FALSE(fs::exists(path("a.isx")));
-#if !defined(__SANITIZE_ADDRESS__)
+#if !ISO_HAS_SANITIZER
     EXPECT_LT(result.peakRssBytes, std::uint64_t{192} << 20) << "before any allocation";
     EXPECT_LT(result.processorTime, std::chrono::seconds(1));
     // Nor is it read whole where there is no memory for it.

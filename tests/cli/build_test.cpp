@@ -15,8 +15,13 @@ TEST_F(CliBuild, ReportsWhatItBuilt) {
     const auto volume = sphereVolume();
     const auto json =
         runJson({"build", volume, "-o", path("a.isx"), "--memory", "64M", "--threads", "2", "--index", "edges"});
-    EXPECT_THAT(keysOf(json), ElementsAre("seconds", "peak_rss_bytes", "index_bytes", "distinct_values", "levels",
-                                          "kind", "topology_events", "topology_seconds"));
+    EXPECT_THAT(keysOf(json), ElementsAre("seconds", "peak_rss_bytes", "forecast_bytes", "index_bytes",
+                                          "forecast_temporary_bytes", "temporary_bytes", "distinct_values", "levels",
+                                          "kind", "resumed", "topology_events", "topology_seconds"));
+    EXPECT_NEAR(json["forecast_bytes"].get<double>(), json["index_bytes"].get<double>(),
+                0.15 * json["index_bytes"].get<double>());
+    EXPECT_LE(json["temporary_bytes"], json["forecast_temporary_bytes"]);
+    EXPECT_THAT(run({"build", volume, "-o", path("b.isx")}).standardOutput, ::testing::HasSubstr("\nforecast: "));
     EXPECT_LT(json["index_bytes"], std::filesystem::file_size(path("a.isx"))) << "topology lies behind it";
     EXPECT_EQ(json["topology_events"], runJson({"topology", path("a.isx")})["event_count"]);
     const auto bare = runJson({"build", volume, "-o", path("a.isx"), "--no-topology", "--index", "edges"});
@@ -26,7 +31,7 @@ TEST_F(CliBuild, ReportsWhatItBuilt) {
     ASSERT_FALSE(json["levels"].empty());
     EXPECT_EQ(json["levels"][0]["blocks"], json["distinct_values"]);
     EXPECT_EQ(json["kind"], "edges");
-    EXPECT_THAT(folder_.names(), ElementsAre("a.isx", "sphere.mha"));
+    EXPECT_THAT(folder_.names(), ElementsAre("a.isx", "b.isx", "sphere.mha"));
 }
 
 // The size of the program that starts another one is no part of that one's memory.
@@ -155,7 +160,7 @@ TEST_P(CliUninterruptedBuild, GoesOnAtASignalThatWasIgnoredAtItsStart) {
     options.ignoredSignals = {GetParam()};
     options.signalToSend = GetParam();
     options.signalWhen = [this] { return folder_.names().size() > 1; };
-    const auto result = run({"build", volume, "-o", path("a.isx"), "--memory", "64M"}, options);
+    const auto result = run({"build", volume, "-o", path("a.isx"), "--memory", "64M", "--no-topology"}, options);
     EXPECT_EQ(result.exitCode, 0) << result.standardError;
     EXPECT_EQ(result.signal, 0);
     EXPECT_THAT(folder_.names(), ElementsAre("a.isx", "noise.mha"));

@@ -1,4 +1,5 @@
 #include "tests/cli/cli_fixture.h"
+#include "tests/support/test_paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,7 +59,7 @@ ProcessResult CliTest::run(const std::vector<std::string>& arguments, const Proc
     ProcessOptions here = options;
     if (here.workingFolder.empty())
         here.workingFolder = folder_.path();
-    return runProcess(ISOSLIDER_CLI, arguments, here);
+    return runProcess(test::builtFile("isoslider-cli"), arguments, here);
 }
 
 OrderedJson CliTest::runJson(std::vector<std::string> arguments) const {

@@ -15,8 +15,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int kSide = kHasSanitizers ? 90 : 130; // of random samples: millions of triangles, and some seconds
-constexpr std::uint32_t kBigStl = kHasSanitizers ? 1'000'000 : 3'000'000;
+constexpr int kSide = kHasSanitizers ? 68 : 96; // of random samples: a million triangles, and some seconds
+constexpr std::uint32_t kBigStl = kHasSanitizers ? 500'000 : 1'500'000;
 
 class CliInterrupt : public CliTest {
 protected:

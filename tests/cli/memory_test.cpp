@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tests/cli/cli_fixture.h"
+#include "tests/support/sanitizers.h"
 
 namespace isoslider::test {
 namespace {
@@ -53,7 +54,7 @@ protected:
     }
 
     void SetUp() override {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if ISO_HAS_SANITIZER
         GTEST_SKIP() << "sanitizers take additional memory";
 #endif
     }

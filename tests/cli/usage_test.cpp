@@ -1,22 +1,115 @@
 #include "tests/cli/cli_fixture.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::test {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 class CliUsage : public CliTest {};
 
 TEST_F(CliUsage, ShowsHelpAndVersionOnStandardOutput) {
     const auto help = run({"--help"});
     EXPECT_EQ(help.exitCode, 0);
-    for (const auto* command : {"info", "build", "stats", "extract", "slide", "check", "resample"}) {
+    for (const auto* command : {"info", "build", "stats", "extract", "slide", "check", "resample", "validate"}) {
         EXPECT_THAT(help.standardOutput, HasSubstr(std::string("\n  ") + command + " "));
         EXPECT_EQ(run({command, "--help"}).exitCode, 0);
     }
     const auto version = run({"--version"});
     EXPECT_EQ(version.exitCode, 0);
     EXPECT_THAT(version.standardOutput, ::testing::StartsWith("isoslider-cli "));
+}
+
+TEST_F(CliUsage, SaysNothingWhenAskedToBeQuiet) {
+    const auto volume = sphereVolume();
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"info", volume, "--quiet"},
+                                                  {"build", volume, "-o", path("a.isx"), "-q"},
+                                                  {"validate", path("a.isx"), "-q"}}) {
+        const auto result = run(words);
+        EXPECT_EQ(result.exitCode, 0);
+        EXPECT_EQ(result.standardOutput + result.standardError, "");
+    }
+    EXPECT_EQ(run({"info", path("none.mha"), "-q"}).exitCode, 4);
+    EXPECT_NE(run({"info", path("none.mha"), "-q"}).standardError, "") << "failures are stated";
+    EXPECT_EQ(runJson({"info", volume, "-q"})["dims"], OrderedJson({16, 16, 16}));
+}
+
+TEST_F(CliUsage, TakesNamesThatBeginWithADash) {
+    ProcessOptions here;
+    here.workingFolder = folder_.path();
+    folder_.write("-a.mha", readText(sphereVolume()));
+    EXPECT_EQ(run({"info", "--", "-a.mha"}, here).exitCode, 0);
+    EXPECT_EQ(run({"build", "-o", "./-a.isx", "--", "-a.mha"}, here).exitCode, 0);
+    EXPECT_EQ(run({"validate", "--", "-a.isx"}, here).exitCode, 0);
+    EXPECT_EQ(run({"validate", "./-a.isx"}, here).exitCode, 0);
+}
+
+// The completion asks the program itself, so that it knows each command and each option.
+TEST_F(CliUsage, IsCompletedByTheShell) {
+    const auto complete = [&](const std::string& words, int at) {
+        const std::string script = "PATH=\"$(dirname \"$1\"):$PATH\"; source \"$2\"; COMP_WORDS=(" + words +
+                                   "); COMP_CWORD=" + std::to_string(at) +
+                                   "; _isoslider_cli; printf '%s\\n' \"${COMPREPLY[@]}\"";
+        return runProcess("/bin/bash",
+                          {"-c", script, "bash", test::builtFile("isoslider-cli"),
+                           std::string(test::sourceFolder()) + "/packaging/completions/isoslider-cli"},
+                          {.workingFolder = folder_.path()})
+            .standardOutput;
+    };
+    EXPECT_EQ(complete("isoslider-cli val", 1), "validate\n");
+    EXPECT_THAT(complete("isoslider-cli ''", 1), HasSubstr("topology\n"));
+    EXPECT_EQ(complete("isoslider-cli validate --fu", 2), "--full\n");
+    EXPECT_EQ(complete("isoslider-cli build x -o y --res", 5), "--resume\n--resample\n");
+    EXPECT_EQ(complete("isoslider-cli build --index m", 3), "metacells\n");
+    folder_.write("head.mha", "");
+    EXPECT_EQ(complete("isoslider-cli info he", 2), "head.mha\n");
+}
+
+// What the shell would offer is written by a compadd and a _describe that stand for its own.
+TEST_F(CliUsage, IsCompletedByZsh) {
+    constexpr char kShell[] = "/usr/bin/zsh";
+    if (!std::filesystem::exists(kShell))
+        GTEST_SKIP() << "zsh is not installed";
+    const auto complete = [&](const std::string& words, int at) {
+        const std::string script = "path=(${1:h} $path)\n"
+                                   "compadd() { [[ $1 == -- ]] && shift; print -l -- ${(M)@:#${words[CURRENT]}*} }\n"
+                                   "_describe() { print -l -- ${(M)${(P)2}:#${words[CURRENT]}*} }\n"
+                                   "_files() { print files }\n"
+                                   "complete() { local -a words; local CURRENT=$2; words=(" +
+                                   words + "); source $1 }\ncomplete $2 " + std::to_string(at);
+        const auto result = runProcess(kShell,
+                                       {"-f", "-c", script, "zsh", test::builtFile("isoslider-cli"),
+                                        std::string(test::sourceFolder()) + "/packaging/completions/_isoslider-cli"},
+                                       {.workingFolder = folder_.path()});
+        EXPECT_EQ(result.standardError, "");
+        return result.standardOutput;
+    };
+    EXPECT_EQ(complete("isoslider-cli val", 2), "validate:Whether an index is sound, and where it is not\n");
+    EXPECT_THAT(complete("isoslider-cli ''", 2), HasSubstr("topology:"));
+    EXPECT_EQ(complete("isoslider-cli validate --fu", 3), "--full\n");
+    EXPECT_EQ(complete("isoslider-cli build x -o y --res", 6), "--resume\n--resample\n");
+    EXPECT_EQ(complete("isoslider-cli build --index m", 4), "metacells\n");
+    EXPECT_EQ(complete("isoslider-cli extract - --format o", 5), "obj\noff\nom\n");
+    EXPECT_EQ(complete("isoslider-cli info he", 3), "files\n");
+}
+
+TEST_F(CliUsage, RefusesAnOutputThatIsTheInput) {
+    const auto volume = sphereVolume(), index = sphereIndex();
+    std::filesystem::create_directory(folder_ / "series");
+    std::filesystem::create_symlink(volume, folder_ / "link.isx");
+    std::filesystem::create_symlink(index, folder_ / "link.ply");
+    const auto before = readText(volume), indexBefore = readText(index);
+    const std::string saying = "is the input; choose another output";
+    expectRefusal({"build", volume, "-o", volume}, 2, saying);
+    expectRefusal({"build", volume, "-o", path("link.isx")}, 2, saying);
+    expectRefusal({"build", volume, "-o", path("./series/../sphere.mha")}, 2, saying);
+    expectRefusal({"build", path("series"), "-o", path("series")}, 2, saying);
+    expectRefusal({"build", path("series"), "-o", path("series/")}, 2, saying);
+    expectRefusal({"build", volume, "-o", path("series")}, 4, "is a directory");
+    expectRefusal({"extract", index, "--isovalue", "5", "-o", path("link.ply")}, 2, saying);
+    expectRefusal({"resample", volume, "-o", volume}, 2, saying);
+    expectRefusal({"report", volume, "-o", volume}, 2);
+    EXPECT_EQ(readText(volume), before);
+    EXPECT_EQ(readText(index), indexBefore);
 }
 
 TEST_F(CliUsage, RefusesWordsItDoesNotKnow) {
@@ -35,19 +128,10 @@ TEST_F(CliUsage, RefusesWordsItDoesNotKnow) {
     expectRefusal({"--colour", "info", sphereVolume()}, 2, "'--colour'");
 }
 
-TEST_F(CliUsage, RefusesLaterCommandsByNameAndDoesNotListThem) {
-    const auto help = run({"--help"}).standardOutput;
-    for (const auto* command : {"validate"}) {
-        expectRefusal({command}, 2, "not available in this version");
-        expectRefusal({command, "x.isx", "--json", "--at", "5"}, 2, "not available in this version");
-        EXPECT_THAT(help, Not(HasSubstr(command)));
-    }
-}
-
 TEST_F(CliUsage, RefusesLaterOptionsByName) {
     const auto volume = sphereVolume();
     expectRefusal({"build", volume, "-o", "a.isx", "--index", "cells"}, 2, "known: edges, metacells, auto");
-    expectRefusal({"build", volume, "-o", "a.isx", "--resume"}, 2, "not available in this version");
+    expectRefusal({"build", volume, "-o", "a.isx", "--checkpoint", "-1"}, 2, "below zero");
     EXPECT_EQ(run({"build", volume, "-o", "b.isx", "--lod-error", "0%"}).exitCode, 0);
 }
 

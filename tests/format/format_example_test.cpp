@@ -13,6 +13,7 @@
 #include "tests/property/random_volumes.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::index {
 namespace {
@@ -22,7 +23,7 @@ using test::IsOk;
 // The bytes of a ```hex block of the document, the first or the second; a '#' begins a remark.
 std::vector<std::byte> bytesOfWorkedExample(int wanted = 1) {
     std::istringstream text(
-        test::readText(std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "core/index/format/FORMAT.md"));
+        test::readText(std::filesystem::path(test::sourceFolder()) / "core/index/format/FORMAT.md"));
     std::vector<std::byte> bytes;
     bool isInside = false;
     int block = 0;

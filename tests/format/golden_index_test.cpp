@@ -11,10 +11,12 @@
 #include "core/extract/slide_engine.h"
 #include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
+#include "core/index/validation/index_validation.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::index {
 namespace {
@@ -22,7 +24,7 @@ namespace {
 using test::HasError;
 using test::IsOk;
 
-const std::filesystem::path kData = std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "tests/data";
+const std::filesystem::path kData = std::filesystem::path(test::sourceFolder()) / "tests/data";
 const std::filesystem::path kGolden = kData / "golden_v4.isx";
 const std::filesystem::path kGoldenMetacells = kData / "golden_v4_metacells.isx";
 
@@ -100,6 +102,20 @@ TEST_P(GoldenIndexKind, SlidesLikeItsVolume) {
         EXPECT_TRUE(test::isSameSurface(slid, extract::extractFull(*grid, isovalue).value())) << isovalue;
         EXPECT_TRUE(test::hasExpectedNormals(slid, *grid)) << isovalue;
     }
+}
+
+TEST_P(GoldenIndexKind, IsSound) {
+    ValidationOptions options;
+    options.isFull = true;
+    const auto source = std::shared_ptr<io::VolumeSource>(io::makeMemorySource(goldenVolume()));
+    options.volume = ComparedVolume{source->info().geometry, source->info().type,
+                                    [source](std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
+                                        return source->readSlab(zBegin, zEnd, out);
+                                    }};
+    const auto report = validateIndex(golden(), options);
+    ASSERT_THAT(report, IsOk());
+    EXPECT_EQ(report.value().faultCount, 0u) << (report.value().isSound() ? "" : report.value().faults[0].line());
+    EXPECT_TRUE(report.value().areEdgesCompared);
 }
 
 TEST(GoldenIndex, HasHiddenCorners) {

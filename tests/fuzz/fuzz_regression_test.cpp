@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/fuzz/fuzz_targets.h"
+#include "tests/support/test_paths.h"
 
 // Every target over its seeds and over what fuzzing has found once, with any compiler: a promise that is broken aborts.
 
@@ -20,7 +21,7 @@ std::vector<fs::path> filesIn(const char* kind, std::string_view target) {
     std::vector<fs::path> files;
     std::error_code none;
     for (const auto& entry :
-         fs::directory_iterator(fs::path(ISOSLIDER_SOURCE_DIR) / "tests/fuzz" / kind / target, none))
+         fs::directory_iterator(fs::path(test::sourceFolder()) / "tests/fuzz" / kind / target, none))
         files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     return files;

@@ -125,14 +125,14 @@ TEST_F(ChoicesTest, TheMouseFoldsGroupsAndOpensDataSets) {
     const auto run1 = view->model()->index(1, 0), run2 = view->model()->index(2, 0);
     QTest::mouseClick(view->viewport(), Qt::LeftButton, {}, at(run1));
     EXPECT_EQ(highlighted(view), QStringLiteral("density"));
-    QTest::mouseDClick(view->viewport(), Qt::LeftButton, {}, at(run1));
+    doubleClick(*view->viewport(), Qt::LeftButton, {}, at(run1));
     EXPECT_FALSE(view->isExpanded(run1)) << "a double click folds a group and opens nothing";
     EXPECT_TRUE(shown->isVisible());
     const auto velocity = view->model()->index(0, 0, run2);
     QTest::mouseClick(view->viewport(), Qt::LeftButton, {}, at(velocity));
     EXPECT_EQ(highlighted(view), QStringLiteral("velocity"));
     ASSERT_TRUE(waitForPreview(shown));
-    QTest::mouseDClick(view->viewport(), Qt::LeftButton, {}, at(velocity));
+    doubleClick(*view->viewport(), Qt::LeftButton, {}, at(velocity));
     ASSERT_TRUE(waitForSurface());
     EXPECT_EQ(session_->dataset()->readOptions.field, "/run2/velocity");
     EXPECT_EQ(session_->dataset()->readOptions.component, 0);

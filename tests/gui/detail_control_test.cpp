@@ -65,6 +65,8 @@ TEST_F(DetailControlTest, StaysForTheNextVolume) {
     open(index::IndexKind::Metacells);
     press(Qt::Key_Right, 7);
     openBall(30);
+    session_->isovalue().request(-10.0);
+    ASSERT_TRUE(waitUntil([this] { return session_->frame()->isovalue == -10.0; }));
     EXPECT_EQ(value().toStdString(), "0.5 cells");
     EXPECT_EQ(session_->frame()->mergeBound.limit, 0.5);
     const auto& leaves = session_->frame()->stats.activeLeaves;
@@ -110,7 +112,7 @@ TEST_F(DetailControlTest, IsCoarserWhileTheHandleIsHeld) {
 
 TEST_F(DetailControlTest, ColoursCellsByTheirSize) {
     open(index::IndexKind::Metacells);
-    auto* legend = child<QLabel>("levelsLegend");
+    auto* legend = child<QLabel>("legend");
     window_->actions().action("view.levels")->trigger();
     EXPECT_TRUE(legend->isHidden()) << "there are no merged cells";
     press(Qt::Key_Right, 5);

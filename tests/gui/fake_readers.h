@@ -22,8 +22,6 @@ namespace isoslider::test {
 
 namespace fs = std::filesystem;
 
-inline QString qpath(const fs::path& path) { return QString::fromStdString(path.string()); }
-
 /// A ball of radius n/3, 0 outside to `top` inside, as samples of T.
 template <class T>
 std::vector<T> ballSamples(const GridDims& dims, double top) {

@@ -14,13 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-QString pathText(const fs::path& path) { return QString::fromStdString(path.string()); }
-
 class FileDialogsTest : public WindowTest {
 protected:
     /// Asks and answers with a file that is not there.
     AnsweringDialogs::Asked askedBy(const char* action, const fs::path& answer) {
-        dialogs_.answers.push_back(pathText(answer));
+        dialogs_.answers.push_back(qpath(answer));
         trigger(action);
         return dialogs_.asked;
     }
@@ -40,9 +38,9 @@ TEST_F(FileDialogsTest, OpeningBeginsWhereItWasLast) {
     EXPECT_EQ(asked.place, QString());
     EXPECT_EQ(asked.filters, widgets::volumeFilters());
     asked = askedBy("file.openFolder", folder_ / "volumes/none");
-    EXPECT_EQ(asked.place, pathText(folder_ / "volumes"));
+    EXPECT_EQ(asked.place, qpath(folder_ / "volumes"));
     asked = askedBy("file.open", folder_ / "none.mha");
-    EXPECT_EQ(asked.place, pathText(folder_ / "volumes"));
+    EXPECT_EQ(asked.place, qpath(folder_ / "volumes"));
     asked = askedBy("file.openSession", folder_ / "none.isosession");
     EXPECT_EQ(asked.filters, widgets::sessionFilters());
     EXPECT_TRUE(waitUntilSettled());
@@ -57,14 +55,14 @@ TEST_F(FileDialogsTest, AMeshIsNamedForItsVolumeAndIsovalueInTheLastFolder) {
     EXPECT_EQ(asked.filters, widgets::meshFilters());
     ASSERT_TRUE(waitUntilSettled());
     asked = askedBy("mesh.export", folder_ / "b.ply");
-    EXPECT_EQ(asked.place, pathText(folder_ / "ball_-6.5.ply"));
+    EXPECT_EQ(asked.place, qpath(folder_ / "ball_-6.5.ply"));
     ASSERT_TRUE(waitUntilSettled());
 }
 
 TEST_F(FileDialogsTest, ASessionLiesBesideItsVolume) {
     openBall();
     const auto asked = askedBy("file.saveSession", folder_ / "s.isosession");
-    EXPECT_EQ(asked.place, pathText(folder_ / "ball.isosession"));
+    EXPECT_EQ(asked.place, qpath(folder_ / "ball.isosession"));
     EXPECT_EQ(asked.filters, widgets::sessionFilters());
     EXPECT_TRUE(waitUntil([this] { return fs::exists(folder_ / "s.isosession"); }));
 }
@@ -91,13 +89,13 @@ TEST_F(FileDialogsTest, EveryFormatHasAFilter) {
 TEST_F(FileDialogsTest, TheSuffixFollowsTheFilter) {
     widgets::PlatformFileDialogs platform;
     QString chosen;
-    platform.askSave(window_.get(), QStringLiteral("Export Mesh"), pathText(folder_ / "ball_1.5.ply"),
+    platform.askSave(window_.get(), QStringLiteral("Export Mesh"), qpath(folder_ / "ball_1.5.ply"),
                      widgets::meshFilters(), [&chosen](const QString& path) { chosen = path; });
     auto* dialog = shownDialog();
     ASSERT_NE(dialog, nullptr);
     EXPECT_EQ(dialog->windowTitle(), QStringLiteral("Export Mesh"));
     EXPECT_EQ(dialog->acceptMode(), QFileDialog::AcceptSave);
-    EXPECT_EQ(dialog->directory().absolutePath(), pathText(folder_.path()));
+    EXPECT_EQ(dialog->directory().absolutePath(), qpath(folder_.path()));
     EXPECT_EQ(dialog->nameFilters(), widgets::meshFilters().split(QStringLiteral(";;")));
     EXPECT_EQ(dialog->defaultSuffix(), QStringLiteral("ply"));
     dialog->selectNameFilter(QStringLiteral("STL (*.stl)"));
@@ -110,15 +108,15 @@ TEST_F(FileDialogsTest, TheSuffixFollowsTheFilter) {
 
 TEST_F(FileDialogsTest, OnlyWhatIsThereCanBeOpened) {
     widgets::PlatformFileDialogs platform;
-    platform.askOpen(window_.get(), QStringLiteral("Open Volume"), pathText(folder_.path()), widgets::volumeFilters(),
+    platform.askOpen(window_.get(), QStringLiteral("Open Volume"), qpath(folder_.path()), widgets::volumeFilters(),
                      [](const QString&) {});
     auto* dialog = shownDialog();
     ASSERT_NE(dialog, nullptr);
     EXPECT_EQ(dialog->acceptMode(), QFileDialog::AcceptOpen);
     EXPECT_EQ(dialog->fileMode(), QFileDialog::ExistingFile);
-    EXPECT_EQ(dialog->directory().absolutePath(), pathText(folder_.path()));
+    EXPECT_EQ(dialog->directory().absolutePath(), qpath(folder_.path()));
     delete dialog;
-    platform.askFolder(window_.get(), QStringLiteral("Open Folder"), pathText(folder_.path()), [](const QString&) {});
+    platform.askFolder(window_.get(), QStringLiteral("Open Folder"), qpath(folder_.path()), [](const QString&) {});
     dialog = shownDialog();
     ASSERT_NE(dialog, nullptr);
     EXPECT_EQ(dialog->fileMode(), QFileDialog::Directory);

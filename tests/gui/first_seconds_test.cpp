@@ -5,8 +5,10 @@
 #include <QAction>
 #include <QDockWidget>
 #include <QLabel>
+#include <QPushButton>
 #include <QTest>
 
+#include "tests/gui/gyroid_file.h"
 #include "tests/gui/run_recorder.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
@@ -20,40 +22,6 @@ namespace isoslider::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A gyroid within a ball, of 16-bit samples as a header and a raw file, like a CT of 12 bits; air around it
-/// is 0.
-fs::path writeGyroid(const TemporaryFolder& folder, int n) {
-    std::vector<float> sines, cosines;
-    for (int i = 0; i < n; ++i) {
-        const float angle = 7.0f * static_cast<float>(i) / static_cast<float>(n);
-        sines.push_back(std::sin(angle));
-        cosines.push_back(std::cos(angle));
-    }
-    const float middle = static_cast<float>(n - 1) / 2.0f;
-    std::vector<std::uint16_t> samples;
-    samples.reserve(static_cast<std::size_t>(n) * n * n);
-    const auto at = [](const std::vector<float>& table, int i) { return table[static_cast<std::size_t>(i)]; };
-    for (int z = 0; z < n; ++z)
-        for (int y = 0; y < n; ++y)
-            for (int x = 0; x < n; ++x) {
-                const float dx = static_cast<float>(x) - middle, dy = static_cast<float>(y) - middle,
-                            dz = static_cast<float>(z) - middle;
-                const float rim = std::clamp(
-                    (0.36f * static_cast<float>(n) - std::sqrt(dx * dx + dy * dy + dz * dz)) / 8.0f, 0.0f, 1.0f);
-                const float wave =
-                    at(sines, x) * at(cosines, y) + at(sines, y) * at(cosines, z) + at(sines, z) * at(cosines, x);
-                samples.push_back(static_cast<std::uint16_t>(rim * (2048.0f + 900.0f * wave)));
-            }
-    std::ofstream(folder / "gyroid.raw", std::ios::binary)
-        .write(reinterpret_cast<const char*>(samples.data()),
-               static_cast<std::streamsize>(samples.size() * sizeof samples[0]));
-    const std::string size = std::to_string(n);
-    return folder.write(
-        "gyroid.mhd",
-        "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nDimSize = " + size + " " +
-            size + " " + size + "\nElementSpacing = 1 1 1\nElementType = MET_USHORT\nElementDataFile = gyroid.raw\n");
-}
 
 class FirstSecondsTest : public WindowTest {
 protected:
@@ -70,7 +38,7 @@ protected:
         if (viewport == nullptr)
             return true;
         const auto before = viewport->paintedFrames();
-        viewport->update();
+        viewport->showAgain();
         return waitUntil([&] { return viewport->paintedFrames() > before; });
     }
     void pressKey(Qt::Key key, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
@@ -108,7 +76,7 @@ TEST_F(FirstSecondsTest, TheHandleSlidesWhileTheIndexIsBuiltBehindIt) {
     plot->setFocus();
     const double before = session_->isovalue().displayed();
     for (int step = 0; step < 3; ++step) {
-        QTest::keyClick(plot, Qt::Key_Right);
+        QTest::keyClick(plot, Qt::Key_PageUp);
         ASSERT_TRUE(waitUntil([&] { return !session_->isovalue().isLagging(); }));
     }
     EXPECT_GT(session_->isovalue().displayed(), before);
@@ -123,6 +91,35 @@ TEST_F(FirstSecondsTest, TheHandleSlidesWhileTheIndexIsBuiltBehindIt) {
     EXPECT_EQ(session_->frame()->stats.triangles, inMemory->stats.triangles);
     EXPECT_EQ(session_->frame()->stats.activeEdges, inMemory->stats.activeEdges);
     EXPECT_TRUE(waitUntilSettled());
+}
+
+TEST_F(FirstSecondsTest, TheFirstSurfaceIsStoppedAndAskedForOnTheCard) {
+    builder_->holdsEngine = true;
+    window_->openFile(qpath(writeBall(folder_, "ball.mha", 24)));
+    auto* card = child<QWidget>("loadingCard");
+    auto* button = child<QPushButton>("cancelOpening");
+    auto* stage = child<QLabel>("loadingStage");
+    ASSERT_TRUE(waitUntil([&] { return session_->dataset() != nullptr && session_->moveProgress() > 0.0; }));
+    EXPECT_TRUE(card->isVisible());
+    EXPECT_EQ(button->text(), QStringLiteral("Cancel"));
+    EXPECT_TRUE(stage->text().startsWith(QStringLiteral("Extracting · 15 %"))) << stage->text().toStdString();
+    EXPECT_TRUE(waitUntil([&] { return stage->text().contains(QStringLiteral("s left")); }))
+        << stage->text().toStdString();
+    keepPicture(*window_, "first_surface_comes");
+    QTest::mouseClick(button, Qt::LeftButton);
+    EXPECT_TRUE(session_->hasStoppedMove());
+    EXPECT_TRUE(card->isVisible());
+    EXPECT_EQ(button->text(), QStringLiteral("Extract Surface"));
+    builder_->holdsEngine = false;
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(session_->indexState(), model::IndexState::Ready);
+    EXPECT_EQ(session_->frame(), nullptr) << "nor does the index bring it";
+    keepPicture(*window_, "first_surface_stopped");
+    QTest::mouseClick(button, Qt::LeftButton);
+    ASSERT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
+    EXPECT_FALSE(card->isVisible());
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_TRUE(session_->frame()->isFromIndex);
 }
 
 TEST_F(FirstSecondsTest, AFresh256CubeIsSlidBeforeItsIndexIsThere) {
@@ -248,7 +245,6 @@ TEST_F(PreviewTest, IsSlidAndThenTheWholeVolumeTakesItsPlace) {
     QPointF place;
     if (viewport != nullptr) {
         QTest::keyClick(viewport, Qt::Key_7);
-        trigger("view.changed"); // no highlight
         place = surfaceMiddle(*viewport);
     }
     const auto camera = viewport != nullptr ? viewport->camera() : model::Camera();

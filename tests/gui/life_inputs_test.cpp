@@ -20,8 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-QString qpath(const fs::path& path) { return QString::fromStdString(path.string()); }
-
 class WindowLife : public WindowTest {
 protected:
     static std::size_t threadCount() {

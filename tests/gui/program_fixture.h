@@ -11,6 +11,7 @@
 
 #include "tests/gui/window_fixture.h"
 #include "tests/support/process_runner.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::test {
 
@@ -26,7 +27,7 @@ protected:
         for (const char* name : {"HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME", "XDG_RUNTIME_DIR"})
             options.environment.emplace_back(name, home);
         options.environment.insert(options.environment.end(), environment.begin(), environment.end());
-        return runProcess(ISOSLIDER_PROGRAM, arguments, options);
+        return runProcess(test::builtFile("isoslider"), arguments, options);
     }
     /// One line of ours; the platform's plugin may state something about itself.
     static void expectOneLine(const std::string& text) {

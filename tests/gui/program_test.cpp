@@ -16,6 +16,25 @@ TEST_F(ProgramTest, TakesAPictureOfTheWholeWindow) {
     EXPECT_EQ(image.size(), QSize(1200, 800) * image.devicePixelRatio());
 }
 
+TEST_F(ProgramTest, OpensOneVolumeOfSeveral) {
+    std::string samples;
+    for (int point = 0; point < 4 * 4 * 4; ++point)
+        for (const char component : {static_cast<char>(point), static_cast<char>(64 - point)})
+            samples += component;
+    const auto file = folder_.write("pair.mha", "NDims = 3\nDimSize = 4 4 4\nElementNumberOfChannels = 2\n"
+                                                "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
+                                                    samples);
+    const auto picture = folder_ / "out.png";
+    const auto undecided = run({file.string(), "--screenshot", picture.string()});
+    EXPECT_EQ(undecided.exitCode, 3);
+    EXPECT_NE(undecided.standardError.find("--component"), std::string::npos) << undecided.standardError;
+    for (const char* component : {"1", "magnitude"}) {
+        const auto result = run({file.string(), "--component", component, "--screenshot", picture.string()});
+        EXPECT_EQ(result.exitCode, 0) << result.standardError;
+    }
+    EXPECT_EQ(run({file.string(), "--component", "2", "--screenshot", picture.string()}).exitCode, 3);
+}
+
 TEST_F(ProgramTest, TakesAPictureOfTheStartPage) {
     const auto picture = folder_ / "start.png";
     EXPECT_EQ(run({"--screenshot", picture.string()}).exitCode, 0);
@@ -31,8 +50,9 @@ TEST_F(ProgramTest, TellsItsVersionAndHelp) {
 
 TEST_F(ProgramTest, RefusesWrongUsageWithTwo) {
     const std::vector<std::vector<std::string>> wrong{
-        {"--bogus"},       {"--isovalue", "bone"}, {"--isovalue", "nan"},         {"--size", "10"},
-        {"--size", "0x0"}, {"--screenshot"},       {"--sample", "shell", "a.mha"}};
+        {"--bogus"},       {"--isovalue", "bone"}, {"--isovalue", "nan"},          {"--size", "10"},
+        {"--size", "0x0"}, {"--screenshot"},       {"--sample", "shell", "a.mha"}, {"--frame", "-1"},
+        {"--frame", "x"},  {"--component", "both"}};
     for (const auto& arguments : wrong) {
         const auto result = run(arguments);
         EXPECT_EQ(result.exitCode, 2) << arguments[0];

@@ -6,6 +6,7 @@
 #include <QTableView>
 
 #include "tests/gui/window_fixture.h"
+#include "tests/support/test_paths.h"
 #include "ui/widgets/opening/preview_pane.h"
 
 namespace isoslider::test {
@@ -13,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kData = fs::path(ISOSLIDER_SHARED_DIR) / "data";
+const fs::path kData = fs::path(test::sharedFolder()) / "data";
 
 class RealFilesTest : public WindowTest {
 protected:

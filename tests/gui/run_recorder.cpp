@@ -26,7 +26,9 @@ RunRecorder::RunRecorder(std::string name, widgets::MainWindow& window, model::S
     : name_(std::move(name)), window_(window), session_(session) {
     subscription_ = session_.frameChanged().observe([this] { noteFrame(); });
     if (auto* viewport = window_.viewportHost().viewport())
-        connect(viewport, &widgets::ViewportWidget::painted, this, [this] {
+        connect(viewport, &widgets::ViewportWidget::painted, this, [this, viewport] {
+            if (noted_ == nullptr || viewport->shownIsovalue() != noted_->isovalue)
+                return; // a picture of what was there before
             for (auto& row : rows_)
                 if (row.painted < 0.0)
                     row.painted = seconds();

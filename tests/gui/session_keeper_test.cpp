@@ -1,5 +1,6 @@
 // Sessions in the window: saved and opened by the user, kept by themselves, offered when they were lost.
 #include <fstream>
+#include <sstream>
 
 #include <QAction>
 #include <QPushButton>
@@ -19,13 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-QString pathText(const fs::path& path) { return QString::fromStdString(path.string()); }
-
 class SessionKeeperTest : public WindowTest {
 protected:
     fs::path saveSession() {
         const auto path = folder_ / "ball.isosession";
-        dialogs_.answers.push_back(pathText(path));
+        dialogs_.answers.push_back(qpath(path));
         trigger("file.saveSession");
         EXPECT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
         EXPECT_TRUE(fs::exists(path));
@@ -48,7 +47,7 @@ protected:
         ASSERT_TRUE(model::SessionSlot::create(folder).value()->save(saved).isOk());
     }
     void openAndWait(const fs::path& path) {
-        window_->openFile(pathText(path));
+        window_->openFile(qpath(path));
         ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr && session_->isSettled(); }));
     }
 };
@@ -60,6 +59,11 @@ TEST_F(SessionKeeperTest, ShowsAgainWhatWasSaved) {
     ASSERT_TRUE(waitUntilSettled());
     window_->actions().action("view.box")->setChecked(false);
     window_->actions().action("view.perspective")->setChecked(false);
+    auto& view = window_->viewportHost().viewState();
+    auto options = view.options();
+    options.pieces.leastSize = 0.5;
+    options.pieces.largest = 7;
+    view.setOptions(options);
     model::CameraPose pose;
     if (auto* viewport = window_->viewportHost().viewport()) {
         viewport->changeCamera([](model::Camera& camera) {
@@ -78,6 +82,8 @@ TEST_F(SessionKeeperTest, ShowsAgainWhatWasSaved) {
     EXPECT_EQ(session_->isovalue().requested(), -7.5);
     EXPECT_EQ(session_->frame()->mergeBound.limit, 0.35);
     EXPECT_FALSE(isChecked("view.box"));
+    EXPECT_EQ(view.options().pieces.leastSize, 0.5);
+    EXPECT_EQ(view.options().pieces.largest, 7u);
     if (auto* viewport = window_->viewportHost().viewport()) {
         EXPECT_FALSE(isChecked("view.perspective"));
         EXPECT_EQ(viewport->camera().target(), pose.target);
@@ -85,6 +91,26 @@ TEST_F(SessionKeeperTest, ShowsAgainWhatWasSaved) {
         EXPECT_NEAR(glm::length(viewport->camera().orientation() - pose.orientation), 0.0, 1e-12);
     }
     EXPECT_FALSE(window_->messageBar().isVisible()) << message();
+}
+
+TEST_F(SessionKeeperTest, OneOfAnEarlierVersionLeavesBackgroundLightAndColoursAsTheyAre) {
+    openBall();
+    const auto path = saveSession();
+    std::stringstream text;
+    text << std::ifstream(path).rdbuf();
+    std::string old = text.str();
+    for (const char* member : {"\"stage\"", "\"colouring\""})
+        old.replace(old.find(member), std::string(member).size(), "\"later\"");
+    std::ofstream(path) << old;
+    auto& view = window_->viewportHost().viewState();
+    auto options = view.options();
+    options.stage.background = model::Background::White;
+    options.stage.hasOcclusion = !options.stage.hasOcclusion;
+    options.colouring.map = model::ColourMap::Magma;
+    view.setOptions(options);
+    openAndWait(path);
+    EXPECT_EQ(view.options().stage, options.stage);
+    EXPECT_EQ(view.options().colouring.map, model::ColourMap::Magma);
 }
 
 TEST_F(SessionKeeperTest, B110_ADamagedFileOpensWithDefaultsAndListsWhatIsWrong) {
@@ -99,7 +125,7 @@ TEST_F(SessionKeeperTest, B110_ADamagedFileOpensWithDefaultsAndListsWhatIsWrong)
     keepPicture(*window_, "session_problems");
 
     for (const char* bytes : {"", "{", "\x89PNG\r\n"}) {
-        window_->openFile(pathText(folder_.write("bad.isosession", bytes)));
+        window_->openFile(qpath(folder_.write("bad.isosession", bytes)));
         EXPECT_NE(message().find("bad.isosession"), std::string::npos) << message();
         EXPECT_NE(session_->dataset(), nullptr) << "what was open stays";
     }
@@ -112,13 +138,13 @@ TEST_F(SessionKeeperTest, B110_AVolumeThatIsGoneIsAskedFor) {
     trigger("file.close");
     fs::create_directory(folder_ / "elsewhere");
     fs::rename(folder_ / "ball.mha", folder_ / "elsewhere/moved.mha");
-    window_->openFile(pathText(path));
+    window_->openFile(qpath(path));
     EXPECT_TRUE(window_->messageBar().isVisible());
     EXPECT_NE(message().find("not where it was"), std::string::npos) << message();
     EXPECT_NE(message().find("ball.mha"), std::string::npos) << message();
     EXPECT_EQ(session_->dataset(), nullptr);
     keepPicture(*window_, "session_volume_missing");
-    dialogs_.answers.push_back(pathText(folder_ / "elsewhere/moved.mha"));
+    dialogs_.answers.push_back(qpath(folder_ / "elsewhere/moved.mha"));
     press(window_->messageBar(), 0);
     ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr && session_->isSettled(); }));
     EXPECT_EQ(session_->isovalue().requested(), -6.25);
@@ -126,7 +152,7 @@ TEST_F(SessionKeeperTest, B110_AVolumeThatIsGoneIsAskedFor) {
 
 TEST_F(SessionKeeperTest, SaysWhenItCannotSave) {
     openBall();
-    dialogs_.answers.push_back(pathText(folder_ / "none/ball.isosession"));
+    dialogs_.answers.push_back(qpath(folder_ / "none/ball.isosession"));
     trigger("file.saveSession");
     ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
     EXPECT_NE(message().find("was not saved"), std::string::npos) << message();
@@ -160,7 +186,7 @@ TEST_F(SessionKeeperTest, B111_ALostSessionIsOfferedUntilItIsDecidedUpon) {
     EXPECT_NE(text.find("did not end properly"), std::string::npos) << text;
     EXPECT_NE(text.find("ball.mha, isovalue -8.125"), std::string::npos) << text;
     openAndWait(writeBall(folder_, "other.mha", 16));
-    window_->openFile(pathText(folder_ / "none.mha"));
+    window_->openFile(qpath(folder_ / "none.mha"));
     ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
     EXPECT_TRUE(recoveryBar()->isVisible()) << "other messages do not take its place";
     keepPicture(*window_, "session_recovery");

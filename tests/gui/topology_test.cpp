@@ -20,6 +20,7 @@
 #include <QToolButton>
 #include <QToolTip>
 
+#include "tests/gui/cones.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/widgets/common/small_widgets.h"
@@ -28,35 +29,14 @@
 #include "ui/widgets/isovalue/isovalue_edit.h"
 #include "ui/widgets/isovalue/isovalue_panel.h"
 #include "ui/widgets/panels/topology_table.h"
+#include "ui/widgets/viewport/event_marker.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/settings_store.h"
 
 namespace isoslider::test {
 namespace {
-
-/// Three cones: the surface at 1.5 is three pieces; below, two of them join at 1 and the third at -1.
-std::filesystem::path writeCones(const TemporaryFolder& folder) {
-    constexpr int kPoints = 32;
-    struct Cone {
-        float x, y, z, height;
-    };
-    constexpr std::array<Cone, 3> kCones{{{8, 10, 15, 6}, {17, 10, 15, 4}, {17, 20, 15, 3}}};
-    std::string bytes = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
-                        "DimSize = 32 32 32\nElementSpacing = 1 1 1\nElementType = MET_FLOAT\n"
-                        "ElementDataFile = LOCAL\n";
-    for (int z = 0; z < kPoints; ++z)
-        for (int y = 0; y < kPoints; ++y)
-            for (int x = 0; x < kPoints; ++x) {
-                float value = -30.0f;
-                for (const Cone& cone : kCones)
-                    value = std::max(value, cone.height - std::hypot(static_cast<float>(x) - cone.x,
-                                                                     static_cast<float>(y) - cone.y,
-                                                                     static_cast<float>(z) - cone.z));
-                bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-            }
-    return folder.write("cones.mha", bytes);
-}
 
 class TopologyTest : public WindowTest {
 protected:
@@ -497,21 +477,88 @@ TEST_F(CurvesTest, ChoicesAreKept) {
     EXPECT_NE(legend().find("tunnels: "), std::string::npos) << legend();
 }
 
+/// Pixels in the colour of what is pointed out.
+int cyanIn(widgets::ViewportWidget& viewport) {
+    const QImage image = viewport.grabFramebuffer().convertToFormat(QImage::Format_RGB32);
+    int count = 0;
+    for (int y = 0; y < image.height(); ++y)
+        for (int x = 0; x < image.width(); ++x) {
+            const QRgb pixel = image.pixel(x, y);
+            count += qBlue(pixel) > 100 && qGreen(pixel) > 80 && qBlue(pixel) > 2 * qRed(pixel);
+        }
+    return count;
+}
+
+TEST_F(TopologyTest, WhatASlidePassesIsPointedOutForAMoment) {
+    auto* viewport = window_->viewportHost().viewport();
+    if (viewport == nullptr)
+        GTEST_SKIP() << "no OpenGL 3.3 here";
+    const auto cyan = [viewport] { return cyanIn(*viewport); };
+    const auto slideTo = [this](double value) {
+        isovalue().request(value);
+        return waitUntil([this] { return !isovalue().isLagging(); });
+    };
+    ASSERT_TRUE(slideTo(-8.3)); // the next event has a surface around it
+    ASSERT_TRUE(waitUntil([&] { return cyan() == 0; }));
+    const auto next = *topology().next(-8.3);
+    const double before = topology().events()[next].isovalue;
+    ASSERT_TRUE(slideTo(std::lerp(-8.3, before, 0.5)));
+    EXPECT_EQ(cyan(), 0) << "nothing was passed";
+    ASSERT_TRUE(slideTo(before + 1e-3 * range()));
+    EXPECT_GT(cyan(), 50) << "upwards";
+    EXPECT_FALSE(topology().chosen());
+    ASSERT_TRUE(waitUntil([&] { return cyan() == 0; }, std::chrono::seconds(8)));
+    ASSERT_TRUE(slideTo(-8.3));
+    EXPECT_GT(cyan(), 50) << "and downwards";
+    topology().choose(next);
+    QTest::qWait(100);
+    ASSERT_TRUE(slideTo(before + 1e-3 * range()));
+    ASSERT_TRUE(slideTo(-8.3));
+    QTest::qWait(1700);
+    EXPECT_TRUE(topology().chosen()) << "the chosen one has its own mark";
+    EXPECT_GT(cyan(), 0);
+    QTest::keyClick(window_.get(), Qt::Key_Escape);
+    EXPECT_EQ(cyan(), 0);
+    trigger("isovalue.markPassed");
+    EXPECT_FALSE(settings_->boolean("isovalue/marksPassedEvents"));
+    ASSERT_TRUE(slideTo(before + 1e-3 * range()));
+    EXPECT_EQ(cyan(), 0);
+}
+
+TEST_F(TopologyTest, AnEventThatIsJumpedToIsNotHiddenByWhatLiesBetween) {
+    auto* viewport = window_->viewportHost().viewport();
+    if (viewport == nullptr)
+        GTEST_SKIP() << "no OpenGL 3.3 here";
+    isovalue().request(isovalue().min());
+    ASSERT_TRUE(waitUntil([&] { return !isovalue().isLagging() && cyanIn(*viewport) == 0; }));
+    const auto shown = topology().shown();
+    ASSERT_GT(shown.size(), 1u);
+    for (int step = 0; step < 2; ++step) {
+        trigger("isovalue.nextEvent");
+        ASSERT_TRUE(waitUntil([this] { return !isovalue().isLagging(); }));
+    }
+    const auto chosen = topology().chosen();
+    ASSERT_TRUE(chosen);
+    isovalue().request(isovalue().min());
+    ASSERT_TRUE(waitUntil([this] { return !isovalue().isLagging(); }));
+    QTest::qWait(1700); // what was passed on the way is not pointed out any more
+    const auto* marker = viewport->findChild<widgets::EventMarker*>();
+    ASSERT_NE(marker, nullptr);
+    topology().choose(chosen);
+    const auto place = marker->pointedOut();
+    ASSERT_TRUE(place);
+    isovalue().request(topology().justPast(*chosen));
+    ASSERT_TRUE(waitUntil([this] { return !isovalue().isLagging(); }));
+    EXPECT_EQ(marker->pointedOut(), place) << "the chosen event";
+}
+
 TEST_F(TopologyTest, TheChosenEventIsPointedOutInTheView) {
     auto* viewport = window_->viewportHost().viewport();
     if (viewport == nullptr)
         GTEST_SKIP() << "no OpenGL 3.3 here";
-    const auto cyan = [viewport] {
-        const QImage image = viewport->grabFramebuffer().convertToFormat(QImage::Format_RGB32);
-        int count = 0;
-        for (int y = 0; y < image.height(); ++y)
-            for (int x = 0; x < image.width(); ++x) {
-                const QRgb pixel = image.pixel(x, y);
-                count += qBlue(pixel) > 100 && qGreen(pixel) > 80 && qBlue(pixel) > 2 * qRed(pixel);
-            }
-        return count;
-    };
-    EXPECT_EQ(cyan(), 0);
+    const auto cyan = [viewport] { return cyanIn(*viewport); };
+    isovalue().request(-8.3); // the next event has a surface around it
+    ASSERT_TRUE(waitUntil([&] { return !isovalue().isLagging() && cyan() == 0; }));
     trigger("isovalue.nextEvent");
     ASSERT_TRUE(waitUntil([this] { return !isovalue().isLagging(); }));
     const int clear = cyan();

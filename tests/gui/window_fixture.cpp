@@ -8,6 +8,7 @@
 #include <QDropEvent>
 #include <QElapsedTimer>
 #include <QMimeData>
+#include <QPointer>
 #include <QTest>
 #include <QUrl>
 
@@ -49,6 +50,10 @@ Status HoldableBuilder::buildFrom(io::VolumeSource& source, const std::string& s
 
 Result<std::unique_ptr<extract::SlideEngine>> HoldableBuilder::engineInMemory(
     const std::shared_ptr<const ScalarGrid>& grid, const JobControl& job) {
+    while (holdsEngine && !job.isStopRequested()) {
+        job.report(0.5, "looking at samples");
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
     return preprocess::makeMemoryEngine(grid, job);
 }
 
@@ -68,12 +73,27 @@ std::filesystem::path writeBall(const TemporaryFolder& folder, const char* name,
     return folder.write(name, bytes);
 }
 
+void doubleClick(QWidget& widget, Qt::MouseButton button, Qt::KeyboardModifiers modifiers, QPoint at) {
+    const QPointer<QWidget> alive(&widget); // a double click may close what it was made on
+    QTest::mouseDClick(&widget, button, modifiers, at);
+    QWidget* receiver = alive != nullptr ? alive.data() : QApplication::activeWindow();
+    if (receiver != nullptr)
+        QTest::mouseRelease(receiver, button, modifiers, at);
+}
+
 WindowTest::WindowTest()
     : settings_(std::make_unique<widgets::SettingsStore>(QString::fromStdString((folder_ / "settings.ini").string()))) {
     makeWindow();
 }
 
 WindowTest::~WindowTest() {
+    // A button that stays down would be held for all tests that follow.
+    const Qt::MouseButtons held = QGuiApplication::mouseButtons();
+    EXPECT_EQ(held, Qt::NoButton) << "a mouse button is still down";
+    for (const auto button : {Qt::LeftButton, Qt::MiddleButton, Qt::RightButton}) {
+        if (held.testFlag(button) && window_ != nullptr)
+            QTest::mouseRelease(window_.get(), button);
+    }
     window_.reset();
     session_.reset();
     QCoreApplication::sendPostedEvents();

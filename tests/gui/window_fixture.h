@@ -20,6 +20,8 @@
 
 namespace isoslider::test {
 
+inline QString qpath(const std::filesystem::path& path) { return QString::fromStdString(path.string()); }
+
 /// Answers dialogs beforehand; an unexpected one fails the test.
 class AnsweringDialogs final : public widgets::FileDialogs {
 public:
@@ -69,6 +71,7 @@ public:
     Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>& grid,
                                                                  const JobControl& job) override;
     std::atomic<bool> holds{false};
+    std::atomic<bool> holdsEngine{false}; ///< so the first surface does not come
     index::IndexKind kind = index::IndexKind::Metacells; ///< of the next index
 
 private:
@@ -79,6 +82,10 @@ private:
 /// -distance from the middle of an n^3 grid as a MetaImage file of floats: the isosurface at -r is
 /// a sphere of radius r cells.
 std::filesystem::path writeBall(const TemporaryFolder& folder, const char* name, int n);
+
+/// A double click and the release after it, which QTest leaves out for widgets: without it the button would be
+/// down for all that follows.
+void doubleClick(QWidget& widget, Qt::MouseButton button, Qt::KeyboardModifiers modifiers, QPoint at);
 
 /// The whole window with real panels, on settings and a separate cache.
 class WindowTest : public ::testing::Test {

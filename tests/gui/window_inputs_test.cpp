@@ -10,8 +10,6 @@
 #include <QGuiApplication>
 #include <QLabel>
 #include <QMouseEvent>
-#include <QOpenGLContext>
-#include <QOpenGLFunctions>
 #include <QTest>
 #include <QToolTip>
 #include <QWheelEvent>
@@ -22,6 +20,7 @@
 #include "core/extract/live/brick_picture.h"
 #include "core/volume_io/volume_reader.h"
 #include "tests/gui/window_fixture.h"
+#include "ui/render/gl_support.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_edit.h"
 #include "ui/widgets/isovalue/isovalue_panel.h"
@@ -140,16 +139,6 @@ protected:
     widgets::IsovalueEdit& edit() { return window_->isovaluePanel().edit(); }
     model::IsovalueModel& isovalue() { return session_->isovalue(); }
 
-    bool isDrawnInSoftware() {
-        auto* viewport = window_->viewportHost().viewport();
-        if (viewport == nullptr)
-            return false; // nor by hardware
-        viewport->makeCurrent();
-        const auto* name = viewport->context()->functions()->glGetString(GL_RENDERER);
-        const QString renderer = QString::fromLatin1(reinterpret_cast<const char*>(name));
-        viewport->doneCurrent();
-        return renderer.contains(QLatin1String("llvmpipe")) || renderer.contains(QLatin1String("softpipe"));
-    }
     void expectFreshExtraction(const std::filesystem::path& volume) {
         const auto grid = io::readVolume(volume);
         ASSERT_TRUE(grid.isOk());
@@ -204,7 +193,7 @@ TEST_F(WindowInputs, B107_TheHandleIsDragged1000TimesASecondWhileAVolumeIsOpened
         probe.stallMs(1.0), probe.processorMs(0.99), probe.processorMs(1.0), 100.0 * probe.processorShare());
     EXPECT_LE(probe.processorMs(0.99), 100.0);
     // A driver that draws in software takes the processors that read, build and slide, and the window waits for it.
-    if (!isDrawnInSoftware()) {
+    if (!(render::isOpenGlUsable() && render::isOpenGlSoftware())) {
         EXPECT_LE(probe.stallMs(0.99), 100.0);
     }
     ASSERT_TRUE(waitUntil([&] { return session_->isSettled(); }, std::chrono::seconds(30)));
@@ -234,7 +223,7 @@ TEST_F(WindowInputs, B112_AViewWithoutWidthOrHeight) {
         }
         QTest::mouseRelease(viewport, Qt::LeftButton, {}, QPoint(0, 0));
         viewport->grabFramebuffer();
-        viewport->update();
+        viewport->showAgain();
         QTest::qWait(5);
         const auto& camera = viewport->camera();
         EXPECT_TRUE(std::isfinite(glm::length(camera.eye()))) << size.width() << 'x' << size.height();
@@ -279,7 +268,7 @@ TEST_F(WindowInputs, B112_ASmallWindowKeepsItsPanelsForALargerOne) {
     child<QDockWidget>("meshDock")->raise();
     QTest::qWait(20);
     const auto before = shown();
-    ASSERT_EQ(before.size(), 5u);
+    ASSERT_GE(before.size(), 5u);
     window_->resize(320, 240);
     QTest::qWait(20);
     EXPECT_EQ(shown(), (std::set<QString>{QStringLiteral("isovalueDock")}));

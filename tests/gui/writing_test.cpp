@@ -17,8 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-QString pathText(const fs::path& path) { return QString::fromStdString(path.string()); }
-
 class WritingTest : public WindowTest {
 protected:
     void SetUp() override {
@@ -42,7 +40,7 @@ TEST_F(WritingTest, TheWatchSeesBothThreads) {
 }
 
 TEST_F(WritingTest, ASessionIsSavedByAnotherThread) {
-    dialogs_.answers.push_back(pathText(folder_ / "ball.isosession"));
+    dialogs_.answers.push_back(qpath(folder_ / "ball.isosession"));
     trigger("file.saveSession");
     ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
     EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("Session saved")));
@@ -62,7 +60,7 @@ TEST_F(WritingTest, ASessionIsKeptByAnotherThread) {
 }
 
 TEST_F(WritingTest, ASessionIsWrittenThoughTheWindowCloses) {
-    dialogs_.answers.push_back(pathText(folder_ / "ball.isosession"));
+    dialogs_.answers.push_back(qpath(folder_ / "ball.isosession"));
     trigger("file.saveSession");
     window_.reset();
     EXPECT_TRUE(model::readSession(folder_ / "ball.isosession").isOk());
@@ -77,7 +75,7 @@ TEST_F(WritingTest, SettingsAreKeptByAnotherThread) {
     window_.reset();
     settings_.reset();
     expectOthersWaited();
-    const widgets::SettingsStore again(pathText(folder_ / "settings.ini"));
+    const widgets::SettingsStore again(qpath(folder_ / "settings.ini"));
     EXPECT_EQ(again.boolean("view/showsBox"), shown);
     EXPECT_FALSE(again.bytes("window/state").isEmpty());
     EXPECT_EQ(again.list("files/recent").size(), 1);
@@ -86,18 +84,18 @@ TEST_F(WritingTest, SettingsAreKeptByAnotherThread) {
 TEST_F(WritingTest, APictureIsWrittenByAnotherThread) {
     if (window_->viewportHost().viewport() == nullptr)
         GTEST_SKIP() << "no OpenGL 3.3 here";
-    dialogs_.answers.push_back(pathText(folder_ / "view.png"));
+    dialogs_.answers.push_back(qpath(folder_ / "view.png"));
     trigger("file.saveImage");
     ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
     EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("Image saved")));
-    EXPECT_FALSE(QImage(pathText(folder_ / "view.png")).isNull());
+    EXPECT_FALSE(QImage(qpath(folder_ / "view.png")).isNull());
     expectOthersWaited();
 }
 
 TEST_F(WritingTest, APictureThatCannotBeWrittenIsTold) {
     if (window_->viewportHost().viewport() == nullptr)
         GTEST_SKIP() << "no OpenGL 3.3 here";
-    dialogs_.answers.push_back(pathText(folder_ / "no" / "view.png"));
+    dialogs_.answers.push_back(qpath(folder_ / "no" / "view.png"));
     trigger("file.saveImage");
     ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
     EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("could not be saved")));
@@ -110,7 +108,7 @@ TEST(PictureFile, IsWrittenInTheFormatOfItsSuffix) {
     for (const char* name : {"a.png", "a.PNG", "a.jpg", "a.bmp"}) {
         const auto status = widgets::writePicture(picture, folder / name);
         ASSERT_TRUE(status.isOk()) << name;
-        EXPECT_EQ(QImage(pathText(folder / name)).size(), picture.size()) << name;
+        EXPECT_EQ(QImage(qpath(folder / name)).size(), picture.size()) << name;
     }
     for (const char* name : {"a", "a.xyz", "a."})
         EXPECT_EQ(widgets::writePicture(picture, folder / name).error().code, ErrorCode::InvalidArgument) << name;

@@ -1,9 +1,16 @@
 // The surface as the graphics card makes it from edge records, against the same surface from arrays of floats.
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <random>
+#include <utility>
 
 #include <QImage>
+#include <QOffscreenSurface>
+#include <QOpenGLContext>
 #include <QOpenGLVersionFunctionsFactory>
 #include <QTest>
 
@@ -15,6 +22,7 @@
 #include "core/extract/slide_engine.h"
 #include "preprocess/metacells/brick_list.h"
 #include "tests/support/result_matchers.h"
+#include "ui/render/brick_draft.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
 #include "ui/widgets/viewport/viewport_widget.h"
@@ -228,9 +236,15 @@ TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
     const auto frame = slideTo(0.2);
     ASSERT_GT(frame->stats.activeLeaves[1], 50u);
     const auto& picture = *frame->bricks;
-    viewport_->makeCurrent();
-    auto* gl = QOpenGLVersionFunctionsFactory::get<render::Gl>(viewport_->context());
-    ASSERT_NE(gl, nullptr);
+    QOpenGLContext context;
+    context.setFormat(render::viewportFormat());
+    ASSERT_TRUE(context.create());
+    QOffscreenSurface surface;
+    surface.setFormat(context.format());
+    surface.create();
+    ASSERT_TRUE(context.makeCurrent(&surface));
+    auto* gl = QOpenGLVersionFunctionsFactory::get<render::Gl>(&context);
+    ASSERT_TRUE(gl != nullptr && gl->initializeOpenGLFunctions());
     QOpenGLShaderProgram program;
     ASSERT_TRUE(program.addShaderFromSourceFile(QOpenGLShader::Vertex,
                                                 QStringLiteral(":/isoslider/shaders/surface_records.vert")));
@@ -297,7 +311,55 @@ TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
     gl->glDeleteBuffers(3, buffers);
     gl->glDeleteTextures(1, &texture);
     gl->glDeleteVertexArrays(1, &array);
-    viewport_->doneCurrent();
+    context.doneCurrent();
+}
+
+// What the surface of a draft is: every side of a triangle has its partner, but for those in the sides of the volume.
+TEST_F(BrickPictureTest, ACoarseSurfaceHasNoCracks) {
+    for (const double noise : {0.0, 0.9}) {
+        open(noise);
+        const auto frame = slideTo(0.2);
+        const auto& picture = *frame->bricks;
+        std::size_t whole = 0, before = std::numeric_limits<std::size_t>::max();
+        for (const int blockCells : {2, 4}) {
+            using Place = std::array<float, 3>;
+            std::map<std::pair<Place, Place>, int> sides;
+            std::size_t triangles = 0;
+            whole = 0;
+            for (const extract::PictureBrick& brick : picture.bricks()) {
+                std::vector<std::uint16_t> coarse;
+                if (brick.indexCount > 0)
+                    render::coarsenBrick({picture.records(brick), brick.recordCount},
+                                         {picture.indices(brick), brick.indexCount}, blockCells, coarse);
+                const auto placeOf = [&](std::size_t i) {
+                    const auto vertex = extract::vertexOf(picture.records(brick)[coarse[i]], brick.origin(),
+                                                          static_cast<float>(frame->isovalue));
+                    return Place{vertex.position.x, vertex.position.y, vertex.position.z};
+                };
+                for (std::size_t i = 0; i < coarse.size(); ++i) {
+                    const auto [low, high] = std::minmax({placeOf(i), placeOf(i % 3 == 2 ? i - 2 : i + 1)});
+                    ++sides[{low, high}];
+                }
+                triangles += coarse.size() / 3;
+                whole += brick.indexCount / 3;
+            }
+            for (const auto& [side, count] : sides) {
+                bool isInVolumeSide = false;
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    // The last bricks end within; there the block that holds the side is merged.
+                    const auto last = static_cast<float>(frame->geometry.dims[axis] - 1 - blockCells);
+                    const float a = side.first[axis], b = side.second[axis];
+                    isInVolumeSide = isInVolumeSide || (a == 0.0f && b == 0.0f) || (a >= last && b >= last);
+                }
+                ASSERT_TRUE(count % 2 == 0 || isInVolumeSide)
+                    << side.first[0] << ' ' << side.first[1] << ' ' << side.first[2];
+            }
+            EXPECT_LT(triangles, whole / 2);
+            EXPECT_LT(triangles, before);
+            EXPECT_GT(triangles, whole / 100);
+            before = triangles;
+        }
+    }
 }
 
 } // namespace

@@ -20,16 +20,16 @@
 namespace isoslider::test {
 namespace {
 
-constexpr int kPoints = 40;
+constexpr int kBallPoints = 40;
 constexpr double kRadius = 14.0; // cells
 
 /// -distance from the middle: the isosurface at -r is a sphere of radius r cells.
 ScalarGrid ballGrid(const GridGeometry& geometry) {
     std::vector<float> values;
-    const float middle = (kPoints - 1) / 2.0f;
-    for (int z = 0; z < kPoints; ++z)
-        for (int y = 0; y < kPoints; ++y)
-            for (int x = 0; x < kPoints; ++x)
+    const float middle = (kBallPoints - 1) / 2.0f;
+    for (int z = 0; z < kBallPoints; ++z)
+        for (int y = 0; y < kBallPoints; ++y)
+            for (int x = 0; x < kBallPoints; ++x)
                 values.push_back(-std::hypot(static_cast<float>(x) - middle, static_cast<float>(y) - middle,
                                              static_cast<float>(z) - middle));
     return ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values);
@@ -49,7 +49,7 @@ std::shared_ptr<extract::SurfaceFrame> sphereFrame(const GridGeometry& geometry,
 
 GridGeometry cubeGeometry() {
     GridGeometry geometry;
-    geometry.dims = {kPoints, kPoints, kPoints};
+    geometry.dims = {kBallPoints, kBallPoints, kBallPoints};
     return geometry;
 }
 
@@ -187,12 +187,15 @@ TEST_F(ViewportImageTest, WhatChangedIsHighlightedWhereItIs) {
     auto frame = sphereFrame(cubeGeometry());
     // The half nearer to the default camera's right: every triangle with x beyond the middle.
     for (std::size_t i = 0; i + 2 < frame->indices.size(); i += 3)
-        if (frame->positions[frame->indices[i]].x > (kPoints - 1) / 2.0f)
+        if (frame->positions[frame->indices[i]].x > (kBallPoints - 1) / 2.0f)
             frame->changedIndices.insert(frame->changedIndices.end(),
                                          frame->indices.begin() + static_cast<std::ptrdiff_t>(i),
                                          frame->indices.begin() + static_cast<std::ptrdiff_t>(i) + 3);
     show(frame);
     viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
+    EXPECT_EQ(countPixels(grab(), isHighlight), 0u) << "unless asked for";
+    options_.showsChanged = true;
+    viewport_->setOptions(options_);
     const QImage highlighted = grab();
     const auto surface = countPixels(highlighted, isSurface);
     const auto highlight = countPixels(highlighted, isHighlight);
@@ -212,7 +215,7 @@ TEST_F(ViewportImageTest, ASpotIsHighlightedAndGoesAgain) {
         camera.setStandardView(model::StandardView::Front);
         camera.zoom(3.0, {0.0, 0.0}, 1.0);
     });
-    const double middle = (kPoints - 1) / 2.0;
+    const double middle = (kBallPoints - 1) / 2.0;
     const QImage plain = grab();
     ASSERT_EQ(countPixels(plain, isSpot), 0u);
     viewport_->setSpot(glm::dvec3(middle, middle - kRadius, middle)); // nearest to the viewer
@@ -234,7 +237,7 @@ TEST_F(ViewportImageTest, ASpotIsHighlightedAndGoesAgain) {
 TEST_F(ViewportImageTest, ASpotBehindTheSurfaceHasARingAllTheSame) {
     show(sphereFrame(cubeGeometry()));
     viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
-    const double middle = (kPoints - 1) / 2.0;
+    const double middle = (kBallPoints - 1) / 2.0;
     const QImage plain = grab();
     viewport_->setSpot(glm::dvec3(middle, middle + kRadius, middle));
     const QImage image = grab();
@@ -257,7 +260,9 @@ TEST_F(ViewportImageTest, ASpotOnWhatChangedIsSeen) {
         camera.setStandardView(model::StandardView::Front);
         camera.zoom(3.0, {0.0, 0.0}, 1.0);
     });
-    const double middle = (kPoints - 1) / 2.0;
+    const double middle = (kBallPoints - 1) / 2.0;
+    options_.showsChanged = true;
+    viewport_->setOptions(options_);
     const QPoint centre(300, 250);
     ASSERT_TRUE(isHighlight(grab().pixel(centre)));
     viewport_->setSpot(glm::dvec3(middle, middle - kRadius, middle));

@@ -85,7 +85,7 @@ private:
 
     void expectFrame(const SlideStats& stats, const SurfaceMesh& slid) {
         SurfaceFrame frame;
-        engine_->copyFrame(frame, true);
+        engine_->copyFrame(frame, {.changes = true});
         before_ = frame;
         expandPicture(frame);
         EXPECT_EQ(frame.isovalue, slid.isovalue);

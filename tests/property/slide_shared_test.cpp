@@ -13,6 +13,7 @@
 #include "tests/property/surface_comparison.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::extract {
 namespace {
@@ -23,7 +24,7 @@ using test::IsOk;
 class SharedVolume : public testing::TestWithParam<const char*> {
 protected:
     void SetUp() override {
-        const auto path = std::filesystem::path(ISOSLIDER_SHARED_DIR) / "data" / GetParam();
+        const auto path = std::filesystem::path(test::sharedFolder()) / "data" / GetParam();
         if (!std::filesystem::exists(path))
             GTEST_SKIP() << "further test data is not here: " << path;
         auto read = io::readVolume(path);

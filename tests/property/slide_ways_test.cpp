@@ -14,6 +14,7 @@
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace isoslider::extract {
@@ -126,7 +127,7 @@ TEST(SlideWays, ReadBricksInProportionToTheChangeNotToTheBox) {
     }
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !ISO_HAS_SANITIZER
 constexpr std::int64_t kFinest = 512;
 #else
 constexpr std::int64_t kFinest = 128; // the law, at a size that instrumented code can bear
@@ -185,7 +186,7 @@ TEST(SlideWays, SurviveBeingStoppedAnywhere) {
         });
         if (round % 10 == 0) // at least these are, however busy the machine
             stop.request_stop();
-        const auto moved = engine->slideTo(isovalue, stop.get_token());
+        const auto moved = engine->slideTo(isovalue, {stop.get_token(), {}});
         stopper.join();
         if (!moved.isOk()) {
             ASSERT_TRUE(moved.isCancelled());

@@ -105,6 +105,27 @@ protected:
     Bytes bare_; ///< the index before anything was added
 };
 
+/// Events from an isovalue on: at events, beside them and beyond them all.
+void expectSameFrom(const TopologySummary& stored, const TopologyCurve& curve) {
+    std::vector<double> starts{-1e9, 1e9};
+    for (std::size_t i = 0; i < curve.events().size(); i += 31) {
+        starts.push_back(curve.events()[i].isovalue);
+        starts.push_back(std::nextafter(curve.events()[i].isovalue, 1e9));
+    }
+    for (const double start : starts) {
+        std::vector<double> expected, found;
+        const auto visitInto = [](std::vector<double>& isovalues) {
+            return [&isovalues](const TopologyEvent& event) {
+                isovalues.push_back(event.isovalue);
+                return isovalues.size() < 1500; // more than a page
+            };
+        };
+        ASSERT_THAT(curve.visitEventsFrom(start, visitInto(expected)), IsOk());
+        ASSERT_THAT(stored.visitEventsFrom(start, visitInto(found)), IsOk());
+        ASSERT_EQ(found, expected) << start;
+    }
+}
+
 TEST_F(StoredTopologyTest, IsReadAsItWasMade) {
     for (const ScalarType type : {ScalarType::U8, ScalarType::I16, ScalarType::F32, ScalarType::F64}) {
         const auto grid = noise({17, 16, 18}, type, 7);
@@ -127,6 +148,7 @@ TEST_F(StoredTopologyTest, IsReadAsItWasMade) {
         }
         for (const TopologyEvent& event : curve.events())
             ASSERT_EQ(stored.value()->at(event.isovalue).value(), event.below);
+        expectSameFrom(*stored.value(), curve);
         // The index itself is as it was.
         const Bytes now = readFile(path_);
         EXPECT_TRUE(std::equal(bare_.begin(), bare_.end(), now.begin()));

@@ -17,6 +17,7 @@
 #include "core/extract/full_extraction.h"
 #include "core/mesh/mesh_checks.h"
 #include "core/topology/topology_analysis.h"
+#include "core/topology/topology_queries.h"
 #include "tests/support/result_matchers.h"
 
 namespace isoslider::topology {
@@ -320,6 +321,56 @@ TEST(MeasureCurves, OfAFewCellsAreNearThoseOfAll) {
         for (const std::size_t at : {80u, 120u, 160u, 190u})
             expectMeasuresOfMesh(grid, curves, at, 0.01);
     }
+}
+
+/// A ball of radius 16 with 20 in its middle, 4 in its wall and 0 around it; on request two samples far away.
+ScalarGrid ballInNothing(bool hasOutliers, double noiseHeight = 0.0) {
+    const auto base = noise(5);
+    return gridOf({56, 56, 56}, [&](double x, double y, double z) {
+        if (hasOutliers && x == 4 && z == 4 && (y == 4 || y == 40))
+            return y == 4 ? 3e37 : -9999.0;
+        const double r = std::hypot(x - 27.6, y - 27.4, z - 27.5);
+        return 4.0 / (1.0 + std::exp(2.0 * (r - 16.0))) + 16.0 * std::exp(-r * r / 60.0) + noiseHeight * base(x, y, z);
+    });
+}
+
+TEST(MeasureCurves, WithOutliersAreThoseOfMeshesToo) {
+    const ScalarGrid grid = ballInNothing(true);
+    AnalysisOptions options;
+    options.measures = planMeasures(grid);
+    const TopologyCurve found = analysed(grid, options);
+    for (const double isovalue : {1.0, 3.0, 10.0, 18.0}) {
+        const mesh::MeshReport mesh = meshAt(grid, isovalue);
+        EXPECT_NEAR(found.curves().at(isovalue).area, mesh.area, 0.01 * mesh.area) << isovalue;
+        EXPECT_LT(found.curves().at(isovalue).gradient, 5.0) << "the outlier's cells do not count";
+        EXPECT_GT(found.curves().at(isovalue).gradient, 0.5);
+    }
+    EXPECT_GT(found.curves().at(1e36).gradient, 1e36) << "there are no others";
+    const auto suggested = suggestIsovalues(found);
+    ASSERT_TRUE(suggested.isOk());
+    ASSERT_GE(suggested.value().size(), 2u);
+    for (const Suggestion& one : suggested.value())
+        if (one.reason == SuggestionReason::StrongestGradient || one.reason == SuggestionReason::WidestInterval) {
+            EXPECT_GT(one.isovalue, 0.1) << reasonText(one.reason);
+            EXPECT_LT(one.isovalue, 40.0) << reasonText(one.reason);
+        }
+}
+
+// Around its object a scan has noise, whose surface is larger than any other.
+TEST(MeasureCurves, TheSteepestSurfaceIsNotThatOfNoise) {
+    const ScalarGrid plain = ballInNothing(false), noisy = ballInNothing(false, 0.05);
+    std::array<double, 2> steepest{};
+    for (const ScalarGrid* grid : {&plain, &noisy}) {
+        AnalysisOptions options;
+        options.measures = planMeasures(*grid);
+        const TopologyCurve found = analysed(*grid, options);
+        const auto suggested = suggestIsovalues(found);
+        ASSERT_TRUE(suggested.isOk());
+        ASSERT_EQ(suggested.value().front().reason, SuggestionReason::StrongestGradient);
+        steepest[grid == &noisy] = suggested.value().front().isovalue;
+    }
+    EXPECT_NEAR(steepest[1], steepest[0], 2.0);
+    EXPECT_GT(steepest[1], 1.0);
 }
 
 TEST(MeasureCurves, AreLinearBetweenIsovaluesAndConstantBeyond) {

@@ -14,12 +14,13 @@
 #include "tests/property/topology_law.h"
 #include "tests/support/csv_rows.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::test {
 namespace {
 
 std::filesystem::path listed(const char* name) {
-    return std::filesystem::path(ISOSLIDER_SHARED_DIR) / "reference" / "topology" / name;
+    return std::filesystem::path(test::sharedFolder()) / "reference" / "topology" / name;
 }
 
 // Rows of a file of numbers, the line of names left out; words become NaN.

@@ -28,17 +28,20 @@ struct ProcessOptions {
     std::vector<std::pair<std::string, std::string>> environment; ///< added to the test's own
     std::filesystem::path workingFolder; ///< empty: the test's own
     std::chrono::milliseconds timeout{20000};
+    std::filesystem::path standardInputFile; ///< read from there; empty: nothing to read
     bool closesStandardOutput = false; ///< close the reading end before the program writes (EPIPE)
     std::filesystem::path standardOutputFile; ///< write there instead of capturing, e.g. /dev/full
     std::vector<int> ignoredSignals; ///< ignored when the program starts, as nohup does
     int signalToSend = 0; ///< sent once, after `signalWhen` has become true
     std::function<bool()> signalWhen; ///< polled each millisecond; empty: at once
+    /// With SIGSTOP: called while the program stands still, which goes on afterwards. Not called when it ended before.
+    std::function<void()> whileStopped;
     std::chrono::milliseconds signalAtProcessorTime{0}; ///< what the program must have used before it is sent
     std::uint64_t addressSpaceBytes = 0; ///< RLIMIT_AS, 0 for none
     unsigned userId = 0; ///< whom it runs as where the test runs as root; 0: as the test
 };
 
-/// Runs `program` with `arguments`, no shell between, standard input empty, and waits for its end.
+/// Runs `program` with `arguments`, no shell between, and waits for its end.
 ProcessResult runProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                          const ProcessOptions& options = {});
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -115,7 +115,7 @@ private:
     }
     static void write(Bytes& file, const RecordingFileSystem::Call& call) {
         file.resize(std::max<std::size_t>(file.size(), call.offset + call.bytes.size()));
-        std::memcpy(file.data() + call.offset, call.bytes.data(), call.bytes.size());
+        std::copy(call.bytes.begin(), call.bytes.end(), file.begin() + static_cast<std::ptrdiff_t>(call.offset));
     }
 };
 

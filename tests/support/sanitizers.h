@@ -1,13 +1,11 @@
 #pragma once
 
+#include "core/base/sanitizers.h"
+
 namespace isoslider::test {
 
 /// Whether this is a build with sanitizers, in which all takes three to five times as long: tests of times have less to
 /// do.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kHasSanitizers = true;
-#else
-inline constexpr bool kHasSanitizers = false;
-#endif
+inline constexpr bool kHasSanitizers = ISO_HAS_SANITIZER != 0;
 
 } // namespace isoslider::test

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <limits>
 #include <utility>
+#include <vector>
+
+#include "ui/render/draw_parts.h"
+#include "ui/render/tint_arrays.h"
 
 namespace isoslider::render {
 
 ArrayBuffers::ArrayBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) {
     gl_.glGenVertexArrays(1, &vertexArray_);
-    for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_})
+    for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_, &tints_})
         buffer->name = driver_.makeBuffer(gl_);
     gl_.glBindVertexArray(vertexArray_);
     GLuint location = 0;
@@ -23,13 +27,14 @@ ArrayBuffers::ArrayBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) 
 ArrayBuffers::~ArrayBuffers() {
     if (vertexArray_ == 0)
         return;
-    for (const Buffer* buffer : {&positions_, &normals_, &indices_, &changed_})
+    for (const Buffer* buffer : {&positions_, &normals_, &indices_, &changed_, &tints_})
         driver_.freeBuffer(gl_, buffer->name);
     gl_.glDeleteVertexArrays(1, &vertexArray_);
 }
 
 bool ArrayBuffers::upload(const extract::SurfaceFrame& frame) {
     clear();
+    untint();
     gl_.glBindVertexArray(vertexArray_);
     const bool isThere = uploadArrays(frame);
     gl_.glBindVertexArray(0);
@@ -37,9 +42,37 @@ bool ArrayBuffers::upload(const extract::SurfaceFrame& frame) {
         freeMemory();
     if (!isThere)
         return false;
+    vertices_ = frame.positions.size();
     surfaceIndices_ = frame.indices.size();
     changedIndices_ = frame.changedIndices.size();
     return true;
+}
+
+bool ArrayBuffers::tint(const extract::SurfacePieces& pieces, std::span<const model::PieceTint> tints) {
+    std::vector<model::PieceTint> colours;
+    colours.reserve(vertices_);
+    for (std::size_t slot = 0; slot < pieces.slotCount(); ++slot)
+        if (pieces.parts(slot) != nullptr)
+            addTints(pieces, slot, tints, colours);
+    untint();
+    if (colours.size() != vertices_)
+        return false;
+    gl_.glBindVertexArray(vertexArray_);
+    const bool isThere = fill(GL_ARRAY_BUFFER, tints_, colours.data(), colours.size() * sizeof(model::PieceTint));
+    if (isThere) {
+        gl_.glEnableVertexAttribArray(kTintLocation);
+        gl_.glVertexAttribPointer(kTintLocation, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(model::PieceTint), nullptr);
+    } else {
+        tints_.capacityBytes = 0;
+    }
+    gl_.glBindVertexArray(0);
+    return isThere;
+}
+
+void ArrayBuffers::untint() {
+    gl_.glBindVertexArray(vertexArray_);
+    gl_.glDisableVertexAttribArray(kTintLocation);
+    gl_.glBindVertexArray(0);
 }
 
 bool ArrayBuffers::uploadArrays(const extract::SurfaceFrame& frame) {
@@ -50,11 +83,11 @@ bool ArrayBuffers::uploadArrays(const extract::SurfaceFrame& frame) {
            fill(GL_ELEMENT_ARRAY_BUFFER, changed_, frame.changedIndices.data(), bytesOf(frame.changedIndices));
 }
 
-void ArrayBuffers::clear() { surfaceIndices_ = changedIndices_ = 0; }
+void ArrayBuffers::clear() { vertices_ = surfaceIndices_ = changedIndices_ = 0; }
 
 void ArrayBuffers::freeMemory() {
     clear();
-    for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_})
+    for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_, &tints_})
         if (std::exchange(buffer->capacityBytes, 0) > 0)
             driver_.allocate(gl_, GL_COPY_WRITE_BUFFER, buffer->name, 0);
 }
@@ -76,16 +109,25 @@ bool ArrayBuffers::fill(GLenum target, Buffer& buffer, const void* data, std::si
     return true;
 }
 
-void ArrayBuffers::drawSurface() { draw(indices_, surfaceIndices_); }
-void ArrayBuffers::drawChanged() { draw(changed_, changedIndices_); }
+bool ArrayBuffers::drawSurface(const std::function<bool()>& isStopped) {
+    const std::size_t together = isStopped ? kIndicesTogether : surfaceIndices_;
+    for (std::size_t first = 0; first < surfaceIndices_; first += together) {
+        draw(indices_, first, std::min(together, surfaceIndices_ - first));
+        if (isStopped && isStopped())
+            return false;
+    }
+    return true;
+}
 
-void ArrayBuffers::draw(const Buffer& indices, std::size_t count) {
+void ArrayBuffers::drawChanged() { draw(changed_, 0, changedIndices_); }
+
+void ArrayBuffers::draw(const Buffer& indices, std::size_t first, std::size_t count) {
     gl_.glBindVertexArray(vertexArray_);
     gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.name);
     // glDrawElements counts in int; larger surfaces go in parts of whole triangles.
     constexpr std::size_t kMostPerCall = std::size_t{std::numeric_limits<GLsizei>::max()} / 3 * 3;
-    for (std::size_t begin = 0; begin < count; begin += kMostPerCall) {
-        const auto part = static_cast<GLsizei>(std::min(kMostPerCall, count - begin));
+    for (std::size_t begin = first; begin < first + count; begin += kMostPerCall) {
+        const auto part = static_cast<GLsizei>(std::min(kMostPerCall, first + count - begin));
         gl_.glDrawElements(GL_TRIANGLES, part, GL_UNSIGNED_INT,
                            reinterpret_cast<const void*>(begin * sizeof(std::uint32_t)));
     }

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <span>
 
 #include "core/extract/surface_frame.h"
+#include "ui/model/pieces/piece_tints.h"
 #include "ui/render/gl_driver.h"
 
 namespace isoslider::render {
@@ -18,6 +21,11 @@ public:
 
     /// False if the card has no memory for it: then nothing is drawn, and no memory is kept.
     bool upload(const extract::SurfaceFrame& frame);
+    /// Colours and hides vertices, `tints` by place among the pieces, until the next upload(). REQUIRES: the pieces are
+    /// of the frame uploaded, or of the bricks it came from. False if they are of another, or the card has no memory
+    /// for it: then the surface has no tints.
+    bool tint(const extract::SurfacePieces& pieces, std::span<const model::PieceTint> tints);
+    void untint();
     void clear();
     /// Clears, and gives the memory on the card back.
     void freeMemory();
@@ -28,7 +36,8 @@ public:
     std::size_t surfaceIndices() const { return surfaceIndices_; }
     std::size_t changedIndices() const { return changedIndices_; }
     std::uint64_t uploadedBytes() const { return uploadedBytes_; }
-    void drawSurface();
+    /// `isStopped` is asked between parts: false if it answered true.
+    bool drawSurface(const std::function<bool()>& isStopped);
     void drawChanged();
 
 private:
@@ -38,7 +47,7 @@ private:
     };
     bool uploadArrays(const extract::SurfaceFrame& frame);
     bool fill(GLenum target, Buffer& buffer, const void* data, std::size_t bytes);
-    void draw(const Buffer& indices, std::size_t count);
+    void draw(const Buffer& indices, std::size_t first, std::size_t count);
 
     Gl& gl_;
     GlDriver& driver_;
@@ -47,6 +56,8 @@ private:
     Buffer normals_;
     Buffer indices_;
     Buffer changed_;
+    Buffer tints_;
+    std::size_t vertices_ = 0;
     std::size_t surfaceIndices_ = 0;
     std::size_t changedIndices_ = 0;
     std::uint64_t uploadedBytes_ = 0;

@@ -3,12 +3,16 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
 
 #include "core/extract/live/brick_picture.h"
+#include "ui/model/pieces/piece_tints.h"
 #include "ui/render/gl_driver.h"
 
 namespace isoslider::render {
@@ -30,6 +34,11 @@ public:
     /// False if the card has no memory for it: then nothing is drawn, and no memory is kept. REQUIRES:
     /// canHold(picture).
     bool upload(const Picture& picture);
+    /// Colours and hides vertices, `tints` by place among the pieces; sends the tints of bricks where any is another
+    /// than before. REQUIRES: the pieces are those of the picture uploaded last. False if the card has no memory for
+    /// it: then the surface is as without.
+    bool tint(const extract::SurfacePieces& pieces, std::span<const model::PieceTint> tints);
+    void untint();
     void clear();
     /// Clears, and gives the memory on the card back.
     void freeMemory();
@@ -40,9 +49,16 @@ public:
     /// Bytes of records, indices and places sent since the object was made.
     std::uint64_t uploadedBytes() const { return uploadedBytes_; }
 
-    /// Draws the bricks that `modelToClip` brings into view; the program's `places` is texture unit 0.
-    void drawSurface(const glm::dmat4& modelToClip);
+    /// Draws the bricks that `modelToClip` brings into view; the program's `places` is texture unit 0. `isStopped` is
+    /// asked between parts: false if it answered true.
+    bool drawSurface(const glm::dmat4& modelToClip, const std::function<bool()>& isStopped);
+    /// The same of a coarser surface, see coarsenBrick. REQUIRES: `picture` is the one uploaded last.
+    bool drawCoarse(const Picture& picture, int blockCells, const glm::dmat4& modelToClip,
+                    const std::function<bool()>& isStopped);
     void drawChanged();
+    /// From now on bricks wholly outside of one of these half-spaces are not drawn: dot(xyz, place) + w >= 0, in index
+    /// units. What is drawn of the others is left to the shader.
+    void setCuts(std::vector<glm::dvec4> cuts) { cuts_ = std::move(cuts); }
 
 private:
     static constexpr std::uint32_t kRecordsPerPlace = 16;
@@ -65,20 +81,40 @@ private:
     void sendBytes(GLenum target, std::uint64_t at, std::size_t bytes, const void* data);
     void sendPlaces(std::vector<std::uint64_t>& pages);
     bool sendChanged(const Picture& picture);
-    void drawAll(GLuint indices);
+    void coarsen(const Picture& picture, int blockCells);
+    void listInView(const glm::dmat4& modelToClip, bool isCoarse);
+    bool drawParts(GLuint indices, const std::function<bool()>& isStopped);
+    void drawRange(GLuint indices, std::size_t begin, std::size_t end);
 
     Gl& gl_;
     GlDriver& driver_;
     std::uint64_t mostPlaces_ = 0;
     GLuint vertexArray_ = 0;
     GLuint placesTexture_ = 0;
-    Buffer records_, indices_, places_, changedIndices_;
+    Buffer records_, indices_, places_, changedIndices_, tints_, coarseIndices_;
     std::uint64_t series_ = 0; ///< of the picture that is there; 0 for none
     std::vector<extract::PictureBrick> bricks_; ///< as they are on the GPU
+    /// By slot, of what the tints on the GPU were made from: its version, and its parts' tints.
+    struct SentTints {
+        std::uint32_t version = 0, firstRecord = 0;
+        std::uint64_t hash = 0;
+        friend bool operator==(const SentTints&, const SentTints&) = default;
+    };
+    std::vector<SentTints> sentTints_;
+    /// By slot, the coarser surface of the brick in the version that it was made from.
+    struct CoarseBrick {
+        extract::PictureBrick of;
+        std::vector<std::uint16_t> indices;
+        std::uint32_t firstIndex = 0; ///< in the buffer
+    };
+    std::vector<CoarseBrick> coarse_;
+    int coarseBlockCells_ = 0;
     std::vector<Place> placeTable_;
     std::vector<extract::ChangedTriangles> changed_;
     std::uint64_t uploadedBytes_ = 0;
     bool isFresh_ = false; ///< the buffers hold nothing that must be kept
+    std::vector<glm::dvec4> cuts_;
+    std::vector<std::pair<float, std::uint32_t>> inView_; ///< depth and slot
     // Arguments of the draw call.
     std::vector<GLsizei> counts_;
     std::vector<const void*> offsets_;

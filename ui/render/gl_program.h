@@ -9,9 +9,14 @@ namespace isoslider::render {
 
 using Gl = QOpenGLFunctions_3_3_Core;
 
-/// Compiles and links `<vertex>.vert` and `<fragment>.frag` of the built-in shaders.
-/// REQUIRES: a current context. Null, with a warning in the log, if the driver refuses.
-std::unique_ptr<QOpenGLShaderProgram> loadProgram(const char* vertex, const char* fragment);
+/// Where programs that colour by values find a field and a map, see shaders/scalar_colour.glsl; the units before are
+/// those of records and of layers.
+inline constexpr int kScalarFieldUnit = 3, kColourMapUnit = 4;
+
+/// Compiles and links `<vertex>.vert` and `<fragment>.frag` of the built-in shaders; `define`, if any, is defined in
+/// both. REQUIRES: a current context. Null, with a warning in the log, if the driver refuses.
+std::unique_ptr<QOpenGLShaderProgram> loadProgram(const char* vertex, const char* fragment,
+                                                  const char* define = nullptr);
 inline std::unique_ptr<QOpenGLShaderProgram> loadProgram(const char* name) { return loadProgram(name, name); }
 
 /// Makes the built-in shaders, icons and settings findable. Call before anything else here.

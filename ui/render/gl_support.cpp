@@ -1,5 +1,7 @@
 #include "ui/render/gl_support.h"
 
+#include <algorithm>
+
 #include <QCoreApplication>
 #include <QGuiApplication>
 #include <QOffscreenSurface>
@@ -26,27 +28,46 @@ bool isPictureless(const QString& platform) {
     return kPictureless.contains(platform);
 }
 
-/// Empty if it works.
-QString tryContext() {
+/// As the drivers without a card of Mesa, Windows and Apple name themselves.
+bool isSoftware(const QString& driver) {
+    static const QStringList kSoftware{QStringLiteral("llvmpipe"),     QStringLiteral("softpipe"),
+                                       QStringLiteral("swrast"),       QStringLiteral("software"),
+                                       QStringLiteral("basic render"), QStringLiteral("gdi generic")};
+    return std::any_of(kSoftware.begin(), kSoftware.end(),
+                       [&](const QString& name) { return driver.contains(name, Qt::CaseInsensitive); });
+}
+
+struct Trial {
+    QString problem; ///< empty if it works
+    bool isSoftware = false;
+};
+
+Trial tryContext() {
     if (isPictureless(QGuiApplication::platformName()))
-        return tr("the display (%1) shows none").arg(QGuiApplication::platformName());
+        return {tr("the display (%1) shows none").arg(QGuiApplication::platformName())};
     QOpenGLContext context;
     context.setFormat(viewportFormat());
     if (!context.create())
-        return tr("the display (%1) gives no OpenGL context").arg(QGuiApplication::platformName());
+        return {tr("the display (%1) gives no OpenGL context").arg(QGuiApplication::platformName())};
     QOffscreenSurface surface;
     surface.setFormat(context.format());
     surface.create();
     if (!surface.isValid() || !context.makeCurrent(&surface))
-        return tr("the OpenGL context of the display (%1) cannot be used").arg(QGuiApplication::platformName());
+        return {tr("the OpenGL context of the display (%1) cannot be used").arg(QGuiApplication::platformName())};
     const auto version = context.format().version();
     const bool isUsable = version >= qMakePair(3, 3) &&
                           QOpenGLVersionFunctionsFactory::get<QOpenGLFunctions_3_3_Core>(&context) != nullptr;
     const QString problem =
         isUsable ? QString()
                  : tr("%1 has only OpenGL %2.%3").arg(driverName(context)).arg(version.first).arg(version.second);
+    const bool isSoftwareDriver = isSoftware(driverName(context));
     context.doneCurrent();
-    return problem;
+    return {problem, isSoftwareDriver};
+}
+
+const Trial& trial() {
+    static const Trial trial = tryContext();
+    return trial;
 }
 
 } // namespace
@@ -62,11 +83,8 @@ QSurfaceFormat viewportFormat() {
     return format;
 }
 
-QString openGlProblem() {
-    static const QString problem = tryContext();
-    return problem;
-}
-
+QString openGlProblem() { return trial().problem; }
 bool isOpenGlUsable() { return openGlProblem().isEmpty(); }
+bool isOpenGlSoftware() { return trial().isSoftware; }
 
 } // namespace isoslider::render

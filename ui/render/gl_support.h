@@ -12,7 +12,10 @@ QSurfaceFormat viewportFormat();
 /// Tries an OpenGL 3.3 core context on a separate surface. Call after the application object is
 /// made and before any OpenGL widget, which cannot fail gracefully. The answer is kept.
 bool isOpenGlUsable();
-/// Why it is not, in a sentence without its full stop; empty if it is.
+/// Whether the processor draws in place of a card: then a window is better not composed by OpenGL. Asks as
+/// isOpenGlUsable().
+bool isOpenGlSoftware();
+/// Why it is not usable, in a sentence without its full stop; empty if it is.
 QString openGlProblem();
 
 } // namespace isoslider::render

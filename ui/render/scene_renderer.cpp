@@ -1,5 +1,6 @@
 #include "ui/render/scene_renderer.h"
 
+#include <algorithm>
 #include <array>
 
 #include <QMatrix3x3>
@@ -10,16 +11,27 @@
 
 #include <glm/geometric.hpp>
 
+#include "ui/render/ambient_occlusion.h"
 #include "ui/render/array_buffers.h"
 #include "ui/render/brick_buffers.h"
+#include "ui/render/clip_guides.h"
+#include "ui/render/colour_uniforms.h"
+#include "ui/render/inactive_buffers.h"
+#include "ui/render/slice_planes.h"
+#include "ui/render/stage_colours.h"
+#include "ui/render/tint_arrays.h"
+#include "ui/render/transparent_layers.h"
 
 namespace isoslider::render {
 namespace {
 
 constexpr int kBoxVertices = 24;
+/// Drafts of larger surfaces are coarser, in blocks of so many cells.
+constexpr std::array<std::pair<std::uint64_t, int>, 2> kDraftBlocks{{{600'000, 4}, {120'000, 2}}};
 constexpr float kSpotCells = 1.5f; // around the middle
 constexpr float kSpotShare = 0.9f; // of the surface's colour at full strength
 constexpr float kMarkerPixels = 24.0f; // half the side of its square
+constexpr float kInsideShare = 0.45f; // of a surface's colour, on the side of higher values; as for pieces
 
 QMatrix4x4 toQt(const glm::dmat4& matrix) {
     QMatrix4x4 result;
@@ -42,6 +54,19 @@ QVector4D toQt(glm::vec4 v) { return {v.x, v.y, v.z, v.w}; }
 
 glm::dvec3 lastPoint(const GridGeometry& geometry) {
     return glm::dvec3(geometry.dims[0], geometry.dims[1], geometry.dims[2]) - 1.0;
+}
+
+int draftBlockCells(std::uint64_t triangles) {
+    for (const auto& [more, cells] : kDraftBlocks)
+        if (triangles > more)
+            return cells;
+    return 1;
+}
+
+/// No program of what is opaque has these.
+void setPeeling(QOpenGLShaderProgram& program) {
+    program.setUniformValue("opaqueDepth", TransparentLayers::kOpaqueUnit);
+    program.setUniformValue("peeledDepth", TransparentLayers::kPeeledUnit);
 }
 
 /// The twelve edges of the box [0, last], as point pairs.
@@ -69,12 +94,40 @@ struct SceneRenderer::Matrices {
     QMatrix4x4 boxToView;
     QMatrix4x4 viewToClip;
     QMatrix3x3 normalToView;
-    glm::vec3 spot; ///< index units of the frame
+    std::vector<glm::dvec4> cuts; ///< what of the frame is drawn
+    glm::vec3 spot; ///< index units of the grid
+    glm::dvec4 spotInWorld, spotInClip;
+};
+
+/// A surface, and how it is drawn.
+struct SceneRenderer::OnCard {
+    const extract::SurfaceFrame& frame;
+    BrickBuffers& bricks; ///< one of these two is empty
+    ArrayBuffers& arrays;
+    SurfaceLook look;
+    bool isActive;
+    Matrices matrices;
+
+    bool isOfBricks() const { return !bricks.isEmpty(); }
+    /// 1: it is drawn whole. What is transparent is drawn several times.
+    int draftBlockCells(Detail detail) const {
+        const std::uint64_t drawn = frame.stats.triangles * (look.isOpaque() ? 1 : TransparentLayers::kMostDraftLayers);
+        return detail == Detail::Coarse && isOfBricks() ? render::draftBlockCells(drawn) : 1;
+    }
 };
 
 struct SceneRenderer::Resources {
     Resources(Gl& functions, GlDriver& usedDriver)
-        : gl(functions), driver(usedDriver), arrays(functions, usedDriver), bricks(functions, usedDriver) {
+        : gl(functions),
+          driver(usedDriver),
+          arrays(functions, usedDriver),
+          bricks(functions, usedDriver),
+          inactive(functions, usedDriver),
+          occlusion(functions),
+          layers(functions),
+          slices(functions, usedDriver),
+          clipGuides(functions, usedDriver),
+          colours(functions) {
         gl.glGenVertexArrays(1, &emptyArray);
         gl.glGenVertexArrays(1, &boxArray);
         boxBuffer = driver.makeBuffer(gl);
@@ -87,10 +140,20 @@ struct SceneRenderer::Resources {
         gl.glDeleteVertexArrays(1, &emptyArray);
     }
 
+    bool canPeel() const {
+        return arraysPeelingProgram != nullptr && bricksPeelingProgram != nullptr && linesPeelingProgram != nullptr;
+    }
+
     Gl& gl;
     GlDriver& driver;
     ArrayBuffers arrays; ///< of a frame with arrays
     BrickBuffers bricks; ///< of one with bricks
+    InactiveBuffers inactive;
+    AmbientOcclusion occlusion;
+    TransparentLayers layers;
+    SlicePlanes slices;
+    ClipGuides clipGuides;
+    ColourUniforms colours;
     bool isAbandoned = false;
     bool hasBox = false;
     GLuint emptyArray = 0;
@@ -101,6 +164,7 @@ struct SceneRenderer::Resources {
     std::unique_ptr<QOpenGLShaderProgram> markerProgram;
     std::unique_ptr<QOpenGLShaderProgram> arraysProgram;
     std::unique_ptr<QOpenGLShaderProgram> bricksProgram;
+    std::unique_ptr<QOpenGLShaderProgram> arraysPeelingProgram, bricksPeelingProgram, linesPeelingProgram;
 };
 
 double sceneRadius(const GridGeometry& geometry) {
@@ -131,6 +195,9 @@ bool SceneRenderer::initialize() {
     resources_->markerProgram = loadProgram("marker");
     resources_->arraysProgram = loadProgram("surface");
     resources_->bricksProgram = loadProgram("surface_records", "surface");
+    resources_->arraysPeelingProgram = loadProgram("surface", "surface", "PEELING");
+    resources_->linesPeelingProgram = loadProgram("line", "line", "PEELING");
+    resources_->bricksPeelingProgram = loadProgram("surface_records", "surface", "PEELING");
     isFrameNew_ = true;
     if (resources_->backgroundProgram && resources_->lineProgram && resources_->markerProgram &&
         resources_->arraysProgram && resources_->bricksProgram)
@@ -147,29 +214,56 @@ void SceneRenderer::abandon() {
     resources_->isAbandoned = true;
     resources_->arrays.abandon();
     resources_->bricks.abandon();
+    resources_->inactive.abandon();
+    resources_->occlusion.abandon();
+    resources_->layers.abandon();
+    resources_->slices.abandon();
+    resources_->clipGuides.abandon();
+    resources_->colours.abandon();
     resources_.reset();
 }
 
-void SceneRenderer::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
-                             const std::optional<GridGeometry>& volume) {
-    if (frame == frame_)
+void SceneRenderer::setFrame(const SceneView& view) {
+    const GridGeometry volume = view.volume.value_or(view.frame ? view.frame->geometry : volume_);
+    if (view.frame == frame_ && volume == volume_)
         return;
-    frame_ = std::move(frame);
-    if (frame_)
-        volume_ = volume.value_or(frame_->geometry);
+    frame_ = view.frame;
+    volume_ = volume;
     isFrameNew_ = true;
 }
 
 void SceneRenderer::uploadIfNew() {
     if (!std::exchange(isFrameNew_, false))
         return;
+    isTintNew_ = true;
     refusedBytes_ = 0;
     resources_->arrays.clear();
+    uploadBox();
     if (!frame_)
         return resources_->bricks.clear();
     if (!uploadSurface())
         refusedBytes_ = extract::pictureBytes(*frame_);
-    uploadBox();
+}
+
+void SceneRenderer::tintIfNew(const model::PieceOptions& pieces) {
+    std::optional<model::PieceOptions> wanted;
+    if (frame_ && frame_->pieces && pieces.isWanted())
+        wanted = pieces;
+    if (!std::exchange(isTintNew_, false) && wanted == wantedTints_)
+        return;
+    wantedTints_ = wanted;
+    isTinted_ = false;
+    auto& bricks = resources_->bricks;
+    auto& arrays = resources_->arrays;
+    if (wanted) {
+        const auto tints = model::PieceDisplay(*frame_->pieces, frame_->geometry, pieces).tints();
+        isTinted_ = (!bricks.isEmpty() && bricks.tint(*frame_->pieces, tints)) ||
+                    (!arrays.isEmpty() && arrays.tint(*frame_->pieces, tints));
+    }
+    if (!isTinted_) {
+        bricks.untint();
+        arrays.untint();
+    }
 }
 
 bool SceneRenderer::uploadSurface() {
@@ -186,8 +280,14 @@ bool SceneRenderer::uploadSurface() {
     return resources_->arrays.upload(frame);
 }
 
+std::uint64_t SceneRenderer::refusedBytes() const {
+    return refusedBytes_ > 0 || !resources_ ? refusedBytes_ : resources_->inactive.refusedBytes();
+}
+
 std::uint64_t SceneRenderer::uploadedBytes() const {
-    return resources_ ? resources_->arrays.uploadedBytes() + resources_->bricks.uploadedBytes() : 0;
+    return resources_ ? resources_->arrays.uploadedBytes() + resources_->bricks.uploadedBytes() +
+                            resources_->inactive.uploadedBytes()
+                      : 0;
 }
 
 void SceneRenderer::uploadBox() {
@@ -203,78 +303,117 @@ void SceneRenderer::uploadBox() {
     gl.glBindVertexArray(0);
 }
 
-void SceneRenderer::draw(const model::Camera& camera, const model::ViewOptions& options, glm::ivec2 pixels) {
-    if (!resources_ || pixels.x <= 0 || pixels.y <= 0)
-        return;
-    uploadIfNew();
-    auto& gl = resources_->gl;
-    gl.glViewport(0, 0, pixels.x, pixels.y);
-    gl.glDepthMask(GL_TRUE);
-    gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    gl.glDisable(GL_CULL_FACE);
-    drawBackground();
-    if (!frame_)
-        return;
-    const glm::dmat4 view = camera.viewMatrix();
+SceneRenderer::Matrices SceneRenderer::matricesOf(const GridGeometry& grid, const SceneView& sceneView) const {
+    const glm::ivec2 pixels = sceneView.pixels;
+    const glm::dmat4 view = sceneView.camera.viewMatrix();
     Matrices matrices{};
-    const glm::dmat4 projection = camera.projectionMatrix(static_cast<double>(pixels.x) / pixels.y);
-    const glm::dmat4 modelToView = view * indexToCentredWorld(frame_->geometry, volume_);
+    const glm::dmat4 projection = sceneView.camera.projectionMatrix(static_cast<double>(pixels.x) / pixels.y);
+    const glm::dmat4 modelToView = view * indexToCentredWorld(grid, volume_);
     matrices.modelToClip = projection * modelToView;
     matrices.modelToView = toQt(modelToView);
     matrices.boxToView = toQt(view * indexToCentredWorld(volume_, volume_));
     matrices.viewToClip = toQt(projection);
-    matrices.normalToView = toQt(glm::dmat3(view) * frame_->geometry.normalToWorld());
-    const glm::dvec4 spot =
-        spot_ ? indexToCentredWorld(volume_, volume_) * glm::dvec4(spot_->place, 1.0) : glm::dvec4();
-    if (spot_)
-        matrices.spot = glm::dvec3(glm::inverse(indexToCentredWorld(frame_->geometry, volume_)) * spot);
-    gl.glEnable(GL_DEPTH_TEST);
-    gl.glDepthFunc(GL_LEQUAL);
-    drawSurface(matrices, camera.isPerspective(), options);
-    if (options.showsBox && resources_->hasBox)
-        drawBox(matrices);
-    gl.glDisable(GL_DEPTH_TEST);
-    if (spot_)
-        drawMarker(projection * view * spot, pixels);
+    matrices.normalToView = toQt(sceneView.camera.normalMatrix() * grid.normalToWorld());
+    if (sceneView.spot) {
+        matrices.spotInWorld = indexToCentredWorld(volume_, volume_) * glm::dvec4(sceneView.spot->place, 1.0);
+        matrices.spotInClip = projection * view * matrices.spotInWorld;
+        matrices.spot = glm::dvec3(glm::inverse(indexToCentredWorld(grid, volume_)) * matrices.spotInWorld);
+    }
+    matrices.cuts = model::cutsOf(drawnClipping(sceneView.options.clipping, sceneView.cap), grid, volume_);
+    return matrices;
 }
 
-void SceneRenderer::drawBackground() {
+bool SceneRenderer::draw(const SceneView& view, Detail detail, const std::function<bool()>& isStopped) {
+    if (!resources_ || view.pixels.x <= 0 || view.pixels.y <= 0)
+        return true;
+    setFrame(view);
+    uploadIfNew();
+    tintIfNew(view.options.pieces);
+    resources_->inactive.show(view.inactive);
+    resources_->colours.upload(view.colours);
+    auto& gl = resources_->gl;
+    gl.glViewport(0, 0, view.pixels.x, view.pixels.y);
+    gl.glDepthMask(GL_TRUE);
+    gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    gl.glDisable(GL_CULL_FACE);
+    drawBackground(view.options.stage.background);
+    if (!frame_ && view.inactive.empty())
+        return true;
+    const Matrices ofVolume = matricesOf(volume_, view);
+    const std::vector<OnCard> surfaces = surfacesOf(view);
+    gl.glEnable(GL_DEPTH_TEST);
+    gl.glDepthFunc(GL_LEQUAL);
+    for (const OnCard& surface : surfaces)
+        if (!drawOpaque(surface, view, detail, isStopped))
+            return false;
+    if (view.options.stage.hasOcclusion && detail == Detail::Whole)
+        resources_->occlusion.draw(view.pixels, view.camera);
+    resources_->slices.draw(view.slices, volume_.dims, ofVolume.boxToView, ofVolume.viewToClip);
+    if (frame_)
+        drawClipGuides(ofVolume, view);
+    if (isAnyTransparent(surfaces)) {
+        if (!drawTransparent(surfaces, ofVolume, view, detail, isStopped))
+            return false;
+    } else if (view.options.showsBox && resources_->hasBox) {
+        drawBox(ofVolume, view.options.stage.background);
+    }
+    gl.glDisable(GL_DEPTH_TEST);
+    if (view.spot && frame_)
+        drawMarker(*view.spot, ofVolume.spotInClip, view.pixels);
+    return true;
+}
+
+void SceneRenderer::drawBackground(model::Background background) {
     auto& gl = resources_->gl;
     auto& program = *resources_->backgroundProgram;
     gl.glDisable(GL_DEPTH_TEST);
     gl.glDisable(GL_BLEND);
     program.bind();
-    program.setUniformValue("bottomColour", toQt(colours_.backgroundBottom));
-    program.setUniformValue("topColour", toQt(colours_.backgroundTop));
+    program.setUniformValue("bottomColour", toQt(coloursOf(background).bottom));
+    program.setUniformValue("topColour", toQt(coloursOf(background).top));
     gl.glBindVertexArray(resources_->emptyArray);
     gl.glDrawArrays(GL_TRIANGLES, 0, 3);
     gl.glBindVertexArray(0);
     program.release();
 }
 
-void SceneRenderer::drawBox(const Matrices& matrices) {
+void SceneRenderer::drawBox(const Matrices& matrices, model::Background background) {
     auto& gl = resources_->gl;
-    auto& program = *resources_->lineProgram;
     gl.glEnable(GL_BLEND);
     // Alpha stays 1: the widget is composed as premultiplied, and a hole would overflow its colour.
     gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    drawBoxLines(*resources_->lineProgram, matrices, background);
+    gl.glDisable(GL_BLEND);
+}
+
+void SceneRenderer::drawBoxLines(QOpenGLShaderProgram& program, const Matrices& matrices,
+                                 model::Background background) {
+    auto& gl = resources_->gl;
     program.bind();
+    setPeeling(program);
     program.setUniformValue("modelToView", matrices.boxToView);
     program.setUniformValue("viewToClip", matrices.viewToClip);
-    program.setUniformValue("lineColour", toQt(colours_.box));
+    program.setUniformValue("lineColour", toQt(coloursOf(background).box));
     gl.glBindVertexArray(resources_->boxArray);
     gl.glDrawArrays(GL_LINES, 0, kBoxVertices);
     gl.glBindVertexArray(0);
     program.release();
-    gl.glDisable(GL_BLEND);
 }
 
-void SceneRenderer::drawMarker(const glm::dvec4& place, glm::ivec2 pixels) {
+void SceneRenderer::drawClipGuides(const Matrices& ofVolume, const SceneView& view) {
+    const model::Clipping clipping = drawnClipping(view.options.clipping, view.cap);
+    const auto facing = std::abs(glm::normalize(view.camera.normalMatrix() * clipping.plane.normal).z);
+    resources_->clipGuides.draw(clipping, view.cap,
+                                {ofVolume.boxToView, ofVolume.viewToClip, volume_, static_cast<float>(frame_->isovalue),
+                                 static_cast<float>(facing), resources_->colours, view.colours});
+}
+
+void SceneRenderer::drawMarker(const Spot& spot, const glm::dvec4& place, glm::ivec2 pixels) {
     if (!(place.w > 0.0)) // behind the viewer
         return;
     auto& gl = resources_->gl;
     auto& program = *resources_->markerProgram;
-    const float halfPixels = kMarkerPixels * spot_->pixelRatio;
+    const float halfPixels = kMarkerPixels * spot.pixelRatio;
     gl.glEnable(GL_BLEND);
     gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA); // as for the box
     program.bind();
@@ -282,8 +421,8 @@ void SceneRenderer::drawMarker(const glm::dvec4& place, glm::ivec2 pixels) {
     program.setUniformValue("halfSize", 2.0f * halfPixels / static_cast<float>(pixels.x),
                             2.0f * halfPixels / static_cast<float>(pixels.y));
     program.setUniformValue("halfPixels", halfPixels);
-    program.setUniformValue("pixelRatio", spot_->pixelRatio);
-    program.setUniformValue("markerColour", toQt(glm::vec4(colours_.marker, spot_->strength)));
+    program.setUniformValue("pixelRatio", spot.pixelRatio);
+    program.setUniformValue("markerColour", toQt(glm::vec4(colours_.marker, spot.strength)));
     gl.glBindVertexArray(resources_->emptyArray);
     gl.glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
     gl.glBindVertexArray(0);
@@ -291,60 +430,151 @@ void SceneRenderer::drawMarker(const glm::dvec4& place, glm::ivec2 pixels) {
     gl.glDisable(GL_BLEND);
 }
 
-void SceneRenderer::drawSurface(const Matrices& matrices, bool isPerspective, const model::ViewOptions& options) {
-    auto& bricks = resources_->bricks;
-    auto& arrays = resources_->arrays;
-    if (bricks.isEmpty() && arrays.isEmpty())
-        return;
-    auto& gl = resources_->gl;
-    const bool isOfBricks = !bricks.isEmpty();
-    auto& program = isOfBricks ? *resources_->bricksProgram : *resources_->arraysProgram;
+std::vector<SceneRenderer::OnCard> SceneRenderer::surfacesOf(const SceneView& view) const {
+    std::vector<OnCard> surfaces;
+    const auto add = [&](const extract::SurfaceFrame& frame, BrickBuffers& bricks, ArrayBuffers& arrays,
+                         const SurfaceLook& look, bool isActive) {
+        if (look.isVisible && !(bricks.isEmpty() && arrays.isEmpty()))
+            surfaces.push_back({frame, bricks, arrays, look, isActive, matricesOf(frame.geometry, view)});
+        if (!resources_->canPeel() && !surfaces.empty())
+            surfaces.back().look.opacity = 1.0f; // better than not at all
+    };
+    for (const auto& entry : resources_->inactive.entries())
+        add(*entry->surface.frame, entry->bricks, entry->arrays, entry->surface.look, false);
+    if (frame_)
+        add(*frame_, resources_->bricks, resources_->arrays, view.look, true);
+    return surfaces;
+}
+
+void SceneRenderer::useProgram(QOpenGLShaderProgram& program, const OnCard& surface, const SceneView& view) {
+    const Matrices& matrices = surface.matrices;
+    const auto& options = view.options;
+    const bool isActive = surface.isActive;
+    const glm::vec3 front = surface.look.colour.value_or(colours_.front);
+    const glm::vec3 back = surface.look.colour ? kInsideShare * front : colours_.back;
     // Triangles are counter-clockwise from outside in index space; a mirroring map turns them.
-    gl.glFrontFace(frame_->geometry.isLeftHanded() ? GL_CW : GL_CCW);
+    resources_->gl.glFrontFace(surface.frame.geometry.isLeftHanded() ? GL_CW : GL_CCW);
     program.bind();
-    if (isOfBricks) {
+    if (surface.isOfBricks()) {
         program.setUniformValue("places", 0);
-        program.setUniformValue("isovalue", static_cast<float>(frame_->isovalue));
+        program.setUniformValue("isovalue", static_cast<float>(surface.frame.isovalue));
     }
     program.setUniformValue("modelToView", matrices.modelToView);
     program.setUniformValue("viewToClip", matrices.viewToClip);
     program.setUniformValue("normalToView", matrices.normalToView);
-    program.setUniformValue("frontColour", toQt(colours_.front));
-    program.setUniformValue("backColour", toQt(colours_.back));
+    program.setUniformValue("frontColour", toQt(front));
+    program.setUniformValue("backColour", toQt(back));
+    resources_->colours.set(program, view.colours, surface.frame.geometry, volume_);
     program.setUniformValue("highlightColour", QVector4D());
     program.setUniformValue("spot", toQt(glm::vec4(matrices.spot, kSpotCells)));
-    program.setUniformValue("spotColour", toQt(glm::vec4(colours_.spot, spot_ ? kSpotShare * spot_->strength : 0.0f)));
+    program.setUniformValue(
+        "spotColour", toQt(glm::vec4(colours_.spot, view.spot && isActive ? kSpotShare * view.spot->strength : 0.0f)));
     std::array<QVector3D, 4> levels;
     std::transform(colours_.levels.begin(), colours_.levels.end(), levels.begin(),
                    [](const glm::vec3& colour) { return toQt(colour); });
     program.setUniformValueArray("levelColours", levels.data(), static_cast<int>(levels.size()));
-    program.setUniformValue("levelShare", options.showsLevels ? 1.0f : 0.0f);
-    program.setUniformValue("perspective", isPerspective ? 1.0f : 0.0f);
-    if (options.showsEdges) { // lines in the triangles' own planes need room behind them
-        gl.glEnable(GL_POLYGON_OFFSET_FILL);
-        gl.glPolygonOffset(1.0f, 1.0f);
+    program.setUniformValue("tintShare", isTinted_ && isActive ? 1.0f : 0.0f);
+    program.setUniformValue("levelShare", options.showsLevels && isActive ? 1.0f : 0.0f);
+    const StageLights lights = lightsOf(options.stage.light);
+    program.setUniformValue("keyDirection", toQt(lights.key));
+    program.setUniformValue("lightShares", toQt(lights.shares));
+    program.setUniformValue("perspective", view.camera.isPerspective() ? 1.0f : 0.0f);
+    setCuts(resources_->gl, program, matrices.cuts);
+    surface.bricks.setCuts(matrices.cuts);
+}
+
+void SceneRenderer::endProgram(QOpenGLShaderProgram& program) {
+    clearCuts(resources_->gl);
+    program.release();
+    resources_->gl.glFrontFace(GL_CCW);
+}
+
+bool SceneRenderer::drawTriangles(const OnCard& surface, Detail detail, const std::function<bool()>& isStopped) {
+    if (!surface.isOfBricks())
+        return surface.arrays.drawSurface(isStopped);
+    const int blockCells = surface.draftBlockCells(detail);
+    return blockCells > 1
+               ? surface.bricks.drawCoarse(*surface.frame.bricks, blockCells, surface.matrices.modelToClip, isStopped)
+               : surface.bricks.drawSurface(surface.matrices.modelToClip, isStopped);
+}
+
+bool SceneRenderer::drawOpaque(const OnCard& surface, const SceneView& view, Detail detail,
+                               const std::function<bool()>& isStopped) {
+    const bool hasMarks = surface.isActive && (view.options.showsEdges || view.options.showsChanged);
+    if (!surface.look.isOpaque() && !hasMarks)
+        return true;
+    auto& gl = resources_->gl;
+    auto& program = surface.isOfBricks() ? *resources_->bricksProgram : *resources_->arraysProgram;
+    useProgram(program, surface, view);
+    bool isWhole = true;
+    if (surface.look.isOpaque()) {
+        if (surface.isActive && view.options.showsEdges) { // lines in the triangles' own planes need room behind them
+            gl.glEnable(GL_POLYGON_OFFSET_FILL);
+            gl.glPolygonOffset(1.0f, 1.0f);
+        }
+        isWhole = drawTriangles(surface, detail, isStopped);
+        gl.glDisable(GL_POLYGON_OFFSET_FILL);
     }
-    isOfBricks ? bricks.drawSurface(matrices.modelToClip) : arrays.drawSurface();
-    gl.glDisable(GL_POLYGON_OFFSET_FILL);
-    if (options.showsChanged && hasFewChanges()) {
+    if (isWhole && hasMarks)
+        isWhole = drawMarks(program, surface, view.options, detail, isStopped);
+    endProgram(program);
+    return isWhole;
+}
+
+bool SceneRenderer::drawMarks(QOpenGLShaderProgram& program, const OnCard& surface, const model::ViewOptions& options,
+                              Detail detail, const std::function<bool()>& isStopped) {
+    auto& gl = resources_->gl;
+    if (surface.draftBlockCells(detail) == 1 && options.showsChanged && hasFewChanges()) {
         program.setUniformValue("highlightColour", toQt(colours_.highlight));
         gl.glEnable(GL_POLYGON_OFFSET_FILL);
         gl.glPolygonOffset(-1.0f, -1.0f);
-        isOfBricks ? bricks.drawChanged() : arrays.drawChanged();
+        surface.isOfBricks() ? surface.bricks.drawChanged() : surface.arrays.drawChanged();
         gl.glDisable(GL_POLYGON_OFFSET_FILL);
     }
-    if (options.showsEdges) {
-        program.setUniformValue("highlightColour", toQt(colours_.edges));
-        program.setUniformValue("spotColour", QVector4D());
-        gl.glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-        gl.glEnable(GL_POLYGON_OFFSET_LINE);
-        gl.glPolygonOffset(-1.0f, -1.0f);
-        isOfBricks ? bricks.drawSurface(matrices.modelToClip) : arrays.drawSurface();
-        gl.glDisable(GL_POLYGON_OFFSET_LINE);
-        gl.glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    }
-    program.release();
-    gl.glFrontFace(GL_CCW);
+    if (!options.showsEdges)
+        return true;
+    program.setUniformValue("highlightColour", toQt(colours_.edges));
+    program.setUniformValue("spotColour", QVector4D());
+    gl.glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    gl.glEnable(GL_POLYGON_OFFSET_LINE);
+    gl.glPolygonOffset(-1.0f, -1.0f);
+    const bool isWhole = drawTriangles(surface, detail, isStopped);
+    gl.glDisable(GL_POLYGON_OFFSET_LINE);
+    gl.glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    return isWhole;
+}
+
+bool SceneRenderer::isAnyTransparent(const std::vector<OnCard>& surfaces) const {
+    return resources_->canPeel() && std::any_of(surfaces.begin(), surfaces.end(),
+                                                [](const OnCard& surface) { return !surface.look.isOpaque(); });
+}
+
+// The box is transparent itself: its lines are before some surfaces and behind others.
+bool SceneRenderer::drawTransparent(const std::vector<OnCard>& surfaces, const Matrices& ofVolume,
+                                    const SceneView& view, Detail detail, const std::function<bool()>& isStopped) {
+    float leastOpacity = 1.0f;
+    for (const OnCard& surface : surfaces)
+        leastOpacity = std::min(leastOpacity, surface.look.opacity);
+    const auto drawAll = [&] {
+        for (const OnCard& surface : surfaces) {
+            if (surface.look.isOpaque())
+                continue;
+            auto& program =
+                surface.isOfBricks() ? *resources_->bricksPeelingProgram : *resources_->arraysPeelingProgram;
+            useProgram(program, surface, view);
+            setPeeling(program);
+            program.setUniformValue("opacity", surface.look.opacity);
+            const bool isWhole = drawTriangles(surface, detail, isStopped);
+            endProgram(program);
+            if (!isWhole)
+                return false;
+        }
+        if (view.options.showsBox && resources_->hasBox)
+            drawBoxLines(*resources_->linesPeelingProgram, ofVolume, view.options.stage.background);
+        return true;
+    };
+    const int layers = TransparentLayers::layersFor(leastOpacity, detail == Detail::Coarse);
+    return resources_->layers.draw(view.pixels, layers, drawAll);
 }
 
 // Where all of the surface is new, red on all of it would state nothing.

@@ -1,21 +1,22 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "core/extract/surface_frame.h"
-#include "ui/model/surface/camera.h"
-#include "ui/model/surface/view_state.h"
 #include "ui/render/gl_driver.h"
+#include "ui/render/gl_program.h"
+#include "ui/render/scene_view.h"
 
 namespace isoslider::render {
 
-/// Colours of the scene, linear light but for the background, which is as seen.
+/// Colours of what is in the scene, linear light. Those of what it stands in: see StageColours.
 struct SceneColours {
     glm::vec3 front{0.80f, 0.70f, 0.54f}; ///< warm ivory
     glm::vec3 back{0.26f, 0.33f, 0.42f}; ///< slate: the side of higher values
@@ -26,18 +27,6 @@ struct SceneColours {
     glm::vec3 spot{0.0f, 0.55f, 0.80f}; ///< cyan: apart from the red and from all levels
     glm::vec3 marker{0.25f, 0.90f, 1.0f}; ///< as seen
     glm::vec4 edges{0.012f, 0.02f, 0.035f, 0.8f};
-    glm::vec4 box{0.78f, 0.82f, 0.88f, 0.38f};
-    glm::vec3 backgroundBottom{0.085f, 0.092f, 0.105f};
-    glm::vec3 backgroundTop{0.225f, 0.240f, 0.265f};
-};
-
-/// A place that is pointed out: a ring on it that is seen through the surface, and the surface around it highlighted.
-struct Spot {
-    glm::dvec3 place{0.0}; ///< grid index units of the volume
-    float strength = 1.0f; ///< 0 to 1: how much both cover what is below
-    float pixelRatio = 1.0f; ///< of the screen
-
-    bool operator==(const Spot&) const = default;
 };
 
 /// World units; half the diagonal of the volume's box. 1 for a volume without extent.
@@ -46,10 +35,12 @@ double sceneRadius(const GridGeometry& geometry);
 glm::dmat4 indexToCentredWorld(const GridGeometry& grid, const GridGeometry& volume);
 
 /// Draws background, bounding box, surface, the changed part of it and a spot into the bound framebuffer.
-/// Made in initialize() and gone in release(); every call but the constructor, setFrame and setSpot needs
-/// the same context current.
+/// Made in initialize() and gone in release(); every call but the constructor needs the same context current.
 class SceneRenderer {
 public:
+    /// Coarse: of a large surface, fewer triangles, and no marks of what changed.
+    enum class Detail { Whole, Coarse };
+
     explicit SceneRenderer(std::shared_ptr<GlDriver> driver = std::make_shared<GlDriver>());
     ~SceneRenderer();
 
@@ -60,29 +51,43 @@ public:
     /// Forgets every GPU object without a call to OpenGL: for a context that is gone or cannot be made current.
     void abandon();
 
-    /// The surface to draw from now on; null for none. Uploaded at the next draw, once. `volume` is what its
-    /// grid is of, if that is larger: a preview does not reach all the ends. Its box is drawn, its centre is
-    /// the origin.
-    void setFrame(std::shared_ptr<const extract::SurfaceFrame> frame, const std::optional<GridGeometry>& volume = {});
+    /// A surface is uploaded once, at the first draw of it. `isStopped` is asked between parts of the surface: false if
+    /// it answered true, and the picture is not whole.
+    bool draw(const SceneView& view, Detail detail, const std::function<bool()>& isStopped = {});
 
-    void setSpot(const std::optional<Spot>& spot) { spot_ = spot; }
-
-    void draw(const model::Camera& camera, const model::ViewOptions& options, glm::ivec2 pixels);
-
-    /// Bytes of the present surface, if the card has no memory for it and it is not drawn; 0 otherwise.
-    std::uint64_t refusedBytes() const { return refusedBytes_; }
+    /// Bytes of the present surface, or of another one, if the card has no memory for it and it is not drawn; 0
+    /// otherwise.
+    std::uint64_t refusedBytes() const;
     /// Bytes of surfaces sent to the card since initialize().
     std::uint64_t uploadedBytes() const;
 
 private:
     struct Resources;
     struct Matrices;
+    struct OnCard;
 
+    void setFrame(const SceneView& view);
     void uploadIfNew();
-    void drawBackground();
-    void drawBox(const Matrices& matrices);
-    void drawMarker(const glm::dvec4& place, glm::ivec2 pixels);
-    void drawSurface(const Matrices& matrices, bool isPerspective, const model::ViewOptions& options);
+    void tintIfNew(const model::PieceOptions& pieces);
+    void drawBackground(model::Background background);
+    void drawBox(const Matrices& matrices, model::Background background);
+    void drawBoxLines(QOpenGLShaderProgram& program, const Matrices& matrices, model::Background background);
+    void drawClipGuides(const Matrices& ofVolume, const SceneView& view);
+    void drawMarker(const Spot& spot, const glm::dvec4& place, glm::ivec2 pixels);
+    Matrices matricesOf(const GridGeometry& grid, const SceneView& view) const;
+    /// All visible surfaces that are on the card, the active one last.
+    std::vector<OnCard> surfacesOf(const SceneView& view) const;
+    void useProgram(QOpenGLShaderProgram& program, const OnCard& surface, const SceneView& view);
+    void endProgram(QOpenGLShaderProgram& program);
+    bool drawTriangles(const OnCard& surface, Detail detail, const std::function<bool()>& isStopped);
+    bool drawOpaque(const OnCard& surface, const SceneView& view, Detail detail,
+                    const std::function<bool()>& isStopped);
+    /// What is drawn on the active surface.
+    bool drawMarks(QOpenGLShaderProgram& program, const OnCard& surface, const model::ViewOptions& options,
+                   Detail detail, const std::function<bool()>& isStopped);
+    bool isAnyTransparent(const std::vector<OnCard>& surfaces) const;
+    bool drawTransparent(const std::vector<OnCard>& surfaces, const Matrices& ofVolume, const SceneView& view,
+                         Detail detail, const std::function<bool()>& isStopped);
 
     bool uploadSurface();
     void uploadBox();
@@ -92,9 +97,11 @@ private:
     std::unique_ptr<Resources> resources_;
     std::shared_ptr<const extract::SurfaceFrame> frame_;
     GridGeometry volume_;
-    std::optional<Spot> spot_;
     SceneColours colours_;
     bool isFrameNew_ = false;
+    std::optional<model::PieceOptions> wantedTints_; ///< what was tried last for the surface on the card
+    bool isTinted_ = false;
+    bool isTintNew_ = false;
     std::uint64_t refusedBytes_ = 0;
 };
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/folders.h"
+#include "app/cli/scratch_folder.h"
 #include "core/base/machine.h"
 #include "core/extract/full_extraction.h"
 #include "core/extract/merged/merged_extraction.h"
@@ -37,30 +37,6 @@ double medianOf(std::vector<double> values) {
     return *middle;
 }
 
-/// A folder that goes with all that is in it.
-class WorkFolder {
-public:
-    ~WorkFolder() {
-        if (!path_.empty())
-            removeFolder(path_);
-    }
-    WorkFolder() = default;
-    WorkFolder(const WorkFolder&) = delete;
-    WorkFolder& operator=(const WorkFolder&) = delete;
-
-    Status make(const std::filesystem::path& parent) {
-        auto made = makeUniqueFolder(parent, "isoslider-report");
-        if (!made.isOk())
-            return made.error();
-        path_ = std::move(made).value();
-        return {};
-    }
-    std::filesystem::path indexPath(std::size_t k) const { return path_ / fmt::format("{}.isx", k); }
-
-private:
-    std::filesystem::path path_;
-};
-
 /// Goes from isovalue to isovalue; the first is where it starts.
 Result<StepCost> walk(extract::SlideEngine& engine, const std::vector<double>& isovalues, const JobControl& job) {
     extract::SurfaceFrame shown, next;
@@ -69,7 +45,7 @@ Result<StepCost> walk(extract::SlideEngine& engine, const std::vector<double>& i
     for (std::size_t i = 0; i < isovalues.size(); ++i) {
         Result<extract::SlideStats> stats = extract::SlideStats();
         const double ms = millisecondsOf([&] {
-            stats = engine.slideTo(isovalues[i], job.stop);
+            stats = engine.slideTo(isovalues[i], {job.stop, {}});
             if (stats.isOk())
                 engine.copyFrame(next);
         });
@@ -95,7 +71,7 @@ public:
     Result<VolumeMeasures> run(const JobControl& job) {
         const JobControl building = job.part(0.0, 0.5), reading = job.part(0.5, 0.55), sliding = job.part(0.55, 0.8),
                          merging = job.part(0.8, 1.0);
-        ISO_TRY(folder_.make(options_.folder));
+        ISO_TRY(folder_.make(options_.folder, "isoslider-report"));
         ISO_TRY(buildAll(building));
         ISO_TRY(hold(reading));
         ISO_TRY(measureSteps(sliding));
@@ -121,7 +97,7 @@ private:
                 build.kind = index.kind;
                 build.memoryBytes = options_.memoryBytes;
                 build.sourceName = measured_.name;
-                auto report = preprocess::buildIndex(source_, folder_.indexPath(k), build, building);
+                auto report = preprocess::buildIndex(source_, indexPath(k), build, building);
                 if (!report.isOk())
                     return report.error();
                 index.buildSeconds = report.value().seconds;
@@ -209,7 +185,7 @@ private:
                 if (!cost.isOk())
                     return cost.error();
                 row.ms = cost.value().ms;
-                const auto stats = engine->slideTo(measured_.centre, job.stop);
+                const auto stats = engine->slideTo(measured_.centre, {job.stop, {}});
                 if (!stats.isOk())
                     return stats.error();
                 row.trianglesOfSlide = stats.value().triangles;
@@ -236,7 +212,7 @@ private:
     Status open(std::size_t k, std::unique_ptr<extract::SlideEngine>& engine) const {
         extract::SlideOptions options;
         options.readsAhead = false; // the next step follows at once
-        auto opened = extract::SlideEngine::open(folder_.indexPath(k), options);
+        auto opened = extract::SlideEngine::open(indexPath(k), options);
         if (!opened.isOk())
             return opened.error();
         engine = std::move(opened).value();
@@ -246,7 +222,9 @@ private:
     io::VolumeSource& source_;
     const std::filesystem::path& path_;
     const MeasureOptions& options_;
-    WorkFolder folder_; ///< indexes, by their place in measured_.indexes
+    std::filesystem::path indexPath(std::size_t k) const { return folder_.path() / fmt::format("{}.isx", k); }
+
+    ScratchFolder folder_; ///< indexes, by their place in measured_.indexes
     std::shared_ptr<const ScalarGrid> grid_;
     VolumeMeasures measured_;
 };

@@ -1,5 +1,6 @@
 #include "core/extract/live/brick_picture.h"
 
+#include <cstring>
 #include <utility>
 
 #include "core/base/worker_team.h"
@@ -48,6 +49,30 @@ void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t
 } // namespace
 
 template <class Live>
+std::shared_ptr<const BrickPicture<Live>> separateCopy(const BrickPicture<Live>& picture) {
+    auto arenas = std::make_shared<BrickArenas<Live>>();
+    std::vector<PictureBrick> bricks;
+    for (PictureBrick brick : picture.bricks()) {
+        if (brick.indexCount == 0)
+            continue;
+        ArenaRun vertices, indices;
+        arenas->vertices.resize(vertices, brick.recordCount);
+        arenas->indices.resize(indices, brick.indexCount);
+        std::memcpy(arenas->vertices.at(vertices.begin), picture.records(brick),
+                    brick.recordCount * sizeof(EdgeRecord<Live>));
+        std::memcpy(arenas->indices.at(indices.begin), picture.indices(brick),
+                    brick.indexCount * sizeof(std::uint16_t));
+        brick.firstRecord = vertices.begin;
+        brick.firstIndex = indices.begin;
+        bricks.push_back(brick);
+    }
+    auto copy = std::make_shared<BrickPicture<Live>>(arenas, std::make_shared<PictureLeases>(), 0, std::move(bricks));
+    copy->recordEnd_ = arenas->vertices.top();
+    copy->indexEnd_ = arenas->indices.top();
+    return copy;
+}
+
+template <class Live>
 void expandVertices(const BrickPicture<Live>& picture, double isovalue, std::vector<glm::vec3>& positions,
                     std::vector<glm::vec3>& normals) {
     expandFrom(picture, firstVertices(picture), isovalue, positions, normals);
@@ -91,6 +116,7 @@ std::uint64_t pictureBytes(const SurfaceFrame& frame) {
            (frame.indices.size() + frame.changedIndices.size()) * sizeof(std::uint32_t);
 }
 
+template std::shared_ptr<const BrickPicture<float>> separateCopy(const BrickPicture<float>&);
 template void expandVertices(const BrickPicture<float>&, double, std::vector<glm::vec3>&, std::vector<glm::vec3>&);
 template void expandVertices(const BrickPicture<double>&, double, std::vector<glm::vec3>&, std::vector<glm::vec3>&);
 template void expandPicture(const BrickPicture<float>&, SurfaceFrame&);

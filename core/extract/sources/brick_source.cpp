@@ -13,6 +13,7 @@
 #include <tbb/task_arena.h>
 
 #include "core/base/job_control.h"
+#include "core/base/shared_progress.h"
 #include "core/base/worker_team.h"
 #include "core/extract/live/stream_copy.h"
 #include "core/extract/sources/brick_scratch.h"
@@ -166,7 +167,7 @@ void BrickSource<Sample>::listCrossed(const Move& move, const LiveSurface<Live>&
 
 template <class Sample>
 Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats,
-                                 std::stop_token stop) {
+                                 const JobControl& control) {
     ahead_ = {}; // stops it
     stats.bytesAhead += std::exchange(bytesAhead_, 0);
     if (move.from == lowest() || move.from == highest()) // nothing is active there; perhaps a move was broken off
@@ -175,7 +176,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     std::vector<BrickSlot> refreshed;
     listCrossed(move, surface, jobs, refreshed);
     std::vector<Job> arrived;
-    ISO_TRY(changeActiveSet(move, surface, stats, stop, arrived));
+    ISO_TRY(changeActiveSet(move, surface, stats, control.stop, arrived));
     std::erase_if(jobs, [&](const Job& job) { return !surface.brick(job.slot).isLive; }); // crossed and left
     std::erase_if(refreshed, [&](BrickSlot slot) { return !surface.brick(slot).isLive; });
     // A slot that a leaving brick gave up may be an arriving one's.
@@ -192,9 +193,9 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         scratch.bricks = scratch.edgesAdded = scratch.edgesRemoved = 0;
     }
     if (bound_.limit > 0.0)
-        ISO_TRY(runMerging(move, surface, std::move(jobs), stats, stop));
+        ISO_TRY(runMerging(move, surface, std::move(jobs), stats, control));
     else
-        ISO_TRY(runJobs(move, surface, std::move(jobs), stats, stop, &BrickSource::rebuild));
+        ISO_TRY(runJobs(move, surface, std::move(jobs), stats, control, &BrickSource::rebuild));
     hasNewBound_ = false;
     forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
@@ -247,12 +248,15 @@ void BrickSource<Sample>::prefetchKept(const Job& job) const {
 // read.
 template <class Sample>
 Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
-                                    SlideStats& stats, std::stop_token stop, Work work) {
+                                    SlideStats& stats, const JobControl& control, Work work) {
     constexpr std::size_t kAhead =
         2; // bricks; one is too few where other programs have been in the caches, three are no better
+    const std::stop_token& stop = control.stop;
+    SharedProgress progress(control, jobs.size(), "extracting");
     const auto run = [&](std::span<const Job> some) {
         forRanges(some.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
             Scratch& scratch = scratches_->local();
+            std::size_t done = 0;
             for (std::size_t i = begin; i != end && !stop.stop_requested(); ++i) {
                 if (i + 2 * kAhead < some.size())
                     surface.prefetchHead(some[i + 2 * kAhead].slot);
@@ -260,10 +264,13 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
                     prefetchKept(some[i + kAhead]);
                 if (i + kAhead < end) // beyond, another thread may be changing it
                     surface.prefetch(some[i + kAhead].slot);
-                if (!(this->*work)(move, surface, some[i], scratch))
+                if ((this->*work)(move, surface, some[i], scratch))
+                    ++done;
+                else
                     scratch.pending.push_back(some[i]);
             }
             finishStreams();
+            progress.add(done);
         });
         return stop.stop_requested() ? Status(cancelledError()) : Status();
     };

@@ -43,7 +43,7 @@ public:
     BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples, std::uint64_t cacheBytes);
     ~BrickSource() override;
 
-    Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) override;
+    Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, const JobControl& control) override;
     bool canMerge() const override { return true; }
     void setMergeBound(const MergeBound& bound) override;
     /// Nothing but from an empty surface: bricks that stay are never dearer than bricks that arrive.
@@ -102,9 +102,9 @@ private:
     void listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs,
                      std::vector<BrickSlot>& refreshed) const;
     Status runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
-                   std::stop_token stop, Work work);
+                   const JobControl& control, Work work);
     Status runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
-                      std::stop_token stop);
+                      const JobControl& control);
     void prefetchKept(const Job& job) const;
     bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     bool findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);

@@ -14,12 +14,12 @@ namespace isoslider::extract {
 // its leaves, then they are made, and with them those beside whose neighbours' leaves have become others.
 template <class Sample>
 Status BrickSource<Sample>::runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
-                                       SlideStats& stats, std::stop_token stop) {
+                                       SlideStats& stats, const JobControl& control) {
     for (Scratch& scratch : *scratches_)
         scratch.otherLeaves.clear();
-    ISO_TRY(runJobs(move, surface, jobs, stats, stop, &BrickSource::findLeaves));
+    ISO_TRY(runJobs(move, surface, jobs, stats, control.part(0.0, 0.5), &BrickSource::findLeaves));
     addBricksBeside(surface, jobs);
-    return runJobs(move, surface, std::move(jobs), stats, stop, &BrickSource::rebuildMerged);
+    return runJobs(move, surface, std::move(jobs), stats, control.part(0.5, 1.0), &BrickSource::rebuildMerged);
 }
 
 template <class Sample>
@@ -108,7 +108,7 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
 
 #define ISO_INSTANTIATE(Sample, Name) \
     template Status BrickSource<Sample>::runMerging(const Move&, LiveSurface<Live>&, std::vector<Job>, SlideStats&, \
-                                                    std::stop_token);
+                                                    const JobControl&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

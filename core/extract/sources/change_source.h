@@ -1,9 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <stop_token>
 
-#include "core/base/result.h"
+#include "core/base/job_control.h"
 #include "core/extract/live/live_surface.h"
 #include "core/extract/merged/merge_bound.h"
 #include "core/grid/scalar_key.h"
@@ -24,9 +23,10 @@ public:
     virtual ~ChangeSource() = default;
 
     /// Brings `surface` from one threshold to the other: adds, replaces and removes bricks. Fills `stats` with what
-    /// was read and what changed. A move from lowest() or highest() starts with an empty surface, whatever was before.
-    /// O(log N + K). Errors: IoError, Corruption, Cancelled; the surface must be cleared then.
-    virtual Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) = 0;
+    /// was read and what changed. Tells `job` how far it is by the bricks that are done. A move from lowest() or
+    /// highest() starts with an empty surface, whatever was before. O(log N + K). Errors: IoError, Corruption,
+    /// Cancelled; the surface must be cleared then.
+    virtual Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, const JobControl& job) = 0;
 
     virtual bool canMerge() const { return false; }
     /// From the next move on, cells are merged within the bound; that move makes all live bricks anew.

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/job_control.h"
+#include "core/base/shared_progress.h"
 #include "core/base/worker_team.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/stream_copy.h"
@@ -237,7 +238,8 @@ void EdgeBlockSource<Sample>::listCrossedSaddles(const Move& move, const LiveSur
 
 template <class Sample>
 Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats,
-                                     std::stop_token stop) {
+                                     const JobControl& job) {
+    const std::stop_token& stop = job.stop;
     if (move.from == lowest() || move.from == highest())
         reset();
     const KeyThreshold lower = std::min(move.from, move.to), upper = std::max(move.from, move.to);
@@ -271,6 +273,7 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
     // All chains first: which bricks change must be known before the others are looked through.
     std::vector<BrickSlot> crossed, refreshed;
     std::array<std::vector<BrickSlot>, kPartitions> changedBy;
+    SharedProgress progress(job, kPartitions, "extracting");
     forEachIndex(kPartitions, 1, [&](std::size_t partition) {
         Scratch& scratch = scratches_->local();
         chainChanges(partition, scratch);
@@ -282,6 +285,7 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
             changeBrick(slot, move, surface, scratch);
         }
         finishStreams();
+        progress.add(1);
     });
     if (stop.stop_requested())
         return cancelledError();

@@ -39,7 +39,7 @@ public:
     EdgeBlockSource(const index::IndexReader& reader, std::uint64_t cacheBytes);
     ~EdgeBlockSource() override;
 
-    Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) override;
+    Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, const JobControl& job) override;
     void dropCaches() override {
         walk_.dropCaches();
         hiddenCorners_.clear();

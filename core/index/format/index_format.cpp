@@ -281,6 +281,12 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
     preamble.minor = in.get<std::uint16_t>();
     if (bytes.size() < kPreambleBytes)
         return makeError(ErrorCode::Corruption, "index ends inside its header", path, bytes.size());
+    if (preamble.major > kFormatMajor)
+        return makeError(ErrorCode::UnsupportedVersion,
+                         "index was made by a newer version of the program: it has format version " +
+                             std::to_string(preamble.major) + ", this program reads version " +
+                             std::to_string(kFormatMajor) + ": open it with that version, or build it again",
+                         path, sizeof kIndexMagic);
     if (preamble.major != kFormatMajor)
         return makeError(ErrorCode::UnsupportedVersion,
                          "index has format version " + std::to_string(preamble.major) +

@@ -8,18 +8,18 @@
 
 #include <tbb/parallel_sort.h>
 
-#include "core/topology/analysis/disjoint_sets.h"
+#include "core/base/disjoint_sets.h"
 
 namespace isoslider::topology {
 
 void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
-    using Element = DisjointSets::Element;
+    using Element = DisjointSets<>::Element;
     constexpr auto kNone = std::numeric_limits<std::size_t>::max();
     struct Left { // a link that may still be kept, by the sets of its ends
         std::size_t link;
         Element a, b;
     };
-    DisjointSets sets(seeds);
+    DisjointSets<> sets(seeds);
     std::vector<Left> left;
     for (std::size_t i = 0; i < links.size(); ++i)
         left.push_back({i, links[i].a, links[i].b});
@@ -168,7 +168,7 @@ private:
 
     ComponentGraph& graph_;
     double span_;
-    DisjointSets sets_;
+    DisjointSets<> sets_;
     std::vector<bool> isClosed_; ///< of roots; the side below only
     std::int64_t closed_ = 0;
     ComponentHistory history_;

@@ -122,7 +122,7 @@ public:
     explicit IsovalueFinder(const std::vector<double>& isovalues) : isovalues_(isovalues) {
         least_ = isovalues.front();
         scale_ = static_cast<double>(kParts) / (isovalues.back() - least_);
-        for (std::size_t i = 0, k = 0; i < kParts; ++i) {
+        for (std::size_t i = 0, k = 0; i <= kParts; ++i) {
             while (k < isovalues.size() && (isovalues[k] - least_) * scale_ < static_cast<double>(i))
                 ++k;
             start_[i] = static_cast<std::uint32_t>(k);
@@ -132,7 +132,19 @@ public:
         const double part = (scalar - least_) * scale_;
         if (!(part >= 0.0))
             return 0;
-        std::size_t k = part < static_cast<double>(kParts) ? start_[static_cast<std::size_t>(part)] : 0;
+        if (!(part < static_cast<double>(kParts)))
+            return firstBeyond(start_[kParts], isovalues_.size(), scalar);
+        const auto at = static_cast<std::size_t>(part);
+        return firstBeyond(start_[at], start_[at + 1], scalar);
+    }
+
+private:
+    // Between these two, but for rounding. All may lie in one part, where a few lie far away.
+    std::size_t firstBeyond(std::size_t from, std::size_t to, double scalar) const {
+        const auto begin = isovalues_.begin();
+        auto k = static_cast<std::size_t>(std::upper_bound(begin + static_cast<std::ptrdiff_t>(from),
+                                                           begin + static_cast<std::ptrdiff_t>(to), scalar) -
+                                          begin);
         while (k > 0 && isovalues_[k - 1] > scalar)
             --k;
         while (k < isovalues_.size() && isovalues_[k] <= scalar)
@@ -140,11 +152,10 @@ public:
         return k;
     }
 
-private:
     static constexpr std::size_t kParts = 4096;
     const std::vector<double>& isovalues_;
     double least_, scale_;
-    std::array<std::uint32_t, kParts> start_{};
+    std::array<std::uint32_t, kParts + 1> start_{};
 };
 
 // Cells spread evenly whatever their number: multiples of three irrational numbers (Roberts' R3 sequence).
@@ -163,6 +174,8 @@ void MeasureSums::add(const MeasureSums& other) {
         sums[i].volume += other.sums[i].volume;
         sums[i].triangles += other.sums[i].triangles;
         sums[i].gradient += other.sums[i].gradient;
+        sums[i].usualArea += other.sums[i].usualArea;
+        sums[i].usualGradient += other.sums[i].usualGradient;
     }
     for (std::size_t i = 0; i < cellsAbove.size(); ++i)
         cellsAbove[i] += other.cellsAbove[i];
@@ -180,8 +193,12 @@ MeasureCurves MeasureSums::curves(const MeasurePlan& plan, const GridGeometry& g
     for (std::size_t i = sums.size(); i-- > 0;) {
         whole += static_cast<double>(cellsAbove[i + 1]);
         const auto finite = [](double value) { return std::isfinite(value) ? value : 0.0; };
+        // One sample that is orders of magnitude away has cells so steep that no mean would tell of any other.
+        const bool isUsual = sums[i].usualArea > 0.0;
+        const double area = isUsual ? sums[i].usualArea : sums[i].area;
+        const double gradient = isUsual ? sums[i].usualGradient : sums[i].gradient;
         curves.measures[i] = {finite(sums[i].area), finite(cell * (whole + sums[i].volume)), sums[i].triangles,
-                              sums[i].area > 0.0 ? finite(sums[i].gradient / sums[i].area) : 0.0};
+                              area > 0.0 ? finite(gradient / area) : 0.0};
     }
     return curves;
 }
@@ -220,7 +237,8 @@ MeasureSums measureLayer(const LayerWindow<Sample>& window, const MeasurePlan& p
                 if ((window.stars[static_cast<std::size_t>(start + x)] & 0x80) == 0)
                     continue;
                 const auto high = static_cast<double>(most[static_cast<std::size_t>(x)]);
-                std::size_t k = finder.reached(static_cast<double>(least[static_cast<std::size_t>(x)]));
+                const auto low = static_cast<double>(least[static_cast<std::size_t>(x)]);
+                std::size_t k = finder.reached(low);
                 ++found.cellsAbove[k];
                 if (k == plan.isovalues.size() || high < plan.isovalues[k])
                     continue;
@@ -238,6 +256,10 @@ MeasureSums measureLayer(const LayerWindow<Sample>& window, const MeasurePlan& p
                     into.volume += weight[k] * sum.volume;
                     into.triangles += weight[k] * sum.triangles;
                     into.gradient += weight[k] * sum.gradient;
+                    if (low >= plan.usual.first && high <= plan.usual.second) {
+                        into.usualArea += weight[k] * sum.area;
+                        into.usualGradient += weight[k] * sum.gradient;
+                    }
                 }
             }
         }

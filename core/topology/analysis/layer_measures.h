@@ -13,6 +13,7 @@ namespace isoslider::topology {
 struct MeasureSums {
     struct Sum {
         double area = 0.0, volume = 0.0, triangles = 0.0, gradient = 0.0; ///< the last times the area
+        double usualArea = 0.0, usualGradient = 0.0; ///< in cells of usual values
     };
     std::vector<Sum> sums;
     std::vector<std::uint64_t> cellsAbove; ///< [i]: wholly above the first i isovalues, not above the next

@@ -34,6 +34,19 @@ bool beginsWith(std::span<const std::byte> start, const char (&magic)[size]) {
     return start.size() >= size - 1 && std::memcmp(start.data(), magic, size - 1) == 0;
 }
 
+bool contains(std::span<const std::byte> start, std::string_view words) {
+    return std::string_view(reinterpret_cast<const char*>(start.data()), start.size()).find(words) !=
+           std::string_view::npos;
+}
+
+// A text of "Key = value" lines; one of these comes first in what programs write.
+bool isMetaImage(const fs::path&, std::span<const std::byte> start) {
+    return (beginsWith(start, "ObjectType") || beginsWith(start, "NDims") || beginsWith(start, "Comment")) &&
+           contains(start, "NDims");
+}
+bool isVtkXml(const fs::path&, std::span<const std::byte> start) {
+    return (beginsWith(start, "<?xml") || beginsWith(start, "<VTKFile")) && contains(start, "<VTKFile");
+}
 bool isNrrd(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "NRRD000"); }
 bool isNifti(const fs::path&, std::span<const std::byte> start) {
     return start.size() >= 348 && (beginsWith(start.subspan(344), "n+1") || beginsWith(start.subspan(4), "n+2"));
@@ -49,10 +62,10 @@ bool isNetcdf(const fs::path&, std::span<const std::byte> start) {
 bool isHdf5(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "\x89HDF\r\n\x1a\n"); }
 
 const Format kFormats[] = {
-    {"MetaImage", kMetaImage, openMetaImage, listMetaImage, nullptr, false},
+    {"MetaImage", kMetaImage, openMetaImage, listMetaImage, isMetaImage, false},
     {"NRRD", kNrrd, openNrrd, listNrrd, isNrrd, false},
     {"NIfTI", kNifti, openNifti, listNifti, isNifti, false},
-    {"VTK XML", kVtkXml, openVtkXml, listVtkXml, nullptr, false, true},
+    {"VTK XML", kVtkXml, openVtkXml, listVtkXml, isVtkXml, false, true},
     {"VTK", kVtkLegacy, openVtkLegacy, listVtkLegacy, isVtkLegacy, false, true},
     {"PLOT3D", kPlot3d, openPlot3d, listPlot3d, nullptr, false, true},
     {"MRC", kMrc, openMrc, listMrc, isMrc, false},

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "core/base/folders.h"
+#include "core/base/sanitizers.h"
 #include "core/volume_io/reader_process/activity_watch.h"
 #include "core/volume_io/reader_process/message_channel.h"
 #include "core/volume_io/reader_process/messages.h"
@@ -63,7 +64,7 @@ public:
         FileActions actions;
         ::posix_spawn_file_actions_adddup2(actions.get(), ends[1], STDIN_FILENO);
         ::posix_spawn_file_actions_addopen(actions.get(), STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // whose reports are wanted
+#if !ISO_HAS_SANITIZER // whose reports are wanted
         ::posix_spawn_file_actions_addopen(actions.get(), STDERR_FILENO, "/dev/null", O_WRONLY, 0);
 #endif
         std::string name = program.value().string();

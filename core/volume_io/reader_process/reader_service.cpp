@@ -8,6 +8,7 @@
 #include "core/base/file_system.h"
 #include "core/base/guarded.h"
 #include "core/base/machine.h"
+#include "core/base/sanitizers.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/reader_process/message_channel.h"
 #include "core/volume_io/reader_process/messages.h"
@@ -15,7 +16,7 @@
 namespace isoslider::io {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if ISO_HAS_SANITIZER
 constexpr bool kLimitsMemory = false; // the sanitizers map terabytes
 #else
 constexpr bool kLimitsMemory = true;

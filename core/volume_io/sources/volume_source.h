@@ -64,6 +64,8 @@ public:
     Status checkUnchanged() const { return files_.check(); }
     /// The volume's files since before the first was opened; none of samples made elsewhere.
     void watch(FileWatch files) { files_ = std::move(files); }
+    /// What the files stated of themselves when they were opened, in one number: the same while none of them changes.
+    std::uint64_t filesDigest() const { return files_.digest(); }
 
 private:
     FileWatch files_;

@@ -11,6 +11,7 @@
 #include "core/grid/volume_statistics.h"
 #include "core/index/format/index_format.h"
 #include "core/index/sample_store.h"
+#include "preprocess/metacells/brick_list.h"
 #include "tests/property/random_volumes.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/support/faulty_file_system.h"
@@ -67,6 +68,19 @@ TEST_P(BuildIndexKind, GivesTheSameBytesForAnyNumberOfThreads) {
     }
 }
 
+// A program started from a menu may stand in a folder that it cannot write to.
+TEST(MemoryEngine, DoesNotDependOnTheWorkingFolder) {
+    const test::TemporaryFolder folder;
+    std::filesystem::create_directory(folder / "bricks"); // the name of the list in memory
+    const auto before = std::filesystem::current_path();
+    std::filesystem::current_path(folder.path());
+    const auto engine = makeMemoryEngine(test::hillsVolume({20, 20, 20}));
+    const auto built = test::buildIndexOf(test::hillsVolume({40, 40, 40}), folder / "a.isx", {});
+    std::filesystem::current_path(before);
+    EXPECT_THAT(engine, IsOk());
+    EXPECT_THAT(built, IsOk());
+}
+
 TEST(BuildIndex, GivesTheSameBytesForAnyMemoryBudget) {
     const test::TemporaryFolder folder;
     GridGeometry geometry = test::cubeGeometry(92);
@@ -82,6 +96,7 @@ TEST(BuildIndex, GivesTheSameBytesForAnyMemoryBudget) {
         options.memoryBytes = memory;
         options.temporaryFolder = temporaryFolder;
         options.fileSystem = &disk;
+        options.checkpointSeconds = -1.0; // no file more where the build takes long
         const auto built = test::buildIndexOf(grid, folder / name, options);
         EXPECT_THAT(built, IsOk());
         EXPECT_GT(built.value().info.hiddenCorners, 3 * index::kMaxHiddenPageCorners);

@@ -13,6 +13,7 @@
 
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace isoslider::preprocess {
@@ -87,7 +88,7 @@ private:
 // The samples of a slab, 64 MB that cannot be compressed, wait for the disk in rows of chunks; an eighth of the budget
 // is for these.
 TEST(BuildMetacells, KeepNoMoreRowsThanTheBudgetAllowsWhileTheDiskIsSlow) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if ISO_HAS_SANITIZER
     GTEST_SKIP() << "sanitizers take additional memory";
 #endif
     if (tbb::this_task_arena::max_concurrency() < 2)

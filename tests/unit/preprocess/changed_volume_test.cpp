@@ -114,6 +114,28 @@ TEST_P(ChangedVolume, IsRefusedWhenItsHeaderChanges) {
     expectRefused(header, header, [&] { std::ofstream(header, std::ios::app) << "# more\n"; });
 }
 
+// Read whole, as extract, topology and resample do. A reader process keeps its own copy of what it has read: the same.
+TEST(ChangedFile, IsRefusedWhenItIsReadIntoMemory) {
+    const test::TemporaryFolder folder;
+    const std::string head = "# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 24 24 24\n"
+                             "ORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 13824\nSCALARS s unsigned_char 1\n"
+                             "LOOKUP_TABLE default\n";
+    for (const auto& [name, start] :
+         {std::pair<std::string, std::string>{"a.nrrd", "NRRD0004\ntype: uint8\ndimension: "
+                                                        "3\nsizes: 24 24 24\nencoding: raw\n\n"},
+          {"a.vtk", head}}) {
+        const fs::path file = folder.write(name, start + samples(0));
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        const auto source = io::openVolume(file);
+        ASSERT_THAT(source, IsOk());
+        overwrite(file, start + samples(3));
+        const auto grid = io::readVolume(*source.value(), file);
+        ASSERT_THAT(grid, HasError(ErrorCode::InvalidArgument)) << name;
+        EXPECT_EQ(grid.error().line(), file.string() + ": changed while it was read");
+        EXPECT_THAT(io::readVolume(file), IsOk()) << "it stands still again";
+    }
+}
+
 TEST_P(ChangedVolume, IsBuiltWhenOtherFilesChange) {
     const fs::path header = writeNrrd();
     folder_.write("other.raw", "old");

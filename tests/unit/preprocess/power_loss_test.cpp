@@ -57,6 +57,39 @@ TEST_P(PowerLoss, B090_LeavesTheEarlierIndexOrTheNewOne) {
     EXPECT_GE(withLater, 6u);
 }
 
+// A state speaks only of what had been synced before it: whatever else the disk has lost, the build goes on from it.
+TEST_P(PowerLoss, B090_LeavesABuildThatGoesOn) {
+    const test::TemporaryFolder folder, after;
+    const auto grid = test::hillsVolume({20, 12, 50});
+    BuildOptions options;
+    options.kind = GetParam();
+    options.checkpointSeconds = 0.0;
+    test::RecordingFileSystem disk(defaultFileSystem());
+    options.fileSystem = &disk;
+    ASSERT_THAT(test::buildIndexOf(grid, folder / "a.isx", options), test::IsOk());
+    const std::string whole = test::readText(folder / "a.isx");
+    options.fileSystem = nullptr;
+    options.checkpointSeconds = 10.0;
+    options.resumes = true;
+    std::mt19937 random(12);
+    std::size_t resumed = 0;
+    for (std::size_t moment = 0; moment <= disk.calls().size(); ++moment)
+        for (int chance = 0; chance < 3; ++chance) {
+            const auto files = test::LostPower::after(disk.calls(), moment, [&] {
+                return chance == 0 ? false : chance == 1 ? true : random() % 2 == 0;
+            });
+            for (const std::string& name : after.names())
+                std::filesystem::remove(after / name);
+            for (const auto& [name, bytes] : files)
+                after.write(name.filename().string(), {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+            const auto built = test::buildIndexOf(grid, after / "a.isx", options);
+            ASSERT_THAT(built, test::IsOk()) << "after call " << moment << " chance " << chance;
+            ASSERT_TRUE(test::readText(after / "a.isx") == whole) << "after call " << moment;
+            resumed += built.value().isResumed ? 1 : 0;
+        }
+    EXPECT_GT(resumed, 20u);
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, PowerLoss, testing::Values(index::IndexKind::Edges, index::IndexKind::Metacells),
                          [](const auto& kind) { return std::string(index::indexKindName(kind.param)); });
 

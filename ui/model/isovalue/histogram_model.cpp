@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+
+#include "ui/model/isovalue/value_steps.h"
 
 namespace isoslider::model {
 namespace {
@@ -43,7 +46,31 @@ double otsuBoundary(const std::vector<double>& weights) {
     return best < 0.0 ? static_cast<double>(weights.size()) / 2.0 : (first + last) / 2.0;
 }
 
+constexpr std::size_t kMostBinsToPart = 512;
+constexpr double kFirstDigits = 1.0 / 200.0; // of the range: finer, nobody can tell why
+
 } // namespace
+
+double firstIsovalue(const ValueDistribution& values) {
+    if (values.isEmpty())
+        return std::midpoint(values.min, values.max);
+    const auto& fine = values.body;
+    const std::size_t merged = std::max<std::size_t>(1, (fine.counts.size() + kMostBinsToPart - 1) / kMostBinsToPart);
+    Histogram body{fine.min, fine.max, {}};
+    for (std::size_t bin = 0; bin < fine.counts.size(); ++bin) {
+        if (bin % merged == 0)
+            body.counts.push_back(0);
+        body.counts.back() += fine.counts[bin];
+    }
+    if (!fine.counts.empty() && merged > 1) // the last bin may be a part of one
+        body.max = std::min(fine.min + (fine.max - fine.min) * (static_cast<double>(body.counts.size() * merged) /
+                                                                static_cast<double>(fine.counts.size())),
+                            std::numeric_limits<double>::max());
+    const double best = suggestIsovalue(body);
+    const double step = roundStep((fine.max - fine.min) * kFirstDigits);
+    const double round = nearestMultiple(best, step);
+    return std::clamp(round, values.min, values.max);
+}
 
 double binLowerEnd(const Histogram& histogram, std::size_t bin) {
     const double share = static_cast<double>(bin) / static_cast<double>(histogram.counts.size());

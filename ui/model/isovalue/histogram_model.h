@@ -5,6 +5,7 @@
 
 #include "core/grid/histogram.h"
 #include "core/grid/scalar_type.h"
+#include "core/grid/value_distribution.h"
 
 namespace isoslider::model {
 
@@ -15,6 +16,9 @@ double binLowerEnd(const Histogram& histogram, std::size_t bin);
 /// two classes (Otsu 1979), on damped counts so that a huge background peak does not hide a small
 /// object. Always finite and within [min, max]; the middle of the range when there are no counts.
 double suggestIsovalue(const Histogram& histogram);
+
+/// As above, of a volume without its extreme outliers and fill values; a round number.
+double firstIsovalue(const ValueDistribution& values);
 
 /// The most bins that a volume's histogram can be drawn with: bins narrower than the step between
 /// whole numbers would show gaps that the data do not have.

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <vector>
+
 #include "ui/model/observers.h"
 
 namespace isoslider::model {
@@ -10,6 +14,12 @@ inline constexpr double kPageStep = 0.01;
 inline constexpr double kLargePageStep = 0.1;
 /// What holding Shift divides a step or a drag by.
 inline constexpr double kPrecisionFactor = 10.0;
+
+/// What one step is. `unit` 0: kFineStep of the range. With `stops`, ascending, steps lead from one to the next.
+struct StepRule {
+    double unit = 0.0;
+    std::shared_ptr<const std::vector<double>> stops;
+};
 
 /// The isovalue the user asks for, the one on screen, and the values both may take, in data units.
 /// Requested and displayed are apart on purpose: lag is shown, never hidden.
@@ -38,10 +48,18 @@ public:
 
     /// Clamps to the range. Returns false for NaN, without a range, or when nothing changes.
     bool request(double isovalue);
-    /// Moves by a fraction of the range; 1.0 is the whole range.
+    /// Moves by steps of kFineStep each, as the rule has them: to multiples of its unit, whose digits are few.
     bool step(double rangeFraction);
+    /// Holds until the next one, or another range. Notifies nobody.
+    void setStepRule(StepRule rule) { stepRule_ = std::move(rule); }
+    const StepRule& stepRule() const { return stepRule_; }
 
     void setDisplayed(double isovalue, double updateMs);
+
+    /// The isovalue that others are compared with, within the range. None at first, and of another volume.
+    std::optional<double> reference() const { return reference_; }
+    /// Clamps to the range; ignored without a range, and if it is not finite.
+    void setReference(std::optional<double> isovalue);
 
     /// 0 at min, 1 at max; 0 for an empty range.
     double fraction() const;
@@ -52,6 +70,7 @@ public:
     [[nodiscard]] Subscription observeRequest(std::function<void(double)> function);
 
 private:
+    double nextStop(double steps) const;
     static bool isDomain(double min, double max, double isovalue);
 
     double min_ = 0.0;
@@ -59,6 +78,8 @@ private:
     double requested_ = 0.0;
     double displayed_ = 0.0;
     double lastUpdateMs_ = 0.0;
+    std::optional<double> reference_;
+    StepRule stepRule_;
     bool hasDomain_ = false;
     bool hasDisplayed_ = false;
     ObserverList<> changed_;

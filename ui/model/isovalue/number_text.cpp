@@ -1,8 +1,11 @@
 #include "ui/model/isovalue/number_text.h"
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace isoslider::model {
 namespace {
@@ -29,6 +32,43 @@ std::string scaledText(double value, double base, const std::array<const char*, 
         ++unit;
     }
     return threeFigures(value) + " " + units[unit];
+}
+
+void replaceAll(std::string& text, std::string_view what, std::string_view by) {
+    for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
+        text.replace(at, what.size(), by);
+}
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+/// Whether each `mark` stands between digits, with three of them behind it.
+bool isGrouping(const std::string& text, char mark, std::size_t end) {
+    for (auto at = text.find(mark); at != std::string::npos && at < end; at = text.find(mark, at + 1)) {
+        std::size_t digits = 0;
+        while (at + 1 + digits < end && isDigit(text[at + 1 + digits]))
+            ++digits;
+        if (at == 0 || !isDigit(text[at - 1]) || digits != 3)
+            return false;
+    }
+    return true;
+}
+
+/// Leaves a point as the only mark; false if the marks make no number.
+bool unifyMarks(std::string& text) {
+    const auto points = std::count(text.begin(), text.end(), '.'), commas = std::count(text.begin(), text.end(), ',');
+    char decimal = '.';
+    if (points > 0 && commas > 0)
+        decimal = text.rfind('.') > text.rfind(',') ? '.' : ',';
+    else if (commas == 1 || points > 1)
+        decimal = ','; // several points can but group
+    const char group = decimal == '.' ? ',' : '.';
+    const auto end = std::min(text.find(decimal), text.size());
+    if (std::count(text.begin(), text.end(), decimal) > 1 || !isGrouping(text, group, end) ||
+        text.find(group, end) != std::string::npos)
+        return false;
+    std::erase(text, group);
+    replaceAll(text, std::string_view(&decimal, 1), ".");
+    return true;
 }
 
 } // namespace
@@ -64,6 +104,76 @@ std::string valueText(double value, int digits) {
     if (value == 0.0)
         return "0";
     return printed("%.*g", digits, value);
+}
+
+std::string measureText(double value, int digits) {
+    const double size = std::abs(value);
+    if (!(size >= std::pow(10.0, digits) - 0.5 && size < 1e15)) // from there on, valueText has an exponent
+        return valueText(value, digits);
+    const double unit = std::pow(10.0, std::floor(std::log10(size)) - digits + 1);
+    return groupedText(static_cast<std::int64_t>(std::round(value / unit) * unit));
+}
+
+std::string exactText(double value) {
+    if (value == 0.0)
+        return "0";
+    std::string text = printed("%.12g", value);
+    double read = 0.0;
+    std::from_chars(text.data(), text.data() + text.size(), read);
+    if (read != value)
+        return printed("%.8g", value);
+    for (int digits = 1; digits < 12; ++digits) {
+        const std::string shorter = printed("%.*g", digits, value);
+        std::from_chars(shorter.data(), shorter.data() + shorter.size(), read);
+        // Not "1e+02" for 100.
+        if (read == value && (shorter.find('e') == std::string::npos) == (text.find('e') == std::string::npos))
+            return shorter;
+    }
+    return text;
+}
+
+std::string resolvedText(double value, double resolution) {
+    if (value == 0.0 || std::abs(value) < resolution / 2.0)
+        return "0";
+    if (!(resolution > 0.0) || !std::isfinite(resolution))
+        return valueText(value, 7);
+    const double decimals = -std::floor(std::log10(resolution) + 1e-9);
+    const double figures = std::floor(std::log10(std::abs(value))) + 1.0 + decimals;
+    if (std::abs(value) >= 1e7 || std::abs(value) < 1e-4)
+        return printed("%.*g", static_cast<int>(std::min(std::max(figures, 1.0), 15.0)), value);
+    return printed("%.*f", static_cast<int>(std::min(std::max(decimals, 0.0), 15.0)), value);
+}
+
+std::optional<double> numberFrom(std::string_view given) {
+    std::string text(given);
+    for (const std::string_view minus : {"\xE2\x88\x92", "\xE2\x80\x93"}) // U+2212, U+2013
+        replaceAll(text, minus, "-");
+    // Spaces of all widths that group digits, and apostrophes.
+    for (const std::string_view space : {"\xC2\xA0", "\xE2\x80\xAF", "\xE2\x80\x89", "'", "\xE2\x80\x99"})
+        replaceAll(text, space, " ");
+    constexpr std::string_view kBlanks = " \t\r\n";
+    text.erase(0, std::min(text.find_first_not_of(kBlanks), text.size()));
+    text.erase(text.find_last_not_of(kBlanks) + 1);
+    const auto lastMark = std::min(text.find_last_of(".,"), text.size());
+    if (!isGrouping(text, ' ', lastMark) || text.find(' ', lastMark) != std::string::npos)
+        return std::nullopt;
+    std::erase(text, ' ');
+    if (!unifyMarks(text))
+        return std::nullopt;
+    if (text.starts_with("+-"))
+        return std::nullopt;
+    if (text.starts_with('+'))
+        text.erase(0, 1);
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (end != text.data() + text.size() || error == std::errc::invalid_argument || std::isnan(value))
+        return std::nullopt;
+    if (error == std::errc::result_out_of_range) { // too large, or too near to 0
+        const bool isSmall = text.find("e-") != std::string::npos || text.find("E-") != std::string::npos;
+        const double size = isSmall ? 0.0 : std::numeric_limits<double>::infinity();
+        return text.starts_with('-') ? -size : size;
+    }
+    return value;
 }
 
 std::string millisecondsText(double milliseconds) {

@@ -23,11 +23,15 @@ public:
                          const io::VolumeInfo& about, const std::filesystem::path& indexPath,
                          const JobControl& job) = 0;
 
-    /// As above, of a volume on disk that does not fit in memory: read in slabs, more than once.
+    /// As above, of a volume on disk that does not fit in memory: read in slabs, more than once. Such a build may take
+    /// hours: what ends it, cancel included, leaves it unfinished, and the next one of the same volume goes on with it.
     /// Errors as above, and whatever io::openVolume reports.
     virtual Status buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
                                  const std::string& sourceName, const std::filesystem::path& indexPath,
                                  const JobControl& job) = 0;
+
+    /// Whether the next build from a file may have something to go on with.
+    virtual bool hasUnfinished(const std::filesystem::path& /*indexPath*/) const { return false; }
 
     /// An engine on the volume itself, for the time until its index is there. Null: none, then every move
     /// extracts the whole surface. Runs on the thread that slides. Errors: Cancelled, OutOfSpace.

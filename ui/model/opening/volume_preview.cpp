@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/grid/value_distribution.h"
 #include "core/grid/volume_statistics.h"
 #include "core/volume_io/sources/coarse_reader.h"
 #include "ui/model/isovalue/histogram_model.h"
@@ -111,7 +112,11 @@ Result<VolumePreview> readVolumePreview(const std::filesystem::path& path, const
         preview.min = statistics.value().min;
         preview.max = statistics.value().max;
         preview.missingSamples = statistics.value().nanCount;
-        preview.histogram = statistics.value().histogram;
+        // An outlier or a fill value would leave the slices black, and the histogram in one bin.
+        auto values = distributionOf(grid, preview.min, preview.max, job);
+        if (!values.isOk())
+            return std::move(values).error();
+        preview.histogram = std::move(values).value().body;
     } else if (statistics.error().code == ErrorCode::InvalidArgument) { // no finite sample
         preview.missingSamples = preview.samples;
     } else {

@@ -6,6 +6,8 @@
 
 #include "core/base/folders.h"
 #include "core/grid/volume_statistics.h"
+#include "core/index/index_distribution.h"
+#include "core/topology/stored_topology.h"
 #include "core/volume_io/sources/coarse_reader.h"
 #include "core/volume_io/sources/sample_volumes.h"
 #include "ui/model/isovalue/histogram_model.h"
@@ -14,18 +16,46 @@ namespace isoslider::model {
 namespace fs = std::filesystem;
 namespace {
 
+// All events are read to find the best isovalue: of more, the first picture does not wait for it.
+constexpr std::uint64_t kMostEventsAtOnce = 500'000;
+
 fs::path cachedIndexPath(const OpenRequest& request, const IndexCache& cache) {
     if (!request.sampleName.empty())
         return cache.pathForSample(request.sampleName);
     return cache.pathForFile(request.path, layoutText(request.readOptions));
 }
 
+/// Of an index that has its topology with it, the best isovalue is known before the first picture.
+std::optional<SuggestedIsovalue> bestOfTopology(const Dataset& dataset) {
+    const auto topology = topology::openTopology(dataset.indexPath);
+    if (!topology.isOk() || topology.value() == nullptr || topology.value()->eventCount() > kMostEventsAtOnce)
+        return std::nullopt;
+    const auto found = topology::suggestIsovalues(*topology.value());
+    if (!found.isOk() || found.value().empty())
+        return std::nullopt;
+    const auto suggested =
+        suggestedIsovalues(found.value(), std::nullopt, dataset.values->body.min, dataset.values->body.max);
+    return suggested.empty() ? std::nullopt : std::optional(suggested.front());
+}
+
+/// REQUIRES: range and values are there.
+void chooseFirst(LoadedDataset& loaded, std::optional<double> wanted) {
+    const auto best = wanted || !loaded.engine ? std::nullopt : bestOfTopology(loaded.dataset);
+    loaded.isFirstBest = best.has_value();
+    if (wanted)
+        loaded.first = {*wanted, {}};
+    else
+        loaded.first = best.value_or(SuggestedIsovalue{firstIsovalue(*loaded.dataset.values), kHistogramReason});
+}
+
 LoadedDataset fromEngine(Dataset dataset, std::unique_ptr<extract::SlideEngine> engine, const OpenRequest& request) {
     LoadedDataset loaded;
     adoptIndex(dataset, engine->info());
-    loaded.isovalue = request.isovalue.value_or(suggestIsovalue(dataset.histogram));
+    dataset.values =
+        std::make_shared<ValueDistribution>(valuesOfIndex(dataset.indexPath, engine->info(), kFirstCountedSamples));
     loaded.dataset = std::move(dataset);
     loaded.engine = std::move(engine);
+    chooseFirst(loaded, request.isovalue);
     return loaded;
 }
 
@@ -41,14 +71,17 @@ Result<LoadedDataset> loadIndexFile(const OpenRequest& request) {
     return fromEngine(std::move(dataset), std::move(engine).value(), request);
 }
 
-/// The cached index, if there is a whole one that is of this volume's shape and of metacells, as they are built now.
+/// The cached index, if there is a whole one that is of this volume's shape and of metacells, as they are built now:
+/// it counts as used.
 std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
     if (!isPresent(dataset.indexPath))
         return nullptr;
     auto engine = extract::SlideEngine::open(dataset.indexPath);
     if (engine.isOk() && engine.value()->info().geometry == dataset.geometry &&
-        engine.value()->info().type == dataset.type && engine.value()->canMerge())
+        engine.value()->info().type == dataset.type && engine.value()->canMerge()) {
+        IndexCache::noteUse(dataset.indexPath);
         return std::move(engine).value();
+    }
     return nullptr; // damaged, of another shape or kind: the next build replaces it
 }
 
@@ -107,7 +140,8 @@ Error allMissingError(const Dataset& dataset) {
 Status addStatistics(LoadedDataset& loaded, const JobControl& job) {
     job.report(0.7, "Counting values");
     const bool isWhole = loaded.dataset.coarseStep == 1;
-    auto statistics = computeStatistics(*loaded.grid, isWhole, 512, job.part(0.7, 0.95));
+    const JobControl counting = job.part(0.7, 0.9), spreading = job.part(0.9, 0.95);
+    auto statistics = computeStatistics(*loaded.grid, isWhole, 512, counting);
     if (!statistics.isOk()) // of good bins, only samples can be refused
         return statistics.error().code == ErrorCode::InvalidArgument ? allMissingError(loaded.dataset)
                                                                      : statistics.error();
@@ -118,6 +152,10 @@ Status addStatistics(LoadedDataset& loaded, const JobControl& job) {
     dataset.distinctValues = facts.distinctValues;
     dataset.missingSamples = facts.nanCount;
     dataset.histogram = facts.histogram;
+    auto values = distributionOf(*loaded.grid, facts.min, facts.max, spreading);
+    if (!values.isOk())
+        return std::move(values).error();
+    dataset.values = std::make_shared<ValueDistribution>(std::move(values).value());
     return {};
 }
 
@@ -142,6 +180,13 @@ std::string layoutText(const io::ReadOptions& options) {
     return text.str();
 }
 
+bool isPatientSpace(const Dataset& dataset) {
+    if (dataset.format != "DICOM" && dataset.format != "NIfTI")
+        return false;
+    return std::none_of(dataset.notes.begin(), dataset.notes.end(),
+                        [](const std::string& note) { return note.find("orientation") != std::string::npos; });
+}
+
 std::uint64_t Dataset::sampleBytes() const {
     return static_cast<std::uint64_t>(pointCount(geometry.dims)) * scalarTypeSizeBytes(type);
 }
@@ -162,6 +207,15 @@ void adoptIndex(Dataset& dataset, const index::IndexInfo& info) {
     if (!info.lengthUnit.empty()) // an index of an earlier version does not know it
         dataset.lengthUnit = info.lengthUnit;
     dataset.index = info;
+}
+
+ValueDistribution valuesOfIndex(const fs::path& path, const index::IndexInfo& info, std::uint64_t mostSamples,
+                                const JobControl& job) {
+    const auto reader = index::IndexReader::open(path);
+    if (reader.isOk())
+        if (auto values = index::distributionOf(*reader.value(), mostSamples, job); values.isOk())
+            return std::move(values).value();
+    return distributionOf(info.histogram, info.type);
 }
 
 bool isIndexFile(const fs::path& path) { return path.extension() == ".isx"; }
@@ -216,8 +270,25 @@ Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& 
             return fromEngine(std::move(dataset), std::move(engine), request);
     }
     ISO_TRY(addStatistics(loaded, job));
-    loaded.isovalue = request.isovalue.value_or(suggestIsovalue(dataset.histogram));
+    chooseFirst(loaded, request.isovalue);
     return loaded;
+}
+
+Status buildIndexOf(const Dataset& volume, const std::shared_ptr<const ScalarGrid>& grid, IndexBuilder& builder,
+                    const IndexCache& cache, const JobControl& job) {
+    const auto& path = volume.indexPath;
+    ISO_TRY(makeFolders(path.parent_path()));
+    IndexCache::forget(path);
+    io::VolumeInfo about;
+    about.lengthUnit = volume.lengthUnit;
+    about.resampling = volume.resampling;
+    ISO_TRY(volume.coarseStep > 1
+                ? builder.buildFromFile(volume.path, volume.readOptions, volume.name, path, job.part(0.0, 0.95))
+                : builder.build(grid, volume.name, about, path, job.part(0.0, 0.95)));
+    if (volume.stamp) // what cannot be recorded is built again the next time
+        (void)IndexCache::record(path, *volume.stamp, layoutText(volume.readOptions), job.part(0.95, 1.0));
+    cache.trim(path);
+    return {};
 }
 
 } // namespace isoslider::model

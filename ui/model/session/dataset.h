@@ -11,10 +11,13 @@
 #include "core/base/job_control.h"
 #include "core/extract/slide_engine.h"
 #include "core/grid/scalar_grid.h"
+#include "core/grid/value_distribution.h"
 #include "core/index/format/index_info.h"
 #include "core/volume_io/volume_reader.h"
+#include "ui/model/jobs/index_builder.h"
 #include "ui/model/opening/volume_access.h"
 #include "ui/model/session/index_cache.h"
+#include "ui/model/topology/suggested_isovalue.h"
 
 namespace isoslider::model {
 
@@ -43,6 +46,8 @@ struct Dataset {
     std::uint64_t distinctValues = 0; ///< 0: not counted yet
     std::uint64_t missingSamples = 0;
     Histogram histogram;
+    std::shared_ptr<const ValueDistribution>
+        values; ///< never null once it is open; of the whole volume, of some of an index, or of a preview
     std::filesystem::path indexPath; ///< where the index is or will be
     std::optional<VolumeStamp> stamp; ///< of the volume's files before they were read; none of samples and indexes
     std::optional<index::IndexInfo> index;
@@ -50,6 +55,9 @@ struct Dataset {
     std::uint64_t sampleBytes() const;
     double bytesPerVoxel() const; ///< of the index; 0 without one
 };
+
+/// Whether the world's axes are a patient's: towards left, posterior, superior.
+bool isPatientSpace(const Dataset& dataset);
 
 /// What to open: a file (a volume or an index), or a built-in sample by name.
 struct OpenRequest {
@@ -71,7 +79,8 @@ struct LoadedDataset {
     Dataset dataset;
     std::shared_ptr<const ScalarGrid> grid;
     std::unique_ptr<extract::SlideEngine> engine;
-    double isovalue = 0.0;
+    SuggestedIsovalue first; ///< the isovalue asked for, or the best one known
+    bool isFirstBest = false; ///< by its topology
 };
 
 /// Most samples of a preview: what a machine reads and shows within seconds.
@@ -87,6 +96,14 @@ std::string displayName(const OpenRequest& request);
 /// What the index states of its volume takes the place of what was known before.
 void adoptIndex(Dataset& dataset, const index::IndexInfo& info);
 
+/// Of an index that is just being opened, few samples are counted, so that it shows at once; later, up to so many.
+inline constexpr std::uint64_t kFirstCountedSamples = 16'000'000;
+inline constexpr std::uint64_t kMostCountedSamples = 1'000'000'000;
+
+/// Of the samples of an index; as far as `info` tells if they cannot be read.
+ValueDistribution valuesOfIndex(const std::filesystem::path& path, const index::IndexInfo& info,
+                                std::uint64_t mostSamples, const JobControl& job = {});
+
 /// Opens a volume, or its index from the cache if there is one, or an index file. Worker thread. Of a file
 /// whose samples take more than `wholeVolumeBytes`, and that has no index yet, a preview is read: the finest
 /// of at most kMostPreviewSamples that fits in `wholeVolumeBytes`. Errors: whatever reading reports;
@@ -94,5 +111,10 @@ void adoptIndex(Dataset& dataset, const index::IndexInfo& info);
 Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache, const SampleLoader& samples,
                                   std::uint64_t wholeVolumeBytes, const JobControl& job,
                                   const VolumeAccess& volumes = {});
+
+/// Builds the index of a volume in the cache, from its samples or, of a preview, from its file; records what it was
+/// built from; and has the cache keep to its limit. Errors: those of IndexBuilder; OutOfSpace, IoError.
+Status buildIndexOf(const Dataset& volume, const std::shared_ptr<const ScalarGrid>& grid, IndexBuilder& builder,
+                    const IndexCache& cache, const JobControl& job);
 
 } // namespace isoslider::model

@@ -1,8 +1,12 @@
 #include "ui/model/session/index_cache.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <map>
 #include <span>
 #include <system_error>
+#include <vector>
 
 #include "core/base/content_hash.h"
 #include "core/base/file_system.h"
@@ -17,8 +21,13 @@ constexpr std::string_view kKeyVersion = "isx3";
 constexpr std::string_view kRecordSuffix = ".source";
 constexpr std::size_t kMostRecordBytes = 32u << 20;
 constexpr std::size_t kMostRecords = 4096; // looked through for a volume that has moved
+constexpr std::string_view kIndexSuffix = ".isx";
+constexpr std::string_view kUseSuffix = ".used"; // its time is that of the last use
+/// An unfinished index that was written to since then is being built.
+constexpr std::int64_t kBuildPauseNs = std::int64_t{600} * 1'000'000'000;
 
 fs::path recordOf(fs::path index) { return index += kRecordSuffix; }
+fs::path useNoteOf(fs::path index) { return index += kUseSuffix; }
 
 /// Layout, line break, stamp.
 std::optional<VolumeStamp> readRecord(const fs::path& index, std::string_view layout) {
@@ -32,6 +41,39 @@ std::optional<VolumeStamp> readRecord(const fs::path& index, std::string_view la
 
 Status writeRecord(const fs::path& index, const VolumeStamp& stamp, std::string_view layout) {
     return writeWholeFile(recordOf(index), std::string(layout) + "\n" + stamp.toText());
+}
+
+/// An index with everything that lies beside it: record, time of its last use, an unfinished build of it.
+struct Entry {
+    std::vector<fs::path> files;
+    std::uint64_t bytes = 0;
+    std::int64_t lastTouchedNs = 0;
+    bool isBeingBuilt = false;
+};
+
+/// By the path of the index, which itself need not be there.
+std::map<fs::path, Entry> entriesBelow(const fs::path& folder) {
+    std::map<fs::path, Entry> entries;
+    const auto files = listFiles(folder);
+    if (!files.isOk())
+        return entries;
+    const std::int64_t now = std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+    for (const fs::path& file : files.value()) {
+        const std::string name = file.filename().string();
+        const std::size_t end = name.rfind(kIndexSuffix);
+        if (end == std::string::npos)
+            continue; // none of ours
+        const std::string_view rest = std::string_view(name).substr(end + kIndexSuffix.size());
+        const auto stamp = stampFile(file);
+        if ((!rest.empty() && rest.front() != '.') || !stamp.isOk())
+            continue;
+        Entry& entry = entries[folder / name.substr(0, end + kIndexSuffix.size())];
+        entry.files.push_back(file);
+        entry.bytes += stamp.value().size;
+        entry.lastTouchedNs = std::max(entry.lastTouchedNs, stamp.value().modified);
+        entry.isBeingBuilt |= rest.ends_with(".partial") && now - stamp.value().modified < kBuildPauseNs;
+    }
+    return entries;
 }
 
 } // namespace
@@ -102,6 +144,7 @@ bool IndexCache::takeMoved(const VolumeStamp& volume, std::string_view layout, c
         if (!defaultFileSystem().renameDurably(index, here).isOk())
             return false;
         forget(index);
+        (void)defaultFileSystem().removeFile(useNoteOf(index));
         return true;
     }
     return false;
@@ -112,6 +155,50 @@ void IndexCache::forget(const fs::path& index) { static_cast<void>(defaultFileSy
 Status IndexCache::record(const fs::path& index, VolumeStamp volume, std::string_view layout, const JobControl& job) {
     ISO_TRY(volume.hash(job));
     return writeRecord(index, volume, layout);
+}
+
+IndexCache::Usage IndexCache::usage() const {
+    Usage usage;
+    for (const auto& [index, entry] : entriesBelow(folder_)) {
+        ++usage.indexes;
+        usage.bytes += entry.bytes;
+    }
+    return usage;
+}
+
+void IndexCache::noteUse(const fs::path& index) {
+    (void)writeWholeFile(useNoteOf(index), "\n"); // or an index is taken for older than it is
+}
+
+IndexCache::Usage IndexCache::trim(const fs::path& inUse) const { return shrink(limitBytes(), inUse); }
+
+IndexCache::Usage IndexCache::clear(const fs::path& inUse) const { return shrink(0, inUse); }
+
+IndexCache::Usage IndexCache::shrink(std::uint64_t mostBytes, const fs::path& inUse) const {
+    const auto entries = entriesBelow(folder_);
+    Usage left;
+    std::vector<const Entry*> removable;
+    for (const auto& [index, entry] : entries) {
+        ++left.indexes;
+        left.bytes += entry.bytes;
+        if (index != inUse && !entry.isBeingBuilt)
+            removable.push_back(&entry);
+    }
+    std::sort(removable.begin(), removable.end(),
+              [](const Entry* a, const Entry* b) { return a->lastTouchedNs < b->lastTouchedNs; });
+    for (const Entry* entry : removable) {
+        if (left.bytes <= mostBytes)
+            break;
+        // A program that has it open reads on: the bytes go when it closes the file.
+        const bool isGone = std::all_of(entry->files.begin(), entry->files.end(), [](const fs::path& file) {
+            return defaultFileSystem().removeFile(file).isOk();
+        });
+        if (!isGone)
+            continue;
+        --left.indexes;
+        left.bytes -= entry->bytes;
+    }
+    return left;
 }
 
 } // namespace isoslider::model

@@ -10,136 +10,17 @@
 #include "core/base/folders.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "ui/model/path_text.h"
+#include "ui/model/session/saved_colouring.h"
+#include "ui/model/session/saved_slices.h"
+#include "ui/model/session/saved_surfaces.h"
+#include "ui/model/session/saved_view.h"
+#include "ui/model/session/session_members.h"
 
 namespace isoslider::model {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr int kVersion = 1;
-constexpr std::size_t kMostProblems = 20;
-constexpr std::size_t kMostNameBytes = 4096;
-
-template <class Values>
-Json arrayOf(const Values& values, int count) {
-    Json array = Json::array();
-    for (int i = 0; i < count; ++i)
-        array.push_back(values[i]);
-    return array;
-}
-
-/// Takes members out of an object one by one, states what is wrong with them, and at last what nobody asked for.
-class Members {
-public:
-    Members(const Json& object, std::string place, std::vector<std::string>& problems)
-        : object_(object), place_(std::move(place)), problems_(problems) {
-        if (!object_.is_object())
-            report("is not an object");
-    }
-    ~Members() {
-        if (object_.is_object())
-            for (const auto& [name, value] : object_.items())
-                if (std::find(known_.begin(), known_.end(), name) == known_.end())
-                    reportOf(inQuotes(name), "is not known and ignored");
-    }
-    Members(const Members&) = delete;
-    Members& operator=(const Members&) = delete;
-
-    /// Null where there is none.
-    const Json* find(const char* name) {
-        known_.emplace_back(name);
-        const auto found = object_.is_object() ? object_.find(name) : object_.end();
-        return found == object_.end() ? nullptr : &*found;
-    }
-    bool number(const char* name, double& value) {
-        const Json* json = find(name);
-        if (json == nullptr)
-            return false;
-        if (!json->is_number() || !std::isfinite(json->get<double>()))
-            return reportOf(name, "is not a finite number and is ignored");
-        value = json->get<double>();
-        return true;
-    }
-    /// Into at least 0 and at most `most`.
-    template <class Integer>
-    bool integer(const char* name, Integer& value, std::int64_t least, std::int64_t most) {
-        const Json* json = find(name);
-        if (json == nullptr)
-            return false;
-        if (!isWithin(*json, least, most))
-            return reportOf(name, "is not a whole number within its bounds and is ignored");
-        value = static_cast<Integer>(json->get<std::int64_t>());
-        return true;
-    }
-    bool flag(const char* name, bool& value) {
-        const Json* json = find(name);
-        if (json == nullptr)
-            return false;
-        if (!json->is_boolean())
-            return reportOf(name, "is neither true nor false and ignored");
-        value = json->get<bool>();
-        return true;
-    }
-    bool text(const char* name, std::string& value) {
-        const Json* json = find(name);
-        if (json == nullptr)
-            return false;
-        if (!json->is_string() || json->get_ref<const std::string&>().size() > kMostNameBytes)
-            return reportOf(name, "is not a text of at most 4096 bytes and is ignored");
-        value = json->get<std::string>();
-        return true;
-    }
-    template <class Values>
-    bool numbers(const char* name, Values& values, int count) {
-        const Json* json = find(name);
-        if (json == nullptr)
-            return false;
-        bool isGood = json->is_array() && json->size() == static_cast<std::size_t>(count);
-        for (int i = 0; isGood && i < count; ++i)
-            isGood = (*json)[static_cast<std::size_t>(i)].is_number() &&
-                     std::isfinite((*json)[static_cast<std::size_t>(i)].get<double>());
-        if (!isGood)
-            return reportOf(name, "is not a list of " + std::to_string(count) + " finite numbers and is ignored");
-        for (int i = 0; i < count; ++i)
-            values[i] = (*json)[static_cast<std::size_t>(i)].get<double>();
-        return true;
-    }
-    bool dims(const char* name, GridDims& values, std::int64_t least) {
-        const Json* json = find(name);
-        if (json == nullptr)
-            return false;
-        bool isGood = json->is_array() && json->size() == 3;
-        for (std::size_t i = 0; isGood && i < 3; ++i)
-            isGood = isWithin((*json)[i], least, kMaxDim);
-        if (!isGood)
-            return reportOf(name, "are no three sizes and ignored");
-        for (std::size_t i = 0; i < 3; ++i)
-            values[i] = (*json)[i].get<std::int64_t>();
-        return true;
-    }
-    bool reportOf(const std::string& name, const std::string& what) {
-        return report((place_.empty() ? "" : place_ + ", ") + name + " " + what);
-    }
-
-private:
-    static bool isWithin(const Json& json, std::int64_t least, std::int64_t most) {
-        if (!json.is_number_integer() || (json.is_number_unsigned() && json.get<std::uint64_t>() > INT64_MAX))
-            return false;
-        const auto value = json.get<std::int64_t>();
-        return value >= least && value <= most;
-    }
-    bool report(std::string text) {
-        if (problems_.size() < kMostProblems)
-            problems_.push_back(std::move(text));
-        return false;
-    }
-
-    const Json& object_;
-    std::string place_;
-    std::vector<std::string>& problems_;
-    std::vector<std::string> known_;
-};
 
 Json toJson(const io::RawLayout& raw) {
     return {{"dims", arrayOf(raw.dims, 3)},
@@ -220,6 +101,7 @@ Json toJson(const CameraPose& camera) {
     return {{"orientation", {q.w, q.x, q.y, q.z}},
             {"target", arrayOf(camera.target, 3)},
             {"distance", camera.distance},
+            {"pivot", arrayOf(camera.pivot, 3)},
             {"perspective", camera.isPerspective}};
 }
 
@@ -231,6 +113,7 @@ std::optional<CameraPose> cameraFrom(const Json& json, std::vector<std::string>&
     const bool hasTarget = members.numbers("target", pose.target, 3);
     const bool hasDistance = members.number("distance", pose.distance);
     const bool hasKind = members.flag("perspective", pose.isPerspective);
+    members.numbers("pivot", pose.pivot, 3); // none: the volume's centre
     pose.orientation = glm::dquat(turn[0], turn[1], turn[2], turn[3]);
     Camera camera;
     if (hasTurn && hasTarget && hasDistance && hasKind && camera.setPose(pose))
@@ -257,23 +140,34 @@ std::optional<extract::MergeError> errorFrom(const Json& json, std::vector<std::
     return error;
 }
 
-struct OptionName {
+struct HistogramFlag {
     const char* name;
-    bool ViewOptions::*member;
+    bool HistogramOptions::*member;
 };
-constexpr std::array<OptionName, 6> kOptionNames{{{"changed", &ViewOptions::showsChanged},
-                                                  {"edges", &ViewOptions::showsEdges},
-                                                  {"levels", &ViewOptions::showsLevels},
-                                                  {"box", &ViewOptions::showsBox},
-                                                  {"axes", &ViewOptions::showsAxes},
-                                                  {"readout", &ViewOptions::showsReadout}}};
+constexpr std::array<HistogramFlag, 3> kHistogramFlags{{{"logCounts", &HistogramOptions::hasLogCounts},
+                                                        {"clipsCounts", &HistogramOptions::clipsCounts},
+                                                        {"snapsToSamples", &HistogramOptions::snapsToSamples}}};
 
-ViewOptions viewFrom(const Json& json, std::vector<std::string>& problems) {
-    Members members(json, "view", problems);
-    ViewOptions view;
-    for (const auto& [name, member] : kOptionNames)
-        members.flag(name, view.*member);
-    return view;
+Json toJson(const HistogramOptions& options) {
+    Json json{{"valueScale", std::string(scaleName(options.valueScale))}};
+    for (const auto& [name, member] : kHistogramFlags)
+        json[name] = options.*member;
+    return json;
+}
+
+HistogramOptions histogramFrom(const Json& json, std::vector<std::string>& problems) {
+    Members members(json, "histogram", problems);
+    HistogramOptions options;
+    for (const auto& [name, member] : kHistogramFlags)
+        members.flag(name, options.*member);
+    std::string scale;
+    if (members.text("valueScale", scale)) {
+        if (const auto kind = scaleFromName(scale))
+            options.valueScale = *kind;
+        else
+            members.reportOf("valueScale", "is neither linear nor log nor symlog and ignored");
+    }
+    return options;
 }
 
 fs::path volumeFrom(Members& volume, const fs::path& folder) {
@@ -307,13 +201,22 @@ std::string sessionText(const SavedSession& session, const fs::path& folder) {
     volume["options"] = toJson(session.readOptions);
     if (session.isovalue && std::isfinite(*session.isovalue))
         json["isovalue"] = *session.isovalue;
+    if (!session.surfaces.surfaces.empty())
+        json["surfaces"] = surfacesJson(session.surfaces);
+    if (session.reference && std::isfinite(*session.reference))
+        json["reference"] = *session.reference;
     if (session.error)
         json["error"] = toJson(*session.error);
     if (session.camera)
         json["camera"] = toJson(*session.camera);
-    if (session.view)
-        for (const auto& [name, member] : kOptionNames)
-            json["view"][name] = (*session.view).*member;
+    if (session.histogram)
+        json["histogram"] = toJson(*session.histogram);
+    if (session.slices)
+        json["slices"] = slicesJson(*session.slices);
+    if (session.view) {
+        json["view"] = viewJson(*session.view);
+        json["colouring"] = colouringJson(session.view->colouring, folder);
+    }
     return json.dump(2) + "\n";
 }
 
@@ -350,12 +253,26 @@ ReadSession sessionFromText(const std::string& text, const fs::path& folder) {
     double isovalue = 0.0;
     if (members.number("isovalue", isovalue))
         read.session.isovalue = isovalue;
+    if (const Json* surfaces = members.find("surfaces"))
+        read.session.surfaces = surfacesFromJson(*surfaces, problems);
+    double reference = 0.0;
+    if (members.number("reference", reference))
+        read.session.reference = reference;
     if (const Json* error = members.find("error"))
         read.session.error = errorFrom(*error, problems);
     if (const Json* camera = members.find("camera"))
         read.session.camera = cameraFrom(*camera, problems);
-    if (const Json* view = members.find("view"))
-        read.session.view = viewFrom(*view, problems);
+    if (const Json* histogram = members.find("histogram"))
+        read.session.histogram = histogramFrom(*histogram, problems);
+    if (const Json* slices = members.find("slices"))
+        read.session.slices = slicesFromJson(*slices, problems);
+    if (const Json* view = members.find("view")) {
+        read.session.view = viewFromJson(*view, problems);
+        read.session.hasStage = view->is_object() && view->contains("stage");
+    }
+    read.session.hasColouring = json.contains("colouring");
+    if (const Json* colouring = members.find("colouring"); colouring != nullptr && read.session.view)
+        read.session.view->colouring = colouringFromJson(*colouring, folder, problems);
     return read;
 }
 

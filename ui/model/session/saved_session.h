@@ -7,7 +7,10 @@
 
 #include "core/extract/merged/merge_bound.h"
 #include "core/volume_io/volume_reader.h"
+#include "ui/model/isovalue/histogram_options.h"
+#include "ui/model/slices/slice_options.h"
 #include "ui/model/surface/camera.h"
+#include "ui/model/surface/surface_list.h"
 #include "ui/model/surface/view_state.h"
 
 namespace isoslider::model {
@@ -17,10 +20,16 @@ struct SavedSession {
     std::filesystem::path volume; ///< absolute; empty for a built-in sample
     std::string sampleName;
     io::ReadOptions readOptions;
-    std::optional<double> isovalue;
+    std::optional<double> isovalue; ///< of the active surface
+    SurfaceList surfaces; ///< empty: one, as sessions of before have it
+    std::optional<double> reference; ///< the isovalue that others are compared with
     std::optional<extract::MergeError> error; ///< within which cells are merged
     std::optional<CameraPose> camera;
     std::optional<ViewOptions> view;
+    /// A file of an earlier version states neither: both then stay as they are.
+    bool hasStage = true, hasColouring = true;
+    std::optional<HistogramOptions> histogram;
+    std::optional<SliceOptions> slices;
 
     bool hasVolume() const { return !volume.empty() || !sampleName.empty(); }
 };

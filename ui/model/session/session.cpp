@@ -4,6 +4,7 @@
 
 #include "core/base/folders.h"
 #include "core/base/machine.h"
+#include "core/extract/pieces/kept_pieces.h"
 #include "core/mesh/mesh_export.h"
 #include "core/topology/index_topology.h"
 #include "ui/model/isovalue/histogram_model.h"
@@ -11,14 +12,6 @@
 
 namespace isoslider::model {
 namespace fs = std::filesystem;
-
-/// Between the worker and the window: the newest frame only, and at most one message on its way.
-struct Session::FrameSlot {
-    std::mutex mutex;
-    std::shared_ptr<const extract::SurfaceFrame> frame;
-    SourceGeneration generation{};
-    bool isPosted = false;
-};
 
 namespace {
 
@@ -46,6 +39,19 @@ private:
     double least_, greatest_;
 };
 
+Result<extract::SurfaceMesh> partOf(extract::SurfaceMesh surface, const Session::ExportPart& part,
+                                    const JobControl& job) {
+    if (part.pieces) {
+        if (surface.isovalue != part.pieces->isovalue)
+            return makeError(ErrorCode::InvalidArgument, "the isovalue has changed since; export again");
+        auto kept = keepPieces(surface, part.pieces->kept, job);
+        if (!kept.isOk())
+            return kept;
+        surface = std::move(kept).value();
+    }
+    return clippedMesh(std::move(surface), part.clipping, part.sides, job);
+}
+
 } // namespace
 
 Session::Session(SessionServices services)
@@ -55,45 +61,22 @@ Session::Session(SessionServices services)
       worker_(std::make_unique<SlideWorker>(workerCallbacks())),
       runner_(std::make_unique<JobRunner>(jobs_, services_.postToMain)) {
     requestSubscription_ = isovalue_.observeRequest([this](double isovalue) {
-        firstIsovalue_.reset();
+        firstIsovalue_.noteRequest(isovalue);
         requestMove(isovalue);
+        surfaces_.setIsovalue(isovalue);
     });
     detailSubscription_ = detail_.observe([this] {
         mergeCells();
         redraw();
     });
+    inactive_ = std::make_unique<InactiveSurfaces>(
+        *runner_, services_.postToMain, [this](const ListedSurface& surface, const Error& error) {
+            fail("The surface " + surface.name + " could not be extracted", error);
+        });
+    surfacesSubscription_ = surfaces_.observe([this] { followSurfaces(); });
 }
 
 Session::~Session() = default;
-
-SlideWorker::Callbacks Session::workerCallbacks() {
-    SlideWorker::Callbacks callbacks;
-    const std::weak_ptr<FrameSlot> weakSlot = slot_;
-    callbacks.onFrame = [this, weakSlot, post = services_.postToMain](auto frame, SourceGeneration generation) {
-        const auto slot = weakSlot.lock();
-        if (!slot)
-            return;
-        {
-            const std::lock_guard lock(slot->mutex);
-            slot->frame = std::move(frame);
-            slot->generation = generation;
-            if (std::exchange(slot->isPosted, true))
-                return;
-        }
-        post([this, weakSlot] {
-            if (weakSlot.lock())
-                takeFrame();
-        });
-    };
-    callbacks.onError = [this, weakSlot, post = services_.postToMain](Error error, double isovalue,
-                                                                      SourceGeneration generation) {
-        post([this, weakSlot, error = std::move(error), isovalue, generation] {
-            if (weakSlot.lock())
-                onSlideError(error, isovalue, generation);
-        });
-    };
-    return callbacks;
-}
 
 Result<Session::Opened> Session::openOrAsk(const OpenRequest& request, const SessionServices& services,
                                            const IndexCache& cache, const JobControl& job) {
@@ -154,24 +137,36 @@ void Session::forgetDataset() {
     if (topologyJob_)
         runner_->cancel(*topologyJob_);
     topologyJob_.reset();
+    if (valuesJob_)
+        runner_->cancel(*valuesJob_);
+    valuesJob_.reset();
+    areValuesCounted_ = false;
     topology_.clear();
     indexState_ = IndexState::None;
     dataset_.reset();
     grid_.reset();
     frame_.reset();
     failedIsovalue_.reset();
+    isMoveStopped_ = false;
+    moveProgress_ = 0.0;
     certificate_.reset();
     isCheckingMesh_ = false;
     isPictureComing_ = false;
+    inactive_->clear();
+    standIn_.reset();
+    isFrameOfActive_ = true;
+    surfaces_.clear();
 }
 
 void Session::adopt(LoadedDataset loaded) {
     forgetDataset();
-    worker_->limitPicture(std::numeric_limits<std::uint64_t>::max());
+    pictureLimit_ = std::numeric_limits<std::uint64_t>::max();
+    worker_->limitPicture(pictureLimit_);
     dataset_ = std::move(loaded.dataset);
     grid_ = std::move(loaded.grid);
-    isovalue_.setDomain(dataset_->min, dataset_->max, loaded.isovalue);
-    firstIsovalue_ = loaded.isovalue;
+    isovalue_.setDomain(dataset_->min, dataset_->max, loaded.first.isovalue);
+    surfaces_.begin(isovalue_.requested());
+    firstIsovalue_.begin(std::move(loaded.first), loaded.isFirstBest);
     if (loaded.engine) {
         indexState_ = IndexState::Ready;
         useSource(makeIndexSource(std::move(loaded.engine)));
@@ -191,77 +186,10 @@ void Session::close() {
     forgetDataset();
     generation_ = worker_->setSource(nullptr, datasetGeneration_, std::nullopt);
     isovalue_.clearDomain();
+    firstIsovalue_.end();
     datasetChanged_.notify();
     frameChanged_.notify();
     certificateChanged_.notify();
-}
-
-void Session::useSource(std::shared_ptr<SurfaceSource> source) {
-    mergeCells(); // a percentage is of this volume's range
-    failedIsovalue_.reset();
-    generation_ = worker_->setSource(std::move(source), datasetGeneration_, isovalue_.requested());
-}
-
-void Session::requestMove(double isovalue) {
-    failedIsovalue_.reset();
-    worker_->request(isovalue);
-}
-
-void Session::limitPicture(std::uint64_t bytes) {
-    worker_->limitPicture(bytes);
-    redraw();
-}
-
-// Asks for another picture of the same surface.
-void Session::redraw() {
-    if (!dataset_)
-        return;
-    isPictureComing_ = frame_ != nullptr;
-    requestMove(isovalue_.requested());
-}
-
-void Session::mergeCells() {
-    if (dataset_)
-        worker_->mergeWithin(wantedBound());
-}
-
-extract::MergeBound Session::wantedBound() const {
-    return extract::boundOf(detail_.usedError(), dataset_->min, dataset_->max);
-}
-
-void Session::takeFrame() {
-    SourceGeneration generation{};
-    std::shared_ptr<const extract::SurfaceFrame> frame;
-    {
-        const std::lock_guard lock(slot_->mutex);
-        slot_->isPosted = false;
-        frame = std::exchange(slot_->frame, nullptr);
-        generation = slot_->generation;
-    }
-    if (!frame || generation != generation_)
-        return;
-    frame_ = std::move(frame);
-    // A move that had begun before the error was changed goes to its end; the one that was asked for then follows.
-    isPictureComing_ = frame_->canMerge && frame_->mergeBound != wantedBound();
-    failedIsovalue_.reset();
-    isovalue_.setDisplayed(frame_->isovalue, frame_->stats.updateMs + frame_->stats.interpolateMs);
-    frameChanged_.notify();
-    // The first picture has both cores for itself; the index comes after it.
-    if (indexState_ == IndexState::None)
-        startIndexBuild();
-    else if (frame_->isFromIndex && topology_.state() == TopologyState::None)
-        analyseTopology();
-}
-
-void Session::onSlideError(const Error& error, double isovalue, SourceGeneration generation) {
-    if (generation != generation_)
-        return;
-    isPictureComing_ = false;
-    failedIsovalue_ = isovalue;
-    fail("The surface could not be moved", error);
-    if (indexState_ == IndexState::None)
-        startIndexBuild();
-    datasetChanged_.notify(); // no surface is waited for any more
 }
 
 void Session::buildIndex() {
@@ -273,21 +201,10 @@ void Session::startIndexBuild() {
     if (!grid_ || !services_.indexBuilder)
         return;
     indexState_ = IndexState::Building;
-    auto work = [builder = services_.indexBuilder, grid = grid_, volume = *dataset_](const JobControl& job) -> Status {
-        const auto& path = volume.indexPath;
-        ISO_TRY(makeFolders(path.parent_path()));
-        IndexCache::forget(path);
-        io::VolumeInfo about;
-        about.lengthUnit = volume.lengthUnit;
-        about.resampling = volume.resampling;
-        ISO_TRY(volume.coarseStep > 1
-                    ? builder->buildFromFile(volume.path, volume.readOptions, volume.name, path, job.part(0.0, 0.95))
-                    : builder->build(grid, volume.name, about, path, job.part(0.0, 0.95)));
-        if (volume.stamp) // what cannot be recorded is built again the next time
-            (void)IndexCache::record(path, *volume.stamp, layoutText(volume.readOptions), job.part(0.95, 1.0));
-        return {};
-    };
-    indexJob_ = runner_->run<void>("Build index of " + dataset_->name, std::move(work),
+    auto work = [builder = services_.indexBuilder, grid = grid_, volume = *dataset_,
+                 cache = cache_](const JobControl& job) { return buildIndexOf(volume, grid, *builder, cache, job); };
+    const bool goesOn = dataset_->coarseStep > 1 && services_.indexBuilder->hasUnfinished(dataset_->indexPath);
+    indexJob_ = runner_->run<void>((goesOn ? "Finish index of " : "Build index of ") + dataset_->name, std::move(work),
                                    [this, ticket = datasetGeneration_](const Status& status) {
                                        if (ticket == datasetGeneration_)
                                            onIndexBuilt(status);
@@ -319,6 +236,8 @@ void Session::openBuiltIndex() {
             if (opened.info.geometry != volume.geometry || opened.info.type != volume.type)
                 return makeError(ErrorCode::InvalidArgument, "was changed after it was opened; open it again",
                                  volume.path.string());
+            if (volume.coarseStep > 1)
+                opened.values = valuesOfIndex(volume.indexPath, opened.info, kFirstCountedSamples);
             opened.source = makeIndexSource(std::move(engine).value());
             return opened;
         },
@@ -338,11 +257,32 @@ void Session::openBuiltIndex() {
 void Session::useIndex(OpenedIndex opened) {
     indexState_ = IndexState::Ready;
     adoptIndex(*dataset_, opened.info);
+    if (opened.values)
+        dataset_->values = std::make_shared<ValueDistribution>(std::move(*opened.values));
     // A preview may have missed the ends of the range, and with them the isovalue that was asked for.
-    isovalue_.changeDomain(dataset_->min, dataset_->max, firstIsovalue_.value_or(isovalue_.requested()));
+    isovalue_.changeDomain(dataset_->min, dataset_->max, firstIsovalue_.isovalue().value_or(isovalue_.requested()));
+    surfaces_.setIsovalue(isovalue_.requested());
     grid_.reset(); // exploring needs memory in proportion to the surface, not to the volume
     useSource(std::move(opened.source));
     datasetChanged_.notify();
+}
+
+std::vector<SuggestedIsovalue> Session::suggestions() const {
+    if (!dataset_)
+        return {};
+    return suggestedIsovalues(topology_.suggestions(), model::firstIsovalue(*dataset_->values),
+                              dataset_->values->body.min, dataset_->values->body.max);
+}
+
+void Session::improveFirstIsovalue() {
+    if (!firstIsovalue_.canImprove() || topology_.suggestions().empty())
+        return;
+    const auto all = suggestions();
+    if (all.empty())
+        return;
+    const SuggestedIsovalue& best = all.front();
+    firstIsovalue_.improve(best);
+    isovalue_.request(best.isovalue);
 }
 
 void Session::analyseTopology() {
@@ -365,6 +305,28 @@ void Session::analyseTopology() {
                 topology_.setContent(std::move(content).value());
             else
                 topology_.setFailed(content.isCancelled() ? "stopped" : content.error().line());
+        });
+}
+
+// Of an index, what is shown at first is of some of its samples.
+void Session::countValues() {
+    areValuesCounted_ = true;
+    valuesJob_ = runner_->run<ValueDistribution>(
+        "Count values of " + dataset_->name,
+        [path = dataset_->indexPath, info = *dataset_->index](const JobControl& job) -> Result<ValueDistribution> {
+            auto values = valuesOfIndex(path, info, kMostCountedSamples, job);
+            if (job.isStopRequested())
+                return cancelledError();
+            return values;
+        },
+        [this, ticket = datasetGeneration_](Result<ValueDistribution> values) {
+            if (ticket != datasetGeneration_)
+                return;
+            valuesJob_.reset();
+            if (!values.isOk())
+                return;
+            dataset_->values = std::make_shared<ValueDistribution>(std::move(values).value());
+            datasetChanged_.notify();
         });
 }
 
@@ -417,7 +379,13 @@ void Session::checkMesh() {
     certificateChanged_.notify();
 }
 
-void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
+void Session::exportMesh(const fs::path& path, DatasetGeneration of) { exportSurface(path, of, std::nullopt); }
+
+void Session::exportPart(const fs::path& path, DatasetGeneration of, ExportPart part) {
+    exportSurface(path, of, std::move(part));
+}
+
+void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::optional<ExportPart> part) {
     if (of != datasetGeneration_)
         return fail("The mesh was not exported",
                     makeError(ErrorCode::InvalidArgument, "its volume has been closed or replaced", path.string()));
@@ -427,32 +395,42 @@ void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
         return fail("The mesh was not exported",
                     makeError(ErrorCode::InvalidArgument, "the file name must end in .ply, .obj, .stl, .off or .om",
                               path.string()));
+    const bool isWhole = !part;
     runner_->run<mesh::Certificate>(
         "Export " + path.filename().string(),
-        [worker = worker_.get(), of, source = SourceOfMesh(*dataset_),
-         path](const JobControl& job) -> Result<mesh::Certificate> {
+        [worker = worker_.get(), of, source = SourceOfMesh(*dataset_), path,
+         part = std::move(part)](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
             auto surface = worker->takeMesh(of, job);
             if (!surface.isOk())
                 return surface.error();
+            bool isChecked = true;
+            if (part) {
+                isChecked = !cutsTriangles(surface.value(), part->clipping, part->sides);
+                surface = partOf(std::move(surface).value(), *part, job);
+                if (!surface.isOk())
+                    return surface.error();
+            }
             job.report(0.2, "Checking with OpenMesh");
             const JobControl checking = job.part(0.2, 0.7), writing = job.part(0.7, 1.0);
-            auto certificate = mesh::certify(surface.value(), source.of(surface.value()), checking);
+            auto certificate = isChecked
+                                   ? mesh::certify(surface.value(), source.of(surface.value()), checking)
+                                   : Result(mesh::uncheckedCertificate(surface.value(), source.of(surface.value())));
             if (!certificate.isOk())
                 return certificate;
             job.report(0.7, "Writing");
             ISO_TRY(mesh::exportMesh(surface.value(), certificate.value(), path, writing));
             return certificate;
         },
-        [this, of, path](Result<mesh::Certificate> certificate) {
+        [this, of, path, isWhole](Result<mesh::Certificate> certificate) {
             if (certificate.isOk())
-                onExported(path, of, std::move(certificate).value());
+                onExported(path, of, std::move(certificate).value(), isWhole);
             else if (!certificate.isCancelled())
                 fail("The mesh was not exported", certificate.error());
         });
 }
 
-void Session::onExported(const fs::path& path, DatasetGeneration of, mesh::Certificate certificate) {
+void Session::onExported(const fs::path& path, DatasetGeneration of, mesh::Certificate certificate, bool isWhole) {
     const auto faults = mesh::faultsOf(certificate);
     if (faults.empty()) {
         post(Notice{Notice::Severity::Information, "Mesh exported", path.string()});
@@ -462,7 +440,7 @@ void Session::onExported(const fs::path& path, DatasetGeneration of, mesh::Certi
             detail += (i == 0 ? "" : ", ") + faults[i];
         post(Notice{Notice::Severity::Error, "Mesh exported, but it is not sound", detail});
     }
-    if (of != datasetGeneration_)
+    if (of != datasetGeneration_ || !isWhole)
         return;
     certificate_ = std::move(certificate);
     certificateChanged_.notify();
@@ -475,19 +453,13 @@ bool Session::isSettled() const {
         return false;
     if (!dataset_)
         return true;
-    if (isMoving())
+    if (isMoving() || inactive_->isBusy())
         return false;
     switch (indexState_) {
         case IndexState::None: return !grid_ || !services_.indexBuilder;
         case IndexState::Ready: return hasMoveFailed() || frame_->isFromIndex;
         default: return true;
     }
-}
-
-bool Session::hasMoveFailed() const { return failedIsovalue_ == isovalue_.requested(); }
-
-bool Session::isMoving() const {
-    return dataset_ && !hasMoveFailed() && (!frame_ || isPictureComing_ || isovalue_.isLagging());
 }
 
 void Session::fail(const std::string& title, const Error& error) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -9,12 +10,16 @@ namespace isoslider::model {
 
 enum class StandardView { Front, Back, Right, Left, Top, Bottom };
 
+/// From camera axes to world axes.
+glm::dquat standardOrientation(StandardView view);
+
 /// What of a camera is worth keeping. In world units about the volume's centre.
 struct CameraPose {
     glm::dquat orientation{1.0, 0.0, 0.0, 0.0}; ///< camera axes to world axes
     glm::dvec3 target{0.0};
     double distance = 1.0; ///< from the target to the eye
     bool isPerspective = true;
+    glm::dvec3 pivot{0.0}; ///< what orbit() turns about
 };
 
 /// On the way from one pose to another, `part` from 0 to 1; the distance changes by equal factors in equal parts.
@@ -24,15 +29,21 @@ CameraPose poseBetween(const CameraPose& from, const CameraPose& to, double part
 /// Where the viewer stands. World space is centred: the volume's centre is (0, 0, 0), its bounding
 /// sphere has sceneRadius(). Screen positions are in [-1, 1], y up, x scaled like y by the caller's
 /// aspect (width / height). Everything is in double; the renderer rounds the product.
+/// What is shown may be stretched: target, eye and directions are of the space that is shown, and viewMatrix() leads
+/// from the world into it.
 class Camera {
 public:
     /// Shows a scene of this radius whole, from the default direction.
     void reset(double sceneRadius);
-    /// Whole scene, direction kept.
+    /// Whole scene, direction kept; turns about its middle from now on.
     void fit();
+    /// World space is shown through this map, with a bounding sphere of that radius. What was in the middle stays
+    /// there. REQUIRES: it can be inverted.
+    void setStretch(const glm::dmat3& toShown, double sceneRadius);
     void setStandardView(StandardView view);
 
-    /// Turns about the volume's centre; radians to the right and upwards, as the pointer moves.
+    /// Turns about the pivot: the volume's centre, or what a pose was made around; radians to the right and upwards, as
+    /// the pointer moves.
     void orbit(double rightRadians, double upRadians);
     /// Moves the scene with the pointer: a screen step of (dx, dy) moves the target plane by it.
     void pan(glm::dvec2 screenStep, double aspect);
@@ -40,7 +51,10 @@ public:
     void zoom(double factor, glm::dvec2 screen, double aspect);
     void setPerspective(bool isPerspective) { isPerspective_ = isPerspective; }
 
-    CameraPose pose() const { return {orientation_, target_, distance_, isPerspective_}; }
+    /// A ball shown whole from the present direction, in a view of any aspect, with its middle as the pivot.
+    CameraPose poseAround(glm::dvec3 middle, double radius, double aspect) const;
+
+    CameraPose pose() const { return {orientation_, target_, distance_, isPerspective_, pivot_}; }
     /// False, and nothing is changed, if a number is not finite, the orientation is null or the distance is not
     /// positive. Comes no closer and goes no farther than zoom().
     bool setPose(const CameraPose& pose);
@@ -56,7 +70,13 @@ public:
     glm::dvec3 eye() const { return target_ + backward() * distance_; }
     glm::dquat orientation() const { return orientation_; }
 
+    const glm::dmat3& stretch() const { return stretch_; }
+    /// Unit normal, in world space, of the planes that face the viewer.
+    glm::dvec3 facingNormal() const;
+
     glm::dmat4 viewMatrix() const;
+    /// Normals of the world into view space, not of unit length.
+    glm::dmat3 normalMatrix() const;
     /// Finite for any aspect: of what is none, as of a view without height, it is that of a square.
     glm::dmat4 projectionMatrix(double aspect) const;
     /// World units from the centre to the top of the view, on the target plane.
@@ -65,8 +85,9 @@ public:
 private:
     double sceneRadius_ = 1.0;
     double distance_ = 3.0;
-    glm::dvec3 target_{0.0};
+    glm::dvec3 target_{0.0}, pivot_{0.0};
     glm::dquat orientation_{1.0, 0.0, 0.0, 0.0}; ///< camera axes to world axes
+    glm::dmat3 stretch_{1.0}; ///< from the world to what is shown
     bool isPerspective_ = true;
 };
 

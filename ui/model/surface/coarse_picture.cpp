@@ -145,6 +145,8 @@ void fitPicture(extract::SurfaceFrame& frame, std::uint64_t limitBytes) {
     // Blocks of twice the size are made of whole smaller ones, so each step starts from the last.
     while (extract::pictureBytes(frame) > limitBytes && frame.mergedCells < longest)
         mergeVertices(frame, 2 * frame.mergedCells);
+    if (frame.mergedCells > 1)
+        frame.pieces.reset(); // they are of the vertices that were merged
 }
 
 } // namespace isoslider::model

@@ -11,6 +11,7 @@ namespace isoslider::model {
 namespace {
 
 constexpr auto kStopPollInterval = std::chrono::milliseconds(10);
+constexpr auto kProgressInterval = std::chrono::milliseconds(100);
 
 const ThrownErrors kMoveErrors{"not enough memory for this surface; choose another isovalue"};
 
@@ -52,6 +53,24 @@ void SlideWorker::request(double isovalue) {
     wake_.notify_all();
 }
 
+void SlideWorker::cancelMove() {
+    const std::lock_guard lock(mutex_);
+    moveStop_.request_stop();
+    moveStop_ = std::stop_source();
+    mailbox_.reset();
+}
+
+SourceGeneration SlideWorker::beginAgain(double isovalue) {
+    SourceGeneration generation{};
+    {
+        const std::lock_guard lock(mutex_);
+        generation = generation_ = SourceGeneration{static_cast<std::uint64_t>(generation_) + 1};
+        mailbox_ = isovalue;
+    }
+    wake_.notify_all();
+    return generation;
+}
+
 Result<extract::SurfaceMesh> SlideWorker::takeMesh(DatasetGeneration dataset, const JobControl& job) {
     auto order = std::make_unique<MeshOrder>();
     order->dataset = dataset;
@@ -89,7 +108,7 @@ void SlideWorker::loop(std::stop_token stop) {
 
 bool SlideWorker::waitForWork(std::stop_token stop, Work& work) {
     std::unique_lock lock(mutex_);
-    if (!wake_.wait(lock, stop, [this] { return (mailbox_ && source_) || order_ || !retired_.empty(); }))
+    if (!wake_.wait(lock, stop, [this] { return (mailbox_ && source_ && !isHeld_) || order_ || !retired_.empty(); }))
         return false;
     work.retired = std::exchange(retired_, {});
     work.source = source_;
@@ -115,13 +134,32 @@ Result<extract::SurfaceMesh> SlideWorker::meshOf(const Work& work) const {
 void SlideWorker::move(const Work& work) {
     auto frame = pool_.take();
     frame->marksChanges = marksChanges_;
+    frame->findsPieces = findsPieces_;
+    frame->pieces = frame->findsPieces && piecesOf_ == work.dataset ? pieces_ : nullptr;
+    frame->geometry = piecesGeometry_;
     frame->mergeBound = work.mergeBound;
+    JobControl job;
+    job.stop = work.stop;
+    auto reported = std::chrono::steady_clock::now(); // moves that take no longer than that have no progress
+    if (callbacks_.onProgress)
+        job.progress = [&](double fraction, std::string_view) {
+            const auto now = std::chrono::steady_clock::now();
+            if (now - reported < kProgressInterval)
+                return;
+            reported = now;
+            callbacks_.onProgress(fraction, work.generation);
+        };
     const Status status = guarded(kMoveErrors, [&]() -> Status {
-        ISO_TRY(work.source->moveTo(*work.isovalue, work.stop, *frame));
+        ISO_TRY(work.source->moveTo(*work.isovalue, job, *frame));
         frame->mergedCells = 1;
         fitPicture(*frame, pictureLimit_);
         return {};
     });
+    if (status.isOk()) {
+        pieces_ = frame->pieces;
+        piecesGeometry_ = frame->geometry;
+        piecesOf_ = work.dataset;
+    }
     moved_ = status.isOk() ? work.generation : SourceGeneration{};
     if (!isCurrent(work.generation))
         return;

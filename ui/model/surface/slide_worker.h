@@ -25,11 +25,13 @@ enum class SourceGeneration : std::uint64_t {};
 /// All members but takeMesh return at once; they may be called from any thread.
 class SlideWorker {
 public:
-    /// Both are called on the worker's thread.
+    /// The first two are called on the worker's thread.
     struct Callbacks {
         std::function<void(std::shared_ptr<const extract::SurfaceFrame>, SourceGeneration)> onFrame;
         /// With the isovalue that could not be moved to.
         std::function<void(Error, double, SourceGeneration)> onError;
+        /// How far the running move is, 0 to 1; on any thread, every 100 ms at most. May be empty.
+        std::function<void(double, SourceGeneration)> onProgress;
     };
 
     explicit SlideWorker(Callbacks callbacks);
@@ -42,10 +44,28 @@ public:
     SourceGeneration setSource(std::shared_ptr<SurfaceSource> source, DatasetGeneration dataset,
                                std::optional<double> isovalue);
     void request(double isovalue);
+    /// Breaks off the running move, and no other is pending: neither callback is called for them. The next one begins
+    /// anew.
+    void cancelMove();
+    /// As request(), for another surface of the same source: frames of moves that have begun are of an earlier
+    /// generation.
+    SourceGeneration beginAgain(double isovalue);
     /// Frames from the next move on take at most `bytes`, see fitPicture; meshes are whole all the same.
     void limitPicture(std::uint64_t bytes) { pictureLimit_ = bytes; }
     /// Whether frames from the next move on state what that move has changed.
     void markChanges(bool isWanted) { marksChanges_ = isWanted; }
+    /// Whether frames from the next move on state which triangles are connected.
+    void findPieces(bool isWanted) { findsPieces_ = isWanted; }
+
+    /// No move begins while held: what shows the frames has not caught up. A mesh that is asked for is made all the
+    /// same.
+    void hold(bool isHeld) {
+        {
+            const std::lock_guard lock(mutex_);
+            isHeld_ = isHeld;
+        }
+        wake_.notify_all();
+    }
 
     /// How far merged cells may differ in frames from the next move on, where the source can merge any.
     void mergeWithin(const extract::MergeBound& bound) {
@@ -85,14 +105,19 @@ private:
     FramePool pool_;
     std::atomic<std::uint64_t> pictureLimit_{std::numeric_limits<std::uint64_t>::max()};
     std::atomic<bool> marksChanges_{true};
+    std::atomic<bool> findsPieces_{false};
     std::mutex mutex_;
     std::condition_variable_any wake_;
     std::shared_ptr<SurfaceSource> source_;
     std::vector<std::shared_ptr<SurfaceSource>> retired_;
     SourceGeneration generation_{};
     DatasetGeneration dataset_{};
+    std::shared_ptr<const extract::SurfacePieces> pieces_; ///< of the last frame; these three of the worker's thread
+    GridGeometry piecesGeometry_;
+    DatasetGeneration piecesOf_{};
     SourceGeneration moved_{}; ///< whose last move succeeded; of the worker's thread
     std::optional<double> mailbox_;
+    bool isHeld_ = false;
     extract::MergeBound mergeBound_;
     std::unique_ptr<MeshOrder> order_;
     std::stop_source moveStop_;

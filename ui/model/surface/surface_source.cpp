@@ -11,10 +11,8 @@ class FullExtractionSource final : public SurfaceSource {
 public:
     explicit FullExtractionSource(std::shared_ptr<const ScalarGrid> grid) : grid_(std::move(grid)) {}
 
-    Status moveTo(double isovalue, std::stop_token stop, extract::SurfaceFrame& frame) override {
+    Status moveTo(double isovalue, const JobControl& job, extract::SurfaceFrame& frame) override {
         const auto begin = std::chrono::steady_clock::now();
-        JobControl job;
-        job.stop = stop;
         auto surface = extract::extractFull(*grid_, isovalue, job);
         if (!surface.isOk())
             return surface.error();
@@ -27,6 +25,7 @@ public:
         frame.stats.cellsRetriangulated = 0;
         frame.stats.hasRebuilt = true;
         frame.bricks.reset();
+        frame.pieces.reset();
         frame.geometry = grid_->geometry();
         frame.isovalue = isovalue;
         frame.mergeBound = {};
@@ -55,14 +54,17 @@ class EngineSource final : public SurfaceSource {
 public:
     explicit EngineSource(std::unique_ptr<extract::SlideEngine> engine) : engine_(std::move(engine)) {}
 
-    Status moveTo(double isovalue, std::stop_token stop, extract::SurfaceFrame& frame) override {
+    Status moveTo(double isovalue, const JobControl& job, extract::SurfaceFrame& frame) override {
         frame.canMerge = engine_->canMerge();
         if (frame.canMerge)
             ISO_TRY(engine_->setMergeBound(frame.mergeBound));
-        auto stats = engine_->slideTo(isovalue, stop);
+        auto stats = engine_->slideTo(isovalue, job);
         if (!stats.isOk())
             return stats.error();
-        engine_->copyFrame(frame, frame.marksChanges);
+        const bool isSameGrid = frame.geometry == engine_->info().geometry;
+        engine_->copyFrame(frame, {.changes = frame.marksChanges,
+                                   .pieces = frame.findsPieces,
+                                   .piecesBefore = isSameGrid ? frame.pieces : nullptr});
         frame.mergeBound = engine_->mergeBound();
         frame.stats = std::move(stats).value();
         frame.geometry = engine_->info().geometry;
@@ -82,13 +84,11 @@ public:
     MemorySource(std::shared_ptr<const ScalarGrid> grid, std::shared_ptr<IndexBuilder> builder)
         : grid_(std::move(grid)), builder_(std::move(builder)) {}
 
-    Status moveTo(double isovalue, std::stop_token stop, extract::SurfaceFrame& frame) override {
-        if (!source_) {
-            JobControl job;
-            job.stop = stop;
-            ISO_TRY(makeSource(job));
-        }
-        return source_->moveTo(isovalue, stop, frame);
+    Status moveTo(double isovalue, const JobControl& job, extract::SurfaceFrame& frame) override {
+        if (source_)
+            return source_->moveTo(isovalue, job, frame);
+        ISO_TRY(makeSource(job.part(0.0, kShareOfSource)));
+        return source_->moveTo(isovalue, job.part(kShareOfSource, 1.0), frame);
     }
 
     Result<extract::SurfaceMesh> mesh(const JobControl& job) override {
@@ -98,6 +98,8 @@ public:
     }
 
 private:
+    static constexpr double kShareOfSource = 0.3; // of the first move's time, about
+
     Status makeSource(const JobControl& job) {
         auto engine = builder_->engineInMemory(grid_, job);
         if (!engine.isOk())

@@ -1,35 +1,34 @@
 #pragma once
 
-#include "ui/model/observers.h"
+#include "ui/model/colouring/colouring.h"
+#include "ui/model/options_model.h"
+#include "ui/model/pieces/piece_tints.h"
+#include "ui/model/surface/clipping.h"
+#include "ui/model/surface/measurement.h"
+#include "ui/model/surface/stage.h"
 
 namespace isoslider::model {
 
 /// What the viewport draws beside the surface.
 struct ViewOptions {
-    bool showsChanged = true; ///< red highlight on what the last move retriangulated
+    bool showsChanged = false; ///< red highlight on what the last move retriangulated: a diagnostic
     bool showsLevels = false; ///< merged cells by their size
+    PieceOptions pieces;
     bool showsBox = true;
     bool showsAxes = true;
     bool showsEdges = false; ///< the triangles' edges
     bool showsReadout = true; ///< isovalue, triangles and milliseconds in a corner
+    bool showsCube = true; ///< which way the world's axes point, to click on
+    bool showsScaleBar = true;
+    bool showsColourBar = true; ///< where values have colours
+    Colouring colouring;
+    Clipping clipping;
+    Stage stage;
+    MeasuredPlaces measured; ///< shown with the lengths between them
 
     bool operator==(const ViewOptions&) const = default;
 };
 
-class ViewState {
-public:
-    const ViewOptions& options() const { return options_; }
-    void setOptions(const ViewOptions& options) {
-        if (options == options_)
-            return;
-        options_ = options;
-        changed_.notify();
-    }
-    [[nodiscard]] Subscription observe(std::function<void()> function) { return changed_.observe(std::move(function)); }
-
-private:
-    ViewOptions options_;
-    ObserverList<> changed_;
-};
+class ViewState : public OptionsModel<ViewOptions> {};
 
 } // namespace isoslider::model

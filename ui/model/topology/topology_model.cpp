@@ -58,8 +58,18 @@ Result<TopologyModel::Content> TopologyModel::contentOf(std::shared_ptr<const to
     auto events = summary->mostPersistent(kMostListed);
     if (!events.isOk())
         return std::move(events).error();
-    Content content{std::move(summary), std::move(events).value(), {}, {}};
+    Content content;
+    content.summary = std::move(summary);
+    content.events = std::move(events).value();
     ISO_TRY(drawCounts(content));
+    auto suggestions = topology::suggestIsovalues(*content.summary);
+    if (!suggestions.isOk())
+        return std::move(suggestions).error();
+    content.suggestions = std::move(suggestions).value();
+    auto changes = topology::ChangeSums::of(*content.summary);
+    if (!changes.isOk())
+        return std::move(changes).error();
+    content.changes = std::move(changes).value();
     return content;
 }
 
@@ -95,6 +105,12 @@ void TopologyModel::setContent(Content content) {
         greatestPersistence_ = std::max(greatestPersistence_, event.persistence);
     // Of two doubles of opposite sign the difference may be infinite.
     greatestPersistence_ = std::min(greatestPersistence_, std::numeric_limits<double>::max());
+    if (content_.summary != nullptr && !content_.events.empty()) { // one outlier would make all others small
+        const double first = content_.events.front().isovalue, last = content_.events.back().isovalue;
+        const auto usual = topology::usualRange(content_.summary->curves(), first, last);
+        if (usual.below > first || usual.above < last)
+            greatestPersistence_ = std::min(greatestPersistence_, usual.above - usual.below);
+    }
     leastPersistence_ = kFirstShare * greatestPersistence_;
     filter();
     changed_.notify();
@@ -146,6 +162,19 @@ std::optional<std::size_t> TopologyModel::previous(double isovalue) const {
     const auto at = std::lower_bound(shown_.begin(), shown_.end(), isovalue,
                                      [this](std::size_t event, double value) { return justPast(event) < value; });
     return at == shown_.begin() ? std::nullopt : std::optional(*std::prev(at));
+}
+
+std::optional<std::size_t> TopologyModel::passed(double from, double to) const {
+    const auto firstFrom = [this](double isovalue) {
+        return std::lower_bound(shown_.begin(), shown_.end(), isovalue, [this](std::size_t event, double value) {
+            return content_.events[event].isovalue < value;
+        });
+    };
+    const auto begin = firstFrom(std::min(from, to)), end = firstFrom(std::max(from, to));
+    const auto most = std::max_element(begin, end, [this](std::size_t a, std::size_t b) {
+        return content_.events[a].persistence < content_.events[b].persistence;
+    });
+    return most == end ? std::nullopt : std::optional(*most);
 }
 
 double TopologyModel::justPast(std::size_t event) const {

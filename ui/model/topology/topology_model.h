@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/topology/topology_summary.h"
+#include "core/topology/change_sums.h"
+#include "core/topology/topology_queries.h"
 #include "ui/model/observers.h"
 #include "ui/model/topology/event_words.h"
 
@@ -37,6 +38,8 @@ public:
         /// Counts at even steps from the first event of all to the last, to be drawn.
         std::vector<double> isovalues;
         std::vector<topology::SurfaceCounts> counts;
+        std::vector<topology::Suggestion> suggestions; ///< the best first
+        topology::ChangeSums changes;
     };
     static Result<Content> contentOf(std::shared_ptr<const topology::TopologySummary> summary);
 
@@ -48,6 +51,11 @@ public:
     void setFailed(std::string problem);
     void setContent(Content content);
 
+    /// Null while it is not there.
+    const std::shared_ptr<const topology::TopologySummary>& summary() const { return content_.summary; }
+    const topology::ChangeSums& changes() const { return content_.changes; }
+    /// Isovalues worth a look, the best first.
+    const std::vector<topology::Suggestion>& suggestions() const { return content_.suggestions; }
     /// Of all, listed or not.
     std::uint64_t eventCount() const { return content_.summary ? content_.summary->eventCount() : 0; }
     /// Ascending by isovalue.
@@ -71,6 +79,9 @@ public:
     std::optional<std::size_t> next(double isovalue) const;
     /// The last shown event that moving just past is a move down to.
     std::optional<std::size_t> previous(double isovalue) const;
+    /// The most persistent of the shown events that a move from one isovalue to another goes past, either way.
+    /// O(log(shown) + passed).
+    std::optional<std::size_t> passed(double from, double to) const;
     /// The least isovalue at which the event has happened: the next double.
     double justPast(std::size_t event) const;
 

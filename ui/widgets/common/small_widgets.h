@@ -14,6 +14,7 @@ class QGridLayout;
 class QHBoxLayout;
 class QPushButton;
 class QScrollArea;
+class QTableView;
 class QToolButton;
 class QVBoxLayout;
 
@@ -29,6 +30,9 @@ QLabel* addReadout(QHBoxLayout* row, const QString& caption, const char* objectN
 void setReadout(QLabel* readout, const QString& text);
 /// A heading within a panel.
 QLabel* makeHeading(const QString& text, QWidget* parent);
+
+/// What tables in panels have in common: rows without frame, grid or numbers, each second one darker.
+void makePlain(QTableView& table);
 
 /// A tip that is shown letter by letter: one that a file has a word in must not be taken for HTML.
 QString plainTip(const QString& text);

@@ -66,6 +66,7 @@ CurveOverlay::CurveOverlay(model::Session& session, SettingsStore& settings, His
     makeActions(settings);
     plot_.installEventFilter(this);
     applyPalette();
+    connect(&plot_, &HistogramPlot::scaleChanged, this, &CurveOverlay::showCurves);
     subscriptions_.push_back(session_.topology().changed().observe([this] { showCurves(); }));
     subscriptions_.push_back(session_.isovalue().observe([this] { showLegend(); }));
     showCurves();
@@ -130,8 +131,10 @@ void CurveOverlay::showCurves() {
         const auto data = isKnown && curve.action->isChecked() ? topology.curve(quantity) : model::TopologyCurve();
         const auto scaled = model::scaled(data.values);
         curve.isLogarithmic = scaled.isLogarithmic;
-        curve.graph->setData(QVector<double>(data.isovalues.begin(), data.isovalues.end()),
-                             QVector<double>(scaled.heights.begin(), scaled.heights.end()), true);
+        QVector<double> places;
+        for (const double isovalue : data.isovalues)
+            places.append(plot_.scale().placeOf(isovalue));
+        curve.graph->setData(places, QVector<double>(scaled.heights.begin(), scaled.heights.end()), true);
     });
     plot_.replot(QCustomPlot::rpQueuedReplot);
     showLegend();

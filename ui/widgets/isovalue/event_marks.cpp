@@ -62,6 +62,11 @@ void EventMarks::setMarks(std::vector<EventMark> marks) {
     isDrawnKnown_ = false;
 }
 
+void EventMarks::setScale(const model::ValueScale& scale) {
+    scale_ = scale;
+    isDrawnKnown_ = false;
+}
+
 void EventMarks::setChosen(std::optional<std::size_t> event) {
     chosen_ = event;
     isDrawnKnown_ = false;
@@ -83,10 +88,11 @@ const std::vector<EventMarks::Drawn>& EventMarks::drawn() const {
         const bool isChosen = chosen_ == a.event, wasChosen = chosen_ == b.event;
         return isChosen != wasChosen ? isChosen : a.share > b.share;
     };
-    const auto begin = std::lower_bound(marks_.begin(), marks_.end(), drawnRange_.lower,
+    const auto begin = std::lower_bound(marks_.begin(), marks_.end(), scale_.valueAt(drawnRange_.lower),
                                         [](const EventMark& mark, double value) { return mark.isovalue < value; });
-    for (auto mark = begin; mark != marks_.end() && mark->isovalue <= drawnRange_.upper; ++mark) {
-        const double pixel = axis.coordToPixel(mark->isovalue);
+    const double last = scale_.valueAt(drawnRange_.upper);
+    for (auto mark = begin; mark != marks_.end() && mark->isovalue <= last; ++mark) {
+        const double pixel = axis.coordToPixel(scale_.placeOf(mark->isovalue));
         if (!std::isfinite(pixel))
             continue;
         const long own = std::lround(std::floor((pixel - rect.left()) / kColumnPixels));

@@ -6,6 +6,7 @@
 #include <QPixmap>
 #include <qcustomplot.h>
 
+#include "ui/model/isovalue/value_scale.h"
 #include "ui/model/topology/event_words.h"
 
 namespace isoslider::widgets {
@@ -34,6 +35,8 @@ public:
 
     /// Ascending by isovalue.
     void setMarks(std::vector<EventMark> marks);
+    /// How values stand along the axis.
+    void setScale(const model::ValueScale& scale);
     /// Drawn in any case, and larger.
     void setChosen(std::optional<std::size_t> event);
 
@@ -61,6 +64,7 @@ private:
 
     std::vector<EventMark> marks_;
     std::optional<std::size_t> chosen_;
+    model::ValueScale scale_;
     mutable std::vector<Drawn> drawn_;
     mutable QCPRange drawnRange_;
     mutable QRect drawnRect_;

@@ -22,9 +22,7 @@ public:
     QVariant currentValue() const override { return plot_->requested(); }
     QVariant minimumValue() const override { return plot_->minimum(); }
     QVariant maximumValue() const override { return plot_->maximum(); }
-    QVariant minimumStepSize() const override {
-        return (plot_->maximum() - plot_->minimum()) * model::kFineStep / model::kPrecisionFactor;
-    }
+    QVariant minimumStepSize() const override { return plot_->stepRule().unit / model::kPrecisionFactor; }
     void setCurrentValue(const QVariant& value) override { Q_EMIT plot_->isovalueRequested(value.toDouble()); }
 
 private:

@@ -1,9 +1,6 @@
 #include "ui/widgets/isovalue/isovalue_edit.h"
 
-#include <cmath>
-
 #include <QKeyEvent>
-#include <QLocale>
 #include <QToolTip>
 #include <QWheelEvent>
 
@@ -46,7 +43,7 @@ IsovalueEdit::IsovalueEdit(QWidget* parent) : QLineEdit(parent) {
 }
 
 void IsovalueEdit::showValue(double value) {
-    shownText_ = QString::fromStdString(model::valueText(value, 8));
+    shownText_ = QString::fromStdString(model::exactText(value));
     if (!isModified() || !hasFocus())
         restore();
 }
@@ -65,16 +62,12 @@ void IsovalueEdit::restore() {
 void IsovalueEdit::commit() {
     if (!isModified() || text() == shownText_)
         return setModified(false);
-    bool isNumber = false;
-    // Both the point and the locale's comma are understood.
-    double value = text().trimmed().toDouble(&isNumber);
-    if (!isNumber)
-        value = locale().toDouble(text().trimmed(), &isNumber);
+    const auto value = model::numberFrom(text().trimmed().toStdString());
     setModified(false);
     if (isCut_) {
         refuse(tr("“%1” is too long for a number").arg(quoted(text())));
-    } else if (isNumber && !std::isnan(value)) {
-        Q_EMIT valueCommitted(value);
+    } else if (value) {
+        Q_EMIT valueCommitted(*value);
         restore(); // shows the clamped value if the request changed nothing
     } else {
         refuse(tr("“%1” is not a number").arg(quoted(text())));

@@ -19,8 +19,10 @@
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/isovalue/curve_overlay.h"
 #include "ui/widgets/isovalue/detail_control.h"
+#include "ui/widgets/isovalue/histogram_actions.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_edit.h"
+#include "ui/widgets/isovalue/isovalue_notes.h"
 #include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/window/settings_store.h"
 
@@ -46,6 +48,7 @@ IsovaluePanel::IsovaluePanel(model::Session& session, SettingsStore& settings, c
       session_(session),
       plot_(new HistogramPlot(this)),
       curves_(new CurveOverlay(session, settings, *plot_)),
+      notes_(new IsovalueNotes(session, *plot_)),
       edit_(new IsovalueEdit(this)) {
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(kMargin, 6, kMargin, 8);
@@ -68,8 +71,9 @@ QWidget* IsovaluePanel::makeControls(const ActionRegistry& actions) {
     auto* name = new QLabel(tr("Isovalue"), row);
     name->setBuddy(edit_);
     edit_->setFixedWidth(fontMetrics().horizontalAdvance(QStringLiteral("-0.00000000e+00")) + 16);
-    edit_->setToolTip(tr("Isovalue in the volume's units. Enter or leaving the field takes it; "
-                         "up and down step by 0.1 % of the range, with Shift by 0.01 %."));
+    edit_->setToolTip(
+        tr("Isovalue in the volume's units, with a decimal point or comma. Enter or leaving the field takes "
+           "it; up and down step, with Shift 10 times finer."));
     range_ = new QLabel(row);
     makeQuiet(range_);
     mode_ = new QComboBox(row);
@@ -119,17 +123,15 @@ void IsovaluePanel::connectControls(SettingsStore& settings, const ActionRegistr
         session_.detail().setCoarserWhileMoving(isCoarser);
         settings.set("detail/coarserWhileMoving", isCoarser);
     });
-    connect(edit_, &IsovalueEdit::valueCommitted, this, [&isovalue](double value) { isovalue.request(value); });
+    connect(edit_, &IsovalueEdit::valueCommitted, this, [this, &isovalue](double value) {
+        isovalue.request(value);
+        notes_->noteTyped(value);
+    });
+    connect(plot_, &HistogramPlot::viewChanged, this, &IsovaluePanel::applyStepRule);
     connect(edit_, &IsovalueEdit::stepRequested, this, [&isovalue](double step) { isovalue.step(step); });
 
-    QAction* log = actions.action("isovalue.logCounts");
-    log->setChecked(settings.boolean("histogram/logCounts"));
-    plot_->setLogCounts(log->isChecked());
-    connect(log, &QAction::toggled, this, [this, &settings](bool isLog) {
-        plot_->setLogCounts(isLog);
-        settings.set("histogram/logCounts", isLog);
-    });
-    connect(actions.action("isovalue.resetZoom"), &QAction::triggered, plot_, &HistogramPlot::showWholeRange);
+    new HistogramActions(session_, settings, actions, *plot_);
+    optionsSubscription_ = session_.histogramOptions().observe([this] { applyStepRule(); });
     connect(actions.action("isovalue.edit"), &QAction::triggered, this, [this] {
         edit_->setFocus(Qt::ShortcutFocusReason);
         edit_->selectAll();
@@ -185,7 +187,7 @@ void IsovaluePanel::setPlaying(bool isPlaying, QAction* action) {
     action->setIconText(isPlaying ? tr("Pause") : tr("Play"));
     action->setIcon(themedIcon(isPlaying ? QStringLiteral("pause") : QStringLiteral("play"), palette()));
     if (isPlaying && session_.isovalue().hasDomain()) {
-        playback_.start(session_.isovalue().fraction());
+        playback_.start(plot_->shareOf(session_.isovalue().requested()));
         playedValue_ = session_.isovalue().requested();
         playClock_.start();
         playTimer_.start();
@@ -203,8 +205,8 @@ void IsovaluePanel::advance(QAction* action) {
     if (isovalue.isLagging())
         return; // the surface is the clock: a slow one is played slowly, not in jumps
     if (isovalue.requested() != playedValue_) // the user took the handle: go on from there
-        playback_.start(isovalue.fraction());
-    isovalue.request(isovalue.atFraction(playback_.advance(seconds)));
+        playback_.start(plot_->shareOf(isovalue.requested()));
+    isovalue.request(plot_->valueAtShare(playback_.advance(seconds)));
     playedValue_ = isovalue.requested();
     if (!playback_.isPlaying() || !isovalue.hasDomain())
         action->setChecked(false);
@@ -223,13 +225,14 @@ void IsovaluePanel::showDataset() {
                         .arg(QString::fromStdString(model::valueText(dataset->min)),
                              QString::fromStdString(model::valueText(dataset->max))));
     static const std::vector<std::uint64_t> kNone;
-    plot_->setHistogram(dataset->histogram, dataset->type, dataset->index ? dataset->index->activeEdgesPerBin : kNone);
+    plot_->setValues(dataset->values, dataset->index ? dataset->index->activeEdgesPerBin : kNone);
+    applyStepRule();
     if (std::exchange(shownDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
         beginVolume();
 }
 
 void IsovaluePanel::beginVolume() {
-    plot_->showWholeRange(); // a zoom is of one volume, also where the next has the same range
+    plot_->showUsualRange(); // a zoom is of one volume, also where the next has the same range
     // The keys move the surface at once. What is being typed is not taken away.
     if (plot_->isVisible() && !edit_->hasFocus())
         plot_->setFocus(Qt::OtherFocusReason);
@@ -252,6 +255,12 @@ void IsovaluePanel::showIsovalue() {
                                       : QStringLiteral("–"));
     makeRoomForControls();
     plot_->setIsovalues(isovalue.requested(), hasDisplayed ? isovalue.displayed() : isovalue.requested());
+    applyStepRule(); // on a logarithmic axis, a step depends on where it is made
+}
+
+void IsovaluePanel::applyStepRule() {
+    if (session_.isovalue().hasDomain())
+        session_.isovalue().setStepRule(plot_->stepRule());
 }
 
 } // namespace isoslider::widgets

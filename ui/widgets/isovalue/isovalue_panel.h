@@ -23,6 +23,7 @@ class ActionRegistry;
 class CurveOverlay;
 class DetailControl;
 class HistogramPlot;
+class IsovalueNotes;
 class IsovalueEdit;
 class SettingsStore;
 
@@ -46,12 +47,14 @@ private:
     void beginVolume();
     void makeRoomForControls();
     void showIsovalue();
+    void applyStepRule();
     void setPlaying(bool isPlaying, QAction* action);
     void advance(QAction* action);
 
     model::Session& session_;
     HistogramPlot* plot_ = nullptr;
     CurveOverlay* curves_ = nullptr;
+    IsovalueNotes* notes_ = nullptr;
     IsovalueEdit* edit_ = nullptr;
     QLabel* range_ = nullptr;
     DetailControl* detail_ = nullptr;
@@ -69,6 +72,7 @@ private:
     double playedValue_ = 0.0;
     model::Subscription datasetSubscription_;
     model::Subscription isovalueSubscription_;
+    model::Subscription optionsSubscription_;
 };
 
 } // namespace isoslider::widgets

@@ -83,6 +83,20 @@ void styleAxis(QCPAxis* axis, const QPalette& palette) {
 }
 
 QString CompactTicker::getTickLabel(double tick, const QLocale&, QChar, int) { return compactLabel(tick); }
+void ScaleTicker::generate(const QCPRange& range, const QLocale&, QChar, int, QVector<double>& ticks,
+                           QVector<double>* subTicks, QVector<QString>* tickLabels) {
+    ticks.clear();
+    if (subTicks != nullptr)
+        subTicks->clear();
+    if (tickLabels != nullptr)
+        tickLabels->clear();
+    for (const auto& tick : scale_.ticks(range.lower, range.upper, tickCount())) {
+        ticks.append(tick.place);
+        if (tickLabels != nullptr)
+            tickLabels->append(QString::fromStdString(tick.label));
+    }
+}
+
 QString CompactLogTicker::getTickLabel(double tick, const QLocale&, QChar, int) { return compactLabel(tick); }
 
 } // namespace isoslider::widgets

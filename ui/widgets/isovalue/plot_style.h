@@ -2,6 +2,7 @@
 
 #include <qcustomplot.h>
 
+#include "ui/model/isovalue/value_scale.h"
 #include "ui/model/topology/topology_model.h"
 
 namespace isoslider::widgets {
@@ -30,6 +31,17 @@ public:
 
 protected:
     QString getTickLabel(double tick, const QLocale& locale, QChar formatChar, int precision) override;
+};
+
+/// Round values on an axis whose coordinates are places of a scale.
+class ScaleTicker : public QCPAxisTicker {
+public:
+    void setScale(const model::ValueScale& scale) { scale_ = scale; }
+    void generate(const QCPRange& range, const QLocale& locale, QChar formatChar, int precision, QVector<double>& ticks,
+                  QVector<double>* subTicks, QVector<QString>* tickLabels) override;
+
+private:
+    model::ValueScale scale_;
 };
 
 class CompactLogTicker : public QCPAxisTickerLog {

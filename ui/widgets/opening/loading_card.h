@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QElapsedTimer>
 #include <QFrame>
 
 #include "ui/model/observers.h"
@@ -14,8 +15,9 @@ class Session;
 
 namespace isoslider::widgets {
 
-/// Over the view while a volume is being opened: which, how far, and a button that stops it. Then, until the
-/// first surface is there, a word that it is being made. Shows and hides itself.
+/// Over the view while a volume is being opened, and then until its first surface is there: which, how far, how long
+/// still, and a button that stops it. Where the first surface was stopped, a button that asks for it again. Shows and
+/// hides itself.
 class LoadingCard : public QFrame {
     Q_OBJECT
 public:
@@ -28,13 +30,19 @@ protected:
     void paintEvent(QPaintEvent* event) override;
 
 private:
+    enum class State { Nothing, Opening, Extracting, NoSurface };
+    State state() const;
+    void press();
     void showProgress();
 
     model::Session& session_;
     QLabel* text_;
     QProgressBar* bar_;
-    QPushButton* cancel_;
+    QLabel* stage_;
+    QPushButton* button_;
+    QElapsedTimer extracting_; ///< since the surface that is being made was asked for
     model::Subscription jobsSubscription_;
+    model::Subscription progressSubscription_;
 };
 
 } // namespace isoslider::widgets

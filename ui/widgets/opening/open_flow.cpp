@@ -75,12 +75,13 @@ void OpenFlow::preview(const QString& path) {
     connect(dialog, &VolumeDialog::previewsFirstToggled, this, &OpenFlow::setPreviewsFirst);
 }
 
-void OpenFlow::openPath(const QString& path, std::optional<double> isovalue) {
+void OpenFlow::openPath(const QString& path, std::optional<double> isovalue, const io::ReadOptions& options) {
     if (isHeaderlessFile(path))
         return askRawLayout(path);
     model::OpenRequest request;
     request.path = absolutePath(path);
     request.isovalue = isovalue;
+    request.readOptions = options;
     request.asksForChoice = true;
     open(std::move(request));
 }

@@ -6,6 +6,7 @@
 #include <QObject>
 #include <QString>
 
+#include "core/volume_io/volume_reader.h"
 #include "ui/model/opening/open_model.h"
 #include "ui/model/session/recent_file.h"
 #include "ui/model/session/session.h"
@@ -35,7 +36,9 @@ public:
 
     /// Opens a volume, an index or a folder. Asks only what has to be known: how a headerless file is
     /// arranged, and which of several volumes is meant. `isovalue`: the first one; otherwise a suggested one.
-    void openPath(const QString& path, std::optional<double> isovalue = std::nullopt);
+    /// `options`: what of that is known.
+    void openPath(const QString& path, std::optional<double> isovalue = std::nullopt,
+                  const io::ReadOptions& options = {});
     /// Opens what was open before, with the choices that were made then. Asks nothing, unless the file has changed
     /// so that they are no longer there.
     void openRecent(const model::RecentFile& file);

@@ -6,19 +6,12 @@
 #include <QToolButton>
 
 #include "ui/model/isovalue/number_text.h"
+#include "ui/model/jobs/job_words.h"
 #include "ui/widgets/common/icon_loader.h"
 #include "ui/widgets/common/text_colour.h"
 
 namespace isoslider::widgets {
 namespace {
-
-/// Stages come in lower case, as parts of a log line.
-QString sentence(const std::string& stage) {
-    QString text = QString::fromStdString(stage);
-    if (!text.isEmpty())
-        text[0] = text[0].toUpper();
-    return text;
-}
 
 QString detailOf(const model::JobEntry& job) {
     const QString elapsed = QString::fromStdString(model::millisecondsText(job.elapsedMs));
@@ -26,9 +19,7 @@ QString detailOf(const model::JobEntry& job) {
         case model::JobState::Running:
             if (job.isCancelling)
                 return JobRow::tr("Cancelling…");
-            return job.stage.empty()
-                       ? JobRow::tr("Starting…")
-                       : QStringLiteral("%1 · %2 %").arg(sentence(job.stage)).arg(qRound(job.fraction * 100.0));
+            return job.stage.empty() ? JobRow::tr("Starting…") : QString::fromStdString(model::runningText(job));
         case model::JobState::Finished: return JobRow::tr("Done in %1").arg(elapsed);
         case model::JobState::Failed: return JobRow::tr("Failed: %1").arg(QString::fromStdString(job.errorText));
         case model::JobState::Cancelled: return JobRow::tr("Cancelled after %1").arg(elapsed);

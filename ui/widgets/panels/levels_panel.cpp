@@ -173,18 +173,12 @@ QTableView* LevelsPanel::makeTable(TextTableModel* model, const QString& name) {
     auto* table = new QTableView(this);
     table->setObjectName(name);
     table->setModel(model);
-    table->setFrameShape(QFrame::NoFrame);
-    table->setShowGrid(false);
-    table->setAlternatingRowColors(true);
+    makePlain(*table);
     table->setSelectionBehavior(QAbstractItemView::SelectRows);
-    table->setWordWrap(false);
-    table->setTabKeyNavigation(false);
-    table->verticalHeader()->hide();
     table->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
     table->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
     table->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Stretch);
     table->horizontalHeader()->setMinimumSectionSize(40);
-    table->horizontalHeader()->setHighlightSections(false);
     table->setVerticalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     const auto fit = [table, model] {
         const int rows = model->rowCount();

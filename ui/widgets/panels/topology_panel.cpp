@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <QComboBox>
+#include <QDockWidget>
 #include <QEvent>
 #include <QGridLayout>
 #include <QHeaderView>
@@ -11,13 +12,18 @@
 #include <QSignalBlocker>
 #include <QSlider>
 #include <QStackedWidget>
+#include <QTabWidget>
 #include <QTableView>
 #include <QVBoxLayout>
 
 #include "ui/model/isovalue/number_text.h"
+#include "ui/model/jobs/latest_job.h"
 #include "ui/model/session/session.h"
+#include "ui/model/topology/question_model.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/panels/compare_page.h"
+#include "ui/widgets/panels/find_page.h"
 #include "ui/widgets/panels/topology_table.h"
 
 namespace isoslider::widgets {
@@ -45,9 +51,11 @@ QString persistenceText(double least) {
 
 } // namespace
 
-TopologyPanel::TopologyPanel(model::Session& session, QWidget* parent)
+TopologyPanel::TopologyPanel(model::Session& session, const ActionRegistry& actions, QWidget* parent)
     : QWidget(parent),
       session_(session),
+      question_(std::make_unique<model::QuestionModel>(
+          session.topology(), std::make_shared<model::BackgroundJobs>(session.services().postToMain))),
       table_(new TopologyTable(session.topology(), this)),
       sorted_(new TopologySorting(*table_, this)),
       pages_(new QStackedWidget(this)) {
@@ -55,7 +63,17 @@ TopologyPanel::TopologyPanel(model::Session& session, QWidget* parent)
     layout->setContentsMargins(0, 0, 0, 0);
     layout->addWidget(pages_);
     pages_->addWidget(makeStatePage());
-    pages_->addWidget(makeEventsPage());
+    tabs_ = new QTabWidget(this);
+    tabs_->setObjectName(QStringLiteral("topologyTabs"));
+    tabs_->setDocumentMode(true);
+    find_ = new FindPage(session_, *question_, this);
+    auto* compare = new ComparePage(session_, actions, this);
+    tabs_->addTab(makeEventsPage(), tr("Events"));
+    tabs_->addTab(find_, tr("Isovalues"));
+    tabs_->addTab(compare, tr("Compare"));
+    pages_->addWidget(tabs_);
+    connect(find_, &FindPage::isovaluePicked, this, &TopologyPanel::isovaluePicked);
+    connect(compare, &ComparePage::isovaluePicked, this, &TopologyPanel::isovaluePicked);
     table_->setPalette(palette(), devicePixelRatioF());
     auto& topology = session_.topology();
     topologySubscription_ = topology.changed().observe([this] { showTopology(); });
@@ -63,6 +81,26 @@ TopologyPanel::TopologyPanel(model::Session& session, QWidget* parent)
     datasetSubscription_ = session_.datasetChanged().observe([this] { showProgress(); });
     jobsSubscription_ = session_.jobs().observe([this] { showProgress(); });
     showTopology();
+}
+
+TopologyPanel::~TopologyPanel() = default;
+
+void TopologyPanel::raiseDock() {
+    if (auto* dock = qobject_cast<QDockWidget*>(parentWidget())) {
+        dock->show();
+        dock->raise();
+    }
+}
+
+void TopologyPanel::showSearch() {
+    raiseDock();
+    tabs_->setCurrentIndex(1);
+    find_->focusValue();
+}
+
+void TopologyPanel::showComparison() {
+    raiseDock();
+    tabs_->setCurrentIndex(2);
 }
 
 QWidget* TopologyPanel::makeStatePage() {
@@ -131,23 +169,17 @@ void TopologyPanel::makeTable(QWidget* page) {
     view_->setObjectName(QStringLiteral("topologyTable"));
     view_->setAccessibleName(tr("Events of the topology"));
     view_->setModel(sorted_);
-    view_->setFrameShape(QFrame::NoFrame);
-    view_->setShowGrid(false);
-    view_->setAlternatingRowColors(true);
+    makePlain(*view_);
     view_->setSelectionBehavior(QAbstractItemView::SelectRows);
     view_->setSelectionMode(QAbstractItemView::SingleSelection);
     view_->setEditTriggers(QAbstractItemView::NoEditTriggers);
     view_->setHorizontalScrollMode(QAbstractItemView::ScrollPerPixel);
-    view_->setWordWrap(false);
-    view_->setTabKeyNavigation(false);
     view_->setMinimumSize(80, 40);
     // Every row alike: then none is measured.
-    view_->verticalHeader()->hide();
     view_->verticalHeader()->setSectionResizeMode(QHeaderView::Fixed);
     view_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
     auto* header = view_->horizontalHeader();
     header->setResizeContentsPrecision(kRowsMeasured);
-    header->setHighlightSections(false);
     header->setMinimumSectionSize(40);
     view_->setSortingEnabled(true);
     view_->sortByColumn(TopologyTable::Isovalue, Qt::AscendingOrder);

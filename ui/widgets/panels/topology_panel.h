@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include <QWidget>
 
 #include "ui/model/observers.h"
@@ -9,27 +11,41 @@ class QLabel;
 class QProgressBar;
 class QSlider;
 class QStackedWidget;
+class QTabWidget;
 class QTableView;
 
 namespace isoslider::model {
+class QuestionModel;
 class Session;
-}
+} // namespace isoslider::model
 
 namespace isoslider::widgets {
 
+class ActionRegistry;
 class ElidedLabel;
+class FindPage;
 class TopologySorting;
 class TopologyTable;
 
-/// The topology's events as a table with filters; before it is there, why it is not.
+/// The topology's events as a table with filters, a search for isovalues, and a comparison of two; before it is there,
+/// why it is not.
 class TopologyPanel : public QWidget {
     Q_OBJECT
 public:
-    explicit TopologyPanel(model::Session& session, QWidget* parent = nullptr);
+    TopologyPanel(model::Session& session, const ActionRegistry& actions, QWidget* parent = nullptr);
+    ~TopologyPanel() override;
+
+    /// Which isovalues are looked for.
+    model::QuestionModel& question() { return *question_; }
+    /// Brings the search up, ready to be typed in; the same of the comparison, wherever the focus is.
+    void showSearch();
+    void showComparison();
 
 Q_SIGNALS:
     /// A row was clicked, or Enter pressed on it.
     void eventPicked(std::size_t event);
+    /// One that was suggested, found or compared.
+    void isovaluePicked(double isovalue);
 
 protected:
     void changeEvent(QEvent* event) override;
@@ -45,11 +61,15 @@ private:
     void showFilters();
     void selectChosen();
     void fitColumns();
+    void raiseDock();
 
     model::Session& session_;
+    std::unique_ptr<model::QuestionModel> question_;
     TopologyTable* table_;
     TopologySorting* sorted_;
     QStackedWidget* pages_ = nullptr;
+    QTabWidget* tabs_ = nullptr;
+    FindPage* find_ = nullptr;
     QLabel* state_ = nullptr;
     QProgressBar* progress_ = nullptr;
     QComboBox* filter_ = nullptr;

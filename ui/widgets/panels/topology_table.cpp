@@ -75,7 +75,7 @@ QString TopologyTable::text(const topology::TopologyEvent& event, int column) co
 
 QVariant TopologyTable::data(const QModelIndex& index, int role) const {
     // The model may have other events by now, and reload() still to come.
-    if (!checkIndex(index, CheckIndexOption::IndexIsValid) || eventOf(index.row()) >= topology_.events().size())
+    if (!index.isValid() || !checkIndex(index) || eventOf(index.row()) >= topology_.events().size())
         return {};
     const auto& event = topology_.events()[eventOf(index.row())];
     switch (role) {

@@ -25,10 +25,22 @@ CameraFlight::CameraFlight(ViewportWidget& viewport) : QObject(&viewport), viewp
 }
 
 void CameraFlight::flyTo(const glm::dvec3& place, double distance) {
+    model::CameraPose pose = viewport_.camera().pose();
+    pose.target = pose.pivot = place;
+    pose.distance = std::min(pose.distance, distance);
+    flyTo(pose);
+}
+
+void CameraFlight::turnTo(const glm::dquat& orientation) {
+    model::CameraPose pose = viewport_.camera().pose();
+    pose.orientation = orientation;
+    flyTo(pose);
+}
+
+void CameraFlight::flyTo(const model::CameraPose& pose) {
     animation_.stop();
-    from_ = last_ = to_ = viewport_.camera().pose();
-    to_.target = place;
-    to_.distance = std::min(from_.distance, distance);
+    from_ = last_ = viewport_.camera().pose();
+    to_ = pose;
     animation_.start();
 }
 

@@ -17,6 +17,9 @@ public:
     /// To look at a place in centred world space, see model::Camera, from the present direction. Comes as near as
     /// `distance`, or stays nearer.
     void flyTo(const glm::dvec3& place, double distance);
+    /// To see the same place from another direction.
+    void turnTo(const glm::dquat& orientation);
+    void flyTo(const model::CameraPose& pose);
     bool isFlying() const { return animation_.state() == QAbstractAnimation::Running; }
 
 private:

@@ -13,35 +13,51 @@ constexpr int kStepMs = 60; // each draws the surface again
 } // namespace
 
 EventMarker::EventMarker(ViewportWidget& viewport) : QObject(&viewport), viewport_(viewport) {
-    timer_.setInterval(kStepMs);
     connect(&timer_, &QTimer::timeout, this, &EventMarker::fade);
+    passedTimer_.setSingleShot(true);
+    connect(&passedTimer_, &QTimer::timeout, this, [this] {
+        hasPassed_ = false;
+        if (isMarked_)
+            timer_.start(kStepMs);
+        fade();
+    });
 }
 
 void EventMarker::mark(const glm::dvec3& place) {
     place_ = place;
     isMarked_ = true;
+    hasPassed_ = false;
+    passedTimer_.stop();
     sinceMarked_.start();
-    timer_.start();
+    timer_.start(kStepMs);
     fade();
+}
+
+void EventMarker::markPassed(const glm::dvec3& place) {
+    passed_ = place;
+    hasPassed_ = true;
+    timer_.stop();
+    passedTimer_.start(kMomentMs);
+    viewport_.setSpot(passed_);
 }
 
 void EventMarker::clear() {
     timer_.stop();
-    if (!std::exchange(isMarked_, false))
-        return;
-    viewport_.setSpot(std::nullopt);
+    passedTimer_.stop();
+    const bool wasMarked = std::exchange(isMarked_, false);
+    if (std::exchange(hasPassed_, false) || wasMarked)
+        viewport_.setSpot(std::nullopt);
 }
 
-float EventMarker::strength() const {
-    if (!isMarked_)
-        return 0.0f;
-    const float part = std::min(1.0f, static_cast<float>(sinceMarked_.elapsed()) / kFadeMs);
-    return std::lerp(1.0f, kFaint, part * part); // slowly first: it has to be found
-}
-
+// Slowly first: it has to be found.
 void EventMarker::fade() {
-    viewport_.setSpot(place_, strength());
-    if (sinceMarked_.hasExpired(kFadeMs))
+    if (isMarked_) {
+        const float share = std::min(1.0f, static_cast<float>(sinceMarked_.elapsed()) / static_cast<float>(kFadeMs));
+        viewport_.setSpot(place_, std::lerp(1.0f, kFaint, share * share));
+    } else {
+        viewport_.setSpot(std::nullopt);
+    }
+    if (!isMarked_ || sinceMarked_.hasExpired(kFadeMs))
         timer_.stop();
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <QElapsedTimer>
 #include <QObject>
 #include <QTimer>
@@ -10,29 +12,36 @@ namespace isoslider::widgets {
 
 class ViewportWidget;
 
-/// Points a place out in a view: clearly at first, faintly after 3 s, until it is taken away.
+/// Points a place out in a view: clearly at first, faintly after 3 s, until it is taken away. What is passed on the way
+/// is pointed out instead for a moment.
 class EventMarker : public QObject {
     Q_OBJECT
 public:
     static constexpr int kFadeMs = 3000;
+    static constexpr int kMomentMs = 1500;
     static constexpr float kFaint = 0.35f;
 
     explicit EventMarker(ViewportWidget& viewport);
 
     /// A place in grid index units of the volume.
     void mark(const glm::dvec3& place);
+    /// The same for a moment. It does not fade: each step of that would draw a surface again that has only just come.
+    void markPassed(const glm::dvec3& place);
     void clear();
-    /// 1 at first, kFaint in the end; 0 without a place.
-    float strength() const;
+    /// The place that is pointed out now.
+    std::optional<glm::dvec3> pointedOut() const {
+        return hasPassed_ ? std::optional(passed_) : isMarked_ ? std::optional(place_) : std::nullopt;
+    }
 
 private:
     void fade();
 
     ViewportWidget& viewport_;
     glm::dvec3 place_{0.0};
-    bool isMarked_ = false;
+    glm::dvec3 passed_{0.0};
+    bool isMarked_ = false, hasPassed_ = false;
     QElapsedTimer sinceMarked_;
-    QTimer timer_;
+    QTimer timer_, passedTimer_;
 };
 
 } // namespace isoslider::widgets

@@ -1,18 +1,25 @@
 #include "ui/widgets/viewport/viewport_host.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <QAction>
 #include <QEvent>
 #include <QLabel>
+#include <QPainter>
 #include <QVBoxLayout>
 
+#include "ui/model/colouring/colour_model.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
 #include "ui/widgets/opening/loading_card.h"
 #include "ui/widgets/opening/start_page.h"
+#include "ui/widgets/viewport/camera_flight.h"
+#include "ui/widgets/viewport/clip_tool.h"
+#include "ui/widgets/viewport/measure_tool.h"
+#include "ui/widgets/viewport/scene_guides.h"
 #include "ui/widgets/viewport/viewport_overlay.h"
 #include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
@@ -31,13 +38,20 @@ struct OptionAction {
     const char* setting;
     bool model::ViewOptions::*member;
 };
-constexpr std::array<OptionAction, 6> kOptionActions{
+constexpr std::array<OptionAction, 9> kOptionActions{
     {{"view.changed", "view/showsChanged", &model::ViewOptions::showsChanged},
      {"view.edges", "view/showsEdges", &model::ViewOptions::showsEdges},
      {"view.levels", "view/showsLevels", &model::ViewOptions::showsLevels},
      {"view.box", "view/showsBox", &model::ViewOptions::showsBox},
      {"view.axes", "view/showsAxes", &model::ViewOptions::showsAxes},
-     {"view.readout", "view/showsReadout", &model::ViewOptions::showsReadout}}};
+     {"view.readout", "view/showsReadout", &model::ViewOptions::showsReadout},
+     {"view.cube", "view/showsCube", &model::ViewOptions::showsCube},
+     {"view.scaleBar", "view/showsScaleBar", &model::ViewOptions::showsScaleBar},
+     {"colour.bar", "view/showsColourBar", &model::ViewOptions::showsColourBar}}};
+
+constexpr std::array<const char*, 11> kClipActions{{"clip.crop", "clip.resetCrop", "clip.plane", "clip.flip",
+                                                    "clip.facing", "clip.acrossX", "clip.acrossY", "clip.acrossZ",
+                                                    "clip.noCap", "clip.colourCap", "clip.valueCap"}};
 
 struct ViewAction {
     const char* action;
@@ -50,6 +64,14 @@ constexpr std::array<ViewAction, 6> kViewActions{{{"view.front", model::Standard
                                                   {"view.top", model::StandardView::Top},
                                                   {"view.bottom", model::StandardView::Bottom}}};
 
+/// A driver may do better with the other way than is known of it.
+PictureWay wantedPictureWay() {
+    const QString wanted = qEnvironmentVariable("ISOSLIDER_PICTURES");
+    return wanted == QLatin1String("textures") ? PictureWay::Textures
+           : wanted == QLatin1String("images") ? PictureWay::Images
+                                               : PictureWay::Best;
+}
+
 QString indexText(model::IndexState state) {
     switch (state) {
         case model::IndexState::None: return ViewportHost::tr("there is no index yet");
@@ -61,18 +83,24 @@ QString indexText(model::IndexState state) {
     return {};
 }
 
-// The colours of merged cells as they are seen, and how many cells a side each stands for.
+// As a colour of the scene is seen.
+QString swatch(const glm::vec3& linear) {
+    const auto seen = [](float part) { return std::pow(static_cast<double>(part), 1.0 / 2.2); };
+    const QColor colour = QColor::fromRgbF(seen(linear.r), seen(linear.g), seen(linear.b));
+    return QStringLiteral("<span style=\"color:%1\">■</span>&nbsp;").arg(colour.name());
+}
+
+// The colours of merged cells, and how many cells a side each stands for.
 QString levelsText() {
     const render::SceneColours colours;
     QString text;
-    for (std::size_t level = 0; level < colours.levels.size(); ++level) {
-        const auto seen = [](float linear) { return std::pow(static_cast<double>(linear), 1.0 / 2.2); };
-        const glm::vec3& linear = colours.levels[level];
-        const QColor colour = QColor::fromRgbF(seen(linear.r), seen(linear.g), seen(linear.b));
-        text +=
-            QStringLiteral("<span style=\"color:%1\">■</span>&nbsp;%2&nbsp;&nbsp; ").arg(colour.name()).arg(1 << level);
-    }
+    for (std::size_t level = 0; level < colours.levels.size(); ++level)
+        text += QStringLiteral("%1%2&nbsp;&nbsp; ").arg(swatch(colours.levels[level])).arg(1 << level);
     return text + ViewportHost::tr("cells a side");
+}
+
+QString changedText() {
+    return swatch(glm::vec3(render::SceneColours().highlight)) + ViewportHost::tr("retriangulated by the last move");
 }
 
 } // namespace
@@ -81,7 +109,7 @@ ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, con
                            QWidget* parent)
     : QWidget(parent), session_(session) {
     if (render::isOpenGlUsable())
-        view_ = viewport_ = new ViewportWidget(this);
+        view_ = viewport_ = new ViewportWidget(this, wantedPictureWay());
     else
         view_ = makeFallback();
     auto* layout = new QVBoxLayout(this);
@@ -92,22 +120,28 @@ ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, con
     preview_ = new ViewReadout(this, kPreviewColour);
     preview_->setObjectName(QStringLiteral("previewLabel"));
     legend_ = new ViewReadout(this);
-    legend_->setObjectName(QStringLiteral("levelsLegend"));
+    legend_->setObjectName(QStringLiteral("legend"));
     legend_->setTextFormat(Qt::RichText);
-    legend_->setText(levelsText());
-    legend_->adjustSize();
     loading_ = new LoadingCard(session_, this);
     startPage_ = new StartPage(actions, this);
     startPage_->installEventFilter(this);
     connectActions(settings, actions);
+    colours_ = std::make_unique<model::ColourModel>(session_, viewState_);
     connectViews(actions);
     connectGraphics();
     optionsSubscription_ = viewState_.observe([this] { applyOptions(); });
     datasetSubscription_ = session_.datasetChanged().observe([this] { showState(); });
     frameSubscription_ = session_.frameChanged().observe([this] { showFrame(); });
+    surfacesSubscription_ = session_.surfaces().observe([this] {
+        showSurfaces();
+        showReadout();
+    });
+    inactiveSubscription_ = session_.inactiveChanged().observe([this] { showSurfaces(); });
     applyOptions();
     showFrame();
 }
+
+ViewportHost::~ViewportHost() = default;
 
 QWidget* ViewportHost::makeFallback() {
     auto* label = new QLabel(tr("OpenGL 3.3 is not available, so the surface cannot be drawn: %1.\n"
@@ -150,8 +184,18 @@ void ViewportHost::connectViews(const ActionRegistry& actions) {
     actions.action("view.perspective")->setEnabled(hasView);
     for (const auto& entry : kViewActions)
         actions.action(entry.action)->setEnabled(hasView);
-    if (!hasView)
+    if (!hasView) {
+        actions.action("view.fit")->setEnabled(false);
+        actions.action("view.measure")->setEnabled(false);
+        for (const char* id : kClipActions)
+            actions.action(id)->setEnabled(false);
         return;
+    }
+    flight_ = new CameraFlight(*viewport_);
+    guides_ = new SceneGuides(session_, {*viewport_, viewState_, *flight_, *colours_}, actions, this);
+    coloursSubscription_ = colours_->observe([this] { viewport_->setColours(colours_->colours()); });
+    measure_ = new MeasureTool(session_, viewState_, *viewport_, *actions.action("view.measure"), this);
+    clip_ = new ClipTool(session_, viewState_, *viewport_, actions, this);
     connect(viewport_, &ViewportWidget::cameraChanged, this,
             [this] { axes_->setOrientation(viewport_->camera().orientation()); });
     connect(viewport_, &ViewportWidget::stepRequested, this, [this](double step) { session_.isovalue().step(step); });
@@ -170,6 +214,7 @@ void ViewportHost::connectViews(const ActionRegistry& actions) {
 void ViewportHost::connectGraphics() {
     if (viewport_ == nullptr)
         return;
+    connect(viewport_, &ViewportWidget::behindChanged, this, [this](bool isBehind) { session_.holdMoves(isBehind); });
     // Queued: both come from within a paint.
     connect(viewport_, &ViewportWidget::surfaceRefused, this, &ViewportHost::showCoarser, Qt::QueuedConnection);
     connect(
@@ -184,8 +229,12 @@ void ViewportHost::connectGraphics() {
 }
 
 void ViewportHost::showCoarser(std::uint64_t refusedBytes) {
-    const auto frame = session_.frame();
-    if (frame == nullptr || extract::pictureBytes(*frame) != refusedBytes)
+    const auto& surfaces = session_.surfaces().list().surfaces;
+    const bool isShown = std::any_of(surfaces.begin(), surfaces.end(), [&](const model::ListedSurface& surface) {
+        const auto picture = session_.pictureOf(surface.id);
+        return picture && extract::pictureBytes(*picture) == refusedBytes;
+    });
+    if (!isShown)
         return; // another one is on its way already
     if (refusedBytes >= kLeastPictureBytes)
         return session_.limitPicture(refusedBytes / 2);
@@ -231,25 +280,57 @@ void ViewportHost::showFrame() {
     if (viewport_ != nullptr) {
         if (dataset != nullptr &&
             std::exchange(framedDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
-            viewport_->changeCamera(
-                [dataset](model::Camera& camera) { camera.reset(render::sceneRadius(dataset->geometry)); });
-        viewport_->setFrame(frame, dataset != nullptr ? std::optional(dataset->geometry) : std::nullopt);
+            viewport_->changeCamera([this, dataset](model::Camera& camera) {
+                const GridGeometry shown = model::stretched(dataset->geometry, viewState_.options().stage.stretch);
+                camera.reset(render::sceneRadius(shown));
+            });
+        showSurfaces();
     }
-    if (frame) {
-        const auto text = [](const std::string& s) { return QString::fromStdString(s); };
-        QString lines =
-            tr("isovalue %1\n%2 triangles")
-                .arg(text(model::valueText(frame->isovalue, 7)), text(model::groupedText(frame->stats.triangles)));
-        if (frame->mergeBound.limit > 0.0 && dataset != nullptr)
-            lines += tr(", error %1")
-                         .arg(text(model::DetailModel::text(
-                             extract::errorOf(frame->mergeBound, dataset->min, dataset->max))));
-        readout_->setText(lines + QLatin1Char('\n') +
-                          text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs)));
-        readout_->adjustSize();
-    }
+    showReadout();
     reportWhatIsDrawn();
     showState();
+}
+
+void ViewportHost::showReadout() {
+    const auto frame = session_.frame();
+    const auto* dataset = session_.dataset();
+    if (!frame)
+        return;
+    const auto text = [](const std::string& s) { return QString::fromStdString(s); };
+    const auto* active = session_.surfaces().canRemove() ? session_.surfaces().active() : nullptr;
+    QString lines = active != nullptr ? text(active->name) + QLatin1Char('\n') : QString();
+    lines += tr("isovalue %1\n%2 triangles")
+                 .arg(text(model::valueText(frame->isovalue, 7)), text(model::groupedText(frame->stats.triangles)));
+    if (frame->mergeBound.limit > 0.0 && dataset != nullptr)
+        lines +=
+            tr(", error %1")
+                .arg(text(model::DetailModel::text(extract::errorOf(frame->mergeBound, dataset->min, dataset->max))));
+    readout_->setText(lines + QLatin1Char('\n') +
+                      text(model::millisecondsText(frame->stats.updateMs + frame->stats.interpolateMs)));
+    readout_->adjustSize();
+}
+
+void ViewportHost::showSurfaces() {
+    const auto* dataset = session_.dataset();
+    const auto& list = session_.surfaces().list();
+    if (viewport_ == nullptr)
+        return;
+    render::SurfaceLook look;
+    std::vector<render::InactiveSurface> inactive;
+    for (const model::ListedSurface& surface : list.surfaces) {
+        if (surface.id == list.active)
+            look = render::lookOf(surface);
+        else if (auto picture = session_.pictureOf(surface.id); picture && surface.isVisible)
+            inactive.push_back({surface.id, std::move(picture), render::lookOf(surface)});
+    }
+    // The list states each isovalue that the handle asks for: without a new picture there is nothing to draw.
+    const auto volume = dataset != nullptr ? std::optional(dataset->geometry) : std::nullopt;
+    auto picture = session_.pictureOf(list.active);
+    if (picture != drawnPicture_ || volume != drawnVolume_)
+        viewport_->setFrame(picture, volume);
+    drawnPicture_ = std::move(picture);
+    drawnVolume_ = volume;
+    viewport_->setSurfaces(look, std::move(inactive));
 }
 
 void ViewportHost::showState() {
@@ -268,6 +349,7 @@ void ViewportHost::applyOptions() {
     session_.markChanges(viewState_.options().showsChanged);
     if (viewport_ != nullptr)
         viewport_->setOptions(viewState_.options());
+    axes_->setOnLight(isLight(viewState_.options().stage.background));
     showState();
 }
 
@@ -295,7 +377,16 @@ void ViewportHost::placeOverlays() {
                    readout_->isHidden() ? kOverlayMargin : readout_->geometry().bottom() + kOverlaySpacing);
     const auto frame = session_.frame();
     const bool isMerged = frame && frame->mergeBound.limit > 0.0 && frame->bricks != nullptr;
-    legend_->setVisible(viewState_.options().showsLevels && isMerged && fits(*legend_));
+    QStringList legend;
+    if (viewState_.options().showsLevels && isMerged)
+        legend << levelsText();
+    if (viewState_.options().showsChanged && frame)
+        legend << changedText();
+    if (const auto& stretch = viewState_.options().stage.stretch; frame && model::isStretched(stretch))
+        legend << tr("stretched: %1").arg(QString::fromStdString(model::stretchText(stretch)));
+    legend_->setText(legend.join(QStringLiteral("<br>")));
+    legend_->adjustSize();
+    legend_->setVisible(!legend.isEmpty() && fits(*legend_));
     int below = kOverlayMargin;
     for (const QWidget* above : {static_cast<const QWidget*>(readout_), static_cast<const QWidget*>(preview_)})
         if (!above->isHidden())
@@ -304,6 +395,20 @@ void ViewportHost::placeOverlays() {
     axes_->move(4, height() - axes_->height() - 4);
     centreOn(startPage_);
     centreOn(loading_);
+}
+
+QImage ViewportHost::picture() {
+    if (viewport_ == nullptr)
+        return {};
+    QImage picture = viewport_->grabFramebuffer();
+    if (picture.isNull())
+        return picture;
+    QPainter painter(&picture);
+    painter.scale(static_cast<double>(picture.width()) / std::max(1, viewport_->width()),
+                  static_cast<double>(picture.height()) / std::max(1, viewport_->height()));
+    guides_->paint(painter);
+    measure_->view().paint(painter);
+    return picture;
 }
 
 void ViewportHost::resizeEvent(QResizeEvent* event) {

@@ -1,20 +1,30 @@
 #pragma once
 
+#include <memory>
+#include <optional>
+
+#include <QImage>
 #include <QWidget>
 
+#include "core/extract/surface_frame.h"
 #include "ui/model/observers.h"
 #include "ui/model/session/dataset.h"
 #include "ui/model/surface/view_state.h"
 
 namespace isoslider::model {
+class ColourModel;
 class Session;
-}
+} // namespace isoslider::model
 
 namespace isoslider::widgets {
 
 class ActionRegistry;
 class AxesGlyph;
+class CameraFlight;
+class ClipTool;
 class LoadingCard;
+class MeasureTool;
+class SceneGuides;
 class SettingsStore;
 class StartPage;
 class ViewReadout;
@@ -27,12 +37,22 @@ class ViewportHost : public QWidget {
 public:
     ViewportHost(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
                  QWidget* parent = nullptr);
+    ~ViewportHost() override;
 
     /// Null without usable OpenGL.
     ViewportWidget* viewport() { return viewport_; }
+    /// Of its camera; null with it.
+    CameraFlight* flight() { return flight_; }
+    /// What is in the view, whole and up to date, with the orientation cube, the scale bar and what is measured;
+    /// in pixels of the screen. Null without a view.
+    QImage picture();
+    /// Crop box and clip plane; null without a view.
+    ClipTool* clipTool() { return clip_; }
     StartPage& startPage() { return *startPage_; }
     /// What is drawn beside the surface; the actions and the settings follow.
     model::ViewState& viewState() { return viewState_; }
+    /// What surfaces are coloured by.
+    model::ColourModel& colours() { return *colours_; }
     QSize sizeHint() const override { return {1100, 640}; }
 
 protected:
@@ -48,6 +68,8 @@ private:
     void reportWhatIsDrawn();
     QString standInText() const;
     void showFrame();
+    void showReadout();
+    void showSurfaces();
     void showState();
     void applyOptions();
     void placeOverlays();
@@ -55,22 +77,32 @@ private:
 
     model::Session& session_;
     model::ViewState viewState_;
+    std::unique_ptr<model::ColourModel> colours_;
     ViewportWidget* viewport_ = nullptr;
     QWidget* view_ = nullptr;
     StartPage* startPage_ = nullptr;
     LoadingCard* loading_ = nullptr;
     ViewReadout* readout_ = nullptr;
     ViewReadout* preview_ = nullptr;
-    ViewReadout* legend_ = nullptr; ///< of the levels of merged cells
+    ViewReadout* legend_ = nullptr; ///< of the colours that mean something
     AxesGlyph* axes_ = nullptr;
+    CameraFlight* flight_ = nullptr; ///< one for all: two would stop each other
+    SceneGuides* guides_ = nullptr;
+    MeasureTool* measure_ = nullptr;
+    ClipTool* clip_ = nullptr;
     bool areAxesWanted_ = false;
     bool isReadoutWanted_ = false;
     model::DatasetGeneration framedDataset_{};
+    std::shared_ptr<const extract::SurfaceFrame> drawnPicture_; ///< of the active surface
+    std::optional<GridGeometry> drawnVolume_;
     std::int64_t reportedMergedCells_ = 1; ///< the most that was reported since the surface was drawn whole
     model::Subscription datasetSubscription_;
     model::Subscription frameSubscription_;
+    model::Subscription surfacesSubscription_;
+    model::Subscription inactiveSubscription_;
     model::Subscription optionsSubscription_;
     model::Subscription actionsSubscription_;
+    model::Subscription coloursSubscription_;
 };
 
 } // namespace isoslider::widgets

@@ -29,6 +29,11 @@ void AxesGlyph::setOrientation(const glm::dquat& cameraToWorld) {
     update();
 }
 
+void AxesGlyph::setOnLight(bool isOnLight) {
+    isOnLight_ = isOnLight;
+    update();
+}
+
 void AxesGlyph::paintEvent(QPaintEvent*) {
     std::array<Axis, 3> axes{{{QStringLiteral("X"), QColor(235, 98, 92), worldToCamera_ * glm::dvec3(1, 0, 0)},
                               {QStringLiteral("Y"), QColor(126, 200, 92), worldToCamera_ * glm::dvec3(0, 1, 0)},
@@ -43,7 +48,7 @@ void AxesGlyph::paintEvent(QPaintEvent*) {
     font.setBold(true);
     painter.setFont(font);
     for (const auto& axis : axes) {
-        QColor colour = axis.colour;
+        QColor colour = isOnLight_ ? axis.colour.darker(165) : axis.colour;
         colour.setAlphaF(axis.direction.z < -0.2 ? 0.6 : 1.0);
         const QPointF direction(axis.direction.x, -axis.direction.y);
         const QPointF tip = centre + direction * reach;
@@ -59,7 +64,7 @@ ViewReadout::ViewReadout(QWidget* parent, const QColor& colour) : QLabel(parent)
     setObjectName(QStringLiteral("viewReadout"));
     setMargin(7);
     setAutoFillBackground(false);
-    setStyleSheet(QStringLiteral("QLabel { color: %1; background: rgba(20, 22, 26, 150); border-radius: 5px; }")
+    setStyleSheet(QStringLiteral("QLabel { color: %1; background: rgba(20, 22, 26, 190); border-radius: 5px; }")
                       .arg(colour.name()));
 }
 

@@ -14,12 +14,15 @@ class AxesGlyph : public QWidget {
 public:
     explicit AxesGlyph(QWidget* parent = nullptr);
     void setOrientation(const glm::dquat& cameraToWorld);
+    /// In darker colours.
+    void setOnLight(bool isOnLight);
 
 protected:
     void paintEvent(QPaintEvent* event) override;
 
 private:
     glm::dquat worldToCamera_{1.0, 0.0, 0.0, 0.0};
+    bool isOnLight_ = false;
 };
 
 /// A line or two of text on the view, legible on any picture.

@@ -1,10 +1,12 @@
 #include "ui/widgets/viewport/viewport_widget.h"
 
+#include <algorithm>
 #include <cmath>
 
-#include <QEvent>
+#include <QGuiApplication>
+#include <QKeyEvent>
 #include <QMouseEvent>
-#include <QOpenGLContext>
+#include <QStyleHints>
 #include <QWheelEvent>
 
 #include "ui/model/isovalue/isovalue_model.h"
@@ -23,118 +25,238 @@ constexpr int kSlowestRebuild = 6; // powers of two: 3.2 s
 
 } // namespace
 
-ViewportWidget::ViewportWidget(QWidget* parent)
-    : QOpenGLWidget(parent),
-      driver_(std::make_shared<render::GlDriver>()),
-      renderer_(std::make_unique<render::SceneRenderer>(driver_)) {
+ViewportWidget::ViewportWidget(QWidget* parent, PictureWay way)
+    : QWidget(parent), driver_(std::make_shared<render::GlDriver>()) {
     setObjectName(QStringLiteral("viewport"));
-    setFormat(render::viewportFormat());
     setFocusPolicy(Qt::StrongFocus);
     setMinimumSize(120, 60);
     setAccessibleName(tr("3-D view of the isosurface"));
+    if (way == PictureWay::Best)
+        way = render::isOpenGlSoftware() ? PictureWay::Images : PictureWay::Textures;
+    if (way == PictureWay::Textures)
+        view_ = textures_ = new TextureView(*this, this);
+    else
+        view_ = new ImageView(*this, this);
     camera_.reset(1.0);
     rebuildTimer_.setSingleShot(true);
     connect(&rebuildTimer_, &QTimer::timeout, this, &ViewportWidget::rebuildContext);
 }
 
 ViewportWidget::~ViewportWidget() {
-    releaseGl();
-    // The base class destroys the context next, when the renderer is gone already.
-    if (context() != nullptr)
-        disconnect(context(), nullptr, this, nullptr);
+    disconnect(this, nullptr, nullptr, nullptr); // nobody is told of what follows
+    delete view_; // it asks for pictures
 }
 
-void ViewportWidget::releaseGl() {
-    makeCurrent();
-    // In another context, or in none, the same names would be those of someone else.
-    if (context() == nullptr || QOpenGLContext::currentContext() != context())
-        return renderer_->abandon();
-    renderer_->release();
-    doneCurrent();
+void ViewportWidget::resizeEvent(QResizeEvent*) {
+    view_->setGeometry(rect());
+    setStale();
 }
 
-bool ViewportWidget::isLost() {
-    if (context() == nullptr || !driver_->isLost(*context()))
+void ViewportWidget::contextMade() {
+    dropScene(); // of a context that went unnoticed
+    makeScene();
+}
+
+void ViewportWidget::makeScene() {
+    scene_ =
+        std::make_unique<render::SceneThread>(textures_ != nullptr ? textures_->context() : nullptr, driver_, [this] {
+            QMetaObject::invokeMethod(this, &ViewportWidget::notePicture, Qt::QueuedConnection);
+        });
+    asked_ = askedOfFrame_ = 0;
+    isStale_ = true;
+}
+
+void ViewportWidget::contextGoes() { dropScene(); }
+
+void ViewportWidget::dropScene() {
+    scene_.reset();
+    noteBehind();
+    setStale();
+}
+
+void ViewportWidget::noteBehind() {
+    const bool isBehind = scene_ && scene_->isBehind();
+    if (std::exchange(isBehind_, isBehind) != isBehind)
+        Q_EMIT behindChanged(isBehind);
+}
+
+void ViewportWidget::notePicture() {
+    if (!scene_)
+        return;
+    noteBehind();
+    if (scene_->isLost())
+        awaitContext();
+    else if (!scene_->isWorking())
+        qWarning("the viewport's OpenGL context cannot draw the scene");
+    else
+        view_->update();
+}
+
+bool ViewportWidget::isContextLost() {
+    if (textures_->context() == nullptr || !driver_->isLost(*textures_->context()))
         return false;
+    awaitContext();
+    return true;
+}
+
+void ViewportWidget::awaitContext() {
     if (!rebuildTimer_.isActive())
         rebuildTimer_.start(kFirstRebuildMs << std::min(rebuilds_, kSlowestRebuild));
-    return true;
 }
 
 void ViewportWidget::rebuildContext() {
     if (++rebuilds_ == kSlowestRebuild)
         Q_EMIT graphicsLost();
-    // As Qt does it when the window's surface changes: the context goes, and another comes.
-    QEvent goes(QEvent::WindowAboutToChangeInternal);
-    QOpenGLWidget::event(&goes);
-    QEvent comes(QEvent::WindowChangeInternal);
-    QOpenGLWidget::event(&comes);
-    update();
+    if (textures_ != nullptr)
+        return textures_->renewContext();
+    dropScene();
+    view_->update();
 }
 
 void ViewportWidget::setDriver(std::shared_ptr<render::GlDriver> driver) {
-    releaseGl(); // what the old driver made, it frees
+    dropScene(); // what the old driver made, it frees
     driver_ = std::move(driver);
-    renderer_ = std::make_unique<render::SceneRenderer>(driver_);
-    renderer_->setFrame(frame_, volume_);
+    if (textures_ != nullptr && textures_->context() == nullptr)
+        return; // it comes with the window
     rebuildContext();
 }
 
-void ViewportWidget::initializeGL() {
-    // Called again whenever the widget gets a new context, for instance in another window.
-    connect(context(), &QOpenGLContext::aboutToBeDestroyed, this, &ViewportWidget::releaseGl, Qt::UniqueConnection);
-    if (!renderer_->initialize())
-        qWarning("the viewport's OpenGL context cannot draw the scene");
+QOpenGLContext* ViewportWidget::context() const {
+    if (textures_ != nullptr)
+        return textures_->context();
+    return scene_ ? scene_->context() : nullptr;
 }
 
 void ViewportWidget::setFrame(std::shared_ptr<const extract::SurfaceFrame> frame,
                               const std::optional<GridGeometry>& volume) {
     isRefusalTold_ = isRefusalTold_ && frame == frame_;
+    if (frame != frame_)
+        askedOfFrame_ = asked_ + 1;
     frame_ = std::move(frame);
     volume_ = volume;
-    renderer_->setFrame(frame_, volume_);
-    update();
+    setStale();
 }
 
-std::uint64_t ViewportWidget::uploadedBytes() const { return renderer_->uploadedBytes(); }
+std::uint64_t ViewportWidget::uploadedBytes() const { return scene_ ? scene_->uploadedBytes() : 0; }
 
 void ViewportWidget::setSpot(const std::optional<glm::dvec3>& place, float strength) {
     spot_ = place;
     spotStrength_ = strength;
-    update();
+    setStale();
 }
 
 void ViewportWidget::setOptions(const model::ViewOptions& options) {
     options_ = options;
-    update();
+    setStale();
+}
+
+void ViewportWidget::setSlices(render::SliceScene slices) {
+    slices_ = std::move(slices);
+    setStale();
+}
+
+void ViewportWidget::setCap(render::CapScene cap) {
+    cap_ = std::move(cap);
+    setStale();
+}
+
+void ViewportWidget::setColours(const model::SurfaceColours& colours) {
+    if (colours == colours_)
+        return;
+    colours_ = colours;
+    setStale();
+}
+
+void ViewportWidget::setSurfaces(const render::SurfaceLook& look, std::vector<render::InactiveSurface> inactive) {
+    if (look == look_ && inactive == inactive_)
+        return; // nothing is drawn again
+    look_ = look;
+    const bool isSame = std::equal(
+        inactive.begin(), inactive.end(), inactive_.begin(), inactive_.end(),
+        [](const render::InactiveSurface& a, const render::InactiveSurface& b) { return a.frame == b.frame; });
+    isRefusalTold_ = isRefusalTold_ && isSame;
+    inactive_ = std::move(inactive);
+    setStale();
 }
 
 void ViewportWidget::changeCamera(const std::function<void(model::Camera&)>& change) {
     change(camera_);
-    update();
+    setStale();
     Q_EMIT cameraChanged();
 }
 
-void ViewportWidget::paintEvent(QPaintEvent* event) {
-    // Of a context that cannot be made current any more, paintGL would not hear.
-    makeCurrent();
-    if (!isLost())
-        QOpenGLWidget::paintEvent(event);
+// What is set within one event is asked for together.
+void ViewportWidget::setStale() {
+    if (!std::exchange(isStale_, true))
+        QMetaObject::invokeMethod(this, &ViewportWidget::askIfStale, Qt::QueuedConnection);
 }
 
-void ViewportWidget::paintGL() {
-    if (isLost())
-        return;
-    rebuilds_ = 0;
+void ViewportWidget::askIfStale() {
+    if (isStale_ && isVisible())
+        ask();
+}
+
+glm::ivec2 ViewportWidget::pixels() const {
     const auto ratio = devicePixelRatioF();
-    const glm::ivec2 pixels(std::lround(width() * ratio), std::lround(height() * ratio));
-    renderer_->setSpot(spot_ ? std::optional(render::Spot{*spot_, spotStrength_, static_cast<float>(ratio)})
-                             : std::nullopt);
-    renderer_->draw(camera_, options_, pixels);
-    if (renderer_->refusedBytes() > 0 && !std::exchange(isRefusalTold_, true))
-        Q_EMIT surfaceRefused(renderer_->refusedBytes());
-    ++paintedFrames_;
+    return {std::lround(width() * ratio), std::lround(height() * ratio)};
+}
+
+void ViewportWidget::ask(render::PictureUse use) {
+    if (!scene_ && textures_ == nullptr)
+        makeScene();
+    askedPixels_ = pixels();
+    if (!scene_ || askedPixels_.x <= 0 || askedPixels_.y <= 0)
+        return;
+    isStale_ = false;
+    render::SceneView view{frame_,       volume_, {},    slices_,   camera_, options_,
+                           askedPixels_, cap_,    look_, inactive_, colours_};
+    if (spot_)
+        view.spot = render::Spot{*spot_, spotStrength_, static_cast<float>(devicePixelRatioF())};
+    asked_ = scene_->ask(std::move(view), use);
+    noteBehind();
+}
+
+render::SceneThread::Picture ViewportWidget::pictureToShow(bool isGrabbed) {
+    if (isGrabbed) {
+        ask({.mustBeWhole = true});
+        if (scene_)
+            scene_->waitFor(asked_);
+    } else if (isStale_ || pixels() != askedPixels_) {
+        ask();
+    }
+    return scene_ ? scene_->take() : render::SceneThread::Picture();
+}
+
+void ViewportWidget::noteShown(const render::SceneThread::Picture& picture) {
+    if (picture.serial > 0)
+        rebuilds_ = 0;
+    if (picture.refusedBytes > 0 && picture.serial >= askedOfFrame_ && !std::exchange(isRefusalTold_, true))
+        Q_EMIT surfaceRefused(picture.refusedBytes);
+    shownIsovalue_ = picture.isovalue;
+    if (picture.serial == asked_ && picture.serial > 0 && !isStale_ && !picture.isDraft)
+        ++paintedFrames_;
     Q_EMIT painted();
+}
+
+void ViewportWidget::noteRead(render::Gl& gl) {
+    if (scene_)
+        scene_->noteRead(gl);
+}
+
+QImage ViewportWidget::grabFramebuffer() {
+    ask({.mustBeWhole = true, .asImage = true});
+    render::SceneThread::Picture picture;
+    if (scene_) {
+        scene_->waitFor(asked_);
+        picture = scene_->take();
+        noteShown(picture);
+        view_->update();
+    }
+    if (picture.image.isNull()) {
+        picture.image = QImage(std::max(1, pixels().x), std::max(1, pixels().y), QImage::Format_RGB32);
+        picture.image.fill(Qt::black);
+    }
+    return picture.image;
 }
 
 glm::dvec2 ViewportWidget::toScreen(QPointF point) const {
@@ -145,11 +267,13 @@ double ViewportWidget::aspect() const { return static_cast<double>(width()) / st
 
 void ViewportWidget::mousePressEvent(QMouseEvent* event) {
     lastPoint_ = pressPoint_ = event->position();
+    farthestFromPress_ = 0.0;
     setFocus(Qt::MouseFocusReason);
 }
 
 void ViewportWidget::mouseMoveEvent(QMouseEvent* event) {
     const QPointF moved = event->position() - lastPoint_;
+    farthestFromPress_ = std::max(farthestFromPress_, (event->position() - pressPoint_).manhattanLength());
     const double height = std::max(1, this->height());
     const bool isShift = event->modifiers().testFlag(Qt::ShiftModifier);
     const auto buttons = event->buttons();
@@ -168,11 +292,48 @@ void ViewportWidget::mouseMoveEvent(QMouseEvent* event) {
     lastPoint_ = event->position();
 }
 
+void ViewportWidget::mouseReleaseEvent(QMouseEvent* event) {
+    if (farthestFromPress_ >= QGuiApplication::styleHints()->startDragDistance())
+        return;
+    if (event->button() == Qt::RightButton)
+        Q_EMIT menuRequested(event->position());
+    else if (event->button() == Qt::LeftButton)
+        Q_EMIT clicked(event->position());
+}
+
+void ViewportWidget::mouseDoubleClickEvent(QMouseEvent* event) {
+    mousePressEvent(event);
+    if (event->button() == Qt::LeftButton)
+        Q_EMIT picked(event->position());
+}
+
+void ViewportWidget::keyPressEvent(QKeyEvent* event) {
+    if (event->key() == Qt::Key_Menu)
+        Q_EMIT menuRequested(QRectF(rect()).center());
+    else
+        QWidget::keyPressEvent(event);
+}
+
+std::optional<std::pair<glm::dvec3, glm::dvec3>> ViewportWidget::lineOfSight(QPointF point) const {
+    if (!frame_)
+        return std::nullopt;
+    const glm::dmat4 toClip = camera_.projectionMatrix(aspect()) * camera_.viewMatrix() *
+                              render::indexToCentredWorld(frame_->geometry, volume_.value_or(frame_->geometry));
+    const glm::dmat4 toIndex = glm::inverse(toClip);
+    const auto at = [&](double depth) {
+        const glm::dvec4 place = toIndex * glm::dvec4(toScreen(point), depth, 1.0);
+        return glm::dvec3(place) / place.w;
+    };
+    return std::pair(at(-1.0), at(1.0));
+}
+
 void ViewportWidget::wheelEvent(QWheelEvent* event) {
     const QPoint angle = event->angleDelta();
     const double notches = (angle.y() != 0 ? angle.y() : angle.x()) / 120.0;
     const bool isFine = event->modifiers().testFlag(Qt::ShiftModifier);
-    if (event->modifiers().testFlag(Qt::ControlModifier))
+    if (event->modifiers().testFlag(Qt::AltModifier))
+        Q_EMIT sliceStepRequested(notches);
+    else if (event->modifiers().testFlag(Qt::ControlModifier))
         Q_EMIT stepRequested(notches * model::kFineStep / (isFine ? model::kPrecisionFactor : 1.0));
     else
         changeCamera([&](model::Camera& camera) {

@@ -31,18 +31,38 @@ std::vector<Gesture> viewGestures() {
     return {{tr("Left drag"), tr("Turn about the volume's centre")},
             {tr("Middle drag, Shift+left drag"), tr("Move the view")},
             {tr("Wheel, right drag"), tr("Zoom to the pointer")},
-            {tr("Ctrl+wheel"), tr("Step the isovalue by 0.1 %; with Shift 0.01 %")}};
+            {tr("Ctrl+wheel"), tr("Step the isovalue; with Shift 10 times finer")},
+            {tr("Click"), tr("Move the crosshair to the surface or slice there")},
+            {tr("Alt+wheel"), tr("Push the slice away, or pull it closer")},
+            {tr("Drag a point of the crop box"), tr("Move that face; of the clip plane, move or turn it")},
+            {tr("Click on the cube"), tr("Show its side straight on")}};
+}
+
+std::vector<Gesture> sliceGestures() {
+    return {{tr("Click, left drag"), tr("Move the crosshair")},
+            {tr("Wheel, Page Up, Page Down"), tr("Go through the slices; page keys with Shift by ten")},
+            {tr("Home, End"), tr("First and last slice")},
+            {tr("Arrow keys"), tr("Move the crosshair by a sample")},
+            {tr("Right drag"), tr("Window: sideways its width, up and down its level")},
+            {tr("Double click"), tr("Automatic window")},
+            {tr("Shift+wheel, + and −"), tr("Zoom; 0 shows all of the slice")},
+            {tr("Middle drag, Shift+left drag"), tr("Move the picture")},
+            {tr("Ctrl+wheel"), tr("Step the isovalue")},
+            {tr("Right click"), tr("Isovalue of the place, window, layout")}};
 }
 
 std::vector<Gesture> isovalueGestures() {
     return {{tr("Drag on the histogram"), tr("Move the isovalue; with Shift 10 times finer")},
             {tr("Click on a mark"), tr("Move just past an event of the topology")},
-            {tr("Wheel, arrow keys"), tr("Step by 0.1 % of the range; with Shift 0.01 %")},
-            {tr("Page Up, Page Down"), tr("Step by 1 %; with Ctrl 10 %; with Shift 10 times finer")},
+            {tr("Wheel, arrow keys"),
+             tr("Step: whole numbers by 1, others by 0.1 % of the view; with Shift 10 times finer")},
+            {tr("Page Up, Page Down"), tr("10 steps; with Ctrl 100; with Shift 10 times finer")},
             {tr("Home, End"), tr("Smallest and largest value")},
-            {tr("Ctrl+wheel, wheel on the axis"), tr("Zoom the histogram")},
+            {tr("Ctrl+wheel, wheel on the axis, + and −"), tr("Zoom the histogram")},
+            {tr("Ctrl+drag"), tr("Zoom to what the drag covers")},
             {tr("Drag the axis, middle drag"), tr("Move the histogram's range")},
-            {tr("Double click"), tr("Show the whole range")}};
+            {tr("Double click"), tr("Show the usual range; again, the whole one")},
+            {tr("Right click"), tr("Axes, snapping and zoom")}};
 }
 
 std::vector<Gesture> shortcutsOf(const ActionRegistry::Section& section) {
@@ -106,6 +126,7 @@ void showShortcutSheet(const ActionRegistry& actions, QWidget* parent) {
         each->setSpacing(6); // otherwise that of the columns
     }
     addTable(column[0], tr("Mouse in the view"), viewGestures(), page);
+    addTable(column[0], tr("Mouse and keys on a slice"), sliceGestures(), page);
     addTable(column[0], tr("Histogram"), isovalueGestures(), page);
     const auto& sections = actions.sections();
     for (std::size_t i = 0; i < sections.size(); ++i)

@@ -1,4 +1,8 @@
 #include "ui/widgets/window/main_window.h"
+#include "ui/widgets/window/export_flow.h"
+#include "ui/widgets/window/piece_wiring.h"
+
+#include <utility>
 
 #include <QAction>
 #include <QCloseEvent>
@@ -12,6 +16,7 @@
 
 #include "ui/model/jobs/latest_job.h"
 #include "ui/model/session/session.h"
+#include "ui/model/slices/slice_model.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_panel.h"
 #include "ui/widgets/opening/file_dialogs.h"
@@ -19,19 +24,30 @@
 #include "ui/widgets/opening/open_flow.h"
 #include "ui/widgets/opening/recent_files.h"
 #include "ui/widgets/opening/start_page.h"
+#include "ui/widgets/panels/clip_panel.h"
+#include "ui/widgets/panels/colour_panel.h"
+#include "ui/widgets/panels/counts_panel.h"
 #include "ui/widgets/panels/dataset_panel.h"
 #include "ui/widgets/panels/jobs_panel.h"
 #include "ui/widgets/panels/levels_panel.h"
 #include "ui/widgets/panels/mesh_panel.h"
+#include "ui/widgets/panels/pieces_panel.h"
+#include "ui/widgets/panels/surfaces_panel.h"
 #include "ui/widgets/panels/topology_panel.h"
+#include "ui/widgets/slices/slice_wiring.h"
+#include "ui/widgets/slices/slice_workspace.h"
 #include "ui/widgets/viewport/picture_file.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/cache_dialog.h"
+#include "ui/widgets/window/colour_wiring.h"
 #include "ui/widgets/window/compact_layout.h"
 #include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/window/session_keeper.h"
 #include "ui/widgets/window/settings_store.h"
+#include "ui/widgets/window/stage_wiring.h"
+#include "ui/widgets/window/surface_wiring.h"
 #include "ui/widgets/window/topology_status.h"
 #include "ui/widgets/window/topology_wiring.h"
 
@@ -39,8 +55,9 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kMostFilesNamed = 3;
-constexpr int kLayoutVersion = 2; // goes up when a panel comes or goes
+constexpr int kLayoutVersion = 4; // goes up when a panel comes or goes
 constexpr int kPanelWidth = 450;
+constexpr int kHistogramDockHeight = 290;
 constexpr QSize kSmallestWindow(320, 240); // smaller than all panels together, see CompactLayout
 
 } // namespace
@@ -53,6 +70,7 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
       recentFiles_(std::make_unique<RecentFiles>(settings)),
       actions_(new ActionRegistry(this)),
       openFlow_(new OpenFlow(session, settings, dialogs, this)),
+      slices_(std::make_unique<model::SliceModel>(session)),
       jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
     setObjectName(QStringLiteral("mainWindow"));
     setWindowTitle(QStringLiteral("ISOSLIDER"));
@@ -63,7 +81,7 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
     connect(openFlow_, &OpenFlow::opening, this, [this] { messageBar_->hide(); });
     makeCentre();
-    keeper_ = new SessionKeeper(session_, *host_, *actions_, dialogs_, *messageBar_, *recoveryBar_, this);
+    keeper_ = new SessionKeeper(session_, *host_, *slices_, *actions_, dialogs_, *messageBar_, *recoveryBar_, this);
     connect(keeper_, &SessionKeeper::opening, this, [this] { messageBar_->hide(); });
     makeDocks();
     makeMenus();
@@ -75,6 +93,7 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     subscriptions_.push_back(session_.certificateChanged().observe([this] { updateActions(); }));
     subscriptions_.push_back(
         session_.noticePosted().observe([this](const model::Notice& notice) { messageBar_->showNotice(notice); }));
+    CacheDialog::applyLimit(session_, settings_);
     resize(1600, 1000);
     resetLayout();
     showRecentFiles();
@@ -92,9 +111,11 @@ void MainWindow::makeCentre() {
     recoveryBar_->setObjectName(QStringLiteral("recoveryBar"));
     messageBar_ = new MessageBar(centre);
     host_ = new ViewportHost(session_, settings_, *actions_, centre);
+    sliceWorkspace_ = new SliceWorkspace(*slices_, host_, centre);
+    new SliceWiring({session_, *slices_, *sliceWorkspace_, *host_}, settings_, *actions_, this);
     layout->addWidget(recoveryBar_);
     layout->addWidget(messageBar_);
-    layout->addWidget(host_, 1);
+    layout->addWidget(sliceWorkspace_, 1);
     setCentralWidget(centre);
     connect(&host_->startPage(), &StartPage::openRequested, openFlow_, &OpenFlow::openRecent);
 }
@@ -110,34 +131,56 @@ void MainWindow::makeDocks() {
     isovaluePanel_ = new IsovaluePanel(session_, settings_, *actions_, this);
     datasetDock_ = addDock(tr("Dataset"), "datasetDock", new DatasetPanel(session_, *actions_, this));
     isovalueDock_ = addDock(tr("Isovalue"), "isovalueDock", isovaluePanel_);
+    countsDock_ = addDock(tr("Counts"), "countsDock", new CountsPanel(session_, this));
     levelsDock_ = addDock(tr("Levels"), "levelsDock", new LevelsPanel(session_, this));
     meshDock_ = addDock(tr("Mesh"), "meshDock", new MeshPanel(session_, *actions_, this));
-    auto* topologyPanel = new TopologyPanel(session_, this);
-    topologyDock_ = addDock(tr("Topology"), "topologyDock", topologyPanel);
+    topologyPanel_ = new TopologyPanel(session_, *actions_, this);
+    topologyDock_ = addDock(tr("Topology"), "topologyDock", topologyPanel_);
+    auto* piecesPanel = new PiecesPanel(session_, host_->viewState(), *actions_, this);
+    piecesDock_ = addDock(tr("Pieces"), "piecesDock", piecesPanel);
+    new ExportFlow(session_, {*actions_, settings_, dialogs_, host_->viewState()}, this);
+    new PieceWiring(session_, *actions_, *host_, {*piecesDock_, *piecesPanel}, this);
+    clipDock_ = addDock(tr("Clip"), "clipDock", new ClipPanel(session_, *host_, *actions_, this));
+    new ColourWiring(session_, *actions_, {settings_, dialogs_, *host_}, this);
+    colourDock_ = addDock(tr("Colour"), "colourDock", new ColourPanel(*host_, *actions_, this));
+    surfacesPanel_ = new SurfacesPanel(session_, *actions_, this);
+    surfacesDock_ = addDock(tr("Surfaces"), "surfacesDock", surfacesPanel_);
+    new SurfaceWiring(session_, *actions_, {isovaluePanel_->plot(), *surfacesDock_, *surfacesPanel_}, this);
     jobsDock_ = addDock(tr("Jobs"), "jobsDock", new JobsPanel(session_, this));
-    new TopologyWiring(session_, settings_, *actions_, {isovaluePanel_->plot(), *topologyPanel, *host_}, this);
+    new TopologyWiring(session_, settings_, *actions_, {isovaluePanel_->plot(), *topologyPanel_, *host_}, this);
+    new StageWiring(session_, settings_, *actions_, {*host_, *messageBar_}, this);
     setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
-    compactLayout_ = new CompactLayout(*this, {datasetDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_},
+    compactLayout_ = new CompactLayout(*this,
+                                       {datasetDock_, surfacesDock_, colourDock_, clipDock_, countsDock_, topologyDock_,
+                                        piecesDock_, meshDock_, levelsDock_, jobsDock_},
                                        isovaluePanel_->plot());
 }
 
+std::vector<QDockWidget*> MainWindow::allDocks() const {
+    return {datasetDock_,  surfacesDock_, colourDock_, clipDock_,   isovalueDock_, countsDock_,
+            topologyDock_, piecesDock_,   meshDock_,   levelsDock_, jobsDock_};
+}
+
 void MainWindow::resetLayout() {
-    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_}) {
+    for (QDockWidget* dock : allDocks()) {
         dock->setFloating(false);
         removeDockWidget(dock);
     }
     addDockWidget(Qt::BottomDockWidgetArea, isovalueDock_);
     addDockWidget(Qt::RightDockWidgetArea, datasetDock_);
-    addDockWidget(Qt::RightDockWidgetArea, levelsDock_);
-    tabifyDockWidget(levelsDock_, meshDock_);
-    tabifyDockWidget(meshDock_, topologyDock_);
-    tabifyDockWidget(topologyDock_, jobsDock_);
-    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_})
+    addDockWidget(Qt::RightDockWidgetArea, countsDock_);
+    for (QDockWidget* dock : {surfacesDock_, colourDock_, clipDock_})
+        tabifyDockWidget(datasetDock_, dock);
+    QDockWidget* before = countsDock_;
+    for (QDockWidget* dock : {topologyDock_, piecesDock_, meshDock_, levelsDock_, jobsDock_})
+        tabifyDockWidget(std::exchange(before, dock), dock);
+    for (QDockWidget* dock : allDocks())
         dock->show();
-    levelsDock_->raise();
-    compactLayout_->setWidths({{datasetDock_, kPanelWidth}, {levelsDock_, kPanelWidth}});
-    resizeDocks({datasetDock_, levelsDock_}, {292, 430}, Qt::Vertical);
-    resizeDocks({isovalueDock_}, {210}, Qt::Vertical);
+    datasetDock_->raise();
+    countsDock_->raise();
+    compactLayout_->setWidths({{datasetDock_, kPanelWidth}, {countsDock_, kPanelWidth}});
+    resizeDocks({datasetDock_, countsDock_}, {292, 430}, Qt::Vertical);
+    resizeDocks({isovalueDock_}, {kHistogramDockHeight}, Qt::Vertical);
 }
 
 void MainWindow::restoreLayout() {
@@ -152,32 +195,17 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     QMainWindow::closeEvent(event);
 }
 
-void MainWindow::openFile(const QString& path, std::optional<double> isovalue) {
+void MainWindow::openFile(const QString& path, std::optional<double> isovalue, const io::ReadOptions& options) {
     if (model::isSessionFile(std::filesystem::path(path.toStdU16String())))
         keeper_->open(path);
     else
-        openFlow_->openPath(path, isovalue);
-}
-
-void MainWindow::askExport() {
-    const auto* dataset = session_.dataset();
-    if (dataset == nullptr || session_.refusesExport())
-        return;
-    const QString stem = QFileInfo(QString::fromStdString(dataset->name)).completeBaseName();
-    const QString name = QStringLiteral("%1_%2.ply").arg(stem).arg(session_.isovalue().requested(), 0, 'g', 6);
-    const QString folder = settings_.text("files/exportFolder");
-    dialogs_.askSave(this, tr("Export Mesh"),
-                     folder.isEmpty() ? QDir::home().filePath(name) : QDir(folder).filePath(name), meshFilters(),
-                     [this, of = session_.datasetGeneration()](const QString& path) {
-                         settings_.set("files/exportFolder", QFileInfo(path).path());
-                         session_.exportMesh(std::filesystem::path(path.toStdU16String()), of);
-                     });
+        openFlow_->openPath(path, isovalue, options);
 }
 
 void MainWindow::askSaveImage() {
     if (host_->viewport() == nullptr)
         return;
-    const QImage image = host_->viewport()->grabFramebuffer();
+    const QImage image = host_->picture();
     dialogs_.askSave(this, tr("Save View as Image"), QDir::home().filePath(QStringLiteral("isosurface.png")),
                      tr("PNG image (*.png)"), [this, image](const QString& path) { saveImage(image, path); });
 }
@@ -213,7 +241,7 @@ void MainWindow::updateActions() {
     const auto* dataset = session_.dataset();
     const bool hasSurface = session_.frame() != nullptr;
     const auto state = session_.indexState();
-    for (const char* id : {"isovalue.edit", "isovalue.play", "isovalue.resetZoom", "file.close", "file.saveSession"})
+    for (const char* id : {"isovalue.edit", "isovalue.play", "file.close", "file.saveSession"})
         actions_->action(id)->setEnabled(dataset != nullptr);
     actions_->action("mesh.export")->setEnabled(hasSurface);
     actions_->action("file.saveImage")->setEnabled(hasSurface && host_->viewport() != nullptr);

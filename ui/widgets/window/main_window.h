@@ -7,6 +7,7 @@
 #include <QMainWindow>
 #include <QStringList>
 
+#include "core/volume_io/volume_reader.h"
 #include "ui/model/observers.h"
 
 class QDockWidget;
@@ -15,6 +16,7 @@ class QMenu;
 namespace isoslider::model {
 class BackgroundJobs;
 class Session;
+class SliceModel;
 } // namespace isoslider::model
 
 namespace isoslider::widgets {
@@ -28,6 +30,9 @@ class OpenFlow;
 class RecentFiles;
 class SessionKeeper;
 class SettingsStore;
+class SliceWorkspace;
+class SurfacesPanel;
+class TopologyPanel;
 class ViewportHost;
 
 /// The program's window: the view in the middle, panels around it, menus and tool bar. Everything it
@@ -40,7 +45,9 @@ public:
 
     /// Opens a volume, a folder, an index or a session file, and remembers it among the recent files once it is open.
     /// Asks what has to be known of it first. `isovalue`: the first one; otherwise a suggested one.
-    void openFile(const QString& path, std::optional<double> isovalue = std::nullopt);
+    /// `options`: which volume of the file, as far as it is known.
+    void openFile(const QString& path, std::optional<double> isovalue = std::nullopt,
+                  const io::ReadOptions& options = {});
     /// Reports that these were given, and that one volume is shown at a time.
     void reportNotOpened(const QStringList& files);
     /// Place, size and panels as they were when the window was last closed.
@@ -52,6 +59,8 @@ public:
     IsovaluePanel& isovaluePanel() { return *isovaluePanel_; }
     MessageBar& messageBar() { return *messageBar_; }
     SessionKeeper& sessionKeeper() { return *keeper_; }
+    model::SliceModel& slices() { return *slices_; }
+    SliceWorkspace& sliceWorkspace() { return *sliceWorkspace_; }
 
 protected:
     void closeEvent(QCloseEvent* event) override;
@@ -65,8 +74,9 @@ private:
     void makeMenus();
     void makeToolBar();
     void connectActions();
+    /// In the order of the menu of panels.
+    std::vector<QDockWidget*> allDocks() const;
     QDockWidget* addDock(const QString& title, const char* name, QWidget* panel);
-    void askExport();
     void askSaveImage();
     void saveImage(const QImage& image, const QString& path);
     void showDataset();
@@ -82,16 +92,25 @@ private:
     SessionKeeper* keeper_ = nullptr;
     MessageBar* messageBar_ = nullptr;
     MessageBar* recoveryBar_ = nullptr;
+    std::unique_ptr<model::SliceModel> slices_;
     ViewportHost* host_ = nullptr;
+    SliceWorkspace* sliceWorkspace_ = nullptr;
     IsovaluePanel* isovaluePanel_ = nullptr;
+    TopologyPanel* topologyPanel_ = nullptr;
+    SurfacesPanel* surfacesPanel_ = nullptr;
     CompactLayout* compactLayout_ = nullptr;
     QMenu* recentMenu_ = nullptr;
     QMenu* panelsMenu_ = nullptr;
     QDockWidget* datasetDock_ = nullptr;
     QDockWidget* isovalueDock_ = nullptr;
+    QDockWidget* countsDock_ = nullptr;
     QDockWidget* levelsDock_ = nullptr;
     QDockWidget* meshDock_ = nullptr;
     QDockWidget* topologyDock_ = nullptr;
+    QDockWidget* piecesDock_ = nullptr;
+    QDockWidget* clipDock_ = nullptr;
+    QDockWidget* colourDock_ = nullptr;
+    QDockWidget* surfacesDock_ = nullptr;
     QDockWidget* jobsDock_ = nullptr;
     std::vector<model::Subscription> subscriptions_;
     std::shared_ptr<model::BackgroundJobs>

@@ -5,15 +5,22 @@
 #include <QToolBar>
 
 #include "ui/model/session/session.h"
+#include "ui/widgets/isovalue/histogram_actions.h"
+#include "ui/widgets/isovalue/isovalue_panel.h"
 #include "ui/widgets/opening/open_flow.h"
 #include "ui/widgets/opening/recent_files.h"
 #include "ui/widgets/opening/start_page.h"
+#include "ui/widgets/panels/surfaces_panel.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/cache_dialog.h"
+#include "ui/widgets/window/colour_wiring.h"
 #include "ui/widgets/window/help_dialogs.h"
 #include "ui/widgets/window/main_window.h"
 #include "ui/widgets/window/session_keeper.h"
 #include "ui/widgets/window/settings_store.h"
+#include "ui/widgets/window/topology_questions.h"
+#include "ui/widgets/window/undo_history.h"
 
 namespace isoslider::widgets {
 
@@ -35,15 +42,38 @@ void MainWindow::makeMenus() {
     file->addSeparator();
     add(file, {"file.close", "file.quit"});
 
+    QMenu* edit = menuBar()->addMenu(tr("&Edit"));
+    add(edit, {"edit.undo", "edit.redo"});
+    new UndoHistory({session_, host_->viewState(), *slices_, host_->colours()}, *actions_, this);
+
     QMenu* view = menuBar()->addMenu(tr("&View"));
-    add(view, {"view.reset", "view.perspective"});
+    add(view, {"view.reset", "view.fit", "view.perspective"});
     QMenu* standard = view->addMenu(tr("&Standard Views"));
     add(standard, {"view.front", "view.back", "view.right", "view.left", "view.top", "view.bottom"});
     view->addSeparator();
-    add(view, {"view.changed", "view.edges", "view.levels", "view.box", "view.axes", "view.readout"});
+    add(view, {"view.changed", "view.edges", "view.levels", "view.box", "view.axes", "view.cube", "view.scaleBar",
+               "view.readout"});
+    view->addSeparator();
+    add(view, {"view.measure"});
+    ColourWiring::addTo(*view->addMenu(tr("Colour B&y")), *actions_);
+    QMenu* clipping = view->addMenu(tr("Cl&ipping"));
+    add(clipping, {"clip.crop", "clip.resetCrop"});
+    clipping->addSeparator();
+    add(clipping, {"clip.plane", "clip.acrossX", "clip.acrossY", "clip.acrossZ", "clip.facing", "clip.flip"});
+    clipping->addSeparator();
+    add(clipping, {"clip.noCap", "clip.colourCap", "clip.valueCap"});
+    clipping->addSeparator();
+    add(clipping, {"pieces.exportShown", "clip.exportClosed"});
+    QMenu* background = view->addMenu(tr("Bac&kground"));
+    add(background, {"stage.dark", "stage.light", "stage.white", "stage.black"});
+    QMenu* light = view->addMenu(tr("Lig&ht"));
+    add(light, {"stage.studio", "stage.headlight", "stage.raking"});
+    light->addSeparator();
+    add(light, {"stage.occlusion"});
+    add(view, {"stage.stretch"});
     view->addSeparator();
     QMenu* panels = view->addMenu(tr("Pa&nels"));
-    for (QDockWidget* dock : {datasetDock_, isovalueDock_, levelsDock_, meshDock_, topologyDock_, jobsDock_})
+    for (QDockWidget* dock : allDocks())
         panels->addAction(dock->toggleViewAction());
     panelsMenu_ = panels;
     add(view, {"view.resetLayout", "view.fullScreen"});
@@ -51,14 +81,47 @@ void MainWindow::makeMenus() {
     QMenu* isovalue = menuBar()->addMenu(tr("&Isovalue"));
     add(isovalue, {"isovalue.edit", "isovalue.play"});
     isovalue->addSeparator();
-    add(isovalue, {"isovalue.previousEvent", "isovalue.nextEvent", "isovalue.snap", "isovalue.clearEvent"});
+    add(isovalue, {"isovalue.previousEvent", "isovalue.nextEvent", "isovalue.clearEvent", "isovalue.markPassed",
+                   "isovalue.coarserWhileMoving"});
     isovalue->addSeparator();
-    add(isovalue, {"isovalue.logCounts", "isovalue.coarserWhileMoving", "isovalue.resetZoom"});
+    QMenu* suggested = isovalue->addMenu(tr("Su&ggested Isovalues"));
+    suggested->setObjectName(QStringLiteral("suggestionsMenu"));
+    add(isovalue, {"isovalue.find", "isovalue.compare", "isovalue.stopComparing"});
+    new TopologyQuestions(session_, *actions_, {isovaluePanel_->plot(), *topologyPanel_, *host_, *suggested}, this);
+    isovalue->addSeparator();
+    HistogramActions::addTo(*isovalue, *actions_);
+
+    QMenu* slices = menuBar()->addMenu(tr("&Slices"));
+    add(slices, {"slices.none", "slices.one", "slices.three", "slices.four"});
+    slices->addSeparator();
+    add(slices->addMenu(tr("Single &Slice")), {"slices.paneX", "slices.paneY", "slices.paneZ", "slices.paneOblique"});
+    add(slices->addMenu(tr("In the 3-&D View")),
+        {"slices.sceneX", "slices.sceneY", "slices.sceneZ", "slices.sceneOblique"});
+    add(slices, {"slices.facing"});
+    slices->addSeparator();
+    add(slices, {"slices.next", "slices.previous", "slices.centre", "slices.isovalue"});
+    slices->addSeparator();
+    add(slices, {"slices.automaticWindow", "slices.wholeWindow", "slices.contour", "slices.crosshair"});
+
+    QMenu* pieces = menuBar()->addMenu(tr("&Pieces"));
+    add(pieces, {"pieces.colour"});
+    pieces->addSeparator();
+    add(pieces, {"pieces.hide", "pieces.only", "pieces.all", "pieces.deselect"});
+    pieces->addSeparator();
+    add(pieces, {"pieces.exportShown", "pieces.exportSelected"});
+
+    QMenu* surfaces = menuBar()->addMenu(tr("S&urfaces"));
+    add(surfaces, {"surfaces.add", "surfaces.remove"});
+    surfaces->addSeparator();
+    add(surfaces, {"surfaces.next", "surfaces.previous"});
+    surfaces->addSeparator();
+    add(surfaces, {"surfaces.show", "surfaces.rename"});
+    surfaces->addMenu(surfacesPanel_->colourMenu());
 
     QMenu* mesh = menuBar()->addMenu(tr("&Mesh"));
     add(mesh, {"mesh.check", "mesh.export"});
     mesh->addSeparator();
-    add(mesh, {"index.build"});
+    add(mesh, {"index.build", "index.cache"});
 
     QMenu* help = menuBar()->addMenu(tr("&Help"));
     add(help, {"help.shortcuts"});
@@ -77,7 +140,7 @@ void MainWindow::makeToolBar() {
     actions_->action("mesh.check")->setIconText(tr("Check"));
     actions_->action("view.reset")->setIconText(tr("Fit"));
     actions_->action("view.perspective")->setIconText(tr("Perspective"));
-    actions_->action("view.changed")->setIconText(tr("Highlight"));
+    actions_->action("view.changed")->setIconText(tr("Retriangulated"));
     actions_->action("view.box")->setIconText(tr("Box"));
     actions_->action("view.axes")->setIconText(tr("Axes"));
     bar->addAction(actions_->action("file.open"));
@@ -109,8 +172,8 @@ void MainWindow::connectActions() {
         meshDock_->raise();
         session_.checkMesh();
     });
-    on("mesh.export", [this] { askExport(); });
     on("index.build", [this] { session_.buildIndex(); });
+    on("index.cache", [this] { (new CacheDialog(session_, settings_, this))->show(); });
     on("view.resetLayout", [this] { resetLayout(); });
     // Adds to the window's state: a maximised window is one again afterwards.
     on("view.fullScreen", [this](bool isFull) { setWindowState(windowState().setFlag(Qt::WindowFullScreen, isFull)); });

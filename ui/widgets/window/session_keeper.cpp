@@ -10,7 +10,9 @@
 
 #include "core/base/folders.h"
 #include "ui/model/isovalue/number_text.h"
+#include "ui/model/pieces/piece_places.h"
 #include "ui/model/session/session.h"
+#include "ui/model/slices/slice_model.h"
 #include "ui/widgets/opening/file_dialogs.h"
 #include "ui/widgets/opening/file_filters.h"
 #include "ui/widgets/viewport/viewport_host.h"
@@ -35,11 +37,13 @@ QString nameOf(const model::SavedSession& saved) {
 
 } // namespace
 
-SessionKeeper::SessionKeeper(model::Session& session, ViewportHost& host, const ActionRegistry& actions,
-                             FileDialogs& dialogs, MessageBar& messageBar, MessageBar& recoveryBar, QWidget* window)
+SessionKeeper::SessionKeeper(model::Session& session, ViewportHost& host, model::SliceModel& slices,
+                             const ActionRegistry& actions, FileDialogs& dialogs, MessageBar& messageBar,
+                             MessageBar& recoveryBar, QWidget* window)
     : QObject(window),
       session_(session),
       host_(host),
+      slices_(slices),
       actions_(actions),
       dialogs_(dialogs),
       messageBar_(messageBar),
@@ -55,6 +59,10 @@ SessionKeeper::SessionKeeper(model::Session& session, ViewportHost& host, const 
         connect(host_.viewport(), &ViewportWidget::cameraChanged, this, &SessionKeeper::noteChange);
     subscriptions_.push_back(host_.viewState().observe([this] { noteChange(); }));
     subscriptions_.push_back(session_.detail().observe([this] { noteChange(); }));
+    subscriptions_.push_back(session_.isovalue().observe([this] { noteChange(); })); // its reference
+    subscriptions_.push_back(session_.surfaces().observe([this] { noteChange(); }));
+    subscriptions_.push_back(session_.histogramOptions().observe([this] { noteChange(); }));
+    subscriptions_.push_back(slices_.observe([this] { noteChange(); }));
 }
 
 SessionKeeper::~SessionKeeper() {
@@ -74,10 +82,15 @@ model::SavedSession SessionKeeper::capture() const {
     saved.sampleName = dataset->sampleName;
     saved.readOptions = dataset->readOptions;
     saved.isovalue = session_.isovalue().requested();
+    saved.surfaces = session_.surfaces().list();
+    saved.reference = session_.isovalue().reference();
     saved.error = session_.detail().error();
     if (host_.viewport() != nullptr)
         saved.camera = host_.viewport()->camera().pose();
     saved.view = host_.viewState().options();
+    saved.view->pieces = model::awaited(saved.view->pieces, session_.frame().get());
+    saved.histogram = session_.histogramOptions().options();
+    saved.slices = slices_.options();
     return saved;
 }
 
@@ -164,10 +177,22 @@ void SessionKeeper::showView() {
         const auto* dataset = session_.dataset();
         if (dataset->path != saved.volume || dataset->sampleName != saved.sampleName)
             return noteChange(); // another volume was opened meanwhile
+        session_.isovalue().setReference(saved.reference);
+        session_.surfaces().restore(saved.surfaces);
         if (saved.error)
             session_.detail().setError(*saved.error);
-        if (saved.view)
-            host_.viewState().setOptions(*saved.view);
+        if (saved.histogram)
+            session_.histogramOptions().setOptions(*saved.histogram);
+        if (saved.slices)
+            slices_.setOptions(*saved.slices);
+        if (saved.view) {
+            auto view = *saved.view;
+            if (!saved.hasStage)
+                view.stage = host_.viewState().options().stage;
+            if (!saved.hasColouring)
+                view.colouring = host_.viewState().options().colouring;
+            host_.viewState().setOptions(view);
+        }
         if (saved.camera) {
             actions_.action("view.perspective")->setChecked(saved.camera->isPerspective);
             if (host_.viewport() != nullptr)

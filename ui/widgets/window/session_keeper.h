@@ -20,6 +20,7 @@ class QWidget;
 
 namespace isoslider::model {
 class Session;
+class SliceModel;
 } // namespace isoslider::model
 
 namespace isoslider::widgets {
@@ -35,8 +36,8 @@ class SessionKeeper : public QObject {
     Q_OBJECT
 public:
     /// What was lost is offered on `recoveryBar`, which nothing else uses: no other message takes its place.
-    SessionKeeper(model::Session& session, ViewportHost& host, const ActionRegistry& actions, FileDialogs& dialogs,
-                  MessageBar& messageBar, MessageBar& recoveryBar, QWidget* window);
+    SessionKeeper(model::Session& session, ViewportHost& host, model::SliceModel& slices, const ActionRegistry& actions,
+                  FileDialogs& dialogs, MessageBar& messageBar, MessageBar& recoveryBar, QWidget* window);
     ~SessionKeeper() override;
 
     void askSave();
@@ -65,6 +66,7 @@ private:
 
     model::Session& session_;
     ViewportHost& host_;
+    model::SliceModel& slices_;
     const ActionRegistry& actions_;
     FileDialogs& dialogs_;
     MessageBar& messageBar_;

@@ -41,10 +41,10 @@ glm::dvec3 placeOf(const topology::TopologyEvent& event) {
 
 TopologyWiring::TopologyWiring(model::Session& session, SettingsStore& settings, const ActionRegistry& actions,
                                const Parts& parts, QObject* parent)
-    : QObject(parent), session_(session), actions_(actions), plot_(parts.plot) {
+    : QObject(parent), session_(session), actions_(actions), plot_(parts.plot), host_(parts.host) {
     connectActions(settings);
     if (auto* viewport = parts.host.viewport()) {
-        flight_ = new CameraFlight(*viewport);
+        flight_ = parts.host.flight();
         marker_ = new EventMarker(*viewport);
     }
     connect(&parts.panel, &TopologyPanel::eventPicked, this, [this](std::size_t event) {
@@ -54,6 +54,7 @@ TopologyWiring::TopologyWiring(model::Session& session, SettingsStore& settings,
     connect(&plot_, &HistogramPlot::eventPressed, this, &TopologyWiring::moveTo);
     subscriptions_.push_back(session_.topology().changed().observe([this] { showEvents(); }));
     subscriptions_.push_back(session_.topology().chosenChanged().observe([this] { showChosen(); }));
+    subscriptions_.push_back(session_.frameChanged().observe([this] { showPassed(); }));
     showEvents();
     showChosen();
 }
@@ -66,6 +67,10 @@ void TopologyWiring::connectActions(SettingsStore& settings) {
     QAction* snap = actions_.action("isovalue.snap");
     snap->setChecked(settings.boolean("isovalue/snapsToEvents"));
     plot_.setSnapping(snap->isChecked());
+    QAction* pass = actions_.action("isovalue.markPassed");
+    pass->setChecked(settings.boolean("isovalue/marksPassedEvents"));
+    connect(pass, &QAction::toggled, this,
+            [&settings](bool marksPassed) { settings.set("isovalue/marksPassedEvents", marksPassed); });
     connect(snap, &QAction::toggled, this, [this, &settings](bool isSnapping) {
         plot_.setSnapping(isSnapping);
         settings.set("isovalue/snapsToEvents", isSnapping);
@@ -86,10 +91,11 @@ void TopologyWiring::flyTo(std::size_t event) {
     if (flight_ == nullptr || dataset == nullptr || event >= events.size())
         return;
     const GridGeometry& geometry = dataset->geometry;
-    const glm::dvec3& spacing = geometry.spacing;
-    const double radius = render::sceneRadius(geometry);
+    const GridGeometry shown = model::stretched(geometry, host_.viewState().options().stage.stretch);
+    const glm::dvec3 spacing = glm::abs(shown.spacing);
+    const double radius = render::sceneRadius(shown);
     const double cell = std::max({spacing.x, spacing.y, spacing.z});
-    flight_->flyTo(render::indexToCentredWorld(geometry, geometry) * glm::dvec4(placeOf(events[event]), 1.0),
+    flight_->flyTo(render::indexToCentredWorld(shown, shown) * glm::dvec4(placeOf(events[event]), 1.0),
                    std::clamp(kCloseCells * cell, kClosest * radius, kFarthest * radius));
 }
 
@@ -121,6 +127,24 @@ void TopologyWiring::showChosen() {
         marker_->mark(placeOf(session_.topology().events()[*chosen]));
     else
         marker_->clear();
+}
+
+// What a slide just changed is pointed out for a moment. The chosen event has its own mark.
+void TopologyWiring::showPassed() {
+    const auto frame = session_.frame();
+    if (frame == nullptr)
+        return shown_.reset();
+    const Shown now{session_.datasetGeneration(), session_.surfaces().list().active, frame->isovalue};
+    const auto before = std::exchange(shown_, now);
+    if (marker_ == nullptr || !before || before->dataset != now.dataset || before->surface != now.surface ||
+        !actions_.action("isovalue.markPassed")->isChecked())
+        return;
+    const auto& topology = session_.topology();
+    if (const auto chosen = topology.chosen(); chosen && now.isovalue == topology.justPast(*chosen))
+        return; // it is to this one that the surface has jumped
+    const auto event = topology.passed(before->isovalue, now.isovalue);
+    if (event && event != topology.chosen())
+        marker_->markPassed(placeOf(topology.events()[*event]));
 }
 
 } // namespace isoslider::widgets

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <QObject>
 
 #include "ui/model/observers.h"
+#include "ui/model/session/dataset.h"
+#include "ui/model/surface/surface_list.h"
 
 namespace isoslider::model {
 class Session;
@@ -44,12 +47,21 @@ private:
     void moveToNext(bool isUpwards);
     void showEvents();
     void showChosen();
+    void showPassed();
 
     model::Session& session_;
     const ActionRegistry& actions_;
     HistogramPlot& plot_;
+    ViewportHost& host_;
     CameraFlight* flight_ = nullptr; ///< null without a view, and so is the marker
     EventMarker* marker_ = nullptr;
+    /// What the last picture was of.
+    struct Shown {
+        model::DatasetGeneration dataset{};
+        model::SurfaceId surface{};
+        double isovalue = 0.0;
+    };
+    std::optional<Shown> shown_;
     std::vector<model::Subscription> subscriptions_;
 };
 

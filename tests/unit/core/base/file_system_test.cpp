@@ -9,7 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/memory_file_system.h"
 #include "tests/support/faulty_file_system.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace isoslider {
@@ -141,6 +143,8 @@ private:
 };
 
 TEST(AtomicFile, KeepsTheEarlierFileWhenTheFolderCannotBeOpened) {
+    if (test::kHasSanitizers)
+        GTEST_SKIP() << "the sanitizers want files themselves";
     const TemporaryFolder folder;
     const auto path = folder.write("out", "old");
     {
@@ -154,6 +158,19 @@ TEST(AtomicFile, KeepsTheEarlierFileWhenTheFolderCannotBeOpened) {
     }
     EXPECT_EQ(test::readText(path), "old");
     EXPECT_FALSE(std::filesystem::exists(partialPath(path)));
+}
+
+TEST(AtomicFile, InMemoryAsksNothingOfTheDisk) {
+    const TemporaryFolder folder;
+    MemoryFileSystem memory;
+    for (const auto& path : {folder / "absent/a", folder.path()}) { // no such folder; a folder is there
+        auto file = AtomicFile::create(path, memory);
+        ASSERT_TRUE(file.isOk()) << file.error().line();
+        ASSERT_TRUE(file.value()->writeAll(bytesOf("new")).isOk());
+        ASSERT_TRUE(file.value()->publish().isOk());
+        EXPECT_EQ(readWholeFile(path, 10, memory).value().size(), 3u);
+        EXPECT_FALSE(AtomicFile::create(path).isOk()) << "on the disk";
+    }
 }
 
 TEST(AtomicFile, WritesThroughSymbolicLinks) {

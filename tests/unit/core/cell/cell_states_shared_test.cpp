@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/csv_rows.h"
+#include "tests/support/test_paths.h"
 #include "tests/unit/core/cell/state_labels.h"
 
 namespace isoslider::cell {
@@ -46,7 +47,7 @@ class ListedStates : public testing::Test {
 protected:
     void SetUp() override {
         const auto path =
-            std::filesystem::path(ISOSLIDER_SHARED_DIR) / "reference" / "topology" / "cell_states_768.csv";
+            std::filesystem::path(test::sharedFolder()) / "reference" / "topology" / "cell_states_768.csv";
         if (!std::filesystem::exists(path))
             GTEST_SKIP() << "further test data is not here: " << path;
         states_ = readStates(path);

@@ -61,7 +61,7 @@ TEST_F(SlideEngineTest, ACancelledMoveLeavesNoSurfaceAndTheNextIsRight) {
     ASSERT_THAT(engine->slideTo(300.0), IsOk());
     std::stop_source stop;
     stop.request_stop();
-    const auto cancelled = engine->slideTo(350.0, stop.get_token());
+    const auto cancelled = engine->slideTo(350.0, {stop.get_token(), {}});
     ASSERT_THAT(cancelled, HasError(ErrorCode::Cancelled));
     EXPECT_TRUE(engine->mesh().value().positions.empty());
     const auto moved = engine->slideTo(350.0);

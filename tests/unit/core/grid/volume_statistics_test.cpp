@@ -8,22 +8,16 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/result_matchers.h"
+#include "tests/unit/core/grid/row_of.h"
 
 namespace isoslider {
 namespace {
-
-template <class T>
-ScalarGrid rowOf(ScalarType type, const std::vector<T>& values) {
-    GridGeometry geometry;
-    geometry.dims = {static_cast<std::int64_t>(values.size()), 1, 1};
-    return ScalarGrid::fromValues<T>(geometry, type, values);
-}
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
 TEST(VolumeStatistics, CountsZerosOnceAndLeavesMissingOut) {
-    const auto grid = rowOf<float>(ScalarType::F32, {-0.0f, 0.0f, kNan, kInf, -kInf, -kNan, 1.0f, -2.0f, 1e-45f});
+    const auto grid = test::rowOf<float>(ScalarType::F32, {-0.0f, 0.0f, kNan, kInf, -kInf, -kNan, 1.0f, -2.0f, 1e-45f});
     const auto statistics = computeStatistics(grid);
     ASSERT_THAT(statistics, test::IsOk());
     EXPECT_EQ(statistics.value().min, -2.0);
@@ -38,7 +32,7 @@ TEST(VolumeStatistics, HandlesTheEndsOfEveryIntegerType) {
     const auto ends = [](auto sample, ScalarType type) {
         using T = decltype(sample);
         const T low = std::numeric_limits<T>::min(), high = std::numeric_limits<T>::max();
-        const auto statistics = computeStatistics(rowOf<T>(type, {high, low, high, T{1}}));
+        const auto statistics = computeStatistics(test::rowOf<T>(type, {high, low, high, T{1}}));
         ASSERT_THAT(statistics, test::IsOk());
         EXPECT_EQ(statistics.value().min, static_cast<double>(low));
         EXPECT_EQ(statistics.value().max, static_cast<double>(high));
@@ -55,7 +49,7 @@ TEST(VolumeStatistics, HandlesTheEndsOfEveryIntegerType) {
 
 TEST(VolumeStatistics, HandlesTheWholeRangeOfDoubles) {
     const double most = std::numeric_limits<double>::max();
-    const auto statistics = computeStatistics(rowOf<double>(ScalarType::F64, {-most, most, 0.0}));
+    const auto statistics = computeStatistics(test::rowOf<double>(ScalarType::F64, {-most, most, 0.0}));
     ASSERT_THAT(statistics, test::IsOk());
     EXPECT_EQ(statistics.value().distinctValues, 3u);
     EXPECT_EQ(statistics.value().histogram.counts.front(), 1u);
@@ -64,7 +58,7 @@ TEST(VolumeStatistics, HandlesTheWholeRangeOfDoubles) {
 }
 
 TEST(VolumeStatistics, AcceptsAConstantVolume) {
-    const auto statistics = computeStatistics(rowOf<float>(ScalarType::F32, {5, 5, 5}));
+    const auto statistics = computeStatistics(test::rowOf<float>(ScalarType::F32, {5, 5, 5}));
     ASSERT_THAT(statistics, test::IsOk());
     EXPECT_EQ(statistics.value().min, 5.0);
     EXPECT_EQ(statistics.value().max, 5.0);
@@ -73,7 +67,7 @@ TEST(VolumeStatistics, AcceptsAConstantVolume) {
 }
 
 TEST(VolumeStatistics, RefusesAVolumeWithoutFiniteSample) {
-    const auto statistics = computeStatistics(rowOf<float>(ScalarType::F32, {kNan, kInf}));
+    const auto statistics = computeStatistics(test::rowOf<float>(ScalarType::F32, {kNan, kInf}));
     ASSERT_THAT(statistics, test::HasError(ErrorCode::InvalidArgument));
     EXPECT_EQ(statistics.error().message, "has no finite sample");
 }
@@ -83,17 +77,17 @@ TEST(VolumeStatistics, AgreesWithASet) {
     std::vector<std::int32_t> values(3'000'000);
     for (auto& value : values)
         value = static_cast<std::int32_t>(random() % 100'000) - 50'000;
-    const auto statistics = computeStatistics(rowOf<std::int32_t>(ScalarType::I32, values));
+    const auto statistics = computeStatistics(test::rowOf<std::int32_t>(ScalarType::I32, values));
     ASSERT_THAT(statistics, test::IsOk());
     EXPECT_EQ(statistics.value().distinctValues, std::set<std::int32_t>(values.begin(), values.end()).size());
-    EXPECT_EQ(computeStatistics(rowOf<std::int32_t>(ScalarType::I32, values), false).value().distinctValues, 0u);
+    EXPECT_EQ(computeStatistics(test::rowOf<std::int32_t>(ScalarType::I32, values), false).value().distinctValues, 0u);
 }
 
 TEST(VolumeStatistics, StopsOnRequest) {
     std::stop_source stop;
     stop.request_stop();
     EXPECT_TRUE(
-        computeStatistics(rowOf<float>(ScalarType::F32, {1, 2}), true, 8, {stop.get_token(), {}}).isCancelled());
+        computeStatistics(test::rowOf<float>(ScalarType::F32, {1, 2}), true, 8, {stop.get_token(), {}}).isCancelled());
 }
 
 } // namespace

@@ -19,6 +19,7 @@
 #include "tests/support/forged_index.h"
 #include "tests/support/memory_file_system.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace isoslider::index {
@@ -329,7 +330,7 @@ TEST_P(IndexDamage, B085_HugeNumbersAnywhereInTheDirectoryTakeNoMemory) {
             refused += open().isOk() ? 0 : 1;
         }
     EXPECT_GT(refused, 100);
-#if defined(__SANITIZE_ADDRESS__)
+#if ISO_HAS_SANITIZER
     constexpr std::uint64_t kMost = std::uint64_t{400} << 20; // it keeps what has been freed, up to 256 MB
 #else
     constexpr std::uint64_t kMost = std::uint64_t{64} << 20;

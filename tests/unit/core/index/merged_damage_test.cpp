@@ -24,12 +24,12 @@ using test::IsOk;
 using Key = std::uint16_t;
 using Record = PointRecord<Key>;
 
-constexpr GridDims kDims{21, 19, 17};
+constexpr GridDims kMergedDims{21, 19, 17};
 
 Record edgeRecord(std::array<std::int64_t, 3> point, int axis, int level) {
     namespace form = record_form;
     Record record;
-    record.setId(BrickGrid(kDims).pointId(point[0], point[1], point[2]));
+    record.setId(BrickGrid(kMergedDims).pointId(point[0], point[1], point[2]));
     record.form = form::edge(axis, level);
     record.edgeMask = form::maskOf(record.form);
     record.key = 20;
@@ -43,7 +43,7 @@ Record edgeRecord(std::array<std::int64_t, 3> point, int axis, int level) {
 
 Record leafRecord(std::array<std::int64_t, 3> cell, int level) {
     Record record;
-    record.setId(BrickGrid(kDims).pointId(cell[0], cell[1], cell[2]));
+    record.setId(BrickGrid(kMergedDims).pointId(cell[0], cell[1], cell[2]));
     record.form = record_form::leaf(level);
     record.edgeMask = record_form::maskOf(record.form);
     record.key = 20;
@@ -52,7 +52,7 @@ Record leafRecord(std::array<std::int64_t, 3> cell, int level) {
 }
 
 Status decodeOne(const Record& record, DecodedPage<Key>& page) {
-    const BrickGrid grid(kDims);
+    const BrickGrid grid(kMergedDims);
     return decodePage<Key>(encodePage<Key>(std::span(&record, 1), PageOrder::Value, grid), grid, page, "a.isx");
 }
 
@@ -74,7 +74,7 @@ TEST(MergedRecords, GiveBackWhatTheyTook) {
         EXPECT_EQ(page.farNormals[0], 0x3344);
     }
     Record point;
-    point.setId(BrickGrid(kDims).pointId(1, 1, 1));
+    point.setId(BrickGrid(kMergedDims).pointId(1, 1, 1));
     point.key = 5;
     point.edgeMask = 2;
     point.farKeys[1] = 9;
@@ -129,7 +129,7 @@ class MergedForgery : public testing::Test {
 protected:
     void SetUp() override {
         GridGeometry geometry;
-        geometry.dims = kDims;
+        geometry.dims = kMergedDims;
         build(test::makeVolume<std::uint8_t>(
                   ScalarType::U8, geometry,
                   [](std::int64_t x, std::int64_t y, std::int64_t z) {

@@ -69,10 +69,10 @@ std::vector<GridEdge> usableEdges(const ScalarGrid& grid) {
 }
 
 // Which edges a rise from one threshold to another switches: +1 on, -1 off.
-using Switches = std::map<EdgeId, int>;
+using SwitchCounts = std::map<EdgeId, int>;
 
-Switches netChange(const std::vector<GridEdge>& edges, std::uint64_t from, std::uint64_t to) {
-    Switches switches;
+SwitchCounts netChange(const std::vector<GridEdge>& edges, std::uint64_t from, std::uint64_t to) {
+    SwitchCounts switches;
     for (const GridEdge& edge : edges) {
         const auto isActive = [&](std::uint64_t threshold) {
             return (edge.key1 >= threshold) != (edge.key2 >= threshold);
@@ -85,8 +85,8 @@ Switches netChange(const std::vector<GridEdge>& edges, std::uint64_t from, std::
 
 // What the records of a page switch when their points are crossed upwards. Nothing may come twice.
 template <class Key>
-void addSwitches(const DecodedPage<Key>& page, const BrickGrid& grid, std::uint64_t firstKey, std::uint64_t lastKey,
-                 Switches& switches) {
+void countSwitches(const DecodedPage<Key>& page, const BrickGrid& grid, std::uint64_t firstKey, std::uint64_t lastKey,
+                   SwitchCounts& switches) {
     std::size_t edge = 0;
     for (std::size_t i = 0; i < page.pointCount(); ++i) {
         const auto p = grid.pointCoords(PointId(page.ids[i]));
@@ -130,9 +130,9 @@ void expectDefinition(const ScalarGrid& grid, const IndexReader& reader) {
         keys.insert({edge.key1, edge.key2});
     EXPECT_EQ(meta.info.levels[0].blocks, keys.size());
     for (const std::uint64_t key : keys) {
-        Switches switches;
+        SwitchCounts switches;
         for (const auto& page : pages[0])
-            addSwitches(page, reader.grid(), key, key, switches);
+            countSwitches(page, reader.grid(), key, key, switches);
         ASSERT_EQ(switches, netChange(edges, key, key + 1)) << "block of key " << key;
     }
     std::set<std::uint64_t> firsts = keys, lasts = keys; // of the blocks of the level below
@@ -140,9 +140,9 @@ void expectDefinition(const ScalarGrid& grid, const IndexReader& reader) {
         std::set<std::uint64_t> covered, newFirsts, newLasts;
         EXPECT_EQ(meta.info.levels[l].blocks, meta.levels[l].blocks.size());
         for (const BlockEntry& block : meta.levels[l].blocks) {
-            Switches switches;
+            SwitchCounts switches;
             for (std::uint64_t p = 0; p < block.pageCount; ++p)
-                addSwitches(pages[l][block.firstPage + p], reader.grid(), block.firstKey, block.lastKey, switches);
+                countSwitches(pages[l][block.firstPage + p], reader.grid(), block.firstKey, block.lastKey, switches);
             ASSERT_EQ(switches, netChange(edges, block.firstKey, block.lastKey + 1))
                 << "level " << l << ", block of keys " << block.firstKey << " to " << block.lastKey;
             EXPECT_TRUE(firsts.contains(block.firstKey) && lasts.contains(block.lastKey))

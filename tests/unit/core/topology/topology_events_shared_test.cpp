@@ -11,12 +11,13 @@
 #include "core/topology/topology_analysis.h"
 #include "tests/support/csv_rows.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::topology {
 namespace {
 
 std::filesystem::path listed(const char* name) {
-    return std::filesystem::path(ISOSLIDER_SHARED_DIR) / "reference" / "topology" / name;
+    return std::filesystem::path(test::sharedFolder()) / "reference" / "topology" / name;
 }
 
 struct ListedEvent {

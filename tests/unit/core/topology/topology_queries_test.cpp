@@ -1,11 +1,13 @@
 #include "core/topology/topology_queries.h"
 
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/topology/change_sums.h"
 #include "core/topology/topology_curve.h"
 #include "tests/support/result_matchers.h"
 
@@ -93,6 +95,108 @@ TEST(TopologyQueries, TellWhatHappensBetweenTwoIsovalues) {
     EXPECT_EQ(difference(curve, 2.0, 2.5).value().splits, 1u);
 }
 
+// Several steps of the sums, the last one not full.
+TopologyCurve manyEvents() {
+    std::vector<TopologyEvent> events(3 * ChangeSums::kStep + 17);
+    SurfaceCounts counts;
+    for (std::uint32_t i = 0; i < events.size(); ++i) {
+        TopologyEvent& event = events[i];
+        event.isovalue = i;
+        event.below = counts;
+        event.pieces = {i % 5, i % 3, i % 7, i % 2};
+        counts.components = i;
+        event.above = counts;
+    }
+    return {std::move(events), MeasureCurves{{0.0, 4000.0}, {{1.0, 500.0, 1.0, 1.0}, {1.0, 0.0, 1.0, 1.0}}}, true};
+}
+
+TEST(ChangeSums, GiveTheDifferencesThatVisitingEventsGives) {
+    const TopologyCurve curve = manyEvents();
+    const auto sums = ChangeSums::of(curve);
+    ASSERT_THAT(sums, IsOk());
+    const double last = static_cast<double>(curve.eventCount());
+    const std::vector<double> isovalues{-1.0, 0.0, 0.5, 1023.0, 1024.0, 1024.5, 2047.5, 2048.0, 3071.0, last, last + 9};
+    for (std::size_t i = 0; i < isovalues.size(); ++i)
+        for (std::size_t j = i; j < isovalues.size(); ++j) {
+            const auto visited = difference(curve, isovalues[i], isovalues[j]);
+            const auto summed = difference(curve, sums.value(), isovalues[i], isovalues[j]);
+            ASSERT_THAT(visited, IsOk());
+            ASSERT_THAT(summed, IsOk());
+            const SurfaceDifference &a = visited.value(), &b = summed.value();
+            EXPECT_EQ(a.from, b.from);
+            EXPECT_EQ(a.to, b.to);
+            EXPECT_EQ((std::array{a.births, a.deaths, a.joins, a.splits, a.events}),
+                      (std::array{b.births, b.deaths, b.joins, b.splits, b.events}))
+                << isovalues[i] << " to " << isovalues[j];
+            EXPECT_EQ(a.volume, b.volume);
+        }
+    EXPECT_EQ(difference(curve, sums.value(), -1.0, last + 9).value().events, curve.eventCount());
+}
+
+// Counts what is visited.
+class WatchedCurve final : public TopologySummary {
+public:
+    explicit WatchedCurve(const TopologyCurve& curve) : curve_(curve) {}
+    std::uint64_t eventCount() const override { return curve_.eventCount(); }
+    Result<SurfaceCounts> at(double isovalue) const override { return curve_.at(isovalue); }
+    bool areCountsExact() const override { return true; }
+    const MeasureCurves& curves() const override { return curve_.curves(); }
+    Status visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const override {
+        return curve_.visitEvents(counted(visit));
+    }
+    Status visitEventsFrom(double isovalue, const std::function<bool(const TopologyEvent&)>& visit) const override {
+        return curve_.visitEventsFrom(isovalue, counted(visit));
+    }
+    mutable std::uint64_t visited = 0;
+
+private:
+    std::function<bool(const TopologyEvent&)> counted(const std::function<bool(const TopologyEvent&)>& visit) const {
+        return [this, &visit](const TopologyEvent& event) {
+            ++visited;
+            return visit(event);
+        };
+    }
+    const TopologyCurve& curve_;
+};
+
+TEST(ChangeSums, VisitFewEvents) {
+    const TopologyCurve curve = manyEvents();
+    const WatchedCurve watched(curve);
+    const auto sums = ChangeSums::of(watched);
+    EXPECT_EQ(watched.visited, curve.eventCount());
+    watched.visited = 0;
+    ASSERT_THAT(difference(watched, sums.value(), 2000.0, 3050.0), IsOk());
+    EXPECT_LE(watched.visited, 2 * (ChangeSums::kStep + 1));
+}
+
+TEST(ChangeSums, OfNothingAreNothing) {
+    const TopologyCurve none;
+    const auto sums = ChangeSums::of(none);
+    ASSERT_THAT(sums, IsOk());
+    EXPECT_EQ(difference(none, sums.value(), 0.0, 1.0).value().events, 0u);
+}
+
+TEST(TopologySummary, VisitsEventsFromAnIsovalue) {
+    const TopologyCurve curve = fivePieces();
+    const auto from = [&](double isovalue, bool isOwn) {
+        std::vector<double> visited;
+        const auto visit = [&](const TopologyEvent& event) {
+            visited.push_back(event.isovalue);
+            return visited.size() < 3;
+        };
+        const Status status = isOwn ? curve.visitEventsFrom(isovalue, visit)
+                                    : curve.TopologySummary::visitEventsFrom(isovalue, visit); // any other kind's
+        EXPECT_TRUE(status.isOk());
+        return visited;
+    };
+    for (const bool isOwn : {true, false}) {
+        EXPECT_EQ(from(-1.0, isOwn), (std::vector<double>{0, 2, 3}));
+        EXPECT_EQ(from(3.0, isOwn), (std::vector<double>{3, 3.5, 8}));
+        EXPECT_EQ(from(3.1, isOwn), (std::vector<double>{3.5, 8, 10}));
+        EXPECT_TRUE(from(11.0, isOwn).empty());
+    }
+}
+
 TEST(TopologyQueries, SuggestWithAReason) {
     const auto found = suggestIsovalues(fivePieces());
     ASSERT_THAT(found, IsOk());
@@ -106,6 +210,22 @@ TEST(TopologyQueries, SuggestWithAReason) {
     EXPECT_EQ(found.value()[3].reason, SuggestionReason::HalfVolume);
     EXPECT_EQ(found.value()[3].isovalue, 5);
     EXPECT_TRUE(suggestIsovalues(TopologyCurve()).value().empty());
+}
+
+TEST(TopologyQueries, OutliersAreNotOfTheUsualRange) {
+    MeasureCurves curves;
+    for (const auto& [isovalue, volume] :
+         {std::pair{1.0, 100.0}, {2.0, 90.0}, {5.0, 10.0}, {9.0, 0.2}, {1e30, 0.02}, {2e30, 0.01}}) {
+        curves.isovalues.push_back(isovalue);
+        curves.measures.push_back({1.0, volume, 1.0, 1.0});
+    }
+    const auto usual = usualRange(curves, 0.5, 3e30);
+    EXPECT_EQ(usual.below, 2.0);
+    EXPECT_EQ(usual.above, 9.0);
+    const auto whole = usualRange(curves, 0.5, 40.0); // not ten times as wide
+    EXPECT_EQ(whole.below, 0.5);
+    EXPECT_EQ(whole.above, 40.0);
+    EXPECT_EQ(usualRange(MeasureCurves(), 1.0, 3e30).above, 3e30);
 }
 
 TEST(TopologySummary, ListsTheMostPersistentEvents) {

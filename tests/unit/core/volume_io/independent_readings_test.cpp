@@ -15,6 +15,7 @@
 #include "core/volume_io/volume_contents.h"
 #include "core/volume_io/volume_reader.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/test_paths.h"
 
 // Real files against readings that other programs took of them: every table in tests/data/readings, made by
 // the script of the same name in tests/support/readings.
@@ -22,8 +23,8 @@
 namespace isoslider::io {
 namespace {
 
-const std::filesystem::path kData = std::filesystem::path(ISOSLIDER_SHARED_DIR) / "data";
-const std::filesystem::path kReadings = std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "tests" / "data" / "readings";
+const std::filesystem::path kData = std::filesystem::path(test::sharedFolder()) / "data";
+const std::filesystem::path kReadings = std::filesystem::path(test::sourceFolder()) / "tests" / "data" / "readings";
 constexpr const char* kColumns = "file,field,component,frame,nx,ny,nz,type,min,max,distinct,missing,xxh3";
 
 struct Reading {

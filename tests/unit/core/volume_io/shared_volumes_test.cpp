@@ -6,11 +6,12 @@
 #include "core/grid/volume_statistics.h"
 #include "core/volume_io/volume_reader.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::io {
 namespace {
 
-const std::filesystem::path kData = std::filesystem::path(ISOSLIDER_SHARED_DIR) / "data";
+const std::filesystem::path kData = std::filesystem::path(test::sharedFolder()) / "data";
 
 struct Expected {
     const char* file;

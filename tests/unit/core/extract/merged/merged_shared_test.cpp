@@ -15,12 +15,13 @@
 #include "core/volume_io/volume_reader.h"
 #include "tests/support/csv_rows.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::extract {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kShared = ISOSLIDER_SHARED_DIR;
+const fs::path kShared = test::sharedFolder();
 
 struct Row {
     std::string volume, bound;

@@ -11,8 +11,8 @@ namespace {
 
 template <class Sample>
 class MemorySamplesTest : public testing::Test {};
-using Samples = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::int32_t, float, double>;
-TYPED_TEST_SUITE(MemorySamplesTest, Samples);
+using SampleTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::int32_t, float, double>;
+TYPED_TEST_SUITE(MemorySamplesTest, SampleTypes);
 
 // Whole rows are copied where that stays in the volume; each brick of small boxes, the first and the last too.
 TYPED_TEST(MemorySamplesTest, FillTheBox) {

@@ -11,11 +11,12 @@
 #include "tests/support/faulty_file_system.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::io {
 namespace {
 
-const std::filesystem::path kResources = std::filesystem::path(ISOSLIDER_SOURCE_DIR) / "resources";
+const std::filesystem::path kResources = std::filesystem::path(test::sourceFolder()) / "resources";
 
 TEST(SphericalShell, IsTheDistanceFromASphere) {
     const auto grid = makeSphericalShell({64, 64, 64});

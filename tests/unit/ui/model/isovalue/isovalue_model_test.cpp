@@ -163,5 +163,39 @@ TEST(ObserverList, ASubscriptionMayOutliveTheList) {
     subscription.reset();
 }
 
+TEST(IsovalueModel, StepsLeadToMultiplesOfTheUnit) {
+    IsovalueModel model;
+    model.setDomain(0.0, 255.0, 92.5);
+    model.setStepRule({1.0, nullptr});
+    model.step(kFineStep);
+    EXPECT_EQ(model.requested(), 93.0);
+    model.step(-kFineStep);
+    EXPECT_EQ(model.requested(), 92.0);
+    model.step(kPageStep);
+    EXPECT_EQ(model.requested(), 102.0);
+    model.step(-kLargePageStep);
+    EXPECT_EQ(model.requested(), 2.0);
+    model.step(kFineStep / kPrecisionFactor);
+    EXPECT_EQ(model.requested(), 2.1);
+    model.step(-kLargePageStep);
+    EXPECT_EQ(model.requested(), 0.0) << "clamped";
+}
+
+TEST(IsovalueModel, StepsLeadFromStopToStop) {
+    IsovalueModel model;
+    model.setDomain(0.0, 10.0, 3.0);
+    model.setStepRule({1.0, std::make_shared<std::vector<double>>(std::vector<double>{0.0, 0.5, 4.0, 10.0})});
+    model.step(kFineStep);
+    EXPECT_EQ(model.requested(), 4.0);
+    model.step(-kFineStep);
+    EXPECT_EQ(model.requested(), 0.5);
+    model.step(2.0 * kFineStep);
+    EXPECT_EQ(model.requested(), 10.0);
+    model.step(kPageStep);
+    EXPECT_EQ(model.requested(), 10.0);
+    model.step(-kPageStep);
+    EXPECT_EQ(model.requested(), 0.0);
+}
+
 } // namespace
 } // namespace isoslider::model

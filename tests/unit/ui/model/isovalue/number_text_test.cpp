@@ -1,3 +1,6 @@
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "ui/model/isovalue/number_text.h"
@@ -30,6 +33,20 @@ TEST(NumberText, WritesValuesAndTimes) {
     EXPECT_EQ(valueText(-0.0), "0");
     EXPECT_EQ(valueText(1016.53), "1016.53");
     EXPECT_EQ(valueText(1.5e-7), "1.5e-07");
+}
+
+TEST(NumberText, MeasuresAreGroupedWhereTheyAreLarge) {
+    EXPECT_EQ(measureText(0.0, 4), "0");
+    EXPECT_EQ(measureText(521.84, 4), "521.8");
+    EXPECT_EQ(measureText(9999.4, 4), "9999");
+    EXPECT_EQ(measureText(9999.7, 4), "10,000");
+    EXPECT_EQ(measureText(290'163.0, 4), "290,200");
+    EXPECT_EQ(measureText(-290'163.0, 4), "-290,200");
+    EXPECT_EQ(measureText(99'999.0, 4), "100,000");
+    EXPECT_EQ(measureText(1.2345678e14, 4), "123,500,000,000,000");
+    EXPECT_EQ(measureText(1.2345678e15, 4), "1.235e+15");
+    EXPECT_EQ(measureText(1.5e-7, 4), "1.5e-07");
+    EXPECT_EQ(measureText(HUGE_VAL, 4), "inf");
     EXPECT_EQ(millisecondsText(0.417), "0.42 ms");
     EXPECT_EQ(millisecondsText(18.34), "18.3 ms");
     EXPECT_EQ(millisecondsText(1240.0), "1.24 s");
@@ -59,6 +76,59 @@ TEST(RawGuess, GivesNothingForASizeThatFitsNothing) {
     EXPECT_EQ(guessRawLayout("a.raw", 1000003).dims, (GridDims{0, 0, 0}));
     EXPECT_EQ(guessRawLayout("", 0).dims, (GridDims{0, 0, 0}));
     EXPECT_EQ(guessRawLayout("999999_999999_999999.raw", 5).dims, (GridDims{999999, 999999, 999999}));
+}
+
+TEST(NumberFrom, TakesAPointOrAComma) {
+    EXPECT_EQ(numberFrom("92.5"), 92.5);
+    EXPECT_EQ(numberFrom("92,5"), 92.5);
+    EXPECT_EQ(numberFrom("-0,001"), -0.001);
+    EXPECT_EQ(numberFrom("1,5e-3"), 1.5e-3);
+    EXPECT_EQ(numberFrom(" +7 "), 7.0);
+    EXPECT_EQ(numberFrom("1,234"), 1.234);
+    EXPECT_EQ(numberFrom("1,234,567"), 1234567.0);
+    EXPECT_EQ(numberFrom("1.234.567"), 1234567.0);
+    EXPECT_EQ(numberFrom("1,234.5"), 1234.5);
+    EXPECT_EQ(numberFrom("1.234,5"), 1234.5);
+    EXPECT_EQ(numberFrom("1'234.5"), 1234.5);
+    EXPECT_EQ(numberFrom("1\xE2\x80\xAF"
+                         "234,5"),
+              1234.5);
+    EXPECT_EQ(numberFrom("\xE2\x88\x92"
+                         "12,5"),
+              -12.5);
+}
+
+TEST(NumberFrom, BoundsWhatIsTooLarge) {
+    constexpr double kInf = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(numberFrom("1e999"), kInf);
+    EXPECT_EQ(numberFrom("-1e999"), -kInf);
+    EXPECT_EQ(numberFrom("1e-999"), 0.0);
+    EXPECT_EQ(numberFrom("inf"), kInf);
+}
+
+TEST(NumberFrom, RefusesWhatIsNone) {
+    for (const char* text :
+         {"",     " ",    "bone", "nan",       "1e", "1,2,3", "1.2.3", "1,23,456", "--1",  "+-1",
+          "1,5,", "5 mm", "0x10", "1,234.5.6", ",",  ".",     "5 6",   "-5 -6",    "1 23", "1.5 000"})
+        EXPECT_FALSE(numberFrom(text)) << text;
+}
+
+TEST(ExactText, IsShortAndReadsTheSame) {
+    EXPECT_EQ(exactText(92.4), "92.4");
+    EXPECT_EQ(exactText(100.0), "100");
+    EXPECT_EQ(exactText(-1024.0), "-1024");
+    EXPECT_EQ(exactText(3.14159265359), "3.14159265359");
+    EXPECT_EQ(exactText(std::nextafter(92.0, 100.0)), "92");
+    EXPECT_EQ(exactText(1.0 / 3.0), "0.33333333");
+    EXPECT_EQ(exactText(3e38), "3e+38");
+    EXPECT_EQ(exactText(0.0), "0");
+}
+
+TEST(ResolvedText, HasTheDigitsThatPixelsTellApart) {
+    EXPECT_EQ(resolvedText(92.387695, 0.18), "92.4");
+    EXPECT_EQ(resolvedText(92.387695, 2.0), "92");
+    EXPECT_EQ(resolvedText(92.387695, 0.001), "92.388");
+    EXPECT_EQ(resolvedText(0.01, 0.18), "0");
 }
 
 } // namespace

@@ -78,7 +78,8 @@ TEST_F(PreviewTest, HasTheFileSamplesAtTheirPlaces) {
                                   [](int x, int y, int z) { return static_cast<float>(x + 100 * y + 10000 * z); });
     const auto read = load(path, 600);
     ASSERT_THAT(read, IsOk());
-    const auto& [dataset, grid, engine, isovalue] = read.value();
+    const Dataset& dataset = read.value().dataset;
+    const auto& grid = read.value().grid;
     EXPECT_EQ(dataset.coarseStep, 2);
     EXPECT_EQ(grid->dims(), (GridDims{7, 5, 4}));
     EXPECT_EQ(grid->geometry().spacing, glm::dvec3(1.0, 2.0, 4.0));

@@ -6,6 +6,7 @@
 #include "core/volume_io/volume_reader.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 #include "ui/model/opening/raw_ranking.h"
 
 namespace isoslider::model {
@@ -13,7 +14,7 @@ namespace {
 
 using test::IsOk;
 
-const std::filesystem::path kData = std::filesystem::path(ISOSLIDER_SHARED_DIR) / "data";
+const std::filesystem::path kData = std::filesystem::path(test::sharedFolder()) / "data";
 
 class RawRankingOf : public testing::TestWithParam<const char*> {
 protected:

@@ -172,6 +172,29 @@ TEST(VolumePreview, IsCoarseWhenAllWouldBeTooMuch) {
     EXPECT_EQ(preview.value().info.geometry.dims, (GridDims{8, 8, 8}));
 }
 
+TEST(VolumePreview, AnOutlierDoesNotDarkenItsSlices) {
+    VolumeAccess volumes;
+    volumes.open = [](const fs::path&, const io::ReadOptions&) -> Result<std::unique_ptr<io::VolumeSource>> {
+        GridGeometry geometry;
+        geometry.dims = {20, 20, 20};
+        std::vector<float> values(8000);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i] = static_cast<float>(i % 20);
+        values[7] = 3e38f;
+        for (std::size_t i = 0; i < 8000; i += 7)
+            values[i] += 0.01f * static_cast<float>(i % 100);
+        return io::makeMemorySource(std::make_shared<const ScalarGrid>(
+            ScalarGrid::fromValues(geometry, ScalarType::F32, std::span<const float>(values))));
+    };
+    const auto preview = readVolumePreview("a", {}, volumes, {});
+    ASSERT_THAT(preview, IsOk());
+    EXPECT_GT(preview.value().max, 2e38);
+    EXPECT_LT(preview.value().histogram.max, 30.0);
+    const auto& shades = preview.value().slices[0].shades;
+    EXPECT_GT(*std::max_element(shades.begin(), shades.end()), 200);
+    EXPECT_LT(*std::min_element(shades.begin(), shades.end()), 50);
+}
+
 TEST(VolumePreview, OfMissingSamplesOnlyHasNoHistogram) {
     VolumeAccess volumes;
     volumes.open = [](const fs::path&, const io::ReadOptions&) -> Result<std::unique_ptr<io::VolumeSource>> {

@@ -9,6 +9,7 @@
 #include "preprocess/build_index.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 #include "ui/model/session/dataset.h"
 #include "ui/model/session/index_cache.h"
 
@@ -116,7 +117,8 @@ TEST_F(IndexCacheTest, B087_AVolumeThatMovedBringsItsIndexAlong) {
     open(path);
     fs::rename(folder_ / "volumes", folder_ / "archive");
     EXPECT_TRUE(opensFromCache(folder_ / "archive/head.mhd"));
-    EXPECT_EQ(std::distance(fs::directory_iterator(cache_.folder()), {}), 2) << "one index and its record";
+    EXPECT_EQ(cache_.usage().indexes, 1u);
+    EXPECT_EQ(std::distance(fs::directory_iterator(cache_.folder()), {}), 3) << "an index, its record, its last use";
     writeVolume("archive/head.mhd");
     changeOneByte(folder_ / "archive/skull.raw");
     fs::rename(folder_ / "archive", folder_ / "volumes");
@@ -143,7 +145,7 @@ TEST_F(IndexCacheTest, B087_ADeletedVolumeIsSaidToBeMissingAndItsIndexStillOpens
 }
 
 TEST_F(IndexCacheTest, BytesOfASettledFileAreNotReadAgain) {
-    const fs::path volume = fs::path(ISOSLIDER_SOURCE_DIR) / "resources/samples/bluntfinq.bin";
+    const fs::path volume = fs::path(test::sourceFolder()) / "resources/samples/bluntfinq.bin";
     const auto stamp = VolumeStamp::of(volume);
     ASSERT_THAT(stamp, IsOk());
     fs::create_directories(cache_.folder());
@@ -203,6 +205,84 @@ TEST_F(IndexCacheTest, WhatChangedWhileTheIndexWasBuiltIsNotRecorded) {
     std::ofstream(folder_ / "volumes/skull.raw", std::ios::app) << "more";
     EXPECT_THAT(IndexCache::record(folder_ / "a.isx", stamp, "", {}), HasError(ErrorCode::InvalidArgument));
     EXPECT_FALSE(fs::exists(folder_ / "a.isx.source"));
+}
+
+// Entries of a cache that is too large.
+class FullIndexCache : public ::testing::Test {
+protected:
+    FullIndexCache() { fs::create_directory(cache_.folder()); }
+    void write(const std::string& name, std::size_t size, std::chrono::hours age) {
+        const auto path = folder_.write("cache/" + name, std::string(size, 'x'));
+        fs::last_write_time(path, fs::file_time_type::clock::now() - age);
+    }
+    bool has(const std::string& name) const { return fs::exists(cache_.folder() / name); }
+
+    test::TemporaryFolder folder_;
+    IndexCache cache_{folder_ / "cache"};
+};
+
+TEST_F(FullIndexCache, LosesWhatWasNotUsedForLongest) {
+    write("a.isx", 1000, std::chrono::hours(50));
+    write("a.isx.source", 10, std::chrono::hours(50));
+    write("a.isx.used", 1, std::chrono::hours(1)); // the oldest, but used since
+    write("b.isx", 2000, std::chrono::hours(40));
+    write("b.isx.source", 10, std::chrono::hours(40));
+    write("c.isx", 3000, std::chrono::hours(30));
+    write("notes.txt", 5000, std::chrono::hours(90)); // somebody's own
+    EXPECT_EQ(cache_.usage().indexes, 3u);
+    EXPECT_EQ(cache_.usage().bytes, 6021u);
+    EXPECT_EQ(cache_.trim({}).bytes, 6021u) << "without a limit everything stays";
+    cache_.setLimit(6021);
+    EXPECT_EQ(cache_.trim({}).indexes, 3u);
+    const IndexCache copy = cache_;
+    copy.setLimit(6020);
+    const auto left = cache_.trim({});
+    EXPECT_EQ(left.indexes, 2u);
+    EXPECT_EQ(left.bytes, 4011u);
+    EXPECT_FALSE(has("b.isx"));
+    EXPECT_FALSE(has("b.isx.source"));
+    EXPECT_TRUE(has("a.isx"));
+    EXPECT_TRUE(has("c.isx"));
+    EXPECT_TRUE(has("notes.txt"));
+}
+
+TEST_F(FullIndexCache, KeepsWhatIsInUse) {
+    write("a.isx", 1000, std::chrono::hours(50));
+    write("b.isx", 2000, std::chrono::hours(1));
+    const auto left = cache_.clear(cache_.folder() / "a.isx");
+    EXPECT_EQ(left.bytes, 1000u);
+    EXPECT_TRUE(has("a.isx"));
+    EXPECT_FALSE(has("b.isx"));
+}
+
+TEST_F(FullIndexCache, KeepsWhatIsBeingBuilt) {
+    write("a.isx.partial", 1000, std::chrono::hours(0));
+    write("b.isx.partial", 2000, std::chrono::hours(1)); // given up
+    write("b.isx.resume", 20, std::chrono::hours(1));
+    write("c.isx", 3000, std::chrono::hours(0));
+    EXPECT_EQ(cache_.clear({}).bytes, 1000u);
+    EXPECT_TRUE(has("a.isx.partial"));
+    EXPECT_FALSE(has("b.isx.resume"));
+}
+
+TEST_F(FullIndexCache, OfNoFolderIsEmpty) {
+    const IndexCache none(folder_ / "nowhere");
+    EXPECT_EQ(none.usage().indexes, 0u);
+    EXPECT_EQ(none.clear({}).bytes, 0u);
+}
+
+TEST_F(IndexCacheTest, AVolumeThatIsOpenedCountsAsUsed) {
+    const auto first = writeVolume();
+    const auto second = writeVolume("volumes/hand.mhd", "hand.raw");
+    open(first);
+    open(second);
+    for (const auto& entry : fs::directory_iterator(cache_.folder()))
+        fs::last_write_time(entry, fs::file_time_type::clock::now() - std::chrono::hours(9));
+    ASSERT_TRUE(opensFromCache(first));
+    cache_.setLimit(cache_.usage().bytes - 1);
+    EXPECT_EQ(cache_.trim({}).indexes, 1u);
+    EXPECT_TRUE(fs::exists(cache_.pathForFile(first)));
+    EXPECT_FALSE(fs::exists(cache_.pathForFile(second)));
 }
 
 } // namespace

@@ -37,9 +37,29 @@ SavedSession fullSession(const fs::path& volume) {
     session.readOptions.raw = io::RawLayout{{4, 5, 6}, ScalarType::U16, {0.5, 1.0, 2.0}, 128, true};
     session.readOptions.allowsTrailing = true;
     session.isovalue = -0.1;
+    session.reference = 0.1;
     session.error = extract::MergeError{extract::MergeBound::Measure::Distance, 0.35};
-    session.camera = CameraPose{{0.5, 0.5, -0.5, 0.5}, {1.0, 2.0, 1e-30}, 7.25, false};
+    session.camera = CameraPose{{0.5, 0.5, -0.5, 0.5}, {1.0, 2.0, 1e-30}, 7.25, false, {3.0, 0.5, -2.0}};
     session.view = ViewOptions{true, false, true, false};
+    session.view->showsCube = false;
+    session.view->showsScaleBar = false;
+    session.view->stage = {Background::White, Light::Raking, true, {1.0, 2.5, 0.125}};
+    session.view->clipping.isCropped = true;
+    session.view->clipping.crop = CropBox{{1, 2, 3}, {40, 50, 60}};
+    session.view->clipping.plane = {true, {0.0, 0.6, -0.8}, -12.625, Cap::Values};
+    session.view->measured = {{1.5, -2.0, 1e-30}, {0.1, 0.2, 0.3}};
+    session.view->pieces.awaited = {{{{1, 2, 3}, 0}, {{40, 0, 7}, 2}}, PiecePlace{{5, 6, 7}, 1}};
+    session.histogram = HistogramOptions{ScaleKind::Symlog, false, false, true};
+    SliceOptions slices;
+    slices.layout = SliceLayout::Three;
+    slices.onePane = SliceKind::Oblique;
+    slices.inScene = {true, false, true, false};
+    slices.position = {1.5, 2.25, 1e-30};
+    slices.orientation = {0.5, -0.5, 0.5, 0.5};
+    slices.window = ValueWindow{-1e3, 2.5e3};
+    slices.views[1] = {3.5, {0.25, 0.75}};
+    slices.showsContour = false;
+    session.slices = slices;
     return session;
 }
 
@@ -48,15 +68,19 @@ void expectSame(const SavedSession& a, const SavedSession& b) {
     EXPECT_EQ(a.sampleName, b.sampleName);
     EXPECT_EQ(a.readOptions, b.readOptions);
     EXPECT_EQ(a.isovalue, b.isovalue);
+    EXPECT_EQ(a.reference, b.reference);
     EXPECT_EQ(a.error, b.error);
+    EXPECT_EQ(a.slices, b.slices);
     ASSERT_EQ(a.camera.has_value(), b.camera.has_value());
     if (a.camera) {
         EXPECT_EQ(a.camera->orientation, b.camera->orientation);
         EXPECT_EQ(a.camera->target, b.camera->target);
         EXPECT_EQ(a.camera->distance, b.camera->distance);
         EXPECT_EQ(a.camera->isPerspective, b.camera->isPerspective);
+        EXPECT_EQ(a.camera->pivot, b.camera->pivot);
     }
     EXPECT_EQ(a.view, b.view);
+    EXPECT_EQ(a.histogram, b.histogram);
 }
 
 class SavedSessionTest : public ::testing::Test {
@@ -148,6 +172,63 @@ TEST_F(SavedSessionTest, B110_AnUnknownKeyIsToldAndTheRestUsed) {
     EXPECT_THAT(found.problems, ElementsAre("view, 'shadows' is not known and ignored"));
 }
 
+TEST_F(SavedSessionTest, B110_PlacesThatAreNoneAreToldAndTheRestUsed) {
+    for (const std::string places : {"7", "[1, 2, 3]", "[[1, 2]]", "[[1, 2, \"3\"]]", "[[1, 2, null]]",
+                                     "[[1, 2, 3], [1, 2, 3], [1, 2, 3], [1, 2, 3]]"}) {
+        const auto found = read(changed("\"measured\":", "\"measured\": " + places + ", \"shadows\":"));
+        EXPECT_THAT(found.problems,
+                    testing::Contains("view, measured is not a list of at most 3 places and is ignored"))
+            << places;
+        EXPECT_TRUE(found.session.view->measured.empty()) << places;
+        EXPECT_FALSE(found.session.view->showsCube) << "read";
+    }
+}
+
+TEST_F(SavedSessionTest, B110_PiecesThatAreNoneAreToldAndTheRestUsed) {
+    for (const std::string places :
+         {"7", "[1, 2, 3, 0]", "[[1, 2, 3]]", "[[1, 2, 3, 3]]", "[[1, -2, 3, 0]]", "[[1, 2.5, 3, 0]]",
+          "[[1, 2, 1e300, 0]]", "[[1, 2, 3, 0], [1, 18446744073709551615, 3, 0]]", "[[1, 2, \"3\", 0]]", "[null]"}) {
+        const auto found = read(changed("\"hiddenPieces\":", "\"hiddenPieces\": " + places + ", \"shadows\":"));
+        EXPECT_THAT(found.problems,
+                    testing::Contains("view, hiddenPieces is not a list of edges of the grid; no piece is hidden"))
+            << places;
+        EXPECT_THAT(found.session.view->pieces.awaited.hidden, IsEmpty()) << places;
+        EXPECT_EQ(found.session.view->pieces.awaited.only, (PiecePlace{{5, 6, 7}, 1})) << "read";
+    }
+    const auto only = read(changed("\"onlyPiece\":", "\"onlyPiece\": [1, 2], \"shadows\":"));
+    EXPECT_THAT(only.problems, testing::Contains("view, onlyPiece is not an edge of the grid and is ignored"));
+    EXPECT_FALSE(only.session.view->pieces.awaited.only);
+    EXPECT_EQ(only.session.view->pieces.awaited.hidden.size(), 2u) << "read";
+}
+
+TEST_F(SavedSessionTest, B110_ClippingThatIsNoneIsToldAndTheRestUsed) {
+    struct Case {
+        const char *from, *to, *problem;
+    };
+    for (const Case& entry :
+         {Case{"\"background\": \"white\"", "\"background\": \"plaid\"",
+               "view, stage, background is not known and ignored"},
+          Case{"\"light\": \"raking\"", "\"light\": 3",
+               "view, stage, light is not a text of at most 4096 bytes and is ignored"},
+          Case{"\"stretch\":", "\"stretch\": [1, 0, 2], \"stretches\":",
+               "view, stage, stretch is not within 0.001 and 1000 and is brought there"},
+          Case{"\"clipping\":", "\"clipping\": 7, \"shadows\":", "is not an object"},
+          Case{"\"cropped\": true", "\"cropped\": 1", "view, clipping, cropped is neither true nor false and ignored"},
+          Case{"\"low\":", "\"low\": [1, -2, 3], \"least\":", "view, clipping, low are no three sizes and ignored"},
+          Case{"\"high\":", "\"high\": [1, 2.5, 3], \"most\":", "view, clipping, high are no three sizes and ignored"},
+          Case{"\"normal\":", "\"normal\": [0, 0, 0], \"way\":",
+               "view, clipping, plane, normal has no direction and is ignored"},
+          Case{"\"offset\":", "\"offset\": null, \"at\":",
+               "view, clipping, plane, offset is not a finite number and is ignored"},
+          Case{"\"cap\": \"values\"", "\"cap\": \"gold\"", "view, clipping, plane, cap is not known and ignored"}}) {
+        const auto found = read(changed(entry.from, entry.to));
+        EXPECT_THAT(found.problems, testing::Contains(entry.problem)) << entry.to;
+        EXPECT_EQ(found.session.view->measured.size(), 2u) << "read";
+    }
+    const auto without = read(changed("\"clipping\":", "\"shadows\":"));
+    EXPECT_EQ(without.session.view->clipping, Clipping()) << "of an earlier version";
+}
+
 TEST_F(SavedSessionTest, B110_OfALaterVersionIsToldAndUsedAsFarAsItGoes) {
     const auto found = read(changed("\"isosliderSession\": 1", "\"isosliderSession\": 2"));
     EXPECT_THAT(found.problems, ElementsAre(HasSubstr("later version")));
@@ -169,6 +250,17 @@ TEST_F(SavedSessionTest, B110_OptionsOutOfBoundsAreTold) {
         return keys + "\"isovalue\"";
     }()));
     EXPECT_EQ(many.problems.size(), 20u);
+}
+
+TEST_F(SavedSessionTest, SlicesThatCannotBeAreToldAndLeaveTheDefault) {
+    auto found = read(changed("\"layout\": \"three\"", "\"layout\": \"nine\""));
+    EXPECT_THAT(found.problems, ElementsAre("slices, layout is not known and ignored"));
+    EXPECT_EQ(found.session.slices->layout, SliceLayout::None);
+    found = read(changed("-1000.0", "9000.0"));
+    EXPECT_THAT(found.problems, ElementsAre("slices, window does not ascend and is ignored"));
+    EXPECT_FALSE(found.session.slices->window);
+    EXPECT_EQ(found.session.slices->onePane, SliceKind::Oblique);
+    EXPECT_EQ(found.session.slices->views[1], (PaneView{3.5, {0.25, 0.75}}));
 }
 
 TEST_F(SavedSessionTest, AnyCutOrChangedByteIsSafe) {

@@ -38,6 +38,17 @@ public:
                          const std::filesystem::path&, const JobControl&) override {
         return makeError(ErrorCode::InvalidArgument, "was given a file, not samples");
     }
+    Result<std::unique_ptr<extract::SlideEngine>> engineInMemory(const std::shared_ptr<const ScalarGrid>&,
+                                                                 const JobControl& job) override {
+        while (holdsEngine && !job.isStopRequested()) {
+            job.report(0.5, "looking at samples");
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        if (job.isStopRequested())
+            return cancelledError();
+        return std::unique_ptr<extract::SlideEngine>();
+    }
+    std::atomic<bool> holdsEngine{false};
     std::atomic<int> builds{0};
     std::atomic<bool> waits{false};
 };
@@ -85,6 +96,35 @@ TEST_F(SessionTest, ShowsASurfaceBeforeThereIsAnIndex) {
     EXPECT_GT(session_->frame()->stats.triangles, 100u);
     EXPECT_EQ(session_->indexState(), IndexState::Building);
     EXPECT_FALSE(session_->isSettled());
+}
+
+TEST_F(SessionTest, TheFirstSurfaceShowsProgressCanBeStoppedAndAskedForAgain) {
+    builder_->waits = true;
+    builder_->holdsEngine = true;
+    OpenRequest request;
+    request.sampleName = "ball";
+    request.isovalue = -5.0;
+    session_->open(request);
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->moveProgress() > 0.1; }));
+    EXPECT_LT(session_->moveProgress(), 0.5) << "the surface itself is still to come";
+    EXPECT_TRUE(session_->isMoving());
+    EXPECT_EQ(session_->indexState(), IndexState::None) << "the first surface has the processor for itself";
+    session_->stopMove();
+    EXPECT_FALSE(session_->isMoving());
+    EXPECT_TRUE(session_->hasStoppedMove());
+    EXPECT_EQ(session_->moveProgress(), 0.0);
+    ASSERT_TRUE(queue_.runUntil([&] { return builder_->builds == 1; })) << "the index is built all the same";
+    builder_->holdsEngine = false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    queue_.runAll();
+    EXPECT_EQ(session_->frame(), nullptr);
+    EXPECT_TRUE(notices_.empty()) << notices_[0].title;
+    session_->moveAgain();
+    EXPECT_FALSE(session_->hasStoppedMove());
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->frame() != nullptr; }));
+    EXPECT_EQ(session_->frame()->isovalue, -5.0);
+    session_->stopMove(); // there is none
+    EXPECT_FALSE(session_->hasStoppedMove());
 }
 
 TEST_F(SessionTest, B106_ALimitedPictureIsCoarserAndTheMeshIsWhole) {
@@ -153,6 +193,58 @@ TEST_F(SessionTest, AFirstMoveThatFailsEndsTheWaiting) {
     EXPECT_TRUE(session_->isSettled());
     session_->isovalue().request(-5.5);
     EXPECT_TRUE(session_->isMoving()) << "the next one is waited for again";
+}
+
+/// An index of a ball; its topology is added when it is opened for the first time.
+std::filesystem::path ballIndex(const test::TemporaryFolder& folder) {
+    const auto path = folder / "ball.isx";
+    const auto source = io::makeMemorySource(ballGrid(), io::VolumeInfo());
+    preprocess::BuildOptions options;
+    options.kind = index::IndexKind::Metacells;
+    EXPECT_TRUE(preprocess::buildIndex(*source, path, options).isOk());
+    return path;
+}
+
+TEST_F(SessionTest, TheFirstIsovalueGivesWayToTheBest) {
+    OpenRequest request;
+    request.path = ballIndex(folder_);
+    session_->open(request);
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->topology().state() == TopologyState::Ready; }));
+    const double first = session_->isovalue().requested();
+    ASSERT_EQ(session_->suggestions().back(), (SuggestedIsovalue{first, kHistogramReason}));
+    EXPECT_EQ(session_->firstIsovalue().reason(), kHistogramReason);
+    const SuggestedIsovalue best = session_->suggestions().front();
+    ASSERT_NE(best.isovalue, first);
+    session_->improveFirstIsovalue();
+    EXPECT_EQ(session_->isovalue().requested(), best.isovalue);
+    EXPECT_EQ(session_->firstIsovalue().reason(), best.reason);
+    session_->isovalue().request(first);
+    EXPECT_EQ(session_->firstIsovalue().reason(), "");
+    session_->improveFirstIsovalue();
+    EXPECT_EQ(session_->isovalue().requested(), first);
+    // The topology is stored now: the best is the first.
+    session_->open(request);
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->firstIsovalue().isovalue().has_value(); }));
+    EXPECT_EQ(session_->isovalue().requested(), best.isovalue);
+    EXPECT_EQ(session_->firstIsovalue().reason(), best.reason);
+    EXPECT_FALSE(session_->firstIsovalue().canImprove());
+    session_->close();
+    EXPECT_FALSE(session_->firstIsovalue().isovalue());
+    EXPECT_TRUE(session_->suggestions().empty());
+}
+
+TEST_F(SessionTest, AnIsovalueAskedForStays) {
+    OpenRequest request;
+    request.path = ballIndex(folder_);
+    request.isovalue = -5.0;
+    for (int time = 0; time < 2; ++time) { // without a stored topology, and with one
+        session_->open(request);
+        ASSERT_TRUE(queue_.runUntil([&] { return session_->topology().state() == TopologyState::Ready; }));
+        session_->improveFirstIsovalue();
+        EXPECT_EQ(session_->isovalue().requested(), -5.0);
+        EXPECT_EQ(session_->firstIsovalue().reason(), "");
+        session_->close();
+    }
 }
 
 TEST_F(SessionTest, ACancelledBuildIsNoError) {

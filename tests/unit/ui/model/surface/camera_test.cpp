@@ -1,5 +1,6 @@
 #include "ui/model/surface/camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -40,6 +41,45 @@ TEST_P(CameraTest, ResetShowsTheWholeSphere) {
         EXPECT_LT(std::abs(place.y), 1.0);
     }
     expectNear(project(camera_, {0, 0, 0}) * glm::dvec3(1, 1, 0), {0, 0, 0});
+}
+
+TEST_P(CameraTest, ABallIsShownWholeInAViewOfAnyAspect) {
+    const glm::dvec3 middle(2.0, -3.0, 1.0);
+    for (const double aspect : {0.3, 1.0, 2.5}) {
+        const auto before = camera_.orientation();
+        ASSERT_TRUE(camera_.setPose(camera_.poseAround(middle, 2.0, aspect)));
+        EXPECT_EQ(camera_.orientation(), before);
+        double farthest = 0.0;
+        for (int step = 0; step < 360; ++step) {
+            const double angle = step * 0.017453292519943295;
+            // The ball's outline as an eye sees it lies before its middle, and is smaller than its equator.
+            const double lift = camera_.isPerspective() ? 2.0 / camera_.distance() : 0.0;
+            const auto rim = camera_.right() * std::cos(angle) + camera_.up() * std::sin(angle);
+            const auto point = middle + 2.0 * (std::sqrt(1.0 - lift * lift) * rim + lift * camera_.backward());
+            const glm::dvec4 clip = camera_.projectionMatrix(aspect) * camera_.viewMatrix() * glm::dvec4(point, 1.0);
+            farthest = std::max({farthest, std::abs(clip.x / clip.w), std::abs(clip.y / clip.w)});
+        }
+        EXPECT_LT(farthest, 1.0) << aspect;
+        EXPECT_GT(farthest, 0.9) << aspect << ": as large as it fits";
+    }
+}
+
+TEST_P(CameraTest, OrbitTurnsAboutWhatWasFitted) {
+    const glm::dvec3 middle(2.0, -3.0, 1.0);
+    ASSERT_TRUE(camera_.setPose(camera_.poseAround(middle, 2.0, kAspect)));
+    camera_.orbit(0.7, -0.4);
+    expectNear(camera_.target(), middle);
+    camera_.pan({0.2, 0.1}, kAspect); // aside, and it still is what stays in place
+    const glm::dvec3 onScreen(1.0, 1.0, 0.0);
+    const auto before = onScreen * project(camera_, middle);
+    camera_.orbit(-0.3, 0.5);
+    expectNear(onScreen * project(camera_, middle), before);
+    ASSERT_TRUE(camera_.setPose(camera_.pose()));
+    camera_.orbit(0.2, 0.2);
+    expectNear(onScreen * project(camera_, middle), before);
+    camera_.fit();
+    camera_.orbit(0.7, -0.4);
+    expectNear(camera_.target(), {0, 0, 0});
 }
 
 TEST_P(CameraTest, DepthOfTheSceneIsInRange) {

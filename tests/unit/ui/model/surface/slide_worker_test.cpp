@@ -14,15 +14,17 @@ namespace {
 /// Moves only when the test opens the gate, and remembers every isovalue it was asked for.
 class GatedSource final : public SurfaceSource {
 public:
-    Status moveTo(double isovalue, std::stop_token stop, extract::SurfaceFrame& frame) override {
+    Status moveTo(double isovalue, const JobControl& job, extract::SurfaceFrame& frame) override {
         {
             const std::lock_guard lock(mutex_);
             moves_.push_back(isovalue);
         }
         started.release();
-        while (!gate.try_acquire_for(std::chrono::milliseconds(1)))
-            if (stop.stop_requested())
+        while (!gate.try_acquire_for(std::chrono::milliseconds(1))) {
+            job.report(0.25, "waiting");
+            if (job.isStopRequested())
                 return cancelledError();
+        }
         if (isovalue < 0.0)
             return makeError(ErrorCode::Corruption, "bad page");
         if (isovalue > 1000.0)
@@ -66,6 +68,9 @@ protected:
                 failed_.push_back(isovalue);
             });
         };
+        callbacks.onProgress = [this, post = queue_.poster()](double fraction, SourceGeneration) {
+            post([this, fraction] { progress_.push_back(fraction); });
+        };
         worker_ = std::make_unique<SlideWorker>(std::move(callbacks));
         generation_ = worker_->setSource(source_, kDataset, std::nullopt);
     }
@@ -77,6 +82,7 @@ protected:
     std::vector<double> shown_;
     std::vector<ErrorCode> errors_;
     std::vector<double> failed_;
+    std::vector<double> progress_;
     SourceGeneration generation_{};
     SourceGeneration lastGeneration_{};
     std::unique_ptr<SlideWorker> worker_;
@@ -119,6 +125,31 @@ TEST_F(SlideWorkerTest, ANewSourceCancelsTheRunningMove) {
     EXPECT_EQ(shown_, std::vector<double>{9.0});
     EXPECT_EQ(lastGeneration_, generation);
     EXPECT_TRUE(errors_.empty());
+}
+
+TEST_F(SlideWorkerTest, ReportsProgressNowAndThen) {
+    const auto start = std::chrono::steady_clock::now();
+    worker_->request(1.0);
+    ASSERT_TRUE(queue_.runUntil([&] { return progress_.size() == 3; }));
+    EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(295)) << "the window has other work";
+    EXPECT_EQ(progress_, std::vector<double>(3, 0.25));
+    source_->gate.release(1);
+    ASSERT_TRUE(queue_.runUntil([&] { return shown_.size() == 1; }));
+}
+
+TEST_F(SlideWorkerTest, ACancelledMoveReportsNothingAndTheNextOneComes) {
+    worker_->request(1.0);
+    source_->started.acquire();
+    worker_->request(2.0);
+    worker_->cancelMove();
+    worker_->request(3.0);
+    source_->started.acquire();
+    source_->gate.release(1);
+    ASSERT_TRUE(queue_.runUntil([&] { return !shown_.empty(); }));
+    EXPECT_EQ(shown_, std::vector<double>{3.0});
+    EXPECT_EQ(source_->moves(), (std::vector<double>{1.0, 3.0}));
+    EXPECT_TRUE(errors_.empty());
+    EXPECT_EQ(lastGeneration_, generation_);
 }
 
 TEST_F(SlideWorkerTest, LetsGoOfTheOldSource) {

@@ -79,6 +79,19 @@ TEST(TopologyModel, IsEmptyAtFirst) {
     EXPECT_EQ(model.persistenceAt(0.5), 0.0);
 }
 
+TEST(TopologyModel, AnOutlierDoesNotMakeAllOtherEventsSmall) {
+    TopologyModel model;
+    topology::MeasureCurves curves;
+    for (const auto& [isovalue, volume] : {std::pair{1.0, 100.0}, {2.0, 90.0}, {9.0, 0.2}, {1e30, 0.02}}) {
+        curves.isovalues.push_back(isovalue);
+        curves.measures.push_back({1.0, volume, 1.0, 1.0});
+    }
+    model.setContent(contentOf({event(1.0, 5.0), event(2.0, 1e30), event(4.0, 3.0), event(1e30, 1e30)}, curves));
+    EXPECT_EQ(model.greatestPersistence(), 7.0);
+    EXPECT_EQ(model.shown().size(), 4u);
+    EXPECT_EQ(model.fractionOf(1e30), 1.0);
+}
+
 TEST(TopologyModel, GoesFromEventToEvent) {
     TopologyModel model;
     model.setContent(contentOf({event(1.0, 5.0), event(2.0, 5.0), event(4.0, 5.0)}));
@@ -89,6 +102,15 @@ TEST(TopologyModel, GoesFromEventToEvent) {
     EXPECT_EQ(isovalueOf(model, model.previous(10.0)), 4.0);
     EXPECT_EQ(isovalueOf(model, model.previous(model.justPast(2))), 2.0);
     EXPECT_FALSE(model.previous(model.justPast(0)));
+    EXPECT_EQ(isovalueOf(model, model.passed(0.5, 1.5)), 1.0);
+    EXPECT_EQ(isovalueOf(model, model.passed(1.5, 0.5)), 1.0) << "either way";
+    EXPECT_EQ(isovalueOf(model, model.passed(1.0, model.justPast(0))), 1.0) << "at its isovalue it has not happened";
+    EXPECT_FALSE(model.passed(model.justPast(0), 2.0));
+    EXPECT_FALSE(model.passed(0.5, 0.5));
+    const auto most = model.passed(-10.0, 10.0);
+    ASSERT_TRUE(most);
+    for (const std::size_t event : model.shown())
+        EXPECT_LE(model.events()[event].persistence, model.events()[*most].persistence);
     // There and back again.
     double isovalue = -10.0;
     for (const double expected : {1.0, 2.0, 4.0}) {

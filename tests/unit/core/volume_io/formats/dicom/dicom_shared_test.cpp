@@ -13,6 +13,7 @@
 #include "tests/support/process_runner.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 // Real series against what pydicom reads of them: tests/data/dicom_series.csv, made by
 // tests/support/readings/dicom.py. The series are packed, so they are not among the other readings.
@@ -22,11 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kData = fs::path(ISOSLIDER_SHARED_DIR) / "data";
+const fs::path kData = fs::path(test::sharedFolder()) / "data";
 
 /// The row of a file, cell by cell; empty without one.
 std::vector<std::string> readingOf(const std::string& file) {
-    std::ifstream table(fs::path(ISOSLIDER_SOURCE_DIR) / "tests/data/dicom_series.csv");
+    std::ifstream table(fs::path(test::sourceFolder()) / "tests/data/dicom_series.csv");
     for (std::string line; std::getline(table, line);) {
         std::istringstream row(line);
         std::vector<std::string> cells;

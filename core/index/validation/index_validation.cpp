@@ -1,0 +1,140 @@
+#include "core/index/validation/index_validation.h"
+
+#include <atomic>
+#include <string>
+
+#include "core/index/index_appendix.h"
+#include "core/index/validation/fault_list.h"
+#include "core/index/validation/level_checks.h"
+#include "core/index/validation/part_checks.h"
+#include "core/index/validation/sample_survey.h"
+
+namespace isoslider::index {
+namespace {
+
+std::string dimsText(const GridDims& dims) {
+    return std::to_string(dims[0]) + " x " + std::to_string(dims[1]) + " x " + std::to_string(dims[2]);
+}
+
+class Validation {
+public:
+    Validation(const IndexReader& reader, const ValidationOptions& options, FaultList& faults, ValidationReport& report)
+        : reader_(reader), options_(options), faults_(faults), report_(report) {}
+
+    Status run(const std::filesystem::path& path, FileSystem& fileSystem, const JobControl& job) {
+        const bool readsMore = options_.isFull || options_.volume;
+        checkAppendix(path, fileSystem);
+        checkFacts();
+        ISO_TRY(checkParts(reader_, faults_, report_, job.part(0.0, readsMore ? 0.2 : 1.0)));
+        if (options_.volume && !isOfTheVolume())
+            return {}; // comparing more would name the same again
+        const bool isEdges = reader_.info().kind == IndexKind::Edges;
+        Level0Sums sums(reader_.grid().brickCount());
+        const bool readsLevels = options_.isFull || (options_.volume && isEdges);
+        if (readsLevels) {
+            ISO_TRY(checkLevels(reader_, faults_, sums, job.part(0.2, 0.6)));
+            ISO_TRY(checkHiddenPages(reader_, faults_, job));
+        }
+        const SurveyOptions ofSamples{options_.memoryBytes, "the samples"},
+            ofVolume{options_.memoryBytes, "the volume"};
+        if (options_.isFull && !isEdges)
+            ISO_TRY(checkStoredSamples(sums, ofSamples, job.part(0.6, options_.volume ? 0.8 : 1.0)));
+        if (options_.volume && isEdges)
+            ISO_TRY(surveySamples(reader_, *options_.volume, &sums, faults_, ofVolume, job.part(0.6, 1.0)));
+        if (options_.volume && !isEdges)
+            ISO_TRY(compareSamples(reader_, *options_.volume, faults_, job.part(0.8, 1.0)));
+        report_.areEdgesCompared = options_.volume && !(reader_.info().mergeError > 0.0);
+        return {};
+    }
+
+private:
+    void refuse(const char* part, std::string problem) {
+        IndexFault fault;
+        fault.part = part;
+        fault.problem = std::move(problem);
+        faults_.add(std::move(fault));
+    }
+
+    // One that was cut off while it was written is none, by its rules, and no fault.
+    void checkAppendix(const std::filesystem::path& path, FileSystem& fileSystem) {
+        const auto state = appendixState(path, fileSystem);
+        if (state.isOk() && state.value() == AppendixState::Damaged) {
+            IndexFault fault;
+            fault.part = "appendix";
+            fault.problem = "fails its checksum, or belongs to another index";
+            fault.offset = reader_.info().indexBytes;
+            faults_.add(std::move(fault));
+        }
+    }
+
+    // What meta states twice, or must add up to.
+    void checkFacts() {
+        const IndexInfo& info = reader_.info();
+        std::uint64_t finite = 0;
+        for (const std::uint64_t count : info.histogram.counts)
+            finite += count;
+        const auto points = static_cast<std::uint64_t>(pointCount(info.geometry.dims));
+        if (info.nanCount > points || finite != points - info.nanCount)
+            refuse("histogram", "does not count all finite samples");
+        if (info.histogram.min != info.min || info.histogram.max != info.max)
+            refuse("histogram", "has another range than the samples");
+        if (info.distinctValues > finite || info.distinctValues == 0)
+            refuse("number of distinct values", "is not possible");
+        std::uint64_t sampleBytes = 0;
+        for (const ChunkGroupEntry& group : reader_.meta().chunkGroups)
+            sampleBytes += group.chunkBytes;
+        if (sampleBytes != info.sampleBytes)
+            refuse("bytes of samples", "are not those of the chunk groups");
+    }
+
+    bool isOfTheVolume() {
+        const ComparedVolume& volume = *options_.volume;
+        const IndexInfo& info = reader_.info();
+        if (volume.geometry.dims != info.geometry.dims)
+            refuse("grid",
+                   "has " + dimsText(info.geometry.dims) + " points, the volume " + dimsText(volume.geometry.dims));
+        else if (volume.type != info.type)
+            refuse("scalar type", "is " + std::string(scalarTypeName(info.type)) + ", that of the volume " +
+                                      std::string(scalarTypeName(volume.type)));
+        else if (!(volume.geometry == info.geometry))
+            refuse("grid", "lies elsewhere in space than that of the volume");
+        return volume.geometry.dims == info.geometry.dims && volume.type == info.type;
+    }
+
+    Status checkStoredSamples(const Level0Sums& sums, const SurveyOptions& options, const JobControl& job) {
+        const SampleStore store(reader_);
+        std::atomic<bool> hasFailed = false;
+        const ComparedVolume planes = storedPlanes(reader_, store, hasFailed);
+        // With samples missing nothing would agree: what is wrong has been said.
+        FaultList found(reader_, options_.mostFaults);
+        ISO_TRY(surveySamples(reader_, planes, &sums, found, options, job));
+        if (!hasFailed)
+            for (IndexFault& fault : found.take())
+                faults_.add(std::move(fault));
+        return {};
+    }
+
+    const IndexReader& reader_;
+    const ValidationOptions& options_;
+    FaultList& faults_;
+    ValidationReport& report_;
+};
+
+} // namespace
+
+Result<ValidationReport> validateIndex(const std::filesystem::path& path, const ValidationOptions& options,
+                                       const JobControl& job, FileSystem& fileSystem) {
+    const auto reader = IndexReader::open(path, fileSystem);
+    if (!reader.isOk())
+        return reader.error();
+    ValidationReport report;
+    report.info = reader.value()->info();
+    FaultList faults(*reader.value(), options.mostFaults);
+    ISO_TRY(Validation(*reader.value(), options, faults, report).run(path, fileSystem, job));
+    report.bytes += report.info.indexBytes - reader.value()->metaOffset() + kPreambleBytes;
+    report.faultCount = faults.count();
+    report.faults = faults.take();
+    return report;
+}
+
+} // namespace isoslider::index

@@ -1,0 +1,101 @@
+#include <algorithm>
+
+#include "tests/cli/cli_fixture.h"
+
+namespace isoslider::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class CliValidate : public CliTest {
+protected:
+    /// Turns over one byte of an index; by default of its first part.
+    std::string damaged(const std::string& index, std::size_t at = 200) const {
+        std::string bytes = readText(index);
+        bytes[at] = static_cast<char>(~bytes[at]);
+        return folder_.write("damaged.isx", bytes).string();
+    }
+};
+
+TEST_F(CliValidate, FindsSoundIndexesSound) {
+    const auto volume = sphereVolume();
+    for (const std::string& index : {sphereIndex(), edgesIndex(), edgesIndex("merged.isx", {"--lod-error", "0.25c"})}) {
+        for (const std::vector<std::string>& more :
+             {std::vector<std::string>{}, {"--full"}, {"--against", volume}, {"--full", "--against", volume}}) {
+            std::vector<std::string> words{"validate", index};
+            words.insert(words.end(), more.begin(), more.end());
+            const auto json = runJson(words);
+            EXPECT_EQ(json["sound"], true);
+            EXPECT_EQ(json["fault_count"], 0);
+            EXPECT_EQ(json["bytes"], runJson({"stats", index})["index_bytes"]) << "without the appendix";
+            EXPECT_GT(json["topology_events"], 0);
+        }
+        const auto text = run({"validate", index});
+        EXPECT_EQ(text.exitCode, 0);
+        EXPECT_THAT(text.standardOutput, AllOf(HasSubstr("sound"), HasSubstr("checksums only")));
+    }
+    EXPECT_EQ(runJson({"validate", sphereIndex(), "--against", volume})["compared"], "samples");
+    EXPECT_EQ(runJson({"validate", edgesIndex("merged.isx", {"--lod-error", "1%"}), "--against", volume})["compared"],
+              "facts");
+}
+
+TEST_F(CliValidate, NamesFaultsAndExitsWithOne) {
+    const auto result = run({"validate", damaged(sphereIndex())});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.standardOutput, AllOf(HasSubstr("fails its checksum (at byte "), HasSubstr(": damaged, ")));
+    EXPECT_THAT(result.standardError, AllOf(HasSubstr("damaged.isx: "), HasSubstr("fails its checksum")));
+    EXPECT_EQ(std::count(result.standardError.begin(), result.standardError.end(), '\n'), 1);
+    const auto json = run({"validate", damaged(edgesIndex()), "--json"});
+    EXPECT_EQ(json.exitCode, 1);
+    const auto object = OrderedJson::parse(json.standardOutput);
+    EXPECT_EQ(object["sound"], false);
+    EXPECT_EQ(object["fault_count"], 1);
+    EXPECT_EQ(object["faults"][0]["problem"], "fails its checksum");
+    EXPECT_EQ(keysOf(object["faults"][0]), (std::vector<std::string>{"part", "problem", "offset", "isovalues"}));
+}
+
+TEST_F(CliValidate, FindsFaultsOfStoredTopology) {
+    const auto index = sphereIndex();
+    const std::size_t indexBytes = runJson({"stats", index})["index_bytes"];
+    const std::size_t all = readText(index).size();
+    ASSERT_GT(all, indexBytes + 64);
+    // A page of events, then the directory.
+    for (const std::size_t offset : {indexBytes + 70, all - 5}) {
+        const auto result = run({"validate", damaged(index, offset)});
+        EXPECT_EQ(result.exitCode, 1);
+        EXPECT_THAT(result.standardOutput, ::testing::AnyOf(HasSubstr("topology page fails its checksum"),
+                                                            HasSubstr("appendix fails its checksum")));
+    }
+}
+
+TEST_F(CliValidate, NamesTheDifferenceToAnotherVolume) {
+    const auto other = folder_.write("other.mha", metaImage(16, "MET_FLOAT", floatSamples(16, [](int x, int y, int z) {
+                                                                return static_cast<float>(x * y - z);
+                                                            })));
+    const auto result = run({"validate", sphereIndex(), "--against", other.string()});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.standardOutput, HasSubstr("chunk 0 has other samples than the volume"));
+    const auto edges = run({"validate", edgesIndex(), "--against", other.string()});
+    EXPECT_EQ(edges.exitCode, 1);
+    EXPECT_THAT(edges.standardOutput, HasSubstr("value range is not that of the volume"));
+    const auto smaller = noiseVolume(12);
+    EXPECT_THAT(run({"validate", sphereIndex(), "--against", smaller}).standardOutput,
+                HasSubstr("grid has 16 x 16 x 16 points, the volume 12 x 12 x 12"));
+}
+
+TEST_F(CliValidate, RefusesWithDifferentWords) {
+    expectRefusal({"validate", sphereVolume()}, 3, "not an ISOSLIDER index");
+    std::string bytes = readText(sphereIndex());
+    bytes[12] = 77;
+    expectRefusal({"validate", folder_.write("newer.isx", bytes).string()}, 3, "made by a newer version");
+    bytes = readText(path("sphere.isx"));
+    bytes[40] = static_cast<char>(bytes[40] ^ 1);
+    expectRefusal({"validate", folder_.write("header.isx", bytes).string()}, 3, "header fails its checksum");
+    expectRefusal({"validate", path("none.isx")}, 4, "none.isx");
+    expectRefusal({"validate", path("sphere.isx"), "--against", path("none.mha")}, 4, "none.mha");
+    expectRefusal({"validate"}, 2, "required");
+}
+
+} // namespace
+} // namespace isoslider::test

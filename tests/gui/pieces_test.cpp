@@ -1,0 +1,354 @@
+// Pieces of the surface in the window: counted and listed, in colours, the small ones hidden.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <QAbstractItemModelTester>
+#include <QAction>
+#include <QDockWidget>
+#include <QLabel>
+#include <QMenu>
+#include <QSlider>
+#include <QSpinBox>
+#include <QTableView>
+#include <QTest>
+
+#include "core/extract/pieces/surface_pieces.h"
+#include "tests/gui/window_fixture.h"
+#include "ui/model/surface/view_state.h"
+#include "ui/render/scene_renderer.h"
+#include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/panels/piece_table.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/action_registry.h"
+
+namespace isoslider::test {
+namespace {
+
+/// Three cones along x; the surface at 1.5 is three pieces, 9, 5 and 3 long or so.
+std::filesystem::path writeSeparateCones(const TemporaryFolder& folder) {
+    std::string bytes = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
+                        "DimSize = 40 20 20\nElementSpacing = 1 1 1\nElementType = MET_FLOAT\n"
+                        "ElementDataFile = LOCAL\n";
+    for (int z = 0; z < 20; ++z)
+        for (int y = 0; y < 20; ++y)
+            for (int x = 0; x < 40; ++x) {
+                float value = -30.0f;
+                for (int cone = 0; cone < 3; ++cone)
+                    value =
+                        std::max(value, 6.0f - 1.5f * static_cast<float>(cone) -
+                                            std::hypot(static_cast<float>(x) - 7.0f - 12.5f * static_cast<float>(cone),
+                                                       static_cast<float>(y) - 10.0f, static_cast<float>(z) - 10.0f));
+                bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+            }
+    return folder.write("cones.mha", bytes);
+}
+
+class PiecesTest : public WindowTest {
+protected:
+    void open() {
+        window_->openFile(QString::fromStdString(writeSeparateCones(folder_).string()));
+        ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr; }));
+        ASSERT_TRUE(waitUntilSettled());
+        slideTo(1.5);
+    }
+    void slideTo(double isovalue) {
+        ASSERT_TRUE(session_->isovalue().request(isovalue));
+        ASSERT_TRUE(waitUntil([&] { return session_->frame()->isovalue == isovalue; }));
+    }
+    void showPanel() {
+        child<QDockWidget>("piecesDock")->raise();
+        ASSERT_TRUE(waitUntil([this] { return session_->frame()->pieces != nullptr; }));
+        ASSERT_TRUE(waitUntil([this] { return table()->model()->rowCount() == 3; }));
+    }
+    QTableView* table() { return child<QTableView>("pieceTable"); }
+    QSlider* size() { return child<QSlider>("pieceSize"); }
+    QString count() { return child<widgets::ElidedLabel>("pieceCount")->fullText(); }
+    model::ViewState& view() { return window_->viewportHost().viewState(); }
+};
+
+TEST_F(PiecesTest, AreFoundOnlyWhileSomebodyLooks) {
+    open();
+    EXPECT_EQ(session_->frame()->pieces, nullptr);
+    showPanel();
+    EXPECT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces"); })) << count().toStdString();
+    ASSERT_EQ(table()->model()->rowCount(), 3);
+    child<QDockWidget>("levelsDock")->raise();
+    slideTo(1.4);
+    EXPECT_EQ(session_->frame()->pieces, nullptr);
+}
+
+TEST_F(PiecesTest, AllHiddenIsSaidOnTheView) {
+    open();
+    const auto* note = child<QLabel>("hiddenPiecesNote");
+    auto options = view().options();
+    options.pieces.leastSize = 7.0; // the largest is about 9 long
+    view().setOptions(options);
+    ASSERT_TRUE(waitUntil([this] { return session_->frame()->pieces != nullptr; }));
+    EXPECT_FALSE(note->isVisible());
+    options.pieces.leastSize = 20.0;
+    view().setOptions(options);
+    EXPECT_TRUE(waitUntil([&] { return note->isVisible(); }));
+    EXPECT_TRUE(note->text().contains(QStringLiteral("Ctrl+Shift+H"))) << note->text().toStdString();
+    keepPicture(*window_, "all_pieces_hidden");
+    QTest::keyClick(window_.get(), Qt::Key_H, Qt::ControlModifier | Qt::ShiftModifier);
+    EXPECT_TRUE(waitUntil([&] { return !note->isVisible(); }));
+    EXPECT_FALSE(view().options().pieces.hidesAny());
+}
+
+TEST_F(PiecesTest, AreListedTheLargestFirstAndFollowTheIsovalue) {
+    open();
+    showPanel();
+    const QAbstractItemModelTester tester(table()->model(), QAbstractItemModelTester::FailureReportingMode::Fatal);
+    const auto trianglesOf = [this](int row) {
+        return table()
+            ->model()
+            ->index(row, widgets::PieceTable::Triangles)
+            .data()
+            .toString()
+            .remove(QLatin1Char(','))
+            .toInt();
+    };
+    EXPECT_GT(trianglesOf(0), trianglesOf(1));
+    EXPECT_GT(trianglesOf(1), trianglesOf(2));
+    slideTo(3.5);
+    ASSERT_TRUE(waitUntil([this] { return table()->model()->rowCount() == 2; }));
+    EXPECT_EQ(count(), QStringLiteral("2 pieces"));
+    slideTo(1.5);
+    ASSERT_TRUE(waitUntil([this] { return table()->model()->rowCount() == 3; }));
+}
+
+TEST_F(PiecesTest, SmallOnesAreHiddenByTheSlider) {
+    open();
+    showPanel();
+    size()->setFocus();
+    QTest::keyClick(size(), Qt::Key_End);
+    EXPECT_EQ(view().options().pieces.leastSize, 39.0); // the volume's longest side
+    EXPECT_EQ(count(), QStringLiteral("3 pieces, 3 hidden"));
+    int steps = 0;
+    while (count() != QStringLiteral("3 pieces, 2 hidden") && ++steps < 400)
+        QTest::keyClick(size(), Qt::Key_Left);
+    EXPECT_EQ(count(), QStringLiteral("3 pieces, 2 hidden"));
+    EXPECT_GT(view().options().pieces.leastSize, 5.0);
+    EXPECT_LT(view().options().pieces.leastSize, 12.0);
+    EXPECT_EQ(table()->model()->index(2, 0).data(Qt::ToolTipRole).toString(), QStringLiteral("Hidden"));
+    EXPECT_TRUE(table()->model()->index(0, 0).data(Qt::ToolTipRole).isNull());
+    // Hidden pieces stay hidden when the panel is not looked at.
+    child<QDockWidget>("levelsDock")->raise();
+    slideTo(1.25);
+    EXPECT_NE(session_->frame()->pieces, nullptr);
+    child<QDockWidget>("piecesDock")->raise();
+    size()->setFocus();
+    QTest::keyClick(size(), Qt::Key_Home);
+    EXPECT_EQ(view().options().pieces.leastSize, 0.0);
+    EXPECT_EQ(count(), QStringLiteral("3 pieces"));
+}
+
+TEST_F(PiecesTest, AreColouredByKeyAndTheListShowsTheColours) {
+    open();
+    QTest::keyClick(window_.get(), Qt::Key_P, Qt::ShiftModifier);
+    EXPECT_TRUE(view().options().pieces.isColoured);
+    ASSERT_TRUE(waitUntil([this] { return session_->frame()->pieces != nullptr; }));
+    showPanel();
+    const auto colourOf = [this](int row) {
+        return table()->model()->index(row, 0).data(Qt::DecorationRole).value<QColor>();
+    };
+    EXPECT_NE(colourOf(0), colourOf(1));
+    EXPECT_NE(colourOf(1), colourOf(2));
+    const QColor second = colourOf(1);
+    slideTo(1.0);
+    EXPECT_EQ(colourOf(1), second);
+    QTest::keyClick(window_.get(), Qt::Key_P, Qt::ShiftModifier);
+    EXPECT_FALSE(view().options().pieces.isColoured);
+}
+
+class PickTest : public PiecesTest {
+protected:
+    void SetUp() override {
+        if (window_->viewportHost().viewport() == nullptr)
+            GTEST_SKIP() << "no OpenGL 3.3 here";
+        open();
+        session_->isovalue().request(1.5);
+        QTest::keyClick(window_.get(), Qt::Key_1); // along y: the cones stand side by side
+        ASSERT_TRUE(waitUntilSettled());
+    }
+    widgets::ViewportWidget& viewport() { return *window_->viewportHost().viewport(); }
+    /// Where the middle of a cone is seen.
+    QPoint pixelOf(int cone) {
+        const glm::dvec3 at(7.0 + 12.5 * cone, 10.0, 10.0);
+        const auto& frame = *session_->frame();
+        const double aspect = static_cast<double>(viewport().width()) / viewport().height();
+        const auto& camera = viewport().camera();
+        const glm::dvec4 clip = camera.projectionMatrix(aspect) * camera.viewMatrix() *
+                                render::indexToCentredWorld(frame.geometry, frame.geometry) * glm::dvec4(at, 1.0);
+        return {static_cast<int>((1.0 + clip.x / clip.w) / 2.0 * viewport().width()),
+                static_cast<int>((1.0 - clip.y / clip.w) / 2.0 * viewport().height())};
+    }
+    void pick(QPoint point) {
+        doubleClick(viewport(), Qt::LeftButton, {}, point);
+        ASSERT_TRUE(waitUntil([this] { return session_->frame()->pieces != nullptr; }));
+    }
+    const model::PieceOptions& pieces() { return view().options().pieces; }
+    const extract::Piece& piece(std::size_t place) { return session_->frame()->pieces->pieces()[place]; }
+    QAction* action(const char* name) { return window_->actions().action(name); }
+};
+
+TEST_F(PickTest, ADoubleClickSelectsThePieceBelowThePointer) {
+    EXPECT_FALSE(action("pieces.hide")->isEnabled());
+    for (const int cone : {0, 1, 2}) {
+        pick(pixelOf(cone));
+        ASSERT_TRUE(waitUntil([&] { return pieces().selected == piece(static_cast<std::size_t>(cone)).id; }))
+            << cone; // the cones' sizes fall
+    }
+    EXPECT_TRUE(action("pieces.hide")->isEnabled());
+    pick({4, 4});
+    ASSERT_TRUE(waitUntil([&] { return !pieces().selected; })) << "nothing is there";
+}
+
+TEST_F(PickTest, AHiddenPieceIsSeenThroughAndComesBack) {
+    pick(pixelOf(1));
+    ASSERT_TRUE(waitUntil([&] { return pieces().selected.has_value(); }));
+    const extract::PieceId second = *pieces().selected;
+    QTest::keyClick(window_.get(), Qt::Key_H);
+    EXPECT_EQ(pieces().hidden, std::vector{second});
+    EXPECT_FALSE(pieces().selected);
+    pick(pixelOf(1));
+    EXPECT_FALSE(pieces().selected) << "there is nothing to be picked";
+    slideTo(1.25); // it keeps its number, so it stays hidden
+    showPanel();
+    EXPECT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces, 1 hidden"); })) << count().toStdString();
+    QTest::keyClick(window_.get(), Qt::Key_H, Qt::ControlModifier | Qt::ShiftModifier);
+    EXPECT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces"); }));
+    pick(pixelOf(1));
+    EXPECT_TRUE(waitUntil([&] { return pieces().selected == second; }));
+}
+
+TEST_F(PickTest, OneIsShownAloneFromTheMenuOfTheView) {
+    QTest::mouseClick(&viewport(), Qt::RightButton, {}, pixelOf(2));
+    ASSERT_TRUE(waitUntil([] { return QApplication::activePopupWidget() != nullptr; }));
+    auto* menu = qobject_cast<QMenu*>(QApplication::activePopupWidget());
+    ASSERT_NE(menu, nullptr);
+    ASSERT_TRUE(pieces().selected);
+    const extract::PieceId third = *pieces().selected;
+    EXPECT_EQ(third, piece(2).id);
+    QTest::mouseClick(menu, Qt::LeftButton, {}, menu->actionGeometry(action("pieces.only")).center());
+    ASSERT_TRUE(waitUntil([&] { return pieces().only == third; }));
+    pick(pixelOf(0));
+    EXPECT_FALSE(pieces().selected);
+    pick(pixelOf(2));
+    EXPECT_EQ(pieces().selected, third);
+    // Another volume has other pieces.
+    window_->openFile(QString::fromStdString(writeSeparateCones(folder_).string()));
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_FALSE(pieces().only);
+    EXPECT_FALSE(pieces().selected);
+}
+
+TEST_F(PickTest, ARowSelectsThePieceAndTheLargestAreKept) {
+    showPanel();
+    QTest::mouseClick(table()->viewport(), Qt::LeftButton, {},
+                      table()->visualRect(table()->model()->index(1, 0)).center());
+    EXPECT_EQ(pieces().selected, piece(1).id);
+    QTest::keyClick(table(), Qt::Key_Down);
+    EXPECT_EQ(pieces().selected, piece(2).id);
+    auto* largest = child<QSpinBox>("largestPieces");
+    largest->setFocus();
+    QTest::keyClick(largest, Qt::Key_Up);
+    EXPECT_EQ(pieces().largest, 1u);
+    EXPECT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces, 2 hidden"); })) << count().toStdString();
+    action("pieces.all")->trigger();
+    EXPECT_EQ(pieces().largest, 0u);
+    EXPECT_EQ(largest->value(), 0);
+}
+
+// The cones are those of a ball: at 1.5 the first one is a ball of radius 4.5.
+TEST_F(PickTest, TheSelectedOneIsMeasured) {
+    showPanel();
+    auto* form = child<QWidget>("pieceForm");
+    EXPECT_FALSE(form->isVisible());
+    const auto facts = [&] {
+        QStringList texts;
+        for (const auto* label : form->findChildren<QLabel*>())
+            if (label->isVisible())
+                texts << label->text();
+        return texts;
+    };
+    pick(pixelOf(0));
+    ASSERT_TRUE(waitUntil([&] { return form->isVisible() && form->isEnabled(); }));
+    ASSERT_EQ(facts().size(), 8) << facts().join(QLatin1Char('|')).toStdString();
+    const auto numberOf = [&](int row) { return facts()[2 * row + 1].section(QChar(QChar::Nbsp), 0, 0).toDouble(); };
+    constexpr double kArea = 4.0 * 3.14159265 * 4.5 * 4.5, kVolume = kArea * 4.5 / 3.0;
+    EXPECT_NEAR(numberOf(2), kArea, 0.03 * kArea) << facts()[5].toStdString();
+    EXPECT_NEAR(numberOf(3), kVolume, 0.03 * kVolume) << facts()[7].toStdString();
+    keepPicture(*window_, "piece_measured");
+    slideTo(2.5);
+    ASSERT_TRUE(waitUntil([&] { return form->isEnabled() && numberOf(2) < 0.7 * kArea; }));
+    action("pieces.hide")->trigger();
+    EXPECT_TRUE(waitUntil([&] { return !form->isVisible(); }));
+}
+
+TEST_F(PickTest, ASessionHidesAgainWhatWasHidden) {
+    pick(pixelOf(1));
+    ASSERT_TRUE(waitUntil([&] { return pieces().selected.has_value(); }));
+    QTest::keyClick(window_.get(), Qt::Key_H);
+    const auto saveAs = [&](const char* name) {
+        const auto path = folder_ / name;
+        dialogs_.answers.push_back(QString::fromStdString(path.string()));
+        trigger("file.saveSession");
+        EXPECT_TRUE(waitUntil([&] { return std::filesystem::exists(path); }));
+        return path;
+    };
+    const auto hidden = saveAs("hidden.isosession");
+    action("pieces.all")->trigger();
+    pick(pixelOf(2));
+    ASSERT_TRUE(waitUntil([&] { return pieces().selected.has_value(); }));
+    action("pieces.only")->trigger();
+    const auto only = saveAs("only.isosession");
+    const auto openSession = [&](const std::filesystem::path& path) {
+        trigger("file.close");
+        window_->openFile(QString::fromStdString(path.string()));
+        ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr; }));
+        ASSERT_TRUE(waitUntilSettled());
+        ASSERT_TRUE(waitUntil([this] { return session_->frame()->pieces && pieces().awaited.isEmpty(); }));
+    };
+    openSession(hidden);
+    EXPECT_EQ(pieces().hidden, std::vector{piece(1).id});
+    EXPECT_FALSE(pieces().only);
+    QTest::qWait(600); // longer than steps are joined
+    EXPECT_FALSE(action("edit.undo")->isEnabled()) << "nobody did it";
+    openSession(only);
+    EXPECT_EQ(pieces().hidden, std::vector<extract::PieceId>());
+    EXPECT_EQ(pieces().only, piece(2).id);
+    action("pieces.all")->trigger();
+    EXPECT_FALSE(pieces().hidesAny());
+}
+
+TEST_F(PickTest, WhatIsShownIsExported) {
+    EXPECT_FALSE(action("pieces.exportShown")->isEnabled());
+    EXPECT_FALSE(action("pieces.exportSelected")->isEnabled());
+    pick(pixelOf(1));
+    ASSERT_TRUE(waitUntil([&] { return pieces().selected.has_value(); }));
+    const std::uint64_t first = piece(0).triangles, second = piece(1).triangles, third = piece(2).triangles;
+    const auto trianglesWrittenBy = [&](const char* name, const char* file) {
+        dialogs_.answers.push_back(QString::fromStdString((folder_ / file).string()));
+        action(name)->trigger();
+        EXPECT_TRUE(waitUntil([&] { return std::filesystem::exists(folder_ / file); })) << file;
+        EXPECT_TRUE(waitUntilSettled());
+        std::ifstream text(folder_ / file);
+        std::string line;
+        std::uint64_t faces = 0;
+        while (std::getline(text, line))
+            faces += line.rfind("f ", 0) == 0;
+        return faces;
+    };
+    EXPECT_EQ(trianglesWrittenBy("pieces.exportSelected", "one.obj"), second);
+    QTest::keyClick(window_.get(), Qt::Key_H);
+    EXPECT_EQ(trianglesWrittenBy("pieces.exportShown", "shown.obj"), first + third);
+    EXPECT_EQ(trianglesWrittenBy("mesh.export", "whole.obj"), first + second + third);
+    EXPECT_FALSE(action("pieces.exportSelected")->isEnabled());
+}
+
+} // namespace
+} // namespace isoslider::test

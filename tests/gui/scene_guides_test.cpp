@@ -1,0 +1,269 @@
+// The orientation cube, the scale bar and the way to the surface: what the pointer and the keys do, and what is kept.
+#include <QAction>
+#include <QApplication>
+#include <QtTest>
+
+#include <glm/geometric.hpp>
+
+#include "tests/gui/window_fixture.h"
+#include "ui/model/surface/orientation_cube.h"
+#include "ui/widgets/viewport/camera_flight.h"
+#include "ui/widgets/viewport/orientation_cube.h"
+#include "ui/widgets/viewport/scale_bar_view.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/action_registry.h"
+#include "ui/widgets/window/message_bar.h"
+
+namespace isoslider::test {
+namespace {
+
+using model::StandardView;
+
+class SceneGuidesTest : public WindowTest {
+protected:
+    void SetUp() override {
+        if (window_->viewportHost().viewport() == nullptr)
+            GTEST_SKIP() << "no OpenGL 3.3 here";
+        openBall();
+        ASSERT_TRUE(waitUntil([this] { return cube().isVisible() && scaleBar().isVisible(); }));
+    }
+    widgets::ViewportWidget& viewport() { return *window_->viewportHost().viewport(); }
+    const model::Camera& camera() { return viewport().camera(); }
+    widgets::OrientationCube& cube() { return *child<widgets::OrientationCube>("orientationCube"); }
+    widgets::ScaleBarView& scaleBar() { return *child<widgets::ScaleBarView>("scaleBar"); }
+    /// The middle of a side of the cube that can be seen.
+    QPoint pointOf(StandardView side) {
+        for (const auto& seen : model::visibleSides(camera().orientation()))
+            if (seen.side == side)
+                return cube().pointOf(seen.middle).toPoint();
+        ADD_FAILURE() << "cannot be seen";
+        return {};
+    }
+    void moveTo(QPointF point, Qt::MouseButtons buttons = Qt::NoButton) {
+        QMouseEvent move(QEvent::MouseMove, point, cube().mapToGlobal(point), Qt::NoButton, buttons, Qt::NoModifier);
+        QApplication::sendEvent(&cube(), &move);
+    }
+    bool waitForFlight() {
+        return waitUntil([this] { return !window_->viewportHost().flight()->isFlying(); });
+    }
+    bool isChecked(const char* action) { return window_->actions().action(action)->isChecked(); }
+    QImage savedPicture() {
+        const auto path = folder_ / "view.png";
+        const QSize size = viewport().size();
+        dialogs_.answers.push_back(QString::fromStdString(path.string()));
+        trigger("file.saveImage");
+        EXPECT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+        window_->messageBar().hide();
+        EXPECT_TRUE(waitUntil([&] { return viewport().size() == size; })) << "it makes room";
+        return QImage(QString::fromStdString(path.string())).convertToFormat(QImage::Format_RGB32);
+    }
+    /// Of the pixels below a widget of the view.
+    int differences(const QImage& a, const QImage& b, const QWidget& widget) {
+        EXPECT_EQ(a.size(), b.size());
+        const QRect place(widget.mapTo(&viewport(), QPoint()), widget.size());
+        const double ratio = static_cast<double>(a.width()) / viewport().width();
+        int count = 0;
+        for (int y = 0; y < a.height(); ++y)
+            for (int x = 0; x < a.width(); ++x)
+                count += place.contains(QPointF(x / ratio, y / ratio).toPoint()) && a.pixel(x, y) != b.pixel(x, y);
+        return count;
+    }
+};
+
+TEST_F(SceneGuidesTest, AClickOnASideOfTheCubeShowsItStraightOn) {
+    viewport().changeCamera([](model::Camera& camera) { camera.zoom(1.3, {0.2, 0.1}, 1.5); });
+    const auto before = camera().pose();
+    for (const auto side : {StandardView::Right, StandardView::Front, StandardView::Top}) {
+        viewport().changeCamera([&](model::Camera& camera) { camera.setPose(before); });
+        if (side == StandardView::Right)
+            viewport().changeCamera([](model::Camera& camera) { camera.orbit(-0.9, 0.0); });
+        const auto start = camera().pose();
+        QTest::mouseClick(&cube(), Qt::LeftButton, {}, pointOf(side));
+        EXPECT_EQ(camera().orientation(), start.orientation) << "it takes a while to turn";
+        ASSERT_TRUE(waitForFlight());
+        const glm::dvec3 outwards = model::standardOrientation(side) * glm::dvec3(0.0, 0.0, 1.0);
+        EXPECT_NEAR(glm::dot(camera().backward(), outwards), 1.0, 1e-9) << model::sideName(side, false);
+        EXPECT_EQ(camera().target(), start.target) << "what is in the middle stays there";
+        EXPECT_NEAR(camera().distance(), start.distance, 1e-9);
+        EXPECT_EQ(model::visibleSides(camera().orientation()).size(), 1u);
+    }
+    keepPicture(*window_, "guides_top");
+}
+
+TEST_F(SceneGuidesTest, TheSideBelowThePointerIsHighlightedAndNamed) {
+    const QImage plain = cube().grab().toImage();
+    moveTo(pointOf(StandardView::Front));
+    EXPECT_EQ(cube().hovered(), StandardView::Front);
+    EXPECT_EQ(cube().toolTip(), QStringLiteral("Look at −Y"));
+    const QImage first = cube().grab().toImage();
+    EXPECT_NE(first, plain);
+    keepPicture(*window_, "guides_hover");
+    moveTo(pointOf(StandardView::Top));
+    EXPECT_EQ(cube().hovered(), StandardView::Top);
+    EXPECT_EQ(cube().toolTip(), QStringLiteral("Look at +Z"));
+    EXPECT_NE(cube().grab().toImage(), first);
+    moveTo(QPointF(1, 1));
+    EXPECT_FALSE(cube().hovered());
+    EXPECT_EQ(cube().grab().toImage(), plain);
+    moveTo(pointOf(StandardView::Top));
+    QEvent leave(QEvent::Leave);
+    QApplication::sendEvent(&cube(), &leave);
+    EXPECT_FALSE(cube().hovered());
+}
+
+TEST_F(SceneGuidesTest, WhatIsNoClickOnASideIsForTheView) {
+    int clicks = 0, picks = 0;
+    QObject::connect(&viewport(), &widgets::ViewportWidget::clicked, &viewport(), [&clicks] { ++clicks; });
+    QObject::connect(&viewport(), &widgets::ViewportWidget::picked, &viewport(), [&picks] { ++picks; });
+    const auto before = camera().orientation();
+    const QPoint from = pointOf(StandardView::Front);
+    QTest::mousePress(&cube(), Qt::LeftButton, {}, from);
+    moveTo(from + QPoint(60, 10), Qt::LeftButton);
+    EXPECT_GT(glm::length(camera().orientation() - before), 0.05) << "a drag orbits";
+    const auto orbited = camera().orientation();
+    QTest::mouseRelease(&cube(), Qt::LeftButton, {}, from + QPoint(60, 10));
+    EXPECT_FALSE(window_->viewportHost().flight()->isFlying()) << "and is no click";
+    EXPECT_EQ(camera().orientation(), orbited);
+    EXPECT_EQ(clicks, 0);
+
+    QTest::mouseClick(&cube(), Qt::LeftButton, {}, QPoint(1, 1)); // beside the cube
+    EXPECT_FALSE(window_->viewportHost().flight()->isFlying());
+    EXPECT_EQ(clicks, 1);
+    doubleClick(cube(), Qt::LeftButton, {}, pointOf(StandardView::Top));
+    EXPECT_EQ(clicks, 1) << "nothing behind the cube is picked";
+    EXPECT_EQ(picks, 0);
+    ASSERT_TRUE(waitForFlight());
+
+    const double distance = camera().distance();
+    QWheelEvent wheel(QPointF(46, 46), cube().mapToGlobal(QPointF(46, 46)), {}, QPoint(0, 120), Qt::NoButton,
+                      Qt::NoModifier, Qt::NoScrollPhase, false);
+    QSpontaneKeyEvent::setSpontaneous(&wheel); // only such ones are passed on
+    qApp->notify(&cube(), &wheel);
+    EXPECT_LT(camera().distance(), distance);
+}
+
+TEST_F(SceneGuidesTest, TheScaleBarIsAsLongAsItSays) {
+    for (const double zoom : {1.0, 1.7, 40.0, 0.01}) {
+        viewport().changeCamera([zoom](model::Camera& camera) { camera.zoom(zoom, {0.0, 0.0}, 1.5); });
+        for (const bool isPerspective : {true, false}) {
+            viewport().changeCamera([&](model::Camera& camera) { camera.setPerspective(isPerspective); });
+            ASSERT_TRUE(scaleBar().isVisible());
+            const double length = scaleBar().bar().length;
+            EXPECT_EQ(scaleBar().text(), QStringLiteral("%1%2units").arg(length).arg(QChar(QChar::Nbsp)))
+                << "the file states no unit";
+            // A stretch of that length across the middle of the view, as it is drawn.
+            const double aspect = static_cast<double>(viewport().width()) / viewport().height();
+            const glm::dmat4 toClip = camera().projectionMatrix(aspect) * camera().viewMatrix();
+            const auto pixelOf = [&](const glm::dvec3& place) {
+                const glm::dvec4 clip = toClip * glm::dvec4(place, 1.0);
+                return clip.x / clip.w / 2.0 * viewport().width();
+            };
+            const double drawn = pixelOf(camera().target() + camera().right() * length) - pixelOf(camera().target());
+            EXPECT_NEAR(scaleBar().bar().pixels, drawn, 1e-6 * drawn);
+            EXPECT_LE(scaleBar().bar().pixels, widgets::ScaleBarView::kMostPixels);
+            EXPECT_TRUE(viewport().rect().contains(scaleBar().geometry()));
+        }
+    }
+}
+
+TEST_F(SceneGuidesTest, TheScaleBarIsTrueAlongItsWayWhereLengthsAreStretched) {
+    const auto worldPerPixel = [this] { return scaleBar().bar().length / scaleBar().bar().pixels; };
+    QTest::keyClick(window_.get(), Qt::Key_1); // X to the right, Z upwards
+    ASSERT_TRUE(waitUntil([this] { return std::abs(camera().right().x) > 0.999; }));
+    const auto stretch = [this](const glm::dvec3& by) {
+        auto options = window_->viewportHost().viewState().options();
+        options.stage.stretch = by;
+        window_->viewportHost().viewState().setOptions(options);
+    };
+    const double plain = worldPerPixel() / camera().halfHeight();
+    stretch({20.0, 1.0, 1.0});
+    ASSERT_TRUE(scaleBar().isVisible());
+    EXPECT_NEAR(20.0 * worldPerPixel() / camera().halfHeight(), plain, 1e-6 * plain);
+    stretch({1.0, 1.0, 20.0});
+    EXPECT_NEAR(worldPerPixel() / camera().halfHeight(), plain, 1e-6 * plain) << "the bar lies along X";
+}
+
+TEST_F(SceneGuidesTest, GuidesAreShownHiddenUndoneAndRemembered) {
+    QTest::qWait(600); // what opening has changed is no step
+    for (const auto& [action, key, modifiers, widget] :
+         {std::tuple("view.cube", Qt::Key_K, Qt::KeyboardModifiers(Qt::NoModifier), static_cast<QWidget*>(&cube())),
+          std::tuple("view.scaleBar", Qt::Key_K, Qt::KeyboardModifiers(Qt::ShiftModifier),
+                     static_cast<QWidget*>(&scaleBar()))}) {
+        EXPECT_TRUE(isChecked(action));
+        QTest::keyClick(window_.get(), key, modifiers);
+        EXPECT_FALSE(widget->isVisible()) << action;
+        EXPECT_FALSE(isChecked(action));
+        QTest::qWait(600);
+        QTest::keyClick(window_.get(), Qt::Key_Z, Qt::ControlModifier);
+        EXPECT_TRUE(widget->isVisible()) << action;
+        EXPECT_TRUE(isChecked(action));
+        QTest::keyClick(window_.get(), Qt::Key_Y, Qt::ControlModifier);
+        EXPECT_FALSE(widget->isVisible()) << action;
+        QTest::qWait(600);
+    }
+    makeWindow();
+    EXPECT_FALSE(isChecked("view.cube"));
+    EXPECT_FALSE(isChecked("view.scaleBar"));
+    openBall();
+    EXPECT_FALSE(cube().isVisible());
+    EXPECT_FALSE(scaleBar().isVisible());
+}
+
+TEST_F(SceneGuidesTest, ASessionKeepsThem) {
+    window_->actions().action("view.cube")->setChecked(false);
+    const auto path = folder_ / "ball.isosession";
+    dialogs_.answers.push_back(QString::fromStdString(path.string()));
+    trigger("file.saveSession");
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+    window_->actions().action("view.cube")->setChecked(true);
+    window_->actions().action("view.scaleBar")->setChecked(false);
+    trigger("file.close");
+    EXPECT_FALSE(cube().isVisible()) << "there is nothing to find one's way in";
+    window_->openFile(QString::fromStdString(path.string()));
+    ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr && session_->isSettled(); }));
+    EXPECT_FALSE(cube().isVisible());
+    EXPECT_TRUE(scaleBar().isVisible());
+}
+
+TEST_F(SceneGuidesTest, SavedPicturesShowWhatIsOn) {
+    const QImage both = savedPicture();
+    trigger("view.cube");
+    const QImage barOnly = savedPicture();
+    trigger("view.scaleBar");
+    const QImage none = savedPicture();
+    EXPECT_GT(differences(both, barOnly, cube()), 1000);
+    EXPECT_EQ(differences(both, barOnly, scaleBar()), 0);
+    EXPECT_GT(differences(barOnly, none, scaleBar()), 300);
+    EXPECT_EQ(differences(barOnly, none, cube()), 0);
+}
+
+TEST_F(SceneGuidesTest, ASmallViewHasNoRoomForThem) {
+    window_->resize(320, 240);
+    ASSERT_TRUE(waitUntil([this] { return !cube().isVisible() && !scaleBar().isVisible(); }))
+        << viewport().width() << " x " << viewport().height();
+    window_->resize(1400, 900);
+    ASSERT_TRUE(waitUntil([this] { return cube().isVisible() && scaleBar().isVisible(); }));
+    EXPECT_FALSE(cube().geometry().intersects(scaleBar().geometry()));
+}
+
+TEST_F(SceneGuidesTest, FitToSurfaceFillsTheViewWithTheSurface) {
+    session_->isovalue().request(-3.0);
+    ASSERT_TRUE(waitUntil([this] { return session_->isovalue().displayed() == -3.0; }));
+    viewport().changeCamera([](model::Camera& camera) { camera.pan({0.4, 0.3}, 1.5); });
+    const auto before = camera().pose();
+    QTest::keyClick(&viewport(), Qt::Key_R, Qt::ShiftModifier);
+    ASSERT_TRUE(waitUntil([&] { return camera().distance() < before.distance; }));
+    ASSERT_TRUE(waitForFlight());
+    EXPECT_LT(glm::length(camera().target()), 0.01) << "the ball is in the middle of the volume";
+    EXPECT_EQ(camera().orientation(), before.orientation);
+    EXPECT_NEAR(camera().halfHeight(), 3.0, 0.3);
+    QTest::keyClick(&viewport(), Qt::Key_R);
+    EXPECT_GT(camera().halfHeight(), 15.0) << "the whole volume";
+    session_->isovalue().request(-100.0); // below all samples: at the least one
+    ASSERT_TRUE(waitUntil([this] { return !window_->actions().action("view.fit")->isEnabled(); }))
+        << "there is no surface";
+}
+
+} // namespace
+} // namespace isoslider::test

@@ -1,0 +1,1 @@
+// Only there so that test_headers.h is compiled once.

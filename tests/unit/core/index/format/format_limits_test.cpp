@@ -1,0 +1,218 @@
+// Each limit of FORMAT.md, "Limits": what is at it is read, what is one past it is refused.
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/index/format/block_codec.h"
+#include "core/index/format/chunk_codec.h"
+#include "core/index/format/hidden_corner_codec.h"
+#include "core/index/format/index_format.h"
+#include "tests/support/result_matchers.h"
+
+namespace isoslider::index {
+namespace {
+
+using test::HasError;
+using test::IsOk;
+
+constexpr std::uint64_t kMetaOffset = std::uint64_t{1} << 20;
+
+IndexMeta leastMeta() {
+    IndexMeta meta;
+    meta.info.geometry.dims = {16, 16, 16};
+    meta.info.levels.resize(1);
+    meta.levels.resize(1);
+    return meta;
+}
+
+Status statusOf(const IndexMeta& meta) {
+    const auto bytes = encodeMeta(meta);
+    Preamble preamble;
+    preamble.minor = minorOf(meta);
+    preamble.metaOffset = kMetaOffset;
+    preamble.metaBytes = bytes.size();
+    preamble.fileBytes = kMetaOffset + bytes.size();
+    const auto decoded = decodeMeta(bytes, preamble, "x");
+    return decoded.isOk() ? Status() : Status(decoded.error());
+}
+
+/// `set` brings a meta to a limit: the last argument is how far past it.
+void expectLimit(const char* what, const std::function<void(IndexMeta&, std::int64_t past)>& set) {
+    for (const std::int64_t past : {0, 1}) {
+        IndexMeta meta = leastMeta();
+        set(meta, past);
+        if (past == 0)
+            EXPECT_THAT(statusOf(meta), IsOk()) << what;
+        else
+            EXPECT_THAT(statusOf(meta), HasError(ErrorCode::Corruption)) << what;
+    }
+}
+
+void setBins(IndexMeta& meta, std::int64_t bins) {
+    meta.info.histogram.counts.assign(static_cast<std::size_t>(bins), 0);
+    meta.info.activeEdgesPerBin.assign(static_cast<std::size_t>(bins), 0);
+}
+
+PageEntry pageAt(std::uint64_t offset, std::uint32_t bytes, std::uint64_t firstKey = 0, std::uint64_t lastKey = 0) {
+    PageEntry page;
+    page.offset = offset;
+    page.bytes = bytes;
+    page.firstKey = firstKey;
+    page.lastKey = lastKey;
+    return page;
+}
+
+TEST(FormatLimits, OfTheVolume) {
+    expectLimit("points along x", [](IndexMeta& meta, auto past) { meta.info.geometry.dims = {kMaxDim + past, 1, 1}; });
+    expectLimit("points along z", [](IndexMeta& meta, auto past) { meta.info.geometry.dims = {1, 1, kMaxDim + past}; });
+    expectLimit("least extent", [](IndexMeta& meta, auto past) { meta.info.geometry.dims = {4, 1 - past, 4}; });
+    expectLimit("points in all", [](IndexMeta& meta, auto past) {
+        meta.info.geometry.dims = {kMaxDim, kMaxDim / 16, 16 + past};
+    });
+    expectLimit("bricks", [](IndexMeta& meta, auto past) { // 2^32 of them are one too many
+        meta.info.geometry.dims = {kMaxDim, kMaxDim / 4 - 8 + 8 * past, 1};
+    });
+    expectLimit("spacing", [](IndexMeta& meta, auto past) {
+        meta.info.geometry.spacing[1] = past == 0 ? std::numeric_limits<double>::denorm_min() : 0.0;
+    });
+    expectLimit("least value of the type", [](IndexMeta& meta, auto past) {
+        meta.info.type = ScalarType::I16;
+        meta.info.min = -32768.0 - static_cast<double>(past);
+    });
+    expectLimit("greatest value of the type",
+                [](IndexMeta& meta, auto past) { meta.info.max = 255.0 + static_cast<double>(past); });
+}
+
+TEST(FormatLimits, OfTextsAndTables) {
+    expectLimit("bytes of the name", [](IndexMeta& meta, auto past) {
+        meta.info.sourceName.assign(static_cast<std::size_t>(4096 + past), 'n');
+    });
+    expectLimit("characters of the unit", [](IndexMeta& meta, auto past) {
+        meta.info.lengthUnit.assign(static_cast<std::size_t>(16 + past), 'm');
+    });
+    expectLimit("bins", [](IndexMeta& meta, auto past) { setBins(meta, 65536 + past); });
+    expectLimit("levels", [](IndexMeta& meta, auto past) {
+        meta.info.levels.resize(static_cast<std::size_t>(8 + past));
+        meta.levels.resize(meta.info.levels.size());
+    });
+    expectLimit("no level", [](IndexMeta& meta, auto past) {
+        meta.info.levels.resize(static_cast<std::size_t>(1 - past));
+        meta.levels.resize(meta.info.levels.size());
+    });
+}
+
+// Writers cut the line, so a longer one is put into the bytes.
+TEST(FormatLimits, OfTheLineOnResampling) {
+    IndexMeta meta = leastMeta();
+    meta.info.resampling.assign(501, 'r');
+    const auto decode = [&](const std::vector<std::byte>& bytes) {
+        Preamble preamble;
+        preamble.minor = minorOf(meta);
+        preamble.metaOffset = kMetaOffset;
+        preamble.metaBytes = bytes.size();
+        preamble.fileBytes = kMetaOffset + bytes.size();
+        return decodeMeta(bytes, preamble, "x");
+    };
+    auto bytes = encodeMeta(meta);
+    const auto decoded = decode(bytes);
+    ASSERT_THAT(decoded, IsOk());
+    EXPECT_EQ(decoded.value().info.resampling, std::string(500, 'r'));
+    const std::vector<std::byte> line(500, std::byte{'r'});
+    const auto found = std::search(bytes.begin(), bytes.end(), line.begin(), line.end());
+    ASSERT_NE(found, bytes.end());
+    const auto length = found - 4;
+    ASSERT_EQ(std::to_integer<int>(length[0]) + 256 * std::to_integer<int>(length[1]), 500);
+    length[0] = static_cast<std::byte>(501 & 255);
+    bytes.insert(bytes.begin() + (found - bytes.begin()), std::byte{'r'});
+    EXPECT_THAT(decode(bytes), HasError(ErrorCode::Corruption));
+}
+
+TEST(FormatLimits, OfTheFile) {
+    for (const std::uint64_t past : {0, 1}) {
+        Preamble preamble;
+        preamble.metaOffset = kMetaOffset;
+        preamble.metaBytes = kMaxMetaBytes + past;
+        preamble.fileBytes = kMetaOffset + preamble.metaBytes;
+        const auto decoded = decodePreamble(encodePreamble(preamble), preamble.fileBytes, "x");
+        EXPECT_EQ(decoded.isOk(), past == 0) << "bytes of the meta";
+        // The file itself has no limit but its number: what it states has to be there.
+        preamble.metaBytes = 100;
+        preamble.metaOffset = std::numeric_limits<std::uint64_t>::max() - 100 + past;
+        preamble.fileBytes = std::numeric_limits<std::uint64_t>::max();
+        const auto largest = decodePreamble(encodePreamble(preamble), preamble.fileBytes, "x");
+        EXPECT_EQ(largest.isOk(), past == 0) << "end of the meta";
+        preamble.fileBytes = kMetaOffset + past;
+        preamble.metaOffset = kMetaOffset - 100;
+        const auto shorter = decodePreamble(encodePreamble(preamble), kMetaOffset, "x");
+        EXPECT_EQ(shorter.isOk(), past == 0) << "bytes of the file";
+    }
+}
+
+TEST(FormatLimits, OfEntries) {
+    expectLimit("end of a page", [](IndexMeta& meta, auto past) {
+        meta.levels[0].pages = {pageAt(kMetaOffset - 100, static_cast<std::uint32_t>(100 + past))};
+    });
+    expectLimit("begin of a page", [](IndexMeta& meta, auto past) {
+        meta.levels[0].pages = {pageAt(kPreambleBytes - static_cast<std::uint64_t>(past), 100)};
+    });
+    expectLimit("keys of pages", [](IndexMeta& meta, auto past) {
+        meta.levels[0].pages = {pageAt(64, 10, 3, 5), pageAt(74, 10, static_cast<std::uint64_t>(5 - past), 9)};
+    });
+    expectLimit("keys of blocks", [](IndexMeta& meta, auto past) {
+        meta.info.levels.resize(2);
+        meta.levels.resize(2);
+        meta.levels[1].blocks = {{0, 4, 0, 0}, {static_cast<std::uint64_t>(5 - past), 9, 0, 0}};
+    });
+    const auto hidden = [](std::uint32_t corners, std::uint32_t bytes, std::uint32_t last) {
+        HiddenPageEntry page;
+        page.offset = kPreambleBytes;
+        page.corners = corners;
+        page.bytes = bytes;
+        page.lastBrick = BrickIndex(last);
+        return page;
+    };
+    expectLimit("hidden corners of a page", [&](IndexMeta& meta, auto past) {
+        meta.hiddenPages = {hidden(static_cast<std::uint32_t>(4096 + past), 100, 0)};
+    });
+    expectLimit("bytes of a page of hidden corners", [&](IndexMeta& meta, auto past) {
+        meta.hiddenPages = {hidden(1, static_cast<std::uint32_t>(49216 + past), 0)};
+    });
+    expectLimit("bricks of the grid", [&](IndexMeta& meta, auto past) {
+        meta.hiddenPages = {hidden(1, 100, static_cast<std::uint32_t>(7 + past))};
+    });
+    expectLimit("bricks of a page of hidden corners", [&](IndexMeta& meta, auto past) {
+        meta.info.geometry.dims = {kMaxDim, 256, 8};
+        meta.hiddenPages = {hidden(1, 100, static_cast<std::uint32_t>((1 << 20) - 1 + past))};
+    });
+    expectLimit("bricks with missing cells", [](IndexMeta& meta, auto past) {
+        meta.missingCells = {{BrickIndex(static_cast<std::uint32_t>(7 + past)), {1}}};
+    });
+}
+
+TEST(FormatLimits, OfPages) {
+    const BrickGrid grid({64, 64, 64});
+    for (const std::size_t points : {kMaxPagePoints, kMaxPagePoints + 1}) {
+        // The header alone decides: its count is looked at before anything is sized.
+        std::vector<PointRecord<std::uint16_t>> records(kMaxPagePoints);
+        for (std::size_t i = 0; i < records.size(); ++i) {
+            records[i].setId(PointId(i)); // bricks of 8^3 points, all but the last layer with an upward edge
+            records[i].edgeMask = grid.pointCoords(PointId(i))[0] + 1 < 64 ? 2 : 1;
+        }
+        auto bytes = encodePage<std::uint16_t>(records, PageOrder::Value, grid);
+        bytes[0] = static_cast<std::byte>(points);
+        bytes[1] = static_cast<std::byte>(points >> 8);
+        bytes[2] = static_cast<std::byte>(points >> 16);
+        DecodedPage<std::uint16_t> page;
+        const Status decoded = decodePage<std::uint16_t>(bytes, grid, page, "x");
+        if (points == kMaxPagePoints)
+            EXPECT_THAT(decoded, IsOk());
+        else
+            EXPECT_THAT(decoded, HasError(ErrorCode::Corruption));
+    }
+}
+
+} // namespace
+} // namespace isoslider::index

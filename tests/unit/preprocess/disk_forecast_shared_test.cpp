@@ -1,0 +1,55 @@
+// Forecasts of real volumes, where the folder with further test data is there.
+
+#include <gtest/gtest.h>
+
+#include "core/index/format/index_format.h"
+#include "core/volume_io/volume_reader.h"
+#include "preprocess/build_index.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
+
+namespace isoslider::preprocess {
+namespace {
+
+using test::IsOk;
+
+class ForecastOfRealVolume : public testing::TestWithParam<const char*> {};
+
+TEST_P(ForecastOfRealVolume, IsNearTheTruth) {
+    const auto path = std::filesystem::path(test::sharedFolder()) / "data" / GetParam();
+    if (!std::filesystem::exists(path))
+        GTEST_SKIP() << "further test data is not here: " << path;
+    const test::TemporaryFolder folder;
+    for (const auto kind : {index::IndexKind::Edges, index::IndexKind::Metacells}) {
+        SCOPED_TRACE(index::indexKindName(kind));
+        const auto source = io::openVolume(path);
+        ASSERT_THAT(source, IsOk());
+        BuildOptions options;
+        options.kind = kind;
+        const auto built = buildIndex(*source.value(), folder / "a.isx", options);
+        ASSERT_THAT(built, IsOk());
+        const BuildReport& report = built.value();
+        const double ratio =
+            static_cast<double>(report.forecast.indexBytes) / static_cast<double>(report.info.indexBytes);
+        RecordProperty(index::indexKindName(kind), std::to_string(ratio));
+        EXPECT_NEAR(ratio, 1.0, 0.15);
+        EXPECT_LE(report.temporaryBytes, report.forecast.temporaryBytes);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Volumes, ForecastOfRealVolume,
+                         testing::Values("mhd/cranium.mhd", "nifti/mricron_ch2.nii.gz",
+                                         "nifti/mricron_inia19-t1-brain.nii.gz", "nrrd/tooth/tooth.nhdr",
+                                         "mha/hydrogenAtom.mha", "mha/neghip.mha", "mha/blob0.mha", "vti/vase.vti",
+                                         "vti/isabel_02.vti", "vti/viscousfingers_001.vti",
+                                         "density/JMJD2DA-x336_event2.ccp4.gz", "nrrd/pyradiomics_brain1_image.nrrd"),
+                         [](const auto& test) {
+                             std::string name(test.param);
+                             for (char& c : name)
+                                 c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+                             return name;
+                         });
+
+} // namespace
+} // namespace isoslider::preprocess

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/extract/pieces/surface_pieces.h"
+#include "core/grid/grid_geometry.h"
+
+namespace isoslider::model {
+
+/// A piece by one of its vertices: the lower grid point and the axis of the edge that it lies on.
+struct PiecePlace {
+    std::array<std::int32_t, 3> edgeStart{};
+    int edgeAxis = 0;
+
+    bool operator==(const PiecePlace&) const = default;
+};
+
+/// Pieces of a picture that is still to come.
+struct PiecePlaces {
+    std::vector<PiecePlace> hidden;
+    std::optional<PiecePlace> only;
+
+    bool isEmpty() const { return hidden.empty() && !only; }
+    bool operator==(const PiecePlaces&) const = default;
+};
+
+/// How the pieces of a surface are shown. Pieces are named by the number they keep while the surface slides.
+struct PieceOptions {
+    bool isColoured = false;
+    double leastSize = 0.0; ///< smaller ones are hidden, see sizeOf(); 0: none is
+    std::uint32_t largest = 0; ///< so many are shown at most, those of most triangles; 0: all
+    std::vector<extract::PieceId> hidden; ///< these, too
+    std::optional<extract::PieceId> only; ///< all but this are hidden, as long as it is there
+    std::optional<extract::PieceId> selected; ///< stands out
+    PiecePlaces awaited; ///< of a session: hidden or shown alone as soon as pieces are known
+
+    bool hidesAny() const { return leastSize > 0.0 || largest > 0 || !hidden.empty() || only || !awaited.isEmpty(); }
+    bool isWanted() const { return isColoured || hidesAny() || selected; }
+    bool operator==(const PieceOptions&) const = default;
+};
+
+/// The most that PieceOptions::largest may be.
+inline constexpr int kMostLargestPieces = 999;
+/// The most places that a session keeps.
+inline constexpr std::size_t kMostAwaited = 5000;
+
+/// The longest side of the piece's box, in the volume's unit of length: to one grid step.
+double sizeOf(const extract::Piece& piece, const GridGeometry& geometry);
+
+/// Red, green, blue in linear light, and what they are for.
+using PieceTint = std::array<std::uint8_t, 4>;
+inline constexpr std::uint8_t kHiddenPiece = 0, kPlainPiece = 128, kTintedPiece = 255; // last byte of a tint
+
+struct PieceCounts {
+    std::uint64_t all = 0, shown = 0;
+
+    bool operator==(const PieceCounts&) const = default;
+};
+
+/// The pieces of a picture as the options have them shown. By place among the pieces. What it is made from must outlive
+/// it.
+class PieceDisplay {
+public:
+    PieceDisplay(const extract::SurfacePieces& pieces, const GridGeometry& geometry, const PieceOptions& options);
+
+    bool isShown(std::size_t piece) const;
+    /// Depends on the piece's number alone, so it keeps it while it is neither selected nor hidden.
+    PieceTint tint(std::size_t piece) const;
+    /// The colour it has where pieces are coloured.
+    PieceTint colour(std::size_t piece) const;
+    std::vector<PieceTint> tints() const;
+    PieceCounts counts() const;
+    /// Of the piece with that number; none if it is not there.
+    std::optional<std::size_t> find(const std::optional<extract::PieceId>& id) const;
+
+private:
+    const extract::SurfacePieces& pieces_;
+    const GridGeometry& geometry_;
+    const PieceOptions& options_;
+    std::optional<std::size_t> only_;
+};
+
+} // namespace isoslider::model

@@ -1,0 +1,133 @@
+#include "ui/model/slices/cap_model.h"
+
+#include <utility>
+
+#include "ui/model/slices/slice_geometry.h"
+
+namespace isoslider::model {
+namespace {
+
+constexpr const char* kNoCap = "The index of edges holds no samples: the cut cannot be filled.";
+
+/// All that samples depend on.
+bool isSamePlane(const ClipPlane& a, const ClipPlane& b) { return a.normal == b.normal && a.offset == b.offset; }
+
+} // namespace
+
+CapModel::CapModel(Session& session, const ViewState& view)
+    : session_(session), view_(view), jobs_(std::make_shared<BackgroundJobs>(session.services().postToMain)) {}
+
+ValueWindow CapModel::window() const {
+    const auto* dataset = session_.dataset();
+    return dataset != nullptr && dataset->values ? automaticWindow(*dataset->values) : ValueWindow{};
+}
+
+bool CapModel::isWanted() const {
+    const ClipPlane& plane = view_.options().clipping.plane;
+    return session_.dataset() != nullptr && plane.isOn && plane.cap != Cap::None;
+}
+
+bool CapModel::isSettled() const {
+    if (!isWanted())
+        return true;
+    const ClipPlane& plane = view_.options().clipping.plane;
+    return !isOpening_ && !isSampling_ &&
+           ((samples_ && isSamePlane(samples_->of, plane)) || failed_ || !problem_.empty());
+}
+
+void CapModel::setProblem(std::string problem) {
+    if (std::exchange(problem_, problem) != problem)
+        changed_.notify();
+}
+
+void CapModel::forget() {
+    source_.reset();
+    sampled_.reset();
+    sampler_.reset();
+    failed_.reset();
+    setProblem({});
+    if (std::exchange(samples_, nullptr))
+        changed_.notify();
+}
+
+void CapModel::refresh() {
+    if (!isWanted())
+        return forget();
+    chooseSource();
+    sample();
+}
+
+void CapModel::chooseSource() {
+    if (source_ && source_->dataset != session_.datasetGeneration())
+        forget();
+    const auto grid = session_.samples();
+    const Source source{session_.datasetGeneration(), grid != nullptr, grid ? session_.dataset()->coarseStep : 1};
+    if (source_ == source)
+        return;
+    source_ = source;
+    sampler_.reset();
+    failed_.reset();
+    setProblem({});
+    if (grid)
+        sampler_ = extract::makeSliceSampler(grid);
+    else if (session_.indexState() == IndexState::Ready && !isOpening_)
+        openSource();
+}
+
+void CapModel::openSource() {
+    isOpening_ = true;
+    jobs_->runner().run<std::shared_ptr<extract::SliceSampler>>(
+        "Open samples",
+        [dataset = *session_.dataset(), services = session_.services()](const JobControl& job) {
+            return openSamples(dataset, services, job);
+        },
+        [this, source = *source_](Result<std::shared_ptr<extract::SliceSampler>> sampler) {
+            isOpening_ = false;
+            if (source_ != source) { // another volume meanwhile: its samples were not opened
+                source_.reset();
+                return refresh();
+            }
+            if (sampler.isOk())
+                sampler_ = std::move(sampler).value();
+            else if (!sampler.isCancelled())
+                setProblem(sampler.error().message == kNoSamples ? kNoCap : sampler.error().line());
+            refresh();
+        });
+}
+
+void CapModel::sample() {
+    const ClipPlane plane = view_.options().clipping.plane;
+    if (isSampling_ || !sampler_ || (failed_ && isSamePlane(*failed_, plane)) ||
+        (samples_ && sampled_ == source_ && isSamePlane(samples_->of, plane)))
+        return;
+    isSampling_ = true;
+    using Samples = std::shared_ptr<const CapSamples>;
+    jobs_->runner().run<Samples>(
+        "Cap",
+        [sampler = sampler_, plane, step = source_->step,
+         volume = session_.dataset()->geometry](const JobControl& job) -> Result<Samples> {
+            const auto pixels = capPlaneOf(plane, volume, step);
+            const auto samples = sampler->sample(step > 1 ? pixels.onEvery(static_cast<double>(step)) : pixels, job);
+            if (!samples.isOk())
+                return samples.error();
+            return std::make_shared<const CapSamples>(capSamplesOf(plane, pixels, samples.value(), volume.dims));
+        },
+        [this, plane, source = *source_](Result<Samples> samples) {
+            isSampling_ = false;
+            if (isWanted() && source.dataset == session_.datasetGeneration()) {
+                if (samples.isOk()) {
+                    samples_ = std::move(samples).value();
+                    sampled_ = source;
+                    failed_.reset();
+                    setProblem({});
+                } else if (!samples.isCancelled()) {
+                    failed_ = plane;
+                    setProblem(samples.error().line());
+                }
+                changed_.notify();
+            }
+            refresh();
+        });
+}
+
+} // namespace isoslider::model

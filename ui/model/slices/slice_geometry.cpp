@@ -1,0 +1,208 @@
+#include "ui/model/slices/slice_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace isoslider::model {
+namespace {
+
+constexpr double kOutsideWindow = 0.005; // share of the samples, at each end
+
+/// The world axis that each axis of the grid comes nearest to, each but once.
+std::array<int, 3> worldAxes(const GridGeometry& geometry) {
+    std::array<int, 3> world{-1, -1, -1};
+    std::array<bool, 3> isTaken{};
+    for (int round = 0; round < 3; ++round) {
+        double best = -1.0;
+        int axis = 0, of = 0;
+        for (int a = 0; a < 3; ++a)
+            for (int w = 0; w < 3; ++w)
+                if (world[static_cast<std::size_t>(a)] < 0 && !isTaken[static_cast<std::size_t>(w)] &&
+                    std::abs(geometry.direction[a][w]) > best) {
+                    best = std::abs(geometry.direction[a][w]);
+                    axis = a;
+                    of = w;
+                }
+        world[static_cast<std::size_t>(axis)] = of;
+        isTaken[static_cast<std::size_t>(of)] = true;
+    }
+    return world;
+}
+
+double lastOf(const GridGeometry& geometry, int axis) {
+    return static_cast<double>(geometry.dims[static_cast<std::size_t>(axis)] - 1);
+}
+
+glm::dvec3 lastPoint(const GridGeometry& geometry) {
+    return {lastOf(geometry, 0), lastOf(geometry, 1), lastOf(geometry, 2)};
+}
+
+glm::dmat3 indexToWorldAxes(const GridGeometry& geometry) { return glm::dmat3(geometry.indexToWorld()); }
+
+double smallestSpacing(const GridGeometry& geometry) {
+    return std::min({geometry.spacing.x, geometry.spacing.y, geometry.spacing.z});
+}
+
+extract::SlicePlane axisPlane(int axis, const glm::dvec3& position, const GridGeometry& geometry, std::int64_t step) {
+    const SliceAxes axes = sliceAxes(geometry, axis);
+    const double longest = std::max(lastOf(geometry, axes.right), lastOf(geometry, axes.down)) + 1.0;
+    const double known = static_cast<double>(std::max<std::int64_t>(1, step));
+    const double stride = known * std::max(1.0, std::ceil(longest / known / kMostSliceSide));
+    extract::SlicePlane plane{glm::dvec3(0.0), glm::dvec3(0.0), glm::dvec3(0.0), 0, 0};
+    const auto lay = [&](int along, bool isBackwards, glm::dvec3& way) {
+        const double pixels = std::floor(lastOf(geometry, along) / stride);
+        way[along] = isBackwards ? -stride : stride;
+        plane.origin[along] = isBackwards ? pixels * stride : 0.0;
+        return static_cast<int>(pixels) + 1;
+    };
+    plane.width = lay(axes.right, axes.isRightBackwards, plane.right);
+    plane.height = lay(axes.down, axes.isDownBackwards, plane.down);
+    plane.origin[axis] = position[axis];
+    return plane;
+}
+
+extract::SlicePlane obliquePlane(const SliceOptions& options, const GridGeometry& geometry, std::int64_t step) {
+    const glm::dmat3 toWorld = indexToWorldAxes(geometry), toIndex = glm::inverse(toWorld);
+    const glm::dvec3 right = options.orientation * glm::dvec3(1.0, 0.0, 0.0);
+    const glm::dvec3 down = options.orientation * glm::dvec3(0.0, -1.0, 0.0);
+    glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 at = toWorld * (lastPoint(geometry) * glm::dvec3(corner & 1, corner >> 1 & 1, corner >> 2));
+        const glm::dvec2 seen(glm::dot(at, right), glm::dot(at, down));
+        low = glm::min(low, seen);
+        high = glm::max(high, seen);
+    }
+    const glm::dvec2 extent = high - low;
+    const double finest = smallestSpacing(geometry) * static_cast<double>(std::max<std::int64_t>(1, step));
+    const double pixel = std::max(finest, std::max(extent.x, extent.y) / (kMostObliqueSide - 1));
+    const glm::dvec3 position = toWorld * options.position;
+    const glm::dvec3 origin =
+        position + right * (low.x - glm::dot(position, right)) + down * (low.y - glm::dot(position, down));
+    const auto count = [pixel](double length) {
+        return std::clamp(static_cast<int>(std::floor(length / pixel)) + 1, 1, kMostObliqueSide);
+    };
+    return {toIndex * origin, toIndex * (right * pixel), toIndex * (down * pixel), count(extent.x), count(extent.y)};
+}
+
+std::string axisName(int axis) { return {"XYZ"[axis]}; }
+
+} // namespace
+
+int worldAxisOf(const GridGeometry& geometry, int axis) { return worldAxes(geometry)[static_cast<std::size_t>(axis)]; }
+
+SliceAxes sliceAxes(const GridGeometry& geometry, int axis) {
+    const auto world = worldAxes(geometry);
+    const auto gridAxis = [&](int of) {
+        return static_cast<int>(std::find(world.begin(), world.end(), of) - world.begin());
+    };
+    const int across = world[static_cast<std::size_t>(axis)];
+    const int rightOf = across == 0 ? 1 : 0, downOf = across == 2 ? 1 : 2;
+    SliceAxes axes{gridAxis(rightOf), gridAxis(downOf), false, false};
+    axes.isRightBackwards = geometry.direction[axes.right][rightOf] * geometry.spacing[axes.right] < 0.0;
+    const bool isDownwards = geometry.direction[axes.down][downOf] * geometry.spacing[axes.down] >= 0.0;
+    axes.isDownBackwards = isDownwards != (across == 2);
+    return axes;
+}
+
+extract::SlicePlane planeOf(SliceKind kind, const SliceOptions& options, const GridGeometry& geometry,
+                            std::int64_t step) {
+    return kind == SliceKind::Oblique ? obliquePlane(options, geometry, step)
+                                      : axisPlane(axisOf(kind), options.position, geometry, step);
+}
+
+glm::dvec2 pixelSize(const extract::SlicePlane& plane, const GridGeometry& geometry) {
+    const glm::dmat3 toWorld = indexToWorldAxes(geometry);
+    return {glm::length(toWorld * plane.right), glm::length(toWorld * plane.down)};
+}
+
+glm::dvec2 pixelOf(const extract::SlicePlane& plane, const glm::dvec3& place, const GridGeometry& geometry) {
+    // Axes of a grid may be oblique to each other, so both are solved for at once.
+    const glm::dmat3 toWorld = indexToWorldAxes(geometry);
+    const glm::dvec3 right = toWorld * plane.right, down = toWorld * plane.down,
+                     away = toWorld * (place - plane.origin);
+    const glm::dmat2 gram(glm::dot(right, right), glm::dot(right, down), glm::dot(right, down), glm::dot(down, down));
+    return glm::inverse(gram) * glm::dvec2(glm::dot(right, away), glm::dot(down, away));
+}
+
+extract::CutPlane cutPlaneOf(const extract::SlicePlane& plane, const GridGeometry& volume, const GridGeometry& frame) {
+    // A preview's grid begins at the volume's first point and has its axes: only the steps are longer.
+    const glm::dvec3 step = frame.spacing / volume.spacing;
+    const glm::dvec3 normal = glm::normalize(plane.normal()) * step;
+    return {normal, glm::dot(normal, plane.origin / step)};
+}
+
+glm::dvec3 clampedPlace(const glm::dvec3& place, const GridGeometry& geometry) {
+    return glm::clamp(place, glm::dvec3(0.0), glm::max(lastPoint(geometry), glm::dvec3(0.0)));
+}
+
+glm::dvec3 snappedPlace(const glm::dvec3& place, const GridGeometry& geometry) {
+    return clampedPlace(glm::round(place), geometry);
+}
+
+glm::dvec3 steppedPlace(SliceKind kind, double steps, const SliceOptions& options, const GridGeometry& geometry) {
+    glm::dvec3 place = options.position;
+    if (kind != SliceKind::Oblique) {
+        place[axisOf(kind)] = std::round(place[axisOf(kind)] + steps);
+        return clampedPlace(place, geometry);
+    }
+    const glm::dvec3 normal = options.orientation * glm::dvec3(0.0, 0.0, 1.0);
+    const glm::dvec3 way = glm::inverse(indexToWorldAxes(geometry)) * (normal * smallestSpacing(geometry) * steps);
+    double share = 1.0; // as far as the volume goes: a clamped place would have left the way
+    for (int axis = 0; axis < 3; ++axis)
+        if (way[axis] != 0.0) {
+            const double end = way[axis] > 0.0 ? lastOf(geometry, axis) : 0.0;
+            share = std::min(share, std::max(0.0, (end - place[axis]) / way[axis]));
+        }
+    return clampedPlace(place + share * way, geometry);
+}
+
+SliceLabels sliceLabels(SliceKind kind, const SliceOptions& options, const GridGeometry& geometry, bool isPatient) {
+    if (kind == SliceKind::Oblique && !isPatient)
+        return {};
+    const auto letterOf = [](const glm::dvec3& way) {
+        static constexpr std::array<const char*, 3> kTowards{"L", "P", "S"}, kAgainst{"R", "A", "I"};
+        std::size_t axis = 0;
+        for (std::size_t a = 1; a < 3; ++a)
+            if (std::abs(way[static_cast<int>(a)]) > std::abs(way[static_cast<int>(axis)]))
+                axis = a;
+        return std::string(way[static_cast<int>(axis)] >= 0.0 ? kTowards[axis] : kAgainst[axis]);
+    };
+    if (isPatient) {
+        const extract::SlicePlane plane = planeOf(kind, options, geometry);
+        const glm::dmat3 toWorld = indexToWorldAxes(geometry);
+        const glm::dvec3 right = toWorld * plane.right, down = toWorld * plane.down;
+        return {letterOf(-right), letterOf(right), letterOf(-down), letterOf(down)};
+    }
+    const SliceAxes axes = sliceAxes(geometry, axisOf(kind));
+    SliceLabels labels;
+    (axes.isRightBackwards ? labels.left : labels.right) = axisName(axes.right);
+    (axes.isDownBackwards ? labels.top : labels.bottom) = axisName(axes.down);
+    return labels;
+}
+
+ValueWindow automaticWindow(const ValueDistribution& values) {
+    const double outside = kOutsideWindow * static_cast<double>(values.counted());
+    ValueWindow window{values.min, values.max};
+    double counted = 0.0;
+    for (const ValueCell& cell : values.cells) {
+        const double before = counted;
+        counted += static_cast<double>(cell.count);
+        if (before <= outside && counted > outside)
+            window.low = cell.lower;
+        if (static_cast<double>(values.counted()) - before > outside)
+            window.high = cell.upper;
+    }
+    // One value may be nearly all there is.
+    if (!(window.high > window.low))
+        window = {values.min, values.max};
+    if (!(window.high > window.low))
+        window = {values.min - 0.5, values.min + 0.5};
+    return window;
+}
+
+} // namespace isoslider::model

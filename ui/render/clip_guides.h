@@ -1,0 +1,76 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <QMatrix4x4>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "core/grid/grid_geometry.h"
+#include "ui/model/slices/cap_samples.h"
+#include "ui/model/slices/slice_options.h"
+#include "ui/model/surface/clipping.h"
+#include "ui/render/colour_uniforms.h"
+#include "ui/render/gl_driver.h"
+
+namespace isoslider::render {
+
+/// What closes the surface on the clip plane.
+struct CapScene {
+    std::shared_ptr<const model::CapSamples> samples; ///< null: nothing
+    model::ValueWindow window; ///< of its greys
+
+    bool operator==(const CapScene&) const = default;
+};
+
+/// The clipping of a picture: that of the options, on the plane whose samples there are.
+model::Clipping drawnClipping(const model::Clipping& wanted, const CapScene& cap);
+
+/// Has the bound program draw only what lies within `cuts`, until the next call. REQUIRES: at most kMostCuts.
+void setCuts(Gl& gl, QOpenGLShaderProgram& program, std::span<const glm::dvec4> cuts);
+/// No more clipping, whatever is drawn.
+void clearCuts(Gl& gl);
+
+/// Crop box and clip plane in the scene: the edges of the box, the border of the plane, and its cap. Made, drawn and
+/// destroyed with one context current; nothing is on the card before the first is drawn.
+class ClipGuides {
+public:
+    struct View {
+        const QMatrix4x4& modelToView; ///< of the volume's index units
+        const QMatrix4x4& viewToClip;
+        const GridGeometry& volume;
+        float isovalue = 0.0f;
+        float facing = 1.0f; ///< how much the plane faces the viewer, 0 to 1
+        ColourUniforms& uniforms;
+        const model::SurfaceColours& colours; ///< of the cap too, where there are any
+    };
+    ClipGuides(Gl& gl, GlDriver& driver);
+    ~ClipGuides();
+    ClipGuides(const ClipGuides&) = delete;
+    ClipGuides& operator=(const ClipGuides&) = delete;
+
+    /// Forgets everything on the GPU without a call to it: the context is gone.
+    void abandon();
+    void draw(const model::Clipping& clipping, const CapScene& cap, const View& view);
+
+private:
+    bool initialize();
+    bool fill(const std::vector<float>& data);
+    void drawCap(const model::Clipping& clipping, const CapScene& cap, const View& view);
+    void drawLines(const model::Clipping& clipping, const View& view);
+    bool uploadCap(const model::CapSamples& samples);
+
+    Gl& gl_;
+    GlDriver& driver_;
+    bool isReady_ = false, isBroken_ = false;
+    std::unique_ptr<QOpenGLShaderProgram> capProgram_;
+    std::unique_ptr<QOpenGLShaderProgram> lineProgram_;
+    GLuint array_ = 0, buffer_ = 0, texture_ = 0;
+    std::shared_ptr<const model::CapSamples> inTexture_; ///< sent to the card last
+    bool isRefused_ = false; ///< the card has no memory for it
+};
+
+} // namespace isoslider::render

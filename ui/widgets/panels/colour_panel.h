@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include <QWidget>
+
+#include "ui/model/observers.h"
+
+class QComboBox;
+class QGridLayout;
+class QLabel;
+class QLineEdit;
+class QVBoxLayout;
+
+namespace isoslider::widgets {
+
+class ActionRegistry;
+class ElidedLabel;
+class ViewportHost;
+
+/// What surfaces are coloured by, with which map and range. Everything it is given must outlive it.
+class ColourPanel : public QWidget {
+    Q_OBJECT
+public:
+    ColourPanel(ViewportHost& host, const ActionRegistry& actions, QWidget* parent = nullptr);
+
+private:
+    void makeChoices(QGridLayout* grid);
+    void makeRange(QVBoxLayout* rows);
+    QLineEdit* makeEdit(const char* name, const QString& accessibleName);
+    void takeRange();
+    void showColours();
+    void showKeys();
+    void showRange();
+
+    ViewportHost& host_;
+    const ActionRegistry& actions_;
+    QComboBox* key_ = nullptr;
+    QComboBox* map_ = nullptr;
+    ElidedLabel* field_ = nullptr; ///< the file of a second one
+    QLineEdit* low_ = nullptr;
+    QLineEdit* high_ = nullptr;
+    QLabel* note_ = nullptr;
+    std::vector<model::Subscription> subscriptions_;
+};
+
+} // namespace isoslider::widgets

@@ -1,0 +1,209 @@
+#include "ui/widgets/panels/pieces_panel.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <QAction>
+#include <QGridLayout>
+#include <QHeaderView>
+#include <QItemSelectionModel>
+#include <QLabel>
+#include <QSignalBlocker>
+#include <QSlider>
+#include <QSpinBox>
+#include <QTableView>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+#include "ui/model/isovalue/number_text.h"
+#include "ui/model/session/session.h"
+#include "ui/model/surface/view_state.h"
+#include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/panels/fact_texts.h"
+#include "ui/widgets/panels/piece_details.h"
+#include "ui/widgets/panels/piece_table.h"
+#include "ui/widgets/window/action_registry.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kSteps = 400;
+constexpr double kDecades = 4.0; // of the slider, down from the whole volume
+constexpr int kIntervalMs = 60;
+
+QString grouped(std::uint64_t value) { return QString::fromStdString(model::groupedText(value)); }
+
+} // namespace
+
+PiecesPanel::PiecesPanel(model::Session& session, model::ViewState& viewState, const ActionRegistry& actions,
+                         QWidget* parent)
+    : QWidget(parent),
+      session_(session),
+      viewState_(viewState),
+      table_(new PieceTable(this)),
+      details_(new PieceDetails(session.services().postToMain, this)),
+      throttle_(kIntervalMs, [this] { showPieces(); }) {
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(10, 8, 10, 8);
+    layout->setSpacing(6);
+    auto* row = new QHBoxLayout;
+    count_ = new ElidedLabel(this);
+    count_->setObjectName(QStringLiteral("pieceCount"));
+    row->addWidget(count_, 1);
+    row->addWidget(makeToolButton(actions.action("pieces.all"), Qt::ToolButtonTextOnly, this));
+    layout->addLayout(row);
+    addControls(actions);
+    makeTable(actions);
+    layout->addWidget(view_, 1);
+    layout->addWidget(details_);
+    frameSubscription_ = session_.frameChanged().observe([this] { throttle_.trigger(); });
+    optionsSubscription_ = viewState_.observe([this] { showPieces(); });
+    showPieces();
+}
+
+void PiecesPanel::addControls(const ActionRegistry& actions) {
+    auto* row = new QHBoxLayout;
+    auto* name = new QLabel(tr("Hide smaller than"), this);
+    size_ = new QSlider(Qt::Horizontal, this);
+    size_->setObjectName(QStringLiteral("pieceSize"));
+    size_->setRange(0, kSteps);
+    size_->setPageStep(kSteps / 20);
+    size_->setMinimumWidth(40);
+    size_->setAccessibleName(tr("Hide pieces smaller than"));
+    size_->setToolTip(tr("Pieces whose longest side is shorter are not drawn. The scale is logarithmic"));
+    name->setBuddy(size_);
+    sizeValue_ = new QLabel(this);
+    sizeValue_->setObjectName(QStringLiteral("pieceSizeValue"));
+    sizeValue_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("0.0000 mm")));
+    sizeValue_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
+    row->addWidget(name);
+    row->addWidget(size_, 1);
+    row->addWidget(sizeValue_);
+    auto* rows = static_cast<QVBoxLayout*>(layout());
+    rows->addLayout(row);
+    auto* second = new QHBoxLayout;
+    auto* keep = new QLabel(tr("Show the largest"), this);
+    largest_ = new QSpinBox(this);
+    largest_->setObjectName(QStringLiteral("largestPieces"));
+    largest_->setRange(0, model::kMostLargestPieces);
+    largest_->setSpecialValueText(tr("all"));
+    largest_->setAccessibleName(tr("Show so many of the largest pieces"));
+    keep->setBuddy(largest_);
+    second->addWidget(keep);
+    second->addWidget(largest_);
+    second->addStretch(1);
+    second->addWidget(makeToolButton(actions.action("pieces.colour"), Qt::ToolButtonTextOnly, this));
+    rows->addLayout(second);
+    connect(largest_, &QSpinBox::valueChanged, this, [this](int count) {
+        auto options = viewState_.options();
+        options.pieces.largest = static_cast<std::uint32_t>(count);
+        viewState_.setOptions(options);
+    });
+    connect(size_, &QSlider::valueChanged, this, [this](int step) {
+        auto options = viewState_.options();
+        options.pieces.leastSize = sizeAt(step);
+        viewState_.setOptions(options);
+    });
+}
+
+void PiecesPanel::makeTable(const ActionRegistry& actions) {
+    view_ = new QTableView(this);
+    view_->setObjectName(QStringLiteral("pieceTable"));
+    view_->setAccessibleName(tr("Largest pieces"));
+    view_->setModel(table_);
+    makePlain(*view_);
+    view_->setSelectionBehavior(QAbstractItemView::SelectRows);
+    view_->setSelectionMode(QAbstractItemView::SingleSelection);
+    view_->setEditTriggers(QAbstractItemView::NoEditTriggers);
+    view_->setMinimumSize(80, 40);
+    view_->verticalHeader()->setSectionResizeMode(QHeaderView::Fixed);
+    view_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
+    view_->horizontalHeader()->setSectionResizeMode(QHeaderView::Stretch);
+    connect(view_->selectionModel(), &QItemSelectionModel::currentRowChanged, this, [this](const QModelIndex& index) {
+        if (isShowing_) // rows that go take the current one along: nobody has picked another
+            return;
+        Q_EMIT piecePicked(index.isValid() ? std::optional(table_->pieceOf(index.row())) : std::nullopt);
+    });
+    connect(view_, &QTableView::clicked, this,
+            [this](const QModelIndex& index) { Q_EMIT piecePicked(table_->pieceOf(index.row())); });
+    view_->setContextMenuPolicy(Qt::ActionsContextMenu);
+    for (const char* action : {"pieces.hide", "pieces.only", "pieces.all"})
+        view_->addAction(actions.action(action));
+}
+
+void PiecesPanel::setSeen(bool isSeen) {
+    isSeen_ = isSeen;
+    showPieces();
+}
+
+double PiecesPanel::largestSize() const {
+    const auto* dataset = session_.dataset();
+    if (dataset == nullptr)
+        return 1.0;
+    double largest = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+        largest = std::max(largest, static_cast<double>(dataset->geometry.dims[static_cast<std::size_t>(axis)] - 1) *
+                                        std::abs(dataset->geometry.spacing[axis]));
+    return largest > 0.0 ? largest : 1.0;
+}
+
+double PiecesPanel::sizeAt(int step) const {
+    return step == 0 ? 0.0 : largestSize() * std::pow(10.0, kDecades * (static_cast<double>(step) / kSteps - 1.0));
+}
+
+int PiecesPanel::stepOf(double size) const {
+    if (!(size > 0.0))
+        return 0;
+    const double step = kSteps * (1.0 + std::log10(size / largestSize()) / kDecades);
+    return std::clamp(static_cast<int>(std::lround(step)), 1, kSteps);
+}
+
+// The row of the selected piece, which may have moved.
+void PiecesPanel::selectRow() {
+    const int row = table_->rowOf(viewState_.options().pieces.selected);
+    if (row < 0) {
+        view_->clearSelection();
+        view_->selectionModel()->clearCurrentIndex();
+    } else if (!view_->selectionModel()->isRowSelected(row, {})) {
+        view_->selectRow(row);
+    }
+}
+
+void PiecesPanel::showPieces() {
+    const auto options = viewState_.options().pieces;
+    const auto* dataset = session_.dataset();
+    const std::string unit = dataset != nullptr ? dataset->lengthUnit : std::string();
+    {
+        const QSignalBlocker blocker(size_);
+        size_->setValue(stepOf(options.leastSize));
+        const QSignalBlocker largestBlocker(largest_);
+        if (const int largest = static_cast<int>(options.largest); largest != largest_->value())
+            largest_->setValue(largest); // otherwise left alone: somebody may be typing
+    }
+    setReadout(sizeValue_, options.leastSize > 0.0
+                               ? inLengthUnit(QString::fromStdString(model::valueText(options.leastSize, 3)), unit)
+                               : tr("show all"));
+    size_->setEnabled(dataset != nullptr);
+    if (!isSeen_)
+        return details_->show(nullptr, std::nullopt, unit);
+    const auto frame = session_.frame();
+    details_->show(frame, options.selected, unit);
+    isShowing_ = true;
+    table_->show(frame.get(), options, unit);
+    selectRow();
+    isShowing_ = false;
+    if (!frame || !frame->pieces) {
+        count_->setFullText(!frame               ? tr("No surface")
+                            : frame->findsPieces ? tr("Not known for this picture")
+                                                 : tr("Finding pieces…"));
+        return;
+    }
+    const auto counts = model::PieceDisplay(*frame->pieces, frame->geometry, options).counts();
+    QString text = counts.all == 1 ? tr("1 piece") : tr("%1 pieces").arg(grouped(counts.all));
+    if (counts.shown < counts.all)
+        text += tr(", %1 hidden").arg(grouped(counts.all - counts.shown));
+    count_->setFullText(text);
+}
+
+} // namespace isoslider::widgets

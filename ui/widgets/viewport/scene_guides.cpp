@@ -1,0 +1,154 @@
+#include "ui/widgets/viewport/scene_guides.h"
+
+#include <algorithm>
+
+#include <QAction>
+#include <QEvent>
+#include <QPainter>
+
+#include "ui/model/colouring/colour_model.h"
+#include "ui/model/isovalue/number_text.h"
+#include "ui/model/session/session.h"
+#include "ui/render/scene_renderer.h"
+#include "ui/widgets/panels/fact_texts.h"
+#include "ui/widgets/viewport/camera_flight.h"
+#include "ui/widgets/viewport/colour_bar_view.h"
+#include "ui/widgets/viewport/orientation_cube.h"
+#include "ui/widgets/viewport/scale_bar_view.h"
+#include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/action_registry.h"
+
+namespace isoslider::widgets {
+namespace {
+
+constexpr int kMargin = 12;
+constexpr int kCubeMargin = 4; // its corners leave room around it already
+constexpr int kLeastCubes = 3; // widths of it that the view must have
+constexpr QSize kLeastForBar(260, 150); // of the view
+constexpr int kMostColourBar = 300; // pixels high
+
+} // namespace
+
+SceneGuides::SceneGuides(model::Session& session, const Parts& parts, const ActionRegistry& actions, QObject* parent)
+    : QObject(parent),
+      session_(session),
+      parts_(parts),
+      actions_(actions),
+      cube_(new OrientationCube(&parts.viewport)),
+      scaleBar_(new ScaleBarView(&parts.viewport)),
+      colourBar_(new ColourBarView(&parts.viewport)),
+      fitting_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
+    connect(cube_, &OrientationCube::sidePicked, this,
+            [this](model::StandardView side) { parts_.flight.turnTo(model::standardOrientation(side)); });
+    connect(&parts_.viewport, &ViewportWidget::cameraChanged, this, [this] {
+        cube_->setOrientation(parts_.viewport.camera().orientation());
+        showScale();
+    });
+    connect(actions_.action("view.fit"), &QAction::triggered, this, &SceneGuides::fitToSurface);
+    parts_.viewport.installEventFilter(this);
+    subscriptions_.push_back(parts_.view.observe([this] { showState(); }));
+    subscriptions_.push_back(parts_.colours.observe([this] { showColours(); }));
+    subscriptions_.push_back(session_.datasetChanged().observe([this] { showState(); }));
+    subscriptions_.push_back(session_.frameChanged().observe([this] { showState(); }));
+    cube_->setOrientation(parts_.viewport.camera().orientation());
+    showState();
+}
+
+void SceneGuides::showState() {
+    const auto* dataset = session_.dataset();
+    const auto frame = session_.frame();
+    actions_.action("view.fit")->setEnabled(frame != nullptr && frame->stats.triangles > 0);
+    const QSize room = parts_.viewport.size();
+    cube_->setPatient(dataset != nullptr && model::isPatientSpace(*dataset));
+    cube_->setVisible(dataset != nullptr && parts_.view.options().showsCube &&
+                      room.width() >= kLeastCubes * cube_->width() && room.height() >= 2 * cube_->height());
+    cube_->move(room.width() - cube_->width() - kCubeMargin, kCubeMargin);
+    showScale();
+    showColours();
+}
+
+// Between the cube and the scale bar: all three stay clear of each other.
+void SceneGuides::showColours() {
+    const auto& options = parts_.view.options();
+    const model::SurfaceColours& colours = parts_.colours.colours();
+    const QSize room = parts_.viewport.size();
+    const int top = cube_->isHidden() ? kMargin : cube_->geometry().bottom() + kCubeMargin;
+    const int bottom =
+        options.showsScaleBar ? room.height() - 2 * kMargin - scaleBar_->sizeHint().height() : room.height() - kMargin;
+    const int height = std::min(bottom - top, kMostColourBar);
+    const bool isWanted = colours.by != model::ColourBy::One && options.showsColourBar && !options.pieces.isColoured &&
+                          !options.showsLevels && height >= ColourBarView::kLeastHeight &&
+                          room.width() >= kLeastForBar.width();
+    colourBar_->setVisible(isWanted);
+    if (!isWanted)
+        return;
+    colourBar_->setBar({fromStd(parts_.colours.title()), fromStd(parts_.colours.unit()), colours.range, colours.map,
+                        colours.isReversed, colours.field && colours.field->hasMissing},
+                       height);
+    colourBar_->move(room.width() - colourBar_->width() - kMargin, top);
+}
+
+void SceneGuides::showScale() {
+    const auto* dataset = session_.dataset();
+    const QSize room = parts_.viewport.size();
+    // On the plane through the camera's target, as deep as the middle of the view. Where lengths are stretched it is
+    // true along its own direction.
+    const model::Camera& camera = parts_.viewport.camera();
+    const double unstretched = glm::length(glm::inverse(camera.stretch()) * camera.right());
+    const bool isWanted = dataset != nullptr && parts_.view.options().showsScaleBar &&
+                          room.width() >= kLeastForBar.width() && room.height() >= kLeastForBar.height();
+    const auto bar =
+        isWanted ? model::scaleBarOf(unstretched * 2.0 * camera.halfHeight() / room.height(), ScaleBarView::kMostPixels)
+                 : std::nullopt;
+    scaleBar_->setVisible(bar.has_value());
+    if (!bar)
+        return;
+    scaleBar_->setBar(*bar, inLengthUnit(fromStd(model::valueText(bar->length)), dataset->lengthUnit));
+    scaleBar_->move(room.width() - scaleBar_->width() - kMargin, room.height() - scaleBar_->height() - kMargin);
+}
+
+void SceneGuides::paint(QPainter& painter) const {
+    const auto paint = [&painter](const auto& guide) {
+        if (guide.isHidden())
+            return;
+        painter.save();
+        painter.translate(guide.pos());
+        guide.paint(painter);
+        painter.restore();
+    };
+    paint(*cube_);
+    paint(*scaleBar_);
+    paint(*colourBar_);
+}
+
+void SceneGuides::fitToSurface() {
+    const auto frame = session_.frame();
+    const auto* dataset = session_.dataset();
+    if (frame == nullptr || dataset == nullptr)
+        return;
+    const glm::dvec3 stretch = parts_.view.options().stage.stretch;
+    const glm::dmat4 toCentred = glm::dmat4(model::stretchMatrix(stretch, dataset->geometry)) *
+                                 render::indexToCentredWorld(frame->geometry, dataset->geometry);
+    fitting_.start(
+        "Fit to surface",
+        [frame, stretch, pieces = parts_.view.options().pieces,
+         cuts = model::cutsOf(parts_.view.options().clipping, frame->geometry, dataset->geometry)](
+            const JobControl& job) { return model::extentOf(*frame, pieces, cuts, job, stretch); },
+        [this, toCentred,
+         generation = session_.datasetGeneration()](const Result<std::optional<model::SurfaceExtent>>& found) {
+            if (!found.isOk() || !found.value() || session_.datasetGeneration() != generation)
+                return;
+            const model::SurfaceExtent& extent = *found.value();
+            const double aspect = static_cast<double>(parts_.viewport.width()) / std::max(1, parts_.viewport.height());
+            parts_.flight.flyTo(parts_.viewport.camera().poseAround(
+                glm::dvec3(toCentred * glm::dvec4(extent.middle, 1.0)), extent.radius, aspect));
+        });
+}
+
+bool SceneGuides::eventFilter(QObject* watched, QEvent* event) {
+    if (watched == &parts_.viewport && event->type() == QEvent::Resize)
+        showState();
+    return QObject::eventFilter(watched, event);
+}
+
+} // namespace isoslider::widgets

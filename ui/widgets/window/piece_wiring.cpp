@@ -1,0 +1,204 @@
+#include "ui/widgets/window/piece_wiring.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <QAction>
+#include <QDockWidget>
+#include <QMenu>
+
+#include "ui/model/pieces/piece_places.h"
+#include "ui/model/pieces/shown_hit.h"
+#include "ui/model/session/session.h"
+#include "ui/model/surface/view_state.h"
+#include "ui/widgets/panels/pieces_panel.h"
+#include "ui/widgets/viewport/view_note.h"
+#include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
+#include "ui/widgets/window/action_registry.h"
+
+namespace isoslider::widgets {
+
+PieceWiring::PieceWiring(model::Session& session, const ActionRegistry& actions, ViewportHost& host, const Parts& parts,
+                         QObject* parent)
+    : QObject(parent),
+      session_(session),
+      actions_(actions),
+      host_(host),
+      parts_(parts),
+      note_(new ViewNote(host, ViewNote::Place::Centre)) {
+    note_->setObjectName(QStringLiteral("hiddenPiecesNote"));
+    connectActions();
+    connect(&parts_.dock, &QDockWidget::visibilityChanged, this, [this](bool isSeen) {
+        isPanelSeen_ = isSeen;
+        parts_.panel.setSeen(isSeen);
+        ask();
+    });
+    connect(&parts_.panel, &PiecesPanel::piecePicked, this, &PieceWiring::select);
+    if (auto* viewport = host_.viewport()) {
+        connect(viewport, &ViewportWidget::picked, this, [this](QPointF point) { pick(point, Purpose::Select); });
+        connect(viewport, &ViewportWidget::menuRequested, this, [this](QPointF point) { pick(point, Purpose::Menu); });
+    }
+    frameSubscription_ = session_.frameChanged().observe([this] {
+        findAwaited();
+        takePick();
+        dropLostSelection();
+        showWhatIsHidden();
+    });
+    datasetSubscription_ = session_.datasetChanged().observe([this] { followDataset(); });
+    optionsSubscription_ = host_.viewState().observe([this] { showOptions(); });
+    showOptions();
+}
+
+void PieceWiring::connectActions() {
+    connect(actions_.action("pieces.colour"), &QAction::toggled, this,
+            [this](bool isColoured) { change([&](model::PieceOptions& pieces) { pieces.isColoured = isColoured; }); });
+    connect(actions_.action("pieces.hide"), &QAction::triggered, this, [this] {
+        change([](model::PieceOptions& pieces) {
+            if (!pieces.selected)
+                return;
+            if (std::find(pieces.hidden.begin(), pieces.hidden.end(), *pieces.selected) == pieces.hidden.end())
+                pieces.hidden.push_back(*pieces.selected);
+            if (pieces.only == pieces.selected)
+                pieces.only.reset();
+            pieces.selected.reset();
+        });
+    });
+    connect(actions_.action("pieces.only"), &QAction::triggered, this, [this] {
+        change([](model::PieceOptions& pieces) {
+            pieces.only = pieces.selected;
+            pieces.selected.reset();
+        });
+    });
+    connect(actions_.action("pieces.all"), &QAction::triggered, this, [this] {
+        change([](model::PieceOptions& pieces) {
+            pieces.hidden.clear();
+            pieces.only.reset();
+            pieces.awaited = {};
+            pieces.leastSize = 0.0;
+            pieces.largest = 0;
+        });
+    });
+    connect(actions_.action("pieces.deselect"), &QAction::triggered, this, [this] { select(std::nullopt); });
+}
+
+void PieceWiring::change(const std::function<void(model::PieceOptions&)>& change) {
+    auto options = host_.viewState().options();
+    change(options.pieces);
+    host_.viewState().setOptions(options);
+}
+
+void PieceWiring::ask() { session_.findPieces(isPanelSeen_ || pick_ || host_.viewState().options().pieces.isWanted()); }
+
+void PieceWiring::pick(QPointF point, Purpose purpose) {
+    const auto frame = session_.frame();
+    const auto line = host_.viewport()->lineOfSight(point);
+    pick_.reset();
+    if (frame && line)
+        pick_ = Pick{point, purpose, *line, frame->isovalue};
+    else if (purpose == Purpose::Menu)
+        showMenu(point);
+    ask();
+    takePick();
+}
+
+void PieceWiring::takePick() {
+    const auto frame = session_.frame();
+    if (!pick_ || !frame || session_.dataset() == nullptr)
+        return;
+    if (frame->isovalue == pick_->isovalue && !frame->pieces && !frame->findsPieces)
+        return; // the next one has them
+    const Pick pick = *std::exchange(pick_, std::nullopt);
+    if (frame->isovalue != pick.isovalue)
+        return ask(); // nobody waits for an answer about what was there before
+    std::optional<extract::PieceId> piece;
+    if (frame->pieces) {
+        const model::ViewOptions& view = host_.viewState().options();
+        const auto cuts = model::cutsOf(view.clipping, frame->geometry, session_.dataset()->geometry);
+        if (const auto hit = model::firstShownHit(*frame, view.pieces, cuts, pick.line.first, pick.line.second))
+            piece = frame->pieces->pieces()[hit->piece].id;
+    }
+    select(piece);
+    ask();
+    if (pick.purpose == Purpose::Menu)
+        showMenu(pick.point);
+}
+
+// Coarse pictures and those on the way to the session's isovalue have other edges.
+void PieceWiring::findAwaited() {
+    const auto frame = session_.frame();
+    const auto& pieces = host_.viewState().options().pieces;
+    if (pieces.awaited.isEmpty() || !frame || !frame->pieces || frame->mergedCells > 1 ||
+        frame->isovalue != session_.isovalue().requested())
+        return;
+    change([&](model::PieceOptions& options) { options = model::found(options, *frame->pieces); });
+}
+
+void PieceWiring::dropLostSelection() {
+    const auto frame = session_.frame();
+    const auto& pieces = host_.viewState().options().pieces;
+    if (frame && frame->pieces && pieces.selected &&
+        !model::PieceDisplay(*frame->pieces, frame->geometry, pieces).find(pieces.selected))
+        select(std::nullopt);
+}
+
+void PieceWiring::select(std::optional<extract::PieceId> piece) {
+    change([&](model::PieceOptions& pieces) { pieces.selected = piece; });
+}
+
+void PieceWiring::showMenu(QPointF point) {
+    auto* viewport = host_.viewport();
+    auto* menu = new QMenu(viewport);
+    menu->setAttribute(Qt::WA_DeleteOnClose);
+    menu->setObjectName(QStringLiteral("viewMenu"));
+    for (const char* action : {"pieces.hide", "pieces.only", "pieces.all"})
+        menu->addAction(actions_.action(action));
+    menu->addSeparator();
+    for (const char* action : {"pieces.exportSelected", "pieces.exportShown"})
+        menu->addAction(actions_.action(action));
+    menu->addSeparator();
+    for (const char* action : {"pieces.colour", "view.reset"})
+        menu->addAction(actions_.action(action));
+    menu->popup(viewport->mapToGlobal(point.toPoint()));
+}
+
+void PieceWiring::showOptions() {
+    ask();
+    findAwaited(); // undone steps may bring back what was awaited
+    const auto& pieces = host_.viewState().options().pieces;
+    actions_.action("pieces.colour")->setChecked(pieces.isColoured);
+    for (const char* action : {"pieces.hide", "pieces.only", "pieces.deselect"})
+        actions_.action(action)->setEnabled(pieces.selected.has_value());
+    actions_.action("pieces.all")->setEnabled(pieces.hidesAny());
+    showWhatIsHidden();
+}
+
+void PieceWiring::showWhatIsHidden() {
+    const auto frame = session_.frame();
+    const auto& pieces = host_.viewState().options().pieces;
+    model::PieceCounts counts;
+    if (frame && frame->pieces && pieces.hidesAny())
+        counts = model::PieceDisplay(*frame->pieces, frame->geometry, pieces).counts();
+    note_->say(counts.all > 0 && counts.shown == 0
+                   ? tr("All pieces are hidden. Show them: %1")
+                         .arg(actions_.action("pieces.all")->shortcut().toString(QKeySequence::NativeText))
+                   : QString());
+}
+
+// Numbers of pieces are of one volume.
+void PieceWiring::followDataset() {
+    if (std::exchange(dataset_, session_.datasetGeneration()) == session_.datasetGeneration())
+        return;
+    pick_.reset();
+    change([](model::PieceOptions& pieces) {
+        pieces.hidden.clear();
+        pieces.only.reset();
+        pieces.selected.reset();
+        pieces.awaited = {};
+        pieces.leastSize = 0.0; // a length in another volume
+        pieces.largest = 0;
+    });
+    ask();
+}
+
+} // namespace isoslider::widgets
