@@ -83,7 +83,7 @@ build_preset() {
   local folder=$ROOT/build/$preset
   if [[ ! -f $folder/build.ninja ]]; then
     say "configuring $preset"
-    (cd "$ROOT" && cmake --preset "$preset" -DISOSLIDER_JOINED_BUILD=ON)
+    (cd "$ROOT" && cmake --preset "$preset" -DISOSLIDER_JOINED_BUILD=ON -DISOSLIDER_TEST_CASES=OFF)
   fi
   say "building $preset"
   cmake --build "$folder" --parallel "$(job_count)" ${1:+--target "$@"}

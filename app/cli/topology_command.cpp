@@ -77,7 +77,7 @@ public:
         std::vector<CLI::Option*> questions;
         questions.push_back(addNumber(*command, "--at", at_, "counts and measures at one isovalue"));
         questions.push_back(addInteger(*command, "--events", events_, 0, kMostEvents,
-                                       "the N most persistent events, ascending; 0: all of them"));
+                                       "the N most notable events, ascending; 0: all of them"));
         hasEvents_ = questions.back();
         questions.push_back(command->add_flag("--curves", showsCurves_,
                                               fmt::format("counts and measures at {} even steps", kCurveSteps + 1)));
@@ -223,7 +223,7 @@ private:
 
     Status showEvents(const topology::TopologySummary& summary, Answer& answer) const {
         const auto events =
-            summary.mostPersistent(events_ == 0 ? summary.eventCount() : static_cast<std::size_t>(events_));
+            summary.mostNotable(events_ == 0 ? summary.eventCount() : static_cast<std::size_t>(events_));
         if (!events.isOk())
             return events.error();
         answer.json["event_count"] = summary.eventCount();
@@ -233,7 +233,7 @@ private:
         const auto change = [](std::int64_t before, std::int64_t after) {
             return before == after ? fmt::format("{}", before) : fmt::format("{} > {}", before, after);
         };
-        for (const auto& event : events.value()) {
+        for (const auto& [event, weight] : events.value()) {
             answer.json["events"].push_back(eventJson(event));
             answer.text += fmt::format(
                 "{:>14.7g} {:<12} {:>12.5g} {:>18} {:>18} {:>18} {:>20}\n", event.isovalue,

@@ -1,8 +1,10 @@
 #include "core/cell/exact_sign.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <climits>
+#include <cstdint>
 
 namespace isoslider::cell {
 namespace {
@@ -19,25 +21,48 @@ BitRange bitRange(double number) {
     return {exponent - 53 + std::countr_zero(mantissa), exponent - 1};
 }
 
-} // namespace
-
-int lowestExponent(std::span<const double> numbers) {
-    int low = INT_MAX;
-    for (const double number : numbers)
-        if (number != 0.0)
-            low = std::min(low, bitRange(number).low);
-    return low == INT_MAX ? 0 : low;
+// a + b = sum + what rounding has left off, exactly.
+double addExactly(double a, double b, double& left) {
+    const double sum = a + b, ofB = sum - a;
+    left = (a - (sum - ofB)) + (b - ofB);
+    return sum;
 }
 
-std::optional<std::array<std::int64_t, 9>> onCommonLattice(std::span<const double> numbers, int bits) {
-    const int low = lowestExponent(numbers);
+} // namespace
+
+int signOfSum(std::span<const Product> products) {
+    // Parts that do not overlap, the least first; each further number runs through all of them.
+    std::array<double, 16> parts{};
+    std::size_t count = 0;
+    const auto add = [&](double number) {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            double left = 0.0;
+            number = addExactly(number, parts[i], left);
+            if (left != 0.0)
+                parts[kept++] = left;
+        }
+        if (number != 0.0)
+            parts[kept++] = number;
+        count = kept;
+    };
+    for (const Product& each : products) {
+        const double product = each.a * each.b;
+        add(std::fma(each.a, each.b, -product));
+        add(product);
+    }
+    return count == 0 ? 0 : parts[count - 1] > 0.0 ? 1 : -1;
+}
+
+Lattice latticeOf(std::span<const double> numbers) {
+    int low = INT_MAX, high = INT_MIN;
     for (const double number : numbers)
-        if (number != 0.0 && bitRange(number).high - low >= bits)
-            return std::nullopt;
-    std::array<std::int64_t, 9> lattice{};
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-        lattice[i] = static_cast<std::int64_t>(std::ldexp(numbers[i], -low));
-    return lattice;
+        if (number != 0.0) {
+            const BitRange bits = bitRange(number);
+            low = std::min(low, bits.low);
+            high = std::max(high, bits.high);
+        }
+    return low == INT_MAX ? Lattice{} : Lattice{low, high - low + 1};
 }
 
 } // namespace isoslider::cell

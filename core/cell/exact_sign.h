@@ -1,11 +1,8 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <optional>
 #include <span>
 
 namespace isoslider::cell {
@@ -53,11 +50,24 @@ struct Bounded {
     bool isCertainlyNegative() const { return value < -error; }
 };
 
-/// Doubles as integers on one lattice, exactly: what exact signs are computed from. `numbers` all finite.
-/// Empty when the lattice would need more than `bits` bits.
-std::optional<std::array<std::int64_t, 9>> onCommonLattice(std::span<const double> numbers, int bits);
+/// Doubles as integers on one lattice: each is an integer of at most `bits` bits times 2^lowest. 0 bits when all are 0.
+struct Lattice {
+    int lowest = 0;
+    int bits = 0;
+};
+/// REQUIRES: all finite.
+Lattice latticeOf(std::span<const double> numbers);
 
-/// The exponent of the lowest set bit among the numbers: each is an integer times 2^that. 0 when all are 0.
-int lowestExponent(std::span<const double> numbers);
+struct Product {
+    double a = 0.0, b = 0.0;
+};
+/// Whether signOfSum() is exact for products of such numbers: nothing overflows, and nothing is lost below.
+inline bool isPlainFactor(double number) {
+    const double size = std::abs(number);
+    return size == 0.0 || (size > 0x1p-240 && size < 0x1p240);
+}
+/// The exact sign of a sum of products, at most 8. REQUIRES: isPlainFactor() of all factors. Without branches on the
+/// numbers' exponents, and so quicker than integers on a lattice (Shewchuk 1997, expansions).
+int signOfSum(std::span<const Product> products);
 
 } // namespace isoslider::cell

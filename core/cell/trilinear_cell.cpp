@@ -16,6 +16,9 @@ namespace isoslider::cell {
 namespace {
 
 using BigInteger = boost::multiprecision::cpp_int;
+// Without memory from the heap.
+using MediumInteger = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
+    512, 512, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
 using WideInteger = __int128; // NOLINT: an extension that GCC and Clang share
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -25,48 +28,45 @@ constexpr int kUnknown = 2;
 
 int signOf(const Bounded& x) { return x.isCertainlyPositive() ? 1 : x.isCertainlyNegative() ? -1 : kUnknown; }
 int signOf(WideInteger x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
-int signOf(const BigInteger& x) { return x.sign(); }
+template <class Integer>
+int signOf(const Integer& x) {
+    return x.sign();
+}
 
-// Widths in bits up to which the polynomials fit into 128 bits: of the scalars on their common lattice, where
-// faces have degree 2, and of scalar - isovalue where the discriminant has degree 4 and terms that add 7 bits.
-constexpr int kLatticeBits = 61;
-constexpr int kTunnelBits = 29;
+// Widths in bits of scalar - isovalue up to which the polynomials fit into 128 and 512 bits: the discriminant has
+// degree 4, and its terms add 7 bits.
+constexpr int kWideBits = 29;
+constexpr int kMediumBits = 126;
 
-BigInteger toBigInteger(double number, int lowest) {
+template <class Integer>
+Integer toInteger(double number, int lowest) {
     int exponent = 0;
     const double fraction = std::frexp(number, &exponent);
-    BigInteger integer = static_cast<std::int64_t>(std::ldexp(fraction, 53));
+    Integer integer = static_cast<std::int64_t>(std::ldexp(fraction, 53));
     const int shift = exponent - 53 - lowest;
     if (shift >= 0)
         integer <<= shift;
     else
-        integer /= BigInteger(1) << -shift; // zeros only
+        integer >>= -shift; // zeros only
     return integer;
 }
 
 // Exact scalar - isovalue on a common lattice; the last of `numbers` is the isovalue.
-template <std::size_t N>
-std::array<BigInteger, N - 1> bigDifferences(const std::array<double, N>& numbers) {
-    const int lowest = lowestExponent(numbers);
-    const BigInteger isovalue = toBigInteger(numbers[N - 1], lowest);
-    std::array<BigInteger, N - 1> g;
+template <class Integer, std::size_t N>
+std::array<Integer, N - 1> differences(const std::array<double, N>& numbers) {
+    const int lowest = latticeOf(numbers).lowest;
+    const Integer isovalue = toInteger<Integer>(numbers[N - 1], lowest);
+    std::array<Integer, N - 1> g;
     for (std::size_t i = 0; i + 1 < N; ++i)
-        g[i] = toBigInteger(numbers[i], lowest) - isovalue;
+        g[i] = toInteger<Integer>(numbers[i], lowest) - isovalue;
     return g;
 }
 
-template <std::size_t N>
-std::optional<std::array<WideInteger, N - 1>> wideDifferences(const std::array<double, N>& numbers,
-                                                              int bits = kLatticeBits + 1) {
-    const auto lattice = onCommonLattice(numbers, kLatticeBits);
-    if (!lattice)
-        return std::nullopt;
-    std::array<WideInteger, N - 1> g;
-    for (std::size_t i = 0; i + 1 < N; ++i) {
-        g[i] = (*lattice)[i] - (*lattice)[N - 1];
-        if ((g[i] < 0 ? -g[i] : g[i]) >> bits != 0)
-            return std::nullopt;
-    }
+std::array<WideInteger, 8> wideDifferences(const std::array<double, 9>& numbers) {
+    const int lowest = latticeOf(numbers).lowest;
+    std::array<WideInteger, 8> g;
+    for (std::size_t i = 0; i < 8; ++i)
+        g[i] = static_cast<std::int64_t>(std::ldexp(numbers[i], -lowest) - std::ldexp(numbers[8], -lowest));
     return g;
 }
 
@@ -74,9 +74,12 @@ std::optional<std::array<WideInteger, N - 1>> wideDifferences(const std::array<d
 // that is positive.
 bool isJoinedExactly(double a, double b, double c, double d, double isovalue) {
     const std::array<double, 5> numbers{a, b, c, d, isovalue};
-    if (const auto g = wideDifferences(numbers))
-        return (*g)[0] * (*g)[2] >= (*g)[1] * (*g)[3];
-    const auto g = bigDifferences(numbers);
+    if (std::all_of(numbers.begin(), numbers.end(), isPlainFactor)) {
+        const std::array<Product, 6> products{
+            {{a, c}, {-b, d}, {-isovalue, a}, {-isovalue, c}, {isovalue, b}, {isovalue, d}}};
+        return signOfSum(products) >= 0;
+    }
+    const auto g = differences<BigInteger>(numbers);
     return g[0] * g[2] >= g[1] * g[3];
 }
 
@@ -195,9 +198,12 @@ TunnelDecision decideExactly(const CornerScalars& scalars, double isovalue) {
     std::array<double, 9> numbers;
     std::copy(scalars.begin(), scalars.end(), numbers.begin());
     numbers[8] = isovalue;
-    if (const auto g = wideDifferences(numbers, kTunnelBits))
-        return testTunnel(CellPolynomials<WideInteger>{*g}).decision;
-    return testTunnel(CellPolynomials<BigInteger>{bigDifferences(numbers)}).decision;
+    const int bits = latticeOf(numbers).bits + 1; // of a difference
+    if (bits <= kWideBits)
+        return testTunnel(CellPolynomials<WideInteger>{wideDifferences(numbers)}).decision;
+    if (bits <= kMediumBits)
+        return testTunnel(CellPolynomials<MediumInteger>{differences<MediumInteger>(numbers)}).decision;
+    return testTunnel(CellPolynomials<BigInteger>{differences<BigInteger>(numbers)}).decision;
 }
 
 // Isovalues of the body saddles, as distances from the present one. Roots of value + slope h + square^2 h^2.
@@ -379,7 +385,31 @@ ResolvedTunnel resolveTunnel(const CornerScalars& scalars, unsigned allowed, dou
     return resolved;
 }
 
+namespace {
+
+// The saddle (ac - bd) / (a + c - b - d), and whether its numerator and denominator are free of rounding.
+struct SaddleQuotient {
+    double numerator, denominator;
+    bool isExact;
+};
+
+SaddleQuotient saddleQuotient(double a, double b, double c, double d) {
+    const double joining = a * c, parting = b * d, numerator = joining - parting;
+    const double first = a - b, second = c - d, denominator = first + second;
+    // Integers of up to 25 bits, as samples of 8 and 16 bits are: products and sums of them fit into a double.
+    const auto isSmall = [](double x) { return std::abs(x) <= 0x1p25 && x == std::nearbyint(x); };
+    return {numerator, denominator, isSmall(a) && isSmall(b) && isSmall(c) && isSmall(d)};
+}
+
+} // namespace
+
 double lastJoined(double a, double b, double c, double d) {
+    if (const SaddleQuotient saddle = saddleQuotient(a, b, c, d); saddle.isExact) {
+        // The greatest double up to a quotient of whole numbers: what is left over of a rounded quotient is exact.
+        const double rounded = saddle.numerator / saddle.denominator;
+        const bool isBeyond = std::fma(-rounded, saddle.denominator, saddle.numerator) < 0.0;
+        return isBeyond ? sampleOfKey<double>(keyOf(rounded) - 1) : rounded + 0.0; // no -0
+    }
     // Of doubles in their order: at `joined` the corners are joined, at `parted` not. Near the saddle as computed,
     // mostly.
     std::uint64_t joined = keyOf(std::max(b, d)), parted = keyOf(std::min(a, c));

@@ -187,8 +187,9 @@ void CellHistory::find(const cell::CornerScalars& scalars) {
             lastJoined_[face] = cell::lastJoined(p1, p2, p3, p0);
     }
     std::array<std::uint8_t, 8> order{0, 1, 2, 3, 4, 5, 6, 7};
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint8_t a, std::uint8_t b) { return scalars[a] < scalars[b]; });
+    for (std::size_t i = 1; i < 8; ++i) // stable, and quicker than std::stable_sort() of so few
+        for (std::size_t k = i; k > 0 && scalars[order[k]] < scalars[order[k - 1]]; --k)
+            std::swap(order[k], order[k - 1]);
     const auto states = cell::cellStates();
     Stretch before; // the one below
     std::uint8_t signs = 0xff;

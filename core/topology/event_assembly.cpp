@@ -4,11 +4,17 @@
 #include <cstdlib>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include <tbb/parallel_sort.h>
 
 namespace isoslider::topology {
 namespace {
+
+// What tells changes of one isovalue and cause apart: sorted by it as well, they lead to the same events in every run.
+int restOf(const EulerChange& change) { return change.euler; }
+std::pair<double, bool> restOf(const ComponentChange& change) { return {change.persistence, change.isBirth}; }
+std::int64_t restOf(const ClosedChange& change) { return change.closed; }
 
 // Takes changes of one kind in the order of isovalues that rise.
 template <class Change>
@@ -16,7 +22,9 @@ class Ascending {
 public:
     explicit Ascending(std::vector<Change>& changes) : changes_(changes) {
         tbb::parallel_sort(changes_.begin(), changes_.end(), [](const Change& a, const Change& b) {
-            return a.isovalue != b.isovalue ? a.isovalue < b.isovalue : a.cause < b.cause;
+            if (a.isovalue != b.isovalue)
+                return a.isovalue < b.isovalue;
+            return a.cause != b.cause ? a.cause < b.cause : restOf(a) < restOf(b);
         });
     }
     double isovalue() const {

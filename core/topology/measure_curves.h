@@ -13,7 +13,8 @@ struct SurfaceMeasures {
     double gradient = 0.0;
 };
 
-/// The same at isovalues that ascend through the value range; between them linear.
+/// The same at isovalues that ascend, the first and last of which are the least and greatest sample; between them
+/// linear.
 struct MeasureCurves {
     std::vector<double> isovalues;
     std::vector<SurfaceMeasures> measures; ///< one for each isovalue

@@ -141,6 +141,8 @@ Result<MeasurePlan> planMeasures(const PlaneSource& source, double least, double
         addEvenly(high, greatest, kIsovaluesBeyond);
     for (std::size_t i = 0; i < kIsovalues && !samples.empty(); ++i)
         plan.isovalues.push_back(samples[(2 * i + 1) * samples.size() / (2 * kIsovalues)]);
+    plan.least = least;
+    plan.greatest = greatest;
     std::sort(plan.isovalues.begin(), plan.isovalues.end());
     plan.isovalues.erase(std::unique(plan.isovalues.begin(), plan.isovalues.end()), plan.isovalues.end());
     std::erase_if(plan.isovalues, [&](double v) { return !(v > least && v < greatest); });

@@ -133,7 +133,9 @@ Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary)
             return true;
         if (0.5 * event.persistence >= kPersistent * halfRange)
             endInterval(event.isovalue);
-        const bool isOfPiece = event.pieces.joins + event.pieces.splits > 0; // not where the first one comes or goes
+        // Not where the eldest piece comes or goes, which lasts through all values.
+        const bool isOfPiece =
+            event.pieces.joins + event.pieces.splits > 0 && 0.5 * event.persistence < 0.5 * last - 0.5 * *first;
         if (isOfPiece && event.persistence > greatest && 0.5 * event.persistence >= kPersistent * halfRange) {
             greatest = event.persistence;
             ofPiece = nextAbove(event.isovalue);

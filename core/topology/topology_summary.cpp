@@ -1,7 +1,10 @@
 #include "core/topology/topology_summary.h"
 
 #include <algorithm>
-#include <iterator>
+#include <array>
+#include <functional>
+#include <limits>
+#include <utility>
 
 namespace isoslider::topology {
 
@@ -34,24 +37,85 @@ Status TopologySummary::visitEventsFrom(double isovalue, const std::function<boo
     return visitEvents([&](const TopologyEvent& event) { return event.isovalue < isovalue || visit(event); });
 }
 
-Result<std::vector<TopologyEvent>> TopologySummary::mostPersistent(std::size_t count) const {
-    // A heap whose top is the least of those kept: one pass, memory for `count`.
-    std::vector<TopologyEvent> kept;
-    const auto isMore = [](const TopologyEvent& a, const TopologyEvent& b) {
-        return a.persistence != b.persistence ? a.persistence > b.persistence : a.isovalue < b.isovalue;
-    };
-    ISO_TRY(visitEvents([&](const TopologyEvent& event) {
-        if (kept.size() == count && (count == 0 || !isMore(event, kept.front())))
-            return count > 0;
-        if (kept.size() == count) {
-            std::pop_heap(kept.begin(), kept.end(), isMore);
-            kept.pop_back();
+namespace {
+
+// Weights of events that come one after the other, each known once the next change of its kind is.
+class Weighing {
+public:
+    void add(const TopologyEvent& event) {
+        const std::size_t at = weights_.size();
+        weights_.push_back(event.persistence);
+        const std::array<bool, 3> changes{event.below.handles() != event.above.handles(),
+                                          event.below.voids != event.above.voids,
+                                          event.below.loops != event.above.loops};
+        for (std::size_t kind = 0; kind < changes.size(); ++kind) {
+            if (!changes[kind])
+                continue;
+            const Last& last = last_[kind];
+            const double since = last.isThere ? distance(last.isovalue, event.isovalue) : kFar;
+            if (last.isThere)
+                raise(last.event, std::min(last.since, since));
+            last_[kind] = {true, at, event.isovalue, since};
         }
-        kept.push_back(event);
-        std::push_heap(kept.begin(), kept.end(), isMore);
+        first_ = at == 0 ? event.isovalue : first_;
+        end_ = event.isovalue;
+    }
+    std::vector<double> take() {
+        for (const Last& last : last_)
+            if (last.isThere) // the last of its kind; if it is the only one, nothing is nearer than the ends
+                raise(last.event, std::min(last.since, distance(first_, end_)));
+        return std::move(weights_);
+    }
+
+private:
+    static constexpr double kFar = std::numeric_limits<double>::max();
+    struct Last {
+        bool isThere = false;
+        std::size_t event = 0;
+        double isovalue = 0.0;
+        double since = 0.0; ///< distance to the one before
+    };
+
+    static double distance(double from, double to) { return std::min(to - from, kFar); } // of doubles from end to end
+    void raise(std::size_t event, double weight) { weights_[event] = std::max(weights_[event], weight); }
+
+    std::vector<double> weights_;
+    std::array<Last, 3> last_{};
+    double first_ = 0.0, end_ = 0.0;
+};
+
+} // namespace
+
+Result<std::vector<WeightedEvent>> TopologySummary::mostNotable(std::size_t count) const {
+    Weighing weighing;
+    ISO_TRY(visitEvents([&](const TopologyEvent& event) {
+        weighing.add(event);
         return true;
     }));
-    std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.isovalue < b.isovalue; });
+    const std::vector<double> weights = weighing.take();
+    std::vector<WeightedEvent> kept;
+    if (count == 0 || weights.empty())
+        return kept;
+    // The least weight that is kept, and how many of that very weight: of equal ones the first.
+    double least = 0.0;
+    std::size_t ofLeast = weights.size();
+    if (count < weights.size()) {
+        std::vector<double> sorted = weights;
+        const auto last = sorted.begin() + static_cast<std::ptrdiff_t>(count - 1);
+        std::nth_element(sorted.begin(), last, sorted.end(), std::greater<>());
+        least = *last;
+        const auto isMore = [least](double weight) { return weight > least; };
+        ofLeast = count - static_cast<std::size_t>(std::count_if(weights.begin(), weights.end(), isMore));
+    }
+    std::size_t at = 0;
+    ISO_TRY(visitEvents([&](const TopologyEvent& event) {
+        const double weight = weights[at++];
+        if (weight > least || (weight == least && ofLeast > 0)) {
+            ofLeast -= weight == least ? 1 : 0;
+            kept.push_back({event, weight});
+        }
+        return true;
+    }));
     return kept;
 }
 

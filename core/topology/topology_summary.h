@@ -11,6 +11,14 @@
 
 namespace isoslider::topology {
 
+/// An event, and how much it is worth a look, in scalars: the persistence of its piece; where tunnels, voids or
+/// boundary loops change, how far away the nearest other change of that number is, if that is more. A tunnel has no
+/// persistence of its own here, but where many open and close in a short interval each of them is noise.
+struct WeightedEvent {
+    TopologyEvent event;
+    double weight = 0.0;
+};
+
 /// All that is known in advance of a volume's surfaces: events, counts at every isovalue, curves. Immutable; any
 /// number of threads at once.
 class TopologySummary {
@@ -31,8 +39,9 @@ public:
     /// Empty where they were not made.
     virtual const MeasureCurves& curves() const = 0;
 
-    /// The `count` most persistent events, ascending by isovalue; all if there are fewer. O(events).
-    Result<std::vector<TopologyEvent>> mostPersistent(std::size_t count) const;
+    /// The `count` events of the greatest weight, ascending by isovalue; all if there are fewer. O(events), in time and
+    /// memory (32 bytes each).
+    Result<std::vector<WeightedEvent>> mostNotable(std::size_t count) const;
 };
 
 } // namespace isoslider::topology

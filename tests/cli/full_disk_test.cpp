@@ -37,7 +37,11 @@ protected:
     ProcessResult runUntilFull(const Words& words, const std::string& name) const {
         ProcessOptions options;
         options.signalToSend = SIGSTOP;
-        options.signalWhen = [&] { return fs::exists(disk_ / name) && fs::file_size(disk_ / name) > 0; };
+        options.signalWhen = [&] {
+            std::error_code gone; // it may be published between two looks
+            const auto size = fs::file_size(disk_ / name, gone);
+            return !gone && size > 0;
+        };
         bool hasFilled = false;
         options.whileStopped = [&] {
             disk_.fill();

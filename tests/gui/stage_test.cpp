@@ -216,15 +216,15 @@ TEST_F(StageTest, AStretchIsUndoneAndEndsWithTheVolume) {
 TEST_F(StageTest, FitToSurfaceShowsAllOfWhatIsStretched) {
     stretchTo({1.0, 1.0, 4.0});
     trigger("view.fit");
+    const double height = viewport().height() * viewport().devicePixelRatioF();
+    EXPECT_TRUE(waitUntil([&] { return seenSize().height() > 0.8 * height; })) << "once the camera has arrived";
     ASSERT_TRUE(waitUntil([this] {
         const double distance = viewport().camera().distance();
         QTest::qWait(60);
         return viewport().camera().distance() == distance;
     }));
-    const QSize seen = seenSize();
-    const double ratio = viewport().devicePixelRatioF();
-    EXPECT_GT(seen.height(), 0.8 * viewport().height() * ratio);
-    EXPECT_LT(seen.height(), 0.999 * viewport().height() * ratio);
+    EXPECT_GT(seenSize().height(), 0.8 * height);
+    EXPECT_LT(seenSize().height(), 0.999 * height);
 }
 
 TEST_F(StageTest, IsOfferedForANeedleAndTakenInSlicesToo) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include <tbb/parallel_sort.h>
@@ -58,7 +59,7 @@ void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
 
 namespace {
 
-// Steps of one kind, in the order of isovalues met.
+// Steps of one kind, in the order of isovalues met. REQUIRES: a total order, or each run would give something else.
 template <class Step, class Earlier>
 void order(std::vector<Step>& steps, const Earlier& isEarlier) {
     tbb::parallel_sort(steps.begin(), steps.end(), isEarlier);
@@ -75,7 +76,9 @@ public:
         const Side side = graph_.side;
         const auto& seeds = graph_.seeds;
         order(graph_.links, [side](const Link& a, const Link& b) {
-            return a.isovalue != b.isovalue ? comesEarlier(side, a.isovalue, b.isovalue) : a.cause < b.cause;
+            if (a.isovalue != b.isovalue)
+                return comesEarlier(side, a.isovalue, b.isovalue);
+            return std::tie(a.cause, a.a, a.b) < std::tie(b.cause, b.a, b.b);
         });
         if (side == Side::Above) {
             for (const Link& link : graph_.links)
@@ -131,12 +134,15 @@ private:
         const auto& seeds = graph_.seeds;
         std::vector<std::uint32_t> coming(seeds.size()), reaching;
         std::iota(coming.begin(), coming.end(), 0u);
-        order(coming, [&](std::uint32_t a, std::uint32_t b) { return seeds[a].isovalue < seeds[b].isovalue; });
+        order(coming, [&](std::uint32_t a, std::uint32_t b) {
+            return std::tie(seeds[a].isovalue, a) < std::tie(seeds[b].isovalue, b);
+        });
         for (std::uint32_t seed = 0; seed < seeds.size(); ++seed)
             if (!std::isnan(seeds[seed].reachesBoundary))
                 reaching.push_back(seed);
-        order(reaching,
-              [&](std::uint32_t a, std::uint32_t b) { return seeds[a].reachesBoundary < seeds[b].reachesBoundary; });
+        order(reaching, [&](std::uint32_t a, std::uint32_t b) {
+            return std::tie(seeds[a].reachesBoundary, a) < std::tie(seeds[b].reachesBoundary, b);
+        });
         const auto& links = graph_.links;
         std::size_t c = 0, r = 0, l = 0;
         constexpr double kNever = std::numeric_limits<double>::infinity();

@@ -200,6 +200,12 @@ MeasureCurves MeasureSums::curves(const MeasurePlan& plan, const GridGeometry& g
         curves.measures[i] = {finite(sums[i].area), finite(cell * (whole + sums[i].volume)), sums[i].triangles,
                               area > 0.0 ? finite(gradient / area) : 0.0};
     }
+    // Nothing is left of the surface at the least and greatest sample.
+    whole += static_cast<double>(cellsAbove[0]);
+    curves.isovalues.insert(curves.isovalues.begin(), plan.least);
+    curves.measures.insert(curves.measures.begin(), {0.0, cell * whole, 0.0, 0.0});
+    curves.isovalues.push_back(plan.greatest);
+    curves.measures.push_back({});
     return curves;
 }
 

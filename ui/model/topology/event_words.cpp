@@ -137,7 +137,11 @@ std::string wordsOf(const TopologyEvent& event) {
     return text;
 }
 
-std::string countsText(const SurfaceCounts& counts) {
+std::string countsText(const SurfaceCounts& counts, bool areExact) {
+    if (!areExact) // as samples are missing
+        return "at least " + named(counts.components, "piece", "pieces") + " · " +
+               named(counts.voids, "void", "voids") + " · at least " +
+               named(counts.loops, "boundary loop", "boundary loops");
     return named(counts.components, "piece", "pieces") + " · " + named(counts.handles(), "tunnel", "tunnels") + " · " +
            named(counts.voids, "void", "voids") + " · " + named(counts.loops, "boundary loop", "boundary loops");
 }

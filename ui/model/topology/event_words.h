@@ -26,7 +26,7 @@ bool passes(EventFilter filter, const topology::TopologyEvent& event);
 /// "A piece appears", "2 pieces appear, a piece splits", "3 tunnels open": as the isovalue rises.
 std::string wordsOf(const topology::TopologyEvent& event);
 /// "12 pieces · 3 tunnels · 1 void · 2 boundary loops"
-std::string countsText(const topology::SurfaceCounts& counts);
+std::string countsText(const topology::SurfaceCounts& counts, bool areExact = true);
 /// "12 → 13", or "12" where nothing changes.
 std::string changeText(std::int64_t below, std::int64_t above);
 /// All that is known of an event, in lines: isovalue, what happens, persistence, counts below and above.

@@ -55,12 +55,15 @@ Status drawCounts(TopologyModel::Content& content) {
 } // namespace
 
 Result<TopologyModel::Content> TopologyModel::contentOf(std::shared_ptr<const topology::TopologySummary> summary) {
-    auto events = summary->mostPersistent(kMostListed);
+    const auto events = summary->mostNotable(kMostListed);
     if (!events.isOk())
-        return std::move(events).error();
+        return events.error();
     Content content;
     content.summary = std::move(summary);
-    content.events = std::move(events).value();
+    for (const auto& [event, weight] : events.value()) {
+        content.events.push_back(event);
+        content.persistences.push_back(weight);
+    }
     ISO_TRY(drawCounts(content));
     auto suggestions = topology::suggestIsovalues(*content.summary);
     if (!suggestions.isOk())
@@ -101,8 +104,8 @@ void TopologyModel::setContent(Content content) {
     state_ = TopologyState::Ready;
     problem_.clear();
     greatestPersistence_ = 0.0;
-    for (const auto& event : content_.events)
-        greatestPersistence_ = std::max(greatestPersistence_, event.persistence);
+    for (const double persistence : content_.persistences)
+        greatestPersistence_ = std::max(greatestPersistence_, persistence);
     // Of two doubles of opposite sign the difference may be infinite.
     greatestPersistence_ = std::min(greatestPersistence_, std::numeric_limits<double>::max());
     if (content_.summary != nullptr && !content_.events.empty()) { // one outlier would make all others small
@@ -146,7 +149,7 @@ double TopologyModel::fractionOf(double persistence) const {
 void TopologyModel::filter() {
     shown_.clear();
     for (std::size_t i = 0; i < content_.events.size(); ++i)
-        if (content_.events[i].persistence >= leastPersistence_ && passes(eventFilter_, content_.events[i]))
+        if (content_.persistences[i] >= leastPersistence_ && passes(eventFilter_, content_.events[i]))
             shown_.push_back(i);
 }
 
@@ -172,7 +175,7 @@ std::optional<std::size_t> TopologyModel::passed(double from, double to) const {
     };
     const auto begin = firstFrom(std::min(from, to)), end = firstFrom(std::max(from, to));
     const auto most = std::max_element(begin, end, [this](std::size_t a, std::size_t b) {
-        return content_.events[a].persistence < content_.events[b].persistence;
+        return content_.persistences[a] < content_.persistences[b];
     });
     return most == end ? std::nullopt : std::optional(*most);
 }
@@ -200,7 +203,9 @@ std::optional<topology::SurfaceCounts> TopologyModel::countsAt(double isovalue) 
 bool TopologyModel::hasCurve(TopologyQuantity quantity) const {
     if (!content_.summary)
         return false;
-    return isMeasured(quantity) ? !content_.summary->curves().isEmpty() : !content_.events.empty();
+    if (isMeasured(quantity))
+        return !content_.summary->curves().isEmpty();
+    return !content_.events.empty() && (quantity != TopologyQuantity::Tunnels || areCountsExact());
 }
 
 std::optional<double> TopologyModel::valueAt(TopologyQuantity quantity, double isovalue) const {

@@ -24,17 +24,21 @@ struct TopologyCurve {
     std::vector<double> isovalues, values;
 };
 
-/// What the window shows of the topology of the volume that is open: its most persistent events, those among them that
+/// What the window shows of the topology of the volume that is open: its most notable events, those among them that
 /// last long enough, the one that was chosen, and counts at any isovalue. Window thread only.
+///
+/// What is called persistence here is an event's weight (topology::WeightedEvent): so events of tunnels, voids and
+/// loops, at which no piece comes or goes, are ranked beside those of pieces.
 class TopologyModel {
 public:
-    /// Of more events the most persistent ones are listed.
+    /// Of more events those of the greatest weight are listed.
     static constexpr std::size_t kMostListed = 20'000;
 
     /// The summary with what is listed of it, made on a worker's thread.
     struct Content {
         std::shared_ptr<const topology::TopologySummary> summary;
         std::vector<topology::TopologyEvent> events; ///< ascending
+        std::vector<double> persistences; ///< of each: its weight
         /// Counts at even steps from the first event of all to the last, to be drawn.
         std::vector<double> isovalues;
         std::vector<topology::SurfaceCounts> counts;
@@ -60,6 +64,8 @@ public:
     std::uint64_t eventCount() const { return content_.summary ? content_.summary->eventCount() : 0; }
     /// Ascending by isovalue.
     const std::vector<topology::TopologyEvent>& events() const { return content_.events; }
+    /// REQUIRES: event < events().size().
+    double persistenceOf(std::size_t event) const { return content_.persistences[event]; }
     /// Finite.
     double greatestPersistence() const { return greatestPersistence_; }
     /// Events that last less are not shown.
@@ -89,6 +95,8 @@ public:
     std::optional<std::size_t> chosen() const { return chosen_; }
     void choose(std::optional<std::size_t> event);
 
+    /// False where samples are missing such that pieces and loops are only bounded, and tunnels not known.
+    bool areCountsExact() const { return !content_.summary || content_.summary->areCountsExact(); }
     /// None while there are no counts.
     std::optional<topology::SurfaceCounts> countsAt(double isovalue) const;
     /// Values of one quantity over the value range, to be drawn; empty where it is not known.

@@ -32,13 +32,17 @@ std::vector<Fact> surfaceFacts(const model::Session& session) {
              CountsPanel::tr("Grid edges that the surface crosses: one vertex on each")}};
 }
 
-std::vector<Fact> countFacts(const topology::SurfaceCounts& counts) {
-    return {{CountsPanel::tr("Pieces"), grouped(counts.components), CountsPanel::tr("Parts that do not touch")},
-            {CountsPanel::tr("Tunnels"), grouped(counts.handles()),
+// Where they are not exact, pieces and loops are at least as many as stated, and tunnels are not known.
+std::vector<Fact> countFacts(const topology::SurfaceCounts& counts, bool areExact) {
+    const auto atLeast = [areExact](std::int64_t count) {
+        return (areExact ? QString() : QStringLiteral("≥ ")) + grouped(count);
+    };
+    return {{CountsPanel::tr("Pieces"), atLeast(counts.components), CountsPanel::tr("Parts that do not touch")},
+            {CountsPanel::tr("Tunnels"), areExact ? grouped(counts.handles()) : CountsPanel::tr("not known"),
              CountsPanel::tr("Handles of all pieces together, the genus of a closed surface")},
             {CountsPanel::tr("Voids"), grouped(counts.voids),
              CountsPanel::tr("Closed hollows: parts below the isovalue that do not reach the volume's sides")},
-            {CountsPanel::tr("Boundary loops"), grouped(counts.loops),
+            {CountsPanel::tr("Boundary loops"), atLeast(counts.loops),
              CountsPanel::tr("Closed lines where the surface ends: at the volume's sides, or at missing values")},
             {CountsPanel::tr("Euler number"), grouped(counts.euler),
              CountsPanel::tr("Vertices less edges plus triangles")}};
@@ -117,11 +121,15 @@ void CountsPanel::show() {
     surface_->setFacts(surfaceFacts(session_));
     const auto frame = session_.frame();
     const auto counts = frame ? session_.topology().countsAt(frame->isovalue) : std::nullopt;
-    counts_->setFacts(counts ? countFacts(*counts) : std::vector<Fact>{});
+    const bool areExact = session_.topology().areCountsExact();
+    counts_->setFacts(counts ? countFacts(*counts, areExact) : std::vector<Fact>{});
     const auto measures = counts ? measureFacts(session_, frame->isovalue) : std::vector<Fact>{};
     measures_->setFacts(measures);
     measuresHeading_->setVisible(!measures.empty());
-    const QString hint = counts ? QString() : hintOf(session_);
+    const QString hint = !counts ? hintOf(session_)
+                         : areExact
+                             ? QString()
+                             : tr("Samples are missing: pieces and boundary loops are at least as many as stated.");
     hint_->setText(hint);
     hint_->setVisible(!hint.isEmpty());
 }

@@ -40,7 +40,7 @@ QString countText(const model::TopologyModel& topology) {
     const QString shown = grouped(topology.shown().size()), listed = grouped(topology.events().size());
     return topology.events().size() == topology.eventCount()
                ? TopologyPanel::tr("%1 of %2 events").arg(shown, listed)
-               : TopologyPanel::tr("%1 of the %2 most persistent of %3 events")
+               : TopologyPanel::tr("%1 of the %2 most notable of %3 events")
                      .arg(shown, listed, grouped(topology.eventCount()));
 }
 

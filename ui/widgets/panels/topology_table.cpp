@@ -39,7 +39,7 @@ double TopologyTable::sortKey(int row, int column) const {
     switch (column) {
         case Isovalue: return event.isovalue;
         case What: return static_cast<double>(model::classOf(event));
-        case Persistence: return event.persistence;
+        case Persistence: return topology_.persistenceOf(eventOf(row));
         case Pieces: return static_cast<double>(event.above.components);
         case Tunnels: return static_cast<double>(event.above.handles());
         case Voids: return static_cast<double>(event.above.voids);
@@ -61,11 +61,12 @@ int TopologyTable::rowCount(const QModelIndex& parent) const {
 
 int TopologyTable::columnCount(const QModelIndex& parent) const { return parent.isValid() ? 0 : kColumns; }
 
-QString TopologyTable::text(const topology::TopologyEvent& event, int column) const {
+QString TopologyTable::text(std::size_t place, int column) const {
+    const topology::TopologyEvent& event = topology_.events()[place];
     switch (column) {
         case Isovalue: return fromStd(model::valueText(event.isovalue, 7));
         case What: return fromStd(model::wordsOf(event));
-        case Persistence: return fromStd(model::valueText(event.persistence, 4));
+        case Persistence: return fromStd(model::valueText(topology_.persistenceOf(place), 4));
         case Pieces: return fromStd(model::changeText(event.below.components, event.above.components));
         case Tunnels: return fromStd(model::changeText(event.below.handles(), event.above.handles()));
         case Voids: return fromStd(model::changeText(event.below.voids, event.above.voids));
@@ -79,7 +80,7 @@ QVariant TopologyTable::data(const QModelIndex& index, int role) const {
         return {};
     const auto& event = topology_.events()[eventOf(index.row())];
     switch (role) {
-        case Qt::DisplayRole: return text(event, index.column());
+        case Qt::DisplayRole: return text(eventOf(index.row()), index.column());
         case Qt::ToolTipRole: return fromStd(model::describe(event));
         case Qt::TextAlignmentRole:
             return static_cast<int>((index.column() == What ? Qt::AlignLeft : Qt::AlignRight) | Qt::AlignVCenter);
@@ -99,7 +100,8 @@ QVariant TopologyTable::headerData(int section, Qt::Orientation orientation, int
         {{tr("Isovalue"), tr("The event happens just past it")},
          {tr("What happens"), tr("As the isovalue rises")},
          {tr("Persistence"),
-          tr("Through how many values a piece lasts that appears, disappears or joins here; 0 if none does")},
+          tr("Through how many values a piece lasts that appears, disappears or joins here; of tunnels, voids and loops: "
+             "how far away their next change is")},
          {tr("Pieces"), tr("Before → after")},
          {tr("Tunnels"), tr("Before → after")},
          {tr("Voids"), tr("Before → after")},

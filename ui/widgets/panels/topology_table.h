@@ -36,7 +36,7 @@ public:
     QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
 
 private:
-    QString text(const topology::TopologyEvent& event, int column) const;
+    QString text(std::size_t place, int column) const;
 
     const model::TopologyModel& topology_;
     std::vector<std::size_t> shown_;

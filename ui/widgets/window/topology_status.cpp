@@ -33,7 +33,8 @@ void TopologyStatus::showCounts() {
     const auto& isovalue = session_.isovalue();
     const auto counts = isovalue.hasDisplayed() ? session_.topology().countsAt(isovalue.displayed()) : std::nullopt;
     counts_->setVisible(counts.has_value());
-    counts_->setFullText(counts ? QString::fromStdString(model::countsText(*counts)) : QString());
+    counts_->setFullText(
+        counts ? QString::fromStdString(model::countsText(*counts, session_.topology().areCountsExact())) : QString());
 }
 
 // Not only once there are counts: the view would change its height when they come.

@@ -26,7 +26,7 @@ std::vector<EventMark> marksOf(const model::TopologyModel& topology) {
     const double greatest = topology.greatestPersistence();
     for (const std::size_t place : topology.shown()) {
         const auto& event = topology.events()[place];
-        const double share = event.persistence / greatest; // of 0 by 0 it is not a number
+        const double share = topology.persistenceOf(place) / greatest; // of 0 by 0 it is not a number
         marks.push_back({place, event.isovalue, topology.justPast(place), share > 0.0 ? std::min(share, 1.0) : 0.0,
                          model::classOf(event)});
     }

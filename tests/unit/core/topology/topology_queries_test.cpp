@@ -232,16 +232,49 @@ TEST(TopologySummary, ListsTheMostPersistentEvents) {
     const TopologyCurve curve = fivePieces();
     const auto isovalues = [&](std::size_t count) {
         std::vector<double> found;
-        const auto events = curve.mostPersistent(count);
+        const auto events = curve.mostNotable(count);
         EXPECT_THAT(events, IsOk());
-        for (const TopologyEvent& event : events.value())
-            found.push_back(event.isovalue);
+        for (const WeightedEvent& each : events.value()) {
+            EXPECT_EQ(each.weight, each.event.persistence) << "nothing but pieces changes";
+            found.push_back(each.event.isovalue);
+        }
         return found;
     };
     EXPECT_EQ(isovalues(0), std::vector<double>());
     EXPECT_EQ(isovalues(2), (std::vector<double>{0, 10}));
     EXPECT_EQ(isovalues(4), (std::vector<double>{0, 2, 8, 10}));
     EXPECT_EQ(isovalues(99).size(), 6u);
+}
+
+// One lone tunnel among pieces, and one that opens and closes again and again.
+TEST(TopologySummary, RanksTunnelsByTheirNearestChange) {
+    std::vector<TopologyEvent> events;
+    SurfaceCounts counts;
+    const auto add = [&](double isovalue, int pieces, int tunnels, double persistence) {
+        TopologyEvent event;
+        event.isovalue = isovalue;
+        event.below = counts;
+        counts.components += pieces;
+        counts.euler += 2 * pieces - 2 * tunnels;
+        event.above = counts;
+        event.persistence = persistence;
+        events.push_back(event);
+    };
+    add(0, 1, 0, 100);
+    for (const double isovalue : {10.0, 11.0, 12.0, 13.0, 14.0, 15.0})
+        add(isovalue, 0, counts.handles() == 0 ? 1 : -1, 0);
+    add(20, 1, 0, 2);
+    add(40, 0, 1, 0);
+    add(90, 0, -1, 0);
+    add(100, -2, 0, 100);
+    const TopologyCurve curve(std::move(events), {}, true);
+    const auto notable = curve.mostNotable(5);
+    ASSERT_THAT(notable, IsOk());
+    std::vector<std::pair<double, double>> found;
+    for (const WeightedEvent& each : notable.value())
+        found.emplace_back(each.event.isovalue, each.weight);
+    EXPECT_EQ(found, (std::vector<std::pair<double, double>>{{0, 100}, {20, 2}, {40, 25}, {90, 50}, {100, 100}}));
+    EXPECT_EQ(curve.mostNotable(99).value()[3].weight, 1.0) << "its neighbours are one away";
 }
 
 } // namespace

@@ -80,6 +80,7 @@ TEST(EventWords, FilterByWhatHappens) {
 TEST(EventWords, CountInSingularAndPlural) {
     EXPECT_EQ(countsText(counts(12, 3, 1, 2)), "12 pieces · 3 tunnels · 1 void · 2 boundary loops");
     EXPECT_EQ(countsText(counts(1, 1, 0, 1)), "1 piece · 1 tunnel · 0 voids · 1 boundary loop");
+    EXPECT_EQ(countsText(counts(12, 3, 1, 2), false), "at least 12 pieces · 1 void · at least 2 boundary loops");
     EXPECT_EQ(countsText(counts(123456, 0)), "123,456 pieces · 0 tunnels · 0 voids · 0 boundary loops");
     EXPECT_EQ(changeText(1200, 1201), "1,200 → 1,201");
     EXPECT_EQ(changeText(7, 7), "7");
