@@ -14,6 +14,7 @@
 #include <tbb/task_arena.h>
 
 #include "app/cli/command.h"
+#include "app/cli/escaped_name.h"
 #include "app/cli/input_kind.h"
 #include "app/cli/level_json.h"
 #include "app/cli/number_parsing.h"
@@ -279,7 +280,7 @@ private:
 
     std::string textOf(const Built& built) const {
         const preprocess::BuildReport& report = built.report;
-        std::string text = fmt::format("{}: {} in {:.2f} s, peak memory {}{}\n", indexPath_,
+        std::string text = fmt::format("{}: {} in {:.2f} s, peak memory {}{}\n", escapedName(indexPath_),
                                        sizeText(report.info.indexBytes), report.seconds, sizeText(report.peakRssBytes),
                                        report.isResumed ? ", of which a part was there" : "");
         text += fmt::format("forecast: {}, and up to {} of temporary files, of which {} were used\n",

@@ -10,6 +10,7 @@
 
 #include "app/cli/certified_output.h"
 #include "app/cli/command.h"
+#include "app/cli/escaped_name.h"
 #include "app/cli/input_kind.h"
 #include "app/cli/options.h"
 #include "app/cli/output_check.h"
@@ -174,7 +175,7 @@ std::string textOf(const mesh::Certificate& certificate, const std::string& mesh
     for (const auto& line : mesh::linesOf(certificate))
         text += fmt::format("{:<22}{}\n", line.name, line.value);
     if (!meshPath.empty())
-        text += fmt::format("{:<22}{}\n", "written to", meshPath);
+        text += fmt::format("{:<22}{}\n", "written to", escapedName(meshPath));
     return text;
 }
 

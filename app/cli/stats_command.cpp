@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/command.h"
+#include "app/cli/escaped_name.h"
 #include "app/cli/geometry_text.h"
 #include "app/cli/index_facts.h"
 #include "app/cli/level_json.h"
@@ -39,7 +40,7 @@ Json jsonOf(const index::IndexInfo& info) {
 
 std::string textOf(const index::IndexInfo& info) {
     std::string text = "Table 1: the model\n";
-    text += fmt::format("  model                 {}\n", info.sourceName);
+    text += fmt::format("  model                 {}\n", escapedName(info.sourceName));
     text += fmt::format("  resolution            {}\n", dimsText(info.geometry.dims));
     text += fmt::format("  scalar type           {}\n", scalarTypeName(info.type));
     text += fmt::format("  distinct isovalues    {}\n", info.distinctValues);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/command.h"
+#include "app/cli/escaped_name.h"
 #include "app/cli/number_parsing.h"
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
@@ -135,8 +136,9 @@ private:
         if (validated.faultCount() > described)
             text += fmt::format("… and {} more\n", validated.faultCount() - described);
         const index::ValidationReport& report = validated.report;
-        text += fmt::format("{}: {}, {} of {} in {} pages", path_, validated.faultCount() == 0 ? "sound" : "damaged",
-                            sizeText(report.bytes), index::indexKindName(report.info.kind), report.pages);
+        text += fmt::format("{}: {}, {} of {} in {} pages", escapedName(path_),
+                            validated.faultCount() == 0 ? "sound" : "damaged", sizeText(report.bytes),
+                            index::indexKindName(report.info.kind), report.pages);
         if (report.chunks > 0)
             text += fmt::format(" and {} chunks", report.chunks);
         text += validated.topology.isThere ? fmt::format(", {} events of topology", validated.topology.events)

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "core/extract/live/live_surface.h"
 #include "core/extract/pieces/piece_tracker.h"
@@ -183,15 +184,34 @@ private:
         return stats;
     }
 
-    // From where to start: here, or from the empty surface below or above all values, whichever has
-    // fewer edge entries on the way. An emptied surface costs nothing to remove.
+    // Where a page turns out to be damaged, there may be a way around it: over lower levels, or from elsewhere. Each
+    // round finds damage that was not known, so they come to an end.
     Status move(double isovalue, SlideStats& stats, const JobControl& job) {
+        for (;;) {
+            const std::uint64_t lost = backing_.source.partsLost();
+            Status moved = moveOnce(isovalue, stats, job);
+            if (moved.isOk() || moved.isCancelled() || backing_.source.partsLost() == lost)
+                return moved;
+            const SlideStats failed = std::exchange(stats, {});
+            stats.isovalue = isovalue;
+            stats.bytesRead = failed.bytesRead;
+            stats.hasRebuilt = failed.hasRebuilt || surface_.hasBricks();
+            dropSurface();
+        }
+    }
+
+    // From where to start: here, or from the empty surface below or above all values, whichever has no damage and
+    // fewer edge entries on the way. An emptied surface costs nothing to remove.
+    Status moveOnce(double isovalue, SlideStats& stats, const JobControl& job) {
         const KeyThreshold target = backing_.source.threshold(isovalue);
-        std::uint64_t best = backing_.source.estimate(position_, target);
+        const auto costFrom = [&](KeyThreshold from) {
+            return std::pair(backing_.source.isBlocked(from, target), backing_.source.estimate(from, target));
+        };
+        auto best = costFrom(position_);
         KeyThreshold start = position_;
         bool restarts = false;
         for (const KeyThreshold end : {backing_.source.lowest(), backing_.source.highest()}) {
-            const std::uint64_t cost = backing_.source.estimate(end, target);
+            const auto cost = costFrom(end);
             if (cost < best) {
                 best = cost;
                 start = end;
@@ -199,7 +219,7 @@ private:
             }
         }
         if (restarts) {
-            stats.hasRebuilt = surface_.hasBricks();
+            stats.hasRebuilt = stats.hasRebuilt || surface_.hasBricks();
             stats.edgesRemoved += surface_.activeEdges();
             surface_.clear();
         }

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
+
+#include "core/index/index_places.h"
 
 namespace isoslider::index {
 
@@ -43,10 +46,12 @@ Result<const HiddenPage*> HiddenCorners::load(std::size_t index) const {
         return known;
     const HiddenPageEntry& entry = reader_.meta().hiddenPages[index];
     thread_local std::vector<std::byte> bytes;
-    ISO_TRY(reader_.readPage(entry, bytes));
+    if (Status read = reader_.readPage(entry, bytes); !read.isOk())
+        return inHiddenPage(reader_, index, std::move(read).error());
     bytesRead_.fetch_add(entry.bytes, std::memory_order_relaxed);
     auto fresh = std::make_unique<HiddenPage>();
-    ISO_TRY(decodeHiddenPage(bytes, entry, reader_.info(), *fresh, reader_.pathString()));
+    if (Status decoded = decodeHiddenPage(bytes, entry, reader_.info(), *fresh, reader_.pathString()); !decoded.isOk())
+        return inHiddenPage(reader_, index, std::move(decoded).error());
     slot.store(fresh.get(), std::memory_order_release);
     return fresh.release();
 }

@@ -2,11 +2,38 @@
 
 #include <algorithm>
 #include <bit>
+#include <string>
+#include <utility>
+
+#include "core/index/index_places.h"
 
 namespace isoslider::index {
 
 // About as many as there are threads: each takes one and gives one back.
 static constexpr std::size_t kMaxSpares = 8;
+
+namespace {
+
+template <class Key>
+Status readAndDecode(const IndexReader& reader, const PageEntry& entry, DecodedPage<Key>& page) {
+    thread_local std::vector<std::byte> bytes;
+    ISO_TRY(reader.readPage(entry, bytes));
+    ISO_TRY(decodePage<Key>(bytes, reader.grid(), page, reader.pathString()));
+    const auto corrupt = [&](const char* problem) {
+        return makeError(ErrorCode::Corruption, std::string("index page ") + problem, reader.pathString());
+    };
+    if (!page.forms.empty() && !(reader.info().mergeError > 0.0))
+        return corrupt("is damaged: merged cells where there are none");
+    if (page.pointCount() != entry.points || page.edgeCount() != entry.edges)
+        return corrupt("disagrees with the directory");
+    // A brick has one entry; whoever walks a list of bricks relies on it.
+    if (reader.info().kind == IndexKind::Metacells &&
+        !std::all_of(page.masks.begin(), page.masks.end(), [](std::uint8_t mask) { return std::has_single_bit(mask); }))
+        return corrupt("lists a brick without or with several entries");
+    return {};
+}
+
+} // namespace
 
 template <class Key>
 Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std::size_t pageIndex) {
@@ -20,22 +47,9 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std
         }
     }
     const PageEntry& entry = reader_.meta().levels[level.index()].pages[pageIndex];
-    thread_local std::vector<std::byte> bytes;
-    ISO_TRY(reader_.readPage(entry, bytes));
     std::shared_ptr<DecodedPage<Key>> page = takeSpare();
-    ISO_TRY(decodePage<Key>(bytes, reader_.grid(), *page, reader_.pathString()));
-    if (!page->forms.empty() && !(reader_.info().mergeError > 0.0))
-        return makeError(ErrorCode::Corruption, "index page is damaged: merged cells where there are none",
-                         reader_.pathString());
-    if (page->pointCount() != entry.points || page->edgeCount() != entry.edges)
-        return makeError(ErrorCode::Corruption, "index page disagrees with the directory", reader_.pathString(),
-                         entry.offset);
-    // A brick has one entry; whoever walks a list of bricks relies on it.
-    if (reader_.info().kind == IndexKind::Metacells &&
-        !std::all_of(page->masks.begin(), page->masks.end(),
-                     [](std::uint8_t mask) { return std::has_single_bit(mask); }))
-        return makeError(ErrorCode::Corruption, "index page lists a brick without or with several entries",
-                         reader_.pathString(), entry.offset);
+    if (Status status = readAndDecode(reader_, entry, *page); !status.isOk())
+        return inPage(reader_, level, pageIndex, std::move(status).error());
     insert(id, page);
     return Lookup{std::move(page), entry.bytes};
 }

@@ -1,8 +1,10 @@
 #include "core/index/sample_store.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/check.h"
+#include "core/index/index_places.h"
 
 namespace isoslider::index {
 
@@ -26,12 +28,15 @@ Result<const SampleStore::ChunkGroup*> SampleStore::group(std::uint64_t number, 
     const std::size_t count = chunksInGroup(chunks_, number);
     const std::uint64_t tableAt = entry.offset + entry.chunkBytes;
     std::vector<std::byte> bytes;
-    ISO_TRY(reader_.readPart(tableAt, count * kGroupEntryBytes, entry.checksum, bytes));
+    if (Status read = reader_.readPart(tableAt, count * kGroupEntryBytes, entry.checksum, bytes); !read.isOk())
+        return inChunkGroup(reader_, number, std::move(read).error());
     bytesRead += bytes.size();
     auto group = std::make_unique<ChunkGroup>();
     group->places.resize(count);
     if (!getChunkPlaces(bytes, entry.offset, tableAt, group->places))
-        return makeError(ErrorCode::Corruption, "chunks disagree with their group", reader_.pathString(), tableAt);
+        return inChunkGroup(reader_, number,
+                            makeError(ErrorCode::Corruption, "index page disagrees with the bytes of its chunks",
+                                      reader_.pathString(), tableAt));
     const ChunkGroup* kept = group.release();
     groups_[number].store(kept, std::memory_order_release);
     return kept;
@@ -50,7 +55,9 @@ Status SampleStore::read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out,
     if (!place.isOk())
         return place.error();
     thread_local std::vector<std::byte> bytes;
-    ISO_TRY(reader_.readPart(place.value().offset, place.value().bytes, place.value().checksum, bytes));
+    if (Status read = reader_.readPart(place.value().offset, place.value().bytes, place.value().checksum, bytes);
+        !read.isOk())
+        return inChunk(reader_, chunk, std::move(read).error());
     bytesRead += bytes.size();
     const ChunkExtent extent = chunks_.extent(chunk);
     const std::size_t samples =
@@ -59,8 +66,9 @@ Status SampleStore::read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out,
     thread_local std::vector<Sample> packed;
     packed.resize(isWhole ? 0 : samples);
     if (!decodeChunk<Sample>(bytes, extent, isWhole ? std::span<Sample>(out) : std::span<Sample>(packed)))
-        return makeError(ErrorCode::Corruption, "chunk of samples is damaged", reader_.pathString(),
-                         place.value().offset);
+        return inChunk(reader_, chunk,
+                       makeError(ErrorCode::Corruption, "index page is damaged: its samples cannot be decoded",
+                                 reader_.pathString(), place.value().offset));
     if (isWhole)
         return {};
     const Sample* row = packed.data();

@@ -55,6 +55,15 @@ TEST_F(CliValidate, NamesFaultsAndExitsWithOne) {
     EXPECT_EQ(keysOf(object["faults"][0]), (std::vector<std::string>{"part", "problem", "offset", "isovalues"}));
 }
 
+// In reports as in errors: a name does not make a line of its own.
+TEST_F(CliValidate, EscapesControlCharactersInNames) {
+    const std::string index = (folder_.path() / "a\nb.isx").string();
+    const auto built = run({"build", sphereVolume(), "-o", index, "--no-topology"});
+    ASSERT_EQ(built.exitCode, 0) << built.standardError;
+    EXPECT_THAT(built.standardOutput, HasSubstr("/a\\x0ab.isx: "));
+    EXPECT_THAT(run({"validate", index}).standardOutput, HasSubstr("/a\\x0ab.isx: sound"));
+}
+
 TEST_F(CliValidate, FindsFaultsOfStoredTopology) {
     const auto index = sphereIndex();
     const std::size_t indexBytes = runJson({"stats", index})["index_bytes"];

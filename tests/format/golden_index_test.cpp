@@ -1,17 +1,21 @@
-// Index files of each released format version, kept for ever: those of this version open, slide, and are
-// what a build gives, older ones are refused by name. ISOSLIDER_WRITE_GOLDEN=FOLDER writes today's bytes
-// instead of comparing them; commit such a file under a new name only, with a new format version.
+// Index files of each released format version, kept for ever: those that are read open and slide, those of this version
+// are what a build gives, older ones are refused, and what they lack is named. ISOSLIDER_WRITE_GOLDEN=FOLDER writes
+// today's bytes instead of comparing them; commit such a file under a new name only, with a new format version.
 
 #include <cstdlib>
+#include <fstream>
 
 #include <gtest/gtest.h>
 #include <zstd.h>
 
 #include "core/extract/full_extraction.h"
+#include "core/extract/merged/merged_extraction.h"
 #include "core/extract/slide_engine.h"
 #include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
 #include "core/index/validation/index_validation.h"
+#include "core/topology/index_topology.h"
+#include "core/topology/stored_topology.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"
@@ -26,7 +30,24 @@ using test::IsOk;
 
 const std::filesystem::path kData = std::filesystem::path(test::sourceFolder()) / "tests/data";
 const std::filesystem::path kGolden = kData / "golden_v4.isx";
-const std::filesystem::path kGoldenMetacells = kData / "golden_v4_metacells.isx";
+
+struct Golden {
+    const char* name;
+    IndexKind kind = IndexKind::Edges;
+    extract::MergeError mergeError = {};
+    const char* unit = ""; ///< minor version 1
+    bool isResampled = false; ///< minor version 2
+    bool hasTopology = false;
+    bool isOfThisVersion = true;
+};
+constexpr Golden kGoldenIndexes[] = {
+    {.name = "golden_v3", .isOfThisVersion = false},
+    {.name = "golden_v4"},
+    {.name = "golden_v4_metacells", .kind = IndexKind::Metacells},
+    {.name = "golden_v4_merged", .mergeError = {extract::MergeBound::Measure::Scalar, 30.0}},
+    {.name = "golden_v4_1_topology", .kind = IndexKind::Metacells, .unit = "mm", .hasTopology = true},
+    {.name = "golden_v4_2", .unit = "mm", .isResampled = true},
+};
 
 // Never to be changed: the golden file is of this volume.
 std::shared_ptr<const ScalarGrid> goldenVolume() {
@@ -42,42 +63,80 @@ std::shared_ptr<const ScalarGrid> goldenVolume() {
     });
 }
 
-std::string buildGolden(const std::filesystem::path& path, IndexKind kind) {
+std::string buildGolden(const std::filesystem::path& path, const Golden& golden) {
     preprocess::BuildOptions options;
-    options.kind = kind;
+    options.kind = golden.kind;
+    options.mergeError = golden.mergeError;
     options.skipLevels = 4;
     options.redundancyThreshold = 0.5;
     options.sourceName = "golden";
-    EXPECT_THAT(test::buildIndexOf(goldenVolume(), path, options), IsOk());
+    io::VolumeInfo info;
+    info.lengthUnit = golden.unit;
+    if (golden.isResampled)
+        info.resampling = io::ResampleReport{300, 280, 0.5, 0.125, 0.04, 3};
+    EXPECT_THAT(preprocess::buildIndex(*io::makeMemorySource(goldenVolume(), info), path, options), IsOk());
     return test::readText(path);
 }
 
-// The first lacks samples that its surfaces need.
-TEST(GoldenIndex, EarlierVersionsAreRefusedByName) {
-    for (const std::string version : {"1", "2", "3"}) {
+// Nothing can be made of them that is right.
+TEST(GoldenIndex, NamesWhatEarlierVersionsLack) {
+    for (const auto& [version, flaw] : {std::pair<std::string, std::string>{"1", "lacks the samples on which tunnels"},
+                                        {"2", "does not state what kind of index it is"}}) {
         const std::string name = "golden_v" + version + ".isx";
         const auto opened = IndexReader::open(kData / name);
         ASSERT_THAT(opened, HasError(ErrorCode::UnsupportedVersion));
         const std::string line = opened.error().line();
         EXPECT_NE(line.find(name), std::string::npos) << line;
-        EXPECT_NE(
-            line.find("format version " + version + ", this program reads version 4: build it again from its volume"),
-            std::string::npos)
-            << line;
+        EXPECT_NE(line.find("format version " + version + ", which " + flaw), std::string::npos) << line;
+        EXPECT_NE(line.find("build it again from its volume"), std::string::npos) << line;
         EXPECT_EQ(line.find('\n'), std::string::npos);
     }
 }
 
-class GoldenIndexKind : public testing::TestWithParam<IndexKind> {
+// What is no index, of a later version, or damaged is told apart, whatever else is wrong with it.
+TEST(GoldenIndex, OfAnotherKindLaterOrDamagedHasThreeAnswers) {
+    const test::TemporaryFolder folder;
+    const std::string good = test::readText(kGolden);
+    const auto errorOf = [&](std::size_t at, char byte) {
+        std::string bytes = good;
+        bytes[at] = byte;
+        std::ofstream(folder / "a.isx", std::ios::binary) << bytes;
+        const auto opened = IndexReader::open(folder / "a.isx");
+        EXPECT_FALSE(opened.isOk());
+        return opened.error();
+    };
+    EXPECT_EQ(errorOf(0, 'X').code, ErrorCode::InvalidArgument);
+    EXPECT_NE(errorOf(0, 'X').message.find("not an ISOSLIDER index"), std::string::npos);
+    EXPECT_EQ(errorOf(12, 9).code, ErrorCode::UnsupportedVersion);
+    EXPECT_NE(errorOf(12, 9).message.find("made by a newer version"), std::string::npos);
+    EXPECT_EQ(errorOf(20, 77).code, ErrorCode::Corruption);
+    EXPECT_EQ(errorOf(good.size() - 20, 77).code, ErrorCode::Corruption);
+}
+
+// In version 3 their samples lay between errors of merged cells.
+TEST(GoldenIndex, MetacellsOfVersion3AreRefused) {
+    std::string bytes = test::readText(kData / "golden_v4_metacells.isx");
+    const auto at = std::as_bytes(std::span(bytes));
+    Preamble preamble = decodePreamble(at.first(kPreambleBytes), bytes.size(), "x").value();
+    preamble.major = 3;
+    const auto opened = decodeMeta(at.subspan(preamble.metaOffset, preamble.metaBytes), preamble, "x");
+    ASSERT_THAT(opened, HasError(ErrorCode::UnsupportedVersion));
+    EXPECT_NE(opened.error().message.find("build it again"), std::string::npos);
+}
+
+class GoldenIndexOf : public testing::TestWithParam<Golden> {
 protected:
-    std::filesystem::path golden() const { return GetParam() == IndexKind::Edges ? kGolden : kGoldenMetacells; }
+    std::filesystem::path golden() const { return kData / (std::string(GetParam().name) + ".isx"); }
 };
 
-TEST_P(GoldenIndexKind, OpensWithTheFactsOfItsVolume) {
+TEST_P(GoldenIndexOf, OpensWithTheFactsOfItsVolume) {
     const auto reader = IndexReader::open(golden());
     ASSERT_THAT(reader, IsOk());
     const IndexInfo& info = reader.value()->info();
-    EXPECT_EQ(info.kind, GetParam());
+    EXPECT_EQ(info.kind, GetParam().kind);
+    EXPECT_EQ(info.mergeError, GetParam().mergeError.amount);
+    EXPECT_EQ(info.lengthUnit, GetParam().unit);
+    EXPECT_EQ(info.resampling.empty(), !GetParam().isResampled);
     EXPECT_EQ(info.geometry, goldenVolume()->geometry());
     EXPECT_EQ(info.type, ScalarType::F32);
     EXPECT_EQ(info.sourceName, "golden");
@@ -86,25 +145,49 @@ TEST_P(GoldenIndexKind, OpensWithTheFactsOfItsVolume) {
     EXPECT_EQ(info.max, 13.0);
     EXPECT_EQ(info.distinctValues, 44u);
     EXPECT_EQ(info.redundancyThreshold, 0.5);
-    EXPECT_GE(info.levels.size(), GetParam() == IndexKind::Edges ? 3u : 1u);
+    EXPECT_GE(info.levels.size(), GetParam().kind == IndexKind::Edges ? 3u : 1u);
 }
 
-TEST_P(GoldenIndexKind, SlidesLikeItsVolume) {
+TEST_P(GoldenIndexOf, SlidesLikeItsVolume) {
     const auto engine = extract::SlideEngine::open(golden());
     ASSERT_THAT(engine, IsOk());
     const auto grid = goldenVolume();
     std::vector<double> walk = {5.0, 5.25, 5.3, 2.0, 10.0, 0.0, 30.0, 7.5, 6.75};
     for (int step = 0; step <= 250; ++step) // through all tunnels
         walk.push_back(0.5 + 0.05 * step);
+    extract::LeafCounts leaves{};
+    std::uint64_t mergedLeaves = 0;
     for (const double isovalue : walk) {
         ASSERT_THAT(engine.value()->slideTo(isovalue), IsOk());
         const auto slid = engine.value()->mesh().value();
+        if (GetParam().mergeError.amount > 0.0) {
+            const auto merged = extract::extractMerged(*grid, isovalue, engine.value()->mergeBound(),
+                                                       extract::kMaxBrickMergeLevel, {}, &leaves);
+            EXPECT_TRUE(test::isSameSurface(slid, merged.value())) << isovalue;
+            mergedLeaves += leaves[1];
+            continue;
+        }
         EXPECT_TRUE(test::isSameSurface(slid, extract::extractFull(*grid, isovalue).value())) << isovalue;
         EXPECT_TRUE(test::hasExpectedNormals(slid, *grid)) << isovalue;
     }
+    EXPECT_EQ(mergedLeaves > 0, GetParam().mergeError.amount > 0.0);
 }
 
-TEST_P(GoldenIndexKind, IsSound) {
+TEST_P(GoldenIndexOf, HasTheTopologyOfItsVolume) {
+    const auto opened = topology::openTopology(golden());
+    ASSERT_THAT(opened, IsOk());
+    ASSERT_EQ(opened.value() != nullptr, GetParam().hasTopology);
+    if (!GetParam().hasTopology)
+        return;
+    const auto reader = IndexReader::open(golden());
+    ASSERT_THAT(reader, IsOk());
+    const auto analysed = topology::analyseTopology(topology::planesOf(*reader.value()));
+    ASSERT_THAT(analysed, IsOk());
+    EXPECT_EQ(opened.value()->eventCount(), analysed.value().eventCount());
+    EXPECT_GT(opened.value()->eventCount(), 10u);
+}
+
+TEST_P(GoldenIndexOf, IsSound) {
     ValidationOptions options;
     options.isFull = true;
     const auto source = std::shared_ptr<io::VolumeSource>(io::makeMemorySource(goldenVolume()));
@@ -115,7 +198,7 @@ TEST_P(GoldenIndexKind, IsSound) {
     const auto report = validateIndex(golden(), options);
     ASSERT_THAT(report, IsOk());
     EXPECT_EQ(report.value().faultCount, 0u) << (report.value().isSound() ? "" : report.value().faults[0].line());
-    EXPECT_TRUE(report.value().areEdgesCompared);
+    EXPECT_EQ(report.value().areEdgesCompared, !(GetParam().mergeError.amount > 0.0));
 }
 
 TEST(GoldenIndex, HasHiddenCorners) {
@@ -140,9 +223,15 @@ TEST(GoldenIndex, HasHiddenCorners) {
     EXPECT_EQ(found, 2);
 }
 
-TEST_P(GoldenIndexKind, IsWhatABuildGives) {
+TEST_P(GoldenIndexOf, IsWhatABuildGives) {
+    if (!GetParam().isOfThisVersion)
+        GTEST_SKIP() << "builds give a later version";
     if (const char* folder = std::getenv("ISOSLIDER_WRITE_GOLDEN")) {
-        buildGolden(std::filesystem::path(folder) / golden().filename(), GetParam());
+        const std::filesystem::path path = std::filesystem::path(folder) / golden().filename();
+        buildGolden(path, GetParam());
+        if (GetParam().hasTopology) {
+            ASSERT_THAT(topology::topologyOfIndex(path, {}, {}).value().storing, IsOk());
+        }
         GTEST_SKIP() << "wrote " << golden().filename();
     }
 #if !defined(__x86_64__) || defined(__FMA__)
@@ -151,7 +240,10 @@ TEST_P(GoldenIndexKind, IsWhatABuildGives) {
     if (ZSTD_versionNumber() != 10504)
         GTEST_SKIP() << "compressed planes are those of zstd 1.5.4; here is " << ZSTD_versionString();
     const test::TemporaryFolder folder;
-    const std::string built = buildGolden(folder / "golden.isx", GetParam()), wanted = test::readText(golden());
+    const std::string built = buildGolden(folder / "golden.isx", GetParam());
+    std::string wanted = test::readText(golden());
+    if (GetParam().hasTopology) // what follows the index is another test's
+        wanted.resize(std::min<std::size_t>(wanted.size(), IndexReader::open(golden()).value()->info().indexBytes));
     EXPECT_EQ(built.size(), wanted.size());
     const auto differs =
         std::mismatch(built.begin(), built.begin() + static_cast<std::ptrdiff_t>(std::min(built.size(), wanted.size())),
@@ -159,8 +251,8 @@ TEST_P(GoldenIndexKind, IsWhatABuildGives) {
     EXPECT_TRUE(built == wanted) << "first difference at byte " << differs.first - built.begin();
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, GoldenIndexKind, testing::Values(IndexKind::Edges, IndexKind::Metacells),
-                         [](const auto& kind) { return std::string(indexKindName(kind.param)); });
+INSTANTIATE_TEST_SUITE_P(Versions, GoldenIndexOf, testing::ValuesIn(kGoldenIndexes),
+                         [](const auto& golden) { return std::string(golden.param.name); });
 
 } // namespace
 } // namespace isoslider::index

@@ -68,7 +68,7 @@ class Index:
         if self.data[:12] != MAGIC:
             fail("not an index")
         self.major, self.minor, meta_at, meta_bytes, _, self.file_bytes, _, _ = struct.unpack_from("<HHQQQQQQ", self.data, 12)
-        if self.major != 4:
+        if self.major not in (3, 4):
             fail("version %d" % self.major)
         self.read_meta(Fields(self.data[meta_at : meta_at + meta_bytes]))
 
@@ -92,6 +92,10 @@ class Index:
             self.levels.append(level)
         self.hidden = [meta.get("4I") + meta.get("2Q") for _ in range(meta.get("Q"))]
         self.sample_bytes = meta.get("Q")
+        if self.major == 3:
+            if self.kind != "edges":
+                fail("metacells of version 3")
+            meta.get("Q")
         self.groups = [meta.get("3Q") for _ in range(meta.get("Q"))]
         count, packed = meta.get("2Q")
         plain = unpack_frames([meta.bytes(packed)], [68 * count])[0] if count else meta.bytes(packed) and b""
@@ -99,7 +103,7 @@ class Index:
         for i in range(count):
             brick, *cells = struct.unpack_from("<I8Q", plain, 68 * i)
             self.missing[brick] = cells
-        self.error_in_cells, self.error = meta.get("B"), meta.get("d")
+        self.error_in_cells, self.error = (meta.get("B"), meta.get("d")) if self.major > 3 else (0, 0.0)
         self.unit = meta.text() if self.minor >= 1 else ""
         self.resampling = meta.text() if self.minor >= 2 else ""
         if meta.at != len(meta.data) and self.minor <= 2:

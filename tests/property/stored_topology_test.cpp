@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/byte_codec.h"
 #include "core/index/index_appendix.h"
 #include "core/index/index_reader.h"
 #include "core/topology/index_topology.h"
@@ -58,6 +59,23 @@ std::vector<TopologyEvent> eventsOf(const TopologySummary& summary) {
     }),
                 IsOk());
     return events;
+}
+
+// A directory of one page, as FORMAT.md has it.
+std::vector<std::byte> directoryOf(std::uint32_t pageBytes, std::uint32_t events) {
+    std::vector<std::byte> directory;
+    ByteWriter out(directory);
+    out.put<std::uint32_t>(1);
+    out.put<std::uint8_t>(1);
+    out.put<std::uint64_t>(1);
+    for (int field = 0; field < 3; ++field) // isovalue, offset, checksum
+        out.put<std::uint64_t>(0);
+    out.put<std::uint32_t>(pageBytes);
+    out.put<std::uint32_t>(events);
+    for (int count = 0; count < 4; ++count)
+        out.put<std::uint64_t>(0);
+    out.put<std::uint32_t>(0);
+    return directory;
 }
 
 void expectSame(const TopologySummary& stored, const TopologySummary& made) {
@@ -154,6 +172,24 @@ TEST_F(StoredTopologyTest, IsReadAsItWasMade) {
         EXPECT_TRUE(std::equal(bare_.begin(), bare_.end(), now.begin()));
         EXPECT_THAT(index::IndexReader::open(path_), IsOk());
     }
+}
+
+// FORMAT.md, "Limits": looked at when the directory is opened, before a page is read.
+TEST_F(StoredTopologyTest, IsRefusedOnePastItsLimits) {
+    build(noise({5, 5, 5}, ScalarType::U8, 1));
+    constexpr std::uint32_t kMostBytes = 1u << 20, kMostEvents = 1024;
+    const std::vector<std::byte> body(kMostBytes + 1);
+    const auto open = [&](std::uint32_t pageBytes, std::uint32_t events) {
+        EXPECT_THAT(index::writeAppendix(*reader(), body, directoryOf(pageBytes, events), true), IsOk());
+        return openTopology(path_);
+    };
+    const auto atLimit = open(kMostBytes, kMostEvents);
+    ASSERT_THAT(atLimit, IsOk());
+    ASSERT_NE(atLimit.value(), nullptr);
+    EXPECT_EQ(atLimit.value()->eventCount(), kMostEvents);
+    EXPECT_THAT(open(kMostBytes + 1, kMostEvents), HasError(ErrorCode::Corruption));
+    EXPECT_THAT(open(kMostBytes, kMostEvents + 1), HasError(ErrorCode::Corruption));
+    EXPECT_THAT(open(kMostBytes, 0), HasError(ErrorCode::Corruption));
 }
 
 TEST_F(StoredTopologyTest, IsMadeOfTheIndexAsOfTheVolume) {

@@ -30,11 +30,26 @@ template <class Key>
 BlockWalk<Key>::BlockWalk(const index::IndexReader& reader, std::uint64_t cacheBytes)
     : reader_(reader), skipList_(reader.meta().levels), cache_(reader, cacheBytes), lazyLevels_(cacheBytes / 4) {}
 
+// A page that fails may be gone around, one that could be read after all no longer is: a disk may have been out of
+// reach.
+template <class Key>
+Result<typename index::PageCache<Key>::Lookup> BlockWalk<Key>::getPage(index::SkipLevel level, std::size_t page) {
+    auto lookup = cache_.get(level, page);
+    if (lookup.isOk() && lookup.value().bytesRead == 0)
+        return lookup; // of the cache
+    const std::lock_guard lock(damagedMutex_);
+    if (lookup.isOk())
+        damaged_.erase({level, page});
+    else if (lookup.error().code == ErrorCode::Corruption || lookup.error().code == ErrorCode::IoError)
+        pagesLost_ += damaged_.emplace(level, page).second;
+    return lookup;
+}
+
 // PAPER 2.1: E+ and E- of every block on the way. DEVIATION: blocks are taken in any order and by several threads,
 // because what they list are net changes between two thresholds, which do not depend on each other.
 template <class Key>
-Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(const std::vector<WalkSegment>& segments,
-                                                                             SlideStats& stats) {
+std::vector<typename BlockWalk<Key>::Task> BlockWalk<Key>::makeTasks(const std::vector<WalkSegment>& segments,
+                                                                     SlideStats& stats) {
     using Lazy = index::LazyLevels<Key>;
     const index::SkipLevel top = skipList_.top();
     typename Lazy::Below below;
@@ -42,7 +57,7 @@ Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(con
         const index::BlockEntry& block = skipList_.block(top, b);
         std::vector<typename Lazy::Page> pages;
         for (std::uint64_t p = 0; p < block.pageCount; ++p) {
-            auto lookup = cache_.get(top, block.firstPage + p);
+            auto lookup = getPage(top, block.firstPage + p);
             if (!lookup.isOk())
                 return std::move(lookup).error();
             stats.bytesRead += lookup.value().bytesRead;
@@ -72,10 +87,9 @@ Result<std::vector<typename BlockWalk<Key>::Task>> BlockWalk<Key>::makeTasks(con
                  Lazy::groupsOf(segment.firstBlock, segment.firstBlock + segment.blocks)) {
                 typename Lazy::Page merged;
                 if (group.level > 0) {
-                    auto made = lazyLevels_.get(group, below);
-                    if (!made.isOk())
-                        return std::move(made).error();
-                    merged = std::move(made).value();
+                    // What cannot be merged is visited block by block, and that finds every damaged page.
+                    if (auto made = lazyLevels_.get(group, below); made.isOk())
+                        merged = std::move(made).value();
                 }
                 if (merged)
                     tasks.push_back({&segment, 0, std::move(merged), above(top, group.level)});
@@ -110,17 +124,18 @@ typename BlockWalk<Key>::Part BlockWalk<Key>::partOf(const DecodedPage<Key>& pag
 template <class Key>
 Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats& stats, std::stop_token stop,
                              const Visit& visit) {
-    const std::vector<WalkSegment> segments = skipList_.plan(lower, upper);
-    auto madeTasks = makeTasks(segments, stats);
-    if (!madeTasks.isOk())
-        return std::move(madeTasks).error();
-    const std::vector<Task> tasks = std::move(madeTasks).value();
+    const std::vector<WalkSegment> segments = [&] {
+        const std::lock_guard lock(damagedMutex_);
+        return skipList_.plan(lower, upper, damaged_);
+    }();
+    const std::vector<Task> tasks = makeTasks(segments, stats);
     constexpr int kMaxLevels = index::kMaxSkipLevels + index::LazyLevels<Key>::kMaxLevel;
 
     tbb::enumerable_thread_specific<std::vector<WalkStep>> allSteps([] { return std::vector<WalkStep>(kMaxLevels); });
     std::atomic<std::uint64_t> bytesRead{0};
     std::mutex errorMutex;
     std::optional<Error> firstError;
+    std::size_t firstErrorPage = ~std::size_t{0}; // of several the same is reported every time
     forEachIndex(tasks.size(), 1, [&](std::size_t i) {
         if (stop.stop_requested())
             return;
@@ -136,10 +151,12 @@ Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats&
             take(*task.merged);
             return;
         }
-        auto lookup = cache_.get(task.segment->level, task.page);
+        auto lookup = getPage(task.segment->level, task.page);
         if (!lookup.isOk()) {
             const std::lock_guard lock(errorMutex);
-            firstError = std::move(lookup).error();
+            if (!firstError || task.page < firstErrorPage)
+                firstError = std::move(lookup).error();
+            firstErrorPage = std::min(firstErrorPage, task.page);
             return;
         }
         bytesRead.fetch_add(lookup.value().bytesRead, std::memory_order_relaxed);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <stop_token>
 #include <vector>
 
@@ -17,6 +18,10 @@ namespace isoslider::extract {
 /// The walk along an index's skip list from one threshold to another, with its caches: for all that
 /// becomes active and inactive at values. What the records stand for, grid edges or bricks, is the
 /// visitor's business.
+///
+/// Pages that cannot be read are remembered: later walks take the levels below in place of their blocks, which cost
+/// more and give the same. Below level 0 there is nothing, so its pages are tried again by every walk that needs them.
+/// Any thread.
 template <class Key>
 class BlockWalk {
 public:
@@ -35,29 +40,48 @@ public:
 
     /// Visits every record of net changes in [lower, upper), each once, from several threads. Fills
     /// `stats` with what was read (edgesTouched, bytesRead, walk). O(log N + K). Errors: IoError, Corruption,
-    /// Cancelled.
+    /// Cancelled. After the first two another walk may succeed where pagesLost() has risen.
     Status visit(KeyThreshold lower, KeyThreshold upper, SlideStats& stats, std::stop_token stop, const Visit& visit);
 
     /// Entries that visit() would look at, about.
     std::uint64_t estimate(KeyThreshold lower, KeyThreshold upper) const {
-        return skipList_.estimateEdges(lower, upper);
+        const std::lock_guard lock(damagedMutex_);
+        return skipList_.estimateEdges(lower, upper, damaged_);
+    }
+    /// Whether a page that is known to be damaged lies on the way, so that visit() fails unless it has been repaired.
+    bool isBlocked(KeyThreshold lower, KeyThreshold upper) const {
+        const std::lock_guard lock(damagedMutex_);
+        return skipList_.isBlocked(lower, upper, damaged_);
+    }
+    /// How many times a page was found to be damaged; never falls.
+    std::uint64_t pagesLost() const {
+        const std::lock_guard lock(damagedMutex_);
+        return pagesLost_;
     }
 
+    /// And of damaged pages.
     void dropCaches() {
         cache_.clear();
         lazyLevels_.clear();
+        const std::lock_guard lock(damagedMutex_);
+        damaged_.clear();
     }
 
 private:
     struct Task;
     /// The pages of a walk; whole runs of top-level blocks come from lazy levels where there is room.
-    Result<std::vector<Task>> makeTasks(const std::vector<index::WalkSegment>& segments, SlideStats& stats);
+    std::vector<Task> makeTasks(const std::vector<index::WalkSegment>& segments, SlideStats& stats);
+    /// As PageCache::get; remembers which pages cannot be read.
+    Result<typename index::PageCache<Key>::Lookup> getPage(index::SkipLevel level, std::size_t page);
     static Part partOf(const index::DecodedPage<Key>& page, const Task& task, WalkStep& step);
 
     const index::IndexReader& reader_;
     index::SkipList skipList_;
     index::PageCache<Key> cache_;
     index::LazyLevels<Key> lazyLevels_;
+    mutable std::mutex damagedMutex_;
+    index::DamagedPages damaged_;
+    std::uint64_t pagesLost_ = 0;
 };
 
 extern template class BlockWalk<std::uint16_t>;

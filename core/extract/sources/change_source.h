@@ -35,6 +35,12 @@ public:
     /// Entries that move() would look at, about; decides between patching and building again.
     virtual std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const = 0;
 
+    /// Whether a part of the index that is known to be damaged lies on the way, so that move() fails.
+    virtual bool isBlocked(KeyThreshold /*from*/, KeyThreshold /*to*/) const { return false; }
+    /// How many parts were found damaged so far that another way may go around: where a failed move has added some, the
+    /// estimates are others now.
+    virtual std::uint64_t partsLost() const { return 0; }
+
     /// The next move may be from `from` to `to`: what it needs may be fetched in the background until then.
     /// Returns at once.
     virtual void prefetch(KeyThreshold /*from*/, KeyThreshold /*to*/) {}

@@ -20,6 +20,10 @@ public:
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
         return walk_.estimate(std::min(from, to), std::max(from, to));
     }
+    bool isBlocked(KeyThreshold from, KeyThreshold to) const override {
+        return walk_.isBlocked(std::min(from, to), std::max(from, to));
+    }
+    std::uint64_t partsLost() const override { return walk_.pagesLost(); }
     KeyThreshold threshold(double isovalue) const override { return thresholdOf<Sample>(isovalue); }
     KeyThreshold lowest() const override { return 0; }
     KeyThreshold highest() const override { return KeyThreshold{keyOf(static_cast<Sample>(reader_.info().max))} + 1; }

@@ -18,6 +18,9 @@
 namespace isoslider::index {
 namespace {
 
+// Read too, of edges, never written.
+constexpr std::uint16_t kEarlierMajor = 3;
+
 constexpr std::size_t kMaxStringBytes = 4096;
 constexpr std::size_t kMaxHistogramBins = 1u << 16;
 constexpr std::size_t kMissingCellsBytes = 4 + 64;
@@ -170,6 +173,8 @@ void putChunkGroups(ByteWriter& out, const IndexMeta& meta) {
 
 bool getChunkGroups(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
     meta.info.sampleBytes = in.get<std::uint64_t>();
+    if (preamble.major == kEarlierMajor)
+        in.get<std::uint64_t>(); // bytes of errors, which only metacells had
     const std::uint64_t count = in.get<std::uint64_t>();
     const ChunkGrid grid(meta.info.geometry.dims);
     const bool hasSamples = meta.info.kind == IndexKind::Metacells;
@@ -233,6 +238,22 @@ bool getMissingCells(ByteReader& in, std::vector<MissingCells>& bricks, const Br
     return true;
 }
 
+bool getMergeError(ByteReader& in, IndexInfo& info) {
+    const std::uint8_t measure = in.get<std::uint8_t>();
+    info.isMergeErrorInCells = measure == 1;
+    info.mergeError = in.get<double>();
+    return !in.hasFailed() && measure <= 1 && std::isfinite(info.mergeError) && info.mergeError >= 0.0 &&
+           (!(info.mergeError > 0.0) || info.kind == IndexKind::Edges);
+}
+
+Error tooOld(std::uint16_t major, const char* flaw, const std::string& path) {
+    return makeError(ErrorCode::UnsupportedVersion,
+                     "index has format version " + std::to_string(major) + ", which " + flaw +
+                         "; this program reads version " + std::to_string(kFormatMajor) + " and, of edges, " +
+                         std::to_string(kEarlierMajor) + ": build it again from its volume",
+                     path, sizeof kIndexMagic);
+}
+
 } // namespace
 
 const char* indexKindName(IndexKind kind) { return kind == IndexKind::Edges ? "edges" : "metacells"; }
@@ -287,12 +308,11 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
                              std::to_string(preamble.major) + ", this program reads version " +
                              std::to_string(kFormatMajor) + ": open it with that version, or build it again",
                          path, sizeof kIndexMagic);
-    if (preamble.major != kFormatMajor)
-        return makeError(ErrorCode::UnsupportedVersion,
-                         "index has format version " + std::to_string(preamble.major) +
-                             ", this program reads version " + std::to_string(kFormatMajor) +
-                             ": build it again from its volume",
-                         path, sizeof kIndexMagic);
+    if (preamble.major < kEarlierMajor)
+        return tooOld(preamble.major,
+                      preamble.major == 1 ? "lacks the samples on which tunnels depend"
+                                          : "does not state what kind of index it is",
+                      path);
     for (std::uint64_t* value :
          {&preamble.metaOffset, &preamble.metaBytes, &preamble.metaChecksum, &preamble.fileBytes, &preamble.seed})
         *value = in.get<std::uint64_t>();
@@ -360,6 +380,8 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
     if (kind > static_cast<std::uint8_t>(IndexKind::Metacells))
         return corrupt("kind of index");
     info.kind = static_cast<IndexKind>(kind);
+    if (preamble.major == kEarlierMajor && info.kind == IndexKind::Metacells)
+        return tooOld(preamble.major, "keeps the samples of metacells between errors of merged cells", path);
     const std::uint8_t type = in.get<std::uint8_t>();
     if (type >= kAllScalarTypes.size())
         return corrupt("scalar type");
@@ -395,11 +417,7 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
         return corrupt("chunk groups of samples");
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
-    const std::uint8_t measure = in.get<std::uint8_t>();
-    info.isMergeErrorInCells = measure == 1;
-    info.mergeError = in.get<double>();
-    if (in.hasFailed() || measure > 1 || !std::isfinite(info.mergeError) || !(info.mergeError >= 0.0) ||
-        (info.mergeError > 0.0 && info.kind != IndexKind::Edges))
+    if (preamble.major != kEarlierMajor && !getMergeError(in, info))
         return corrupt("error of merged cells");
     if (preamble.minor >= 1)
         info.lengthUnit = in.getString(kMaxLengthUnitBytes);

@@ -1,11 +1,7 @@
 #include "core/index/validation/fault_list.h"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
-
-#include "core/grid/scalar_key.h"
-#include "core/index/format/chunk_grid.h"
 
 namespace isoslider::index {
 
@@ -22,10 +18,9 @@ std::string IndexFault::line() const {
     if (offset)
         next() << "at byte " << *offset;
     if (isovalues)
-        next() << "isovalues " << (*isovalues)[0] << " to " << (*isovalues)[1];
+        next() << textOf(*isovalues);
     if (box)
-        next() << "grid points " << box->first[0] << ',' << box->first[1] << ',' << box->first[2] << " to "
-               << box->last[0] << ',' << box->last[1] << ',' << box->last[2];
+        next() << textOf(*box);
     text << (offset || isovalues || box ? ")" : "");
     return text.str();
 }
@@ -46,59 +41,21 @@ std::vector<IndexFault> FaultList::take() {
 }
 
 std::optional<std::array<double, 2>> FaultList::isovalues(std::uint64_t firstKey, std::uint64_t lastKey) const {
-    return visitScalarType(reader_.info().type, [&](auto sample) -> std::optional<std::array<double, 2>> {
-        using Sample = decltype(sample);
-        const auto valueOf = [](std::uint64_t key) {
-            return static_cast<double>(sampleOfKey<Sample>(static_cast<KeyOf<Sample>>(key)));
-        };
-        const std::array<double, 2> range{valueOf(firstKey), valueOf(lastKey)};
-        if (!std::isfinite(range[0]) || !std::isfinite(range[1]))
-            return std::nullopt; // keys that no sample has
-        return range;
-    });
+    return isovaluesOf(reader_.info().type, firstKey, lastKey);
 }
 
-IndexFault::Box FaultList::boxOfBricks(std::uint64_t first, std::uint64_t last) const {
-    const BrickGrid& grid = reader_.grid();
-    auto begin = grid.brickCoords(BrickIndex(first)), end = grid.brickCoords(BrickIndex(last));
-    // Whole rows where there are several, whole layers likewise.
-    if (begin[2] != end[2]) {
-        begin[1] = 0;
-        end[1] = grid.bricks()[1] - 1;
-    }
-    if (begin[2] != end[2] || begin[1] != end[1]) {
-        begin[0] = 0;
-        end[0] = grid.bricks()[0] - 1;
-    }
-    IndexFault::Box box{};
-    for (std::size_t a = 0; a < 3; ++a) {
-        box.first[a] = begin[a] * kBrickSide;
-        box.last[a] = std::min(grid.dims()[a], (end[a] + 1) * kBrickSide) - 1;
-    }
-    return box;
+PointBox FaultList::boxOfBricks(std::uint64_t first, std::uint64_t last) const {
+    return index::boxOfBricks(reader_.grid(), BrickIndex(first), BrickIndex(last));
 }
 
-IndexFault::Box FaultList::boxOfChunk(std::uint64_t chunk) const {
-    const ChunkGrid chunks(reader_.info().geometry.dims);
-    const auto at = chunks.chunkCoords(ChunkIndex(chunk));
-    const ChunkExtent extent = chunks.extent(ChunkIndex(chunk));
-    IndexFault::Box box{};
-    for (std::size_t a = 0; a < 3; ++a) {
-        box.first[a] = at[a] * kChunkSide;
-        box.last[a] = box.first[a] + extent[a] - 1;
-    }
-    return box;
-}
-
-std::string faultText(const std::string& message) {
-    constexpr std::string_view kSubject = "index page "; // which the fault's part names
-    return message.starts_with(kSubject) ? message.substr(kSubject.size()) : message;
+PointBox FaultList::boxOfChunks(std::uint64_t first, std::uint64_t last) const {
+    return index::boxOfChunks(reader_.info().geometry.dims, ChunkIndex(first), ChunkIndex(last));
 }
 
 Status addOrPassOn(FaultList& faults, const Error& error, IndexFault fault) {
     if (error.code != ErrorCode::Corruption)
         return error;
-    fault.problem = faultText(error.message);
+    fault.problem = problemOf(error.message);
     faults.add(std::move(fault));
     return {};
 }

@@ -20,8 +20,8 @@ public:
     /// The scalar of a key, as a range of one page or block.
     std::optional<std::array<double, 2>> isovalues(std::uint64_t firstKey, std::uint64_t lastKey) const;
     /// What bricks first to last cover, in their order with x fastest.
-    IndexFault::Box boxOfBricks(std::uint64_t first, std::uint64_t last) const;
-    IndexFault::Box boxOfChunk(std::uint64_t chunk) const;
+    PointBox boxOfBricks(std::uint64_t first, std::uint64_t last) const;
+    PointBox boxOfChunks(std::uint64_t first, std::uint64_t last) const;
 
 private:
     const IndexReader& reader_;
@@ -31,8 +31,6 @@ private:
     std::mutex mutex_;
 };
 
-/// What a fault states of its part, from the message of an error about "index page".
-std::string faultText(const std::string& message);
 /// Adds an error that reading a part has ended with; hands on all but Corruption.
 Status addOrPassOn(FaultList& faults, const Error& error, IndexFault fault);
 

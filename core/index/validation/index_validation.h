@@ -14,6 +14,7 @@
 #include "core/grid/grid_geometry.h"
 #include "core/grid/scalar_type.h"
 #include "core/index/format/index_info.h"
+#include "core/index/index_places.h"
 
 namespace isoslider::index {
 
@@ -24,10 +25,7 @@ struct IndexFault {
     std::string problem; ///< "fails its checksum"
     std::optional<std::uint64_t> offset; ///< of the part, in the file
     std::optional<std::array<double, 2>> isovalues; ///< from, to
-    struct Box {
-        std::array<std::int64_t, 3> first, last; ///< grid points, both within
-    };
-    std::optional<Box> box;
+    std::optional<PointBox> box;
 
     /// "page 12 of level 2 fails its checksum (at byte 4711; isovalues 3 to 5)".
     std::string line() const;

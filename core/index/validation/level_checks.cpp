@@ -155,7 +155,7 @@ private:
         if (const Status read = reader_.readPage(entry, bytes); !read.isOk())
             return read.error().code == ErrorCode::Corruption ? Status() : read;
         if (const Status decoded = decodePage<Key>(bytes, grid_, page, reader_.pathString()); !decoded.isOk()) {
-            faults_.add(pageFault(level, i, faultText(decoded.error().message)));
+            faults_.add(pageFault(level, i, problemOf(decoded.error().message)));
             return {};
         }
         facts.isThere = true;

@@ -72,6 +72,8 @@ private:
             fault.box = faults_.boxOfBricks(page.firstBrick.number(), page.lastBrick.number());
         } else {
             fault.part = "table of chunk group " + number;
+            const std::uint64_t first = part.number * kGroupChunks;
+            fault.box = faults_.boxOfChunks(first, first + chunksInGroup(chunks_, part.number) - 1);
         }
         return fault;
     }
@@ -114,12 +116,17 @@ private:
         const std::uint64_t tableAt = group.offset + group.chunkBytes;
         const std::uint64_t count = chunksInGroup(chunks_, part.number);
         report_.chunks += count;
+        const auto describeTable = [&] {
+            IndexFault fault = describe(part);
+            fault.offset = tableAt;
+            return fault;
+        };
         if (const Status read = reader_.readPart(tableAt, tableBytes(part.number), group.checksum, bytes_);
             !read.isOk())
-            return addOrPassOn(faults_, read.error(), describe(part));
+            return addOrPassOn(faults_, read.error(), describeTable());
         std::vector<ChunkPlace> places(count);
         if (!getChunkPlaces(bytes_, group.offset, tableAt, places)) {
-            IndexFault fault = describe(part);
+            IndexFault fault = describeTable();
             fault.problem = "disagrees with the bytes of its chunks";
             faults_.add(std::move(fault));
             return {};
@@ -134,7 +141,7 @@ private:
             const std::uint64_t chunk = part.number * kGroupChunks + i;
             fault.part = "chunk " + std::to_string(chunk);
             fault.offset = places[i].offset;
-            fault.box = faults_.boxOfChunk(chunk);
+            fault.box = faults_.boxOfChunks(chunk, chunk);
             ISO_TRY(addOrPassOn(faults_, read.error(), std::move(fault)));
         }
         return {};

@@ -95,7 +95,7 @@ Status compareAs(const IndexReader& reader, const ComparedVolume& volume, FaultL
                 IndexFault fault;
                 fault.part = "chunk " + std::to_string(chunk.number());
                 fault.problem = "has other samples than the volume";
-                fault.box = faults.boxOfChunk(chunk.number());
+                fault.box = faults.boxOfChunks(chunk.number(), chunk.number());
                 faults.add(std::move(fault));
             }));
     }

@@ -65,9 +65,11 @@ RandomDirectory randomDirectory(std::mt19937& random) {
     return directory;
 }
 
-void expectGoodPlan(const RandomDirectory& directory, std::uint64_t lower, std::uint64_t upper) {
+void expectGoodPlan(const RandomDirectory& directory, std::uint64_t lower, std::uint64_t upper,
+                    const DamagedPages& damaged = {}) {
     const SkipList list(directory.levels);
-    const auto segments = list.plan(lower, upper);
+    const auto segments = list.plan(lower, upper, damaged);
+    bool isBlocked = false;
     for (std::size_t i = 0; i < segments.size(); ++i) {
         const WalkSegment& s = segments[i];
         ASSERT_LT(s.beginKey, s.endKey);
@@ -82,6 +84,7 @@ void expectGoodPlan(const RandomDirectory& directory, std::uint64_t lower, std::
             for (std::size_t p = 0; p < level.pages.size(); ++p) {
                 const bool isNeeded = level.pages[p].lastKey >= s.beginKey && level.pages[p].firstKey < s.endKey;
                 ASSERT_EQ(isNeeded, p >= s.firstPage && p < s.pageEnd) << "page " << p;
+                isBlocked = isBlocked || (isNeeded && damaged.contains({kLevel0, p}));
             }
         } else { // whole blocks, their pages and no others
             std::uint64_t blocks = 0, pages = 0;
@@ -98,6 +101,13 @@ void expectGoodPlan(const RandomDirectory& directory, std::uint64_t lower, std::
             EXPECT_EQ(pages, s.pageEnd - s.firstPage);
         }
     }
+    EXPECT_EQ(list.isBlocked(lower, upper, damaged), isBlocked);
+    const auto isWhole = [&](std::size_t level, const BlockEntry& block) {
+        for (std::uint64_t p = block.firstPage; p < block.firstPage + block.pageCount; ++p)
+            if (damaged.contains({SkipLevel(level), p}))
+                return false;
+        return true;
+    };
     const auto levelAt = [&](std::uint64_t key) {
         int level = -1, times = 0;
         for (const WalkSegment& s : segments)
@@ -112,7 +122,8 @@ void expectGoodPlan(const RandomDirectory& directory, std::uint64_t lower, std::
         int highest = key >= lower && key < upper ? 0 : -1; // the highest block around the key that fits
         for (std::size_t l = 1; l < directory.levels.size(); ++l)
             for (const BlockEntry& block : directory.levels[l].blocks)
-                if (key >= block.firstKey && key <= block.lastKey && block.firstKey >= lower && block.lastKey < upper)
+                if (key >= block.firstKey && key <= block.lastKey && block.firstKey >= lower && block.lastKey < upper &&
+                    isWhole(l, block))
                     highest = static_cast<int>(l);
         ASSERT_EQ(levelAt(key), highest) << "key " << key << " of [" << lower << ", " << upper << ")";
     }
@@ -127,6 +138,24 @@ TEST(SkipList, CoversEveryIntervalOnceWithTheHighestBlocks) {
         for (int k = 0; k < 30; ++k) {
             const std::uint64_t a = random() % 202, b = random() % 202;
             expectGoodPlan(directory, std::min(a, b), std::max(a, b));
+        }
+    }
+}
+
+TEST(SkipList, LeavesBlocksWithDamagedPagesToTheLevelsBelow) {
+    std::mt19937 random(78);
+    for (int round = 0; round < 150 && !testing::Test::HasFailure(); ++round) {
+        const RandomDirectory directory = randomDirectory(random);
+        SCOPED_TRACE("round " + std::to_string(round));
+        for (int k = 0; k < 30; ++k) {
+            DamagedPages damaged;
+            for (unsigned count = random() % 6; count > 0; --count) {
+                const std::size_t level = random() % directory.levels.size();
+                if (const std::size_t pages = directory.levels[level].pages.size(); pages > 0)
+                    damaged.emplace(SkipLevel(level), random() % pages);
+            }
+            const std::uint64_t a = random() % 202, b = random() % 202;
+            expectGoodPlan(directory, std::min(a, b), std::max(a, b), damaged);
         }
     }
 }

@@ -8,6 +8,7 @@
 
 #include "core/index/format/block_codec.h"
 #include "core/index/format/chunk_codec.h"
+#include "core/index/format/chunk_table.h"
 #include "core/index/format/hidden_corner_codec.h"
 #include "core/index/format/index_format.h"
 #include "tests/support/result_matchers.h"
@@ -189,6 +190,54 @@ TEST(FormatLimits, OfEntries) {
     });
     expectLimit("bricks with missing cells", [](IndexMeta& meta, auto past) {
         meta.missingCells = {{BrickIndex(static_cast<std::uint32_t>(7 + past)), {1}}};
+    });
+}
+
+// Their fields cannot state more; what they state has to be there.
+TEST(FormatLimits, OfBytesOfAPage) {
+    constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
+    for (const std::uint64_t past : {0, 1}) {
+        IndexMeta meta = leastMeta();
+        meta.levels[0].pages = {pageAt(kPreambleBytes, kMost)};
+        Preamble preamble;
+        const auto bytes = encodeMeta(meta);
+        preamble.metaOffset = kPreambleBytes + kMost - past;
+        preamble.metaBytes = bytes.size();
+        preamble.fileBytes = preamble.metaOffset + bytes.size();
+        EXPECT_EQ(decodeMeta(bytes, preamble, "x").isOk(), past == 0);
+    }
+}
+
+TEST(FormatLimits, OfBytesOfAPlane) {
+    const BrickGrid grid({2, 2, 2});
+    PointRecord<std::uint16_t> record;
+    record.setId(PointId(0));
+    record.edgeMask = 2;
+    auto bytes = encodePage<std::uint16_t>(std::span(&record, 1), PageOrder::Value, grid);
+    DecodedPage<std::uint16_t> page;
+    ASSERT_THAT(decodePage<std::uint16_t>(bytes, grid, page, "x"), IsOk());
+    constexpr std::size_t kPlaneTable = 32;
+    for (const std::uint8_t mode : {0, 1, 2}) { // 2^30 - 1 bytes, of which none is there
+        for (std::size_t i = 0; i < 3; ++i)
+            bytes[kPlaneTable + i] = std::byte{0xff};
+        bytes[kPlaneTable + 3] = static_cast<std::byte>(mode << 6 | 0x3f);
+        EXPECT_THAT(decodePage<std::uint16_t>(bytes, grid, page, "x"), HasError(ErrorCode::Corruption)) << int{mode};
+    }
+}
+
+TEST(FormatLimits, OfChunks) {
+    std::vector<std::byte> table;
+    putChunkPlace(table, {64, std::numeric_limits<std::uint16_t>::max(), 7});
+    ASSERT_EQ(table.size(), kGroupEntryBytes);
+    for (const std::uint64_t past : {0, 1}) {
+        ChunkPlace place;
+        EXPECT_EQ(getChunkPlaces(table, 64, 64 + 65535 + past, std::span(&place, 1)), past == 0);
+        EXPECT_EQ(place.bytes, 65535);
+    }
+    expectLimit("chunks of a group", [](IndexMeta& meta, auto past) {
+        meta.info.kind = IndexKind::Metacells;
+        meta.info.geometry.dims = {256 * kChunkSide + past, 1, 1};
+        meta.chunkGroups = {{kPreambleBytes, 100, 1}};
     });
 }
 

@@ -1,0 +1,271 @@
+// What lies around a damaged part of an index stays usable: each part of a small index is damaged in turn, and every
+// isovalue that does not need it gives the same surface as before.
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/cell/cell_numbering.h"
+#include "core/extract/slide_engine.h"
+#include "core/index/sample_store.h"
+#include "core/index/validation/index_validation.h"
+#include "tests/property/surface_comparison.h"
+#include "tests/property/test_volumes.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider::extract {
+namespace {
+
+using index::IndexKind;
+using test::HasError;
+using test::IsOk;
+
+constexpr GridDims kDims = {23, 17, 19};
+constexpr unsigned kValues = 60;
+
+struct Case {
+    IndexKind kind;
+    double mergeError; ///< in percent of the values
+};
+
+/// A stretch of the file, and whether the surface at an isovalue cannot be found without it.
+struct Part {
+    std::string name;
+    std::uint64_t offset = 0, bytes = 0;
+    std::function<bool(double isovalue)> isNeeded;
+    bool isSometimesCovered = false; ///< a block of a higher level may then do in its place
+};
+
+class DamagedParts : public testing::TestWithParam<Case> {
+protected:
+    void SetUp() override {
+        preprocess::BuildOptions options;
+        options.kind = GetParam().kind;
+        options.redundancyThreshold = 0.3;
+        options.mergeError.amount = GetParam().mergeError;
+        ASSERT_THAT(test::buildIndexOf(grid_, path_, options), IsOk());
+        for (unsigned value = 0; value <= kValues; value += 2)
+            isovalues_.push_back(value);
+        isovalues_.push_back(17.5);
+        auto engine = open(path_);
+        for (const double isovalue : isovalues_)
+            whole_.push_back(surface(*engine, isovalue).value());
+    }
+
+    static std::unique_ptr<SlideEngine> open(const std::filesystem::path& path) {
+        auto engine = SlideEngine::open(path);
+        EXPECT_THAT(engine, IsOk());
+        return std::move(engine).value();
+    }
+    static Result<SurfaceMesh> surface(SlideEngine& engine, double isovalue) {
+        if (auto stats = engine.slideTo(isovalue); !stats.isOk())
+            return stats.error();
+        return engine.mesh();
+    }
+
+    // The pages of all levels. Of level 0 one is needed where it has points on both sides of the isovalue; one that
+    // lies on one side is gone around by coming from the other end, and where a block of a higher level ends at the
+    // isovalue by that. Others are never needed.
+    void addPages(const index::IndexReader& reader) {
+        for (std::size_t level = 0; level < reader.meta().levels.size(); ++level)
+            for (const index::PageEntry& page : reader.meta().levels[level].pages)
+                parts_.push_back({"level " + std::to_string(level), page.offset, page.bytes,
+                                  [page, level](double at) {
+                                      const KeyThreshold threshold = thresholdOf<std::uint8_t>(at);
+                                      return level == 0 && page.firstKey < threshold && page.lastKey >= threshold;
+                                  },
+                                  level == 0});
+    }
+    // Pages of hidden corners, needed where a cell of their bricks is ambiguous in that way.
+    void addHiddenPages(const index::IndexReader& reader) {
+        for (const index::HiddenPageEntry& page : reader.meta().hiddenPages)
+            parts_.push_back({"hidden corners", page.offset, page.bytes, [this, page](double at) {
+                                  return anyCell(
+                                      [&](BrickIndex brick, std::uint8_t signs) {
+                                          return brick >= page.firstBrick && brick <= page.lastBrick &&
+                                                 cell::hiddenCorner(signs) >= 0;
+                                      },
+                                      at);
+                              }});
+    }
+    // Chunks and the tables of their groups, needed where a brick is active that has samples there or beside.
+    void addChunks(const index::IndexReader& reader) {
+        if (reader.info().kind != IndexKind::Metacells)
+            return;
+        const index::SampleStore store(reader);
+        const index::ChunkGroupEntry& group = reader.meta().chunkGroups.at(0);
+        for (const index::ChunkIndex chunk : firstIds<index::ChunkIndex>(store.chunks().chunkCount())) {
+            std::uint64_t read = 0;
+            const auto place = store.find(chunk, read).value();
+            const auto coords = store.chunks().chunkCoords(chunk);
+            parts_.push_back({"chunk", place.offset, place.bytes, [this, coords](double at) {
+                                  return anyActiveBrick(
+                                      [&](const std::array<std::int64_t, 3>& brick) {
+                                          for (std::size_t a = 0; a < 3; ++a)
+                                              if (const std::int64_t first = 8 * brick[a] - 1, last = 8 * brick[a] + 9;
+                                                  last < 16 * coords[a] || first >= 16 * (coords[a] + 1))
+                                                  return false;
+                                          return true;
+                                      },
+                                      at);
+                              }});
+        }
+        parts_.push_back({"chunk group", group.offset + group.chunkBytes, 1,
+                          [this](double at) { return anyActiveBrick([](const auto&) { return true; }, at); }});
+    }
+
+    template <class Which>
+    bool anyCell(const Which& which, double isovalue) const {
+        const BrickGrid bricks(kDims);
+        for (std::int64_t z = 0; z + 1 < kDims[2]; ++z)
+            for (std::int64_t y = 0; y + 1 < kDims[1]; ++y)
+                for (std::int64_t x = 0; x + 1 < kDims[0]; ++x) {
+                    unsigned signs = 0;
+                    for (int corner = 0; corner < 8; ++corner)
+                        if (grid_->valueAt(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2)) >= isovalue)
+                            signs |= 1u << corner;
+                    if (which(brickOf(bricks.pointId(x, y, z)), static_cast<std::uint8_t>(signs)))
+                        return true;
+                }
+        return false;
+    }
+    template <class Which>
+    bool anyActiveBrick(const Which& which, double isovalue) const {
+        const BrickGrid bricks(kDims);
+        for (const BrickIndex brick : firstIds<BrickIndex>(bricks.brickCount())) {
+            const auto at = bricks.brickCoords(brick);
+            bool isAnyAbove = false, isAnyBelow = false;
+            for (std::int64_t z = 8 * at[2]; z < std::min(kDims[2], 8 * at[2] + 9); ++z)
+                for (std::int64_t y = 8 * at[1]; y < std::min(kDims[1], 8 * at[1] + 9); ++y)
+                    for (std::int64_t x = 8 * at[0]; x < std::min(kDims[0], 8 * at[0] + 9); ++x)
+                        (grid_->valueAt(x, y, z) >= isovalue ? isAnyAbove : isAnyBelow) = true;
+            if (isAnyAbove && isAnyBelow && which(at))
+                return true;
+        }
+        return false;
+    }
+
+    void findParts() {
+        const auto reader = index::IndexReader::open(path_);
+        ASSERT_THAT(reader, IsOk());
+        ASSERT_GE(reader.value()->meta().levels.size(), 2u);
+        addPages(*reader.value());
+        addHiddenPages(*reader.value());
+        addChunks(*reader.value());
+    }
+    void write(const std::string& bytes) const { std::ofstream(folder_ / "damaged.isx", std::ios::binary) << bytes; }
+    std::filesystem::path damaged(const Part& part) const {
+        std::string bytes = test::readText(path_);
+        bytes[part.offset + part.bytes / 2] ^= 0x10;
+        write(bytes);
+        return folder_ / "damaged.isx";
+    }
+
+    const test::TemporaryFolder folder_;
+    const std::filesystem::path path_ = folder_ / "whole.isx";
+    /// Slopes with some noise: not every brick is active at every isovalue.
+    const std::shared_ptr<const ScalarGrid> grid_ = [] {
+        GridGeometry geometry;
+        geometry.dims = kDims;
+        std::mt19937 random(5);
+        return test::makeVolume<std::uint8_t>(
+            ScalarType::U8, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+                return std::min<std::int64_t>(kValues, x + y + z / 2 + static_cast<std::int64_t>(random() % 14));
+            });
+    }();
+    std::vector<double> isovalues_;
+    std::vector<SurfaceMesh> whole_;
+    std::vector<Part> parts_;
+};
+
+// What a refusal says of the one fault of an index, in the words of its validation.
+std::string nameOfFault(const std::filesystem::path& path) {
+    const auto report = index::validateIndex(path);
+    EXPECT_THAT(report, IsOk());
+    EXPECT_EQ(report.value().faultCount, 1u);
+    const index::IndexFault& fault = report.value().faults.at(0);
+    EXPECT_NE(fault.isovalues.has_value(), fault.box.has_value());
+    return path.string() + ": " + fault.part + " (" +
+           (fault.isovalues ? index::textOf(*fault.isovalues) : index::textOf(*fault.box)) + ") " + fault.problem +
+           " (at byte " + std::to_string(*fault.offset) + ")";
+}
+
+TEST_P(DamagedParts, LeaveEveryIsovalueThatDoesNotNeedThemAndAreNamed) {
+    findParts();
+    std::size_t refusals = 0;
+    for (const Part& part : parts_) {
+        const std::filesystem::path path = damaged(part);
+        const std::string name = nameOfFault(path);
+        for (std::size_t i = 0; i < isovalues_.size(); ++i) {
+            SCOPED_TRACE(part.name + " at byte " + std::to_string(part.offset) + ", isovalue " +
+                         std::to_string(isovalues_[i]));
+            const auto found = surface(*open(path), isovalues_[i]);
+            if (part.isNeeded(isovalues_[i]) && !(part.isSometimesCovered && found.isOk())) {
+                ASSERT_THAT(found, HasError(ErrorCode::Corruption));
+                ASSERT_EQ(found.error().line(), name);
+                refusals += part.isSometimesCovered;
+            } else {
+                ASSERT_THAT(found, IsOk());
+                ASSERT_TRUE(test::isSameSurface(found.value(), whole_[i]));
+            }
+        }
+    }
+    EXPECT_GT(refusals, 0u);
+}
+
+// One engine that goes on after it was refused something.
+TEST_P(DamagedParts, LeaveSlidesOverThem) {
+    findParts();
+    std::mt19937 random(11);
+    std::vector<std::size_t> order(2 * isovalues_.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        order[i] = i % isovalues_.size();
+    for (const Part& part : parts_) {
+        const auto engine = open(damaged(part));
+        std::shuffle(order.begin(), order.end(), random);
+        for (const std::size_t i : order) {
+            SCOPED_TRACE(part.name + " at byte " + std::to_string(part.offset) + ", isovalue " +
+                         std::to_string(isovalues_[i]));
+            const auto found = surface(*engine, isovalues_[i]);
+            ASSERT_TRUE(found.isOk() || part.isNeeded(isovalues_[i])) << found.error().line();
+            if (found.isOk()) {
+                ASSERT_TRUE(test::isSameSurface(found.value(), whole_[i]));
+            }
+        }
+    }
+}
+
+// All levels above the first are worth nothing, and the first gives everything.
+TEST_P(DamagedParts, LeaveTheFirstLevel) {
+    const auto reader = index::IndexReader::open(path_);
+    ASSERT_THAT(reader, IsOk());
+    std::string bytes = test::readText(path_);
+    for (std::size_t level = 1; level < reader.value()->meta().levels.size(); ++level)
+        for (const index::PageEntry& page : reader.value()->meta().levels[level].pages)
+            bytes[page.offset + page.bytes / 2] ^= 0x10;
+    write(bytes);
+    const auto sliding = open(folder_ / "damaged.isx");
+    for (std::size_t i = 0; i < isovalues_.size(); ++i) {
+        const auto fresh = open(folder_ / "damaged.isx");
+        for (SlideEngine* engine : {sliding.get(), fresh.get()}) {
+            const auto found = surface(*engine, isovalues_[i]);
+            ASSERT_THAT(found, IsOk()) << isovalues_[i];
+            ASSERT_TRUE(test::isSameSurface(found.value(), whole_[i])) << isovalues_[i];
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, DamagedParts,
+                         testing::Values(Case{IndexKind::Edges, 0.0}, Case{IndexKind::Edges, 8.0},
+                                         Case{IndexKind::Metacells, 0.0}),
+                         [](const auto& which) {
+                             return std::string(index::indexKindName(which.param.kind)) +
+                                    (which.param.mergeError > 0.0 ? "Merged" : "");
+                         });
+
+} // namespace
+} // namespace isoslider::extract
