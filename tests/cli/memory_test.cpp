@@ -103,6 +103,22 @@ TEST_F(CliMemory, MetacellsAreBuiltWithinTheBudgetWhateverTheType) {
     expectBudgetKept<double>("f64", 250, Field::Noise, "metacells");
 }
 
+// Its topology would take some 500 MB: that shows before any of it is made.
+TEST_F(CliMemory, TopologyThatTakesMoreIsLeftOutAndSaysWhatItWouldTake) {
+    writeField<std::uint8_t>(path("volume.raw"), 128, Field::Noise);
+    const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "128,128,128", "--raw-type", "u8"});
+    ASSERT_TRUE(json.is_object());
+    EXPECT_THAT(json["topology_problem"], ::testing::ContainsRegex("takes about [0-9]+ MB of memory.*--memory"));
+    EXPECT_FALSE(json.contains("topology_events"));
+}
+
+TEST_F(CliMemory, TopologyThatFitsIsMadeWithinTheBudget) {
+    writeField<std::uint8_t>(path("volume.raw"), 48, Field::Noise);
+    const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "48,48,48", "--raw-type", "u8"});
+    ASSERT_TRUE(json.is_object());
+    EXPECT_GT(json["topology_events"], 0);
+}
+
 // Some systems bound the address space, which costs nothing until it is used.
 TEST_F(CliMemory, IndexesAreUsedInEightGigabytesOfAddressSpace) {
     writeField<std::int32_t>(path("volume.raw"), 64, Field::Noise);
