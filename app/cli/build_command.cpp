@@ -190,7 +190,8 @@ private:
         command
             .add_option_function<std::string>(
                 "--memory", [this](const std::string& text) { memoryBytes_ = memoryOrThrow(text); },
-                fmt::format("memory to keep within, as 512M or 2G ({})", sizeText(memoryBytes_)))
+                fmt::format("memory to keep within, as 512M or 2G (a quarter of this machine's: {})",
+                            sizeText(memoryBytes_)))
             ->type_name("SIZE");
         command.add_flag_callback(
             "--no-topology", [this] { withTopology_ = false; },
@@ -319,7 +320,7 @@ private:
     LodError lodError_;
     std::int64_t skipLevels_ = preprocess::BuildOptions{}.skipLevels;
     std::optional<double> redundancy_;
-    std::uint64_t memoryBytes_ = preprocess::BuildOptions{}.memoryBytes;
+    std::uint64_t memoryBytes_ = std::max(preprocess::kMinBuildMemoryBytes, physicalMemoryBytes() / 4);
     std::int64_t threads_ = 0;
     bool withTopology_ = true;
     bool resumes_ = false;

@@ -119,6 +119,10 @@ TEST_F(CliMemory, TopologyThatFitsIsMadeWithinTheBudget) {
     EXPECT_GT(json["topology_events"], 0);
 }
 
+TEST_F(CliMemory, AQuarterOfTheMachineUnlessStated) {
+    EXPECT_THAT(run({"build", "--help"}).standardOutput, ::testing::HasSubstr("a quarter of this machine's"));
+}
+
 // Some systems bound the address space, which costs nothing until it is used.
 TEST_F(CliMemory, IndexesAreUsedInEightGigabytesOfAddressSpace) {
     writeField<std::int32_t>(path("volume.raw"), 64, Field::Noise);
