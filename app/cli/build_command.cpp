@@ -24,9 +24,11 @@
 #include "app/cli/resampling_report.h"
 #include "app/cli/standard_input.h"
 #include "core/base/machine.h"
+#include "core/base/process_memory.h"
 #include "core/index/format/index_format.h"
 #include "core/topology/index_topology.h"
 #include "core/topology/stored_topology.h"
+#include "core/volume_io/parsing/reading_memory.h"
 #include "preprocess/build_index.h"
 #include "preprocess/resume/build_checkpoints.h"
 
@@ -133,7 +135,8 @@ public:
             return makeError(ErrorCode::InvalidArgument, "is an index; build needs a volume", volumePath_);
         ISO_CLI_TRY(checkOutput(indexPath_, volumePath_));
         ProgressBar bar(session.showsProgress, session.stop);
-        const auto source = io::openVolume(volumePath_, volume_.readOptions(), bar.job());
+        io::setReadingMemoryBytes(memoryBytes_ / 2);
+        auto source = io::openVolume(volumePath_, volume_.readOptions(), bar.job());
         if (!source.isOk()) {
             bar.wipe();
             return source.error();
@@ -158,6 +161,8 @@ public:
         bar.wipe();
         if (!report.isOk())
             return report.error();
+        source.value().reset(); // and its reader ends
+        report.value().report.peakRssBytes = peakRssBytes() + peakRssOfHelpersBytes();
         if (session.isJson)
             session.output.writeJson(jsonOf(report.value()));
         else
@@ -188,7 +193,8 @@ private:
         command
             .add_option_function<std::string>(
                 "--memory", [this](const std::string& text) { memoryBytes_ = memoryOrThrow(text); },
-                fmt::format("memory to keep within, as 512M or 2G ({})", sizeText(memoryBytes_)))
+                fmt::format("memory to keep within, as 512M or 2G (a quarter of this machine's: {})",
+                            sizeText(memoryBytes_)))
             ->type_name("SIZE");
         command.add_flag_callback(
             "--no-topology", [this] { withTopology_ = false; },
@@ -252,7 +258,7 @@ private:
         if (!reader.isOk())
             return reader.error();
         topology::AnalysisOptions options;
-        options.memoryBytes = memoryBytes_;
+        options.memoryBytes = memoryLeft();
         topology::PlaneSource planes{source.info().geometry, source.info().type,
                                      [&](std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
                                          return source.readSlab(zBegin, zEnd, out);
@@ -266,7 +272,7 @@ private:
         options.measures = std::move(plan).value();
         const auto curve = analysed(planes, options, job);
         if (!curve.isOk() && curve.error().code == ErrorCode::OutOfSpace) { // memory
-            built.topologyProblem = curve.error().message;
+            built.topologyProblem = curve.error().message + "; " + otherWay(info.kind);
             return {};
         }
         if (!curve.isOk())
@@ -274,8 +280,20 @@ private:
         ISO_TRY(source.checkUnchanged());
         ISO_TRY(topology::storeTopology(*reader.value(), curve.value()));
         built.events = curve.value().eventCount();
-        built.report.peakRssBytes = std::max(built.report.peakRssBytes, peakRssBytes());
         return {};
+    }
+
+    // The program itself is beside the budget, what the build left in memory is not.
+    std::uint64_t memoryLeft() const {
+        constexpr std::uint64_t kProgramBytes = std::uint64_t{64} << 20;
+        returnFreeBlocks();
+        const std::uint64_t resident = std::max(residentBytes(), kProgramBytes);
+        return memoryBytes_ + kProgramBytes - std::min(resident, memoryBytes_ + kProgramBytes);
+    }
+    static const char* otherWay(index::IndexKind kind) {
+        return kind == index::IndexKind::Metacells
+                   ? "\"isoslider-cli topology INDEX\" adds it, where there is enough, or a build with more --memory"
+                   : "a build with more --memory adds it";
     }
 
     std::string textOf(const Built& built) const {
@@ -305,7 +323,7 @@ private:
     LodError lodError_;
     std::int64_t skipLevels_ = preprocess::BuildOptions{}.skipLevels;
     std::optional<double> redundancy_;
-    std::uint64_t memoryBytes_ = preprocess::BuildOptions{}.memoryBytes;
+    std::uint64_t memoryBytes_ = std::max(preprocess::kMinBuildMemoryBytes, physicalMemoryBytes() / 4);
     std::int64_t threads_ = 0;
     bool withTopology_ = true;
     bool resumes_ = false;

@@ -18,9 +18,8 @@ Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const 
     options.replacesUnfit = true;
     options.sourceName = sourceName;
     options.kind = index::IndexKind::Metacells; // as fast, far smaller, and their cells merge while sliding
-    // Of a small machine, a quarter: the window and the volume or its preview are there too.
-    options.memoryBytes =
-        std::max(preprocess::kMinBuildMemoryBytes, std::min(options.memoryBytes, physicalMemoryBytes() / 4));
+    // As isoslider-cli: the window and the volume or its preview are there too.
+    options.memoryBytes = std::max(preprocess::kMinBuildMemoryBytes, physicalMemoryBytes() / 4);
     auto report = preprocess::buildIndex(source, indexPath, options, job);
     if (!report.isOk())
         return report.error();

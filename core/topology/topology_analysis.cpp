@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -13,6 +14,7 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include "core/topology/analysis/analysis_memory.h"
 #include "core/topology/analysis/component_graph.h"
 #include "core/topology/analysis/domain_boundary.h"
 #include "core/topology/analysis/layer_components.h"
@@ -25,9 +27,11 @@
 namespace isoslider::topology {
 namespace {
 
-// Of one layer while it is worked on: samples, what points lead to, and in noise a link and a saddle for each.
-constexpr std::uint64_t kLayerBytesPerSample = 160;
 constexpr std::int64_t kMostPlaneSamples = std::int64_t{1} << 27;
+// Noise of 32 bits, for each sample; there is hardly a volume with more. More memory than that is not asked after.
+constexpr Findings kMostFindings{1.25, 3.2, 0.4, 0.4, 0.0};
+constexpr double kMostBytesPerSample = 768.0;
+constexpr double kBoundaryBytesPerPoint = 80.0;
 
 // One side of all layers, put together as they come.
 class SideGraph {
@@ -59,7 +63,14 @@ public:
             seed += seed != kNoSeed ? first : 0;
         return {};
     }
-    std::uint64_t sizeBytes() const { return graph_.seeds.size() * sizeof(Seed) + graph_.links.size() * sizeof(Link); }
+    void reserve(double seeds, double links) {
+        graph_.seeds.reserve(static_cast<std::size_t>(seeds));
+        graph_.links.reserve(static_cast<std::size_t>(links));
+    }
+    void countInto(Findings& found) const {
+        found.seeds += static_cast<double>(graph_.seeds.size());
+        found.links += static_cast<double>(graph_.links.size());
+    }
     ComponentGraph take() { return std::move(graph_); }
 
 private:
@@ -77,20 +88,14 @@ public:
         const std::int64_t plane = std::max<std::int64_t>(1, dims_[0] * dims_[1]);
         planesAtOnce_ = options.planesAtOnce > 0 ? std::max<std::int64_t>(3, options.planesAtOnce)
                                                  : std::clamp<std::int64_t>(kLayerSamples / plane, 3, 16);
-        layerBytes_ = static_cast<std::uint64_t>(plane * std::min(dims_[2], planesAtOnce_ + 2)) * kLayerBytesPerSample;
     }
 
     Result<TopologyCurve> run() {
         if (std::min({dims_[0], dims_[1], dims_[2]}) < 2)
             return TopologyCurve(); // no cells, no surface
-        if (layerBytes_ > options_.memoryBytes)
-            return tooLarge();
-        // Two layers for each thread: one that is being worked on, one that waits; fewer where memory is scarce.
-        const auto tokens = static_cast<std::size_t>(
-            std::clamp<std::uint64_t>(options_.memoryBytes / 2 / layerBytes_, 1,
-                                      static_cast<std::uint64_t>(2 * tbb::this_task_arena::max_concurrency())));
+        ISO_TRY(planMemory());
         tbb::parallel_pipeline(
-            tokens,
+            layersAtOnce_,
             tbb::make_filter<void, std::shared_ptr<Layer>>(tbb::filter_mode::serial_in_order,
                                                            [this](tbb::flow_control& flow) { return next(flow); }) &
                 tbb::make_filter<std::shared_ptr<Layer>, std::shared_ptr<Layer>>(tbb::filter_mode::parallel,
@@ -108,10 +113,100 @@ public:
     }
 
 private:
-    Error tooLarge() const {
-        return makeError(ErrorCode::OutOfSpace, "the topology of this volume takes more than the " +
-                                                    std::to_string(options_.memoryBytes >> 20) + " MB it may use");
+    // ---- before: what it will take
+
+    Error tooLarge(double bytes) const {
+        const auto megabytes = [](double of) { return std::to_string(static_cast<std::uint64_t>(of) >> 20) + " MB"; };
+        return makeError(ErrorCode::OutOfSpace, "topology takes about " + megabytes(bytes + (1 << 20)) +
+                                                    " of memory here, and may use " +
+                                                    megabytes(static_cast<double>(options_.memoryBytes)));
     }
+
+    // Cubes spread over the volume state how much there is in it: where that is hopeless it shows at once.
+    Status planMemory() {
+        const auto points = static_cast<double>(pointCount(dims_)), memory = static_cast<double>(options_.memoryBytes);
+        const auto plane = static_cast<double>(dims_[0] * dims_[1]);
+        Findings each = kMostFindings;
+        const bool isTight = memory < kMostBytesPerSample * points;
+        if (isTight)
+            ISO_TRY(lookAt(each));
+        expected_ = each * points;
+        const auto sides = static_cast<double>(dims_[0] * dims_[1] + dims_[1] * dims_[2] + dims_[2] * dims_[0]);
+        expected_.boundaryBytes = 2.0 * sides * kBoundaryBytesPerPoint;
+        const auto bytesOfLayer = [&](std::int64_t planes) {
+            const double samples = plane * static_cast<double>(std::min(dims_[2], planes + 2));
+            return layerBytes(samples, each * samples);
+        };
+        const double room = memory - (isTight ? expected_.keptBytes() : 0.0);
+        while (options_.planesAtOnce == 0 && planesAtOnce_ > 3 && bytesOfLayer(planesAtOnce_) > room)
+            --planesAtOnce_;
+        neededBytes_ = std::max(assemblyBytes(expected_), expected_.keptBytes() + bytesOfLayer(planesAtOnce_));
+        constexpr double kUncertainty = 1.25;
+        if (isTight && (neededBytes_ > kUncertainty * memory || bytesOfLayer(planesAtOnce_) > memory))
+            return tooLarge(neededBytes_);
+        if (isTight) { // grown step by step they would be held twice
+            euler_.reserve(static_cast<std::size_t>(1.1 * expected_.euler));
+            above_.reserve(0.55 * expected_.seeds, 0.55 * expected_.links);
+            below_.reserve(0.55 * expected_.seeds, 0.55 * expected_.links);
+        }
+        // Two layers for each thread: one that is being worked on, one that waits; fewer where memory is scarce.
+        const double most = 2.0 * tbb::this_task_arena::max_concurrency();
+        layersAtOnce_ = static_cast<std::size_t>(std::clamp(room / bytesOfLayer(planesAtOnce_), 1.0, most));
+        return {};
+    }
+
+    // `each`: of a cell, on average.
+    Status lookAt(Findings& each) {
+        constexpr std::int64_t kLevels = 8, kPlaces = 4, kSide = 48, kPlanes = 6;
+        constexpr double kStepX = 0.7548776662, kStepY = 0.5698402910; // no two places in a row or column
+        GridDims cube{std::min(dims_[0], kSide), std::min(dims_[1], kSide), std::min(dims_[2], kPlanes)};
+        std::vector<Sample> planes(static_cast<std::size_t>(dims_[0] * dims_[1] * cube[2]));
+        each = {};
+        std::int64_t cells = 0, end = 0;
+        for (std::int64_t level = 0; level < kLevels; ++level) {
+            const std::int64_t z = (2 * level + 1) * (dims_[2] - cube[2]) / (2 * kLevels);
+            if (level > 0 && z < end)
+                continue; // a thin volume: planes rise
+            end = z + cube[2];
+            ISO_TRY(source_.read(z, end, std::as_writable_bytes(std::span(planes))));
+            for (std::int64_t i = 0; i < kPlaces; ++i) {
+                if (job_.isStopRequested())
+                    return cancelledError();
+                const auto spread = [&](double step, std::int64_t most) {
+                    const double at = step * static_cast<double>(kPlaces * level + i + 1);
+                    return static_cast<std::int64_t>((at - std::floor(at)) * static_cast<double>(most + 1));
+                };
+                count(cube, planes, {spread(kStepX, dims_[0] - cube[0]), spread(kStepY, dims_[1] - cube[1])}, each);
+                cells += (cube[0] - 1) * (cube[1] - 1) * (cube[2] - 1);
+            }
+        }
+        each = each * (1.0 / static_cast<double>(cells));
+        return {};
+    }
+
+    // What is in a cube of `planes`, as if it were a volume of its own.
+    void count(const GridDims& cube, const std::vector<Sample>& planes, const std::array<std::int64_t, 2>& at,
+               Findings& found) const {
+        LayerWindow<Sample> window;
+        window.dims = cube;
+        window.zEnd = cube[2] - 1;
+        window.stop = job_.stop;
+        for (std::int64_t z = 0; z < cube[2]; ++z)
+            for (std::int64_t y = 0; y < cube[1]; ++y) {
+                const auto row = planes.begin() + at[0] + dims_[0] * (at[1] + y + dims_[1] * z);
+                window.samples.insert(window.samples.end(), row, row + cube[0]);
+            }
+        window.findStars();
+        const LayerChanges changes = findLayerChanges(window);
+        found.euler += static_cast<double>(changes.euler.size());
+        found.joins += static_cast<double>(changes.above.size() + changes.below.size());
+        for (const LayerComponents& side : {findLayerComponents(Side::Above, window, changes.above),
+                                            findLayerComponents(Side::Below, window, changes.below)}) {
+            found.seeds += static_cast<double>(side.seeds.size());
+            found.links += static_cast<double>(side.links.size());
+        }
+    }
+
     void fail(Status status) {
         const std::lock_guard lock(problemMutex_);
         problem_ = std::move(status);
@@ -183,11 +278,15 @@ private:
         Status status = above_.add(layer.above, layer.window);
         if (status.isOk())
             status = below_.add(layer.below, layer.window);
-        // Following and sorting them, and the events, take four times as much again (measured on noise).
-        const std::uint64_t bytes =
-            5 * (euler_.size() * sizeof(EulerChange) + above_.sizeBytes() + below_.sizeBytes() + boundary_.sizeBytes());
-        if (status.isOk() && bytes > options_.memoryBytes)
-            status = tooLarge();
+        Findings found;
+        found.euler = static_cast<double>(euler_.size());
+        above_.countInto(found);
+        below_.countInto(found);
+        found.boundaryBytes = static_cast<double>(boundary_.sizeBytes());
+        const double bytes = assemblyBytes(found);
+        if (status.isOk() && bytes > static_cast<double>(options_.memoryBytes))
+            status = tooLarge(std::max(neededBytes_, bytes * static_cast<double>(dims_[2] - 1) /
+                                                         static_cast<double>(layer.window.zEnd)));
         if (!status.isOk())
             fail(std::move(status));
         for (std::int64_t at = 0; at < layer.window.planeStep() * (layer.window.ownedEnd() - layer.window.zBegin); ++at)
@@ -227,7 +326,9 @@ private:
     const JobControl& job_;
     GridDims dims_;
     std::int64_t planesAtOnce_ = 0;
-    std::uint64_t layerBytes_ = 0; ///< that one layer takes while it is worked on, at most about
+    Findings expected_; ///< of the whole volume, about
+    double neededBytes_ = 0.0; ///< likewise
+    std::size_t layersAtOnce_ = 1;
     std::int64_t zBegin_ = 0, readEnd_ = 0; ///< of the next layer; planes read so far
     std::vector<Sample> kept_; ///< planes read that the next layer needs, too
     std::mutex problemMutex_;

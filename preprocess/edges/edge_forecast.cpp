@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 
 #include <tbb/parallel_reduce.h>
@@ -129,6 +130,7 @@ private:
                              1};
         const SpreadSample places(static_cast<std::uint64_t>(tiles[0] * tiles[1]),
                                   wanted / (kTilePoints * layers.count()) + 1);
+        records_.reserve(layers.count() * places.count() * kTilePoints); // growing would hold them twice
         for (std::uint64_t i = 0; i < layers.count(); ++i) {
             job_.report(static_cast<double>(i) / static_cast<double>(layers.count()), "estimating the size");
             const auto layer = static_cast<std::int64_t>(layers.at(i));
@@ -258,14 +260,32 @@ private:
         const double points = static_cast<double>(pointCount(geometry_.dims)) / entryRatio;
         const BlockChoice choice =
             chooseBlocks(histogram, bins, options_.skipLevels, options_.redundancyThreshold, bytesPerEntry_, points);
-        std::stable_sort(records_.begin(), records_.end(), [](const Record& a, const Record& b) {
-            return a.key != b.key ? a.key < b.key : a.id() < b.id();
-        });
         LevelBuilder<Key> builder(writer, grid_, choice.begins);
-        ISO_TRY(builder.add(records_));
+        std::vector<Record> piece;
+        constexpr std::size_t kPieceRecords = 1u << 14;
+        for (const std::uint32_t i : sortedOrder()) {
+            piece.push_back(records_[i]);
+            if (piece.size() < kPieceRecords)
+                continue;
+            ISO_TRY(builder.add(piece));
+            piece.clear();
+        }
+        ISO_TRY(builder.add(piece));
         std::vector<Record>().swap(records_);
         ISO_TRY(builder.finish());
         return builder.levelInfos();
+    }
+
+    // The places of the records by key and id. Records are many times as large: sorting them would need room for half
+    // of them once more.
+    std::vector<std::uint32_t> sortedOrder() const {
+        std::vector<std::uint32_t> order(records_.size());
+        std::iota(order.begin(), order.end(), 0u);
+        std::stable_sort(order.begin(), order.end(), [this](std::uint32_t a, std::uint32_t b) {
+            return records_[a].key != records_[b].key ? records_[a].key < records_[b].key
+                                                      : records_[a].id() < records_[b].id();
+        });
+        return order;
     }
 
     // Whole bricks.

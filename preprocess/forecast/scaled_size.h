@@ -6,19 +6,19 @@
 #include <memory>
 #include <utility>
 
-#include "core/base/memory_file_system.h"
 #include "core/index/index_writer.h"
+#include "preprocess/forecast/size_only_file_system.h"
 #include "preprocess/value_bins.h"
 
 namespace isoslider::preprocess {
 
-/// A small index of a part of a volume, in memory, whose size states that of the whole one.
+/// A small index of a part of a volume, never written, whose size states that of the whole one.
 class ScaledIndex {
 public:
     /// `name` is never written to.
     static Result<std::unique_ptr<ScaledIndex>> begin(const std::filesystem::path& name) {
         auto scaled = std::make_unique<ScaledIndex>();
-        auto writer = index::IndexWriter::create(name, 0, scaled->memory_);
+        auto writer = index::IndexWriter::create(name, 0, scaled->files_);
         if (!writer.isOk())
             return std::move(writer).error();
         scaled->writer_ = std::move(writer).value();
@@ -52,7 +52,7 @@ public:
 private:
     static constexpr std::size_t kBins = ValueBins<std::uint8_t>::kCount;
 
-    MemoryFileSystem memory_;
+    SizeOnlyFileSystem files_;
     std::unique_ptr<index::IndexWriter> writer_;
 };
 

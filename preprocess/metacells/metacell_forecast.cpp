@@ -6,6 +6,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include "core/base/memory_file_system.h"
 #include "core/index/format/chunk_codec.h"
 #include "core/index/format/chunk_table.h"
 #include "core/index/format/point_record.h"

@@ -44,13 +44,33 @@ void writeField(const std::filesystem::path& path, int side, Field field) {
 class CliMemory : public CliTest {
 protected:
     // With the least budget: at most a tenth above it, and 64 MiB for the program itself.
+    static constexpr std::uint64_t kLimitBytes = (64 + 64 / 10 + 64) * kMiB;
+
+    // What the program states, and what the system does. Builds of noise go on for half a minute.
+    OrderedJson expectLimitKept(std::vector<std::string> arguments) {
+        arguments.insert(arguments.end(), {"-o", path("a.isx"), "--memory", "64M", "--json"});
+        ProcessOptions options;
+        options.timeout = std::chrono::minutes(4);
+        const auto result = run(arguments, options);
+        EXPECT_EQ(result.exitCode, 0) << result.standardError;
+        EXPECT_LT(result.peakRssBytes, kLimitBytes);
+        const auto json = OrderedJson::parse(result.standardOutput, nullptr, false);
+        EXPECT_TRUE(json.is_object());
+        if (json.is_object())
+            EXPECT_LT(json["peak_rss_bytes"].get<std::uint64_t>(), kLimitBytes);
+        return json;
+    }
+
     template <class Sample>
-    void expectBudgetKept(const std::string& type, int side, Field field, const std::string& kind) {
+    void expectBudgetKept(const std::string& type, int side, Field field, const std::string& kind,
+                          const std::vector<std::string>& more = {}) {
         SCOPED_TRACE(fmt::format("{} of {}, {}", kind, type, side));
         writeField<Sample>(path("volume.raw"), side, field);
-        const auto json = runJson({"build", path("volume.raw"), "--raw-dims", fmt::format("{0},{0},{0}", side),
-                                   "--raw-type", type, "-o", path("a.isx"), "--index", kind, "--memory", "64M"});
-        EXPECT_LT(json["peak_rss_bytes"].get<std::uint64_t>(), (64 + 64 / 10 + 64) * kMiB);
+        std::vector<std::string> arguments{
+            "build", path("volume.raw"), "--raw-dims", fmt::format("{0},{0},{0}", side), "--raw-type",
+            type,    "--index",          kind};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        expectLimitKept(arguments);
     }
 
     void SetUp() override {
@@ -67,11 +87,68 @@ TEST_F(CliMemory, EdgesAreBuiltWithinTheBudgetWhateverTheType) {
     expectBudgetKept<double>("f64", 160, Field::Hills, "edges");
 }
 
+// Noise has an edge nearly everywhere, and what is looked at for the forecast is then largest.
+TEST_F(CliMemory, EdgesOfNoiseAreBuiltWithinTheBudget) {
+    expectBudgetKept<std::uint16_t>("u16", 256, Field::Noise, "edges", {"--no-topology"});
+}
+
+TEST_F(CliMemory, EdgesOfFloatingPointNoiseAreBuiltWithinTheBudget) {
+    expectBudgetKept<double>("f64", 200, Field::Noise, "edges", {"--no-topology"});
+}
+
 // Distinct values take 60 MB, samples 60 MB as i32 and 120 MB as f64.
 TEST_F(CliMemory, MetacellsAreBuiltWithinTheBudgetWhateverTheType) {
     expectBudgetKept<std::int16_t>("i16", 250, Field::Hills, "metacells");
     expectBudgetKept<std::int32_t>("i32", 250, Field::Noise, "metacells");
     expectBudgetKept<double>("f64", 250, Field::Noise, "metacells");
+}
+
+// Its topology would take some 500 MB: that shows before any of it is made.
+TEST_F(CliMemory, TopologyThatTakesMoreIsLeftOutAndSaysWhatItWouldTake) {
+    writeField<std::uint8_t>(path("volume.raw"), 128, Field::Noise);
+    const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "128,128,128", "--raw-type", "u8"});
+    ASSERT_TRUE(json.is_object());
+    EXPECT_THAT(json["topology_problem"], ::testing::ContainsRegex("takes about [0-9]+ MB of memory.*--memory"));
+    EXPECT_FALSE(json.contains("topology_events"));
+}
+
+TEST_F(CliMemory, TopologyThatFitsIsMadeWithinTheBudget) {
+    writeField<std::uint8_t>(path("volume.raw"), 48, Field::Noise);
+    const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "48,48,48", "--raw-type", "u8"});
+    ASSERT_TRUE(json.is_object());
+    EXPECT_GT(json["topology_events"], 0);
+}
+
+// A text file of f64 is held whole, and once more with the first axis fastest; VTK holds what it reads, and a copy.
+TEST_F(CliMemory, WhatCanOnlyBeReadWholeIsRefusedWithTheNumberNeeded) {
+    constexpr int kSide = 140;
+    std::string cube = "of equal numbers\n\n0 0 0 0\n";
+    for (const char* step : {"1 0 0", "0 1 0", "0 0 1"})
+        cube += fmt::format("{} {}\n", kSide, step);
+    std::string samples(std::size_t{2} * kSide * kSide * kSide, ' ');
+    for (std::size_t i = 0; i < samples.size(); i += 2)
+        samples[i] = i % 4 == 0 ? '1' : '2';
+    folder_.write("text.cube", cube + samples);
+    const auto header =
+        fmt::format("# vtk DataFile Version 3.0\nnumbers\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS {0} {0} {0}\n"
+                    "ORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA {1}\nSCALARS s float 1\nLOOKUP_TABLE default\n",
+                    kSide, kSide * kSide * kSide);
+    folder_.write("whole.vtk", header + std::string(std::size_t{4} * kSide * kSide * kSide, '\1'));
+    for (const char* name : {"text.cube", "whole.vtk"}) {
+        const std::vector<std::string> words{"build", path(name), "-o", path("a.isx"), "--no-topology", "--memory"};
+        const auto with = [&](const char* memory) {
+            auto all = words;
+            all.emplace_back(memory);
+            return all;
+        };
+        expectRefusal(with("64M"), 4, "needs 42 MiB in memory, half of --memory");
+        EXPECT_LT(run(with("64M")).peakRssBytes, kLimitBytes);
+        EXPECT_EQ(run(with("128M")).exitCode, 0) << name;
+    }
+}
+
+TEST_F(CliMemory, AQuarterOfTheMachineUnlessStated) {
+    EXPECT_THAT(run({"build", "--help"}).standardOutput, ::testing::HasSubstr("a quarter of this machine's"));
 }
 
 // Some systems bound the address space, which costs nothing until it is used.

@@ -1,6 +1,7 @@
 #include "core/volume_io/parsing/header_checks.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include <glm/matrix.hpp>
@@ -8,6 +9,7 @@
 #include "core/base/file_system.h"
 #include "core/base/folders.h"
 #include "core/base/machine.h"
+#include "core/volume_io/parsing/reading_memory.h"
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -131,14 +133,29 @@ Result<std::string> readStart(const fs::path& path, std::uint64_t maxBytes) {
     return text;
 }
 
+namespace {
+
+std::atomic<std::uint64_t> readingMemory = 0; // 0: that of the machine
+
+} // namespace
+
+std::uint64_t readingMemoryBytes() {
+    const std::uint64_t bytes = readingMemory;
+    return bytes > 0 ? bytes : physicalMemoryBytes();
+}
+
+void setReadingMemoryBytes(std::uint64_t bytes) { readingMemory = bytes; }
+
 Status checkFitsMemory(std::uint64_t sizeBytes, const fs::path& path) {
-    const auto memory = physicalMemoryBytes();
-    if (sizeBytes > memory)
-        return makeError(ErrorCode::OutOfSpace,
-                         "needs " + std::to_string(sizeBytes >> 20) + " MiB in memory, this machine has " +
-                             std::to_string(memory >> 20),
-                         path);
-    return {};
+    const auto memory = readingMemoryBytes();
+    if (sizeBytes <= memory)
+        return {};
+    const bool isOfMachine = readingMemory == 0;
+    return makeError(ErrorCode::OutOfSpace,
+                     "needs " + std::to_string((sizeBytes >> 20) + 1) + " MiB in memory, " +
+                         (isOfMachine ? "this machine has " : "half of --memory, what reading may hold, is ") +
+                         std::to_string(memory >> 20) + (isOfMachine ? "" : " MiB"),
+                     path);
 }
 
 } // namespace isoslider::io

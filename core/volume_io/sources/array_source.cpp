@@ -7,10 +7,12 @@
 #include <string>
 #include <type_traits>
 
+#include "core/volume_io/parsing/reading_memory.h"
+
 namespace isoslider::io {
 namespace {
 
-constexpr std::uint64_t kBlockBytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t kMostBlockBytes = std::uint64_t{64} << 20;
 
 class ArraySource final : public VolumeSource {
 public:
@@ -25,7 +27,8 @@ public:
         const GridDims& dims = info_.geometry.dims;
         planeSamples_ = static_cast<std::uint64_t>(dims[0] * dims[1]);
         const std::uint64_t planeBytes = planeSamples_ * fileTypeSizeBytes(view_.type);
-        blockPlanes_ = static_cast<std::int64_t>(std::max<std::uint64_t>(1, kBlockBytes / planeBytes));
+        const std::uint64_t blockBytes = std::min(kMostBlockBytes, readingMemoryBytes() / 2); // the other half is slabs
+        blockPlanes_ = static_cast<std::int64_t>(std::max<std::uint64_t>(1, blockBytes / planeBytes));
         // Planes across the file's order touch the whole of it, so each pass over it fetches as many as it may.
         for (std::size_t axis = 0; axis < 2; ++axis)
             isAcross_ = isAcross_ || (view_.axisOf[2] >= 0 && view_.axisOf[axis] >= 0 && dims[axis] > 1 &&

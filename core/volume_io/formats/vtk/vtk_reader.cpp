@@ -13,6 +13,7 @@
 #include "core/volume_io/formats/vtk/vtk_dataset.h"
 #include "core/volume_io/formats/vtk/vtk_xml_cells.h"
 #include "core/volume_io/formats/vtk/vtk_xml_header.h"
+#include "core/volume_io/parsing/file_type.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "core/volume_io/volume_choice.h"
 
@@ -32,6 +33,14 @@ vtkSmartPointer<vtkXMLReader> readerOf(VtkKind kind) {
 Status check(const RandomAccessFile& file, const VtkXmlHeader& header, std::size_t array) {
     ISO_TRY(checkVtkXmlRoom(file, header, array));
     return header.kind == VtkKind::Unstructured ? checkVtkXmlCells(file, header) : Status();
+}
+
+std::uint64_t bytesPerValue(const VolumeField& field) {
+    for (const FileType type :
+         {FileType::U8, FileType::I8, FileType::U16, FileType::I16, FileType::U32, FileType::I32, FileType::F32})
+        if (field.typeName == fileTypeName(type))
+            return fileTypeSizeBytes(type);
+    return sizeof(double);
 }
 
 /// Has VTK read. What packed arrays of cells claim is not known before: where all that the header speaks of is small,
@@ -104,7 +113,9 @@ Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& pa
     if (!choice.isOk())
         return choice.error();
     ISO_TRY(check(*file.value(), header, chosen.value()));
-    ISO_TRY(checkFitsMemory(2 * header.points * static_cast<std::uint64_t>(field.components), path));
+    // VTK holds the array, and it is copied.
+    const std::uint64_t values = header.points * static_cast<std::uint64_t>(field.components);
+    ISO_TRY(checkFitsMemory(2 * values * bytesPerValue(field), path));
 
     const VtkSession session;
     const auto reader = readerOf(header.kind);
