@@ -16,9 +16,9 @@ void Session::addSurface() {
     if (!dataset_)
         return;
     const auto all = suggestions();
-    const Histogram& body = dataset_->values->body;
-    surfaces_.add(
-        std::clamp(isovalueForAnother(surfaces_.list(), all, body.min, body.max), isovalue_.min(), isovalue_.max()));
+    const SuggestedRange range = dataset_->suggestedRange();
+    const double isovalue = isovalueForAnother(surfaces_.list(), all, range.min, range.max);
+    surfaces_.add(std::clamp(suggestedAs(isovalue, range), isovalue_.min(), isovalue_.max()));
 }
 
 void Session::followSurfaces() {
