@@ -321,7 +321,7 @@ void ViewportHost::showSurfaces() {
         if (surface.id == list.active)
             look = render::lookOf(surface);
         else if (auto picture = session_.pictureOf(surface.id); picture && surface.isVisible)
-            inactive.push_back({surface.id, std::move(picture), render::lookOf(surface)});
+            inactive.push_back({surface.id, std::move(picture), render::lookOf(surface), surface.hiddenPieces});
     }
     // The list states each isovalue that the handle asks for: without a new picture there is nothing to draw.
     const auto volume = dataset != nullptr ? std::optional(dataset->geometry) : std::nullopt;

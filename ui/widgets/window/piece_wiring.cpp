@@ -50,6 +50,8 @@ PieceWiring::PieceWiring(model::Session& session, const ActionRegistry& actions,
     showOptions();
 }
 
+    surfacesSubscription_ = session_.surfaces().observe([this] { followSurfaces(); });
+    inactiveSubscription_ = session_.inactiveChanged().observe([this] { findAwaitedOfOthers(); });
 void PieceWiring::connectActions() {
     connect(actions_.action("pieces.colour"), &QAction::toggled, this,
             [this](bool isColoured) { change([&](model::PieceOptions& pieces) { pieces.isColoured = isColoured; }); });
@@ -88,7 +90,10 @@ void PieceWiring::change(const std::function<void(model::PieceOptions&)>& change
     host_.viewState().setOptions(options);
 }
 
-void PieceWiring::ask() { session_.findPieces(isPanelSeen_ || pick_ || host_.viewState().options().pieces.isWanted()); }
+// Once a piece was hidden all pictures have pieces: they keep their numbers from one picture to the next only.
+void PieceWiring::ask() {
+    session_.findPieces(isPanelSeen_ || pick_ || hasHidden_ || host_.viewState().options().pieces.isWanted());
+}
 
 void PieceWiring::pick(QPointF point, Purpose purpose) {
     const auto frame = session_.frame();
@@ -131,7 +136,42 @@ void PieceWiring::findAwaited() {
     if (pieces.awaited.isEmpty() || !frame || !frame->pieces || frame->mergedCells > 1 ||
         frame->isovalue != session_.isovalue().requested())
         return;
-    change([&](model::PieceOptions& options) { options = model::found(options, *frame->pieces); });
+    change([&](model::PieceOptions& options) { options.hiddenPieces() = model::found(options, *frame->pieces); });
+}
+
+void PieceWiring::findAwaitedOfOthers() {
+    auto& surfaces = session_.surfaces();
+    const auto listed = surfaces.list();
+    for (const model::ListedSurface& surface : listed.surfaces) {
+        if (surface.id == listed.active || surface.hiddenPieces.awaited.isEmpty())
+            continue;
+        const auto picture = session_.pictureOf(surface.id);
+        if (picture && picture->pieces && picture->isovalue == surface.isovalue)
+            surfaces.change(surface.id, [&](model::ListedSurface& changed) {
+                changed.hiddenPieces = model::found(changed.hiddenPieces, *picture->pieces);
+            });
+    }
+}
+
+void PieceWiring::followSurfaces() {
+    const auto* active = session_.surfaces().active();
+    if (active == nullptr)
+        return;
+    const bool isOther = std::exchange(followed_, active->id) != active->id;
+    const model::HiddenPieces hidden = active->hiddenPieces;
+    change([&](model::PieceOptions& pieces) {
+        pieces.hiddenPieces() = hidden;
+        if (isOther)
+            pieces.selected.reset(); // of another surface
+    });
+}
+
+void PieceWiring::tellSurfaces() {
+    auto& surfaces = session_.surfaces();
+    const model::HiddenPieces hidden = host_.viewState().options().pieces;
+    hasHidden_ = hasHidden_ || !hidden.hidden.empty() || hidden.only || !hidden.awaited.isEmpty();
+    if (surfaces.active() != nullptr && surfaces.active()->id == followed_)
+        surfaces.change(followed_, [&](model::ListedSurface& surface) { surface.hiddenPieces = hidden; });
 }
 
 void PieceWiring::dropLostSelection() {
@@ -182,6 +222,7 @@ void PieceWiring::showWhatIsHidden() {
     note_->say(counts.all > 0 && counts.shown == 0
                    ? tr("All pieces are hidden. Show them: %1")
                          .arg(actions_.action("pieces.all")->shortcut().toString(QKeySequence::NativeText))
+    tellSurfaces();
                    : QString());
 }
 
@@ -202,3 +243,4 @@ void PieceWiring::followDataset() {
 }
 
 } // namespace isoslider::widgets
+    hasHidden_ = false;

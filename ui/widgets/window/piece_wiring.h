@@ -12,6 +12,7 @@
 #include "core/extract/pieces/surface_pieces.h"
 #include "ui/model/observers.h"
 #include "ui/model/session/dataset.h"
+#include "ui/model/surface/surface_list.h"
 
 class QDockWidget;
 
@@ -64,6 +65,10 @@ private:
     void showOptions();
     /// Says why nothing is to be seen where everything is hidden.
     void showWhatIsHidden();
+    /// The view's options hide the pieces that the active surface hides, and the other way about.
+    void followSurfaces();
+    void tellSurfaces();
+    void findAwaitedOfOthers();
     void followDataset();
 
     model::Session& session_;
@@ -74,9 +79,13 @@ private:
     bool isPanelSeen_ = false;
     std::optional<Pick> pick_;
     model::DatasetGeneration dataset_{};
+    bool hasHidden_ = false; ///< of this volume, by number; a step back may hide it again
+    model::SurfaceId followed_{}; ///< whose pieces the view's options hide
     model::Subscription frameSubscription_;
     model::Subscription datasetSubscription_;
     model::Subscription optionsSubscription_;
 };
 
+    model::Subscription surfacesSubscription_;
+    model::Subscription inactiveSubscription_;
 } // namespace isoslider::widgets
