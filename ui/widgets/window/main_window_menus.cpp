@@ -138,7 +138,7 @@ void MainWindow::makeToolBar() {
     actions_->action("file.open")->setIconText(tr("Open"));
     actions_->action("mesh.export")->setIconText(tr("Export"));
     actions_->action("mesh.check")->setIconText(tr("Check"));
-    actions_->action("view.reset")->setIconText(tr("Fit"));
+    actions_->action("view.fit")->setIconText(tr("Fit"));
     actions_->action("view.perspective")->setIconText(tr("Perspective"));
     actions_->action("view.changed")->setIconText(tr("Retriangulated"));
     actions_->action("view.box")->setIconText(tr("Box"));
@@ -147,7 +147,7 @@ void MainWindow::makeToolBar() {
     bar->addAction(actions_->action("mesh.export"));
     bar->addAction(actions_->action("mesh.check"));
     bar->addSeparator();
-    for (const char* id : {"view.reset", "view.perspective", "view.changed", "view.box", "view.axes"})
+    for (const char* id : {"view.fit", "view.perspective", "view.changed", "view.box", "view.axes"})
         bar->addAction(actions_->action(id));
     panelsMenu_->addSeparator();
     panelsMenu_->addAction(bar->toggleViewAction());
