@@ -247,6 +247,33 @@ TEST_F(PickTest, OneIsShownAloneFromTheMenuOfTheView) {
     EXPECT_FALSE(pieces().selected);
 }
 
+TEST_F(PickTest, TheMenuOfTheViewHidesSmallerOnesKeepsTheLargestAndUndoes) {
+    pick(pixelOf(1));
+    ASSERT_TRUE(waitUntil([&] { return pieces().selected.has_value(); }));
+    QTest::qWait(600); // a step ends
+    const auto choose = [&](QPoint place, const char* name) {
+        QTest::mouseClick(&viewport(), Qt::RightButton, {}, place);
+        ASSERT_TRUE(waitUntil([] { return QApplication::activePopupWidget() != nullptr; }));
+        auto* menu = qobject_cast<QMenu*>(QApplication::activePopupWidget());
+        ASSERT_NE(menu, nullptr);
+        for (const char* entry :
+             {"view.fit", "view.measure", "clip.plane", "clip.crop", "slices.isovalue", "edit.undo", "edit.redo"})
+            EXPECT_TRUE(menu->actions().contains(action(entry))) << entry;
+        keepPicture(*menu, "view_menu");
+        QTest::mouseClick(menu, Qt::LeftButton, {}, menu->actionGeometry(action(name)).center());
+        QTest::qWait(600);
+    };
+    showPanel();
+    choose(pixelOf(1), "pieces.hideSmaller");
+    EXPECT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces, 1 hidden"); })) << count().toStdString();
+    choose(pixelOf(1), "pieces.largest");
+    EXPECT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces, 2 hidden"); })) << count().toStdString();
+    choose({4, 4}, "edit.undo");
+    EXPECT_EQ(pieces().largest, 0u);
+    choose({4, 4}, "edit.undo");
+    EXPECT_FALSE(pieces().hidesAny());
+}
+
 TEST_F(PickTest, ARowSelectsThePieceAndTheLargestAreKept) {
     showPanel();
     QTest::mouseClick(table()->viewport(), Qt::LeftButton, {},
@@ -351,8 +378,6 @@ TEST_F(PickTest, WhatIsShownIsExported) {
     EXPECT_FALSE(action("pieces.exportSelected")->isEnabled());
 }
 
-} // namespace
-} // namespace isoslider::test
 // Two surfaces, each with a piece that is hidden.
 class SurfacesWithPiecesTest : public PickTest {
 protected:
@@ -518,3 +543,5 @@ TEST_F(SurfacesWithPiecesTest, ShowingAllIsUndone) {
     EXPECT_EQ(seen(), (Seen{true, false, true}));
 }
 
+} // namespace
+} // namespace isoslider::test

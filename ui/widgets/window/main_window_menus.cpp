@@ -106,7 +106,8 @@ void MainWindow::makeMenus() {
     QMenu* pieces = menuBar()->addMenu(tr("&Pieces"));
     add(pieces, {"pieces.colour"});
     pieces->addSeparator();
-    add(pieces, {"pieces.hide", "pieces.only", "pieces.all", "pieces.deselect"});
+    add(pieces,
+        {"pieces.hide", "pieces.only", "pieces.hideSmaller", "pieces.largest", "pieces.all", "pieces.deselect"});
     pieces->addSeparator();
     add(pieces, {"pieces.exportShown", "pieces.exportSelected"});
 
@@ -114,6 +115,8 @@ void MainWindow::makeMenus() {
     add(surfaces, {"surfaces.add", "surfaces.remove"});
     surfaces->addSeparator();
     add(surfaces, {"surfaces.next", "surfaces.previous"});
+    surfaces->addSeparator();
+    add(surfaces, {"isovalue.edit", "surfaces.moreOpaque", "surfaces.lessOpaque"});
     surfaces->addSeparator();
     add(surfaces, {"surfaces.show", "surfaces.rename"});
     surfaces->addMenu(surfacesPanel_->colourMenu());

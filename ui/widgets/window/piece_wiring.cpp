@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <QAction>
 #include <QDockWidget>
@@ -44,14 +45,16 @@ PieceWiring::PieceWiring(model::Session& session, const ActionRegistry& actions,
         takePick();
         dropLostSelection();
         showWhatIsHidden();
+        actions_.action("pieces.largest")
+            ->setEnabled(session_.frame() != nullptr && host_.viewState().options().pieces.largest != 1);
     });
     datasetSubscription_ = session_.datasetChanged().observe([this] { followDataset(); });
     optionsSubscription_ = host_.viewState().observe([this] { showOptions(); });
+    surfacesSubscription_ = session_.surfaces().observe([this] { followSurfaces(); });
+    inactiveSubscription_ = session_.inactiveChanged().observe([this] { findAwaitedOfOthers(); });
     showOptions();
 }
 
-    surfacesSubscription_ = session_.surfaces().observe([this] { followSurfaces(); });
-    inactiveSubscription_ = session_.inactiveChanged().observe([this] { findAwaitedOfOthers(); });
 void PieceWiring::connectActions() {
     connect(actions_.action("pieces.colour"), &QAction::toggled, this,
             [this](bool isColoured) { change([&](model::PieceOptions& pieces) { pieces.isColoured = isColoured; }); });
@@ -72,16 +75,28 @@ void PieceWiring::connectActions() {
             pieces.selected.reset();
         });
     });
-    connect(actions_.action("pieces.all"), &QAction::triggered, this, [this] {
+    connect(actions_.action("pieces.hideSmaller"), &QAction::triggered, this, &PieceWiring::hideSmaller);
+    connect(actions_.action("pieces.largest"), &QAction::triggered, this, [this] {
         change([](model::PieceOptions& pieces) {
-            pieces.hidden.clear();
-            pieces.only.reset();
-            pieces.awaited = {};
-            pieces.leastSize = 0.0;
-            pieces.largest = 0;
+            pieces.largest = 1;
+            pieces.selected.reset();
         });
     });
+    connect(actions_.action("pieces.all"), &QAction::triggered, this,
+            [this] { change([](model::PieceOptions& pieces) { pieces.hiddenPieces() = {}; }); });
     connect(actions_.action("pieces.deselect"), &QAction::triggered, this, [this] { select(std::nullopt); });
+}
+
+void PieceWiring::hideSmaller() {
+    const auto frame = session_.frame();
+    const auto& pieces = host_.viewState().options().pieces;
+    if (!frame || !frame->pieces)
+        return;
+    const auto selected = model::PieceDisplay(*frame->pieces, frame->geometry, pieces).find(pieces.selected);
+    if (!selected)
+        return;
+    const double size = model::sizeOf(frame->pieces->pieces()[*selected], frame->geometry);
+    change([size](model::PieceOptions& options) { options.leastSize = size; });
 }
 
 void PieceWiring::change(const std::function<void(model::PieceOptions&)>& change) {
@@ -191,24 +206,30 @@ void PieceWiring::showMenu(QPointF point) {
     auto* menu = new QMenu(viewport);
     menu->setAttribute(Qt::WA_DeleteOnClose);
     menu->setObjectName(QStringLiteral("viewMenu"));
-    for (const char* action : {"pieces.hide", "pieces.only", "pieces.all"})
-        menu->addAction(actions_.action(action));
-    menu->addSeparator();
-    for (const char* action : {"pieces.exportSelected", "pieces.exportShown"})
-        menu->addAction(actions_.action(action));
-    menu->addSeparator();
-    for (const char* action : {"pieces.colour", "view.reset"})
-        menu->addAction(actions_.action(action));
+    const std::vector<std::vector<const char*>> groups{
+        {"pieces.hide", "pieces.only", "pieces.hideSmaller", "pieces.largest", "pieces.all"},
+        {"pieces.exportSelected", "pieces.exportShown"},
+        {"pieces.colour", "view.measure", "clip.plane", "clip.crop", "slices.isovalue"},
+        {"view.fit", "view.reset"},
+        {"edit.undo", "edit.redo"}};
+    for (const auto& group : groups) {
+        if (!menu->isEmpty())
+            menu->addSeparator();
+        for (const char* action : group)
+            menu->addAction(actions_.action(action));
+    }
     menu->popup(viewport->mapToGlobal(point.toPoint()));
 }
 
 void PieceWiring::showOptions() {
+    tellSurfaces();
     ask();
     findAwaited(); // undone steps may bring back what was awaited
     const auto& pieces = host_.viewState().options().pieces;
     actions_.action("pieces.colour")->setChecked(pieces.isColoured);
-    for (const char* action : {"pieces.hide", "pieces.only", "pieces.deselect"})
+    for (const char* action : {"pieces.hide", "pieces.only", "pieces.hideSmaller", "pieces.deselect"})
         actions_.action(action)->setEnabled(pieces.selected.has_value());
+    actions_.action("pieces.largest")->setEnabled(session_.frame() != nullptr && pieces.largest != 1);
     actions_.action("pieces.all")->setEnabled(pieces.hidesAny());
     showWhatIsHidden();
 }
@@ -222,7 +243,6 @@ void PieceWiring::showWhatIsHidden() {
     note_->say(counts.all > 0 && counts.shown == 0
                    ? tr("All pieces are hidden. Show them: %1")
                          .arg(actions_.action("pieces.all")->shortcut().toString(QKeySequence::NativeText))
-    tellSurfaces();
                    : QString());
 }
 
@@ -231,16 +251,12 @@ void PieceWiring::followDataset() {
     if (std::exchange(dataset_, session_.datasetGeneration()) == session_.datasetGeneration())
         return;
     pick_.reset();
+    hasHidden_ = false;
     change([](model::PieceOptions& pieces) {
-        pieces.hidden.clear();
-        pieces.only.reset();
+        pieces.hiddenPieces() = {};
         pieces.selected.reset();
-        pieces.awaited = {};
-        pieces.leastSize = 0.0; // a length in another volume
-        pieces.largest = 0;
     });
     ask();
 }
 
 } // namespace isoslider::widgets
-    hasHidden_ = false;
