@@ -28,7 +28,8 @@ struct SlideOptions {
 struct FrameContents {
     bool changes = false; ///< the triangles that the last move has changed, unless all are new
     bool pieces = false; ///< which triangles are connected; none in a frame for which there was no memory
-    /// Of a frame of the same grid, from another engine: their numbers are kept.
+    /// Of a frame of the same grid, of another engine or surface: their numbers are kept. Null: those of the last
+    /// frame.
     std::shared_ptr<const SurfacePieces> piecesBefore;
 };
 

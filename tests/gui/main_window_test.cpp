@@ -7,6 +7,7 @@
 #include <QLabel>
 #include <QMenu>
 #include <QPushButton>
+#include <QScrollArea>
 #include <QTableView>
 #include <QTest>
 #include <QToolButton>
@@ -382,7 +383,13 @@ TEST_F(MainWindowTest, EveryActionHasATextAndATip) {
 TEST_F(MainWindowTest, HelpOpensWithoutBlocking) {
     trigger("help.shortcuts");
     trigger("help.about");
-    EXPECT_TRUE(child<QDialog>("shortcutSheet")->isVisible());
+    auto* sheet = child<QDialog>("shortcutSheet");
+    EXPECT_TRUE(sheet->isVisible());
+    const auto* scroll = sheet->findChild<QScrollArea*>();
+    ASSERT_NE(scroll, nullptr);
+    QTest::qWait(50);
+    EXPECT_LE(scroll->widget()->width(), scroll->viewport()->width()) << "nothing is cut off";
+    keepPicture(*sheet, "shortcut_sheet");
     EXPECT_TRUE(child<QDialog>("aboutDialog")->isVisible());
 }
 
@@ -407,6 +414,37 @@ TEST_F(MainWindowTest, KeysAndMouseMoveTheCamera) {
     EXPECT_GT(glm::length(viewport->camera().backward() - before), 0.05);
     QTest::keyClick(viewport, Qt::Key_R);
     EXPECT_EQ(viewport->camera().target(), glm::dvec3(0.0));
+}
+
+TEST_F(MainWindowTest, CtrlAndShiftWithKeysMoveTheCamera) {
+    auto* viewport = window_->viewportHost().viewport();
+    if (viewport == nullptr)
+        GTEST_SKIP() << "no OpenGL 3.3 here";
+    openBall();
+    QTest::mouseClick(viewport, Qt::LeftButton);
+    ASSERT_TRUE(viewport->hasFocus());
+    QTest::keyClick(window_.get(), Qt::Key_1);
+    const model::Camera& camera = viewport->camera();
+    const double isovalue = session_->isovalue().requested();
+    const glm::dvec3 before = camera.backward();
+    QTest::keyClick(viewport, Qt::Key_Right, Qt::ControlModifier);
+    EXPECT_LT(camera.backward().x, before.x - 0.1) << "the scene goes to the right";
+    QTest::keyClick(viewport, Qt::Key_Left, Qt::ControlModifier);
+    EXPECT_NEAR(glm::length(camera.backward() - before), 0.0, 1e-9);
+    QTest::keyClick(viewport, Qt::Key_Up, Qt::ControlModifier);
+    EXPECT_LT(camera.backward().z, before.z - 0.1);
+    QTest::keyClick(viewport, Qt::Key_Down, Qt::ControlModifier);
+    const glm::dvec3 target = camera.target();
+    QTest::keyClick(viewport, Qt::Key_Right, Qt::ShiftModifier);
+    EXPECT_LT(camera.target().x, target.x);
+    QTest::keyClick(viewport, Qt::Key_Up, Qt::ShiftModifier);
+    EXPECT_LT(camera.target().z, target.z);
+    const double distance = camera.distance();
+    QTest::keyClick(viewport, Qt::Key_PageUp, Qt::ControlModifier);
+    EXPECT_LT(camera.distance(), distance);
+    QTest::keyClick(viewport, Qt::Key_PageDown, Qt::ControlModifier);
+    EXPECT_NEAR(camera.distance(), distance, 1e-9);
+    EXPECT_EQ(session_->isovalue().requested(), isovalue);
 }
 
 TEST_F(MainWindowTest, TypingDigitsInTheIsovalueFieldLeavesTheCameraAlone) {

@@ -1,6 +1,14 @@
 // The orientation cube, the scale bar and the way to the surface: what the pointer and the keys do, and what is kept.
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
 #include <QAction>
 #include <QApplication>
+#include <QToolBar>
 #include <QtTest>
 
 #include <glm/geometric.hpp>
@@ -247,6 +255,71 @@ TEST_F(SceneGuidesTest, ASmallViewHasNoRoomForThem) {
     EXPECT_FALSE(cube().geometry().intersects(scaleBar().geometry()));
 }
 
+/// -distance from the middle as NIfTI, in the directions of a patient's scanner.
+std::filesystem::path writeNiftiBall(const TemporaryFolder& folder, int n) {
+    std::string bytes(352, '\0');
+    const auto put = [&](std::size_t at, auto value) { std::memcpy(bytes.data() + at, &value, sizeof value); };
+    put(0, std::int32_t{348});
+    for (std::size_t i = 0; i < 8; ++i) // dim, pixdim
+        put(40 + 2 * i, static_cast<std::int16_t>(i == 0 ? 3 : i < 4 ? n : 1));
+    put(70, std::int16_t{16}); // float
+    put(72, std::int16_t{32});
+    for (std::size_t i = 0; i < 4; ++i)
+        put(76 + 4 * i, 1.0f);
+    put(108, 352.0f);
+    put(254, std::int16_t{1}); // sform
+    for (const std::size_t row : {280, 300, 320})
+        put(row, 1.0f);
+    std::memcpy(bytes.data() + 344, "n+1", 4);
+    const float middle = static_cast<float>(n - 1) / 2.0f;
+    for (int z = 0; z < n; ++z)
+        for (int y = 0; y < n; ++y)
+            for (int x = 0; x < n; ++x) {
+                const float value = -std::hypot(static_cast<float>(x) - middle, static_cast<float>(y) - middle,
+                                                static_cast<float>(z) - middle);
+                bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+            }
+    return folder.write("ball.nii", bytes);
+}
+
+class FirstViewTest : public SceneGuidesTest {
+protected:
+    void openNext(const std::filesystem::path& path) {
+        const auto before = session_->datasetGeneration();
+        window_->openFile(QString::fromStdString(path.string()));
+        ASSERT_TRUE(waitUntil([&] { return session_->datasetGeneration() != before && session_->frame() != nullptr; }));
+        ASSERT_TRUE(waitUntilSettled());
+    }
+    bool isFitted() {
+        const double radius = -session_->frame()->isovalue;
+        return waitUntil([&] { return std::abs(camera().halfHeight() - radius) < 0.2 * radius; },
+                         std::chrono::seconds(5));
+    }
+};
+
+TEST_F(FirstViewTest, FitsTheSurfaceUntilTheCameraIsMoved) {
+    openNext(writeBall(folder_, "first.mha", 24));
+    ASSERT_TRUE(isFitted()) << camera().halfHeight() << " of " << session_->frame()->isovalue;
+    EXPECT_LT(std::abs(camera().backward().x), 0.9) << "from the side and above";
+    EXPECT_GT(camera().backward().z, 0.1);
+    const auto first = camera().pose();
+    session_->isovalue().request(-2.0);
+    ASSERT_TRUE(waitUntil([this] { return session_->isovalue().displayed() == -2.0; }));
+    QTest::qWait(200);
+    EXPECT_EQ(camera().pose(), first) << "a slide leaves the camera alone";
+}
+
+TEST_F(FirstViewTest, PatientsAreSeenFromTheFrontHeadUp) {
+    openNext(writeNiftiBall(folder_, 24));
+    ASSERT_TRUE(isFitted());
+    EXPECT_NEAR(camera().backward().y, -1.0, 1e-9);
+    EXPECT_NEAR(camera().up().z, 1.0, 1e-9);
+    viewport().changeCamera([](model::Camera& camera) { camera.orbit(0.5, 0.2); });
+    QTest::keyClick(&viewport(), Qt::Key_R);
+    EXPECT_NEAR(camera().backward().y, -1.0, 1e-9);
+    EXPECT_GT(camera().halfHeight(), 15.0) << "the whole volume";
+}
+
 TEST_F(SceneGuidesTest, FitToSurfaceFillsTheViewWithTheSurface) {
     session_->isovalue().request(-3.0);
     ASSERT_TRUE(waitUntil([this] { return session_->isovalue().displayed() == -3.0; }));
@@ -260,6 +333,9 @@ TEST_F(SceneGuidesTest, FitToSurfaceFillsTheViewWithTheSurface) {
     EXPECT_NEAR(camera().halfHeight(), 3.0, 0.3);
     QTest::keyClick(&viewport(), Qt::Key_R);
     EXPECT_GT(camera().halfHeight(), 15.0) << "the whole volume";
+    QTest::keyClick(&viewport(), Qt::Key_F); // as the button of the tool bar
+    ASSERT_TRUE(waitUntil([&] { return camera().halfHeight() < 4.0; }));
+    EXPECT_TRUE(child<QToolBar>("mainToolBar")->actions().contains(window_->actions().action("view.fit")));
     session_->isovalue().request(-100.0); // below all samples: at the least one
     ASSERT_TRUE(waitUntil([this] { return !window_->actions().action("view.fit")->isEnabled(); }))
         << "there is no surface";

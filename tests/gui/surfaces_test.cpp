@@ -115,6 +115,22 @@ TEST_F(SurfacesTest, KeysAddRemoveAndStepThroughThem) {
     EXPECT_EQ(session_->frame()->isovalue, -12.0);
 }
 
+TEST_F(SurfacesTest, KeysChangeTheOpacityOfTheActiveOne) {
+    open();
+    EXPECT_FALSE(window_->actions().action("surfaces.moreOpaque")->isEnabled());
+    QTest::keyClick(window_.get(), Qt::Key_U);
+    QTest::keyClick(window_.get(), Qt::Key_U);
+    EXPECT_EQ(all()[0].opacity, 0.8);
+    letStepEnd();
+    QTest::keyClick(window_.get(), Qt::Key_U, Qt::ShiftModifier);
+    EXPECT_EQ(all()[0].opacity, 0.9);
+    letStepEnd();
+    undo();
+    EXPECT_EQ(all()[0].opacity, 0.8);
+    undo();
+    EXPECT_EQ(all()[0].opacity, 1.0);
+}
+
 TEST_F(SurfacesTest, TheListShowsHidesNamesAndActivates) {
     open();
     addAt(-6.0);

@@ -507,6 +507,14 @@ TEST_F(TopologyTest, WhatASlidePassesIsPointedOutForAMoment) {
     ASSERT_TRUE(slideTo(before + 1e-3 * range()));
     EXPECT_GT(cyan(), 50) << "upwards";
     EXPECT_FALSE(topology().chosen());
+    const int clear = cyan();
+    EXPECT_TRUE(waitUntil(
+        [&] {
+            const int now = cyan();
+            return now > 0 && now < 3 * clear / 4;
+        },
+        std::chrono::seconds(8)))
+        << "it fades";
     ASSERT_TRUE(waitUntil([&] { return cyan() == 0; }, std::chrono::seconds(8)));
     ASSERT_TRUE(slideTo(-8.3));
     EXPECT_GT(cyan(), 50) << "and downwards";

@@ -39,9 +39,12 @@ void InactiveBuffers::show(std::span<const InactiveSurface> surfaces) {
         });
         auto entry = found != entries_.end() ? std::move(*found) : std::make_unique<Entry>(gl_, driver_);
         const bool isNew = entry->surface.frame != surface.frame;
+        const bool isTintNew = isNew || entry->surface.hiddenPieces != surface.hiddenPieces;
         entry->surface = surface;
         if (isNew)
             upload(*entry);
+        if (isTintNew)
+            tint(*entry);
         entries.push_back(std::move(entry));
     }
     for (const auto& entry : entries_)
@@ -66,6 +69,19 @@ void InactiveBuffers::upload(Entry& entry) {
         isThere = entry.arrays.upload(arrays);
     }
     entry.refusedBytes = isThere ? 0 : extract::pictureBytes(frame);
+}
+
+void InactiveBuffers::tint(Entry& entry) {
+    entry.bricks.untint();
+    entry.arrays.untint();
+    entry.isTinted = false;
+    const extract::SurfaceFrame& frame = *entry.surface.frame;
+    if (!frame.pieces || !entry.surface.hiddenPieces.hidesAny())
+        return;
+    const model::PieceOptions options(entry.surface.hiddenPieces);
+    const auto tints = model::PieceDisplay(*frame.pieces, frame.geometry, options).tints();
+    entry.isTinted = (!entry.bricks.isEmpty() && entry.bricks.tint(*frame.pieces, tints)) ||
+                     (!entry.arrays.isEmpty() && entry.arrays.tint(*frame.pieces, tints));
 }
 
 void InactiveBuffers::abandon() {

@@ -20,6 +20,7 @@ public:
         InactiveSurface surface;
         ArrayBuffers arrays;
         BrickBuffers bricks;
+        bool isTinted = false; ///< with hidden pieces
         std::uint64_t refusedBytes = 0; ///< if the card has no memory for it
     };
 
@@ -36,6 +37,7 @@ public:
 
 private:
     void upload(Entry& entry);
+    void tint(Entry& entry);
 
     Gl& gl_;
     GlDriver& driver_;

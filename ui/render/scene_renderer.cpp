@@ -106,6 +106,7 @@ struct SceneRenderer::OnCard {
     ArrayBuffers& arrays;
     SurfaceLook look;
     bool isActive;
+    bool isTinted; ///< by pieces
     Matrices matrices;
 
     bool isOfBricks() const { return !bricks.isEmpty(); }
@@ -433,16 +434,16 @@ void SceneRenderer::drawMarker(const Spot& spot, const glm::dvec4& place, glm::i
 std::vector<SceneRenderer::OnCard> SceneRenderer::surfacesOf(const SceneView& view) const {
     std::vector<OnCard> surfaces;
     const auto add = [&](const extract::SurfaceFrame& frame, BrickBuffers& bricks, ArrayBuffers& arrays,
-                         const SurfaceLook& look, bool isActive) {
+                         const SurfaceLook& look, bool isActive, bool isTinted) {
         if (look.isVisible && !(bricks.isEmpty() && arrays.isEmpty()))
-            surfaces.push_back({frame, bricks, arrays, look, isActive, matricesOf(frame.geometry, view)});
+            surfaces.push_back({frame, bricks, arrays, look, isActive, isTinted, matricesOf(frame.geometry, view)});
         if (!resources_->canPeel() && !surfaces.empty())
             surfaces.back().look.opacity = 1.0f; // better than not at all
     };
     for (const auto& entry : resources_->inactive.entries())
-        add(*entry->surface.frame, entry->bricks, entry->arrays, entry->surface.look, false);
+        add(*entry->surface.frame, entry->bricks, entry->arrays, entry->surface.look, false, entry->isTinted);
     if (frame_)
-        add(*frame_, resources_->bricks, resources_->arrays, view.look, true);
+        add(*frame_, resources_->bricks, resources_->arrays, view.look, true, isTinted_);
     return surfaces;
 }
 
@@ -473,7 +474,7 @@ void SceneRenderer::useProgram(QOpenGLShaderProgram& program, const OnCard& surf
     std::transform(colours_.levels.begin(), colours_.levels.end(), levels.begin(),
                    [](const glm::vec3& colour) { return toQt(colour); });
     program.setUniformValueArray("levelColours", levels.data(), static_cast<int>(levels.size()));
-    program.setUniformValue("tintShare", isTinted_ && isActive ? 1.0f : 0.0f);
+    program.setUniformValue("tintShare", surface.isTinted ? 1.0f : 0.0f);
     program.setUniformValue("levelShare", options.showsLevels && isActive ? 1.0f : 0.0f);
     const StageLights lights = lightsOf(options.stage.light);
     program.setUniformValue("keyDirection", toQt(lights.key));

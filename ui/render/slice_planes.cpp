@@ -133,7 +133,6 @@ void SlicePlanes::upload(const SliceInScene& slice, const GridDims& dims, Plane&
         for (const glm::vec3& point : slice.contour->points)
             addPoint(data, point);
     plane.borderPoints = static_cast<int>(border.size());
-    plane.contourPoints = slice.contour ? static_cast<int>(slice.contour->points.size()) : 0;
     plane.isRefused = !fill(plane, data);
     if (plane.isRefused || plane.inTexture == slice.shades)
         return;
@@ -212,8 +211,6 @@ void SlicePlanes::drawLines(const SliceScene& scene, const QMatrix4x4& modelToVi
     lineProgram_->bind();
     lineProgram_->setUniformValue("modelToView", modelToView);
     lineProgram_->setUniformValue("viewToClip", viewToClip);
-    const auto part = [](int shift) { return static_cast<float>(model::kContourColour >> shift & 0xff) / 255.0f; };
-    const glm::vec3 contourColour(part(16), part(8), part(0));
     for (std::size_t i = 0; i < planes_.size(); ++i) {
         const Plane& plane = planes_[i];
         if (plane.isRefused)
@@ -221,8 +218,14 @@ void SlicePlanes::drawLines(const SliceScene& scene, const QMatrix4x4& modelToVi
         gl_.glBindVertexArray(plane.array);
         lineProgram_->setUniformValue("lineColour", lineColour(scene.slices[i].colour, 1.0f));
         gl_.glDrawArrays(GL_LINE_LOOP, kQuadPoints, plane.borderPoints);
-        lineProgram_->setUniformValue("lineColour", lineColour(contourColour, 1.0f));
-        gl_.glDrawArrays(GL_LINES, kQuadPoints + plane.borderPoints, plane.contourPoints);
+        int drawn = 0;
+        for (const auto& part : plane.contour ? plane.contour->parts : std::vector<model::SliceContour::Part>()) {
+            const glm::vec3 seen(part.colour[0], part.colour[1], part.colour[2]);
+            const int end = static_cast<int>(part.pointEnd);
+            lineProgram_->setUniformValue("lineColour", lineColour(seen / 255.0f, 1.0f));
+            gl_.glDrawArrays(GL_LINES, kQuadPoints + plane.borderPoints + drawn, end - drawn);
+            drawn = end;
+        }
     }
     drawCrosshair(scene);
     gl_.glBindVertexArray(0);

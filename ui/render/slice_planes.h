@@ -42,7 +42,7 @@ private:
         GLuint array = 0;
         GLuint buffer = 0;
         bool isRefused = false; ///< the card has no memory for it
-        int borderPoints = 0, contourPoints = 0;
+        int borderPoints = 0;
     };
 
     bool initialize();

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 
 #include "core/extract/surface_frame.h"
+#include "ui/model/pieces/piece_tints.h"
 #include "ui/model/surface/surface_list.h"
 
 namespace isoslider::render {
@@ -28,6 +29,7 @@ struct InactiveSurface {
     model::SurfaceId id{};
     std::shared_ptr<const extract::SurfaceFrame> frame; ///< not null
     SurfaceLook look;
+    model::HiddenPieces hiddenPieces; ///< of pieces that the frame has
 
     bool operator==(const InactiveSurface&) const = default;
 };

@@ -53,8 +53,10 @@ std::shared_ptr<const BrickPicture<Live>> separateCopy(const BrickPicture<Live>&
     auto arenas = std::make_shared<BrickArenas<Live>>();
     std::vector<PictureBrick> bricks;
     for (PictureBrick brick : picture.bricks()) {
-        if (brick.indexCount == 0)
+        if (brick.indexCount == 0) { // its slot stays: pieces are listed by slot
+            bricks.push_back({.place = brick.place, .version = brick.version});
             continue;
+        }
         ArenaRun vertices, indices;
         arenas->vertices.resize(vertices, brick.recordCount);
         arenas->indices.resize(indices, brick.indexCount);

@@ -21,10 +21,13 @@ class PieceTracker {
 public:
     /// `hasMissing`: of the volume. Throws std::bad_alloc; the pieces followed are forgotten then.
     std::shared_ptr<const SurfacePieces> update(const BrickPicture<Live>& picture, bool hasMissing);
-    /// Goes on from pieces of the same grid that another tracker has found, unless there are some already.
+    /// Goes on from these pieces of the same grid, of another tracker or an earlier surface, instead of from the last
+    /// ones. Null: no change.
     void follow(std::shared_ptr<const SurfacePieces> pieces) {
-        if (!last_)
-            last_ = std::move(pieces);
+        if (!pieces || pieces == last_)
+            return;
+        last_ = std::move(pieces);
+        bricks_.clear();
     }
     void forget() {
         last_.reset();

@@ -11,6 +11,7 @@
 #include <tbb/parallel_for.h>
 
 #include "core/extract/live/brick_picture.h"
+#include "core/extract/pieces/surface_pieces.h"
 
 namespace isoslider::extract {
 namespace {
@@ -82,7 +83,41 @@ bool passesThrough(const CutPlane& plane, const std::array<std::int32_t, 3>& ori
     return std::abs(glm::dot(plane.normal, middle) - plane.offset) <= reach * (1.0 + 1e-9);
 }
 
-std::vector<Found> cutBricks(const SurfaceFrame& frame, const CutPlane& plane, const JobControl& job) {
+/// By place among the pieces of a frame; empty: all are shown.
+using ShownPieces = std::vector<char>;
+
+ShownPieces shownPieces(const SurfaceFrame& frame, const std::function<bool(std::uint32_t)>& isShown) {
+    ShownPieces shown;
+    if (frame.pieces && isShown)
+        for (std::uint32_t piece = 0; piece < frame.pieces->pieces().size(); ++piece)
+            shown.push_back(isShown(piece) ? 1 : 0);
+    return shown;
+}
+
+/// Of the records of a brick.
+void listShown(const SurfacePieces& pieces, std::size_t slot, const ShownPieces& shown, std::vector<char>& records) {
+    const BrickParts* parts = pieces.parts(slot);
+    if (parts == nullptr)
+        return;
+    const auto piecesOf = pieces.piecesOf(slot);
+    for (const std::uint16_t part : parts->partOf)
+        records.push_back(part == BrickParts::kNone ? 0 : shown[piecesOf[part]]);
+}
+
+/// The triangles whose vertices are shown.
+template <class Index>
+std::span<const Index> keepShown(std::span<const Index> indices, const std::vector<char>& isShown,
+                                 std::vector<Index>& kept) {
+    kept.clear();
+    for (std::size_t i = 0; i + 2 < indices.size(); i += 3)
+        if (indices[i] < isShown.size() && isShown[indices[i]] != 0)
+            kept.insert(kept.end(), indices.begin() + static_cast<std::ptrdiff_t>(i),
+                        indices.begin() + static_cast<std::ptrdiff_t>(i + 3));
+    return kept;
+}
+
+std::vector<Found> cutBricks(const SurfaceFrame& frame, const CutPlane& plane, const JobControl& job,
+                             const ShownPieces& shown) {
     const auto bricks = frame.bricks->bricks();
     std::vector<std::size_t> met;
     for (std::size_t slot = 0; slot < bricks.size(); ++slot)
@@ -98,15 +133,29 @@ std::vector<Found> cutBricks(const SurfaceFrame& frame, const CutPlane& plane, c
         places.resize(brick.recordCount);
         for (std::size_t k = 0; k < places.size(); ++k)
             places[k] = vertexOf(records[k], brick.origin(), static_cast<float>(frame.isovalue)).position;
-        cutTriangles(std::span(frame.bricks->indices(brick), brick.indexCount), std::span<const glm::vec3>(places),
-                     plane, found[i]);
+        std::span<const std::uint16_t> indices(frame.bricks->indices(brick), brick.indexCount);
+        std::vector<char> isRecordShown;
+        std::vector<std::uint16_t> kept;
+        if (!shown.empty()) {
+            listShown(*frame.pieces, met[i], shown, isRecordShown);
+            indices = keepShown(indices, isRecordShown, kept);
+        }
+        cutTriangles(indices, std::span<const glm::vec3>(places), plane, found[i]);
     });
     return found;
 }
 
-std::vector<Found> cutArrays(const SurfaceFrame& frame, const CutPlane& plane, const JobControl& job) {
+std::vector<Found> cutArrays(const SurfaceFrame& frame, const CutPlane& plane, const JobControl& job,
+                             const ShownPieces& shown) {
     constexpr std::size_t kIndices = 3 * kTrianglesTogether;
-    const std::span<const std::uint32_t> indices(frame.indices);
+    std::span<const std::uint32_t> indices(frame.indices);
+    std::vector<std::uint32_t> kept;
+    if (!shown.empty()) { // the bricks came one after the other
+        std::vector<char> vertices;
+        for (std::size_t slot = 0; slot < frame.pieces->slotCount(); ++slot)
+            listShown(*frame.pieces, slot, shown, vertices);
+        indices = keepShown(indices, vertices, kept);
+    }
     std::vector<Found> found((indices.size() + kIndices - 1) / kIndices);
     tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
         if (!job.isStopRequested())
@@ -118,8 +167,10 @@ std::vector<Found> cutArrays(const SurfaceFrame& frame, const CutPlane& plane, c
 
 } // namespace
 
-Result<std::vector<glm::vec3>> cutSurface(const SurfaceFrame& frame, const CutPlane& plane, const JobControl& job) {
-    const auto parts = frame.bricks ? cutBricks(frame, plane, job) : cutArrays(frame, plane, job);
+Result<std::vector<glm::vec3>> cutSurface(const SurfaceFrame& frame, const CutPlane& plane, const JobControl& job,
+                                          const std::function<bool(std::uint32_t piece)>& isShown) {
+    const ShownPieces shown = shownPieces(frame, isShown);
+    const auto parts = frame.bricks ? cutBricks(frame, plane, job, shown) : cutArrays(frame, plane, job, shown);
     if (job.isStopRequested())
         return cancelledError();
     std::vector<glm::vec3> points;

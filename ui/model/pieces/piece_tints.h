@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/extract/pieces/surface_pieces.h"
@@ -28,17 +29,29 @@ struct PiecePlaces {
     bool operator==(const PiecePlaces&) const = default;
 };
 
-/// How the pieces of a surface are shown. Pieces are named by the number they keep while the surface slides.
-struct PieceOptions {
-    bool isColoured = false;
+/// Which pieces of one surface are not shown. Pieces are named by the number they keep while the surface slides.
+struct HiddenPieces {
     double leastSize = 0.0; ///< smaller ones are hidden, see sizeOf(); 0: none is
     std::uint32_t largest = 0; ///< so many are shown at most, those of most triangles; 0: all
     std::vector<extract::PieceId> hidden; ///< these, too
     std::optional<extract::PieceId> only; ///< all but this are hidden, as long as it is there
-    std::optional<extract::PieceId> selected; ///< stands out
     PiecePlaces awaited; ///< of a session: hidden or shown alone as soon as pieces are known
 
     bool hidesAny() const { return leastSize > 0.0 || largest > 0 || !hidden.empty() || only || !awaited.isEmpty(); }
+    bool operator==(const HiddenPieces&) const = default;
+};
+
+/// How the pieces of the active surface are shown.
+struct PieceOptions : HiddenPieces {
+    bool isColoured = false;
+    std::optional<extract::PieceId> selected; ///< stands out
+
+    PieceOptions() = default;
+    /// Of a surface that does not slide.
+    explicit PieceOptions(HiddenPieces pieces) : HiddenPieces(std::move(pieces)) {}
+
+    HiddenPieces& hiddenPieces() { return *this; }
+    const HiddenPieces& hiddenPieces() const { return *this; }
     bool isWanted() const { return isColoured || hidesAny() || selected; }
     bool operator==(const PieceOptions&) const = default;
 };

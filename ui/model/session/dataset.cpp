@@ -33,8 +33,7 @@ std::optional<SuggestedIsovalue> bestOfTopology(const Dataset& dataset) {
     const auto found = topology::suggestIsovalues(*topology.value());
     if (!found.isOk() || found.value().empty())
         return std::nullopt;
-    const auto suggested =
-        suggestedIsovalues(found.value(), std::nullopt, dataset.values->body.min, dataset.values->body.max);
+    const auto suggested = suggestedIsovalues(found.value(), std::nullopt, dataset.suggestedRange());
     return suggested.empty() ? std::nullopt : std::optional(suggested.front());
 }
 
@@ -45,7 +44,8 @@ void chooseFirst(LoadedDataset& loaded, std::optional<double> wanted) {
     if (wanted)
         loaded.first = {*wanted, {}};
     else
-        loaded.first = best.value_or(SuggestedIsovalue{firstIsovalue(*loaded.dataset.values), kHistogramReason});
+        loaded.first = best.value_or(SuggestedIsovalue{
+            suggestedAs(firstIsovalue(*loaded.dataset.values), loaded.dataset.suggestedRange()), kHistogramReason});
 }
 
 LoadedDataset fromEngine(Dataset dataset, std::unique_ptr<extract::SlideEngine> engine, const OpenRequest& request) {

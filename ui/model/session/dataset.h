@@ -52,6 +52,8 @@ struct Dataset {
     std::optional<VolumeStamp> stamp; ///< of the volume's files before they were read; none of samples and indexes
     std::optional<index::IndexInfo> index;
 
+    /// REQUIRES: values are there.
+    SuggestedRange suggestedRange() const { return {values->body.min, values->body.max, type}; }
     std::uint64_t sampleBytes() const;
     double bytesPerVoxel() const; ///< of the index; 0 without one
 };

@@ -5,14 +5,11 @@
 #include <cstdio>
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include "ui/model/path_text.h"
+#include "ui/model/session/saved_pieces.h"
 
 namespace isoslider::model {
 namespace {
-
-using Json = nlohmann::json;
 
 std::string colourText(const SurfaceColour& colour) {
     std::array<char, 8> text{};
@@ -74,6 +71,10 @@ std::optional<ListedSurface> surfaceFrom(const Json& json, const std::string& pl
         else
             report(", visible is neither true nor false and ignored");
     }
+    if (const Json* pieces = find("pieces")) {
+        Members members(*pieces, place + ", pieces", problems);
+        surface.hiddenPieces = hiddenPiecesFrom(members);
+    }
     return surface;
 }
 
@@ -90,6 +91,8 @@ Json surfacesJson(const SurfaceList& list) {
                        {"colour", colourText(surface.colour)},
                        {"opacity", surface.opacity},
                        {"visible", surface.isVisible}});
+        if (surface.id != list.active && surface.hiddenPieces.hidesAny())
+            addHiddenPieces(all.back()["pieces"], surface.hiddenPieces);
     }
     return {{"list", std::move(all)}, {"active", active}};
 }

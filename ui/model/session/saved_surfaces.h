@@ -9,8 +9,8 @@
 
 namespace isoslider::model {
 
-/// As a session file has them: {"list": [{"name", "isovalue", "colour": "#rrggbb", "opacity", "visible"}], "active":
-/// 0}.
+/// As a session file has them: {"list": [{"name", "isovalue", "colour": "#rrggbb", "opacity", "visible", "pieces"}],
+/// "active": 0}. "pieces": what is hidden, see saved_pieces.h; of the active one the view has it.
 nlohmann::json surfacesJson(const SurfaceList& list);
 
 /// What can be used of it, under ids from 1; each fault is named in a line of `problems`. Empty if nothing can: then

@@ -1,12 +1,10 @@
 #include "ui/model/session/saved_view.h"
 
 #include <array>
-#include <cmath>
-#include <cstdint>
-#include <optional>
 
 #include <glm/geometric.hpp>
 
+#include "ui/model/session/saved_pieces.h"
 #include "ui/model/session/session_members.h"
 
 namespace isoslider::model {
@@ -50,46 +48,6 @@ Json toJson(const Stage& stage) {
             {"stretch", arrayOf(stage.stretch, 3)}};
 }
 
-Json toJson(const PiecePlace& place) {
-    Json json = arrayOf(place.edgeStart, 3);
-    json.push_back(place.edgeAxis);
-    return json;
-}
-
-std::optional<PiecePlace> placeFrom(const Json& json) {
-    PiecePlace place;
-    if (!json.is_array() || json.size() != 4)
-        return std::nullopt;
-    for (std::size_t k = 0; k < 4; ++k) {
-        if (!Members::isWithin(json[k], 0, k < 3 ? kMaxDim - 1 : 2))
-            return std::nullopt;
-        (k < 3 ? place.edgeStart[k] : place.edgeAxis) = json[k].get<std::int32_t>();
-    }
-    return place;
-}
-
-PiecePlaces placesFrom(Members& members) {
-    PiecePlaces places;
-    if (const Json* hidden = members.find("hiddenPieces")) {
-        bool isGood = hidden->is_array() && hidden->size() <= kMostAwaited;
-        for (std::size_t k = 0; isGood && k < hidden->size(); ++k) {
-            const auto place = placeFrom((*hidden)[k]);
-            isGood = place.has_value();
-            places.hidden.push_back(place.value_or(PiecePlace()));
-        }
-        if (!isGood) {
-            members.reportOf("hiddenPieces", "is not a list of edges of the grid; no piece is hidden");
-            places.hidden.clear();
-        }
-    }
-    if (const Json* only = members.find("onlyPiece")) {
-        places.only = placeFrom(*only);
-        if (!places.only)
-            members.reportOf("onlyPiece", "is not an edge of the grid and is ignored");
-    }
-    return places;
-}
-
 Clipping clippingFrom(const Json& json, std::vector<std::string>& problems) {
     Members members(json, "view, clipping", problems);
     Clipping clipping;
@@ -127,18 +85,13 @@ Stage stageFrom(const Json& json, std::vector<std::string>& problems) {
 } // namespace
 
 Json viewJson(const ViewOptions& view) {
-    Json json{{"pieces", view.pieces.isColoured},     {"leastPieceSize", view.pieces.leastSize},
-              {"largestPieces", view.pieces.largest}, {"clipping", toJson(view.clipping)},
-              {"stage", toJson(view.stage)},          {"measured", Json::array()}};
+    Json json{{"pieces", view.pieces.isColoured},
+              {"clipping", toJson(view.clipping)},
+              {"stage", toJson(view.stage)},
+              {"measured", Json::array()}};
     for (const auto& [name, member] : kOptionNames)
         json[name] = view.*member;
-    const PiecePlaces& places = view.pieces.awaited;
-    if (!places.hidden.empty())
-        json["hiddenPieces"] = Json::array();
-    for (const PiecePlace& place : places.hidden)
-        json["hiddenPieces"].push_back(toJson(place));
-    if (places.only)
-        json["onlyPiece"] = toJson(*places.only);
+    addHiddenPieces(json, view.pieces);
     for (const glm::dvec3& place : view.measured)
         json["measured"].push_back({place.x, place.y, place.z});
     return json;
@@ -149,17 +102,8 @@ ViewOptions viewFromJson(const Json& json, std::vector<std::string>& problems) {
     ViewOptions view;
     for (const auto& [name, member] : kOptionNames)
         members.flag(name, view.*member);
-    PieceOptions& pieces = view.pieces;
-    members.flag("pieces", pieces.isColoured);
-    if (members.number("leastPieceSize", pieces.leastSize) &&
-        !(std::isfinite(pieces.leastSize) && pieces.leastSize >= 0.0)) {
-        members.reportOf("leastPieceSize", "cannot be used; no piece is hidden");
-        pieces.leastSize = 0.0;
-    }
-    int largest = 0;
-    if (members.integer("largestPieces", largest, 0, kMostLargestPieces))
-        pieces.largest = static_cast<std::uint32_t>(largest);
-    pieces.awaited = placesFrom(members);
+    members.flag("pieces", view.pieces.isColoured);
+    view.pieces.hiddenPieces() = hiddenPiecesFrom(members);
     if (const Json* clipping = members.find("clipping"))
         view.clipping = clippingFrom(*clipping, problems);
     if (const Json* stage = members.find("stage"))

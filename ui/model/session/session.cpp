@@ -271,7 +271,7 @@ std::vector<SuggestedIsovalue> Session::suggestions() const {
     if (!dataset_)
         return {};
     return suggestedIsovalues(topology_.suggestions(), model::firstIsovalue(*dataset_->values),
-                              dataset_->values->body.min, dataset_->values->body.max);
+                              dataset_->suggestedRange());
 }
 
 void Session::improveFirstIsovalue() {

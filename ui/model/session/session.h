@@ -110,6 +110,8 @@ public:
     const SurfacesModel& surfaces() const { return surfaces_; }
     /// What to draw of a surface, of the active one as well: null while nothing of it is known.
     std::shared_ptr<const extract::SurfaceFrame> pictureOf(SurfaceId id) const;
+    /// The last that are known of a surface; null for none.
+    std::shared_ptr<const extract::SurfacePieces> piecesOf(SurfaceId id) const;
     /// Another one becomes active, at an isovalue apart from the others.
     void addSurface();
     /// What the volume was opened with, until the handle moves.

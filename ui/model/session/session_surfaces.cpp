@@ -12,13 +12,18 @@ std::shared_ptr<const extract::SurfaceFrame> Session::pictureOf(SurfaceId id) co
     return isFrameOfActive_ ? frame_ : standIn_;
 }
 
+std::shared_ptr<const extract::SurfacePieces> Session::piecesOf(SurfaceId id) const {
+    const auto picture = pictureOf(id);
+    return picture && picture->pieces ? picture->pieces : inactive_->piecesOf(id);
+}
+
 void Session::addSurface() {
     if (!dataset_)
         return;
     const auto all = suggestions();
-    const Histogram& body = dataset_->values->body;
-    surfaces_.add(
-        std::clamp(isovalueForAnother(surfaces_.list(), all, body.min, body.max), isovalue_.min(), isovalue_.max()));
+    const SuggestedRange range = dataset_->suggestedRange();
+    const double isovalue = isovalueForAnother(surfaces_.list(), all, range.min, range.max);
+    surfaces_.add(std::clamp(suggestedAs(isovalue, range), isovalue_.min(), isovalue_.max()));
 }
 
 void Session::followSurfaces() {
@@ -46,10 +51,11 @@ void Session::changeActive(SurfaceId before, const ListedSurface& active) {
     if (isFrameOfActive_ && frame_)
         inactive_->keep(before, frame_);
     standIn_ = inactive_->find(active.id);
-    isFrameOfActive_ = frame_ && frame_->isovalue == active.isovalue && !isovalue_.isLagging();
+    const auto pieces = inactive_->piecesOf(active.id);
+    isFrameOfActive_ = frame_ && frame_->isovalue == active.isovalue && !isovalue_.isLagging() && !pieces;
     failedIsovalue_.reset();
     if (!isFrameOfActive_)
-        generation_ = worker_->beginAgain(active.isovalue);
+        generation_ = worker_->beginAgain(active.isovalue, pieces);
 }
 
 extract::MergeBound Session::boundAtRest() const {

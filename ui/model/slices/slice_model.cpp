@@ -53,10 +53,9 @@ extract::SlicePlane onPreview(SliceKind kind, extract::SlicePlane plane, const G
 SliceModel::SliceModel(Session& session)
     : session_(session), jobs_(std::make_shared<BackgroundJobs>(session.services().postToMain)) {
     datasetSubscription_ = session_.datasetChanged().observe([this] { followDataset(); });
-    frameSubscription_ = session_.frameChanged().observe([this] {
-        ++frame_;
-        refresh();
-    });
+    frameSubscription_ = session_.frameChanged().observe([this] { noteSurfaces(); });
+    surfacesSubscription_ = session_.surfaces().observe([this] { noteSurfaces(); });
+    inactiveSubscription_ = session_.inactiveChanged().observe([this] { noteSurfaces(); });
     followDataset();
 }
 
@@ -303,8 +302,66 @@ void SliceModel::sampleNext() {
 bool SliceModel::needsContour(SliceKind kind) const {
     const Slice& slice = slices_[placeOf(kind)];
     return dataset() != nullptr && session_.frame() != nullptr && options_.showsContour && isShown(kind) &&
-           (slice.contourFrame != frame_ || slice.contourPlane != planeOf(kind));
+           (slice.contourSurfaces != surfaces_ || slice.contourPlane != planeOf(kind));
 }
+
+std::vector<SliceModel::CutSurface> SliceModel::shownSurfaces() const {
+    const SurfaceList& list = session_.surfaces().list();
+    std::vector<CutSurface> shown;
+    const auto add = [&](const ListedSurface& surface) {
+        if (auto frame = session_.pictureOf(surface.id); frame && surface.isVisible)
+            shown.push_back({std::move(frame), surface.hiddenPieces, surface.colour});
+    };
+    for (const ListedSurface& surface : list.surfaces)
+        if (surface.id != list.active)
+            add(surface);
+    if (const ListedSurface* active = list.find(list.active))
+        add(*active);
+    if (list.surfaces.size() == 1 && !shown.empty())
+        shown.front().colour = {kContourColour >> 16 & 0xff, kContourColour >> 8 & 0xff, kContourColour & 0xff};
+    return shown;
+}
+
+void SliceModel::noteSurfaces() {
+    auto shown = shownSurfaces(); // these keep their frames, so that no other one has the address
+    const bool isSame =
+        std::equal(shown.begin(), shown.end(), cut_.begin(), cut_.end(), [](const CutSurface& a, const CutSurface& b) {
+            return a.frame == b.frame && a.hidden == b.hidden && a.colour == b.colour;
+        });
+    if (!isSame) {
+        ++surfaces_;
+        cut_ = std::move(shown);
+    }
+    refresh();
+}
+
+namespace {
+
+/// Of all surfaces, one after the other.
+Result<std::shared_ptr<const SliceContour>> contourOf(const auto& surfaces, const extract::SlicePlane& plane,
+                                                      const GridGeometry& volume, const JobControl& job) {
+    auto contour = std::make_shared<SliceContour>();
+    for (const auto& surface : surfaces) {
+        const extract::SurfaceFrame& frame = *surface.frame;
+        std::function<bool(std::uint32_t)> isShown;
+        const PieceOptions pieces(surface.hidden);
+        std::optional<PieceDisplay> display;
+        if (frame.pieces && pieces.hidesAny()) {
+            display.emplace(*frame.pieces, frame.geometry, pieces);
+            isShown = [&display](std::uint32_t piece) { return display->isShown(piece); };
+        }
+        auto points = extract::cutSurface(frame, cutPlaneOf(plane, volume, frame.geometry), job, isShown);
+        if (!points.isOk())
+            return std::move(points).error();
+        const glm::vec3 step(frame.geometry.spacing / volume.spacing);
+        for (const glm::vec3& point : points.value())
+            contour->points.push_back(point * step);
+        contour->parts.push_back({contour->points.size(), surface.colour});
+    }
+    return std::shared_ptr<const SliceContour>(std::move(contour));
+}
+
+} // namespace
 
 void SliceModel::cutNext() {
     if (isCutting_)
@@ -319,22 +376,16 @@ void SliceModel::cutNext() {
         using Contour = std::shared_ptr<const SliceContour>;
         jobs_->runner().run<Contour>(
             "Contour",
-            [frame = session_.frame(), plane, volume = dataset()->geometry](const JobControl& job) -> Result<Contour> {
-                auto points = extract::cutSurface(*frame, cutPlaneOf(plane, volume, frame->geometry), job);
-                if (!points.isOk())
-                    return points.error();
-                const glm::vec3 step(frame->geometry.spacing / volume.spacing);
-                for (glm::vec3& point : points.value())
-                    point *= step;
-                return std::make_shared<const SliceContour>(SliceContour{std::move(points).value()});
+            [surfaces = cut_, plane, volume = dataset()->geometry](const JobControl& job) -> Result<Contour> {
+                return contourOf(surfaces, plane, volume, job);
             },
-            [this, kind, plane, dataset = dataset_, frame = frame_](Result<Contour> contour) {
+            [this, kind, plane, dataset = dataset_, surfaces = surfaces_](Result<Contour> contour) {
                 isCutting_ = false;
                 if (dataset == dataset_) {
                     Slice& slice = slices_[placeOf(kind)];
                     slice.contour = contour.isOk() ? std::move(contour).value() : nullptr;
                     slice.contourPlane = plane;
-                    slice.contourFrame = frame;
+                    slice.contourSurfaces = surfaces;
                     pictures_.notify();
                 }
                 refresh();

@@ -14,14 +14,21 @@
 #include "ui/model/slices/slice_geometry.h"
 #include "ui/model/slices/slice_options.h"
 #include "ui/model/slices/slice_picture.h"
+#include "ui/model/surface/surface_list.h"
 
 namespace isoslider::model {
 
 class Session;
 
-/// Where the surface on screen crosses a slice: two points for each line.
+/// Where the surfaces on screen cross a slice: two points for each line.
 struct SliceContour {
-    std::vector<glm::vec3> points; ///< grid index units of the volume
+    struct Part {
+        std::size_t pointEnd = 0; ///< one past its last point
+        SurfaceColour colour{}; ///< as seen; of a volume's only surface that of the handle
+        bool operator==(const Part&) const = default;
+    };
+    std::vector<glm::vec3> points; ///< grid index units of the volume, part after part
+    std::vector<Part> parts; ///< the active surface's last
 };
 
 /// What a pointer is over.
@@ -102,7 +109,7 @@ private:
         ValueWindow shadesWindow;
         std::shared_ptr<const SliceContour> contour;
         extract::SlicePlane contourPlane;
-        std::uint64_t contourFrame = 0;
+        std::uint64_t contourSurfaces = 0;
     };
 
     void followDataset();
@@ -114,6 +121,14 @@ private:
     bool needsSamples(SliceKind kind) const;
     bool needsContour(SliceKind kind) const;
     void setProblem(std::string problem);
+    /// A surface that is cut.
+    struct CutSurface {
+        std::shared_ptr<const extract::SurfaceFrame> frame;
+        HiddenPieces hidden;
+        SurfaceColour colour{};
+    };
+    std::vector<CutSurface> shownSurfaces() const;
+    void noteSurfaces();
 
     Session& session_;
     SliceOptions options_;
@@ -121,7 +136,8 @@ private:
     DatasetGeneration dataset_{};
     std::optional<Source> source_;
     std::shared_ptr<extract::SliceSampler> sampler_;
-    std::uint64_t frame_ = 0; ///< counts frames: two may have one address
+    std::uint64_t surfaces_ = 1; ///< counts changes of what is cut
+    std::vector<CutSurface> cut_; ///< what it is
     bool isOpening_ = false, isSampling_ = false, isCutting_ = false;
     std::size_t lastSampled_ = 0, lastCut_ = 0; ///< kinds take turns
     std::string problem_; ///< of all
@@ -129,6 +145,8 @@ private:
     ObserverList<> pictures_;
     Subscription datasetSubscription_;
     Subscription frameSubscription_;
+    Subscription surfacesSubscription_;
+    Subscription inactiveSubscription_;
     std::shared_ptr<BackgroundJobs> jobs_; // last: nothing is reported once it is gone
 };
 

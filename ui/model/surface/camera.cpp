@@ -52,9 +52,10 @@ CameraPose poseBetween(const CameraPose& from, const CameraPose& to, double part
     return pose;
 }
 
-void Camera::reset(double sceneRadius) {
+void Camera::reset(double sceneRadius, bool isPatient) {
     sceneRadius_ = std::isfinite(sceneRadius) && sceneRadius > 0.0 ? sceneRadius : 1.0;
-    orientation_ = lookFrom({-0.55, -1.0, 0.45}, {0.0, 0.0, 1.0});
+    orientation_ =
+        isPatient ? standardOrientation(StandardView::Front) : lookFrom({-0.55, -1.0, 0.45}, {0.0, 0.0, 1.0});
     fit();
 }
 

@@ -20,6 +20,8 @@ struct CameraPose {
     double distance = 1.0; ///< from the target to the eye
     bool isPerspective = true;
     glm::dvec3 pivot{0.0}; ///< what orbit() turns about
+
+    bool operator==(const CameraPose&) const = default;
 };
 
 /// On the way from one pose to another, `part` from 0 to 1; the distance changes by equal factors in equal parts.
@@ -33,8 +35,8 @@ CameraPose poseBetween(const CameraPose& from, const CameraPose& to, double part
 /// from the world into it.
 class Camera {
 public:
-    /// Shows a scene of this radius whole, from the default direction.
-    void reset(double sceneRadius);
+    /// Shows a scene of this radius whole: a patient from the front, head up, anything else from above and the side.
+    void reset(double sceneRadius, bool isPatient = false);
     /// Whole scene, direction kept; turns about its middle from now on.
     void fit();
     /// World space is shown through this map, with a bounding sphere of that radius. What was in the middle stays

@@ -21,6 +21,8 @@ InactiveSurfaces::Frame separateFrame(const extract::SurfaceFrame& frame) {
     separate->positions = frame.positions;
     separate->normals = frame.normals;
     separate->indices = frame.indices;
+    separate->findsPieces = frame.findsPieces;
+    separate->pieces = frame.pieces;
     separate->mergeBound = frame.mergeBound;
     separate->canMerge = frame.canMerge;
     separate->stats = frame.stats;
@@ -29,13 +31,23 @@ InactiveSurfaces::Frame separateFrame(const extract::SurfaceFrame& frame) {
     return separate;
 }
 
-Result<InactiveSurfaces::Frame> makeFrame(const InactiveSurfaces::Making& how, double isovalue, const JobControl& job) {
+struct WantedPieces {
+    bool areWanted = false;
+    InactiveSurfaces::Pieces before; ///< whose numbers are kept
+    GridGeometry geometry; ///< of those
+};
+
+Result<InactiveSurfaces::Frame> makeFrame(const InactiveSurfaces::Making& how, double isovalue,
+                                          const WantedPieces& wanted, const JobControl& job) {
     auto source = how.openSource(job);
     if (!source.isOk())
         return std::move(source).error();
     auto frame = std::make_shared<extract::SurfaceFrame>();
     frame->marksChanges = false;
     frame->mergeBound = how.bound;
+    frame->findsPieces = wanted.areWanted;
+    frame->pieces = wanted.before;
+    frame->geometry = wanted.geometry;
     ISO_TRY(source.value()->moveTo(isovalue, job, *frame));
     fitPicture(*frame, how.pictureLimit);
     return InactiveSurfaces::Frame(std::move(frame));
@@ -79,9 +91,24 @@ void InactiveSurfaces::clear() {
     how_.reset();
     list_ = {};
     held_.clear();
+    pieces_.clear();
 }
 
-void InactiveSurfaces::keep(SurfaceId id, Frame frame) { held_[id] = Held{std::move(frame), false, 0, {}}; }
+void InactiveSurfaces::keep(SurfaceId id, Frame frame) {
+    keepPieces(id, *frame);
+    held_[id] = Held{std::move(frame), false, 0, {}};
+}
+
+void InactiveSurfaces::keepPieces(SurfaceId id, const extract::SurfaceFrame& frame) {
+    if (frame.pieces)
+        pieces_[id] = {frame.pieces, frame.geometry};
+}
+
+InactiveSurfaces::Pieces InactiveSurfaces::piecesOf(SurfaceId id) const {
+    const auto found = pieces_.find(id);
+    const bool isOfThisGrid = found != pieces_.end() && (!how_ || found->second.geometry == how_->geometry);
+    return isOfThisGrid ? found->second.pieces : nullptr;
+}
 
 InactiveSurfaces::Frame InactiveSurfaces::find(SurfaceId id) const {
     const auto found = held_.find(id);
@@ -97,6 +124,8 @@ bool InactiveSurfaces::isThere(const ListedSurface& surface) const {
     if (found == held_.end())
         return false;
     const Held& held = found->second;
+    if (held.frame && surface.hiddenPieces.hidesAny() && !held.frame->findsPieces)
+        return false;
     return held.failedAt == surface.isovalue || (held.frame && held.frame->isovalue == surface.isovalue &&
                                                  (held.madeBy == making_ || how_->isAsGood(*held.frame)));
 }
@@ -121,7 +150,8 @@ void InactiveSurfaces::work() {
     }
     if (job_) {
         const ListedSurface* surface = list_.find(job_->surface);
-        if (surface == nullptr || !isWanted(*surface) || surface->isovalue != job_->isovalue)
+        if (surface == nullptr || !isWanted(*surface) || surface->isovalue != job_->isovalue ||
+            (surface->hiddenPieces.hidesAny() && !job_->findsPieces))
             runner_.cancel(job_->id);
         return;
     }
@@ -152,16 +182,21 @@ void InactiveSurfaces::copy(SurfaceId id) {
 }
 
 void InactiveSurfaces::make(const ListedSurface& surface) {
+    WantedPieces wanted{surface.hiddenPieces.hidesAny(), nullptr, {}};
+    if (const auto known = pieces_.find(surface.id); known != pieces_.end() && wanted.areWanted) {
+        wanted.before = known->second.pieces;
+        wanted.geometry = known->second.geometry;
+    }
     const JobId id = runner_.run<Frame>(
         "Extract surface at " + valueText(surface.isovalue, 7),
-        [how = *how_, isovalue = surface.isovalue](const JobControl& job) -> Result<Frame> {
-            return guarded(kMakingErrors, [&] { return makeFrame(how, isovalue, job); });
+        [how = *how_, isovalue = surface.isovalue, wanted](const JobControl& job) -> Result<Frame> {
+            return guarded(kMakingErrors, [&] { return makeFrame(how, isovalue, wanted, job); });
         },
         [this, ticket = ticket_](Result<Frame> frame) {
             if (ticket == ticket_)
                 onMade(std::move(frame));
         });
-    job_ = Job{id, surface.id, surface.isovalue, making_};
+    job_ = Job{id, surface.id, surface.isovalue, making_, wanted.areWanted};
 }
 
 void InactiveSurfaces::onMade(Result<Frame> frame) {
@@ -169,6 +204,7 @@ void InactiveSurfaces::onMade(Result<Frame> frame) {
     const ListedSurface* surface = list_.find(job.surface);
     if (surface != nullptr && surface->id != list_.active && surface->isovalue == job.isovalue) {
         if (frame.isOk()) {
+            keepPieces(job.surface, *frame.value());
             held_[job.surface] = Held{std::move(frame).value(), true, job.making, {}};
             changed_.notify();
         } else if (!frame.isCancelled()) {

@@ -53,6 +53,10 @@ public:
     void clear();
     /// The last picture of a surface that slid so far.
     void keep(SurfaceId id, Frame frame);
+    using Pieces = std::shared_ptr<const extract::SurfacePieces>;
+    /// The last that are known of a surface, removed ones included: their numbers are kept from picture to picture.
+    /// Null for none.
+    Pieces piecesOf(SurfaceId id) const;
     /// Makes what is missing, forgets what is not listed any more.
     void follow(const SurfaceList& list);
 
@@ -73,10 +77,12 @@ private:
         SurfaceId surface;
         double isovalue;
         std::uint64_t making;
+        bool findsPieces;
     };
 
     bool isWanted(const ListedSurface& surface) const;
     bool isThere(const ListedSurface& surface) const;
+    void keepPieces(SurfaceId id, const extract::SurfaceFrame& frame);
     void work();
     void copy(SurfaceId id);
     void make(const ListedSurface& surface);
@@ -88,6 +94,11 @@ private:
     std::uint64_t making_ = 0; ///< number of how_
     SurfaceList list_;
     std::map<SurfaceId, Held> held_;
+    struct KnownPieces {
+        Pieces pieces;
+        GridGeometry geometry;
+    };
+    std::map<SurfaceId, KnownPieces> pieces_; ///< outlives held_: a surface that was removed may come back
     std::optional<Job> job_;
     std::uint64_t ticket_ = 0; ///< results of jobs begun before are not wanted
     ObserverList<> changed_;

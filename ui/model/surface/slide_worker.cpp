@@ -40,6 +40,7 @@ SourceGeneration SlideWorker::setSource(std::shared_ptr<SurfaceSource> source, D
         generation = generation_ = SourceGeneration{static_cast<std::uint64_t>(generation_) + 1};
         dataset_ = dataset;
         mailbox_ = isovalue;
+        newPieces_.reset();
     }
     wake_.notify_all();
     return generation;
@@ -60,10 +61,11 @@ void SlideWorker::cancelMove() {
     mailbox_.reset();
 }
 
-SourceGeneration SlideWorker::beginAgain(double isovalue) {
+SourceGeneration SlideWorker::beginAgain(double isovalue, std::shared_ptr<const extract::SurfacePieces> pieces) {
     SourceGeneration generation{};
     {
         const std::lock_guard lock(mutex_);
+        newPieces_ = std::move(pieces);
         generation = generation_ = SourceGeneration{static_cast<std::uint64_t>(generation_) + 1};
         mailbox_ = isovalue;
     }
@@ -116,10 +118,12 @@ bool SlideWorker::waitForWork(std::stop_token stop, Work& work) {
     work.dataset = dataset_;
     work.stop = moveStop_.get_token();
     work.mergeBound = mergeBound_;
-    if (mailbox_ && source_)
+    if (mailbox_ && source_) {
         work.isovalue = std::exchange(mailbox_, std::nullopt);
-    else
+        work.pieces = std::exchange(newPieces_, nullptr);
+    } else {
         work.order = std::move(order_);
+    }
     return !stop.stop_requested();
 }
 
@@ -135,6 +139,8 @@ void SlideWorker::move(const Work& work) {
     auto frame = pool_.take();
     frame->marksChanges = marksChanges_;
     frame->findsPieces = findsPieces_;
+    if (work.pieces)
+        pieces_ = work.pieces;
     frame->pieces = frame->findsPieces && piecesOf_ == work.dataset ? pieces_ : nullptr;
     frame->geometry = piecesGeometry_;
     frame->mergeBound = work.mergeBound;

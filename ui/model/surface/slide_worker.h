@@ -48,8 +48,8 @@ public:
     /// anew.
     void cancelMove();
     /// As request(), for another surface of the same source: frames of moves that have begun are of an earlier
-    /// generation.
-    SourceGeneration beginAgain(double isovalue);
+    /// generation. `pieces`: of a picture of that surface, whose numbers are kept; null for none.
+    SourceGeneration beginAgain(double isovalue, std::shared_ptr<const extract::SurfacePieces> pieces);
     /// Frames from the next move on take at most `bytes`, see fitPicture; meshes are whole all the same.
     void limitPicture(std::uint64_t bytes) { pictureLimit_ = bytes; }
     /// Whether frames from the next move on state what that move has changed.
@@ -92,6 +92,7 @@ private:
         extract::MergeBound mergeBound;
         std::unique_ptr<MeshOrder> order;
         std::stop_token stop;
+        std::shared_ptr<const extract::SurfacePieces> pieces;
         std::vector<std::shared_ptr<SurfaceSource>> retired;
     };
 
@@ -115,6 +116,7 @@ private:
     std::shared_ptr<const extract::SurfacePieces> pieces_; ///< of the last frame; these three of the worker's thread
     GridGeometry piecesGeometry_;
     DatasetGeneration piecesOf_{};
+    std::shared_ptr<const extract::SurfacePieces> newPieces_; ///< to go on from at the next move
     SourceGeneration moved_{}; ///< whose last move succeeded; of the worker's thread
     std::optional<double> mailbox_;
     bool isHeld_ = false;

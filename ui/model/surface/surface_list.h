@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ui/model/observers.h"
+#include "ui/model/pieces/piece_tints.h"
 #include "ui/model/topology/suggested_isovalue.h"
 
 namespace isoslider::model {
@@ -48,6 +49,7 @@ struct ListedSurface {
     SurfaceColour colour = kSurfaceColours[0].colour;
     double opacity = 1.0; ///< kLeastOpacity to 1
     bool isVisible = true;
+    HiddenPieces hiddenPieces;
 
     bool operator==(const ListedSurface&) const = default;
 };

@@ -13,7 +13,7 @@ namespace isoslider::model {
 struct ViewOptions {
     bool showsChanged = false; ///< red highlight on what the last move retriangulated: a diagnostic
     bool showsLevels = false; ///< merged cells by their size
-    PieceOptions pieces;
+    PieceOptions pieces; ///< of the active surface; what it hides is in the list of surfaces, too
     bool showsBox = true;
     bool showsAxes = true;
     bool showsEdges = false; ///< the triangles' edges

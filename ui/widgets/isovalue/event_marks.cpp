@@ -13,6 +13,9 @@ constexpr double kColumnPixels = 3.0;
 constexpr double kGlyphRadius = 4.0;
 constexpr double kChosenRadius = 5.5;
 constexpr double kHitPixels = 5.0;
+// Between two marks, by the weaker one: a hundred of the same kind would be a hedge before the histogram.
+constexpr double kStrongApart = 10.0, kWeakApart = 30.0;
+constexpr int kStemAlpha = 150;
 constexpr double kLowest = 9.0; // pixels from the axis to the middle of a symbol
 constexpr double kTallest = 0.4; // of the height of the plot: the rest is the handle's alone
 
@@ -105,7 +108,25 @@ const std::vector<EventMarks::Drawn>& EventMarks::drawn() const {
             drawn_.back() = one;
         column = own;
     }
+    thinOut();
     return drawn_;
+}
+
+// The strongest first, each where it is far enough from those that are there. At most some hundreds: one a column.
+void EventMarks::thinOut() const {
+    std::vector<Drawn> order = drawn_;
+    const auto isChosen = [this](const Drawn& one) { return chosen_ == marks_[one.mark].event; };
+    std::stable_sort(order.begin(), order.end(), [&](const Drawn& a, const Drawn& b) {
+        return isChosen(a) != isChosen(b) ? isChosen(a) : shareOf(a) > shareOf(b);
+    });
+    drawn_.clear();
+    for (const Drawn& one : order) {
+        const double apart = std::lerp(kWeakApart, kStrongApart, std::sqrt(shareOf(one)));
+        if (std::none_of(drawn_.begin(), drawn_.end(),
+                         [&](const Drawn& other) { return std::abs(other.pixel - one.pixel) < apart; }))
+            drawn_.push_back(one);
+    }
+    std::sort(drawn_.begin(), drawn_.end(), [](const Drawn& a, const Drawn& b) { return a.pixel < b.pixel; });
 }
 
 const EventMark* EventMarks::markNear(double pixel, double reach) const {
@@ -161,7 +182,9 @@ void EventMarks::draw(QCPPainter* painter) {
     std::sort(order.begin(), order.end(), [&](const Drawn* a, const Drawn* b) { return rank(a) > rank(b); });
     for (auto at = order.rbegin(); at != order.rend(); ++at) {
         const EventMark& mark = marks_[(*at)->mark];
-        painter->setPen(QPen(eventColour(mark.kind, palette), chosen_ == mark.event ? 2.2 : 1.2));
+        QColor stem = eventColour(mark.kind, palette);
+        stem.setAlpha(chosen_ == mark.event ? 255 : kStemAlpha);
+        painter->setPen(QPen(stem, chosen_ == mark.event ? 2.2 : 1.2));
         painter->drawLine(QPointF((*at)->pixel, (*at)->top), QPointF((*at)->pixel, drawnRect_.bottom()));
     }
     std::vector<QPointF> taken;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -25,8 +26,8 @@ void drawEventGlyph(QPainter& painter, model::EventClass kind, QPointF centre, d
 QPixmap eventGlyph(model::EventClass kind, int size, qreal devicePixelRatio, const QPalette& palette);
 
 /// Marks that stand on the isovalue axis: height by persistence, shape and colour by what happens. Where they crowd,
-/// the most persistent one of each few pixels is drawn. O(marks) when marks, range or palette change; what is drawn
-/// is kept until then.
+/// the most persistent ones are drawn, the others once there is room: zoomed in. O(marks) when marks, range or palette
+/// change; what is drawn is kept until then.
 class EventMarks : public QCPLayerable {
     Q_OBJECT
 public:
@@ -61,6 +62,8 @@ private:
     };
     /// What is drawn, left to right, at the present range and size.
     const std::vector<Drawn>& drawn() const;
+    void thinOut() const;
+    double shareOf(const Drawn& one) const { return std::clamp(marks_[one.mark].share, 0.0, 1.0); }
 
     std::vector<EventMark> marks_;
     std::optional<std::size_t> chosen_;

@@ -23,7 +23,6 @@ const QColor kGround(22, 24, 28);
 const QColor kWords(226, 230, 236);
 const QColor kQuietWords(168, 176, 188);
 const QColor kPreview(255, 214, 138); // as over the 3-D view
-const QColor kContour = QColor::fromRgb(model::kContourColour);
 const QColor kContourShadow(12, 10, 8, 190);
 
 QString text(const std::string& words) { return QString::fromStdString(words); }
@@ -213,17 +212,21 @@ void SlicePane::paintContourOf(const Mapping& map) {
         return origin + ways[0] * static_cast<double>(p.x) + ways[1] * static_cast<double>(p.y) +
                ways[2] * static_cast<double>(p.z);
     };
-    std::vector<QLineF> lines;
     const QRectF seen = QRectF(slice_.rect()).adjusted(-4, -4, 4, 4);
-    for (std::size_t i = 0; i + 1 < contour->points.size(); i += 2) {
-        const QLineF line(at(contour->points[i]), at(contour->points[i + 1]));
-        if (QRectF(line.p1(), line.p2()).normalized().adjusted(0, 0, 1, 1).intersects(seen))
-            lines.push_back(line);
+    std::size_t i = 0;
+    for (const model::SliceContour::Part& part : contour->parts) {
+        std::vector<QLineF> lines;
+        for (; i + 1 < part.pointEnd; i += 2) {
+            const QLineF line(at(contour->points[i]), at(contour->points[i + 1]));
+            if (QRectF(line.p1(), line.p2()).normalized().adjusted(0, 0, 1, 1).intersects(seen))
+                lines.push_back(line);
+        }
+        // Among very many lines a shadow only darkens the picture.
+        constexpr std::size_t kMostWithShadow = 20'000;
+        const bool hasShadow = lines.size() <= kMostWithShadow;
+        const QColor colour(part.colour[0], part.colour[1], part.colour[2]);
+        widgets::paintContour(slice_, lines, {1.5 * ratio, (hasShadow ? 3.6 : 1.5) * ratio, colour, kContourShadow});
     }
-    // Among very many lines a shadow only darkens the picture.
-    constexpr std::size_t kMostWithShadow = 20'000;
-    const bool hasShadow = lines.size() <= kMostWithShadow;
-    widgets::paintContour(slice_, lines, {1.5 * ratio, (hasShadow ? 3.6 : 1.5) * ratio, kContour, kContourShadow});
 }
 
 void SlicePane::paintCrosshair(QPainter& painter, const Mapping& map) const {

@@ -1,6 +1,7 @@
 #include "ui/widgets/viewport/clip_handles.h"
 
 #include <algorithm>
+#include <array>
 
 #include <QFontMetricsF>
 #include <QLineF>
@@ -17,6 +18,7 @@ namespace {
 constexpr double kReach = 12.0; // of the pointer
 constexpr double kRadius = 5.0, kLarge = 7.0;
 constexpr double kNormalShare = 0.3; // of the scene's radius
+constexpr int kOutlineAlpha = 110;
 constexpr double kPadding = 5.0, kGap = 12.0; // of the text
 const QColor kCropInk(250, 168, 76), kPlaneInk(115, 204, 250);
 const QColor kShadow(20, 22, 26, 190);
@@ -122,6 +124,7 @@ std::optional<ClipHandle> ClipHandles::handleAt(QPointF point) const {
 void ClipHandles::paintEvent(QPaintEvent*) {
     QPainter painter(this);
     painter.setRenderHint(QPainter::Antialiasing);
+    paintBox(painter);
     const auto middle = pointOf(planeMiddle_);
     const auto tip = pointOf(planeMiddle_ + normalLength() * clipping_.plane.normal);
     if (volume_ && clipping_.plane.isOn && middle && tip)
@@ -132,6 +135,38 @@ void ClipHandles::paintEvent(QPaintEvent*) {
     for (const ClipHandle& handle : handles_)
         if (const auto point = pointOf(handle))
             paintHandle(painter, handle, *point);
+}
+
+void ClipHandles::paintBox(QPainter& painter) const {
+    if (!volume_ || !clipping_.isCropped)
+        return;
+    const model::CropBox box = model::cropWithin(clipping_.crop, volume_->dims);
+    const auto corner = [&](const std::array<bool, 3>& isHigh) {
+        glm::dvec3 place(0.0);
+        for (std::size_t a = 0; a < 3; ++a)
+            place[static_cast<int>(a)] = static_cast<double>(isHigh[a] ? box.high[a] : box.low[a]);
+        return pointOf(model::centredWorldOf(place, *volume_, *volume_));
+    };
+    QColor faint = kCropInk;
+    faint.setAlpha(kOutlineAlpha);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (int side = 0; side < 4; ++side) {
+            std::array<bool, 3> isHigh{};
+            const std::size_t first = (axis + 1) % 3, second = (axis + 2) % 3;
+            isHigh[first] = (side & 1) != 0;
+            isHigh[second] = (side & 2) != 0;
+            const auto from = corner(isHigh);
+            isHigh[axis] = true;
+            const auto to = corner(isHigh);
+            if (!from || !to)
+                continue;
+            // That of the face whose handle is held stands out.
+            const bool isOfFace = highlighted_ && highlighted_->kind == ClipHandle::Kind::Face &&
+                                  highlighted_->axis != static_cast<int>(axis) &&
+                                  isHigh[static_cast<std::size_t>(highlighted_->axis)] == highlighted_->isHigh;
+            painter.setPen(QPen(isOfFace ? kCropInk : faint, isOfFace ? 2.0 : 1.0));
+            painter.drawLine(*from, *to);
+        }
 }
 
 void ClipHandles::paintHandle(QPainter& painter, const ClipHandle& handle, QPointF point) const {

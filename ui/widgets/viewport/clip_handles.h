@@ -54,6 +54,8 @@ protected:
 
 private:
     std::optional<QPointF> pointOf(const glm::dvec3& place) const;
+    /// The crop box, also where the surface hides its lines: handles would be loose points.
+    void paintBox(QPainter& painter) const;
     void paintHandle(QPainter& painter, const ClipHandle& handle, QPointF point) const;
 
     ViewportWidget& viewport_;

@@ -9,18 +9,13 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kStepMs = 60; // each draws the surface again
+constexpr int kPassedStepMs = 100;
 
 } // namespace
 
 EventMarker::EventMarker(ViewportWidget& viewport) : QObject(&viewport), viewport_(viewport) {
     connect(&timer_, &QTimer::timeout, this, &EventMarker::fade);
-    passedTimer_.setSingleShot(true);
-    connect(&passedTimer_, &QTimer::timeout, this, [this] {
-        hasPassed_ = false;
-        if (isMarked_)
-            timer_.start(kStepMs);
-        fade();
-    });
+    connect(&passedTimer_, &QTimer::timeout, this, &EventMarker::fadePassed);
 }
 
 void EventMarker::mark(const glm::dvec3& place) {
@@ -37,7 +32,8 @@ void EventMarker::markPassed(const glm::dvec3& place) {
     passed_ = place;
     hasPassed_ = true;
     timer_.stop();
-    passedTimer_.start(kMomentMs);
+    sincePassed_.start();
+    passedTimer_.start(kMomentMs); // until then nothing is drawn again: the surface has only just come
     viewport_.setSpot(passed_);
 }
 
@@ -47,6 +43,20 @@ void EventMarker::clear() {
     const bool wasMarked = std::exchange(isMarked_, false);
     if (std::exchange(hasPassed_, false) || wasMarked)
         viewport_.setSpot(std::nullopt);
+}
+
+void EventMarker::fadePassed() {
+    const auto elapsed = static_cast<float>(sincePassed_.elapsed() - kMomentMs);
+    const float left = 1.0f - elapsed / static_cast<float>(kPassingMs);
+    if (left > 0.0f) {
+        passedTimer_.start(kPassedStepMs);
+        return viewport_.setSpot(passed_, std::min(left, 1.0f));
+    }
+    passedTimer_.stop();
+    hasPassed_ = false;
+    if (isMarked_)
+        timer_.start(kStepMs);
+    fade();
 }
 
 // Slowly first: it has to be found.

@@ -6,15 +6,18 @@
 #include <QEvent>
 #include <QPainter>
 
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
 #include "ui/model/colouring/colour_model.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
-#include "ui/render/scene_renderer.h"
 #include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/viewport/camera_flight.h"
 #include "ui/widgets/viewport/colour_bar_view.h"
 #include "ui/widgets/viewport/orientation_cube.h"
 #include "ui/widgets/viewport/scale_bar_view.h"
+#include "ui/widgets/viewport/surface_fit.h"
 #include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
 
@@ -37,7 +40,7 @@ SceneGuides::SceneGuides(model::Session& session, const Parts& parts, const Acti
       cube_(new OrientationCube(&parts.viewport)),
       scaleBar_(new ScaleBarView(&parts.viewport)),
       colourBar_(new ColourBarView(&parts.viewport)),
-      fitting_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
+      fit_(new SurfaceFit(session, parts.view, parts.viewport, this)) {
     connect(cube_, &OrientationCube::sidePicked, this,
             [this](model::StandardView side) { parts_.flight.turnTo(model::standardOrientation(side)); });
     connect(&parts_.viewport, &ViewportWidget::cameraChanged, this, [this] {
@@ -122,27 +125,7 @@ void SceneGuides::paint(QPainter& painter) const {
 }
 
 void SceneGuides::fitToSurface() {
-    const auto frame = session_.frame();
-    const auto* dataset = session_.dataset();
-    if (frame == nullptr || dataset == nullptr)
-        return;
-    const glm::dvec3 stretch = parts_.view.options().stage.stretch;
-    const glm::dmat4 toCentred = glm::dmat4(model::stretchMatrix(stretch, dataset->geometry)) *
-                                 render::indexToCentredWorld(frame->geometry, dataset->geometry);
-    fitting_.start(
-        "Fit to surface",
-        [frame, stretch, pieces = parts_.view.options().pieces,
-         cuts = model::cutsOf(parts_.view.options().clipping, frame->geometry, dataset->geometry)](
-            const JobControl& job) { return model::extentOf(*frame, pieces, cuts, job, stretch); },
-        [this, toCentred,
-         generation = session_.datasetGeneration()](const Result<std::optional<model::SurfaceExtent>>& found) {
-            if (!found.isOk() || !found.value() || session_.datasetGeneration() != generation)
-                return;
-            const model::SurfaceExtent& extent = *found.value();
-            const double aspect = static_cast<double>(parts_.viewport.width()) / std::max(1, parts_.viewport.height());
-            parts_.flight.flyTo(parts_.viewport.camera().poseAround(
-                glm::dvec3(toCentred * glm::dvec4(extent.middle, 1.0)), extent.radius, aspect));
-        });
+    fit_->find([this](const model::CameraPose& pose) { parts_.flight.flyTo(pose); });
 }
 
 bool SceneGuides::eventFilter(QObject* watched, QEvent* event) {

@@ -4,9 +4,7 @@
 
 #include <QObject>
 
-#include "ui/model/jobs/latest_job.h"
 #include "ui/model/observers.h"
-#include "ui/model/surface/surface_extent.h"
 #include "ui/model/surface/view_state.h"
 
 class QPainter;
@@ -23,6 +21,7 @@ class CameraFlight;
 class ColourBarView;
 class OrientationCube;
 class ScaleBarView;
+class SurfaceFit;
 class ViewportWidget;
 
 /// What helps to find one's way in the 3-D view: the orientation cube, the scale bar, the colour bar, and the way to
@@ -57,7 +56,7 @@ private:
     OrientationCube* cube_;
     ScaleBarView* scaleBar_;
     ColourBarView* colourBar_;
-    model::LatestJob<std::optional<model::SurfaceExtent>> fitting_;
+    SurfaceFit* fit_;
     std::vector<model::Subscription> subscriptions_;
 };
 

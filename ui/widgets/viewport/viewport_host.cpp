@@ -18,6 +18,7 @@
 #include "ui/widgets/opening/start_page.h"
 #include "ui/widgets/viewport/camera_flight.h"
 #include "ui/widgets/viewport/clip_tool.h"
+#include "ui/widgets/viewport/first_view.h"
 #include "ui/widgets/viewport/measure_tool.h"
 #include "ui/widgets/viewport/scene_guides.h"
 #include "ui/widgets/viewport/viewport_overlay.h"
@@ -192,6 +193,7 @@ void ViewportHost::connectViews(const ActionRegistry& actions) {
         return;
     }
     flight_ = new CameraFlight(*viewport_);
+    firstView_ = new FirstView(session_, viewState_, *viewport_, this);
     guides_ = new SceneGuides(session_, {*viewport_, viewState_, *flight_, *colours_}, actions, this);
     coloursSubscription_ = colours_->observe([this] { viewport_->setColours(colours_->colours()); });
     measure_ = new MeasureTool(session_, viewState_, *viewport_, *actions.action("view.measure"), this);
@@ -199,8 +201,7 @@ void ViewportHost::connectViews(const ActionRegistry& actions) {
     connect(viewport_, &ViewportWidget::cameraChanged, this,
             [this] { axes_->setOrientation(viewport_->camera().orientation()); });
     connect(viewport_, &ViewportWidget::stepRequested, this, [this](double step) { session_.isovalue().step(step); });
-    connect(actions.action("view.reset"), &QAction::triggered, this,
-            [this] { viewport_->changeCamera([](model::Camera& camera) { camera.reset(camera.sceneRadius()); }); });
+    connect(actions.action("view.reset"), &QAction::triggered, firstView_, &FirstView::reset);
     connect(actions.action("view.perspective"), &QAction::toggled, this, [this](bool isPerspective) {
         viewport_->changeCamera([isPerspective](model::Camera& camera) { camera.setPerspective(isPerspective); });
     });
@@ -275,15 +276,8 @@ QString ViewportHost::standInText() const {
 }
 
 void ViewportHost::showFrame() {
-    const auto frame = session_.frame();
-    const auto* dataset = session_.dataset();
     if (viewport_ != nullptr) {
-        if (dataset != nullptr &&
-            std::exchange(framedDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
-            viewport_->changeCamera([this, dataset](model::Camera& camera) {
-                const GridGeometry shown = model::stretched(dataset->geometry, viewState_.options().stage.stretch);
-                camera.reset(render::sceneRadius(shown));
-            });
+        firstView_->follow();
         showSurfaces();
     }
     showReadout();
@@ -321,7 +315,7 @@ void ViewportHost::showSurfaces() {
         if (surface.id == list.active)
             look = render::lookOf(surface);
         else if (auto picture = session_.pictureOf(surface.id); picture && surface.isVisible)
-            inactive.push_back({surface.id, std::move(picture), render::lookOf(surface)});
+            inactive.push_back({surface.id, std::move(picture), render::lookOf(surface), surface.hiddenPieces});
     }
     // The list states each isovalue that the handle asks for: without a new picture there is nothing to draw.
     const auto volume = dataset != nullptr ? std::optional(dataset->geometry) : std::nullopt;

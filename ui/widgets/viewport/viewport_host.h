@@ -22,6 +22,7 @@ class ActionRegistry;
 class AxesGlyph;
 class CameraFlight;
 class ClipTool;
+class FirstView;
 class LoadingCard;
 class MeasureTool;
 class SceneGuides;
@@ -87,12 +88,12 @@ private:
     ViewReadout* legend_ = nullptr; ///< of the colours that mean something
     AxesGlyph* axes_ = nullptr;
     CameraFlight* flight_ = nullptr; ///< one for all: two would stop each other
+    FirstView* firstView_ = nullptr;
     SceneGuides* guides_ = nullptr;
     MeasureTool* measure_ = nullptr;
     ClipTool* clip_ = nullptr;
     bool areAxesWanted_ = false;
     bool isReadoutWanted_ = false;
-    model::DatasetGeneration framedDataset_{};
     std::shared_ptr<const extract::SurfaceFrame> drawnPicture_; ///< of the active surface
     std::optional<GridGeometry> drawnVolume_;
     std::int64_t reportedMergedCells_ = 1; ///< the most that was reported since the surface was drawn whole

@@ -19,6 +19,9 @@ namespace {
 
 constexpr double kOrbitPerHeight = 3.4; // radians for a drag over the view's height
 constexpr double kZoomPerHeight = 3.0; // powers of e
+constexpr double kOrbitPerKey = 0.1309; // 7.5 degrees
+constexpr double kPanPerKey = 0.1; // of half the height
+constexpr double kZoomPerKey = 1.25;
 constexpr double kZoomPerNotch = 1.15;
 constexpr int kFirstRebuildMs = 50; // then twice as long each time
 constexpr int kSlowestRebuild = 6; // powers of two: 3.2 s
@@ -310,8 +313,39 @@ void ViewportWidget::mouseDoubleClickEvent(QMouseEvent* event) {
 void ViewportWidget::keyPressEvent(QKeyEvent* event) {
     if (event->key() == Qt::Key_Menu)
         Q_EMIT menuRequested(QRectF(rect()).center());
-    else
+    else if (!moveCamera(*event))
         QWidget::keyPressEvent(event);
+}
+
+// As the pointer would: the scene goes where the arrow points.
+bool ViewportWidget::moveCamera(const QKeyEvent& event) {
+    const bool isCtrl = event.modifiers().testFlag(Qt::ControlModifier);
+    const bool isShift = event.modifiers().testFlag(Qt::ShiftModifier);
+    if (isCtrl == isShift)
+        return false;
+    glm::dvec2 way(0.0);
+    switch (event.key()) {
+        case Qt::Key_Left: way.x = -1.0; break;
+        case Qt::Key_Right: way.x = 1.0; break;
+        case Qt::Key_Up: way.y = 1.0; break;
+        case Qt::Key_Down: way.y = -1.0; break;
+        case Qt::Key_PageUp:
+        case Qt::Key_PageDown:
+            if (!isCtrl)
+                return false;
+            changeCamera([&](model::Camera& camera) {
+                camera.zoom(event.key() == Qt::Key_PageUp ? kZoomPerKey : 1.0 / kZoomPerKey, {0.0, 0.0}, aspect());
+            });
+            return true;
+        default: return false;
+    }
+    changeCamera([&](model::Camera& camera) {
+        if (isCtrl)
+            camera.orbit(way.x * kOrbitPerKey, way.y * kOrbitPerKey);
+        else
+            camera.pan(way * kPanPerKey, aspect());
+    });
+    return true;
 }
 
 std::optional<std::pair<glm::dvec3, glm::dvec3>> ViewportWidget::lineOfSight(QPointF point) const {

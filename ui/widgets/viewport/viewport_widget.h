@@ -95,6 +95,8 @@ protected:
     void resizeEvent(QResizeEvent* event) override;
 
 private:
+    /// By Ctrl or Shift and a key; false for any other.
+    bool moveCamera(const QKeyEvent& event);
     render::SceneThread::Picture pictureToShow(bool isGrabbed) override;
     void noteShown(const render::SceneThread::Picture& picture) override;
     void contextMade() override;

@@ -20,6 +20,8 @@
 namespace isoslider::widgets {
 namespace {
 
+constexpr int kKeysWidth = 186;
+
 struct Gesture {
     QString keys;
     QString effect;
@@ -31,6 +33,9 @@ std::vector<Gesture> viewGestures() {
     return {{tr("Left drag"), tr("Turn about the volume's centre")},
             {tr("Middle drag, Shift+left drag"), tr("Move the view")},
             {tr("Wheel, right drag"), tr("Zoom to the pointer")},
+            {tr("Ctrl+arrow keys"), tr("Turn; the view must have been clicked")},
+            {tr("Shift+arrow keys"), tr("Move the view")},
+            {tr("Ctrl+Page Up, Page Down"), tr("Zoom")},
             {tr("Ctrl+wheel"), tr("Step the isovalue; with Shift 10 times finer")},
             {tr("Click"), tr("Move the crosshair to the surface or slice there")},
             {tr("Alt+wheel"), tr("Push the slice away, or pull it closer")},
@@ -85,11 +90,13 @@ void addTable(QVBoxLayout* column, const QString& title, const std::vector<Gestu
     int row = 0;
     for (const auto& gesture : gestures) {
         auto* keys = new QLabel(gesture.keys, parent);
-        keys->setMinimumWidth(186);
+        keys->setFixedWidth(kKeysWidth);
+        keys->setWordWrap(true);
         grid->addWidget(keys, row, 0, Qt::AlignTop);
         auto* effect = new QLabel(gesture.effect, parent);
         makeQuiet(effect);
-        grid->addWidget(effect, row++, 1);
+        effect->setWordWrap(true); // or the longest line makes the sheet wider than its window
+        grid->addWidget(effect, row++, 1, Qt::AlignTop);
     }
     column->addLayout(grid);
     column->addSpacing(10);
@@ -117,6 +124,7 @@ void showShortcutSheet(const ActionRegistry& actions, QWidget* parent) {
     auto* scroll = new QScrollArea(dialog);
     scroll->setWidgetResizable(true);
     scroll->setFrameShape(QFrame::NoFrame);
+    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     auto* page = new QWidget(scroll);
     auto* columns = new QHBoxLayout(page);
     columns->setSpacing(36);

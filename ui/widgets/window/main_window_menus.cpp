@@ -106,7 +106,8 @@ void MainWindow::makeMenus() {
     QMenu* pieces = menuBar()->addMenu(tr("&Pieces"));
     add(pieces, {"pieces.colour"});
     pieces->addSeparator();
-    add(pieces, {"pieces.hide", "pieces.only", "pieces.all", "pieces.deselect"});
+    add(pieces,
+        {"pieces.hide", "pieces.only", "pieces.hideSmaller", "pieces.largest", "pieces.all", "pieces.deselect"});
     pieces->addSeparator();
     add(pieces, {"pieces.exportShown", "pieces.exportSelected"});
 
@@ -114,6 +115,8 @@ void MainWindow::makeMenus() {
     add(surfaces, {"surfaces.add", "surfaces.remove"});
     surfaces->addSeparator();
     add(surfaces, {"surfaces.next", "surfaces.previous"});
+    surfaces->addSeparator();
+    add(surfaces, {"isovalue.edit", "surfaces.moreOpaque", "surfaces.lessOpaque"});
     surfaces->addSeparator();
     add(surfaces, {"surfaces.show", "surfaces.rename"});
     surfaces->addMenu(surfacesPanel_->colourMenu());
@@ -138,7 +141,7 @@ void MainWindow::makeToolBar() {
     actions_->action("file.open")->setIconText(tr("Open"));
     actions_->action("mesh.export")->setIconText(tr("Export"));
     actions_->action("mesh.check")->setIconText(tr("Check"));
-    actions_->action("view.reset")->setIconText(tr("Fit"));
+    actions_->action("view.fit")->setIconText(tr("Fit"));
     actions_->action("view.perspective")->setIconText(tr("Perspective"));
     actions_->action("view.changed")->setIconText(tr("Retriangulated"));
     actions_->action("view.box")->setIconText(tr("Box"));
@@ -147,7 +150,7 @@ void MainWindow::makeToolBar() {
     bar->addAction(actions_->action("mesh.export"));
     bar->addAction(actions_->action("mesh.check"));
     bar->addSeparator();
-    for (const char* id : {"view.reset", "view.perspective", "view.changed", "view.box", "view.axes"})
+    for (const char* id : {"view.fit", "view.perspective", "view.changed", "view.box", "view.axes"})
         bar->addAction(actions_->action(id));
     panelsMenu_->addSeparator();
     panelsMenu_->addAction(bar->toggleViewAction());

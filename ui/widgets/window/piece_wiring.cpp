@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <QAction>
 #include <QDockWidget>
@@ -44,9 +45,13 @@ PieceWiring::PieceWiring(model::Session& session, const ActionRegistry& actions,
         takePick();
         dropLostSelection();
         showWhatIsHidden();
+        actions_.action("pieces.largest")
+            ->setEnabled(session_.frame() != nullptr && host_.viewState().options().pieces.largest != 1);
     });
     datasetSubscription_ = session_.datasetChanged().observe([this] { followDataset(); });
     optionsSubscription_ = host_.viewState().observe([this] { showOptions(); });
+    surfacesSubscription_ = session_.surfaces().observe([this] { followSurfaces(); });
+    inactiveSubscription_ = session_.inactiveChanged().observe([this] { findAwaitedOfOthers(); });
     showOptions();
 }
 
@@ -70,16 +75,28 @@ void PieceWiring::connectActions() {
             pieces.selected.reset();
         });
     });
-    connect(actions_.action("pieces.all"), &QAction::triggered, this, [this] {
+    connect(actions_.action("pieces.hideSmaller"), &QAction::triggered, this, &PieceWiring::hideSmaller);
+    connect(actions_.action("pieces.largest"), &QAction::triggered, this, [this] {
         change([](model::PieceOptions& pieces) {
-            pieces.hidden.clear();
-            pieces.only.reset();
-            pieces.awaited = {};
-            pieces.leastSize = 0.0;
-            pieces.largest = 0;
+            pieces.largest = 1;
+            pieces.selected.reset();
         });
     });
+    connect(actions_.action("pieces.all"), &QAction::triggered, this,
+            [this] { change([](model::PieceOptions& pieces) { pieces.hiddenPieces() = {}; }); });
     connect(actions_.action("pieces.deselect"), &QAction::triggered, this, [this] { select(std::nullopt); });
+}
+
+void PieceWiring::hideSmaller() {
+    const auto frame = session_.frame();
+    const auto& pieces = host_.viewState().options().pieces;
+    if (!frame || !frame->pieces)
+        return;
+    const auto selected = model::PieceDisplay(*frame->pieces, frame->geometry, pieces).find(pieces.selected);
+    if (!selected)
+        return;
+    const double size = model::sizeOf(frame->pieces->pieces()[*selected], frame->geometry);
+    change([size](model::PieceOptions& options) { options.leastSize = size; });
 }
 
 void PieceWiring::change(const std::function<void(model::PieceOptions&)>& change) {
@@ -88,7 +105,10 @@ void PieceWiring::change(const std::function<void(model::PieceOptions&)>& change
     host_.viewState().setOptions(options);
 }
 
-void PieceWiring::ask() { session_.findPieces(isPanelSeen_ || pick_ || host_.viewState().options().pieces.isWanted()); }
+// Once a piece was hidden all pictures have pieces: they keep their numbers from one picture to the next only.
+void PieceWiring::ask() {
+    session_.findPieces(isPanelSeen_ || pick_ || hasHidden_ || host_.viewState().options().pieces.isWanted());
+}
 
 void PieceWiring::pick(QPointF point, Purpose purpose) {
     const auto frame = session_.frame();
@@ -131,7 +151,42 @@ void PieceWiring::findAwaited() {
     if (pieces.awaited.isEmpty() || !frame || !frame->pieces || frame->mergedCells > 1 ||
         frame->isovalue != session_.isovalue().requested())
         return;
-    change([&](model::PieceOptions& options) { options = model::found(options, *frame->pieces); });
+    change([&](model::PieceOptions& options) { options.hiddenPieces() = model::found(options, *frame->pieces); });
+}
+
+void PieceWiring::findAwaitedOfOthers() {
+    auto& surfaces = session_.surfaces();
+    const auto listed = surfaces.list();
+    for (const model::ListedSurface& surface : listed.surfaces) {
+        if (surface.id == listed.active || surface.hiddenPieces.awaited.isEmpty())
+            continue;
+        const auto picture = session_.pictureOf(surface.id);
+        if (picture && picture->pieces && picture->isovalue == surface.isovalue)
+            surfaces.change(surface.id, [&](model::ListedSurface& changed) {
+                changed.hiddenPieces = model::found(changed.hiddenPieces, *picture->pieces);
+            });
+    }
+}
+
+void PieceWiring::followSurfaces() {
+    const auto* active = session_.surfaces().active();
+    if (active == nullptr)
+        return;
+    const bool isOther = std::exchange(followed_, active->id) != active->id;
+    const model::HiddenPieces hidden = active->hiddenPieces;
+    change([&](model::PieceOptions& pieces) {
+        pieces.hiddenPieces() = hidden;
+        if (isOther)
+            pieces.selected.reset(); // of another surface
+    });
+}
+
+void PieceWiring::tellSurfaces() {
+    auto& surfaces = session_.surfaces();
+    const model::HiddenPieces hidden = host_.viewState().options().pieces;
+    hasHidden_ = hasHidden_ || !hidden.hidden.empty() || hidden.only || !hidden.awaited.isEmpty();
+    if (surfaces.active() != nullptr && surfaces.active()->id == followed_)
+        surfaces.change(followed_, [&](model::ListedSurface& surface) { surface.hiddenPieces = hidden; });
 }
 
 void PieceWiring::dropLostSelection() {
@@ -151,24 +206,30 @@ void PieceWiring::showMenu(QPointF point) {
     auto* menu = new QMenu(viewport);
     menu->setAttribute(Qt::WA_DeleteOnClose);
     menu->setObjectName(QStringLiteral("viewMenu"));
-    for (const char* action : {"pieces.hide", "pieces.only", "pieces.all"})
-        menu->addAction(actions_.action(action));
-    menu->addSeparator();
-    for (const char* action : {"pieces.exportSelected", "pieces.exportShown"})
-        menu->addAction(actions_.action(action));
-    menu->addSeparator();
-    for (const char* action : {"pieces.colour", "view.reset"})
-        menu->addAction(actions_.action(action));
+    const std::vector<std::vector<const char*>> groups{
+        {"pieces.hide", "pieces.only", "pieces.hideSmaller", "pieces.largest", "pieces.all"},
+        {"pieces.exportSelected", "pieces.exportShown"},
+        {"pieces.colour", "view.measure", "clip.plane", "clip.crop", "slices.isovalue"},
+        {"view.fit", "view.reset"},
+        {"edit.undo", "edit.redo"}};
+    for (const auto& group : groups) {
+        if (!menu->isEmpty())
+            menu->addSeparator();
+        for (const char* action : group)
+            menu->addAction(actions_.action(action));
+    }
     menu->popup(viewport->mapToGlobal(point.toPoint()));
 }
 
 void PieceWiring::showOptions() {
+    tellSurfaces();
     ask();
     findAwaited(); // undone steps may bring back what was awaited
     const auto& pieces = host_.viewState().options().pieces;
     actions_.action("pieces.colour")->setChecked(pieces.isColoured);
-    for (const char* action : {"pieces.hide", "pieces.only", "pieces.deselect"})
+    for (const char* action : {"pieces.hide", "pieces.only", "pieces.hideSmaller", "pieces.deselect"})
         actions_.action(action)->setEnabled(pieces.selected.has_value());
+    actions_.action("pieces.largest")->setEnabled(session_.frame() != nullptr && pieces.largest != 1);
     actions_.action("pieces.all")->setEnabled(pieces.hidesAny());
     showWhatIsHidden();
 }
@@ -190,13 +251,10 @@ void PieceWiring::followDataset() {
     if (std::exchange(dataset_, session_.datasetGeneration()) == session_.datasetGeneration())
         return;
     pick_.reset();
+    hasHidden_ = false;
     change([](model::PieceOptions& pieces) {
-        pieces.hidden.clear();
-        pieces.only.reset();
+        pieces.hiddenPieces() = {};
         pieces.selected.reset();
-        pieces.awaited = {};
-        pieces.leastSize = 0.0; // a length in another volume
-        pieces.largest = 0;
     });
     ask();
 }

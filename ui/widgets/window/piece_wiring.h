@@ -12,6 +12,7 @@
 #include "core/extract/pieces/surface_pieces.h"
 #include "ui/model/observers.h"
 #include "ui/model/session/dataset.h"
+#include "ui/model/surface/surface_list.h"
 
 class QDockWidget;
 
@@ -51,6 +52,8 @@ private:
     };
 
     void connectActions();
+    /// Than the selected one.
+    void hideSmaller();
     void change(const std::function<void(model::PieceOptions&)>& change);
     /// Asks for pieces while they are looked at, picked or needed for the picture.
     void ask();
@@ -62,6 +65,10 @@ private:
     void select(std::optional<extract::PieceId> piece);
     void showMenu(QPointF point);
     void showOptions();
+    /// The view's options hide the pieces that the active surface hides, and the other way about.
+    void followSurfaces();
+    void tellSurfaces();
+    void findAwaitedOfOthers();
     /// Says why nothing is to be seen where everything is hidden.
     void showWhatIsHidden();
     void followDataset();
@@ -72,11 +79,15 @@ private:
     Parts parts_;
     ViewNote* note_; // the view's
     bool isPanelSeen_ = false;
+    bool hasHidden_ = false; ///< of this volume, by number; a step back may hide it again
+    model::SurfaceId followed_{}; ///< whose pieces the view's options hide
     std::optional<Pick> pick_;
     model::DatasetGeneration dataset_{};
     model::Subscription frameSubscription_;
     model::Subscription datasetSubscription_;
     model::Subscription optionsSubscription_;
+    model::Subscription surfacesSubscription_;
+    model::Subscription inactiveSubscription_;
 };
 
 } // namespace isoslider::widgets

@@ -88,7 +88,10 @@ model::SavedSession SessionKeeper::capture() const {
     if (host_.viewport() != nullptr)
         saved.camera = host_.viewport()->camera().pose();
     saved.view = host_.viewState().options();
-    saved.view->pieces = model::awaited(saved.view->pieces, session_.frame().get());
+    for (model::ListedSurface& surface : saved.surfaces.surfaces)
+        surface.hiddenPieces = model::awaited(surface.hiddenPieces, session_.piecesOf(surface.id).get());
+    if (const auto* active = saved.surfaces.find(saved.surfaces.active))
+        saved.view->pieces.hiddenPieces() = active->hiddenPieces;
     saved.histogram = session_.histogramOptions().options();
     saved.slices = slices_.options();
     return saved;
@@ -186,7 +189,7 @@ void SessionKeeper::showView() {
         if (saved.slices)
             slices_.setOptions(*saved.slices);
         if (saved.view) {
-            auto view = *saved.view;
+            auto view = *saved.view; // with what the active surface hides
             if (!saved.hasStage)
                 view.stage = host_.viewState().options().stage;
             if (!saved.hasColouring)

@@ -1,5 +1,8 @@
 #include "ui/widgets/window/surface_wiring.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <QAction>
 #include <QDockWidget>
 
@@ -10,6 +13,11 @@
 #include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::widgets {
+namespace {
+
+constexpr double kOpacityStep = 0.1;
+
+} // namespace
 
 SurfaceWiring::SurfaceWiring(model::Session& session, const ActionRegistry& actions, const Parts& parts,
                              QObject* parent)
@@ -33,6 +41,13 @@ void SurfaceWiring::connectActions() {
         surfaces.change(surfaces.list().active,
                         [isShown](model::ListedSurface& surface) { surface.isVisible = isShown; });
     });
+    const auto changeOpacity = [&surfaces](double by) {
+        surfaces.change(surfaces.list().active, [by](model::ListedSurface& surface) {
+            surface.opacity = std::clamp(std::round((surface.opacity + by) * 100.0) / 100.0, model::kLeastOpacity, 1.0);
+        });
+    };
+    on("surfaces.moreOpaque", [changeOpacity] { changeOpacity(kOpacityStep); });
+    on("surfaces.lessOpaque", [changeOpacity] { changeOpacity(-kOpacityStep); });
     on("surfaces.rename", [this] {
         parts_.dock.show();
         parts_.dock.raise();
@@ -49,6 +64,8 @@ void SurfaceWiring::showSurfaces() {
         actions_.action(id)->setEnabled(hasOthers);
     for (const char* id : {"surfaces.show", "surfaces.rename"})
         actions_.action(id)->setEnabled(active != nullptr);
+    actions_.action("surfaces.moreOpaque")->setEnabled(active != nullptr && active->opacity < 1.0);
+    actions_.action("surfaces.lessOpaque")->setEnabled(active != nullptr && active->opacity > model::kLeastOpacity);
     actions_.action("surfaces.show")->setChecked(active != nullptr && active->isVisible);
     bars_->show(surfaces.list());
 }

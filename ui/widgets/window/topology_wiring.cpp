@@ -136,6 +136,8 @@ void TopologyWiring::showPassed() {
         return shown_.reset();
     const Shown now{session_.datasetGeneration(), session_.surfaces().list().active, frame->isovalue};
     const auto before = std::exchange(shown_, now);
+    if (session_.firstIsovalue().isovalue())
+        return; // it is the program that moves
     if (marker_ == nullptr || !before || before->dataset != now.dataset || before->surface != now.surface ||
         !actions_.action("isovalue.markPassed")->isChecked())
         return;

@@ -1,5 +1,6 @@
 #include "ui/widgets/window/undo_history.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <QAction>
@@ -18,6 +19,12 @@ namespace {
 constexpr int kTogetherMs = 400;
 constexpr int kMostSteps = 500;
 
+/// REQUIRES: as many surfaces.
+bool hideSame(const model::SurfaceList& before, const model::SurfaceList& after) {
+    return std::equal(before.surfaces.begin(), before.surfaces.end(), after.surfaces.begin(),
+                      [](const auto& a, const auto& b) { return a.hiddenPieces == b.hiddenPieces; });
+}
+
 /// What a step is called; after "Undo" and "Redo".
 QString nameOf(const model::SceneState& before, const model::SceneState& after) {
     if (before.surfaces.surfaces.size() != after.surfaces.surfaces.size())
@@ -27,10 +34,10 @@ QString nameOf(const model::SceneState& before, const model::SceneState& after) 
         return UndoHistory::tr("Active Surface");
     if (before.isovalue != after.isovalue)
         return UndoHistory::tr("Isovalue %1").arg(QString::fromStdString(model::valueText(after.isovalue, 7)));
+    if (before.view.pieces != after.view.pieces || !hideSame(before.surfaces, after.surfaces))
+        return UndoHistory::tr("Pieces");
     if (before.surfaces != after.surfaces)
         return UndoHistory::tr("Surfaces");
-    if (before.view.pieces != after.view.pieces)
-        return UndoHistory::tr("Pieces");
     if (before.view.colouring != after.view.colouring)
         return UndoHistory::tr("Colours");
     if (before.view.clipping != after.view.clipping)
@@ -107,6 +114,7 @@ model::SceneState UndoHistory::capture() const {
     state.error = session.detail().error();
     state.view = models_.view.options();
     state.view.pieces.selected.reset();
+    state.view.pieces.hiddenPieces() = {}; // which the surfaces have
     if (models_.colours.isMaking()) // no step before it can be drawn: it may be refused
         state.view.colouring = last_.view.colouring;
     state.histogram = session.histogramOptions().options();
@@ -119,6 +127,7 @@ void UndoHistory::apply(const model::SceneState& state) {
     model::Session& session = models_.session;
     auto view = state.view;
     view.pieces.selected = models_.view.options().pieces.selected;
+    view.pieces.hiddenPieces() = models_.view.options().pieces; // they follow the surfaces
     models_.view.setOptions(view);
     session.histogramOptions().setOptions(state.histogram);
     models_.slices.setOptions(state.slices);
@@ -146,10 +155,10 @@ void UndoHistory::noteChange() {
             if (surface.id == last_.surfaces.active)
                 surface.isovalue = *first;
     }
-    const model::PieceOptions& pieces = models_.view.options().pieces;
-    if (!last_.view.pieces.awaited.isEmpty() && pieces.awaited.isEmpty()) { // so is that a session's pieces are found
-        last_.view.pieces = pieces;
-        last_.view.pieces.selected.reset();
+    for (model::ListedSurface& surface : last_.surfaces.surfaces) { // so is that a session's pieces are found
+        const auto* now = models_.session.surfaces().list().find(surface.id);
+        if (now != nullptr && !surface.hiddenPieces.awaited.isEmpty() && now->hiddenPieces.awaited.isEmpty())
+            surface.hiddenPieces = now->hiddenPieces;
     }
     if (capture() == last_)
         return;

@@ -40,7 +40,8 @@ SavedSession fullSession(const fs::path& volume) {
     session.reference = 0.1;
     session.error = extract::MergeError{extract::MergeBound::Measure::Distance, 0.35};
     session.camera = CameraPose{{0.5, 0.5, -0.5, 0.5}, {1.0, 2.0, 1e-30}, 7.25, false, {3.0, 0.5, -2.0}};
-    session.view = ViewOptions{true, false, true, false};
+    session.view = ViewOptions{true, false};
+    session.view->pieces.isColoured = true;
     session.view->showsCube = false;
     session.view->showsScaleBar = false;
     session.view->stage = {Background::White, Light::Raking, true, {1.0, 2.5, 0.125}};

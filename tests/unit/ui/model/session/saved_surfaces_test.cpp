@@ -12,8 +12,8 @@ using Json = nlohmann::json;
 
 SurfaceList skinAndBone() {
     SurfaceList list;
-    list.surfaces = {{SurfaceId{1}, "Skin \xc3\xa4", -300.25, {1, 171, 255}, 0.35, true},
-                     {SurfaceId{2}, "Bone", 1150.0, {230, 217, 193}, 1.0, false}};
+    list.surfaces = {{SurfaceId{1}, "Skin \xc3\xa4", -300.25, {1, 171, 255}, 0.35, true, {}},
+                     {SurfaceId{2}, "Bone", 1150.0, {230, 217, 193}, 1.0, false, {}}};
     list.active = SurfaceId{2};
     return list;
 }
@@ -26,6 +26,23 @@ TEST(SavedSurfaces, GoThereAndBack) {
     const auto read = sessionFromText(sessionText(session, "/data"), "/data");
     EXPECT_TRUE(read.problems.empty()) << read.problems[0];
     EXPECT_EQ(read.session.surfaces, skinAndBone());
+}
+
+TEST(SavedSurfaces, ThoseThatDoNotSlideStateWhatTheyHide) {
+    SurfaceList list = skinAndBone();
+    HiddenPieces& hidden = list.surfaces[0].hiddenPieces;
+    hidden.leastSize = 2.5;
+    hidden.largest = 3;
+    hidden.awaited.hidden = {{{1, 2, 3}, 0}, {{4, 5, 6}, 2}};
+    hidden.awaited.only = PiecePlace{{7, 8, 9}, 1};
+    list.surfaces[1].hiddenPieces.largest = 2;
+    std::vector<std::string> problems;
+    const auto read = surfacesFromJson(surfacesJson(list), problems);
+    EXPECT_TRUE(problems.empty()) << problems[0];
+    EXPECT_EQ(read.surfaces[0].hiddenPieces, hidden);
+    EXPECT_EQ(read.surfaces[1].hiddenPieces, HiddenPieces()) << "of the active one the view states it";
+    surfacesFromJson(Json::parse(R"({"list": [{"isovalue": 4, "pieces": {"hiddenPieces": [[1, 2]]}}]})"), problems);
+    EXPECT_EQ(problems.size(), 1u);
 }
 
 TEST(SavedSurfaces, SessionsOfBeforeHaveNone) {

@@ -143,6 +143,40 @@ TEST_F(SliceModelTest, TheContourFollowsTheSurface) {
     EXPECT_TRUE(slices_->contour(SliceKind::Z)->points.empty()) << "60950 does not reach z = 8";
 }
 
+TEST_F(SliceModelTest, EachVisibleSurfaceHasAContourInItsColour) {
+    open();
+    show(SliceLayout::One);
+    session_->isovalue().request(60300.0);
+    ASSERT_TRUE(settle());
+    ASSERT_EQ(slices_->contour(SliceKind::Z)->parts.size(), 1u);
+    EXPECT_EQ(slices_->contour(SliceKind::Z)->parts[0].colour, (SurfaceColour{0xff, 0xb0, 0x40}))
+        << "of the only one it is that of the handle";
+    session_->addSurface();
+    session_->isovalue().request(60950.5);
+    ASSERT_TRUE(settle());
+    const auto& surfaces = session_->surfaces().list().surfaces;
+    ASSERT_EQ(surfaces.size(), 2u);
+    const auto contour = slices_->contour(SliceKind::Z);
+    ASSERT_EQ(contour->parts.size(), 2u);
+    std::size_t at = 0;
+    for (std::size_t part = 0; part < 2; ++part) {
+        EXPECT_EQ(contour->parts[part].colour, surfaces[part].colour);
+        EXPECT_GE(contour->parts[part].pointEnd, at + 38);
+        for (; at < contour->parts[part].pointEnd; ++at) {
+            const glm::vec3& p = contour->points[at];
+            EXPECT_NEAR(p.x + 100.0f * p.y + 10000.0f * p.z, surfaces[part].isovalue, 0.1);
+        }
+    }
+    EXPECT_EQ(at, contour->points.size());
+    session_->surfaces().change(surfaces[0].id, [](ListedSurface& surface) { surface.isVisible = false; });
+    ASSERT_TRUE(settle());
+    ASSERT_EQ(slices_->contour(SliceKind::Z)->parts.size(), 1u) << "what is hidden has none";
+    EXPECT_EQ(slices_->contour(SliceKind::Z)->parts[0].colour, surfaces[1].colour);
+    session_->surfaces().change(surfaces[1].id, [](ListedSurface& surface) { surface.colour = {1, 2, 3}; });
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(slices_->contour(SliceKind::Z)->parts[0].colour, (SurfaceColour{1, 2, 3}));
+}
+
 TEST_F(SliceModelTest, AnotherVolumeTakesThePlaceOfTheFirstAlsoWhileItIsRead) {
     open();
     show(SliceLayout::Three); // being sampled

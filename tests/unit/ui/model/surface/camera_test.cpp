@@ -34,6 +34,13 @@ protected:
     Camera camera_;
 };
 
+TEST_P(CameraTest, APatientIsSeenFromTheFrontHeadUp) {
+    camera_.reset(10.0, true);
+    expectNear(camera_.backward(), {0.0, -1.0, 0.0});
+    expectNear(camera_.up(), {0.0, 0.0, 1.0});
+    EXPECT_EQ(camera_.target(), glm::dvec3(0.0));
+}
+
 TEST_P(CameraTest, ResetShowsTheWholeSphere) {
     for (const glm::dvec3 direction : {camera_.right(), camera_.up(), -camera_.right(), -camera_.up()}) {
         const auto place = project(camera_, direction * 9.0);

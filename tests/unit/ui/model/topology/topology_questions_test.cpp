@@ -64,13 +64,28 @@ TEST(SuggestedIsovalues, AreOneForEachReasonAndTheHistogramsLast) {
                                                        {12.0, SuggestionReason::WidestInterval},
                                                        {3.0, SuggestionReason::HalfVolume},
                                                        {4.0, SuggestionReason::HalfVolume}};
-    const auto suggested = suggestedIsovalues(ofTopology, 5.0, 0.0, 10.0);
+    const auto suggested = suggestedIsovalues(ofTopology, 5.0, {0.0, 10.0});
     ASSERT_EQ(suggested.size(), 3u) << "12 is not within the range";
     EXPECT_EQ(suggested[0], (SuggestedIsovalue{7.0, "greatest mean gradient on the surface"}));
     EXPECT_EQ(suggested[1].isovalue, 3.0);
     EXPECT_EQ(suggested[2], (SuggestedIsovalue{5.0, kHistogramReason}));
-    EXPECT_TRUE(suggestedIsovalues({}, std::nullopt, 0.0, 10.0).empty());
+    EXPECT_TRUE(suggestedIsovalues({}, std::nullopt, {0.0, 10.0}).empty());
     EXPECT_EQ(suggestionText({32.5, "middle of something"}), "32.5: middle of something");
+}
+
+TEST(SuggestedIsovalues, AreWholeNumbersOfWholeNumbers) {
+    const SuggestedRange bytes{0.0, 255.0, ScalarType::U8}, hounsfield{-1024.0, 3071.0, ScalarType::I16};
+    EXPECT_EQ(suggestedAs(124.0234375, bytes), 125.0) << "the same samples are above both";
+    EXPECT_EQ(suggestedAs(124.0, bytes), 124.0);
+    EXPECT_EQ(suggestedAs(254.5, bytes), 255.0);
+    EXPECT_EQ(suggestedAs(-386.79296875, hounsfield), -386.0);
+    EXPECT_EQ(suggestedAs(124.0234375, {0.0, 255.0, ScalarType::F32}), 124.0234375);
+    EXPECT_EQ(suggestedAs(0.2, {0.0, 1.0, ScalarType::U8}), 0.5) << "of a mask the surface is between its samples";
+    EXPECT_EQ(suggestedAs(7.0, {7.0, 7.0, ScalarType::I32}), 7.0);
+    const auto suggested =
+        suggestedIsovalues({{124.0234375, topology::SuggestionReason::StrongestGradient}}, std::nullopt, bytes);
+    ASSERT_EQ(suggested.size(), 1u);
+    EXPECT_EQ(suggested[0].isovalue, 125.0);
 }
 
 // --- what is typed
