@@ -46,8 +46,8 @@ void FirstView::follow() {
     if (frame == nullptr || !isUntouched() || !isFirst || fitted_ == frame->isovalue)
         return;
     fitted_ = frame->isovalue;
-    fit_->find([this](const model::CameraPose& pose) {
-        if (!isUntouched())
+    fit_->find([this, requested = session_.isovalue().requested()](const model::CameraPose& pose) {
+        if (!isUntouched() || session_.isovalue().requested() != requested) // the handle has been moved meanwhile
             return;
         viewport_.changeCamera([&](model::Camera& camera) { camera.setPose(pose); });
         pose_ = viewport_.camera().pose();
