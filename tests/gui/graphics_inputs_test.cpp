@@ -177,9 +177,11 @@ TEST_P(GraphicsInputs, B105_TheScreenChanges) {
 }
 
 TEST_P(GraphicsInputs, B106_EachAllocationFailsOnce) {
+    trigger("view.reset"); // the whole box, whatever the first surface
     const auto pixels = surfacePixels(grab());
     for (int call = 1; call <= 4; ++call) {
         openBall(40); // what is found out of the card's memory is for one volume
+        trigger("view.reset");
         request(-12.0);
         const int refusals = driver_->refusals();
         driver_->refusedCall = driver_->allocations() + call;
