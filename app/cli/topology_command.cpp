@@ -79,8 +79,9 @@ public:
         questions.push_back(addInteger(*command, "--events", events_, 0, kMostEvents,
                                        "the N most notable events, ascending; 0: all of them"));
         hasEvents_ = questions.back();
-        questions.push_back(command->add_flag("--curves", showsCurves_,
-                                              fmt::format("counts and measures at {} even steps", kCurveSteps + 1)));
+        questions.push_back(command->add_flag(
+            "--curves", showsCurves_,
+            fmt::format("counts and measures where surfaces were measured, else at {} even steps", kCurveSteps + 1)));
         questions.push_back(addInteger(*command, "--pieces", pieces_, 0, kMostEvents, "isovalues with N pieces"));
         hasPieces_ = questions.back();
         questions.push_back(addInteger(*command, "--tunnels", tunnels_, 0, kMostEvents,
