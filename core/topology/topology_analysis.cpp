@@ -184,7 +184,7 @@ private:
         return {};
     }
 
-    // What is in a cube of `planes`, as if it were a volume of its own.
+    // What is in a cube of `planes`, as if it were a separate volume.
     void count(const GridDims& cube, const std::vector<Sample>& planes, const std::array<std::int64_t, 2>& at,
                Findings& found) const {
         LayerWindow<Sample> window;

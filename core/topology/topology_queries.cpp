@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "core/topology/change_sums.h"
+
 namespace isoslider::topology {
 namespace {
 
@@ -54,25 +56,10 @@ std::vector<double> isovaluesWith(const MeasureCurves& curves, double SurfaceMea
 }
 
 Result<SurfaceDifference> difference(const TopologySummary& summary, double from, double to) {
-    SurfaceDifference found;
-    const auto first = summary.at(from), last = summary.at(to);
-    for (const auto* counts : {&first, &last})
-        if (!counts->isOk())
-            return counts->error();
-    found.from = first.value();
-    found.to = last.value();
-    ISO_TRY(summary.visitEvents([&](const TopologyEvent& event) {
-        if (event.isovalue >= from && event.isovalue < to) { // it has happened beyond its isovalue
-            ++found.events;
-            found.births += event.pieces.births;
-            found.deaths += event.pieces.deaths;
-            found.joins += event.pieces.joins;
-            found.splits += event.pieces.splits;
-        }
-        return event.isovalue < to;
-    }));
-    found.volume = summary.curves().at(from).volume - summary.curves().at(to).volume;
-    return found;
+    const auto sums = ChangeSums::of(summary);
+    if (!sums.isOk())
+        return sums.error();
+    return difference(summary, sums.value(), from, to);
 }
 
 const char* reasonText(SuggestionReason reason) {

@@ -13,7 +13,7 @@ namespace isoslider::topology {
 
 /// An event, and how much it is worth a look, in scalars: the persistence of its piece; where tunnels, voids or
 /// boundary loops change, how far away the nearest other change of that number is, if that is more. A tunnel has no
-/// persistence of its own here, but where many open and close in a short interval each of them is noise.
+/// separate persistence here, but where many open and close in a short interval each of them is noise.
 struct WeightedEvent {
     TopologyEvent event;
     double weight = 0.0;

@@ -154,7 +154,7 @@ private:
         return source_.readSlab(planesBegin_, planesEnd_, std::as_writable_bytes(std::span(planes_)));
     }
 
-    // As a volume of its own; planes that were not read stay 0.
+    // As a separate volume; planes that were not read stay 0.
     std::unique_ptr<io::VolumeSource> cut(const Tile& tile) const {
         GridGeometry geometry = geometry_;
         geometry.dims = tile.dims;

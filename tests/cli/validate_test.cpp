@@ -55,7 +55,7 @@ TEST_F(CliValidate, NamesFaultsAndExitsWithOne) {
     EXPECT_EQ(keysOf(object["faults"][0]), (std::vector<std::string>{"part", "problem", "offset", "isovalues"}));
 }
 
-// In reports as in errors: a name does not make a line of its own.
+// In reports as in errors: a name does not make a separate line.
 TEST_F(CliValidate, EscapesControlCharactersInNames) {
     const std::string index = (folder_.path() / "a\nb.isx").string();
     const auto built = run({"build", sphereVolume(), "-o", index, "--no-topology"});

@@ -93,7 +93,7 @@ TEST(GoldenIndex, NamesWhatEarlierVersionsLack) {
     }
 }
 
-// What is no index, of a later version, or damaged is told apart, whatever else is wrong with it.
+// What is no index, of a later version, or damaged gets three different answers, whatever else is wrong with it.
 TEST(GoldenIndex, OfAnotherKindLaterOrDamagedHasThreeAnswers) {
     const test::TemporaryFolder folder;
     const std::string good = test::readText(kGolden);

@@ -105,7 +105,7 @@ TEST_F(StageTest, BackgroundsAreChosenKeptAndUndone) {
     EXPECT_TRUE(action("stage.light").isChecked()) << "one of them is always";
     trigger("stage.black");
     EXPECT_EQ(cornerOf(), QColor(Qt::black));
-    QTest::qWait(600); // a step of its own
+    QTest::qWait(600); // a separate step
     trigger("edit.undo");
     EXPECT_EQ(cornerOf(), dark) << "changes at once are one step";
     EXPECT_TRUE(action("stage.dark").isChecked());
@@ -120,13 +120,13 @@ TEST_F(StageTest, AmbientOcclusionIsChosenKeptAndUndone) {
     auto options = window_->viewportHost().viewState().options();
     options.clipping.plane = {true, {0.0, 0.0, 1.0}, 10.0, model::Cap::None}; // the ball is open: it has an inside
     window_->viewportHost().viewState().setOptions(options);
-    QTest::qWait(600); // a step of its own
+    QTest::qWait(600); // a separate step
     const QImage with = viewport().grabFramebuffer();
     trigger("stage.occlusion");
     EXPECT_FALSE(stage().hasOcclusion);
     EXPECT_FALSE(settings_->boolean("view/occlusion"));
     EXPECT_NE(viewport().grabFramebuffer(), with);
-    QTest::qWait(600); // a step of its own
+    QTest::qWait(600); // a separate step
     trigger("edit.undo");
     EXPECT_TRUE(action("stage.occlusion").isChecked());
     EXPECT_EQ(viewport().grabFramebuffer(), with);

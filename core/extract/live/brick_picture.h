@@ -127,7 +127,7 @@ private:
     std::vector<std::uint16_t> changedIndices_;
 };
 
-/// The same bricks by slot in arenas of their own, of another series, without what has changed: a picture kept while
+/// The same bricks by slot in separate arenas, of another series, without what has changed: a picture kept while
 /// the live surface moves on would keep all memory from use that the surface has given up since. O(vertices +
 /// triangles), 16 bytes a vertex and 6 a triangle. Throws std::bad_alloc.
 template <class Live>

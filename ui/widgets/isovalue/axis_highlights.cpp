@@ -58,16 +58,9 @@ void AxisHighlights::setReference(std::optional<double> isovalue) {
 
 void AxisHighlights::redraw() { plot_.layer(kLayer)->replot(); }
 
-std::optional<double> AxisHighlights::pixelOf(double isovalue) const {
-    const QCPRange range = plot_.visibleRange();
-    if (isovalue < range.lower || isovalue > range.upper || !plot_.xAxis->visible())
-        return std::nullopt;
-    const double pixel = plot_.pixelOf(isovalue);
-    return std::isfinite(pixel) ? std::optional(pixel) : std::nullopt;
-}
-
 std::optional<QPointF> AxisHighlights::placeOf(std::size_t suggestion) const {
-    const auto pixel = suggestion < suggestions_.size() ? pixelOf(suggestions_[suggestion].isovalue) : std::nullopt;
+    const auto pixel =
+        suggestion < suggestions_.size() ? plot_.visiblePixelOf(suggestions_[suggestion].isovalue) : std::nullopt;
     return pixel ? std::optional(QPointF(*pixel, plot_.axisRect()->top() + kStarDepth)) : std::nullopt;
 }
 
@@ -90,7 +83,7 @@ const model::SuggestedIsovalue* AxisHighlights::suggestionAt(QPointF place) cons
 QString AxisHighlights::tipAt(QPointF place) const {
     if (const auto* suggestion = suggestionAt(place))
         return tr("Suggested isovalue\n%1").arg(QString::fromStdString(model::suggestionText(*suggestion)));
-    const auto pixel = reference_ ? pixelOf(*reference_) : std::nullopt;
+    const auto pixel = reference_ ? plot_.visiblePixelOf(*reference_) : std::nullopt;
     if (pixel && std::abs(*pixel - place.x()) <= kHitPixels && place.y() >= plot_.axisRect()->top() - 2 &&
         place.y() <= plot_.axisRect()->top() + 2 * kFlagPixels)
         return tr("Reference isovalue %1").arg(QString::fromStdString(model::valueText(*reference_, 7)));
@@ -166,7 +159,7 @@ void AxisHighlights::drawFound(QCPPainter* painter) {
 }
 
 void AxisHighlights::drawReference(QCPPainter* painter) {
-    const auto pixel = reference_ ? pixelOf(*reference_) : std::nullopt;
+    const auto pixel = reference_ ? plot_.visiblePixelOf(*reference_) : std::nullopt;
     if (!pixel)
         return;
     const QRect rect = plot_.axisRect()->rect();

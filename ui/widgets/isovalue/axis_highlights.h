@@ -42,7 +42,6 @@ protected:
 
 private:
     const model::SuggestedIsovalue* suggestionAt(QPointF place) const;
-    std::optional<double> pixelOf(double isovalue) const;
     void drawFound(QCPPainter* painter);
     void drawReference(QCPPainter* painter);
     void drawStar(QCPPainter* painter, QPointF centre);

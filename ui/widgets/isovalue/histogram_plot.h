@@ -59,6 +59,8 @@ public:
     double requested() const { return requested_; }
     bool hasHistogram() const { return hasHistogram_; }
     double pixelOf(double value) const { return xAxis->coordToPixel(scale_.placeOf(value)); }
+    /// None where the value is out of view, or has no place on the axis.
+    std::optional<double> visiblePixelOf(double value) const;
     double valueAtPixel(double pixel) const { return scale_.valueAt(xAxis->pixelToCoord(pixel)); }
     QCPRange visibleRange() const {
         return {scale_.valueAt(xAxis->range().lower), scale_.valueAt(xAxis->range().upper)};

@@ -22,6 +22,14 @@ constexpr int kLeastSelection = 4;
 
 } // namespace
 
+std::optional<double> HistogramPlot::visiblePixelOf(double value) const {
+    const QCPRange range = visibleRange();
+    if (value < range.lower || value > range.upper || !xAxis->visible())
+        return std::nullopt;
+    const double pixel = pixelOf(value);
+    return std::isfinite(pixel) ? std::optional(pixel) : std::nullopt;
+}
+
 // Where mark and handle are close, the nearer one is meant.
 const EventMark* HistogramPlot::markToPress(QPointF place) const {
     const EventMark* mark = marks_->markAt(place);

@@ -38,17 +38,9 @@ void SurfaceBars::show(const model::SurfaceList& list) {
     plot_.layer(kLayer)->replot();
 }
 
-std::optional<double> SurfaceBars::pixelOf(double isovalue) const {
-    const QCPRange range = plot_.visibleRange();
-    if (isovalue < range.lower || isovalue > range.upper || !plot_.xAxis->visible())
-        return std::nullopt;
-    const double pixel = plot_.pixelOf(isovalue);
-    return std::isfinite(pixel) ? std::optional(pixel) : std::nullopt;
-}
-
 std::optional<QPointF> SurfaceBars::gripOf(model::SurfaceId id) const {
     for (const model::ListedSurface& surface : inactive_)
-        if (const auto pixel = pixelOf(surface.isovalue); pixel && surface.id == id)
+        if (const auto pixel = plot_.visiblePixelOf(surface.isovalue); pixel && surface.id == id)
             return QPointF(*pixel, plot_.axisRect()->top() - kGripHeight / 2.0);
     return std::nullopt;
 }
@@ -60,7 +52,7 @@ const model::ListedSurface* SurfaceBars::surfaceAt(QPointF place) const {
     // Where a bar is as close as the handle, the handle is meant.
     double least = std::min(kHitPixels, std::abs(plot_.pixelOf(plot_.requested()) - place.x()));
     for (const model::ListedSurface& surface : inactive_) {
-        const auto pixel = pixelOf(surface.isovalue);
+        const auto pixel = plot_.visiblePixelOf(surface.isovalue);
         if (pixel && std::abs(*pixel - place.x()) < least) {
             nearest = &surface;
             least = std::abs(*pixel - place.x());
@@ -116,7 +108,7 @@ void SurfaceBars::draw(QCPPainter* painter) {
     const QRect rect = plot_.axisRect()->rect();
     const QColor rim = quietTextColour(plot_.palette(), QPalette::Text, QPalette::Base);
     for (const model::ListedSurface& surface : inactive_) {
-        const auto pixel = pixelOf(surface.isovalue);
+        const auto pixel = plot_.visiblePixelOf(surface.isovalue);
         if (!pixel)
             continue;
         const QColor colour = colourOf(surface);

@@ -36,7 +36,6 @@ protected:
 
 private:
     const model::ListedSurface* surfaceAt(QPointF place) const;
-    std::optional<double> pixelOf(double isovalue) const;
 
     HistogramPlot& plot_;
     std::vector<model::ListedSurface> inactive_;
