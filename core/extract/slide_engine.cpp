@@ -73,7 +73,7 @@ public:
     explicit Engine(const SlideOptions& options, Arguments&&... arguments)
         : readsAhead_(options.readsAhead),
           backing_(std::forward<Arguments>(arguments)...),
-          surface_(meta().info.geometry, meta().missingCells),
+          surface_(meta().info.geometry, meta().info.type, meta().missingCells),
           position_(backing_.source.lowest()),
           wantedBound_(boundOf(builtError(meta().info), meta().info.min, meta().info.max)),
           mergeBound_(wantedBound_) {}

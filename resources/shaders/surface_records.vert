@@ -1,11 +1,14 @@
 #version 330 core
-// Edge records in, view space out: positions and normals are made here, as vertexOf() in
-// core/extract/live/edge_record.h makes them.
-layout(location = 0) in uvec4 record; // edge, or 3072 + level of the cell; level of the leaf edge, or upper half of z; two normals
-layout(location = 1) in vec2 scalars; // at both ends; inside a cell: x and y
+// Vertex codes in, view space out: positions and normals are made here, of the points that the codes refer to, as
+// vertexOf() in core/extract/live/edge_record.h makes them.
+layout(location = 0) in uint code; // core/extract/live/vertex_code.h
 layout(location = 2) in vec4 tint; // linear light; a: 0 hidden, half plain, 1 in this colour; (0, 0, 0, 1) without tints
 
-uniform usamplerBuffer places; // of the brick of each 16 records
+uniform usamplerBuffer places; // of the brick of each 32 vertices: x and y, z, its first line of points, its first in inner
+uniform usamplerBuffer scalars, normals; // of all points; lines of 64 bytes, a brick's 768 scalars before its normals
+uniform usamplerBuffer inner; // vertices inside cells: place, normal and level
+uniform int scalarBytes; // integers are keys, but for those of 4 bytes, which are bits of floats
+uniform int zeroKey; // the key of 0
 uniform float isovalue;
 uniform mat4 modelToView;
 uniform mat4 viewToClip;
@@ -33,38 +36,52 @@ vec3 directionOf(uint code) {
     return vec3(place, z);
 }
 
-void placeInside(vec3 brick) {
-    gridPosition = brick + vec3(scalars, uintBitsToFloat(record.y << 16u | record.w));
-    vec3 direction = directionOf(record.z);
+void placeInside(vec3 brick, uint first) {
+    uvec4 record = texelFetch(inner, int(first + (code >> 2u)));
+    gridPosition = brick + uintBitsToFloat(record.xyz);
+    leafLevel = float(record.w >> 16u);
+    vec3 direction = directionOf(record.w & 0xffffu);
     float size = sqrt(dot(direction, direction));
     gridNormal = size > 0.0 ? direction / size : direction;
 }
 
-void placeOnEdge(vec3 brick) {
-    uint axis = record.x >> 10u;
-    uint point = record.x & 1023u;
-    vec3 along = vec3(axis == 0u, axis == 1u, axis == 2u);
-    // Halves, so that differences of large numbers stay finite; what is not a number becomes 0.
-    float t = (isovalue * 0.5 - scalars.x * 0.5) / (scalars.y * 0.5 - scalars.x * 0.5);
-    t = t > 0.0 ? t : 0.0;
-    t = t < 1.0 ? t : 1.0;
-    uint side = 1u << record.y;
+float scalarAt(int place) {
+    uint key = texelFetch(scalars, place).x;
+    return scalarBytes == 4 ? uintBitsToFloat(key) : float(int(key) - zeroKey);
+}
+
+void placeOnEdge(vec3 brick, uint line) {
+    uint axis = code & 3u;
+    uint point = code >> 2u & 1023u;
+    uint side = 1u << (code >> 12u);
     uvec3 first = uvec3(point % 9u, point / 9u % 9u, point / 81u);
     first[axis] &= ~(side - 1u); // leaf edges are aligned at multiples of their length
+    uvec3 strides = uvec3(1u, 9u, 81u);
+    int lower = int(first.x + 9u * first.y + 81u * first.z), upper = lower + int(side * strides[axis]);
+    int firstScalar = int(line) * (64 / scalarBytes);
+    int firstNormal = (int(line) + 12 * scalarBytes) * 32;
+    vec2 ends = vec2(scalarAt(firstScalar + lower), scalarAt(firstScalar + upper));
+    vec3 along = vec3(axis == 0u, axis == 1u, axis == 2u);
+    // Halves, so that differences of large numbers stay finite; what is not a number becomes 0.
+    float t = (isovalue * 0.5 - ends.x * 0.5) / (ends.y * 0.5 - ends.x * 0.5);
+    t = t > 0.0 ? t : 0.0;
+    t = t < 1.0 ? t : 1.0;
     gridPosition = brick + vec3(first) + along * (t * float(side));
-    vec3 lower = directionOf(record.z), upper = directionOf(record.w);
-    vec3 sum = lower + t * (upper - lower);
+    vec3 normal1 = directionOf(texelFetch(normals, firstNormal + lower).x);
+    vec3 normal2 = directionOf(texelFetch(normals, firstNormal + upper).x);
+    vec3 sum = normal1 + t * (normal2 - normal1);
     float square = dot(sum, sum);
-    gridNormal = square < 1e-12 ? along * (scalars.x < scalars.y ? -1.0 : 1.0) : sum * (1.0 / sqrt(square));
+    gridNormal = square < 1e-12 ? along * (ends.x < ends.y ? -1.0 : 1.0) : sum * (1.0 / sqrt(square));
+    leafLevel = float(code >> 12u);
 }
 
 void main() {
-    vec3 brick = 8.0 * vec3(texelFetch(places, gl_VertexID >> 4).xyz);
-    if (record.x >= 3072u)
-        placeInside(brick);
+    uvec4 its = texelFetch(places, gl_VertexID >> 5);
+    vec3 brick = 8.0 * vec3(its.x & 0xffffu, its.x >> 16u, its.y);
+    if ((code & 3u) == 3u)
+        placeInside(brick, its.w);
     else
-        placeOnEdge(brick);
-    leafLevel = float(record.x >= 3072u ? record.x - 3072u : record.y);
+        placeOnEdge(brick, its.z);
     vec4 place = modelToView * vec4(gridPosition, 1.0);
     viewPosition = place.xyz;
     viewNormal = normalToView * gridNormal;

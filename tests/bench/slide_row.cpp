@@ -135,9 +135,11 @@ private:
                                 : std::span<const extract::PictureBrick>();
         double bytes = 0.0;
         for (std::size_t slot = 0; slot < now.size(); ++slot)
-            if (now[slot].indexCount > 0 && (slot >= before.size() || now[slot] != before[slot]))
-                bytes += static_cast<double>(now[slot].recordCount * sizeof(extract::EdgeRecord<float>) +
-                                             now[slot].indexCount * sizeof(std::uint16_t));
+            if (const bool isNew = slot >= before.size(); now[slot].indexCount > 0)
+                bytes += static_cast<double>(
+                    picture.bytesOf(now[slot], isNew || now[slot] != before[slot],
+                                    isNew || now[slot].firstPointLine != before[slot].firstPointLine ||
+                                        now[slot].pointsVersion != before[slot].pointsVersion));
         return bytes;
     }
 

@@ -254,33 +254,45 @@ TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
     gl->glTransformFeedbackVaryings(program.programId(), 2, outputs, GL_INTERLEAVED_ATTRIBS);
     ASSERT_TRUE(program.link()) << program.log().toStdString();
 
-    GLuint array = 0, texture = 0, buffers[3];
+    GLuint array = 0, textures[4], buffers[7];
     gl->glGenVertexArrays(1, &array);
-    gl->glGenTextures(1, &texture);
-    gl->glGenBuffers(3, buffers);
+    gl->glGenTextures(4, textures);
+    gl->glGenBuffers(7, buffers);
     gl->glBindVertexArray(array);
     program.bind();
-    program.setUniformValue("places", 0);
+    constexpr std::array<const char*, 4> kTextures{"places", "scalars", "normals", "inner"};
+    for (std::size_t unit = 0; unit < kTextures.size(); ++unit)
+        program.setUniformValue(kTextures[unit], static_cast<int>(unit));
+    ASSERT_EQ(picture.type(), ScalarType::F32);
+    program.setUniformValue("scalarBytes", 4);
+    program.setUniformValue("zeroKey", 0);
     program.setUniformValue("isovalue", static_cast<float>(frame->isovalue));
     std::size_t onEdges = 0, inside = 0;
     float largestTurn = 0.0f;
+    std::vector<extract::EdgeRecord<float>> room;
     for (const extract::PictureBrick& brick : picture.bricks()) {
         if (brick.indexCount == 0)
             continue;
-        const auto* records = picture.records(brick);
-        const std::size_t count = brick.recordCount;
+        const auto records = picture.records(brick, room);
+        const std::size_t count = records.size();
         gl->glBindBuffer(GL_ARRAY_BUFFER, buffers[0]);
-        gl->glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(count * sizeof records[0]), records, GL_STREAM_DRAW);
+        gl->glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(count * sizeof(extract::VertexCode)),
+                         picture.codes(brick), GL_STREAM_DRAW);
         gl->glEnableVertexAttribArray(0);
-        gl->glVertexAttribIPointer(0, 4, GL_UNSIGNED_SHORT, sizeof records[0], nullptr);
-        gl->glEnableVertexAttribArray(1);
-        gl->glVertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, sizeof records[0], reinterpret_cast<const void*>(8));
-        const std::vector<std::array<std::uint16_t, 4>> places((count + 15) / 16,
-                                                               {brick.place[0], brick.place[1], brick.place[2], 0});
-        gl->glBindBuffer(GL_TEXTURE_BUFFER, buffers[1]);
-        gl->glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(places.size() * 8), places.data(), GL_STREAM_DRAW);
-        gl->glBindTexture(GL_TEXTURE_BUFFER, texture);
-        gl->glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA16UI, buffers[1]);
+        gl->glVertexAttribIPointer(0, 1, GL_UNSIGNED_SHORT, sizeof(extract::VertexCode), nullptr);
+        const auto fill = [&](std::size_t unit, GLenum format, const void* data, std::size_t bytes) {
+            gl->glBindBuffer(GL_TEXTURE_BUFFER, buffers[3 + unit]);
+            gl->glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(bytes), data, GL_STREAM_DRAW);
+            gl->glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
+            gl->glBindTexture(GL_TEXTURE_BUFFER, textures[unit]);
+            gl->glTexBuffer(GL_TEXTURE_BUFFER, format, buffers[3 + unit]);
+        };
+        const std::vector<std::array<std::uint32_t, 4>> places(
+            (count + 31) / 32, {brick.place[0] | std::uint32_t{brick.place[1]} << 16, brick.place[2], 0, 0});
+        fill(0, GL_RGBA32UI, places.data(), places.size() * sizeof places[0]);
+        fill(1, GL_R32UI, picture.points(brick), sizeof(extract::BrickPoints<float>));
+        fill(2, GL_R16UI, picture.points(brick), sizeof(extract::BrickPoints<float>));
+        fill(3, GL_RGBA32UI, picture.inner(brick), brick.innerCount * sizeof(extract::InnerRecord));
         std::vector<glm::vec3> out(2 * count);
         gl->glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffers[2]);
         gl->glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(out.size() * sizeof(glm::vec3)), nullptr,
@@ -308,8 +320,8 @@ TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
     EXPECT_GT(inside, 10u);
     EXPECT_EQ(gl->glGetError(), GLenum{GL_NO_ERROR});
     program.release();
-    gl->glDeleteBuffers(3, buffers);
-    gl->glDeleteTextures(1, &texture);
+    gl->glDeleteBuffers(7, buffers);
+    gl->glDeleteTextures(4, textures);
     gl->glDeleteVertexArrays(1, &array);
     context.doneCurrent();
 }
@@ -328,11 +340,12 @@ TEST_F(BrickPictureTest, ACoarseSurfaceHasNoCracks) {
             whole = 0;
             for (const extract::PictureBrick& brick : picture.bricks()) {
                 std::vector<std::uint16_t> coarse;
-                if (brick.indexCount > 0)
-                    render::coarsenBrick({picture.records(brick), brick.recordCount},
-                                         {picture.indices(brick), brick.indexCount}, blockCells, coarse);
+                std::vector<extract::EdgeRecord<float>> room;
+                const auto records =
+                    brick.indexCount > 0 ? picture.records(brick, room) : std::span<const extract::EdgeRecord<float>>();
+                render::coarsenBrick(records, {picture.indices(brick), brick.indexCount}, blockCells, coarse);
                 const auto placeOf = [&](std::size_t i) {
-                    const auto vertex = extract::vertexOf(picture.records(brick)[coarse[i]], brick.origin(),
+                    const auto vertex = extract::vertexOf(records[coarse[i]], brick.origin(),
                                                           static_cast<float>(frame->isovalue));
                     return Place{vertex.position.x, vertex.position.y, vertex.position.z};
                 };

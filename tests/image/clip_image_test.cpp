@@ -175,6 +175,7 @@ TEST_F(ClipImageTest, BricksOutsideTheBoxAreNotDrawnAtAll) {
     GLuint query = 0;
     gl->glGenQueries(1, &query);
     program->bind();
+    bricks.setUniforms(*program);
     const auto trianglesDrawn = [&](const model::Clipping& clipping) {
         bricks.setCuts(model::cutsOf(clipping, frame->geometry, frame->geometry));
         gl->glBeginQuery(GL_PRIMITIVES_GENERATED, query);

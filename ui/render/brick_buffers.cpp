@@ -16,7 +16,7 @@ namespace isoslider::render {
 namespace {
 
 using extract::PictureBrick;
-using Record = BrickBuffers::Picture::Record;
+using extract::VertexCode;
 
 constexpr std::size_t kPage = 512; // places that are sent together
 constexpr std::size_t kMostTogether = std::size_t{4} << 20; // bytes of a fresh buffer that are sent together
@@ -48,24 +48,24 @@ BrickBuffers::BrickBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) 
     mostPlaces_ = static_cast<std::uint64_t>(std::max(0, most));
     gl_.glGenVertexArrays(1, &vertexArray_);
     gl_.glGenTextures(1, &placesTexture_);
-    for (Buffer* buffer : {&records_, &indices_, &places_, &changedIndices_, &tints_, &coarseIndices_})
+    gl_.glGenTextures(1, &innerTexture_);
+    for (Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_, &coarseIndices_})
         buffer->name = driver_.makeBuffer(gl_);
     gl_.glBindVertexArray(vertexArray_);
-    gl_.glBindBuffer(GL_ARRAY_BUFFER, records_.name);
+    gl_.glBindBuffer(GL_ARRAY_BUFFER, codes_.name);
     gl_.glEnableVertexAttribArray(0);
-    gl_.glVertexAttribIPointer(0, 4, GL_UNSIGNED_SHORT, sizeof(Record), nullptr);
-    gl_.glEnableVertexAttribArray(1);
-    gl_.glVertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, sizeof(Record),
-                              reinterpret_cast<const void*>(offsetof(Record, scalar1)));
+    gl_.glVertexAttribIPointer(0, 1, GL_UNSIGNED_SHORT, sizeof(VertexCode), nullptr);
     gl_.glBindVertexArray(0);
 }
 
 BrickBuffers::~BrickBuffers() {
     if (vertexArray_ == 0)
         return;
-    for (const Buffer* buffer : {&records_, &indices_, &places_, &changedIndices_, &tints_, &coarseIndices_})
+    freePages();
+    for (const Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_, &coarseIndices_})
         driver_.freeBuffer(gl_, buffer->name);
     gl_.glDeleteTextures(1, &placesTexture_);
+    gl_.glDeleteTextures(1, &innerTexture_);
     gl_.glDeleteVertexArrays(1, &vertexArray_);
 }
 
@@ -78,11 +78,29 @@ void BrickBuffers::clear() {
     series_ = 0;
 }
 
+void BrickBuffers::freePages() {
+    for (const Page& page : pages_) {
+        driver_.freeBuffer(gl_, page.lines.name);
+        gl_.glDeleteTextures(1, &page.scalars);
+        gl_.glDeleteTextures(1, &page.normals);
+    }
+    pages_.clear();
+}
+
 void BrickBuffers::freeMemory() {
     clear();
-    for (Buffer* buffer : {&records_, &indices_, &places_, &changedIndices_, &tints_, &coarseIndices_})
+    freePages();
+    for (Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_, &coarseIndices_})
         if (std::exchange(buffer->capacityBytes, 0) > 0)
             driver_.allocate(gl_, GL_COPY_WRITE_BUFFER, buffer->name, 0);
+}
+
+bool BrickBuffers::canHold(const Picture& picture) const {
+    const std::uint64_t lines = std::min<std::uint64_t>(picture.pointLineEnd(), kLinesPerPage);
+    constexpr std::uint64_t kNormalsPerLine = sizeof(extract::PointLine) / sizeof(NormalCode);
+    return picture.vertexEnd() / kVerticesPerPlace <= mostPlaces_ && picture.innerEnd() <= mostPlaces_ &&
+           lines * std::max(kNormalsPerLine, sizeof(extract::PointLine) / scalarTypeSizeBytes(picture.type())) <=
+               mostPlaces_;
 }
 
 bool BrickBuffers::upload(const Picture& picture) {
@@ -90,40 +108,49 @@ bool BrickBuffers::upload(const Picture& picture) {
         clear();
     isFresh_ = series_ == 0;
     gl_.glBindVertexArray(vertexArray_);
-    if (!makeRoom(picture)) {
+    if (!makeRoom(picture) || !makeRoomForPoints(picture)) {
         freeMemory();
         gl_.glBindVertexArray(0);
         return false;
     }
     const auto now = picture.bricks();
-    if (isFresh_ || isMostlyNew(now)) {
-        isFresh_ = true;
+    isFresh_ = isFresh_ || isMostlyNew(now);
+    if (series_ == 0)
         bricks_.clear();
-    }
     bricks_.resize(now.size());
-    placeTable_.resize((picture.recordEnd() + kRecordsPerPlace - 1) / kRecordsPerPlace);
-    std::vector<Stretch> records, indices;
-    std::vector<std::uint64_t> pages;
+    placeTable_.resize((picture.vertexEnd() + kVerticesPerPlace - 1) / kVerticesPerPlace);
+    std::vector<Stretch> codes, indices, inner;
+    std::vector<std::size_t> withPoints;
+    std::vector<std::uint64_t> tablePages;
     for (std::size_t slot = 0; slot < now.size(); ++slot) {
         const PictureBrick& brick = now[slot];
-        if (brick == bricks_[slot])
-            continue;
-        bricks_[slot] = brick;
+        const PictureBrick before = std::exchange(bricks_[slot], brick);
         if (brick.indexCount == 0)
             continue;
-        records.push_back({brick.firstRecord, brick.recordCount, picture.records(brick)});
+        if (before.indexCount == 0 || before.firstPointLine != brick.firstPointLine ||
+            before.pointsVersion != brick.pointsVersion || pages_[pageOf(brick)].isFresh)
+            withPoints.push_back(slot);
+        if (!isFresh_ && brick == before)
+            continue;
+        codes.push_back({brick.firstVertex, brick.vertexCount, picture.codes(brick)});
         indices.push_back({brick.firstIndex, brick.indexCount, picture.indices(brick)});
-        const std::uint64_t first = brick.firstRecord / kRecordsPerPlace;
-        const std::uint64_t last = (brick.firstRecord + std::uint64_t{brick.recordCount} - 1) / kRecordsPerPlace;
-        for (std::uint64_t place = first; place <= last; ++place) {
-            placeTable_[place] = {brick.place[0], brick.place[1], brick.place[2], 0};
-            if (pages.empty() || pages.back() != place / kPage)
-                pages.push_back(place / kPage);
+        if (brick.innerCount > 0)
+            inner.push_back({brick.firstInner, brick.innerCount, picture.inner(brick)});
+        const std::uint64_t first = brick.firstVertex / kVerticesPerPlace;
+        const std::uint64_t last = (brick.firstVertex + std::uint64_t{brick.vertexCount} - 1) / kVerticesPerPlace;
+        const Place place{brick.place[0] | std::uint32_t{brick.place[1]} << 16, brick.place[2],
+                          brick.firstPointLine % kLinesPerPage, brick.firstInner};
+        for (std::uint64_t entry = first; entry <= last; ++entry) {
+            placeTable_[entry] = place;
+            if (tablePages.empty() || tablePages.back() != entry / kPage)
+                tablePages.push_back(entry / kPage);
         }
     }
-    send(GL_COPY_WRITE_BUFFER, records_, sizeof(Record), records);
-    send(GL_COPY_WRITE_BUFFER, indices_, sizeof(std::uint16_t), indices);
-    sendPlaces(pages);
+    send(GL_COPY_WRITE_BUFFER, codes_, sizeof(extract::VertexCode), isFresh_, codes);
+    send(GL_COPY_WRITE_BUFFER, indices_, sizeof(std::uint16_t), isFresh_, indices);
+    send(GL_COPY_WRITE_BUFFER, inner_, sizeof(extract::InnerRecord), isFresh_, inner);
+    sendPoints(picture, withPoints);
+    sendPlaces(tablePages);
     series_ = picture.series();
     const bool hasRoom = sendChanged(picture);
     gl_.glBindVertexArray(0);
@@ -132,11 +159,34 @@ bool BrickBuffers::upload(const Picture& picture) {
     return true;
 }
 
+void BrickBuffers::sendPoints(const Picture& picture, std::span<const std::size_t> brickSlots) {
+    const std::uint32_t lines = extract::pointLineCount(scalarTypeSizeBytes(picture.type()));
+    std::vector<std::vector<Stretch>> byPage(pages_.size());
+    for (const std::size_t slot : brickSlots) {
+        const PictureBrick& brick = bricks_[slot];
+        byPage[pageOf(brick)].push_back({brick.firstPointLine % kLinesPerPage, lines, picture.points(brick)});
+    }
+    for (std::size_t page = 0; page < pages_.size(); ++page)
+        send(GL_COPY_WRITE_BUFFER, pages_[page].lines, sizeof(extract::PointLine),
+             std::exchange(pages_[page].isFresh, false), byPage[page]);
+}
+
+void BrickBuffers::setUniforms(QOpenGLShaderProgram& program) const {
+    program.setUniformValue("places", 0);
+    program.setUniformValue("scalars", kBrickUnit);
+    program.setUniformValue("normals", kBrickUnit + 1);
+    program.setUniformValue("inner", kBrickUnit + 2);
+    const auto bytes = static_cast<int>(scalarTypeSizeBytes(type_));
+    const bool isSigned = type_ == ScalarType::I8 || type_ == ScalarType::I16;
+    program.setUniformValue("scalarBytes", bytes);
+    program.setUniformValue("zeroKey", isSigned ? 1 << (8 * bytes - 1) : 0);
+}
+
 bool BrickBuffers::tint(const extract::SurfacePieces& pieces, std::span<const model::PieceTint> tints) {
     gl_.glBindVertexArray(vertexArray_);
-    const std::size_t records = records_.capacityBytes / sizeof(Record);
+    const std::size_t vertices = codes_.capacityBytes / sizeof(VertexCode);
     isFresh_ = sentTints_.empty();
-    if (!makeRoom(GL_ARRAY_BUFFER, tints_, records * sizeof(model::PieceTint))) {
+    if (!makeRoom(GL_ARRAY_BUFFER, tints_, vertices * sizeof(model::PieceTint))) {
         gl_.glBindVertexArray(0);
         untint();
         return false;
@@ -150,7 +200,7 @@ bool BrickBuffers::tint(const extract::SurfacePieces& pieces, std::span<const mo
         if (brick.indexCount == 0)
             continue;
         drawn.push_back(slot);
-        SentTints sent{brick.version, brick.firstRecord, 1};
+        SentTints sent{brick.version, brick.firstVertex, 1};
         for (const std::uint32_t piece : pieces.piecesOf(slot))
             sent.hash = (sent.hash ^ std::bit_cast<std::uint32_t>(tints[piece])) * 0x9e3779b97f4a7c15u;
         if (sent == sentTints_[slot])
@@ -170,8 +220,8 @@ bool BrickBuffers::tint(const extract::SurfacePieces& pieces, std::span<const mo
     }
     std::vector<Stretch> stretches;
     for (const auto& [slot, start] : brickStarts)
-        stretches.push_back({bricks_[slot].firstRecord, bricks_[slot].recordCount, &colours[start]});
-    send(GL_ARRAY_BUFFER, tints_, sizeof(model::PieceTint), stretches);
+        stretches.push_back({bricks_[slot].firstVertex, bricks_[slot].vertexCount, &colours[start]});
+    send(GL_ARRAY_BUFFER, tints_, sizeof(model::PieceTint), isFresh_, stretches);
     gl_.glBindBuffer(GL_ARRAY_BUFFER, tints_.name);
     gl_.glEnableVertexAttribArray(kTintLocation);
     gl_.glVertexAttribPointer(kTintLocation, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(model::PieceTint), nullptr);
@@ -199,11 +249,53 @@ bool BrickBuffers::isMostlyNew(std::span<const extract::PictureBrick> now) const
 }
 
 bool BrickBuffers::makeRoom(const Picture& picture) {
-    const std::size_t places = (picture.recordEnd() + kRecordsPerPlace - 1) / kRecordsPerPlace;
+    const std::size_t places = (picture.vertexEnd() + kVerticesPerPlace - 1) / kVerticesPerPlace;
     const std::size_t pagedPlaces = (places + kPage - 1) / kPage * kPage;
-    return makeRoom(GL_COPY_WRITE_BUFFER, records_, picture.recordEnd() * sizeof(Record)) &&
+    return makeRoom(GL_COPY_WRITE_BUFFER, codes_, picture.vertexEnd() * sizeof(VertexCode)) &&
            makeRoom(GL_COPY_WRITE_BUFFER, indices_, picture.indexEnd() * sizeof(std::uint16_t)) &&
+           makeRoom(GL_COPY_WRITE_BUFFER, inner_, picture.innerEnd() * sizeof(extract::InnerRecord)) &&
            makeRoom(GL_COPY_WRITE_BUFFER, places_, pagedPlaces * sizeof(Place));
+}
+
+// Pages above what the picture has are given back.
+bool BrickBuffers::makeRoomForPoints(const Picture& picture) {
+    const bool isOther = series_ == 0 || std::exchange(type_, picture.type()) != picture.type();
+    type_ = picture.type();
+    const std::uint64_t end = picture.pointLineEnd();
+    const std::size_t count = (end + kLinesPerPage - 1) / kLinesPerPage;
+    while (pages_.size() > count) {
+        driver_.freeBuffer(gl_, pages_.back().lines.name);
+        gl_.glDeleteTextures(1, &pages_.back().scalars);
+        gl_.glDeleteTextures(1, &pages_.back().normals);
+        pages_.pop_back();
+    }
+    for (std::size_t at = 0; at < count; ++at) {
+        if (at == pages_.size()) {
+            Page page;
+            page.lines.name = driver_.makeBuffer(gl_);
+            gl_.glGenTextures(1, &page.scalars);
+            gl_.glGenTextures(1, &page.normals);
+            pages_.push_back(page);
+        }
+        Page& page = pages_[at];
+        const std::uint64_t lines = std::min<std::uint64_t>(kLinesPerPage, end - at * std::uint64_t{kLinesPerPage});
+        const std::size_t bytes = lines * sizeof(extract::PointLine);
+        const bool hasRoom = bytes <= page.lines.capacityBytes;
+        const bool wasFresh = isFresh_;
+        if (!makeRoom(GL_COPY_WRITE_BUFFER, page.lines, bytes))
+            return false;
+        isFresh_ = wasFresh; // of the other buffers
+        page.isFresh = page.isFresh || isOther || !hasRoom;
+        if (!page.isFresh)
+            continue;
+        constexpr std::array<GLenum, 5> kFormats{0, GL_R8UI, GL_R16UI, 0, GL_R32UI}; // by bytes of a sample
+        gl_.glBindTexture(GL_TEXTURE_BUFFER, page.scalars);
+        gl_.glTexBuffer(GL_TEXTURE_BUFFER, kFormats.at(scalarTypeSizeBytes(type_)), page.lines.name);
+        gl_.glBindTexture(GL_TEXTURE_BUFFER, page.normals);
+        gl_.glTexBuffer(GL_TEXTURE_BUFFER, GL_R16UI, page.lines.name);
+    }
+    gl_.glBindTexture(GL_TEXTURE_BUFFER, 0);
+    return true;
 }
 
 // What was in a buffer that grows is lost and sent again: that happens a few times in the life of a surface.
@@ -227,10 +319,10 @@ void BrickBuffers::sendBytes(GLenum target, std::uint64_t at, std::size_t bytes,
 }
 
 // Into a buffer that holds nothing yet many stretches go at once, with what lies between them.
-void BrickBuffers::send(GLenum target, const Buffer& buffer, std::size_t elementBytes,
+void BrickBuffers::send(GLenum target, const Buffer& buffer, std::size_t elementBytes, bool isFresh,
                         std::vector<Stretch>& stretches) {
     gl_.glBindBuffer(target, buffer.name);
-    if (!isFresh_) {
+    if (!isFresh) {
         for (const Stretch& stretch : stretches)
             sendBytes(target, stretch.first * elementBytes, stretch.count * elementBytes, stretch.data);
         return;
@@ -267,7 +359,9 @@ void BrickBuffers::sendPlaces(std::vector<std::uint64_t>& pages) {
         sendBytes(GL_COPY_WRITE_BUFFER, first * sizeof(Place), (last - first) * sizeof(Place), &placeTable_[first]);
     }
     gl_.glBindTexture(GL_TEXTURE_BUFFER, placesTexture_);
-    gl_.glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA16UI, places_.name);
+    gl_.glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32UI, places_.name);
+    gl_.glBindTexture(GL_TEXTURE_BUFFER, innerTexture_);
+    gl_.glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32UI, inner_.name);
     gl_.glBindTexture(GL_TEXTURE_BUFFER, 0);
 }
 
@@ -303,6 +397,7 @@ void BrickBuffers::coarsen(const Picture& picture, int blockCells) {
     if (std::exchange(coarseBlockCells_, blockCells) != blockCells)
         coarse_.clear();
     bool isOther = coarse_.size() != bricks_.size();
+    std::vector<Picture::Record> records;
     coarse_.resize(bricks_.size());
     std::size_t count = 0;
     for (std::size_t slot = 0; slot < bricks_.size(); ++slot) {
@@ -313,8 +408,8 @@ void BrickBuffers::coarsen(const Picture& picture, int blockCells) {
             coarse.of = brick;
             coarse.indices.clear();
             if (brick.indexCount > 0)
-                coarsenBrick({picture.records(brick), brick.recordCount}, {picture.indices(brick), brick.indexCount},
-                             blockCells, coarse.indices);
+                coarsenBrick(picture.records(brick, records), {picture.indices(brick), brick.indexCount}, blockCells,
+                             coarse.indices);
         }
         coarse.firstIndex = static_cast<std::uint32_t>(count);
         count += coarse.indices.size();
@@ -365,46 +460,66 @@ void BrickBuffers::listInView(const glm::dmat4& modelToClip, bool isCoarse) {
         if (brick.indexCount == 0 || !isInView(brick, planes))
             continue;
         const glm::vec4 place(brick.place[0], brick.place[1], brick.place[2], 0.0);
-        inView_.emplace_back(glm::dot(isPerspective ? depth : along, place), static_cast<std::uint32_t>(slot));
+        inView_.push_back(
+            {pageOf(brick), glm::dot(isPerspective ? depth : along, place), static_cast<std::uint32_t>(slot)});
     }
     std::sort(inView_.begin(), inView_.end());
-    counts_.clear();
-    offsets_.clear();
-    baseVertices_.clear();
-    for (const auto& [_, slot] : inView_) {
-        const PictureBrick& brick = bricks_[slot];
-        const std::size_t first = isCoarse ? coarse_[slot].firstIndex : brick.firstIndex;
-        counts_.push_back(static_cast<GLsizei>(isCoarse ? coarse_[slot].indices.size() : brick.indexCount));
-        offsets_.push_back(reinterpret_cast<const void*>(first * sizeof(std::uint16_t)));
-        baseVertices_.push_back(static_cast<GLint>(brick.firstRecord));
+    clearCalls();
+    for (const InView& seen : inView_) {
+        const CoarseBrick* const coarse = isCoarse ? &coarse_[seen.slot] : nullptr;
+        const PictureBrick& brick = bricks_[seen.slot];
+        addCall(brick, coarse ? coarse->firstIndex : brick.firstIndex,
+                coarse ? coarse->indices.size() : brick.indexCount);
     }
 }
 
-void BrickBuffers::drawChanged() {
+void BrickBuffers::clearCalls() {
+    callPages_.clear();
     counts_.clear();
     offsets_.clear();
     baseVertices_.clear();
+}
+
+void BrickBuffers::addCall(const PictureBrick& brick, std::size_t firstIndex, std::size_t count) {
+    callPages_.push_back(pageOf(brick));
+    counts_.push_back(static_cast<GLsizei>(count));
+    offsets_.push_back(reinterpret_cast<const void*>(firstIndex * sizeof(std::uint16_t)));
+    baseVertices_.push_back(static_cast<GLint>(brick.firstVertex));
+}
+
+void BrickBuffers::drawChanged() {
+    clearCalls();
     std::size_t first = 0;
     for (const extract::ChangedTriangles& changed : changed_) {
-        counts_.push_back(static_cast<GLsizei>(changed.indexCount));
-        offsets_.push_back(reinterpret_cast<const void*>(first * sizeof(std::uint16_t)));
-        baseVertices_.push_back(static_cast<GLint>(bricks_[changed.slot].firstRecord));
+        addCall(bricks_[changed.slot], first, changed.indexCount);
         first += changed.indexCount;
     }
     drawRange(changedIndices_.name, 0, counts_.size());
 }
 
+// One call for each stretch of bricks whose points are in one page.
 void BrickBuffers::drawRange(GLuint indices, std::size_t begin, std::size_t end) {
     if (begin == end)
         return;
-    gl_.glActiveTexture(GL_TEXTURE0);
-    gl_.glBindTexture(GL_TEXTURE_BUFFER, placesTexture_);
+    const auto bind = [&](int unit, GLuint texture) {
+        gl_.glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
+        gl_.glBindTexture(GL_TEXTURE_BUFFER, texture);
+    };
     gl_.glBindVertexArray(vertexArray_);
     gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
-    gl_.glMultiDrawElementsBaseVertex(GL_TRIANGLES, &counts_[begin], GL_UNSIGNED_SHORT, &offsets_[begin],
-                                      static_cast<GLsizei>(end - begin), &baseVertices_[begin]);
+    bind(kBrickUnit + 2, innerTexture_);
+    bind(0, placesTexture_);
+    for (std::size_t next = begin; begin < end; begin = next) {
+        while (next < end && callPages_[next] == callPages_[begin])
+            ++next;
+        bind(kBrickUnit, pages_[callPages_[begin]].scalars);
+        bind(kBrickUnit + 1, pages_[callPages_[begin]].normals);
+        gl_.glMultiDrawElementsBaseVertex(GL_TRIANGLES, &counts_[begin], GL_UNSIGNED_SHORT, &offsets_[begin],
+                                          static_cast<GLsizei>(next - begin), &baseVertices_[begin]);
+    }
     gl_.glBindVertexArray(0);
-    gl_.glBindTexture(GL_TEXTURE_BUFFER, 0);
+    for (const int unit : {kBrickUnit, kBrickUnit + 1, kBrickUnit + 2, 0})
+        bind(unit, 0);
 }
 
 } // namespace isoslider::render

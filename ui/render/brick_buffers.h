@@ -18,7 +18,8 @@
 namespace isoslider::render {
 
 /// The bricks of a surface on the GPU: the arenas of BrickPicture, place by place, and a table that reports the brick
-/// of each 16 records. Of a picture that follows one of the same series only bricks with another version are uploaded.
+/// of each 32 vertices. Of a picture that follows one of the same series only what is new of each brick is uploaded.
+/// Points are in pages, one buffer each, because a shader can look up only so much in one; what grows is the last.
 /// REQUIRES for every call but abandon() and the destructor after it: the context it was made in is current.
 class BrickBuffers {
 public:
@@ -30,7 +31,7 @@ public:
     BrickBuffers& operator=(const BrickBuffers&) = delete;
 
     /// Whether the card can look up that many places at all.
-    bool canHold(const Picture& picture) const { return picture.recordEnd() / kRecordsPerPlace <= mostPlaces_; }
+    bool canHold(const Picture& picture) const;
     /// False if the card has no memory for it: then nothing is drawn, and no memory is kept. REQUIRES:
     /// canHold(picture).
     bool upload(const Picture& picture);
@@ -46,11 +47,12 @@ public:
     void abandon() { vertexArray_ = 0; }
 
     bool isEmpty() const { return bricks_.empty(); }
-    /// Bytes of records, indices and places sent since the object was made.
+    /// Bytes of vertices, indices, points and places sent since the object was made.
     std::uint64_t uploadedBytes() const { return uploadedBytes_; }
 
-    /// Draws the bricks that `modelToClip` brings into view; the program's `places` is texture unit 0. `isStopped` is
-    /// asked between parts: false if it answered true.
+    /// Sets what the vertex shader of bricks must know of them; texture units 0 and kBrickUnit to kBrickUnit + 2 are its.
+    void setUniforms(QOpenGLShaderProgram& program) const;
+    /// Draws the bricks that `modelToClip` brings into view, with a program that has these uniforms. `isStopped` is asked between parts: false if it answered true.
     bool drawSurface(const glm::dmat4& modelToClip, const std::function<bool()>& isStopped);
     /// The same of a coarser surface, see coarsenBrick. REQUIRES: `picture` is the one uploaded last.
     bool drawCoarse(const Picture& picture, int blockCells, const glm::dmat4& modelToClip,
@@ -61,11 +63,19 @@ public:
     void setCuts(std::vector<glm::dvec4> cuts) { cuts_ = std::move(cuts); }
 
 private:
-    static constexpr std::uint32_t kRecordsPerPlace = 16;
-    using Place = std::array<std::uint16_t, 4>;
+    static constexpr std::uint32_t kVerticesPerPlace = 32;
+    static constexpr std::uint32_t kLinesPerPage = std::uint32_t{1} << 20;
+    /// Of a brick: x and y of its place, 16 bits each; z; its first line of points, in its page; its first vertex inside
+    /// cells.
+    using Place = std::array<std::uint32_t, 4>;
     struct Buffer {
         GLuint name = 0;
         std::size_t capacityBytes = 0;
+    };
+    struct Page { ///< of points
+        Buffer lines;
+        GLuint scalars = 0, normals = 0; ///< textures of it
+        bool isFresh = false; ///< holds nothing of what it should
     };
     /// Elements of an arena that lie one after the other.
     struct Stretch {
@@ -76,13 +86,20 @@ private:
 
     bool isMostlyNew(std::span<const extract::PictureBrick> now) const;
     bool makeRoom(const Picture& picture);
+    bool makeRoomForPoints(const Picture& picture);
+    void freePages();
+    static std::size_t pageOf(const extract::PictureBrick& brick) { return brick.firstPointLine / kLinesPerPage; }
+    void sendPoints(const Picture& picture, std::span<const std::size_t> brickSlots);
     bool makeRoom(GLenum target, Buffer& buffer, std::size_t bytes);
-    void send(GLenum target, const Buffer& buffer, std::size_t elementBytes, std::vector<Stretch>& stretches);
+    void send(GLenum target, const Buffer& buffer, std::size_t elementBytes, bool isFresh,
+              std::vector<Stretch>& stretches);
     void sendBytes(GLenum target, std::uint64_t at, std::size_t bytes, const void* data);
     void sendPlaces(std::vector<std::uint64_t>& pages);
     bool sendChanged(const Picture& picture);
     void coarsen(const Picture& picture, int blockCells);
     void listInView(const glm::dmat4& modelToClip, bool isCoarse);
+    void clearCalls();
+    void addCall(const extract::PictureBrick& brick, std::size_t firstIndex, std::size_t count);
     bool drawParts(GLuint indices, const std::function<bool()>& isStopped);
     void drawRange(GLuint indices, std::size_t begin, std::size_t end);
 
@@ -91,12 +108,15 @@ private:
     std::uint64_t mostPlaces_ = 0;
     GLuint vertexArray_ = 0;
     GLuint placesTexture_ = 0;
-    Buffer records_, indices_, places_, changedIndices_, tints_, coarseIndices_;
+    GLuint innerTexture_ = 0;
+    Buffer codes_, indices_, inner_, places_, changedIndices_, tints_, coarseIndices_;
+    std::vector<Page> pages_;
+    ScalarType type_ = ScalarType::F32; ///< of the samples in the pages
     std::uint64_t series_ = 0; ///< of the picture that is there; 0 for none
     std::vector<extract::PictureBrick> bricks_; ///< as they are on the GPU
     /// By slot, of what the tints on the GPU were made from: its version, and its parts' tints.
     struct SentTints {
-        std::uint32_t version = 0, firstRecord = 0;
+        std::uint32_t version = 0, firstVertex = 0;
         std::uint64_t hash = 0;
         friend bool operator==(const SentTints&, const SentTints&) = default;
     };
@@ -114,8 +134,15 @@ private:
     std::uint64_t uploadedBytes_ = 0;
     bool isFresh_ = false; ///< the buffers hold nothing that must be kept
     std::vector<glm::dvec4> cuts_;
-    std::vector<std::pair<float, std::uint32_t>> inView_; ///< depth and slot
-    // Arguments of the draw call.
+    struct InView {
+        std::size_t page;
+        float depth;
+        std::uint32_t slot;
+        friend auto operator<=>(const InView&, const InView&) = default;
+    };
+    std::vector<InView> inView_;
+    // Arguments of the draw calls, and the page of each.
+    std::vector<std::size_t> callPages_;
     std::vector<GLsizei> counts_;
     std::vector<const void*> offsets_;
     std::vector<GLint> baseVertices_;

@@ -12,6 +12,8 @@ using Gl = QOpenGLFunctions_3_3_Core;
 /// Where programs that colour by values find a field and a map, see shaders/scalar_colour.glsl; the units before are
 /// those of records and of layers.
 inline constexpr int kScalarFieldUnit = 3, kColourMapUnit = 4;
+/// The first of three in which vertices of bricks look up scalars, normals and what lies inside cells.
+inline constexpr int kBrickUnit = 5;
 
 /// Compiles and links `<vertex>.vert` and `<fragment>.frag` of the built-in shaders; `define`, if any, is defined in
 /// both. REQUIRES: a current context. Null, with a warning in the log, if the driver refuses.

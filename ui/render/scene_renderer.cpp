@@ -457,7 +457,7 @@ void SceneRenderer::useProgram(QOpenGLShaderProgram& program, const OnCard& surf
     resources_->gl.glFrontFace(surface.frame.geometry.isLeftHanded() ? GL_CW : GL_CCW);
     program.bind();
     if (surface.isOfBricks()) {
-        program.setUniformValue("places", 0);
+        surface.bricks.setUniforms(program);
         program.setUniformValue("isovalue", static_cast<float>(surface.frame.isovalue));
     }
     program.setUniformValue("modelToView", matrices.modelToView);

@@ -7,17 +7,16 @@
 #include "core/cell/cell_states.h"
 #include "core/extract/live/active_bits.h"
 #include "core/extract/live/brick_bits.h"
+#include "core/extract/live/brick_points.h"
 #include "core/extract/live/brick_slot.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/edge_record.h"
 #include "core/extract/live/merged_cells.h"
 #include "core/extract/live/run_arena.h"
+#include "core/extract/live/vertex_code.h"
 #include "core/extract/merged/merge_bound.h"
 
 namespace isoslider::extract {
-
-/// Most active edges of a closed brick: 3 directions of 8 x 9 x 9.
-inline constexpr int kMaxBrickEdges = 3 * kCellSide * kPointSide * kPointSide;
 
 /// An active cell whose signs do not determine its surface, and the isovalues between which its state lasts: face
 /// saddles and body saddles change it where no edge changes.
@@ -37,7 +36,7 @@ public:
 
 /// What a brick has had of the arenas.
 struct RetiredRuns {
-    ArenaRun vertices, indices;
+    ArenaRun vertices, indices, inner, points;
 };
 
 /// What is made of a brick before it takes its place in the live surface: scratch memory of one thread.
@@ -49,15 +48,18 @@ struct BrickDraft {
     BitString changed; ///< cells to point out as changed; a superset of the active ones will do
     std::uint32_t ownedEdges = 0;
     std::uint32_t edgeVertices = 0;
-    std::array<EdgeRecord<Live>, kMaxBrickEdges + 16> records; ///< of the active edges, in their order
+    /// Of the active edges, in their order; room for those inside cells.
+    alignas(64) std::array<VertexCode, kMaxEdgeCodes + CellList::kMost * cell::kMaxInnerVertices> codes;
     VertexTable vertices; ///< their numbers
+    const PointLine* newPoints = nullptr; ///< null where the brick's points stay as they are
 
     // Filled by the surface from what stands above.
     CellList cells;
     std::vector<std::uint16_t> indices;
     std::uint32_t indexCount = 0;
     std::vector<AmbiguousCell> ambiguous;
-    std::vector<EdgeRecord<Live>> inner;
+    std::array<EdgeRecord<Live>, kMaxBrickEdges> records; ///< where there are vertices inside cells
+    std::vector<InnerRecord> inner;
     std::vector<BrickSlot> replaced; ///< slots, since the move began
     std::vector<RetiredRuns> retired; ///< likewise: what pictures still refer to
     struct Counts { ///< since the move began
@@ -66,10 +68,10 @@ struct BrickDraft {
         std::uint64_t cellsDecided = 0, cellsChanged = 0;
     } counts;
 
-    /// Fills the vertex table from the records of a brick's active edges.
-    void numberVertices(const EdgeRecord<Live>* first, std::uint32_t count) {
+    /// Fills the vertex table from the codes of a brick's active edges.
+    void numberVertices(const VertexCode* first, std::uint32_t count) {
         for (std::uint32_t k = 0; k < count; ++k)
-            vertices.of(first[k].edge) = static_cast<std::uint16_t>(k);
+            vertices.numbers[first[k] & kCodePlaceMask] = static_cast<std::uint16_t>(k);
     }
     void beginMove() {
         replaced.clear();

@@ -1,5 +1,7 @@
 #include "core/extract/live/brick_picture.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <utility>
 
@@ -9,18 +11,30 @@
 namespace isoslider::extract {
 namespace {
 
-// Records inside cells are few, and stand behind those on edges.
+constexpr std::uint32_t kRecordsTogether = 256; // as many as stay in the nearest cache
+
 template <class Live>
-void expandRecords(const EdgeRecord<Live>* records, std::uint32_t count, const std::array<std::int32_t, 3>& origin,
-                   Live isovalue, glm::vec3* positions, glm::vec3* normals) {
-    std::uint32_t onEdges = count;
-    while (onEdges > 0 && records[onEdges - 1].isInside())
-        --onEdges;
-    interpolateVertices(records, onEdges, origin, isovalue, positions, normals);
-    for (std::uint32_t k = onEdges; k < count; ++k) {
-        const MeshVertex vertex = vertexOf(records[k], origin, isovalue);
-        positions[k] = vertex.position;
-        normals[k] = vertex.normal;
+EdgeRecord<Live> recordOf(const InnerRecord& inner) {
+    return EdgeRecord<Live>::inside(inner.place, inner.normal, inner.level);
+}
+
+template <class Live>
+void expandBrick(const BrickPicture<Live>& picture, const PictureBrick& brick, Live isovalue, glm::vec3* positions,
+                 glm::vec3* normals) {
+    const auto origin = brick.origin();
+    const std::uint32_t onEdges = brick.vertexCount - std::uint32_t{brick.innerCount};
+    const VertexCode* const codes = picture.codes(brick);
+    std::array<EdgeRecord<Live>, kRecordsTogether> records;
+    static_assert(kRecordsTogether % kCodesTogether == 0);
+    for (std::uint32_t k = 0; k < onEdges; k += kRecordsTogether) {
+        const std::uint32_t count = std::min(kRecordsTogether, onEdges - k);
+        readRecords(picture.type(), picture.points(brick), codes + k, count, records.data());
+        interpolateVertices(records.data(), count, origin, isovalue, positions + k, normals + k);
+    }
+    for (std::uint32_t k = 0; k < brick.innerCount; ++k) {
+        const MeshVertex vertex = vertexOf(recordOf<Live>(picture.inner(brick)[k]), origin, isovalue);
+        positions[onEdges + k] = vertex.position;
+        normals[onEdges + k] = vertex.normal;
     }
 }
 
@@ -30,7 +44,7 @@ std::vector<std::uint64_t> firstVertices(const BrickPicture<Live>& picture) {
     std::vector<std::uint64_t> first{0};
     first.reserve(picture.bricks().size() + 1);
     for (const PictureBrick& brick : picture.bricks())
-        first.push_back(first.back() + (brick.indexCount > 0 ? brick.recordCount : 0));
+        first.push_back(first.back() + (brick.indexCount > 0 ? brick.vertexCount : 0));
     return first;
 }
 
@@ -41,37 +55,66 @@ void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t
     normals.resize(first.back());
     forEachIndex(picture.bricks().size(), kBricksTogether, [&](std::size_t slot) {
         if (const PictureBrick& brick = picture.bricks()[slot]; brick.indexCount > 0)
-            expandRecords(picture.records(brick), brick.recordCount, brick.origin(), static_cast<Live>(isovalue),
-                          &positions[first[slot]], &normals[first[slot]]);
+            expandBrick(picture, brick, static_cast<Live>(isovalue), &positions[first[slot]], &normals[first[slot]]);
     });
+}
+
+// A run of its own in another arena, with what the brick has in the first; its place there.
+template <class Arena, class T>
+std::uint32_t copyRun(Arena& to, const T* from, std::uint32_t count) {
+    ArenaRun run;
+    to.resize(run, count);
+    std::memcpy(to.at(run.begin), from, count * sizeof(T));
+    return run.begin;
 }
 
 } // namespace
 
 template <class Live>
+auto BrickPicture<Live>::records(const PictureBrick& brick, std::vector<Record>& room) const
+    -> std::span<const Record> {
+    room.resize(brick.vertexCount);
+    const std::uint32_t onEdges = brick.vertexCount - std::uint32_t{brick.innerCount};
+    if (onEdges > 0)
+        readRecords(type(), points(brick), codes(brick), onEdges, room.data());
+    for (std::uint32_t k = 0; k < brick.innerCount; ++k)
+        room[onEdges + k] = recordOf<Live>(inner(brick)[k]);
+    return room;
+}
+
+template <class Live>
 std::shared_ptr<const BrickPicture<Live>> separateCopy(const BrickPicture<Live>& picture) {
-    auto arenas = std::make_shared<BrickArenas<Live>>();
+    auto arenas = std::make_shared<BrickArenas>(picture.type());
+    const std::uint32_t pointLines = pointLineCount(scalarTypeSizeBytes(picture.type()));
     std::vector<PictureBrick> bricks;
     for (PictureBrick brick : picture.bricks()) {
         if (brick.indexCount == 0) { // its slot stays: pieces are listed by slot
             bricks.push_back({.place = brick.place, .version = brick.version});
             continue;
         }
-        ArenaRun vertices, indices;
-        arenas->vertices.resize(vertices, brick.recordCount);
-        arenas->indices.resize(indices, brick.indexCount);
-        std::memcpy(arenas->vertices.at(vertices.begin), picture.records(brick),
-                    brick.recordCount * sizeof(EdgeRecord<Live>));
-        std::memcpy(arenas->indices.at(indices.begin), picture.indices(brick),
-                    brick.indexCount * sizeof(std::uint16_t));
-        brick.firstRecord = vertices.begin;
-        brick.firstIndex = indices.begin;
+        // Codes are read in whole vectors: all of them are copied to where a vector ends.
+        const std::uint32_t codes = (brick.vertexCount + kCodesTogether - 1) / kCodesTogether * kCodesTogether;
+        const PictureBrick its = brick;
+        brick.firstVertex = copyRun(arenas->vertices, picture.codes(its), codes);
+        brick.firstIndex = copyRun(arenas->indices, picture.indices(its), its.indexCount);
+        brick.firstInner = its.innerCount > 0 ? copyRun(arenas->inner, picture.inner(its), its.innerCount) : 0;
+        brick.firstPointLine = copyRun(arenas->points, picture.points(its), pointLines);
         bricks.push_back(brick);
     }
     auto copy = std::make_shared<BrickPicture<Live>>(arenas, std::make_shared<PictureLeases>(), 0, std::move(bricks));
-    copy->recordEnd_ = arenas->vertices.top();
+    copy->vertexEnd_ = arenas->vertices.top();
     copy->indexEnd_ = arenas->indices.top();
+    copy->innerEnd_ = arenas->inner.top();
+    copy->pointLineEnd_ = arenas->points.top();
     return copy;
+}
+
+void placesOf(const BrickPicture<float>& picture, const PictureBrick& brick, double isovalue,
+              std::vector<glm::vec3>& places) {
+    thread_local std::vector<glm::vec3> normals;
+    places.resize(brick.vertexCount);
+    normals.resize(brick.vertexCount);
+    expandBrick(picture, brick, static_cast<float>(isovalue), places.data(), normals.data());
 }
 
 template <class Live>
@@ -112,12 +155,15 @@ void expandPicture(SurfaceFrame& frame) {
 
 std::uint64_t pictureBytes(const SurfaceFrame& frame) {
     if (frame.bricks)
-        return frame.bricks->recordEnd() * sizeof(EdgeRecord<float>) +
+        return frame.bricks->vertexEnd() * sizeof(VertexCode) + frame.bricks->innerEnd() * sizeof(InnerRecord) +
+               frame.bricks->pointLineEnd() * sizeof(PointLine) +
                (frame.bricks->indexEnd() + frame.bricks->changedIndices().size()) * sizeof(std::uint16_t);
     return (frame.positions.size() + frame.normals.size()) * sizeof(glm::vec3) +
            (frame.indices.size() + frame.changedIndices.size()) * sizeof(std::uint32_t);
 }
 
+template class BrickPicture<float>;
+template class BrickPicture<double>;
 template std::shared_ptr<const BrickPicture<float>> separateCopy(const BrickPicture<float>&);
 template void expandVertices(const BrickPicture<float>&, double, std::vector<glm::vec3>&, std::vector<glm::vec3>&);
 template void expandVertices(const BrickPicture<double>&, double, std::vector<glm::vec3>&, std::vector<glm::vec3>&);

@@ -10,18 +10,38 @@
 #include <span>
 #include <vector>
 
+#include "core/extract/live/brick_points.h"
 #include "core/extract/live/edge_record.h"
 #include "core/extract/live/run_arena.h"
+#include "core/extract/live/vertex_code.h"
 #include "core/extract/surface_frame.h"
 
 namespace isoslider::extract {
 
-/// Where the records and indices of all live bricks lie.
-template <class Live>
+/// Where all that is drawn of the live bricks lies.
 struct BrickArenas {
-    RunArena<EdgeRecord<Live>, 16, 18> vertices;
+    explicit BrickArenas(ScalarType scalarType) : type(scalarType) {}
+
+    const ScalarType type; ///< of the samples in `points`
+    RunArena<VertexCode, 32, 20> vertices;
     RunArena<std::uint16_t, 32, 20> indices;
+    RunArena<InnerRecord, 4, 14> inner;
+    RunArena<PointLine, 4, 20> points;
     const std::uint64_t series = nextSeries(); ///< no other arenas have the same number
+
+    /// RunArena::clear() and trim() of all.
+    void clear() {
+        vertices.clear();
+        indices.clear();
+        inner.clear();
+        points.clear();
+    }
+    void trim() {
+        vertices.trim();
+        indices.trim();
+        inner.trim();
+        points.trim();
+    }
 
 private:
     static std::uint64_t nextSeries() {
@@ -30,14 +50,18 @@ private:
     }
 };
 
-/// One brick of a picture. Its records and indices never change; a brick that changes gets others, and a new version.
+/// One brick of a picture. What it refers to never changes; a brick that changes gets others, and a new version.
 struct PictureBrick {
     std::array<std::uint16_t, 3> place{}; ///< of the brick among bricks; its first grid point is 8 times that
-    std::uint16_t recordCount = 0;
-    std::uint32_t firstRecord = 0; ///< a multiple of 16
+    std::uint16_t vertexCount = 0;
+    std::uint32_t firstVertex = 0; ///< a multiple of 32
     std::uint32_t firstIndex = 0;
     std::uint32_t indexCount = 0; ///< 0: nothing is drawn of it
-    std::uint32_t version = 0;
+    std::uint32_t version = 0; ///< of all but the points
+    std::uint32_t firstInner = 0; ///< of its vertices inside cells, which come last
+    std::uint32_t firstPointLine = 0;
+    std::uint32_t pointsVersion = 0;
+    std::uint16_t innerCount = 0;
 
     std::array<std::int32_t, 3> origin() const {
         return {kCellSide * place[0], kCellSide * place[1], kCellSide * place[2]};
@@ -82,7 +106,7 @@ class BrickPicture {
 public:
     using Record = EdgeRecord<Live>;
 
-    BrickPicture(std::shared_ptr<const BrickArenas<Live>> arenas, std::shared_ptr<PictureLeases> leases,
+    BrickPicture(std::shared_ptr<const BrickArenas> arenas, std::shared_ptr<PictureLeases> leases,
                  std::uint32_t version, std::vector<PictureBrick> bricks)
         : arenas_(std::move(arenas)), leases_(std::move(leases)), version_(version), bricks_(std::move(bricks)) {
         leases_->take(version_);
@@ -93,11 +117,20 @@ public:
 
     /// By slot of the live surface.
     std::span<const PictureBrick> bricks() const { return bricks_; }
-    const Record* records(const PictureBrick& brick) const { return arenas_->vertices.at(brick.firstRecord); }
+    /// Behind them stand others, see readRecords().
+    const VertexCode* codes(const PictureBrick& brick) const { return arenas_->vertices.at(brick.firstVertex); }
     const std::uint16_t* indices(const PictureBrick& brick) const { return arenas_->indices.at(brick.firstIndex); }
-    /// One past the last record and index that any brick may have.
-    std::uint64_t recordEnd() const { return recordEnd_; }
+    const InnerRecord* inner(const PictureBrick& brick) const { return arenas_->inner.at(brick.firstInner); }
+    const PointLine* points(const PictureBrick& brick) const { return arenas_->points.at(brick.firstPointLine); }
+    /// Of the samples of points.
+    ScalarType type() const { return arenas_->type; }
+    /// All that the brick's vertices are made from; `room` holds them.
+    std::span<const Record> records(const PictureBrick& brick, std::vector<Record>& room) const;
+    /// One past the last of each that any brick may have.
+    std::uint64_t vertexEnd() const { return vertexEnd_; }
     std::uint64_t indexEnd() const { return indexEnd_; }
+    std::uint64_t innerEnd() const { return innerEnd_; }
+    std::uint64_t pointLineEnd() const { return pointLineEnd_; }
     /// Pictures of different series have no storage in common.
     std::uint64_t series() const { return arenas_->series; }
 
@@ -105,8 +138,17 @@ public:
     std::uint64_t newBytes() const {
         std::uint64_t bytes = 0;
         for (const PictureBrick& brick : bricks_)
-            if (brick.version == version_)
-                bytes += brick.recordCount * sizeof(Record) + brick.indexCount * sizeof(std::uint16_t);
+            bytes += bytesOf(brick, brick.version == version_, brick.pointsVersion == version_);
+        return bytes;
+    }
+    /// What a card needs of a brick whose triangles or points it does not have.
+    std::uint64_t bytesOf(const PictureBrick& brick, bool triangles, bool points) const {
+        std::uint64_t bytes = 0;
+        if (triangles)
+            bytes += brick.vertexCount * sizeof(VertexCode) + brick.indexCount * sizeof(std::uint16_t) +
+                     brick.innerCount * sizeof(InnerRecord);
+        if (points && brick.indexCount > 0)
+            bytes += pointLineCount(scalarTypeSizeBytes(type())) * sizeof(PointLine);
         return bytes;
     }
     std::span<const ChangedTriangles> changedTriangles() const { return changedTriangles_; }
@@ -118,21 +160,24 @@ private:
     template <class L>
     friend std::shared_ptr<const BrickPicture<L>> separateCopy(const BrickPicture<L>& picture);
 
-    std::shared_ptr<const BrickArenas<Live>> arenas_;
+    std::shared_ptr<const BrickArenas> arenas_;
     std::shared_ptr<PictureLeases> leases_;
     std::uint32_t version_;
     std::vector<PictureBrick> bricks_;
-    std::uint64_t recordEnd_ = 0, indexEnd_ = 0;
+    std::uint64_t vertexEnd_ = 0, indexEnd_ = 0, innerEnd_ = 0, pointLineEnd_ = 0;
     std::vector<ChangedTriangles> changedTriangles_;
     std::vector<std::uint16_t> changedIndices_;
 };
 
 /// The same bricks by slot in separate arenas, of another series, without what has changed: a picture kept while
-/// the live surface moves on would keep all memory from use that the surface has given up since. O(vertices +
-/// triangles), 16 bytes a vertex and 6 a triangle. Throws std::bad_alloc.
+/// the live surface moves on would keep all memory from use that the surface has given up since. O(bricks + vertices +
+/// triangles), memory likewise. Throws std::bad_alloc.
 template <class Live>
 std::shared_ptr<const BrickPicture<Live>> separateCopy(const BrickPicture<Live>& picture);
 
+/// Positions of a brick's vertices, grid index units.
+void placesOf(const BrickPicture<float>& picture, const PictureBrick& brick, double isovalue,
+              std::vector<glm::vec3>& places);
 /// Positions and normals of all vertices as floats, brick by brick in the order of the table (those without triangles
 /// left out): a brick's indices count from its first. O(vertices), several threads.
 template <class Live>

@@ -12,9 +12,10 @@
 
 namespace isoslider::extract {
 
-/// A mesh vertex of a live brick as it is stored and drawn: what does not change while the isovalue slides between the
-/// scalars of its edge. Position and normal are functions of the record and the isovalue (vertexOf()); a vertex
-/// shader evaluates the same formula. 16 bytes where scalars live as float, 24 where they live as double.
+/// A mesh vertex of a live brick with all that it is made from: what does not change while the isovalue slides between
+/// the scalars of its edge. Position and normal are functions of the record and the isovalue (vertexOf()); a vertex
+/// shader evaluates the same formula. Records are read from a brick's codes and points where they are wanted, and kept
+/// nowhere (vertex_kernels.h).
 ///
 /// Two kinds. On an active edge: its place, the scalars and quantised normals at both ends; beside merged cells, at the
 /// ends of the leaf edge of 2^level cells that contains the active edge. Inside a cell (few have such vertices): the
@@ -47,6 +48,14 @@ struct EdgeRecord {
 };
 
 static_assert(sizeof(EdgeRecord<float>) == 16 && sizeof(EdgeRecord<double>) == 24);
+
+/// What is kept of a vertex inside a cell, for it is a function of no edge.
+struct InnerRecord {
+    glm::vec3 place; ///< in cells from the brick's first grid point
+    NormalCode normal = 0;
+    std::uint16_t level = 0; ///< of the cell
+};
+static_assert(sizeof(InnerRecord) == 16);
 
 struct MeshVertex {
     glm::vec3 position; ///< grid index units

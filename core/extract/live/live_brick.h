@@ -11,8 +11,9 @@ namespace isoslider::extract {
 /// What the live surface keeps of one of its bricks.
 struct LiveBrick {
     BrickIndex index;
-    ArenaRun vertices, indices, ambiguous, merged;
+    ArenaRun vertices, indices, inner, points, ambiguous, merged;
     std::uint32_t indexCount = 0;
+    std::uint32_t pointsVersion = 0; ///< the move that brought the points
     std::uint16_t edgeVertices = 0;
     std::uint16_t innerVertices = 0;
     std::uint16_t ambiguousCells = 0;

@@ -11,6 +11,7 @@
 #include "core/base/worker_team.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/stream_copy.h"
+#include "core/extract/live/vertex_kernels.h"
 
 namespace isoslider::extract {
 namespace {
@@ -32,12 +33,15 @@ bool hasAnyCell(const BitString& cells, ClosedPoint first, int level) {
 } // namespace
 
 template <class Live>
-LiveSurface<Live>::LiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells)
+LiveSurface<Live>::LiveSurface(const GridGeometry& geometry, ScalarType type,
+                               const std::vector<index::MissingCells>& missingCells)
     : geometry_(geometry),
+      pointLines_(pointLineCount(scalarTypeSizeBytes(type))),
       inverseSpacing_(1.0 / glm::abs(geometry.spacing)),
       shapes_(geometry.dims, missingCells),
       hasMissing_(!missingCells.empty()),
-      bricks_(shapes_.grid().brickCount()) {
+      bricks_(shapes_.grid().brickCount()),
+      arenas_(std::make_shared<BrickArenas>(type)) {
     for (const cell::CellState& state : cell::cellStates())
         ISO_CHECK(state.innerVertices <= cell::kMaxInnerVertices && state.triangles.size() <= kMaxCellIndices);
 }
@@ -45,14 +49,13 @@ LiveSurface<Live>::LiveSurface(const GridGeometry& geometry, const std::vector<i
 template <class Live>
 void LiveSurface<Live>::clear() {
     if (leases_->oldest() == PictureLeases::kNone) {
-        arenas_->vertices.clear();
-        arenas_->indices.clear();
+        arenas_->clear();
         retired_.clear();
     } else { // pictures refer to them until the next move at least
         retired_.reserve(retired_.size() + liveBricks_);
         for (const BrickSlot slot : slots())
-            if (const Brick& brick = bricks_[slot.index()]; brick.isLive)
-                retired_.push_back({version_ + 1, {brick.vertices, brick.indices}});
+            if (Brick& brick = bricks_[slot.index()]; brick.isLive)
+                retired_.push_back({version_ + 1, takeRuns(brick)});
     }
     forgetBricks();
 }
@@ -60,8 +63,7 @@ void LiveSurface<Live>::clear() {
 template <class Live>
 void LiveSurface<Live>::drop() noexcept {
     if (leases_->oldest() == PictureLeases::kNone) {
-        arenas_->vertices.clear();
-        arenas_->indices.clear();
+        arenas_->clear();
     } else if (spare_) {
         arenas_ = std::move(spare_); // which run is whose, a move that failed may have left open
     }
@@ -87,8 +89,7 @@ void LiveSurface<Live>::forgetBricks() noexcept {
 
 template <class Live>
 void LiveSurface<Live>::trim() noexcept {
-    arenas_->vertices.trim();
-    arenas_->indices.trim();
+    arenas_->trim();
     ambiguous_.trim();
     merged_.trim();
     bricks_.shrink(slotCount());
@@ -144,12 +145,10 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
     triangles_ -= brick.indexCount / 3;
     countLeaves(brick, -1, activeLeaves_);
     ambiguousCells_ -= brick.ambiguousCells;
-    if (isWatched_) {
-        retired_.push_back({version_, {brick.vertices, brick.indices}});
-    } else {
-        arenas_->vertices.release(brick.vertices);
-        arenas_->indices.release(brick.indices);
-    }
+    if (RetiredRuns runs = takeRuns(brick); isWatched_)
+        retired_.push_back({version_, runs});
+    else
+        release(runs);
     ambiguous_.release(brick.ambiguous);
     merged_.release(brick.merged);
     shown_[slot.index()] = {};
@@ -176,17 +175,15 @@ void LiveSurface<Live>::prefetch(BrickSlot slot) const {
 template <class Live>
 void LiveSurface<Live>::beginMove() {
     if (!spare_)
-        spare_ = std::make_shared<BrickArenas<Live>>();
+        spare_ = std::make_shared<BrickArenas>(arenas_->type);
     replaced_.clear();
     ++version_;
     const std::uint32_t oldest = leases_->oldest();
     isWatched_ = oldest != PictureLeases::kNone;
     std::size_t freed = 0;
     // What was replaced in move m is part of the pictures made before it.
-    for (; freed < retired_.size() && retired_[freed].version <= oldest; ++freed) {
-        arenas_->vertices.release(retired_[freed].runs.vertices);
-        arenas_->indices.release(retired_[freed].runs.indices);
-    }
+    for (; freed < retired_.size() && retired_[freed].version <= oldest; ++freed)
+        release(retired_[freed].runs);
     retired_.erase(retired_.begin(), retired_.begin() + static_cast<std::ptrdiff_t>(freed));
 }
 
@@ -209,22 +206,24 @@ template <class Live>
 void LiveSurface<Live>::compact() {
     if (hasCleared_)
         trim();
-    if (!arenas_->vertices.isSparse() && !arenas_->indices.isSparse())
+    if (!arenas_->vertices.isSparse() && !arenas_->indices.isSparse() && !arenas_->inner.isSparse() &&
+        !arenas_->points.isSparse())
         return;
-    auto compacted = std::make_shared<BrickArenas<Live>>();
+    auto compacted = std::make_shared<BrickArenas>(arenas_->type);
     for (const BrickSlot slot : slots()) {
         Brick& brick = bricks_[slot.index()];
-        if (!brick.isLive || brick.vertices.capacity == 0)
+        if (!brick.isLive)
             continue;
-        const ArenaRun vertices = compacted->vertices.alike(brick.vertices),
-                       indices = compacted->indices.alike(brick.indices);
-        std::memcpy(compacted->vertices.at(vertices.begin), arenas_->vertices.at(brick.vertices.begin),
-                    vertices.capacity * sizeof(Record));
-        if (indices.capacity > 0)
-            std::memcpy(compacted->indices.at(indices.begin), arenas_->indices.at(brick.indices.begin),
-                        indices.capacity * sizeof(std::uint16_t));
-        brick.vertices = vertices;
-        brick.indices = indices;
+        const auto moveRun = [](auto& to, const auto& from, ArenaRun& run) {
+            const ArenaRun moved = to.alike(run);
+            if (moved.capacity > 0)
+                std::memcpy(to.at(moved.begin), from.at(run.begin), moved.capacity * sizeof(*from.at(0)));
+            run = moved;
+        };
+        moveRun(compacted->vertices, arenas_->vertices, brick.vertices);
+        moveRun(compacted->indices, arenas_->indices, brick.indices);
+        moveRun(compacted->inner, arenas_->inner, brick.inner);
+        moveRun(compacted->points, arenas_->points, brick.points);
         show(slot);
     }
     arenas_ = std::move(compacted);
@@ -245,6 +244,8 @@ void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerS
         draft.counts.cellsChanged += hasAnyCell(draft.changed, leaf.cell, leaf.level);
     triangulate(slot, draft, corners, isovalue);
     draft.inner.clear();
+    if (hasInner_[slot.index()] != 0 || !draft.merged.leaves().empty())
+        readRecords(draft.newPoints ? draft.newPoints : points(slot), draft.codes.data(), draft.edgeVertices, draft);
     if (hasInner_[slot.index()] != 0)
         placeInner(shapes_.origin(brick.index), draft.records.data(), draft.ambiguous, draft, corners, isovalue);
     if (!draft.merged.leaves().empty())
@@ -260,11 +261,33 @@ void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerS
     draft.replaced.push_back(slot);
 }
 
-// Gives up runs that pictures refer to.
 template <class Live>
-void LiveSurface<Live>::retire(ArenaRun& vertices, ArenaRun& indices, BrickDraft<Live>& draft) {
-    if (vertices.capacity + indices.capacity > 0)
-        draft.retired.push_back({std::exchange(vertices, {}), std::exchange(indices, {})});
+RetiredRuns LiveSurface<Live>::takeRuns(Brick& brick) {
+    return {std::exchange(brick.vertices, {}), std::exchange(brick.indices, {}), std::exchange(brick.inner, {}),
+            std::exchange(brick.points, {})};
+}
+
+template <class Live>
+void LiveSurface<Live>::release(RetiredRuns& runs) {
+    arenas_->vertices.release(runs.vertices);
+    arenas_->indices.release(runs.indices);
+    arenas_->inner.release(runs.inner);
+    arenas_->points.release(runs.points);
+}
+
+template <class Live>
+void LiveSurface<Live>::readRecords(const PointLine* points, const VertexCode* codes, std::uint32_t count,
+                                    BrickDraft<Live>& draft) const {
+    extract::readRecords(arenas_->type, points, codes, count, draft.records.data());
+}
+
+template <class Live>
+auto LiveSurface<Live>::recordOf(BrickSlot slot, std::uint32_t vertex) const -> Record {
+    const Brick& brick = bricks_[slot.index()];
+    if (vertex < brick.edgeVertices)
+        return readRecord<Live>(arenas_->type, points(slot), codes(slot)[vertex]);
+    const InnerRecord& inner = *arenas_->inner.at(brick.inner.begin + (vertex - brick.edgeVertices));
+    return Record::inside(inner.place, inner.normal, inner.level);
 }
 
 template <class Live>
@@ -274,34 +297,56 @@ void LiveSurface<Live>::show(BrickSlot slot) {
     const auto origin = shapes_.origin(brick.index);
     for (std::size_t a = 0; a < 3; ++a)
         shown.place[a] = static_cast<std::uint16_t>(origin[a] / kCellSide);
-    shown.recordCount = static_cast<std::uint16_t>(brick.edgeVertices + brick.innerVertices);
-    shown.firstRecord = brick.vertices.begin;
+    shown.vertexCount = static_cast<std::uint16_t>(brick.edgeVertices + brick.innerVertices);
+    shown.firstVertex = brick.vertices.begin;
     shown.firstIndex = brick.indices.begin;
     shown.indexCount = brick.indexCount;
     shown.version = version_;
+    shown.firstInner = brick.inner.begin;
+    shown.innerCount = brick.innerVertices;
+    shown.firstPointLine = brick.points.begin;
+    shown.pointsVersion = brick.pointsVersion;
 }
 
-// Puts the draft's records, indices and ambiguous cells into the brick's runs.
+template <class Live>
+void LiveSurface<Live>::putPoints(BrickSlot slot, BrickDraft<Live>& draft) {
+    if (!draft.newPoints)
+        return;
+    Brick& brick = bricks_[slot.index()];
+    if (isWatched_ && brick.points.capacity > 0)
+        draft.retired.push_back({{}, {}, {}, std::exchange(brick.points, {})});
+    arenas_->points.resize(brick.points, pointLines_);
+    streamCopy(arenas_->points.at(brick.points.begin), std::exchange(draft.newPoints, nullptr),
+               pointLines_ * sizeof(PointLine));
+    brick.pointsVersion = version_;
+}
+
+// Puts the draft's vertices, triangles and ambiguous cells into the brick's runs, and new points.
 template <class Live>
 void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     Brick& brick = bricks_[slot.index()];
-    const std::uint32_t inner = static_cast<std::uint32_t>(draft.inner.size());
-    if (isWatched_)
-        retire(brick.vertices, brick.indices, draft);
-    arenas_->vertices.resize(brick.vertices, draft.edgeVertices + inner);
+    const auto inner = static_cast<std::uint32_t>(draft.inner.size());
+    if (isWatched_ && brick.vertices.capacity > 0)
+        draft.retired.push_back({std::exchange(brick.vertices, {}), std::exchange(brick.indices, {}),
+                                 std::exchange(brick.inner, {}), {}});
+    putPoints(slot, draft);
+    std::uint32_t vertices = draft.edgeVertices;
+    for (std::uint32_t k = 0; k < inner; ++k)
+        draft.codes[vertices++] = insideCode(k);
+    std::fill_n(&draft.codes[vertices], kCodesTogether, VertexCode{0}); // they are read in whole vectors
+    arenas_->vertices.resize(brick.vertices, vertices);
     arenas_->indices.resize(brick.indices, draft.indexCount);
+    arenas_->inner.resize(brick.inner, inner);
     const auto merged = draft.merged.leaves();
     merged_.resize(brick.merged, static_cast<std::uint32_t>(merged.size()));
     ambiguous_.resize(brick.ambiguous, static_cast<std::uint32_t>(draft.ambiguous.size()));
-    if (draft.edgeVertices > 0)
-        streamCopy(arenas_->vertices.at(brick.vertices.begin), draft.records.data(),
-                   draft.edgeVertices * sizeof(Record));
-    if (inner > 0)
-        std::memcpy(arenas_->vertices.at(brick.vertices.begin + draft.edgeVertices), draft.inner.data(),
-                    inner * sizeof(Record));
+    if (vertices > 0)
+        streamCopy(arenas_->vertices.at(brick.vertices.begin), draft.codes.data(), vertices * sizeof(VertexCode));
     if (draft.indexCount > 0)
         streamCopy(arenas_->indices.at(brick.indices.begin), draft.indices.data(),
                    draft.indexCount * sizeof(std::uint16_t));
+    if (inner > 0)
+        std::memcpy(arenas_->inner.at(brick.inner.begin), draft.inner.data(), inner * sizeof(InnerRecord));
     if (!draft.ambiguous.empty())
         std::memcpy(ambiguous_.at(brick.ambiguous.begin), draft.ambiguous.data(),
                     draft.ambiguous.size() * sizeof(AmbiguousCell));
@@ -412,7 +457,7 @@ void LiveSurface<Live>::placeCentres(const std::array<std::int32_t, 3>& origin, 
             const InnerVertex centre =
                 placeLoopCentre(positions, normals, {origin[0] + local[0], origin[1] + local[1], origin[2] + local[2]},
                                 1 << leaf.level);
-            draft.inner.push_back(Record::inside(centre.place, centre.normal, leaf.level));
+            draft.inner.push_back({centre.place, centre.normal, leaf.level});
         }
         indices += leaf.indexCount;
     }
@@ -444,7 +489,7 @@ void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, co
             (void)corners.cornerScalars(listed.cell, state.signs, placed.scalars);
         placeInnerVertices(placed, isovalue, inverseSpacing_, inside.data());
         for (std::size_t k = 0; k < state.innerVertices; ++k)
-            draft.inner.push_back(Record::inside(inside[k].place, inside[k].normal));
+            draft.inner.push_back({inside[k].place, inside[k].normal, 0});
     }
 }
 
@@ -454,28 +499,25 @@ void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& d
     Brick& brick = bricks_[slot.index()];
     if (brick.innerVertices == 0)
         return;
-    Record* stored = arenas_->vertices.at(brick.vertices.begin);
-    draft.numberVertices(stored, brick.edgeVertices);
+    draft.numberVertices(codes(slot), brick.edgeVertices);
+    readRecords(points(slot), codes(slot), brick.edgeVertices, draft);
+    const Record* const records = draft.records.data();
     draft.inner.clear();
     const auto origin = shapes_.origin(brick.index);
     if (brick.ambiguousCells > 0)
-        placeInner(origin, stored, {ambiguous_.at(brick.ambiguous.begin), brick.ambiguousCells}, draft, corners,
+        placeInner(origin, records, {ambiguous_.at(brick.ambiguous.begin), brick.ambiguousCells}, draft, corners,
                    isovalue);
     if (const auto merged = mergedLeaves(brick); !merged.empty()) {
         std::uint32_t ofMerged = 0;
         for (const MergedLeaf& leaf : merged)
             ofMerged += leaf.indexCount;
-        placeCentres(origin, stored, merged, arenas_->indices.at(brick.indices.begin) + brick.indexCount - ofMerged,
+        placeCentres(origin, records, merged, arenas_->indices.at(brick.indices.begin) + brick.indexCount - ofMerged,
                      draft, isovalue);
     }
-    if (isWatched_) {
-        ArenaRun noIndices;
-        retire(brick.vertices, noIndices, draft);
-        arenas_->vertices.resize(brick.vertices, std::uint32_t{brick.edgeVertices} + brick.innerVertices);
-        const Record* const before = std::exchange(stored, arenas_->vertices.at(brick.vertices.begin));
-        std::memcpy(stored, before, brick.edgeVertices * sizeof(Record));
-    }
-    std::copy(draft.inner.begin(), draft.inner.end(), stored + brick.edgeVertices);
+    if (isWatched_)
+        draft.retired.push_back({{}, {}, std::exchange(brick.inner, {}), {}});
+    arenas_->inner.resize(brick.inner, brick.innerVertices);
+    std::copy(draft.inner.begin(), draft.inner.end(), arenas_->inner.at(brick.inner.begin));
     show(slot);
 }
 
@@ -509,8 +551,10 @@ void LiveSurface<Live>::listChanges(std::vector<ChangedTriangles>& triangles,
 template <class Live>
 std::shared_ptr<const BrickPicture<Live>> LiveSurface<Live>::picture(bool pointsOutChanges) const {
     auto picture = std::make_shared<BrickPicture<Live>>(arenas_, leases_, version_, shown_);
-    picture->recordEnd_ = arenas_->vertices.top();
+    picture->vertexEnd_ = arenas_->vertices.top();
     picture->indexEnd_ = arenas_->indices.top();
+    picture->innerEnd_ = arenas_->inner.top();
+    picture->pointLineEnd_ = arenas_->points.top();
     if (pointsOutChanges)
         listChanges(picture->changedTriangles_, picture->changedIndices_);
     return picture;

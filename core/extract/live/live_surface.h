@@ -23,18 +23,18 @@ namespace isoslider::extract {
 
 /// The live surface: closed bricks of 8^3 cells, each with all vertices of its triangles. See LIVE.md.
 ///
-/// A brick is replaced whole, from its draft; bricks do not depend on each other. Vertices are records
-/// (edge_record.h), static while the isovalue crosses no sample of the brick; triangles are 16-bit indices into the
-/// brick's own records. Welding by edge id happens at export.
+/// A brick is replaced whole, from its draft; bricks do not depend on each other. Vertices are codes (vertex_code.h)
+/// that refer to the brick's points (brick_points.h), static while the isovalue crosses no sample of the brick;
+/// triangles are 16-bit indices into the brick's own vertices. Welding by edge id happens at export.
 ///
-/// Invariants, between moves: 1. the records of a brick are those of its active edges in ascending order, then the
+/// Invariants, between moves: 1. the vertices of a brick are those of its active edges in ascending order, then the
 /// vertices inside its cells; 2. its indices are the triangles of its active cells in cell order, those of merged cells
 /// behind those of others, and so are the vertices inside them; 3. its ambiguous cells are listed in cell order, and
 /// the isovalue lies in each one's interval; so are its merged cells;
 /// 4. `activeEdges()` and `triangles()` are sums over the bricks, each edge counted by its owner only; 5. what a
 /// picture refers to is neither changed nor used again while the picture lives.
 ///
-/// Threads: replace() and refreshInnerVertices() may run for different bricks at once; everything else alone.
+/// Threads: replace(), putPoints() and refreshInnerVertices() may run for different bricks at once; everything else alone.
 template <class Live>
 class LiveSurface {
 public:
@@ -42,8 +42,8 @@ public:
 
     using Brick = LiveBrick;
 
-    /// `missingCells` must outlive the surface; sorted by brick.
-    LiveSurface(const GridGeometry& geometry, const std::vector<index::MissingCells>& missingCells);
+    /// `type`: of the samples that the points of bricks hold. `missingCells` must outlive the surface; sorted by brick.
+    LiveSurface(const GridGeometry& geometry, ScalarType type, const std::vector<index::MissingCells>& missingCells);
 
     /// Drops all bricks. Their memory serves the next ones; compact() gives back what those do not need.
     void clear();
@@ -59,6 +59,8 @@ public:
     /// Triangulates the draft and puts it in the place of what the brick was. `corners` is asked about ambiguous
     /// cells whose state is not known any more. O(active edges and cells of the brick).
     void replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
+    /// Puts the draft's points into the brick ahead of replace(), which then finds them there.
+    void putPoints(BrickSlot slot, BrickDraft<Live>& draft);
     /// Moves the vertices inside the brick's cells to `isovalue`, which crosses nothing in the brick.
     void refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
     /// Takes over what a thread's draft has counted since beginMove(). The threads that have replaced bricks must have
@@ -81,7 +83,9 @@ public:
     /// which states where the rest is, must have come before.
     void prefetchHead(BrickSlot slot) const { __builtin_prefetch(&bricks_[slot.index()]); }
     void prefetch(BrickSlot slot) const;
-    const Record* records(BrickSlot slot) const { return arenas_->vertices.at(bricks_[slot.index()].vertices.begin); }
+    /// Of the edges, then of what lies inside cells. REQUIRES for this and the next: the brick has been replaced once.
+    const VertexCode* codes(BrickSlot slot) const { return arenas_->vertices.at(bricks_[slot.index()].vertices.begin); }
+    const PointLine* points(BrickSlot slot) const { return arenas_->points.at(bricks_[slot.index()].points.begin); }
     bool hasBricks() const { return liveBricks_ > 0; }
     /// Isovalues between which no cell of the brick changes its state; everything for a slot without a brick.
     const cell::StateInterval& stateInterval(BrickSlot slot) const { return intervals_[slot.index()]; }
@@ -114,7 +118,11 @@ private:
     void commit(BrickSlot slot, BrickDraft<Live>& draft);
     void forgetBricks() noexcept;
     void trim() noexcept;
-    void retire(ArenaRun& vertices, ArenaRun& indices, BrickDraft<Live>& draft);
+    void readRecords(const PointLine* points, const VertexCode* codes, std::uint32_t count,
+                     BrickDraft<Live>& draft) const;
+    Record recordOf(BrickSlot slot, std::uint32_t vertex) const;
+    static RetiredRuns takeRuns(Brick& brick);
+    void release(RetiredRuns& runs);
     void show(BrickSlot slot);
     void listChanges(std::vector<ChangedTriangles>& triangles, std::vector<std::uint16_t>& indices) const;
     /// An active cell of a brick, merged or not, and where its triangles are among the brick's indices.
@@ -137,6 +145,7 @@ private:
     class Welding;
 
     GridGeometry geometry_;
+    std::uint32_t pointLines_; ///< of a brick
     std::span<const cell::CellState> states_ = cell::cellStates();
     glm::vec3 inverseSpacing_;
     BrickShapes shapes_;
@@ -147,8 +156,8 @@ private:
     std::vector<std::uint8_t> hasInner_; ///< by slot, likewise
     std::vector<BrickSlot> free_;
     std::vector<PictureBrick> shown_; ///< by slot: the table of the next picture
-    std::shared_ptr<BrickArenas<Live>> arenas_ = std::make_shared<BrickArenas<Live>>();
-    std::shared_ptr<BrickArenas<Live>> spare_; ///< empty; for drop(), which cannot make any
+    std::shared_ptr<BrickArenas> arenas_;
+    std::shared_ptr<BrickArenas> spare_; ///< empty; for drop(), which cannot make any
     RunArena<AmbiguousCell, 4, 16> ambiguous_;
     RunArena<MergedLeaf, 8, 16> merged_;
     /// Runs that pictures up to a version refer to, in the order of their versions.

@@ -101,17 +101,17 @@ private:
                                           dims_[0] * (origin[1] + c[1] + dims_[1] * std::int64_t{origin[2] + c[2]}));
     }
 
-    // A brick's records that start in one of its planes: a stretch for each axis.
+    // Of a brick's vertices those on edges that start in one of its planes: a stretch for each axis.
     template <class Visit>
-    void forEachRecordIn(BrickSlot slot, int z, const Visit& visit) const {
-        const Record* const first = surface_.records(slot);
-        const Record* const last = first + surface_.bricks_[slot.index()].edgeVertices;
-        const auto isBefore = [](const Record& record, ClosedEdge edge) { return record.edge < edge; };
+    void forEachEdgeIn(BrickSlot slot, int z, const Visit& visit) const {
+        const VertexCode* const first = surface_.codes(slot);
+        const VertexCode* const last = first + surface_.bricks_[slot.index()].edgeVertices;
+        const auto isBefore = [](VertexCode code, ClosedEdge edge) { return edgeOf(code) < edge; };
         for (int axis = 0; axis < 3; ++axis) {
             const ClosedEdge edge = closedEdge(axis, closedPoint(0, 0, z));
-            const Record* record = std::lower_bound(first, last, edge, isBefore);
-            for (; record != last && record->edge < edge + kPointStride[2]; ++record)
-                visit(*record, static_cast<std::uint32_t>(record - first));
+            const VertexCode* code = std::lower_bound(first, last, edge, isBefore);
+            for (; code != last && edgeOf(*code) < edge + kPointStride[2]; ++code)
+                visit(edgeOf(*code), static_cast<std::uint32_t>(code - first));
         }
     }
 
@@ -120,10 +120,9 @@ private:
         const auto take = [&](std::size_t layer, int local) {
             for (const BrickSlot slot : bricksByLayer_[layer]) {
                 const auto origin = surface_.shapes_.origin(surface_.bricks_[slot.index()].index);
-                forEachRecordIn(slot, local, [&](const Record& record, std::uint32_t number) {
+                forEachEdgeIn(slot, local, [&](ClosedEdge edge, std::uint32_t number) {
                     copies.push_back(
-                        {4 * placeOf(origin, startOf(record.edge)) + static_cast<unsigned>(axisOf(record.edge)), slot,
-                         number});
+                        {4 * placeOf(origin, startOf(edge)) + static_cast<unsigned>(axisOf(edge)), slot, number});
                 });
             }
         };
@@ -183,8 +182,9 @@ private:
     }
 
     void writeVertex(std::uint64_t at, BrickSlot slot, std::uint32_t number) {
-        const MeshVertex vertex = vertexOf(surface_.records(slot)[number],
-                                           surface_.shapes_.origin(surface_.bricks_[slot.index()].index), isovalue_);
+        const Brick& brick = surface_.bricks_[slot.index()];
+        const MeshVertex vertex =
+            vertexOf(surface_.recordOf(slot, number), surface_.shapes_.origin(brick.index), isovalue_);
         mesh_.positions[at] = vertex.position;
         mesh_.normals[at] = vertex.normal;
     }
@@ -208,7 +208,7 @@ private:
             firstVertex[k] = planes_[layerPlane + k].firstVertex;
         for (const Cell& cell : plane.cells) {
             const Brick& brick = surface_.bricks_[cell.slot.index()];
-            const Record* const records = surface_.records(cell.slot);
+            const VertexCode* const codes = surface_.codes(cell.slot);
             const std::uint64_t ownInner = inner;
             for (std::uint32_t k = 0; k < cell.innerVertices; ++k)
                 writeVertex(inner++, cell.slot, cell.firstInner + k);
@@ -218,7 +218,7 @@ private:
                 mesh_.triangles[index++] = static_cast<std::uint32_t>(
                     number >= brick.edgeVertices
                         ? ownInner + (number - cell.firstInner)
-                        : firstVertex[static_cast<std::size_t>(coordsOf(startOf(records[number].edge))[2])] +
+                        : firstVertex[static_cast<std::size_t>(coordsOf(startOf(edgeOf(codes[number])))[2])] +
                               newNumbers_[firstVertex_[cell.slot.index()] + number]);
             }
         }

@@ -46,6 +46,23 @@ inline __attribute__((always_inline)) void takeApart(const EdgeRecord<double>* r
     }
 }
 
+template <class Sample>
+inline EdgeRecord<LiveOf<Sample>> recordOf(const BrickPoints<Sample>& points, VertexCode code) {
+    using Live = LiveOf<Sample>;
+    const ClosedEdge edge = edgeOf(code);
+    const auto axis = static_cast<std::size_t>(axisOf(edge));
+    const int inside = (1 << levelOf(code)) - 1, along = coordsOf(startOf(edge))[axis];
+    // Leaf edges are aligned at multiples of their length.
+    const std::size_t lower = startOf(edge).index() - static_cast<std::size_t>((along & inside) * kPointStride[axis]);
+    const std::size_t upper = lower + static_cast<std::size_t>((inside + 1) * kPointStride[axis]);
+    return {edge,
+            static_cast<std::uint16_t>(levelOf(code)),
+            points.normals[lower],
+            points.normals[upper],
+            static_cast<Live>(sampleOf<Sample>(points.samples[lower])),
+            static_cast<Live>(sampleOf<Sample>(points.samples[upper]))};
+}
+
 } // namespace isoslider::extract
 #endif
 
@@ -53,6 +70,75 @@ HWY_BEFORE_NAMESPACE();
 namespace isoslider::extract::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET <= HWY_AVX2
+// Elements narrower than four bytes are gathered with what stands behind them.
+template <class D, class Stored>
+HWY_INLINE hn::Vec<D> gatherNarrow(D d, const Stored* from, hn::Vec<D> places) {
+    const auto* const base = reinterpret_cast<const std::int32_t*>(from);
+    const auto offsets = sizeof(Stored) == 1 ? places : hn::ShiftLeft<1>(places);
+    return hn::And(hn::GatherOffset(d, base, offsets), hn::Set(d, sizeof(Stored) == 1 ? 0xff : 0xffff));
+}
+template <class Sample, class D>
+HWY_INLINE hn::Vec<D> gatherScalars(D d, const StoredSample<Sample>* samples, hn::Vec<D> places) { // bits of floats
+    const hn::RebindToFloat<D> floats;
+    if constexpr (std::is_same_v<Sample, float>) {
+        return hn::BitCast(d, hn::GatherIndex(floats, samples, places));
+    } else {
+        const auto key = gatherNarrow(d, samples, places);
+        constexpr std::int32_t kZero = std::is_signed_v<Sample> ? 1 << (8 * sizeof(Sample) - 1) : 0; // the key of 0
+        return hn::BitCast(d, hn::ConvertTo(floats, hn::Sub(key, hn::Set(d, kZero))));
+    }
+}
+#endif
+
+template <class Sample>
+void readRecordsHere(const BrickPoints<Sample>& points, const VertexCode* HWY_RESTRICT codes, std::uint32_t count,
+                     EdgeRecord<LiveOf<Sample>>* HWY_RESTRICT records) {
+#if HWY_TARGET <= HWY_AVX2
+    if constexpr (std::is_same_v<LiveOf<Sample>, float>) {
+        const hn::CappedTag<std::int32_t, kCodesTogether> d;
+        const hn::Rebind<std::uint16_t, decltype(d)> narrow;
+        const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
+        const auto one = hn::Set(d, 1), nine = hn::Set(d, kPointStride[1]), eightyOne = hn::Set(d, kPointStride[2]);
+        const auto pointMask = hn::Set(d, kEdgePointMask);
+        auto levels = hn::Zero(d);
+        alignas(64) std::array<EdgeRecord<float>, kCodesTogether> last;
+        for (std::uint32_t k = 0; k < count; k += lanes) {
+            const auto code = hn::PromoteTo(d, hn::LoadU(narrow, codes + k));
+            levels = hn::Or(levels, code);
+            const auto axis = hn::And(code, hn::Set(d, 3)), p = hn::And(hn::ShiftRight<2>(code), pointMask);
+            const auto stride =
+                hn::IfThenElse(hn::Eq(axis, hn::Zero(d)), one, hn::IfThenElse(hn::Eq(axis, one), nine, eightyOne));
+            const auto q = hn::Add(p, stride);
+            const auto edge = hn::Or(hn::ShiftLeft<kEdgeAxisShift>(axis), p);
+            const auto normals = hn::Or(gatherNarrow(d, points.normals, p),
+                                        hn::ShiftLeft<16>(gatherNarrow(d, points.normals, q)));
+            const bool isWhole = k + lanes <= count;
+            hn::StoreInterleaved4(edge, normals, gatherScalars<Sample>(d, points.samples, p),
+                                  gatherScalars<Sample>(d, points.samples, q), d,
+                                  reinterpret_cast<std::int32_t*>(isWhole ? records + k : last.data()));
+            if (!isWhole)
+                std::copy_n(last.data(), count - k, records + k);
+        }
+        if (!hn::AllTrue(d, hn::Eq(hn::ShiftRight<kCodeLevelShift>(levels), hn::Zero(d))))
+            for (std::uint32_t k = 0; k < count; ++k)
+                if (levelOf(codes[k]) > 0)
+                    records[k] = recordOf(points, codes[k]);
+        return;
+    }
+#endif
+    for (std::uint32_t k = 0; k < count; ++k)
+        records[k] = recordOf(points, codes[k]);
+}
+
+#define ISO_READ(Sample, Name) \
+    void readRecords##Name(const BrickPoints<Sample>& p, const VertexCode* c, std::uint32_t n, \
+                           EdgeRecord<LiveOf<Sample>>* r) { \
+        readRecordsHere<Sample>(p, c, n, r); \
+    }
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_READ)
+#undef ISO_READ
 
 // decodeDirection() of normal_codec.h, lane by lane.
 template <class D, class I, class V>
@@ -181,6 +267,45 @@ namespace isoslider::extract {
 
 HWY_EXPORT(interpolateF32);
 HWY_EXPORT(interpolateF64);
+#define ISO_EXPORT(Sample, Name) HWY_EXPORT(readRecords##Name);
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_EXPORT)
+#undef ISO_EXPORT
+
+namespace {
+template <class Sample>
+const BrickPoints<Sample>& pointsIn(const PointLine* lines) {
+    return *reinterpret_cast<const BrickPoints<Sample>*>(lines);
+}
+} // namespace
+
+template <class Live>
+void readRecords(ScalarType type, const PointLine* points, const VertexCode* codes, std::uint32_t count,
+                 EdgeRecord<Live>* records) {
+    switch (type) {
+#define ISO_CASE(Sample, Name) \
+    case ScalarType::Name: \
+        if constexpr (std::is_same_v<LiveOf<Sample>, Live>) \
+            return HWY_DYNAMIC_DISPATCH(readRecords##Name)(pointsIn<Sample>(points), codes, count, records); \
+        break;
+        ISO_FOR_EACH_SAMPLE_TYPE(ISO_CASE)
+#undef ISO_CASE
+    }
+    checkFailed("samples that live as the records do", __FILE__, __LINE__);
+}
+template void readRecords(ScalarType, const PointLine*, const VertexCode*, std::uint32_t, EdgeRecord<float>*);
+template void readRecords(ScalarType, const PointLine*, const VertexCode*, std::uint32_t, EdgeRecord<double>*);
+
+template <class Live>
+EdgeRecord<Live> readRecord(ScalarType type, const PointLine* points, VertexCode code) {
+    return visitScalarType(type, [&](auto sample) -> EdgeRecord<Live> {
+        using Sample = decltype(sample);
+        if constexpr (std::is_same_v<LiveOf<Sample>, Live>)
+            return recordOf(pointsIn<Sample>(points), code);
+        checkFailed("samples that live as the records do", __FILE__, __LINE__);
+    });
+}
+template EdgeRecord<float> readRecord(ScalarType, const PointLine*, VertexCode);
+template EdgeRecord<double> readRecord(ScalarType, const PointLine*, VertexCode);
 
 template <>
 void interpolateVertices(const EdgeRecord<float>* records, std::uint32_t count,

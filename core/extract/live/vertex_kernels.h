@@ -5,9 +5,23 @@
 
 #include <glm/vec3.hpp>
 
+#include "core/extract/live/brick_points.h"
 #include "core/extract/live/edge_record.h"
+#include "core/extract/live/vertex_code.h"
 
 namespace isoslider::extract {
+
+/// Codes are read in whole vectors: behind the last there are others, of any edges, up to a multiple of this.
+inline constexpr std::uint32_t kCodesTogether = 16;
+
+/// Records of `count` vertices on edges, from their codes and the brick's points: BrickPoints of samples of `type`.
+/// REQUIRES: Live is what such samples live as; what kCodesTogether says.
+template <class Live>
+void readRecords(ScalarType type, const PointLine* points, const VertexCode* codes, std::uint32_t count,
+                 EdgeRecord<Live>* records);
+/// The same of one vertex.
+template <class Live>
+EdgeRecord<Live> readRecord(ScalarType type, const PointLine* points, VertexCode code);
 
 /// Positions (grid index units) and unit normals of `count` records on edges, as floats: vertexOf() of each, several at
 /// a time, equal to the bit. REQUIRES: none of them is inside a cell.

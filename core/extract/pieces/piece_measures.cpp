@@ -125,19 +125,16 @@ private:
 
 bool addBricks(const SurfaceFrame& frame, Sums& sums, const JobControl& job) {
     const auto bricks = frame.bricks->bricks();
-    std::vector<glm::dvec3> places;
+    std::vector<glm::vec3> places;
     for (std::size_t slot = 0; slot < bricks.size(); ++slot) {
         if (slot % kTogether == 0 && job.isStopRequested())
             return false;
         const PictureBrick& brick = bricks[slot];
         if (brick.indexCount == 0 || !sums.isIn(slot))
             continue;
-        const auto* const records = frame.bricks->records(brick);
-        places.resize(brick.recordCount);
-        for (std::size_t k = 0; k < places.size(); ++k)
-            places[k] = vertexOf(records[k], brick.origin(), static_cast<float>(frame.isovalue)).position;
+        placesOf(*frame.bricks, brick, frame.isovalue, places);
         sums.addBrick(slot, frame.bricks->indices(brick), brick.indexCount,
-                      [&](std::uint16_t record) { return places[record]; });
+                      [&](std::uint16_t vertex) { return glm::dvec3(places[vertex]); });
     }
     return true;
 }

@@ -165,11 +165,13 @@ private:
             const PictureBrick& brick = now_[slot];
             if (brick.indexCount == 0)
                 return;
-            parts[slot] =
-                isUnchanged(slot)
-                    ? last_->parts_[slot]
-                    : std::make_shared<const BrickParts>(partsOf<Live>({picture_.records(brick), brick.recordCount},
-                                                                       {picture_.indices(brick), brick.indexCount}));
+            if (isUnchanged(slot)) {
+                parts[slot] = last_->parts_[slot];
+                return;
+            }
+            static thread_local std::vector<EdgeRecord<Live>> records;
+            parts[slot] = std::make_shared<const BrickParts>(
+                partsOf<Live>(picture_.records(brick, records), {picture_.indices(brick), brick.indexCount}));
         });
         auto& first = result_->firstPart_;
         first.assign(now_.size() + 1, 0);

@@ -86,15 +86,12 @@ Nearest hitBricks(const SurfaceFrame& frame, const Segment& segment, const IsSho
     }
     std::sort(entered.begin(), entered.end());
     Nearest nearest;
-    std::vector<glm::dvec3> places;
+    std::vector<glm::vec3> places;
     for (const auto& [entry, slot] : entered) {
         if (entry > nearest.way)
             break;
         const PictureBrick& brick = bricks[slot];
-        const auto* const records = frame.bricks->records(brick);
-        places.resize(brick.recordCount);
-        for (std::size_t k = 0; k < places.size(); ++k)
-            places[k] = vertexOf(records[k], brick.origin(), static_cast<float>(frame.isovalue)).position;
+        placesOf(*frame.bricks, brick, frame.isovalue, places);
         const std::uint16_t* const corners = frame.bricks->indices(brick);
         for (std::uint32_t i = 0; i < brick.indexCount; i += 3)
             if (const std::uint32_t piece = frame.pieces ? pieceOf(*frame.pieces, slot, corners[i]) : 0; isShown(piece))

@@ -128,11 +128,8 @@ std::vector<Found> cutBricks(const SurfaceFrame& frame, const CutPlane& plane, c
         if (job.isStopRequested())
             return;
         const PictureBrick& brick = bricks[met[i]];
-        const auto* const records = frame.bricks->records(brick);
         thread_local std::vector<glm::vec3> places;
-        places.resize(brick.recordCount);
-        for (std::size_t k = 0; k < places.size(); ++k)
-            places[k] = vertexOf(records[k], brick.origin(), static_cast<float>(frame.isovalue)).position;
+        placesOf(*frame.bricks, brick, frame.isovalue, places);
         std::span<const std::uint16_t> indices(frame.bricks->indices(brick), brick.indexCount);
         std::vector<char> isRecordShown;
         std::vector<std::uint16_t> kept;

@@ -11,7 +11,7 @@ namespace isoslider::extract {
 template <class Sample>
 struct BrickSource<Sample>::Scratch {
     SampleBlock<Sample> block;
-    LiveSamples arriving;
+    Points points; ///< of a brick that arrives, or whose normals become whole
     ClassifiedBrick<Stored> found;
     BrickDraft<Live> draft;
     std::vector<Job> pending; ///< jobs that want samples which are not ready yet
@@ -22,20 +22,27 @@ struct BrickSource<Sample>::Scratch {
     std::uint64_t bricks = 0, edgesAdded = 0, edgesRemoved = 0;
 };
 
+// Where the points of the job's brick are: those that it will have from now on.
+template <class Sample>
+auto BrickSource<Sample>::pointsOf(const LiveSurface<Live>& surface, const Job& job, const Scratch& scratch)
+    -> const Points& {
+    return scratch.draft.newPoints ? scratch.points : *reinterpret_cast<const Points*>(surface.points(job.slot));
+}
+
 // The corner scalars of cells of one brick.
 template <class Sample>
 class BrickSource<Sample>::Corners final : public CornerScalarsOfBrick {
 public:
-    explicit Corners(const LiveSamples& kept) : kept_(kept) {}
+    explicit Corners(const Points& points) : points_(points) {}
     bool cornerScalars(ClosedPoint cell, std::uint8_t /*signs*/, cell::CornerScalars& scalars) override {
         for (unsigned c = 0; c < 8; ++c)
             scalars[c] = static_cast<double>(
-                sampleOf<Sample>(kept_.samples[cell.index() + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
+                sampleOf<Sample>(points_.samples[cell.index() + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
         return true;
     }
 
 private:
-    const LiveSamples& kept_;
+    const Points& points_;
 };
 
 } // namespace isoslider::extract

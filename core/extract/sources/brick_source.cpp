@@ -55,7 +55,6 @@ BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<
     : WalkedSource<Sample>(bricks, cacheBytes),
       samples_(samples),
       slotOf_(bricks.grid().brickCount()),
-      kept_(bricks.grid().brickCount()),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     slotOf_.grow(bricks.grid().brickCount());
     for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
@@ -77,6 +76,7 @@ void BrickSource<Sample>::reset() {
         slotOf_[brick.index()] = 0;
     watch_.clear();
     brickOf_.clear();
+    hasAllNormals_.clear();
     leaves_.clear();
     surelyWithin_.clear();
 }
@@ -136,10 +136,10 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
             return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice",
                              reader_.pathString());
         const BrickSlot slot = surface.add(brick);
-        kept_.grow(slot.index() + 1);
         if (slot.index() >= watch_.size()) {
             watch_.resize(slot.index() + 1);
             brickOf_.resize(slot.index() + 1);
+            hasAllNormals_.resize(slot.index() + 1);
             leaves_.resize(slot.index() + 1);
             surelyWithin_.resize(slot.index() + 1);
         }
@@ -181,7 +181,6 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     std::erase_if(refreshed, [&](BrickSlot slot) { return !surface.brick(slot).isLive; });
     // A slot that a leaving brick gave up may be an arriving one's.
     std::vector<bool> isNew(watch_.size(), false);
-    kept_.shrink(watch_.size());
     for (const Job& job : arrived)
         isNew[job.slot.index()] = true;
     std::erase_if(jobs, [&](const Job& job) { return isNew[job.slot.index()]; });
@@ -200,7 +199,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
         for (std::size_t i = begin; i != end; ++i) {
-            Corners corners(kept_[refreshed[i].index()]);
+            Corners corners(*reinterpret_cast<const Points*>(surface.points(refreshed[i])));
             surface.refreshInnerVertices(refreshed[i], scratch.draft, corners, move.isovalue);
         }
     });
@@ -234,14 +233,15 @@ void BrickSource<Sample>::sortForReading(std::vector<BrickIndex>& bricks, bool b
 
 // Most of a move is waiting for memory: a brick's lines are asked for while the one before is made.
 template <class Sample>
-void BrickSource<Sample>::prefetchKept(const Job& job) const {
+void BrickSource<Sample>::prefetchPoints(const LiveSurface<Live>& surface, const Job& job) const {
     if (job.isNew) {
         samples_.prefetch(brickOf_[job.slot.index()]);
-    } else {
-        const auto* const kept = reinterpret_cast<const char*>(&kept_[job.slot.index()]);
-        for (std::size_t line = 0; line < sizeof(LiveSamples); line += 64)
-            __builtin_prefetch(kept + line, 0, 2);
+        return;
     }
+    // Of the samples only: nothing reads the normals until the picture is drawn.
+    const auto* const points = reinterpret_cast<const char*>(surface.points(job.slot));
+    for (std::size_t line = 0; line < sizeof(Points::samples); line += 64)
+        __builtin_prefetch(points + line, 0, 2);
 }
 
 // First what needs nothing but what is in memory; then, in batches and in the order in which samples lie, what must be
@@ -261,7 +261,7 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
                 if (i + 2 * kAhead < some.size())
                     surface.prefetchHead(some[i + 2 * kAhead].slot);
                 if (i + kAhead < some.size())
-                    prefetchKept(some[i + kAhead]);
+                    prefetchPoints(surface, some[i + kAhead]);
                 if (i + kAhead < end) // beyond, another thread may be changing it
                     surface.prefetch(some[i + kAhead].slot);
                 if ((this->*work)(move, surface, some[i], scratch))
@@ -307,15 +307,14 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
     return {};
 }
 
-// Keeps the samples of the block that was read: ordered, and without what would disturb comparisons. Outside the box
+// The samples of the block that was read as the brick's points: ordered, and without what would disturb comparisons. Outside the box
 // and at missing values stands some sample of the brick; masks leave those points out.
 template <class Sample>
-void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, LiveSamples& kept, Scratch& scratch) const {
+void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, Points& points, Scratch& scratch) const {
     const SampleRows<Sample> rows = samples_.rows(brick);
-    kept.hasAllNormals = false;
     const bool isInside = std::min({rows.end[0], rows.end[1], rows.end[2]}) >= kPointSide;
     if (isInside && (std::is_integral_v<Sample> || !isNearMissing)) {
-        Stored* out = kept.samples;
+        Stored* out = points.samples;
         for (int z = 0; z < kPointSide; ++z)
             for (int y = 0; y < kPointSide; ++y, out += kPointSide) {
                 const auto row = rows.row(y, z);
@@ -326,7 +325,7 @@ void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, LiveSamples
                         out[x] = storedOf(row.own[x]);
                 out[kBrickSide] = storedOf(row.behind[0]);
             }
-        std::fill(out, kept.samples + kPaddedPoints, kept.samples[0]);
+        std::fill(out, points.samples + kPaddedPoints, points.samples[0]);
         return;
     }
     SampleBlock<Sample>& block = scratch.block;
@@ -340,7 +339,7 @@ void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, LiveSamples
                     any = storedOf(s);
                     hasAny = true;
                 }
-    Stored* out = kept.samples;
+    Stored* out = points.samples;
     for (int z = 0; z < kPointSide; ++z)
         for (int y = 0; y < kPointSide; ++y) {
             const Sample* row = block.samples.data() + block.offset(0, y, z);
@@ -349,118 +348,102 @@ void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, LiveSamples
                 *out++ = exists && !isMissing(row[x]) ? storedOf(row[x]) : any;
             }
         }
-    std::fill(out, kept.samples + kPaddedPoints, any);
+    std::fill(out, points.samples + kPaddedPoints, any);
 }
 
-// The normals that edges need, a whole row at a time: when the brick arrives those of its active edges, and all others
-// when it changes for the first time. A jump pays for no more than it shows; a handle that moves on goes through the
-// brick, and finding row after row would cost more than half as much again as a move, most of it waiting for samples.
+// The normals that edges need, a whole row at a time: when the brick arrives those of its active edges, and all when it
+// changes for the first time. A jump pays for no more than it shows; a handle that moves on goes through the brick, and
+// finding row after row would cost more than half as much again as a move, most of it waiting for samples. False when
+// samples are wanted that are not ready.
 template <class Sample>
 bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll,
-                                          LiveSamples& kept, Scratch& scratch) const {
-    if (kept.hasAllNormals)
+                                          Scratch& scratch) {
+    std::uint8_t& hasAll = hasAllNormals_[job.slot.index()];
+    if (!job.isNew && hasAll != 0)
         return true;
     const BrickIndex brick = brickOf_[job.slot.index()];
-    constexpr unsigned kAll = (1u << kPointSide) - 1;
     PointRows rows;
-    if (job.isNew && wantsAll) {
-        rows.fill(kAll);
-    } else if (job.isNew) {
+    if (job.isNew && !wantsAll) {
         BitString ends;
         endsOfEdges(scratch.found.active.edges, ends);
         rows = rowsOf(ends);
     } else {
+        rows.fill((1u << kPointSide) - 1);
+    }
+    if (!job.isNew) {
         if (!samples_.isReady(brick))
             return false;
         scratch.read.push_back(brick);
-        std::transform(kept.normalRows.begin(), kept.normalRows.end(), rows.begin(),
-                       [](std::uint16_t known) { return static_cast<std::uint16_t>(~known & kAll); });
+        // Pictures may refer to what is there.
+        std::memcpy(scratch.points.samples, pointsOf(surface, job, scratch).samples, sizeof(Points::samples));
+        scratch.draft.newPoints = reinterpret_cast<const PointLine*>(&scratch.points);
     }
-    kept.normalRows = rows;
-    kept.hasAllNormals = !job.isNew || wantsAll;
+    hasAll = !job.isNew || wantsAll;
     if (!kHasNormalKernel<Sample> || surface.brick(job.slot).isNearMissing) {
         readBlock(samples_.rows(brick), rowsForGradients(rows), scratch.block);
-        findNormalsReference(scratch.block, rows, inverseSpacing_, kept.normals);
+        findNormalsReference(scratch.block, rows, inverseSpacing_, scratch.points.normals);
     } else {
         readApron(samples_.rows(brick), rows, scratch.block);
         if constexpr (kHasNormalKernel<Sample>)
-            findNormals<Sample>(kept.samples, scratch.block, rows, inverseSpacing_, kept.normals);
+            findNormals<Sample>(scratch.points.samples, scratch.block, rows, inverseSpacing_, scratch.points.normals);
     }
     return true;
 }
 
-// What arrives is made in memory that is at hand, and put in its place when it is whole.
-template <class Sample>
-auto BrickSource<Sample>::keptFor(const Job& job, Scratch& scratch) -> LiveSamples& {
-    return job.isNew ? scratch.arriving : kept_[job.slot.index()];
-}
-
 template <class Sample>
 void BrickSource<Sample>::classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job,
-                                      const LiveSamples& kept, Scratch& scratch) const {
-    classify(kept.samples, storedThreshold<Sample>(move.to), surface.masks(job.slot),
+                                      Scratch& scratch) const {
+    classify(pointsOf(surface, job, scratch).samples, storedThreshold<Sample>(move.to), surface.masks(job.slot),
              job.isNew ? nullptr : &surface.brick(job.slot).above, scratch.found);
+}
+
+// Reads the samples of a brick that arrives. False when they are not ready.
+template <class Sample>
+bool BrickSource<Sample>::begin(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const {
+    scratch.draft.newPoints = nullptr;
+    if (!job.isNew)
+        return true;
+    const BrickIndex brick = brickOf_[job.slot.index()];
+    if (!samples_.isReady(brick))
+        return false;
+    scratch.read.push_back(brick);
+    take(brick, surface.brick(job.slot).isNearMissing, scratch.points, scratch);
+    scratch.draft.newPoints = reinterpret_cast<const PointLine*>(&scratch.points);
+    return true;
 }
 
 // False when samples are wanted that are not ready.
 template <class Sample>
 bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
-    const BrickIndex brick = brickOf_[job.slot.index()];
-    if (job.isNew && !samples_.isReady(brick))
+    if (!begin(surface, job, scratch))
         return false;
-    LiveSamples& kept = keptFor(job, scratch);
-    if (job.isNew) {
-        scratch.read.push_back(brick);
-        take(brick, surface.brick(job.slot).isNearMissing, kept, scratch);
-    }
-    classifyFor(move, surface, job, kept, scratch);
-    if (!completeNormals(surface, job, false, kept, scratch))
+    classifyFor(move, surface, job, scratch);
+    if (!completeNormals(surface, job, false, scratch))
         return false;
     scratch.draft.merged.clear();
     scratch.draft.active = scratch.found.active;
     scratch.draft.ownedEdges = scratch.found.ownedEdges;
-    finish(move, surface, job, kept, scratch);
-    if (job.isNew)
-        streamCopy(&kept_[job.slot.index()], &scratch.arriving, sizeof(LiveSamples));
+    finish(move, surface, job, scratch);
     return true;
 }
 
 // Makes the brick's surface of what has been found out of it. REQUIRES: the draft's active edges and cells, and how
 // many edges it owns.
 template <class Sample>
-void BrickSource<Sample>::finish(const Move& move, LiveSurface<Live>& surface, const Job& job, LiveSamples& kept,
-                                 Scratch& scratch) {
+void BrickSource<Sample>::finish(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
     const ClassifiedBrick<Stored>& found = scratch.found;
     BrickDraft<Live>& draft = scratch.draft;
     draft.above = found.above;
     draft.changed = found.changed;
-    draft.edgeVertices =
-        gatherRecords<Sample>(kept.samples, kept.normals, draft.active, draft.records.data(), draft.vertices);
+    draft.edgeVertices = numberEdges(draft.active, draft.codes.data(), draft.vertices);
     for (const MergedCells::Corner& corner : draft.merged.corners())
-        if (corner.level > 0)
-            stretch(kept, corner, draft.records[draft.vertices.of(corner.edge)]);
-    Corners corners(kept);
+        draft.codes[draft.vertices.of(corner.edge)] = vertexCode(corner.edge, corner.level);
+    Corners corners(pointsOf(surface, job, scratch));
     surface.replace(job.slot, draft, corners, move.isovalue);
     watch_[job.slot.index()] = {keyOf(sampleOf<Sample>(found.up)), keyOf(sampleOf<Sample>(found.down))};
     scratch.edgesAdded += found.edgesAdded;
     scratch.edgesRemoved += found.edgesRemoved;
     ++scratch.bricks;
-}
-
-// The record of an active edge becomes that of the leaf edge which contains it.
-template <class Sample>
-void BrickSource<Sample>::stretch(const LiveSamples& kept, const MergedCells::Corner& corner,
-                                  EdgeRecord<Live>& record) {
-    const auto axis = static_cast<std::size_t>(axisOf(corner.edge));
-    const int inside = (1 << corner.level) - 1, along = coordsOf(startOf(corner.edge))[axis];
-    const std::size_t lower =
-        startOf(corner.edge).index() - static_cast<std::size_t>((along & inside) * kPointStride[axis]);
-    const std::size_t upper = lower + static_cast<std::size_t>((inside + 1) * kPointStride[axis]);
-    record.levelOrUpperZ = corner.level;
-    record.normal1 = kept.normals[lower];
-    record.normal2 = kept.normals[upper];
-    record.scalar1 = static_cast<Live>(sampleOf<Sample>(kept.samples[lower]));
-    record.scalar2 = static_cast<Live>(sampleOf<Sample>(kept.samples[upper]));
 }
 
 template <class Sample>

@@ -24,8 +24,8 @@ namespace isoslider::extract {
 /// is redundant there.
 ///
 /// A move takes the net changes of the set of active bricks from the list. Bricks that leave are dropped without being
-/// read; those that arrive are read once and their samples kept, as small as their type allows, with normals as edges
-/// come to need them. Of bricks active at both ends those change which have a sample in between: each knows
+/// read; those that arrive are read once and become the brick's points, as small as their type allows, with normals as
+/// edges come to need them. Of bricks active at both ends those change which have a sample in between: each knows
 /// the nearest keys on either side of the position, so the others cost the reading of 16 bytes. A brick that changes
 /// is made from its signs, 64 points at a time: see LIVE.md.
 ///
@@ -67,13 +67,8 @@ private:
     using WalkedSource<Sample>::walk_;
     using Stored = StoredSample<Sample>;
 
-    /// What is kept of a live brick's samples.
-    struct alignas(64) LiveSamples {
-        Stored samples[kPaddedPoints];
-        NormalCode normals[kPaddedPoints];
-        PointRows normalRows; ///< that have normals, while not all have
-        bool hasAllNormals;
-    };
+    using Points = BrickPoints<Sample>;
+
     /// The nearest keys of a live brick: `up` is the least that is not below the position, `down` the greatest that
     /// is. A slot without a brick is never crossed.
     struct Watch {
@@ -105,28 +100,26 @@ private:
                    const JobControl& control, Work work);
     Status runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
                       const JobControl& control);
-    void prefetchKept(const Job& job) const;
+    void prefetchPoints(const LiveSurface<Live>& surface, const Job& job) const;
     bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     bool findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     bool rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
-    static void stretch(const LiveSamples& kept, const MergedCells::Corner& corner, EdgeRecord<Live>& record);
     void addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const;
-    void finish(const Move& move, LiveSurface<Live>& surface, const Job& job, LiveSamples& kept, Scratch& scratch);
-    LiveSamples& keptFor(const Job& job, Scratch& scratch);
-    void classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job, const LiveSamples& kept,
-                     Scratch& scratch) const;
-    void take(BrickIndex brick, bool isNearMissing, LiveSamples& kept, Scratch& scratch) const;
-    bool completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll, LiveSamples& kept,
-                         Scratch& scratch) const;
+    bool begin(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
+    void finish(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    static const Points& pointsOf(const LiveSurface<Live>& surface, const Job& job, const Scratch& scratch);
+    void classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
+    void take(BrickIndex brick, bool isNearMissing, Points& points, Scratch& scratch) const;
+    bool completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll, Scratch& scratch);
     void sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const;
     Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
 
     SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;
     ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
-    ChunkedArray<LiveSamples, 13> kept_; ///< by slot; chunks of many large pages
     std::vector<Watch> watch_; ///< by slot
     std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick
+    std::vector<std::uint8_t> hasAllNormals_; ///< by slot: not only those of the edges that it arrived with
     MergeBound bound_;
     bool hasNewBound_ = false; ///< since the last move
     std::vector<BrickLeaves> leaves_, surelyWithin_; ///< by slot, while cells are merged

@@ -3,7 +3,6 @@
 #include <bit>
 #include <utility>
 
-#include "core/extract/live/stream_copy.h"
 #include "core/extract/sources/brick_scratch.h"
 #include "core/extract/sources/leaf_finding.h"
 #include "core/grid/scalar_type.h"
@@ -24,33 +23,27 @@ Status BrickSource<Sample>::runMerging(const Move& move, LiveSurface<Live>& surf
 
 template <class Sample>
 bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
-    const BrickIndex brick = brickOf_[job.slot.index()];
-    if (job.isNew && !samples_.isReady(brick))
+    if (!begin(surface, job, scratch))
         return false;
-    LiveSamples& kept = keptFor(job, scratch);
-    if (job.isNew) {
-        scratch.read.push_back(brick);
-        take(brick, surface.brick(job.slot).isNearMissing, kept, scratch);
-    }
-    classifyFor(move, surface, job, kept, scratch);
+    classifyFor(move, surface, job, scratch);
+    const Stored* const samples = pointsOf(surface, job, scratch).samples;
     BrickLeaves &leaves = leaves_[job.slot.index()], &surely = surelyWithin_[job.slot.index()];
     const BitString& validCells = surface.masks(job.slot).cells;
     BrickLeaves found;
     if (job.isNew || hasNewBound_) {
-        surely = findSurelyWithin<Sample>(kept.samples, bound_);
-        found = findBrickLeaves<Sample>(kept.samples, scratch.found.above, scratch.found.active, validCells, bound_,
+        surely = findSurelyWithin<Sample>(samples, bound_);
+        found = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_,
                                         surely);
     } else {
-        found = updateBrickLeaves<Sample>(leaves, scratch.found.changed, kept.samples, scratch.found.above,
+        found = updateBrickLeaves<Sample>(leaves, scratch.found.changed, samples, scratch.found.above,
                                           scratch.found.active, validCells, bound_, surely);
     }
-    if (!completeNormals(surface, job, found.hasMerged(), kept, scratch))
+    if (!completeNormals(surface, job, found.hasMerged(), scratch))
         return false;
+    surface.putPoints(job.slot, scratch.draft);
     if (!job.isNew && found != leaves)
         scratch.otherLeaves.emplace_back(job.slot, leaves);
     leaves = found;
-    if (job.isNew)
-        streamCopy(&kept_[job.slot.index()], &scratch.arriving, sizeof(LiveSamples));
     return true;
 }
 
@@ -78,9 +71,9 @@ void BrickSource<Sample>::addBricksBeside(const LiveSurface<Live>& surface, std:
 template <class Sample>
 bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job,
                                         Scratch& scratch) {
-    LiveSamples& kept = kept_[job.slot.index()];
-    classifyFor(move, surface, job, kept, scratch);
     BrickDraft<Live>& draft = scratch.draft;
+    draft.newPoints = nullptr;
+    classifyFor(move, surface, job, scratch);
     draft.active = scratch.found.active;
     draft.ownedEdges = scratch.found.ownedEdges;
     draft.merged.clear();
@@ -102,7 +95,7 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
                 draft.ownedEdges += static_cast<std::uint32_t>(
                     std::popcount(draft.active.edges[a].words[w] & surface.masks(job.slot).owned[a].words[w]));
     }
-    finish(move, surface, job, kept, scratch);
+    finish(move, surface, job, scratch);
     return true;
 }
 

@@ -96,11 +96,11 @@ void EdgeBlockSource<Sample>::collectMerged(const Part& part, std::size_t record
             return;
         }
         const auto scalarAt = [&](std::size_t k) {
-            return static_cast<Live>(sampleOfKey<Sample>(page.farKeys[entry + k]));
+            return storedOf(sampleOfKey<Sample>(page.farKeys[entry + k]));
         };
         lists.activated[partitionOf(brick)].push_back(
-            {brick, Record{edge, static_cast<std::uint16_t>(form::levelOf(which)), page.normals[record],
-                           page.farNormals[entry], scalarAt(1), scalarAt(2)}});
+            {brick, edge, static_cast<std::uint16_t>(form::levelOf(which)), page.normals[record],
+             page.farNormals[entry], scalarAt(1), scalarAt(2)});
     });
 }
 
@@ -202,7 +202,7 @@ bool EdgeBlockSource<Sample>::mergeCells(BrickSlot slot, Scratch& scratch) const
     if (draft.active.edges != edges_[slot.index()])
         return false;
     for (const MergedCells::Corner& corner : draft.merged.corners())
-        if (draft.records[draft.vertices.of(corner.edge)].levelOrUpperZ != corner.level)
+        if (levelOf(draft.codes[draft.vertices.of(corner.edge)]) != corner.level)
             return false;
     return true;
 }
@@ -213,8 +213,9 @@ bool EdgeBlockSource<Sample>::areUnmergedWhole(const Scratch& scratch) const {
     std::array<BitString, 3> edges;
     edgesOfCells(scratch.draft.active.cells, edges);
     for (std::uint32_t k = 0; k < scratch.draft.edgeVertices; ++k) {
-        const Record& record = scratch.draft.records[k];
-        if (record.levelOrUpperZ > 0 && edges[static_cast<std::size_t>(axisOf(record.edge))].test(startOf(record.edge)))
+        const VertexCode code = scratch.draft.codes[k];
+        const ClosedEdge edge = edgeOf(code);
+        if (levelOf(code) > 0 && edges[static_cast<std::size_t>(axisOf(edge))].test(startOf(edge)))
             return false;
     }
     return true;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cstring>
 #include <optional>
 
 #include "core/base/job_control.h"
@@ -19,22 +20,32 @@ namespace {
 constexpr std::uint64_t kKeptEntries = 1u << 16;
 constexpr std::uint32_t kArriving = ~std::uint32_t{0}; ///< in place of a slot, until there is one
 
+// The ends of the edge of a code, a leaf edge or not.
+struct EdgeEnds {
+    std::size_t lower, upper;
+};
+EdgeEnds endsOf(VertexCode code) {
+    const ClosedEdge edge = edgeOf(code);
+    const auto axis = static_cast<std::size_t>(axisOf(edge));
+    const int inside = (1 << levelOf(code)) - 1, along = coordsOf(startOf(edge))[axis];
+    const std::size_t lower = startOf(edge).index() - static_cast<std::size_t>((along & inside) * kPointStride[axis]);
+    return {lower, lower + static_cast<std::size_t>((inside + 1) * kPointStride[axis])};
+}
+
 } // namespace
 
-// Corner scalars of cells from the records of their active edges; the corner that lies on none is looked up.
+// Corner scalars of cells from the points at the ends of their active edges; the corner that lies on none is looked up.
 template <class Sample>
 class EdgeBlockSource<Sample>::Corners final : public CornerScalarsOfBrick {
 public:
-    Corners(index::HiddenCorners& hidden, BrickIndex brick, const BrickDraft<Live>& draft, const Record* records,
-            std::optional<Error>& error)
-        : hidden_(hidden), brick_(brick), draft_(draft), records_(records), error_(error) {}
+    Corners(index::HiddenCorners& hidden, BrickIndex brick, const Points& points, std::optional<Error>& error)
+        : hidden_(hidden), brick_(brick), points_(points), error_(error) {}
 
     bool cornerScalars(ClosedPoint cell, std::uint8_t signs, cell::CornerScalars& scalars) override {
         for (unsigned mask = cell::activeEdges(signs); mask != 0; mask &= mask - 1) {
-            const auto e = static_cast<std::size_t>(std::countr_zero(mask));
-            const Record& record = records_[draft_.vertices.numbers[4 * cell.index() + kPlaceOfCellEdge[e]]];
-            scalars[cell::kCellEdges[e].lowerCorner] = static_cast<double>(record.scalar1);
-            scalars[cell::kCellEdges[e].upperCorner] = static_cast<double>(record.scalar2);
+            const auto& edge = cell::kCellEdges[static_cast<std::size_t>(std::countr_zero(mask))];
+            for (const auto corner : {edge.lowerCorner, edge.upperCorner})
+                scalars[corner] = scalarAt(cell, corner);
         }
         const int corner = cell::hiddenCorner(signs);
         if (corner < 0)
@@ -53,10 +64,14 @@ public:
     }
 
 private:
+    double scalarAt(ClosedPoint cell, unsigned corner) const {
+        const std::size_t point = cell.index() + (corner & 1) + 9 * (corner >> 1 & 1) + 81 * (corner >> 2);
+        return static_cast<double>(sampleOf<Sample>(points_.samples[point]));
+    }
+
     index::HiddenCorners& hidden_;
     BrickIndex brick_;
-    const BrickDraft<Live>& draft_;
-    const Record* records_;
+    const Points& points_;
     std::optional<Error>& error_;
 };
 
@@ -115,7 +130,7 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
         }
         const PointId id(page.ids[i]);
         const Key key = page.keys[i];
-        const Live near = static_cast<Live>(sampleOfKey<Sample>(key));
+        const Stored near = storedOf(sampleOfKey<Sample>(key));
         for (unsigned mask = page.masks[i]; mask != 0; mask &= mask - 1, ++entry) {
             const std::uint64_t farKey = page.farKeys[entry];
             if (farKey >= lower && farKey < upper)
@@ -138,11 +153,11 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
                 continue;
             }
             ++lists.edgesAdded;
-            const Live far = static_cast<Live>(sampleOfKey<Sample>(page.farKeys[entry]));
+            const Stored far = storedOf(sampleOfKey<Sample>(page.farKeys[entry]));
             forEachHolder(start, axis, [&](BrickIndex brick, ClosedEdge edge) {
-                const Record record = isUpward ? Record{edge, 0, page.normals[i], page.farNormals[entry], near, far}
-                                               : Record{edge, 0, page.farNormals[entry], page.normals[i], far, near};
-                lists.activated[partitionOf(brick)].push_back({brick, record});
+                lists.activated[partitionOf(brick)].push_back(
+                    isUpward ? Activated{brick, edge, 0, page.normals[i], page.farNormals[entry], near, far}
+                             : Activated{brick, edge, 0, page.farNormals[entry], page.normals[i], far, near});
             });
         }
     }
@@ -312,7 +327,8 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
         if (stop.stop_requested())
             return;
         Scratch& scratch = scratches_->local();
-        Corners corners(hiddenCorners_, surface.brick(refreshed[i]).index, scratch.draft, surface.records(refreshed[i]),
+        scratch.draft.newPoints = nullptr;
+        Corners corners(hiddenCorners_, surface.brick(refreshed[i]).index, pointsOf(refreshed[i], surface, scratch),
                         scratch.error);
         surface.refreshInnerVertices(refreshed[i], scratch.draft, corners, move.isovalue);
     });
@@ -358,28 +374,58 @@ bool EdgeBlockSource<Sample>::toggle(BrickSlot slot, const LiveSurface<Live>& su
         if (!flip(scratch.deactivated[i]->edge, true))
             return false;
     for (std::uint32_t i = chain.firstActivated; i != kEndOfChain; i = scratch.nextActivated[i])
-        if (!flip(scratch.activated[i]->record.edge, false))
+        if (!flip(scratch.activated[i]->edge, false))
             return false;
     return true;
 }
 
-// The records of edges that stay and of those that came, each at the number of its edge.
+// Where the points of the brick are: those that it will have from now on.
 template <class Sample>
-void EdgeBlockSource<Sample>::mergeRecords(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
+auto EdgeBlockSource<Sample>::pointsOf(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch)
+    -> const Points& {
+    return scratch.draft.newPoints ? scratch.points : *reinterpret_cast<const Points*>(surface.points(slot));
+}
+
+// Scalars and normals at the ends of edges that came. A point that is there already gets what it has.
+template <class Sample>
+void EdgeBlockSource<Sample>::fillPoints(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
+    scratch.draft.newPoints = nullptr;
+    const bool isNew = surface.brick(slot).points.capacity == 0;
+    if (chains_[slot.index()].firstActivated == kEndOfChain && !isNew)
+        return;
+    if (isNew)
+        std::memset(static_cast<void*>(&scratch.points), 0, sizeof scratch.points);
+    else // pictures may refer to what is there
+        std::memcpy(static_cast<void*>(&scratch.points), surface.points(slot), sizeof scratch.points);
+    scratch.draft.newPoints = reinterpret_cast<const PointLine*>(&scratch.points);
+    for (std::uint32_t i = chains_[slot.index()].firstActivated; i != kEndOfChain; i = scratch.nextActivated[i]) {
+        const Activated& activated = *scratch.activated[i];
+        const auto [lower, upper] = endsOf(vertexCode(activated.edge, activated.level));
+        scratch.points.samples[lower] = activated.scalar1;
+        scratch.points.samples[upper] = activated.scalar2;
+        scratch.points.normals[lower] = activated.normal1;
+        scratch.points.normals[upper] = activated.normal2;
+    }
+}
+
+// The vertices of edges that stay and of those that came, with the levels of their leaf edges.
+template <class Sample>
+void EdgeBlockSource<Sample>::numberVertices(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
     BrickDraft<Live>& draft = scratch.draft;
     draft.active.edges = edges_[slot.index()];
-    draft.edgeVertices = numberEdges(draft.active, draft.vertices);
-    const auto isActive = [&](ClosedEdge edge) {
-        return draft.active.edges[static_cast<std::size_t>(axisOf(edge))].test(startOf(edge));
+    draft.edgeVertices = numberEdges(draft.active, draft.codes.data(), draft.vertices);
+    if (!merges_)
+        return;
+    const auto setLevel = [&](ClosedEdge edge, int level) {
+        if (draft.active.edges[static_cast<std::size_t>(axisOf(edge))].test(startOf(edge)))
+            draft.codes[draft.vertices.of(edge)] = vertexCode(edge, level);
     };
     const std::uint32_t had = surface.brick(slot).edgeVertices;
-    const Record* const old = had > 0 ? surface.records(slot) : nullptr;
+    const VertexCode* const old = had > 0 ? surface.codes(slot) : nullptr;
     for (std::uint32_t k = 0; k < had; ++k)
-        if (isActive(old[k].edge))
-            draft.records[draft.vertices.of(old[k].edge)] = old[k];
+        setLevel(edgeOf(old[k]), levelOf(old[k]));
     for (std::uint32_t i = chains_[slot.index()].firstActivated; i != kEndOfChain; i = scratch.nextActivated[i])
-        if (const Record& record = scratch.activated[i]->record; isActive(record.edge))
-            draft.records[draft.vertices.of(record.edge)] = record;
+        setLevel(scratch.activated[i]->edge, scratch.activated[i]->level);
 }
 
 // Signs of the corners of all active cells. Those at the ends of active edges follow from the edges' scalars; every
@@ -390,15 +436,18 @@ void EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>&
     const std::array<BitString, 3>& edges = edges_[slot.index()];
     const BrickMasks& masks = surface.masks(slot);
     BrickDraft<Live>& draft = scratch.draft;
+    const Stored* const samples = pointsOf(slot, surface, scratch).samples;
     BitString above;
     for (std::uint32_t k = 0; k < draft.edgeVertices; ++k) {
-        const Record& record = draft.records[k];
-        const auto axis = static_cast<std::size_t>(axisOf(record.edge));
-        const int stride = kPointStride[axis], side = 1 << record.levelOrUpperZ;
-        const int along = coordsOf(startOf(record.edge))[axis] & (side - 1); // from the leaf edge's lower end
-        const bool isLowerAbove = record.scalar1 > record.scalar2;
+        const VertexCode code = draft.codes[k];
+        const ClosedEdge edge = edgeOf(code);
+        const auto axis = static_cast<std::size_t>(axisOf(edge));
+        const int stride = kPointStride[axis], side = 1 << levelOf(code);
+        const int along = coordsOf(startOf(edge))[axis] & (side - 1); // from the leaf edge's lower end
+        const auto [lower, upper] = endsOf(code);
+        const bool isLowerAbove = samples[lower] > samples[upper];
         for (int i = isLowerAbove ? 0 : along + 1; i <= (isLowerAbove ? along : side); ++i)
-            above.set(ClosedPoint(startOf(record.edge).number() + (i - along) * stride));
+            above.set(ClosedPoint(startOf(edge).number() + (i - along) * stride));
     }
     // Cells of active edges: the edge's point and those one step back across it.
     BitString cells;
@@ -482,7 +531,8 @@ void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, Live
         return;
     }
     const std::array<BitString, 3>& after = edges_[slot.index()];
-    mergeRecords(slot, surface, scratch);
+    fillPoints(slot, surface, scratch);
+    numberVertices(slot, surface, scratch);
     if (draft.edgeVertices == 0)
         scratch.emptied.push_back(slot);
     draft.merged.clear();
@@ -511,7 +561,7 @@ void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, Live
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t w = 0; w < kBitWords; ++w)
             draft.ownedEdges += static_cast<std::uint32_t>(std::popcount(after[a].words[w] & masks.owned[a].words[w]));
-    Corners corners(hiddenCorners_, surface.brick(slot).index, draft, draft.records.data(), scratch.error);
+    Corners corners(hiddenCorners_, surface.brick(slot).index, pointsOf(slot, surface, scratch), scratch.error);
     surface.replace(slot, draft, corners, move.isovalue);
 }
 

@@ -6,6 +6,7 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include "core/extract/live/brick_points.h"
 #include "core/extract/live/chunked_array.h"
 #include "core/extract/sources/walked_source.h"
 #include "core/index/hidden_corners.h"
@@ -19,8 +20,8 @@ namespace isoslider::extract {
 /// those whose far end is crossed too are redundant for the whole move, and each record carries the far end's
 /// scalar: so net changes need no bookkeeping between blocks, levels or threads.
 ///
-/// Each live brick keeps its active edges as bits, and the surface its records. An entry goes to every brick that holds
-/// the edge, at most four; there it toggles a bit and is merged into the records. Signs follow from the edges.
+/// Each live brick keeps its active edges as bits, and the surface its points. An entry goes to every brick that holds
+/// the edge, at most four; there it toggles a bit and fills in the points at its ends. Signs follow from the edges.
 /// What is collected for a move is cut into partitions of brick numbers, so that threads share nothing.
 ///
 /// Where cells were merged when the index was built (PAPER 2.2), it states of each edge when it carries a vertex, and
@@ -49,7 +50,8 @@ private:
     using typename WalkedSource<Sample>::Part;
     using WalkedSource<Sample>::reader_;
     using WalkedSource<Sample>::walk_;
-    using Record = EdgeRecord<Live>;
+    using Stored = StoredSample<Sample>;
+    using Points = BrickPoints<Sample>;
 
     static constexpr std::size_t kPartitions = 64;
     static constexpr std::uint32_t kEndOfChain = ~std::uint32_t{0};
@@ -64,9 +66,13 @@ private:
         std::uint8_t number; ///< as leafBits() has it
         bool isActivated;
     };
+    /// With scalars and normals at the ends of the edge, or of the leaf edge of `level` that contains it.
     struct Activated {
         BrickIndex brick;
-        Record record;
+        ClosedEdge edge;
+        std::uint16_t level;
+        NormalCode normal1, normal2;
+        Stored scalar1, scalar2;
     };
     /// What one thread has collected.
     struct Lists {
@@ -101,7 +107,9 @@ private:
     void listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface, std::vector<BrickSlot>& crossed,
                             std::vector<BrickSlot>& refreshed) const;
     bool toggle(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch);
-    void mergeRecords(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
+    void fillPoints(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
+    void numberVertices(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
+    static const Points& pointsOf(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch);
     void findSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
     bool areSignsWhole(BrickSlot slot, const Scratch& scratch) const;
     void changeLeaves(std::size_t partition, Scratch& scratch);

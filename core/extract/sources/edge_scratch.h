@@ -13,6 +13,7 @@ namespace isoslider::extract {
 template <class Sample>
 struct EdgeBlockSource<Sample>::Scratch {
     BrickDraft<Live> draft;
+    Points points; ///< of a brick that gets new ones
     // Changes of the partition at hand: entries, and for each the next one of its brick.
     std::vector<BrickSlot> touched;
     std::vector<const Activated*> activated;

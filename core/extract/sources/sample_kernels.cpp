@@ -22,9 +22,6 @@ namespace isoslider::extract {
 #define ISO_FOR_EACH_STORED_TYPE(Do) \
     Do(std::uint8_t, U8) Do(std::uint16_t, U16) Do(std::int32_t, I32) Do(float, F32) Do(double, F64)
 
-/// Room for the most edges of a brick, and for what listBits() and whole vectors write behind them.
-inline constexpr std::size_t kMaxEdgeList = 3 * kCellSide * kPointSide * kPointSide + 64;
-
 // What follows from the signs, for every instruction set that this is inlined into.
 template <class T>
 inline __attribute__((always_inline)) void finishClassification(const BrickMasks& masks, const BitString* before,
@@ -125,93 +122,15 @@ void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMa
 ISO_FOR_EACH_STORED_TYPE(ISO_CLASSIFY)
 #undef ISO_CLASSIFY
 
-// Of n active edges the places in the vertex table, 4 * point + axis, in the order of the edges.
-HWY_INLINE std::uint32_t listEdges(const ActiveBits& active, std::uint16_t* HWY_RESTRICT places) {
-    std::uint16_t* end = places;
+std::uint32_t numberEdgesHere(const ActiveBits& active, VertexCode* HWY_RESTRICT codes, VertexTable& vertices) {
+    static_assert(vertexCode(closedEdge(1, ClosedPoint(5))) == 4 * 5 + 1); // also its place in the vertex table
+    VertexCode* end = codes;
     end = listBits<4>(active.edges[0], 0, end);
     end = listBits<4>(active.edges[1], 1, end);
     end = listBits<4>(active.edges[2], 2, end);
-    return static_cast<std::uint32_t>(end - places);
-}
-
-// The same and their numbers.
-HWY_INLINE std::uint32_t numberPlaces(const ActiveBits& active, std::uint16_t* HWY_RESTRICT places,
-                                      VertexTable& vertices) {
-    const std::uint32_t count = listEdges(active, places);
+    const auto count = static_cast<std::uint32_t>(end - codes);
     for (std::uint32_t k = 0; k < count; ++k)
-        vertices.numbers[places[k]] = static_cast<std::uint16_t>(k);
-    return count;
-}
-
-std::uint32_t numberEdgesHere(const ActiveBits& active, VertexTable& vertices) {
-    alignas(64) std::array<std::uint16_t, kMaxEdgeList> places;
-    return numberPlaces(active, places.data(), vertices);
-}
-
-template <class Sample>
-HWY_INLINE void gatherRecord(const StoredSample<Sample>* samples, const NormalCode* normals, std::uint16_t place,
-                             EdgeRecord<LiveOf<Sample>>& record) {
-    using Live = LiveOf<Sample>;
-    const unsigned axis = place & 3u, p = place >> 2, q = p + static_cast<unsigned>(kPointStride[axis]);
-    record = {closedEdge(static_cast<int>(axis), ClosedPoint(p)),
-              0,
-              normals[p],
-              normals[q],
-              static_cast<Live>(sampleOf<Sample>(samples[p])),
-              static_cast<Live>(sampleOf<Sample>(samples[q]))};
-}
-
-#if HWY_TARGET <= HWY_AVX2
-// Sixteen or eight records at a time. Elements narrower than four bytes are gathered with what stands behind them.
-template <class D, class Stored>
-HWY_INLINE hn::Vec<D> gatherNarrow(D d, const Stored* from, hn::Vec<D> places) {
-    const auto* const base = reinterpret_cast<const std::int32_t*>(from);
-    const auto offsets = sizeof(Stored) == 1 ? places : hn::ShiftLeft<1>(places);
-    return hn::And(hn::GatherOffset(d, base, offsets), hn::Set(d, sizeof(Stored) == 1 ? 0xff : 0xffff));
-}
-template <class Sample, class D>
-HWY_INLINE hn::Vec<D> gatherScalars(D d, const StoredSample<Sample>* samples, hn::Vec<D> places) { // bits of floats
-    const hn::RebindToFloat<D> floats;
-    if constexpr (std::is_same_v<Sample, float>) {
-        return hn::BitCast(d, hn::GatherIndex(floats, samples, places));
-    } else {
-        const auto key = gatherNarrow(d, samples, places);
-        constexpr std::int32_t kZero = std::is_signed_v<Sample> ? 1 << (8 * sizeof(Sample) - 1) : 0; // the key of 0
-        return hn::BitCast(d, hn::ConvertTo(floats, hn::Sub(key, hn::Set(d, kZero))));
-    }
-}
-#endif
-
-template <class Sample>
-std::uint32_t gatherRecordsHere(const StoredSample<Sample>* HWY_RESTRICT samples,
-                                const NormalCode* HWY_RESTRICT normals, const ActiveBits& active,
-                                EdgeRecord<LiveOf<Sample>>* HWY_RESTRICT records, VertexTable& vertices) {
-    alignas(64) std::array<std::uint16_t, kMaxEdgeList> places;
-    const std::uint32_t count = numberPlaces(active, places.data(), vertices);
-#if HWY_TARGET <= HWY_AVX2
-    if constexpr (std::is_same_v<LiveOf<Sample>, float>) {
-        const hn::CappedTag<std::int32_t, 16> d;
-        const hn::Rebind<std::uint16_t, decltype(d)> narrow;
-        const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
-        std::fill_n(places.data() + count, lanes, std::uint16_t{0});
-        const auto one = hn::Set(d, 1), nine = hn::Set(d, kPointStride[1]), eightyOne = hn::Set(d, kPointStride[2]);
-        for (std::uint32_t k = 0; k < count; k += lanes) {
-            const auto place = hn::PromoteTo(d, hn::LoadU(narrow, places.data() + k));
-            const auto axis = hn::And(place, hn::Set(d, 3)), p = hn::ShiftRight<2>(place);
-            const auto stride =
-                hn::IfThenElse(hn::Eq(axis, hn::Zero(d)), one, hn::IfThenElse(hn::Eq(axis, one), nine, eightyOne));
-            const auto q = hn::Add(p, stride);
-            const auto edge = hn::Or(hn::ShiftLeft<kEdgeAxisShift>(axis), p);
-            const auto codes = hn::Or(gatherNarrow(d, normals, p), hn::ShiftLeft<16>(gatherNarrow(d, normals, q)));
-            hn::StoreInterleaved4(edge, codes, gatherScalars<Sample>(d, samples, p),
-                                  gatherScalars<Sample>(d, samples, q), d,
-                                  reinterpret_cast<std::int32_t*>(records + k));
-        }
-        return count;
-    }
-#endif
-    for (std::uint32_t k = 0; k < count; ++k)
-        gatherRecord<Sample>(samples, normals, places[k], records[k]);
+        vertices.numbers[codes[k]] = static_cast<std::uint16_t>(k);
     return count;
 }
 
@@ -354,14 +273,6 @@ ISO_NORMALS(normalsI16, std::int16_t)
 ISO_NORMALS(normalsF32, float)
 #undef ISO_NORMALS
 
-#define ISO_GATHER(Sample, Name) \
-    std::uint32_t gather##Name(const StoredSample<Sample>* s, const NormalCode* n, const ActiveBits& a, \
-                               EdgeRecord<LiveOf<Sample>>* r, VertexTable& v) { \
-        return gatherRecordsHere<Sample>(s, n, a, r, v); \
-    }
-ISO_FOR_EACH_SAMPLE_TYPE(ISO_GATHER)
-#undef ISO_GATHER
-
 } // namespace isoslider::extract::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -378,19 +289,9 @@ ISO_FOR_EACH_STORED_TYPE(ISO_CLASSIFY)
 #undef ISO_CLASSIFY
 
 HWY_EXPORT(numberEdgesHere);
-std::uint32_t numberEdges(const ActiveBits& active, VertexTable& vertices) {
-    return HWY_DYNAMIC_DISPATCH(numberEdgesHere)(active, vertices);
+std::uint32_t numberEdges(const ActiveBits& active, VertexCode* codes, VertexTable& vertices) {
+    return HWY_DYNAMIC_DISPATCH(numberEdgesHere)(active, codes, vertices);
 }
-
-#define ISO_GATHER(Sample, Name) \
-    HWY_EXPORT(gather##Name); \
-    template <> \
-    std::uint32_t gatherRecords<Sample>(const StoredSample<Sample>* s, const NormalCode* n, const ActiveBits& a, \
-                                        EdgeRecord<LiveOf<Sample>>* r, VertexTable& v) { \
-        return HWY_DYNAMIC_DISPATCH(gather##Name)(s, n, a, r, v); \
-    }
-ISO_FOR_EACH_SAMPLE_TYPE(ISO_GATHER)
-#undef ISO_GATHER
 
 #define ISO_NORMALS(Name, Sample) \
     HWY_EXPORT(Name); \

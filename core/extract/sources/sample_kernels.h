@@ -7,44 +7,13 @@
 
 #include "core/extract/live/active_bits.h"
 #include "core/extract/live/brick_bits.h"
+#include "core/extract/live/brick_points.h"
 #include "core/extract/live/cell_triangles.h"
-#include "core/extract/live/edge_record.h"
+#include "core/extract/live/vertex_code.h"
 #include "core/extract/sources/sample_block.h"
 #include "core/grid/normal_codec.h"
-#include "core/grid/scalar_key.h"
 
 namespace isoslider::extract {
-
-/// What samples of live bricks are kept as: in the order of their keys, as small as the type allows, with comparisons
-/// that vector units have. Integers of up to 16 bits are their keys, others are themselves.
-template <class Sample>
-using StoredSample = std::conditional_t<sizeof(Sample) == 1, std::uint8_t,
-                                        std::conditional_t<sizeof(Sample) == 2, std::uint16_t, Sample>>;
-
-template <class Sample>
-inline StoredSample<Sample> storedOf(Sample sample) {
-    if constexpr (sizeof(Sample) <= 2)
-        return static_cast<StoredSample<Sample>>(keyOf(sample));
-    else
-        return sample;
-}
-
-template <class Sample>
-inline Sample sampleOf(StoredSample<Sample> stored) {
-    if constexpr (sizeof(Sample) <= 2)
-        return sampleOfKey<Sample>(stored);
-    else
-        return stored;
-}
-
-/// The stored sample from which on points are above. REQUIRES: some sample of the type has a key >= threshold.
-template <class Sample>
-inline StoredSample<Sample> storedThreshold(KeyThreshold threshold) {
-    if constexpr (sizeof(Sample) <= 2)
-        return static_cast<StoredSample<Sample>>(threshold);
-    else
-        return sampleOfKey<Sample>(static_cast<KeyOf<Sample>>(threshold));
-}
 
 /// What a threshold makes of a brick's samples.
 template <class Stored>
@@ -67,13 +36,9 @@ template <class Stored>
 void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
                        ClassifiedBrick<Stored>& out);
 
-/// Numbers of a brick's active edges, in their order, in the vertex table; returns how many there are.
-std::uint32_t numberEdges(const ActiveBits& active, VertexTable& vertices);
-
-/// Records of the active edges in their order, and their numbers in the vertex table; returns how many.
-template <class Sample>
-std::uint32_t gatherRecords(const StoredSample<Sample>* samples, const NormalCode* normals, const ActiveBits& active,
-                            EdgeRecord<LiveOf<Sample>>* records, VertexTable& vertices);
+/// Codes of a brick's active edges in their order, and their numbers in the vertex table; returns how many there are.
+/// `codes` has room for kMaxEdgeCodes.
+std::uint32_t numberEdges(const ActiveBits& active, VertexCode* codes, VertexTable& vertices);
 
 /// Whether findNormals() is there for a type: differences of others are taken in double precision.
 template <class Sample>

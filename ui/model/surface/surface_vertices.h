@@ -23,20 +23,22 @@ bool visitVertices(const extract::SurfaceFrame& frame, const JobControl& job, Vi
         return !job.isStopRequested();
     }
     const auto bricks = frame.bricks->bricks();
-    const auto isovalue = static_cast<float>(frame.isovalue);
+    std::vector<glm::vec3> places;
     std::vector<char> isUsed;
     for (std::size_t slot = 0; slot < bricks.size(); ++slot) {
         if (slot % kBricksTogether == 0 && job.isStopRequested())
             return false;
         const extract::PictureBrick& brick = bricks[slot];
-        isUsed.assign(brick.recordCount, 0);
+        isUsed.assign(brick.vertexCount, 0);
         const std::uint16_t* const indices = frame.bricks->indices(brick);
         for (std::uint32_t k = 0; k < brick.indexCount; ++k)
             isUsed[indices[k]] = 1;
-        const auto* const records = frame.bricks->records(brick);
-        for (std::size_t record = 0; record < isUsed.size(); ++record)
-            if (isUsed[record])
-                visit(glm::dvec3(extract::vertexOf(records[record], brick.origin(), isovalue).position));
+        if (brick.indexCount == 0)
+            continue;
+        extract::placesOf(*frame.bricks, brick, frame.isovalue, places);
+        for (std::size_t vertex = 0; vertex < isUsed.size(); ++vertex)
+            if (isUsed[vertex])
+                visit(glm::dvec3(places[vertex]));
     }
     return true;
 }

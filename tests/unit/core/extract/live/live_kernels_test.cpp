@@ -127,32 +127,61 @@ TEST_P(LiveKernels, FindTheEdgesAndCellsThatTheSignsSay) {
 }
 
 template <class Sample>
+constexpr ScalarType kScalarTypeOf = ScalarType::U8;
+#define ISO_TYPE(Sample, Name) \
+    template <> \
+    constexpr ScalarType kScalarTypeOf<Sample> = ScalarType::Name;
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_TYPE)
+#undef ISO_TYPE
+
+template <class Sample>
 void expectRecords(std::mt19937& random) {
     using Stored = StoredSample<Sample>;
+    using Live = LiveOf<Sample>;
     const auto samples = samplesOf<Stored>(0, random);
-    std::array<NormalCode, kPaddedPoints> normals;
-    for (NormalCode& code : normals)
+    BrickPoints<Sample> points;
+    std::copy(std::begin(samples.values), std::end(samples.values), points.samples);
+    for (NormalCode& code : points.normals)
         code = static_cast<NormalCode>(random());
-    ClassifiedBrick<Stored> found;
-    classify(samples.values, Stored(100), innerMasks(), nullptr, found);
-    std::vector<EdgeRecord<LiveOf<Sample>>> records(3 * kClosedPoints);
-    VertexTable table;
-    const std::uint32_t count =
-        gatherRecords<Sample>(samples.values, normals.data(), found.active, records.data(), table);
-    std::uint32_t next = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        forEachSetBit(found.active.edges[axis], [&](ClosedPoint start) {
-            const std::size_t p = start.index(), q = (start + kPointStride[axis]).index();
-            const auto& record = records[next];
-            EXPECT_EQ(record.edge, closedEdge(static_cast<int>(axis), start));
-            EXPECT_EQ(record.normal1, normals[p]);
-            EXPECT_EQ(record.normal2, normals[q]);
-            EXPECT_EQ(record.scalar1, static_cast<LiveOf<Sample>>(sampleOf<Sample>(samples.values[p])));
-            EXPECT_EQ(record.scalar2, static_cast<LiveOf<Sample>>(sampleOf<Sample>(samples.values[q])));
-            EXPECT_EQ(table.of(record.edge), next);
-            ++next;
-        });
-    EXPECT_EQ(count, next);
+    const auto* const lines = reinterpret_cast<const PointLine*>(&points);
+    // Of all edges of the brick, then with some that lie on edges of merged cells.
+    for (const bool merges : {false, true})
+        for (const std::uint32_t count : {1u, 15u, 16u, 17u, 333u}) {
+            std::vector<VertexCode> codes;
+            for (std::uint32_t k = 0; k < count; ++k) {
+                const auto axis = static_cast<std::size_t>(random() % 3);
+                std::array<int, 3> at;
+                for (std::size_t a = 0; a < 3; ++a)
+                    at[a] = static_cast<int>(random() % (a == axis ? kCellSide : kPointSide));
+                const int level = merges && random() % 3 == 0 ? static_cast<int>(random() % 4) : 0;
+                codes.push_back(vertexCode(
+                    closedEdge(static_cast<int>(axis), closedPoint(at[0], at[1], at[2])), level));
+            }
+            codes.resize((count + kCodesTogether - 1) / kCodesTogether * kCodesTogether, VertexCode{0});
+            std::vector<EdgeRecord<Live>> records(count + 1);
+            records[count].edge = ClosedEdge(4321);
+            readRecords<Live>(kScalarTypeOf<Sample>, lines, codes.data(), count, records.data());
+            EXPECT_EQ(records[count].edge, ClosedEdge(4321)) << "nothing is written behind the last";
+            for (std::uint32_t k = 0; k < count; ++k) {
+                const ClosedEdge edge = edgeOf(codes[k]);
+                const auto axis = static_cast<std::size_t>(axisOf(edge));
+                auto low = coordsOf(startOf(edge));
+                low[axis] = low[axis] >> levelOf(codes[k]) << levelOf(codes[k]);
+                auto high = low;
+                high[axis] += 1 << levelOf(codes[k]);
+                const std::size_t p = closedPoint(low[0], low[1], low[2]).index(),
+                                  q = closedPoint(high[0], high[1], high[2]).index();
+                for (const EdgeRecord<Live>& record :
+                     {records[k], readRecord<Live>(kScalarTypeOf<Sample>, lines, codes[k])}) {
+                    ASSERT_EQ(record.edge, edge);
+                    ASSERT_EQ(record.levelOrUpperZ, levelOf(codes[k]));
+                    ASSERT_EQ(record.normal1, points.normals[p]);
+                    ASSERT_EQ(record.normal2, points.normals[q]);
+                    ASSERT_EQ(record.scalar1, static_cast<Live>(sampleOf<Sample>(points.samples[p])));
+                    ASSERT_EQ(record.scalar2, static_cast<Live>(sampleOf<Sample>(points.samples[q])));
+                }
+            }
+        }
 }
 
 TEST_P(LiveKernels, NumberActiveEdgesInOrder) {
@@ -160,16 +189,20 @@ TEST_P(LiveKernels, NumberActiveEdgesInOrder) {
         ClassifiedBrick<float> found;
         classify(samplesOf<float>(0, random_).values, threshold, innerMasks(), nullptr, found);
         VertexTable table;
-        const std::uint32_t count = numberEdges(found.active, table);
+        std::vector<VertexCode> codes(kMaxEdgeCodes);
+        const std::uint32_t count = numberEdges(found.active, codes.data(), table);
         std::uint32_t next = 0;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            forEachSetBit(found.active.edges[axis],
-                          [&](ClosedPoint p) { ASSERT_EQ(table.of(closedEdge(static_cast<int>(axis), p)), next++); });
+            forEachSetBit(found.active.edges[axis], [&](ClosedPoint p) {
+                const ClosedEdge edge = closedEdge(static_cast<int>(axis), p);
+                ASSERT_EQ(codes[next], vertexCode(edge));
+                ASSERT_EQ(table.of(edge), next++);
+            });
         EXPECT_EQ(count, next);
     }
 }
 
-TEST_P(LiveKernels, GatherTheRecordsOfActiveEdgesInOrder) {
+TEST_P(LiveKernels, ReadTheRecordsThatCodesReferTo) {
     expectRecords<std::uint8_t>(random_);
     expectRecords<std::int8_t>(random_);
     expectRecords<std::uint16_t>(random_);

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "core/extract/live/brick_bits.h"
+#include "core/grid/normal_codec.h"
+#include "core/grid/scalar_key.h"
+#include "core/grid/scalar_type.h"
+
+namespace isoslider::extract {
+
+/// What samples of live bricks are kept as: in the order of their keys, as small as the type allows, with comparisons
+/// that vector units have. Integers of up to 16 bits are their keys, others are themselves.
+template <class Sample>
+using StoredSample = std::conditional_t<sizeof(Sample) == 1, std::uint8_t,
+                                        std::conditional_t<sizeof(Sample) == 2, std::uint16_t, Sample>>;
+
+template <class Sample>
+inline StoredSample<Sample> storedOf(Sample sample) {
+    if constexpr (sizeof(Sample) <= 2)
+        return static_cast<StoredSample<Sample>>(keyOf(sample));
+    else
+        return sample;
+}
+
+template <class Sample>
+inline Sample sampleOf(StoredSample<Sample> stored) {
+    if constexpr (sizeof(Sample) <= 2)
+        return sampleOfKey<Sample>(stored);
+    else
+        return stored;
+}
+
+/// The stored sample from which on points are above. REQUIRES: some sample of the type has a key >= threshold.
+template <class Sample>
+inline StoredSample<Sample> storedThreshold(KeyThreshold threshold) {
+    if constexpr (sizeof(Sample) <= 2)
+        return static_cast<StoredSample<Sample>>(threshold);
+    else
+        return sampleOfKey<Sample>(static_cast<KeyOf<Sample>>(threshold));
+}
+
+/// The points of a live brick: what its vertices are made from. Which of them hold anything is known to who fills it:
+/// those at the ends of edges that carry vertices do.
+template <class Sample>
+struct alignas(64) BrickPoints {
+    StoredSample<Sample> samples[kPaddedPoints];
+    NormalCode normals[kPaddedPoints];
+};
+
+/// Points of any sample type are kept as lines of 64 bytes.
+struct alignas(64) PointLine {
+    std::byte bytes[64];
+};
+
+constexpr std::uint32_t pointLineCount(std::size_t sampleBytes) {
+    return static_cast<std::uint32_t>((sampleBytes + sizeof(NormalCode)) * kPaddedPoints / sizeof(PointLine));
+}
+static_assert(pointLineCount(2) * sizeof(PointLine) == sizeof(BrickPoints<std::int16_t>));
+static_assert(pointLineCount(8) * sizeof(PointLine) == sizeof(BrickPoints<double>));
+
+} // namespace isoslider::extract
