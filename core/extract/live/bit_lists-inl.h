@@ -6,6 +6,8 @@
 #define ISO_BIT_LISTS_INL_H
 #endif
 
+#include <array>
+
 #include <hwy/highway.h>
 
 #include "core/extract/live/brick_bits.h"
@@ -18,18 +20,30 @@ namespace isoslider::extract::HWY_NAMESPACE {
 template <int Scale>
 HWY_INLINE std::uint16_t* listBits(const BitString& bits, std::uint16_t offset, std::uint16_t* HWY_RESTRICT out) {
 #if HWY_TARGET <= HWY_AVX3_DL
-    namespace hn = hwy::HWY_NAMESPACE;
-    const hn::CappedTag<std::uint16_t, 32> d;
-    constexpr int kLanes = 32;
-    const auto step = hn::Set(d, static_cast<std::uint16_t>(kLanes * Scale));
-    auto numbers = hn::Add(hn::Mul(hn::Iota(d, 0), hn::Set(d, static_cast<std::uint16_t>(Scale))), hn::Set(d, offset));
-    for (int half = 0; half < 2 * kBitWords; ++half) {
-        const std::uint64_t word = bits.words[static_cast<std::size_t>(half / 2)];
-        const auto some = static_cast<std::uint32_t>(half % 2 == 0 ? word : word >> 32);
-        const auto mask = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&some));
-        hn::StoreU(hn::Compress(numbers, mask), d, out);
-        out += std::popcount(some);
-        numbers = hn::Add(numbers, step);
+    // A word at a time, as bytes; more than 32 of its bits are seldom set.
+    alignas(64) static constexpr auto kUpwards = [] {
+        std::array<std::uint8_t, 64> upwards{};
+        for (std::size_t i = 0; i < upwards.size(); ++i)
+            upwards[i] = static_cast<std::uint8_t>(i);
+        return upwards;
+    }();
+    const __m512i upwards = _mm512_load_si512(kUpwards.data());
+    constexpr int kShift = std::countr_zero(static_cast<unsigned>(Scale));
+    static_assert(1 << kShift == Scale);
+    __m512i base = _mm512_set1_epi16(static_cast<short>(offset));
+    const __m512i step = _mm512_set1_epi16(64 * Scale);
+    const auto widen = [&](__m256i places) HWY_ATTR {
+        return _mm512_add_epi16(_mm512_slli_epi16(_mm512_cvtepu8_epi16(places), kShift), base);
+    };
+    for (int i = 0; i < kBitWords; ++i) {
+        const std::uint64_t word = bits.words[static_cast<std::size_t>(i)];
+        const __m512i places = _mm512_maskz_compress_epi8(word, upwards);
+        const int count = std::popcount(word);
+        _mm512_storeu_si512(out, widen(_mm512_castsi512_si256(places)));
+        if (HWY_UNLIKELY(count > 32))
+            _mm512_storeu_si512(out + 32, widen(_mm512_extracti64x4_epi64(places, 1)));
+        out += count;
+        base = _mm512_add_epi16(base, step);
     }
     return out;
 #else

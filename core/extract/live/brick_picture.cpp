@@ -53,9 +53,27 @@ void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t
                 std::vector<glm::vec3>& positions, std::vector<glm::vec3>& normals) {
     positions.resize(first.back());
     normals.resize(first.back());
-    forEachIndex(picture.bricks().size(), kBricksTogether, [&](std::size_t slot) {
-        if (const PictureBrick& brick = picture.bricks()[slot]; brick.indexCount > 0)
-            expandBrick(picture, brick, static_cast<Live>(isovalue), &positions[first[slot]], &normals[first[slot]]);
+    constexpr std::size_t kAhead = 2; // bricks whose lines are asked for
+    const auto bricks = picture.bricks();
+    const std::size_t pointBytes = pointLineCount(scalarTypeSizeBytes(picture.type())) * sizeof(PointLine);
+    const auto fetch = [&](const PictureBrick& brick) {
+        if (brick.indexCount == 0)
+            return;
+        const auto* const points = reinterpret_cast<const char*>(picture.points(brick));
+        for (std::size_t line = 0; line < pointBytes; line += 64)
+            __builtin_prefetch(points + line);
+        const auto* const codes = reinterpret_cast<const char*>(picture.codes(brick));
+        for (std::size_t line = 0; line < brick.vertexCount * sizeof(VertexCode); line += 64)
+            __builtin_prefetch(codes + line);
+    };
+    forRanges(bricks.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t slot = begin; slot < end; ++slot) {
+            if (slot + kAhead < bricks.size())
+                fetch(bricks[slot + kAhead]);
+            if (const PictureBrick& brick = bricks[slot]; brick.indexCount > 0)
+                expandBrick(picture, brick, static_cast<Live>(isovalue), &positions[first[slot]],
+                            &normals[first[slot]]);
+        }
     });
 }
 

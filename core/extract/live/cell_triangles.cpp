@@ -30,6 +30,9 @@ struct PlainCells {
 };
 const PlainCells& plainCells();
 
+/// ambiguousSignTable() as bits.
+const std::array<std::uint8_t, 32>& ambiguousSignBits();
+
 /// The triangles of a state as lanes: those of the two vectors above, then inner vertices.
 struct StateCorners {
     static constexpr std::size_t kMost = 3 * cell::kMaxStateTriangles;
@@ -48,6 +51,8 @@ struct StateLanes {
     using Group = std::array<std::uint16_t, kAtOnce>;
     struct alignas(64) Aligned : Group {};
 
+    /// Of cells whose signs determine their triangles, by signs: those fit into 16 numbers.
+    alignas(64) std::array<std::array<std::uint8_t, 16>, 256> plain{};
     std::vector<Aligned> first; ///< by state
     std::vector<Aligned> others; ///< of the few states with more corners
     std::vector<std::uint16_t> firstOther; ///< by state
@@ -91,6 +96,44 @@ HWY_INLINE void findAllSigns(const BitString& above, std::uint8_t* HWY_RESTRICT 
 }
 #endif
 
+#if HWY_TARGET <= HWY_AVX3_DL
+// Which of 64 signs are ambiguous: a bit in 32 bytes.
+HWY_INLINE std::uint64_t whichAreAmbiguous(__m512i signs, __m512i table) {
+    const __m512i bitOf = _mm512_set1_epi64(static_cast<long long>(0x8040201008040201u));
+    const __m512i byte = _mm512_permutexvar_epi8(
+        _mm512_and_si512(_mm512_srli_epi16(signs, 3), _mm512_set1_epi8(0x1f)), table);
+    const __m512i bit = _mm512_shuffle_epi8(bitOf, _mm512_and_si512(signs, _mm512_set1_epi8(7)));
+    return _mm512_test_epi8_mask(byte, bit);
+}
+
+void listCellsHere(const BitString& active, const BitString& above, CellList& list) {
+    auto* const cells = reinterpret_cast<std::uint16_t*>(list.cells.data());
+    list.count = static_cast<std::uint32_t>(listBits<1>(active, 0, cells) - cells);
+    alignas(64) std::array<std::uint8_t, kPaddedPoints> allSigns;
+    findAllSigns(above, allSigns.data());
+    std::uint8_t* end = list.signs.data();
+    for (std::size_t w = 0; w < kBitWords; ++w) {
+        _mm512_storeu_si512(end, _mm512_maskz_compress_epi8(active.words[w],
+                                                            _mm512_load_si512(allSigns.data() + 64 * w)));
+        end += std::popcount(active.words[w]);
+    }
+    const __m512i table = _mm512_castsi256_si512(
+        _mm256_load_si256(reinterpret_cast<const __m256i*>(ambiguousSignBits().data())));
+    list.ambiguousCount = 0;
+    for (std::uint32_t k = 0; k < list.count; k += 64) {
+        const __m512i signs = _mm512_loadu_si512(list.signs.data() + k);
+        _mm512_storeu_si512(list.states.data() + k, _mm512_cvtepu8_epi16(_mm512_castsi512_si256(signs)));
+        _mm512_storeu_si512(list.states.data() + k + 32,
+                            _mm512_cvtepu8_epi16(_mm512_extracti64x4_epi64(signs, 1)));
+        std::uint64_t ambiguous = whichAreAmbiguous(signs, table);
+        if (list.count - k < 64)
+            ambiguous &= (std::uint64_t{1} << (list.count - k)) - 1;
+        for (; ambiguous != 0; ambiguous &= ambiguous - 1)
+            list.ambiguous[list.ambiguousCount++] =
+                static_cast<std::uint16_t>(k + static_cast<std::uint32_t>(std::countr_zero(ambiguous)));
+    }
+}
+#else
 void listCellsHere(const BitString& active, const BitString& above, CellList& list) {
     auto* const cells = reinterpret_cast<std::uint16_t*>(list.cells.data());
     list.count = static_cast<std::uint32_t>(listBits<1>(active, 0, cells) - cells);
@@ -112,10 +155,11 @@ void listCellsHere(const BitString& active, const BitString& above, CellList& li
     }
     list.ambiguousCount = ambiguous;
 }
+#endif
 
 #if HWY_TARGET <= HWY_AVX3
-// Of all states alike: the edges of a cell are in 32 lanes, four pieces of the vertex table, its inner vertices in
-// others, and one permutation brings them into the order of its triangles.
+// The edges of a cell are in 32 lanes, four pieces of the vertex table, and one permutation brings them into the order
+// of its triangles; where its signs leave these open, with inner vertices in further lanes.
 std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
                                  std::uint16_t* out) {
     const StateLanes& lanes = stateLanes();
@@ -129,15 +173,21 @@ std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner,
         const __m256i lower = _mm256_inserti128_si256(_mm256_castsi128_si256(piece(at)), piece(at + 4 * 9), 1);
         const __m256i upper =
             _mm256_inserti128_si256(_mm256_castsi128_si256(piece(at + 4 * 81)), piece(at + 4 * 90), 1);
-        const __m512i edges = _mm512_inserti64x4(_mm512_castsi256_si512(lower), upper, 1);
-        const __m512i inner = _mm512_add_epi16(upwards, _mm512_set1_epi16(static_cast<short>(firstInner)));
         const cell::StateId state = list.states[k];
         const std::size_t count = lanes.counts[state];
+        if (HWY_LIKELY(state < 256)) {
+            const __m256i order =
+                _mm256_cvtepu8_epi16(_mm_load_si128(reinterpret_cast<const __m128i*>(lanes.plain[state].data())));
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_permutex2var_epi16(lower, order, upper));
+            out += count;
+            continue;
+        }
+        const __m512i edges = _mm512_inserti64x4(_mm512_castsi256_si512(lower), upper, 1);
+        const __m512i inner = _mm512_add_epi16(upwards, _mm512_set1_epi16(static_cast<short>(firstInner)));
         _mm512_storeu_si512(out, _mm512_permutex2var_epi16(edges, _mm512_load_si512(lanes.first[state].data()), inner));
-        if (HWY_UNLIKELY(count > StateLanes::kAtOnce))
-            for (std::size_t i = StateLanes::kAtOnce; i < count; i += StateLanes::kAtOnce)
-                _mm512_storeu_si512(out + i,
-                                    _mm512_permutex2var_epi16(edges, _mm512_load_si512(lanes.rest(state, i)), inner));
+        for (std::size_t i = StateLanes::kAtOnce; i < count; i += StateLanes::kAtOnce)
+            _mm512_storeu_si512(out + i,
+                                _mm512_permutex2var_epi16(edges, _mm512_load_si512(lanes.rest(state, i)), inner));
         out += count;
         firstInner += lanes.innerVertices[state];
     }
@@ -233,6 +283,18 @@ const std::array<bool, 256>& ambiguousSignTable() {
     return isAmbiguous;
 }
 
+const std::array<std::uint8_t, 32>& ambiguousSignBits() {
+    struct alignas(32) Bits : std::array<std::uint8_t, 32> {};
+    static const auto bits = [] {
+        Bits made{};
+        for (std::size_t signs = 0; signs < 256; ++signs)
+            if (ambiguousSignTable()[signs])
+                made[signs / 8] = static_cast<std::uint8_t>(made[signs / 8] | 1u << (signs % 8));
+        return made;
+    }();
+    return bits;
+}
+
 const PlainCells& plainCells() {
     static const auto cells = [] {
         PlainCells made;
@@ -294,6 +356,11 @@ const StateLanes& stateLanes() {
             const auto start = coordsOf(ClosedPoint(kPlaceOfCellEdge[corner] / 4));
             return static_cast<std::uint16_t>(axis + 4 * start[0] + 8 * start[1] + 16 * start[2]);
         };
+        for (std::size_t signs = 0; signs < 256; ++signs)
+            if (const auto& corners = cell::cellStates()[signs].triangles;
+                !cell::isAmbiguous(static_cast<std::uint8_t>(signs)))
+                std::transform(corners.begin(), corners.end(), made.plain[signs].begin(),
+                               [&](std::uint8_t corner) { return static_cast<std::uint8_t>(laneOf(corner)); });
         for (const cell::CellState& state : cell::cellStates()) {
             const std::size_t count = state.triangles.size();
             made.counts.push_back(static_cast<std::uint8_t>(count));

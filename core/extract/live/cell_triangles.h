@@ -32,9 +32,10 @@ struct CellList {
     static constexpr std::size_t kMost = std::size_t{kCellSide} * kCellSide * kCellSide;
     std::uint32_t count = 0;
     std::uint32_t ambiguousCount = 0;
-    std::array<ClosedPoint, kMost + 32> cells;
-    std::array<std::uint8_t, kMost> signs;
-    std::array<cell::StateId, kMost> states; ///< below 256 the signs
+    // With room for what is written behind the last in whole vectors.
+    std::array<ClosedPoint, kMost + 64> cells;
+    std::array<std::uint8_t, kMost + 64> signs;
+    std::array<cell::StateId, kMost + 64> states; ///< below 256 the signs
     std::array<std::uint16_t, kMost + 1>
         ambiguous; ///< places in the list of the cells whose signs leave the surface open
 };

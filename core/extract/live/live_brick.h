@@ -21,6 +21,7 @@ struct LiveBrick {
     std::uint16_t ownedEdges = 0;
     bool isLive = false;
     bool isNearMissing = false;
+    bool hasPoints = false; ///< else nothing is in its run of points
     BitString above; ///< signs of the corners of its active cells; other points may have any
     BitString cells; ///< active ones that are not merged
     BitString changed; ///< cells that the last move which replaced the brick has changed

@@ -129,8 +129,9 @@ BrickSlot LiveSurface<Live>::add(BrickIndex index) {
     const bool isNearMissing = shapes_.isNearMissing(index);
     if (isNearMissing)
         nearMissing_[slot.index()] = std::make_unique<BrickMasks>(shapes_.masksNearMissing(index));
-    free_.pop_back();
     Brick& brick = bricks_[slot.index()]; // new, or as remove() leaves it
+    arenas_->points.resize(brick.points, pointLines_); // here, where no other thread wants any
+    free_.pop_back();
     brick.index = index;
     brick.isLive = true;
     brick.isNearMissing = isNearMissing;
@@ -199,16 +200,19 @@ void LiveSurface<Live>::finishMove(const BrickDraft<Live>& draft) {
         retired_.push_back({version_, runs});
 }
 
-// Memory, here and on the card, follows the highest run: where most of what is below it is free, all runs move into
+// Memory, here and on the card, follows the highest run: where most of what is below it stays free, all runs move into
 // arenas that hold nothing else. The surface has lost half of what it had since the last time, so moves pay little for
-// it.
+// it; not at once, for a jump leaves room that the next one fills, and new memory costs as much as what is in it.
 template <class Live>
 void LiveSurface<Live>::compact() {
     if (hasCleared_)
         trim();
-    if (!arenas_->vertices.isSparse() && !arenas_->indices.isSparse() && !arenas_->inner.isSparse() &&
-        !arenas_->points.isSparse())
+    const bool isSparse = arenas_->vertices.isSparse() || arenas_->indices.isSparse() || arenas_->inner.isSparse() ||
+                          arenas_->points.isSparse();
+    sparseMoves_ = isSparse ? sparseMoves_ + 1 : 0;
+    if (sparseMoves_ < kSparseMoves)
         return;
+    sparseMoves_ = 0;
     auto compacted = std::make_shared<BrickArenas>(arenas_->type);
     for (const BrickSlot slot : slots()) {
         Brick& brick = bricks_[slot.index()];
@@ -313,12 +317,13 @@ void LiveSurface<Live>::putPoints(BrickSlot slot, BrickDraft<Live>& draft) {
     if (!draft.newPoints)
         return;
     Brick& brick = bricks_[slot.index()];
-    if (isWatched_ && brick.points.capacity > 0)
+    if (isWatched_ && brick.hasPoints)
         draft.retired.push_back({{}, {}, {}, std::exchange(brick.points, {})});
     arenas_->points.resize(brick.points, pointLines_);
     streamCopy(arenas_->points.at(brick.points.begin), std::exchange(draft.newPoints, nullptr),
                pointLines_ * sizeof(PointLine));
     brick.pointsVersion = version_;
+    brick.hasPoints = true;
 }
 
 // Puts the draft's vertices, triangles and ambiguous cells into the brick's runs, and new points.

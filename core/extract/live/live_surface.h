@@ -66,7 +66,7 @@ public:
     /// Takes over what a thread's draft has counted since beginMove(). The threads that have replaced bricks must have
     /// called finishStreams() since.
     void finishMove(const BrickDraft<Live>& draft);
-    /// After all drafts, or a clear(): gives memory back where the surface has become much smaller. Throws
+    /// After all drafts, or a clear(): gives memory back where the surface has been much smaller for some moves. Throws
     /// std::bad_alloc.
     void compact();
 
@@ -168,6 +168,8 @@ private:
     std::vector<Retired> retired_;
     std::shared_ptr<PictureLeases> leases_ = std::make_shared<PictureLeases>();
     std::uint32_t version_ = 0; ///< counts moves
+    static constexpr int kSparseMoves = 8;
+    int sparseMoves_ = 0; ///< after which the arenas were mostly free, one after the other
     bool hasCleared_ = false; ///< since compact()
     bool isWatched_ = false; ///< in this move: there are pictures, and nothing of them may be written to
     std::vector<BrickSlot> replaced_; ///< in the last move

@@ -11,6 +11,7 @@ namespace isoslider::extract {
 template <class Sample>
 struct BrickSource<Sample>::Scratch {
     SampleBlock<Sample> block;
+    SampleBlock<float> floats; ///< the same where normals are found at some points
     Points points; ///< of a brick that arrives, or whose normals become whole
     ClassifiedBrick<Stored> found;
     BrickDraft<Live> draft;

@@ -186,6 +186,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     std::erase_if(jobs, [&](const Job& job) { return isNew[job.slot.index()]; });
     std::erase_if(refreshed, [&](BrickSlot slot) { return isNew[slot.index()]; });
     jobs.insert(jobs.end(), arrived.begin(), arrived.end());
+    isJump_ = arrived.size() > watch_.size() / kJumpShare;
 
     for (Scratch& scratch : *scratches_) {
         scratch.draft.beginMove();
@@ -351,10 +352,10 @@ void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, Points& poi
     std::fill(out, points.samples + kPaddedPoints, any);
 }
 
-// The normals that edges need, a whole row at a time: when the brick arrives those of its active edges, and all when it
-// changes for the first time. A jump pays for no more than it shows; a handle that moves on goes through the brick, and
-// finding row after row would cost more than half as much again as a move, most of it waiting for samples. False when
-// samples are wanted that are not ready.
+// Normals at the brick's points. In a jump only those that its active edges need: it pays for no more than it shows; all
+// others when the brick changes for the first time, for a handle that moves on goes through the brick, and finding some at
+// each move would cost more than half as much again, most of it waiting for samples. False when samples are wanted that
+// are not ready.
 template <class Sample>
 bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll,
                                           Scratch& scratch) {
@@ -362,9 +363,10 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
     if (!job.isNew && hasAll != 0)
         return true;
     const BrickIndex brick = brickOf_[job.slot.index()];
+    const bool wantsSome = job.isNew && !wantsAll;
+    BitString ends;
     PointRows rows;
-    if (job.isNew && !wantsAll) {
-        BitString ends;
+    if (wantsSome) {
         endsOfEdges(scratch.found.active.edges, ends);
         rows = rowsOf(ends);
     } else {
@@ -382,10 +384,13 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
     if (!kHasNormalKernel<Sample> || surface.brick(job.slot).isNearMissing) {
         readBlock(samples_.rows(brick), rowsForGradients(rows), scratch.block);
         findNormalsReference(scratch.block, rows, inverseSpacing_, scratch.points.normals);
-    } else {
-        readApron(samples_.rows(brick), rows, scratch.block);
-        if constexpr (kHasNormalKernel<Sample>)
-            findNormals<Sample>(scratch.points.samples, scratch.block, rows, inverseSpacing_, scratch.points.normals);
+    } else if constexpr (kHasNormalKernel<Sample>) {
+        readApron(samples_.rows(brick), rows, scratch.floats);
+        if (wantsSome)
+            findNormalsAt<Sample>(ends, scratch.points.samples, scratch.floats, inverseSpacing_,
+                                  scratch.points.normals);
+        else
+            findNormals<Sample>(scratch.points.samples, scratch.floats, rows, inverseSpacing_, scratch.points.normals);
     }
     return true;
 }
@@ -418,7 +423,7 @@ bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, 
     if (!begin(surface, job, scratch))
         return false;
     classifyFor(move, surface, job, scratch);
-    if (!completeNormals(surface, job, false, scratch))
+    if (!completeNormals(surface, job, !isJump_, scratch))
         return false;
     scratch.draft.merged.clear();
     scratch.draft.active = scratch.found.active;

@@ -123,6 +123,8 @@ private:
     MergeBound bound_;
     bool hasNewBound_ = false; ///< since the last move
     std::vector<BrickLeaves> leaves_, surelyWithin_; ///< by slot, while cells are merged
+    static constexpr std::size_t kJumpShare = 4; ///< more than one in so many live bricks is new: a jump
+    bool isJump_ = false; ///< the move that is under way
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;

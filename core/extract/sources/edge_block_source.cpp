@@ -390,7 +390,7 @@ auto EdgeBlockSource<Sample>::pointsOf(BrickSlot slot, const LiveSurface<Live>& 
 template <class Sample>
 void EdgeBlockSource<Sample>::fillPoints(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
     scratch.draft.newPoints = nullptr;
-    const bool isNew = surface.brick(slot).points.capacity == 0;
+    const bool isNew = !surface.brick(slot).hasPoints;
     if (chains_[slot.index()].firstActivated == kEndOfChain && !isNew)
         return;
     if (isNew)

@@ -188,83 +188,150 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> codesOf(D d, V gx, V gy, V gz, hn::Mas
     return hn::Or(low, hn::ShiftLeft<8>(high));
 }
 
+// Puts the brick's own samples into the block, in whole vectors: what of the apron these write over is put back.
 template <class Sample>
-void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, const SampleBlock<Sample>& apron,
-                     const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* HWY_RESTRICT codes) {
-    using Block = SampleBlock<Sample>;
-    using Stored = StoredSample<Sample>;
+HWY_INLINE void fillIn(const StoredSample<Sample>* HWY_RESTRICT samples, SampleBlock<float>& block) {
+    using Block = SampleBlock<float>;
     const hn::CappedTag<float, 16> d;
-    const std::size_t lanes = hn::Lanes(d);
-    // Beside the box a one-sided difference is that of the point and its only neighbour: the point stands in for the
-    // missing one, and the difference is not halved.
-    const bool isAtBegin = apron.begin[0] == 0, isAtEnd = apron.end[0] < 10;
-    const auto end = static_cast<std::size_t>(std::min(kPointSide, apron.end[0]));
-    alignas(64) float scaleX[32];
-    std::fill_n(scaleX, 32, 0.5f);
-    if (isAtBegin)
-        scaleX[0] = 1.0f;
-    if (isAtEnd)
-        scaleX[end - 1] = 1.0f;
-    alignas(64) Stored firstRow[32]; // with room before it
-    if (rows[0] & 1)
-        std::copy_n(samples, 31, firstRow + 1);
     for (int z = 0; z < kPointSide; ++z)
-        for (unsigned left = rows[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
-            const int y = std::countr_zero(left);
-            NormalCode* const out = codes + closedPoint(0, y, z).index();
-            if (z >= apron.end[2] || y >= apron.end[1])
-                continue;
-            const Stored* const row = samples + closedPoint(0, y, z).index();
-            const Stored* const rowBefore = row == samples ? firstRow : row - 1; // what stands at x = -1 is replaced
-            const Sample* const beside = apron.samples.data() + Block::offset(0, y, z);
-            const Sample before = isAtBegin ? sampleOf<Sample>(row[0]) : beside[-1];
-            const Sample behind = isAtEnd ? sampleOf<Sample>(row[end - 1]) : beside[kPointSide];
-            const bool hasBehind = y > apron.begin[1], hasAhead = y + 1 < apron.end[1];
-            const bool hasBelow = z > apron.begin[2], hasOver = z + 1 < apron.end[2];
-            const auto scaleY = hn::Set(d, hasBehind && hasAhead ? 0.5f : 1.0f),
-                       scaleZ = hn::Set(d, hasBelow && hasOver ? 0.5f : 1.0f);
-            for (std::size_t i = 0; i < end; i += lanes) {
-                const auto place = hn::Iota(d, static_cast<float>(i));
-                const auto difference = [&](auto upper, auto lower, auto scale, float inverse) HWY_ATTR {
-                    return hn::Mul(hn::Sub(hn::Mul(upper, scale), hn::Mul(lower, scale)), hn::Set(d, inverse));
-                };
-                const auto rowAt = [&](int atY, int atZ) HWY_ATTR {
-                    const bool isOwn = atY >= 0 && atY < kPointSide && atZ >= 0 && atZ < kPointSide;
-                    return isOwn ? loadStored<Sample>(d, samples + closedPoint(0, atY, atZ).index() + i)
-                                 : loadFloats(d, apron.samples.data() + Block::offset(0, atY, atZ) + i);
-                };
-                const auto smaller = hn::IfThenElse(hn::Eq(place, hn::Zero(d)), hn::Set(d, static_cast<float>(before)),
-                                                    loadStored<Sample>(d, rowBefore + i));
-                const auto larger =
-                    hn::IfThenElse(hn::Eq(place, hn::Set(d, static_cast<float>(end - 1))),
-                                   hn::Set(d, static_cast<float>(behind)), loadStored<Sample>(d, row + 1 + i));
-                const auto gx = difference(larger, smaller, hn::Load(d, scaleX + i), inverseSpacing.x);
-                const auto gy = difference(rowAt(hasAhead ? y + 1 : y, z), rowAt(hasBehind ? y - 1 : y, z), scaleY,
-                                           inverseSpacing.y);
-                const auto gz =
-                    difference(rowAt(y, hasOver ? z + 1 : z), rowAt(y, hasBelow ? z - 1 : z), scaleZ, inverseSpacing.z);
-                hn::Mask<decltype(d)> isPlain;
-                const auto code = codesOf(d, gx, gy, gz, isPlain);
-                const hn::Rebind<NormalCode, decltype(d)> narrow;
-                const std::size_t points = std::min(lanes, end - i);
-                hn::BlendedStore(hn::DemoteTo(narrow, code), hn::FirstN(narrow, points), narrow, out + i);
-                const auto isPoint = hn::FirstN(d, points); // behind them stands anything
-                if (HWY_UNLIKELY(!hn::AllFalse(d, hn::AndNot(isPlain, isPoint)))) {
-                    alignas(64) float xs[16], ys[16], zs[16];
-                    hn::Store(gx, d, xs);
-                    hn::Store(gy, d, ys);
-                    hn::Store(gz, d, zs);
-                    for (std::size_t k = 0; k < points; ++k)
-                        out[i + k] = normalOfGradient({xs[k], ys[k], zs[k]});
-                }
-            }
+        for (int y = 0; y < kPointSide; ++y) {
+            float* const out = block.samples.data() + Block::offset(0, y, z);
+            const auto* const row = samples + closedPoint(0, y, z).index();
+            const float behind = out[kPointSide], next = out[Block::kRow - 1];
+            for (std::size_t i = 0; i < static_cast<std::size_t>(kPointSide); i += hn::Lanes(d))
+                hn::StoreU(loadStored<Sample>(d, row + i), d, out + i);
+            out[kPointSide] = behind;
+            out[Block::kRow - 1] = next;
         }
 }
 
+// Beside the box a one-sided difference is that of the point and its only neighbour: the point stands in for the missing
+// one, and the difference is not halved.
+template <class D, class V>
+HWY_INLINE V differenceOf(D d, V upper, V lower, V scale, float inverse) {
+    return hn::Mul(hn::Sub(hn::Mul(upper, scale), hn::Mul(lower, scale)), hn::Set(d, inverse));
+}
+
+// Codes of the first `count` lanes, each where `put` puts it.
+template <class D, class V, class Put>
+HWY_INLINE void writeCodes(D d, V gx, V gy, V gz, std::size_t count, const Put& put) {
+    const hn::RebindToSigned<D> ints;
+    alignas(64) std::int32_t codes[16];
+    hn::Mask<D> isPlain;
+    hn::Store(codesOf(d, gx, gy, gz, isPlain), ints, codes);
+    for (std::size_t i = 0; i < count; ++i)
+        put(i, static_cast<NormalCode>(codes[i]));
+    if (HWY_UNLIKELY(!hn::AllTrue(d, isPlain))) { // what stands behind the last may be the reason; no matter
+        alignas(64) float xs[16], ys[16], zs[16];
+        hn::Store(gx, d, xs);
+        hn::Store(gy, d, ys);
+        hn::Store(gz, d, zs);
+        for (std::size_t i = 0; i < count; ++i)
+            put(i, normalOfGradient({xs[i], ys[i], zs[i]}));
+    }
+}
+
+// Points in lanes, their neighbours gathered.
+void findNormalsOfPoints(const BitString& points, const SampleBlock<float>& block, const glm::vec3& inverseSpacing,
+                         NormalCode* HWY_RESTRICT codes) {
+    using Block = SampleBlock<float>;
+    const hn::CappedTag<float, 16> d;
+    const hn::RebindToSigned<decltype(d)> ints;
+    const std::size_t lanes = hn::Lanes(d);
+    alignas(64) std::array<std::uint16_t, kPaddedPoints + 64> list;
+    const auto count = static_cast<std::size_t>(listBits<1>(points, 0, list.data()) - list.data());
+    std::fill_n(list.data() + count, lanes, std::uint16_t{0});
+    const hn::Rebind<std::uint16_t, decltype(ints)> narrow;
+    const float* const origin = block.samples.data() + Block::offset(0, 0, 0);
+    for (std::size_t k = 0; k < count; k += lanes) {
+        const auto p = hn::PromoteTo(ints, hn::LoadU(narrow, list.data() + k));
+        // Quotients by 9 and 81 as products: see vertex_kernels.cpp.
+        const auto ninth = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 7282)));
+        const auto z = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 810)));
+        const auto y = hn::Sub(ninth, hn::Mul(z, hn::Set(ints, 9)));
+        const auto x = hn::Sub(p, hn::Mul(ninth, hn::Set(ints, 9)));
+        const auto at = hn::Add(hn::Add(x, hn::ShiftLeft<4>(y)), hn::Mul(z, hn::Set(ints, Block::kPlane)));
+        static_assert(Block::kRow == 16);
+        const auto derivative = [&](auto along, int stride, std::size_t axis, float inverse) HWY_ATTR {
+            const auto hasLower = hn::Gt(along, hn::Set(ints, block.begin[axis]));
+            const auto hasUpper = hn::Lt(along, hn::Set(ints, block.end[axis] - 1));
+            const auto step = hn::Set(ints, stride);
+            const auto lower = hn::GatherIndex(d, origin, hn::Sub(at, hn::IfThenElseZero(hasLower, step)));
+            const auto upper = hn::GatherIndex(d, origin, hn::Add(at, hn::IfThenElseZero(hasUpper, step)));
+            const auto isBetween = hn::RebindMask(d, hn::And(hasLower, hasUpper));
+            const auto scale = hn::IfThenElse(isBetween, hn::Set(d, 0.5f), hn::Set(d, 1.0f));
+            return differenceOf(d, upper, lower, scale, inverse);
+        };
+        writeCodes(d, derivative(x, 1, 0, inverseSpacing.x), derivative(y, Block::kRow, 1, inverseSpacing.y),
+                   derivative(z, Block::kPlane, 2, inverseSpacing.z), std::min(lanes, count - k),
+                   [&](std::size_t i, NormalCode code) { codes[list[k + i]] = code; });
+    }
+}
+
+template <class Sample>
+void findNormalsAtHere(const BitString& points, const StoredSample<Sample>* HWY_RESTRICT samples,
+                       SampleBlock<float>& block, const glm::vec3& inverseSpacing, NormalCode* HWY_RESTRICT codes) {
+    fillIn<Sample>(samples, block);
+    findNormalsOfPoints(points, block, inverseSpacing, codes);
+}
+
+// Eight points of a row at a time; the ninth of all rows are then points by themselves.
+template <class Sample>
+void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, SampleBlock<float>& block,
+                     const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* HWY_RESTRICT codes) {
+    using Block = SampleBlock<float>;
+    const hn::CappedTag<float, 8> d;
+    const std::size_t lanes = hn::Lanes(d);
+    fillIn<Sample>(samples, block);
+    const bool isAtBegin = block.begin[0] == 0;
+    const auto inRow = static_cast<std::size_t>(std::min(kBrickSide, block.end[0]));
+    // Where the box begins or ends in the row.
+    alignas(64) float scaleX[8];
+    std::fill_n(scaleX, 8, 0.5f);
+    if (isAtBegin)
+        scaleX[0] = 1.0f;
+    if (block.end[0] <= kBrickSide)
+        scaleX[block.end[0] - 1] = 1.0f;
+    BitString lasts;
+    for (int z = 0; z < std::min(kPointSide, block.end[2]); ++z)
+        for (unsigned left = rows[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
+            const int y = std::countr_zero(left);
+            if (y >= block.end[1])
+                break;
+            if (block.end[0] >= kPointSide)
+                lasts.set(closedPoint(kPointSide - 1, y, z));
+            const int below = y > block.begin[1] ? Block::kRow : 0, above = y + 1 < block.end[1] ? Block::kRow : 0;
+            const int under = z > block.begin[2] ? Block::kPlane : 0, over = z + 1 < block.end[2] ? Block::kPlane : 0;
+            const auto scaleY = hn::Set(d, below != 0 && above != 0 ? 0.5f : 1.0f),
+                       scaleZ = hn::Set(d, under != 0 && over != 0 ? 0.5f : 1.0f);
+            for (std::size_t i = 0; i < inRow; i += lanes) {
+                const float* const at = block.samples.data() + Block::offset(0, y, z) + i;
+                const auto own = hn::LoadU(d, at), place = hn::Iota(d, static_cast<float>(i));
+                auto lowerX = hn::LoadU(d, at - 1), upperX = hn::LoadU(d, at + 1);
+                if (isAtBegin)
+                    lowerX = hn::IfThenElse(hn::Eq(place, hn::Zero(d)), own, lowerX);
+                if (block.end[0] <= kBrickSide)
+                    upperX = hn::IfThenElse(hn::Eq(place, hn::Set(d, static_cast<float>(block.end[0] - 1))), own, upperX);
+                NormalCode* const out = codes + closedPoint(0, y, z).index() + i;
+                writeCodes(d, differenceOf(d, upperX, lowerX, hn::Load(d, scaleX + i), inverseSpacing.x),
+                           differenceOf(d, hn::LoadU(d, at + above), hn::LoadU(d, at - below), scaleY,
+                                        inverseSpacing.y),
+                           differenceOf(d, hn::LoadU(d, at + over), hn::LoadU(d, at - under), scaleZ,
+                                        inverseSpacing.z),
+                           std::min(lanes, inRow - i), [&](std::size_t k, NormalCode code) { out[k] = code; });
+            }
+        }
+    findNormalsOfPoints(lasts, block, inverseSpacing, codes);
+}
+
 #define ISO_NORMALS(Name, Sample) \
-    void Name(const StoredSample<Sample>* s, const SampleBlock<Sample>& a, const PointRows& r, const glm::vec3& i, \
+    void Name(const StoredSample<Sample>* s, SampleBlock<float>& a, const PointRows& r, const glm::vec3& i, \
               NormalCode* c) { \
         findNormalsHere<Sample>(s, a, r, i, c); \
+    } \
+    void Name##At(const BitString& p, const StoredSample<Sample>* s, SampleBlock<float>& a, const glm::vec3& i, \
+                  NormalCode* c) { \
+        findNormalsAtHere<Sample>(p, s, a, i, c); \
     }
 ISO_NORMALS(normalsU8, std::uint8_t)
 ISO_NORMALS(normalsI8, std::int8_t)
@@ -296,9 +363,15 @@ std::uint32_t numberEdges(const ActiveBits& active, VertexCode* codes, VertexTab
 #define ISO_NORMALS(Name, Sample) \
     HWY_EXPORT(Name); \
     template <> \
-    void findNormals<Sample>(const StoredSample<Sample>* s, const SampleBlock<Sample>& a, const PointRows& r, \
+    void findNormals<Sample>(const StoredSample<Sample>* s, SampleBlock<float>& a, const PointRows& r, \
                              const glm::vec3& i, NormalCode* c) { \
         HWY_DYNAMIC_DISPATCH(Name)(s, a, r, i, c); \
+    } \
+    HWY_EXPORT(Name##At); \
+    template <> \
+    void findNormalsAt<Sample>(const BitString& p, const StoredSample<Sample>* s, SampleBlock<float>& a, \
+                               const glm::vec3& i, NormalCode* c) { \
+        HWY_DYNAMIC_DISPATCH(Name##At)(p, s, a, i, c); \
     }
 ISO_NORMALS(normalsU8, std::uint8_t)
 ISO_NORMALS(normalsI8, std::int8_t)

@@ -45,11 +45,15 @@ template <class Sample>
 inline constexpr bool kHasNormalKernel = sizeof(Sample) <= 2 || std::is_same_v<Sample, float>;
 
 /// Quantised normals at the points of whole rows of a brick, several points at a time. `samples`: kPaddedPoints of the
-/// brick; `apron`: what readApron() has filled in. `codes` of all points of the brick. REQUIRES: no missing sample
-/// among them.
+/// brick; `block`: what readApron() has filled in for these rows, the rest is filled in here. `codes` of all points of
+/// the brick. REQUIRES: no missing sample among them.
 template <class Sample>
-void findNormals(const StoredSample<Sample>* samples, const SampleBlock<Sample>& apron, const PointRows& rows,
+void findNormals(const StoredSample<Sample>* samples, SampleBlock<float>& block, const PointRows& rows,
                  const glm::vec3& inverseSpacing, NormalCode* codes);
+/// The same at some points: cheaper where they are few. `block`: filled in for their rows.
+template <class Sample>
+void findNormalsAt(const BitString& points, const StoredSample<Sample>* samples, SampleBlock<float>& block,
+                   const glm::vec3& inverseSpacing, NormalCode* codes);
 /// The same from a whole block, point by point: normalOfGradient() of block.gradient(). Missing samples and all types
 /// are allowed.
 template <class Sample>

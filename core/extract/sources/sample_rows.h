@@ -43,9 +43,9 @@ struct SampleRows {
     }
 };
 
-/// Copies rows of a block; its other rows stay as they are.
-template <class Sample>
-inline void readBlock(const SampleRows<Sample>& from, const BlockRows& rows, SampleBlock<Sample>& block) {
+/// Copies rows of a block; its other rows stay as they are. `To`: the samples' type, or one that holds them all.
+template <class Sample, class To>
+inline void readBlock(const SampleRows<Sample>& from, const BlockRows& rows, SampleBlock<To>& block) {
     block.begin = from.begin;
     block.end = from.end;
     const bool hasBefore = from.begin[0] < 0;
@@ -56,22 +56,24 @@ inline void readBlock(const SampleRows<Sample>& from, const BlockRows& rows, Sam
             if (!(rows[static_cast<std::size_t>(z + 1)] >> (y + 1) & 1))
                 continue;
             const auto row = from.row(y, z);
-            Sample* const out = block.samples.data() + SampleBlock<Sample>::offset(0, y, z);
+            To* const out = block.samples.data() + SampleBlock<To>::offset(0, y, z);
             if (hasBefore)
-                out[-1] = *row.before;
+                out[-1] = static_cast<To>(*row.before);
             if (own == kBrickSide)
-                std::memcpy(out, row.own, kBrickSide * sizeof(Sample));
+                for (std::size_t x = 0; x < kBrickSide; ++x)
+                    out[x] = static_cast<To>(row.own[x]);
             else
-                std::copy_n(row.own, own, out);
+                for (std::size_t x = 0; x < own; ++x)
+                    out[x] = static_cast<To>(row.own[x]);
             for (std::size_t x = 0; x < behind; ++x)
-                out[kBrickSide + x] = row.behind[x];
+                out[kBrickSide + x] = static_cast<To>(row.behind[x]);
         }
 }
 
 /// Copies what the gradients at the points of `rows` need besides the brick's own samples: x = -1 and 9 of these rows,
 /// and the rows on either side where they lie outside the brick.
-template <class Sample>
-inline void readApron(const SampleRows<Sample>& from, const PointRows& rows, SampleBlock<Sample>& block) {
+template <class Sample, class To>
+inline void readApron(const SampleRows<Sample>& from, const PointRows& rows, SampleBlock<To>& block) {
     BlockRows outside{};
     for (std::size_t z = 0; z < rows.size(); ++z) {
         const unsigned wanted = rows[z];
@@ -93,11 +95,11 @@ inline void readApron(const SampleRows<Sample>& from, const PointRows& rows, Sam
             if (y >= from.end[1])
                 break;
             const auto row = from.row(y, z);
-            Sample* const out = block.samples.data() + SampleBlock<Sample>::offset(0, y, z);
+            To* const out = block.samples.data() + SampleBlock<To>::offset(0, y, z);
             if (hasBefore)
-                out[-1] = *row.before;
+                out[-1] = static_cast<To>(*row.before);
             if (hasBehind)
-                out[kPointSide] = row.behind[1];
+                out[kPointSide] = static_cast<To>(row.behind[1]);
         }
 }
 

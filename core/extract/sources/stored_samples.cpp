@@ -110,15 +110,23 @@ void StoredSamples<Sample>::touch(std::span<const BrickIndex> bricks) {
 template <class Sample>
 void StoredSamples<Sample>::prefetch(BrickIndex brick) const {
     const auto b = bricks_.brickCoords(brick);
-    const Slot slot = slotOf_[store_.chunks().chunkAt(b[0] >> 1, b[1] >> 1, b[2] >> 1).index()];
-    if (slot == 0)
-        return;
-    const Sample* const corner =
-        samplesOf(slot) + kBrickSide * ((b[0] & 1) + kSide * ((b[1] & 1) + kSide * (b[2] & 1)));
     constexpr int kRowsPerLine = sizeof(Sample) == 1 ? 4 : sizeof(Sample) == 2 ? 2 : 1;
-    for (int z = 0; z < kBrickSide; ++z)
-        for (int y = 0; y < kBrickSide; y += kRowsPerLine)
-            __builtin_prefetch(corner + kSide * (y + kSide * z));
+    const auto fetch = [&](const Sample* from, std::ptrdiff_t x) {
+        for (int z = 0; z < kBrickSide; ++z)
+            for (int y = 0; y < kBrickSide; y += kRowsPerLine)
+                __builtin_prefetch(from + x + kSide * (y + kSide * z));
+    };
+    const std::ptrdiff_t first = kSide * ((b[1] & 1) * kBrickSide + kSide * ((b[2] & 1) * kBrickSide));
+    const Sample* const own = dataOf(b[0] >> 1, b[1] >> 1, b[2] >> 1);
+    if (!own)
+        return;
+    fetch(own + first, kBrickSide * (b[0] & 1));
+    // Of the chunk beside it along x each row has one or two samples for the brick, in a line of their own.
+    const bool isUpper = (b[0] & 1) != 0;
+    const std::int64_t beside = (b[0] >> 1) + (isUpper ? 1 : -1);
+    if (beside >= 0 && beside < store_.chunks().chunks()[0])
+        if (const Sample* const data = dataOf(beside, b[1] >> 1, b[2] >> 1))
+            fetch(data + first, isUpper ? 0 : kSide - 1);
 }
 
 template <class Sample>
