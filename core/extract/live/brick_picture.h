@@ -8,6 +8,7 @@
 #include <mutex>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/extract/live/brick_points.h"
@@ -75,7 +76,8 @@ struct ChangedTriangles {
     std::uint32_t indexCount;
 };
 
-/// The versions of the pictures that are still in use. Safe from any thread.
+/// The versions of the pictures that are still in use, and a table that one of them has left behind: the next picture
+/// fills it again, where new memory would cost as much as filling it. Safe from any thread.
 class PictureLeases {
 public:
     static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -84,9 +86,15 @@ public:
         const std::lock_guard lock(mutex_);
         versions_.insert(version);
     }
-    void giveBack(std::uint32_t version) {
+    void giveBack(std::uint32_t version, std::vector<PictureBrick>&& table) {
         const std::lock_guard lock(mutex_);
         versions_.erase(versions_.find(version));
+        if (table.capacity() > table_.capacity())
+            table_.swap(table);
+    }
+    std::vector<PictureBrick> takeTable() {
+        const std::lock_guard lock(mutex_);
+        return std::exchange(table_, {});
     }
     std::uint32_t oldest() const {
         const std::lock_guard lock(mutex_);
@@ -96,6 +104,7 @@ public:
 private:
     mutable std::mutex mutex_;
     std::multiset<std::uint32_t> versions_;
+    std::vector<PictureBrick> table_;
 };
 
 /// The live surface at one moment, to be drawn on any thread while the surface moves on: a table of bricks over arenas
@@ -111,7 +120,7 @@ public:
         : arenas_(std::move(arenas)), leases_(std::move(leases)), version_(version), bricks_(std::move(bricks)) {
         leases_->take(version_);
     }
-    ~BrickPicture() { leases_->giveBack(version_); }
+    ~BrickPicture() { leases_->giveBack(version_, std::move(bricks_)); }
     BrickPicture(const BrickPicture&) = delete;
     BrickPicture& operator=(const BrickPicture&) = delete;
 

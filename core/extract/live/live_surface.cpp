@@ -52,10 +52,12 @@ void LiveSurface<Live>::clear() {
         arenas_->clear();
         retired_.clear();
     } else { // pictures refer to them until the next move at least
-        retired_.reserve(retired_.size() + liveBricks_);
+        std::vector<RetiredRuns> all;
+        all.reserve(liveBricks_);
         for (const BrickSlot slot : slots())
             if (Brick& brick = bricks_[slot.index()]; brick.isLive)
-                retired_.push_back({version_ + 1, takeRuns(brick)});
+                all.push_back(takeRuns(brick));
+        retire(version_ + 1, all);
     }
     forgetBricks();
 }
@@ -147,7 +149,7 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
     countLeaves(brick, -1, activeLeaves_);
     ambiguousCells_ -= brick.ambiguousCells;
     if (RetiredRuns runs = takeRuns(brick); isWatched_)
-        retired_.push_back({version_, runs});
+        retire(version_, std::span(&runs, 1));
     else
         release(runs);
     ambiguous_.release(brick.ambiguous);
@@ -181,11 +183,12 @@ void LiveSurface<Live>::beginMove() {
     ++version_;
     const std::uint32_t oldest = leases_->oldest();
     isWatched_ = oldest != PictureLeases::kNone;
-    std::size_t freed = 0;
     // What was replaced in move m is part of the pictures made before it.
-    for (; freed < retired_.size() && retired_[freed].version <= oldest; ++freed)
-        release(retired_[freed].runs);
-    retired_.erase(retired_.begin(), retired_.begin() + static_cast<std::ptrdiff_t>(freed));
+    while (!retired_.empty() && retired_.front().version <= oldest) {
+        for (RetiredRuns& runs : retired_.front().runs)
+            release(runs);
+        retired_.pop_front();
+    }
 }
 
 template <class Live>
@@ -196,8 +199,7 @@ void LiveSurface<Live>::finishMove(const BrickDraft<Live>& draft) {
     for (std::size_t level = 0; level < activeLeaves_.size(); ++level)
         activeLeaves_[level] += static_cast<std::uint64_t>(draft.counts.leaves[level]);
     replaced_.insert(replaced_.end(), draft.replaced.begin(), draft.replaced.end());
-    for (const RetiredRuns& runs : draft.retired)
-        retired_.push_back({version_, runs});
+    retire(version_, draft.retired);
 }
 
 // Memory, here and on the card, follows the highest run: where most of what is below it stays free, all runs move into
@@ -269,6 +271,16 @@ template <class Live>
 RetiredRuns LiveSurface<Live>::takeRuns(Brick& brick) {
     return {std::exchange(brick.vertices, {}), std::exchange(brick.indices, {}), std::exchange(brick.inner, {}),
             std::exchange(brick.points, {})};
+}
+
+// Runs that pictures made before the move refer to.
+template <class Live>
+void LiveSurface<Live>::retire(std::uint32_t version, std::span<const RetiredRuns> runs) {
+    if (runs.empty())
+        return;
+    if (retired_.empty() || retired_.back().version != version)
+        retired_.push_back({version, {}});
+    retired_.back().runs.insert(retired_.back().runs.end(), runs.begin(), runs.end());
 }
 
 template <class Live>
@@ -555,7 +567,9 @@ void LiveSurface<Live>::listChanges(std::vector<ChangedTriangles>& triangles,
 
 template <class Live>
 std::shared_ptr<const BrickPicture<Live>> LiveSurface<Live>::picture(bool pointsOutChanges) const {
-    auto picture = std::make_shared<BrickPicture<Live>>(arenas_, leases_, version_, shown_);
+    std::vector<PictureBrick> table = leases_->takeTable();
+    table.assign(shown_.begin(), shown_.end());
+    auto picture = std::make_shared<BrickPicture<Live>>(arenas_, leases_, version_, std::move(table));
     picture->vertexEnd_ = arenas_->vertices.top();
     picture->indexEnd_ = arenas_->indices.top();
     picture->innerEnd_ = arenas_->inner.top();

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <span>
 #include <vector>
@@ -123,6 +124,7 @@ private:
     Record recordOf(BrickSlot slot, std::uint32_t vertex) const;
     static RetiredRuns takeRuns(Brick& brick);
     void release(RetiredRuns& runs);
+    void retire(std::uint32_t version, std::span<const RetiredRuns> runs);
     void show(BrickSlot slot);
     void listChanges(std::vector<ChangedTriangles>& triangles, std::vector<std::uint16_t>& indices) const;
     /// An active cell of a brick, merged or not, and where its triangles are among the brick's indices.
@@ -163,9 +165,9 @@ private:
     /// Runs that pictures up to a version refer to, in the order of their versions.
     struct Retired {
         std::uint32_t version;
-        RetiredRuns runs;
+        std::vector<RetiredRuns> runs;
     };
-    std::vector<Retired> retired_;
+    std::deque<Retired> retired_;
     std::shared_ptr<PictureLeases> leases_ = std::make_shared<PictureLeases>();
     std::uint32_t version_ = 0; ///< counts moves
     static constexpr int kSparseMoves = 8;
