@@ -352,10 +352,9 @@ void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, Points& poi
     std::fill(out, points.samples + kPaddedPoints, any);
 }
 
-// Normals at the brick's points. In a jump only those that its active edges need: it pays for no more than it shows; all
-// others when the brick changes for the first time, for a handle that moves on goes through the brick, and finding some at
-// each move would cost more than half as much again, most of it waiting for samples. False when samples are wanted that
-// are not ready.
+// Normals at the brick's points. In a jump only those that its active edges need: it pays for no more than it shows. Else
+// all of them, for a handle that moves on goes through the brick, and finding some at each move would cost more than half
+// as much again, most of it waiting for samples. False when samples are wanted that are not ready.
 template <class Sample>
 bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll,
                                           Scratch& scratch) {
@@ -363,7 +362,7 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
     if (!job.isNew && hasAll != 0)
         return true;
     const BrickIndex brick = brickOf_[job.slot.index()];
-    const bool wantsSome = job.isNew && !wantsAll;
+    const bool wantsSome = !wantsAll;
     BitString ends;
     PointRows rows;
     if (wantsSome) {
@@ -380,7 +379,7 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
         std::memcpy(scratch.points.samples, pointsOf(surface, job, scratch).samples, sizeof(Points::samples));
         scratch.draft.newPoints = reinterpret_cast<const PointLine*>(&scratch.points);
     }
-    hasAll = !job.isNew || wantsAll;
+    hasAll = wantsAll;
     if (!kHasNormalKernel<Sample> || surface.brick(job.slot).isNearMissing) {
         readBlock(samples_.rows(brick), rowsForGradients(rows), scratch.block);
         findNormalsReference(scratch.block, rows, inverseSpacing_, scratch.points.normals);

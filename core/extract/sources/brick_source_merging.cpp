@@ -38,7 +38,7 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
         found = updateBrickLeaves<Sample>(leaves, scratch.found.changed, samples, scratch.found.above,
                                           scratch.found.active, validCells, bound_, surely);
     }
-    if (!completeNormals(surface, job, found.hasMerged(), scratch))
+    if (!completeNormals(surface, job, found.hasMerged() || !isJump_, scratch))
         return false;
     surface.putPoints(job.slot, scratch.draft);
     if (!job.isNew && found != leaves)
