@@ -45,6 +45,20 @@ struct BrickLeaves {
     friend bool operator==(const BrickLeaves&, const BrickLeaves&) = default;
 };
 
+/// The cells of a brick whose leaf has another level.
+inline BitString cellsOfOtherLevel(const BrickLeaves& before, const BrickLeaves& now) {
+    BitString cells;
+    if (before == now)
+        return cells;
+    for (int z = 0; z < kCellSide; ++z)
+        for (int y = 0; y < kCellSide; ++y)
+            for (std::uint64_t other = before.levelsOfRow(y, z) ^ now.levelsOfRow(y, z), x = 0; other != 0;
+                 other >>= 8, ++x)
+                if ((other & 0xff) != 0)
+                    cells.set(closedPoint(static_cast<int>(x), y, z));
+    return cells;
+}
+
 /// One merged cell with all its halves; `number` as its bit in BrickLeaves, 0 at level 3.
 inline BrickLeaves leafBits(int level, unsigned number) {
     constexpr std::uint64_t kHalvesOfFirst = 0x330033;
@@ -156,6 +170,8 @@ public:
 
 private:
     static constexpr int kSide = kCellSide + 2;
+    /// Where the next two cells begin that lie in one cell of side 2; of -1 and 8, that are by themselves, 0 and 9.
+    static int nextPair(int at) { return at < 0 ? 0 : (at & ~1) + 2; }
     static std::size_t placeOf(int x, int y, int z) {
         return static_cast<std::size_t>(x + 1 + kSide * (y + 1 + kSide * (z + 1)));
     }
@@ -172,16 +188,21 @@ private:
         constexpr int kIn = kCellSide - 1;
         const BrickLeaves none;
         const BrickLeaves& its = leaves == nullptr ? none : *leaves;
-        for (int z = first[2]; z < last[2]; ++z)
-            for (int y = first[1]; y < last[1]; ++y) {
-                std::int8_t* const row = levels_.data() + placeOf(0, y, z);
-                if (last[0] - first[0] == kCellSide) {
-                    const std::uint64_t levels = its.levelsOfRow(y & kIn, z & kIn);
-                    std::memcpy(row, &levels, sizeof levels);
-                } else {
-                    for (int x = first[0]; x < last[0]; ++x)
-                        row[x] = static_cast<std::int8_t>(its.levelOf(x & kIn, y & kIn, z & kIn));
-                }
+        // Four rows, or columns across four, are alike: leaves are at least two cells wide where they are merged.
+        const int lastPlane = last[2];
+        for (int z = first[2]; z < lastPlane; z = nextPair(z))
+            for (int y = first[1]; y < last[1]; y = nextPair(y)) {
+                const int endZ = std::min(nextPair(z), lastPlane), endY = std::min(nextPair(y), last[1]);
+                const std::uint64_t levels = its.levelsOfRow(y & kIn, z & kIn);
+                for (int atZ = z; atZ < endZ; ++atZ)
+                    for (int atY = y; atY < endY; ++atY) {
+                        std::int8_t* const row = levels_.data() + placeOf(0, atY, atZ);
+                        if (last[0] - first[0] == kCellSide)
+                            std::memcpy(row, &levels, sizeof levels);
+                        else
+                            for (int x = first[0]; x < last[0]; ++x)
+                                row[x] = static_cast<std::int8_t>(levels >> (8 * (x & kIn)));
+                    }
             }
     }
 

@@ -79,6 +79,7 @@ void BrickSource<Sample>::reset() {
     hasAllNormals_.clear();
     leaves_.clear();
     surelyWithin_.clear();
+    shownLeaves_.clear();
 }
 
 // Bricks that come or go between two thresholds.
@@ -142,6 +143,7 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
             hasAllNormals_.resize(slot.index() + 1);
             leaves_.resize(slot.index() + 1);
             surelyWithin_.resize(slot.index() + 1);
+            shownLeaves_.resize(slot.index() + 1);
         }
         watch_[slot.index()] = {};
         brickOf_[slot.index()] = brick;
@@ -192,6 +194,8 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         scratch.draft.beginMove();
         scratch.bricks = scratch.edgesAdded = scratch.edgesRemoved = 0;
     }
+    if (hasNewBound_ && bound_.limit == 0.0)
+        leaves_.assign(leaves_.size(), {});
     if (bound_.limit > 0.0)
         ISO_TRY(runMerging(move, surface, std::move(jobs), stats, control));
     else
@@ -424,11 +428,19 @@ bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, 
     classifyFor(move, surface, job, scratch);
     if (!completeNormals(surface, job, !isJump_, scratch))
         return false;
+    if (hasNewBound_)
+        addOtherLeaves(job.slot, scratch);
+    makeUnmerged(move, surface, job, scratch);
+    return true;
+}
+
+template <class Sample>
+void BrickSource<Sample>::makeUnmerged(const Move& move, LiveSurface<Live>& surface, const Job& job,
+                                       Scratch& scratch) {
     scratch.draft.merged.clear();
     scratch.draft.active = scratch.found.active;
     scratch.draft.ownedEdges = scratch.found.ownedEdges;
     finish(move, surface, job, scratch);
-    return true;
 }
 
 // Makes the brick's surface of what has been found out of it. REQUIRES: the draft's active edges and cells, and how

@@ -102,6 +102,8 @@ private:
                       const JobControl& control);
     void prefetchPoints(const LiveSurface<Live>& surface, const Job& job) const;
     bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    void makeUnmerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    void addOtherLeaves(BrickSlot slot, Scratch& scratch);
     bool findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     bool rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const;
@@ -123,6 +125,7 @@ private:
     MergeBound bound_;
     bool hasNewBound_ = false; ///< since the last move
     std::vector<BrickLeaves> leaves_, surelyWithin_; ///< by slot, while cells are merged
+    std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
     static constexpr std::size_t kJumpShare = 4; ///< more than one in so many live bricks is new: a jump
     bool isJump_ = false; ///< the move that is under way
     bool readsBackwards_ = false;

@@ -10,13 +10,15 @@
 namespace isoslider::extract {
 
 // In two steps, because a brick's merged cells depend on the leaves beside it: first each brick that has changed finds
-// its leaves, then they are made, and with them those beside whose neighbours' leaves have become others.
+// its leaves, and is made if none is merged; then the others are made, and with them those beside whose neighbours'
+// leaves have become others.
 template <class Sample>
 Status BrickSource<Sample>::runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
                                        SlideStats& stats, const JobControl& control) {
     for (Scratch& scratch : *scratches_)
         scratch.otherLeaves.clear();
     ISO_TRY(runJobs(move, surface, jobs, stats, control.part(0.0, 0.5), &BrickSource::findLeaves));
+    std::erase_if(jobs, [this](const Job& job) { return !leaves_[job.slot.index()].hasMerged(); });
     addBricksBeside(surface, jobs);
     return runJobs(move, surface, std::move(jobs), stats, control.part(0.5, 1.0), &BrickSource::rebuildMerged);
 }
@@ -40,11 +42,27 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
     }
     if (!completeNormals(surface, job, found.hasMerged() || !isJump_, scratch))
         return false;
-    surface.putPoints(job.slot, scratch.draft);
     if (!job.isNew && found != leaves)
         scratch.otherLeaves.emplace_back(job.slot, leaves);
     leaves = found;
+    if (found.hasMerged()) {
+        surface.putPoints(job.slot, scratch.draft);
+    } else {
+        addOtherLeaves(job.slot, scratch);
+        makeUnmerged(move, surface, job, scratch);
+    }
     return true;
+}
+
+// A cell that has merged or split has changed, whatever its signs.
+template <class Sample>
+void BrickSource<Sample>::addOtherLeaves(BrickSlot slot, Scratch& scratch) {
+    const BrickLeaves before = std::exchange(shownLeaves_[slot.index()], leaves_[slot.index()]);
+    if (before == leaves_[slot.index()])
+        return;
+    const BitString others = cellsOfOtherLevel(before, leaves_[slot.index()]);
+    for (std::size_t w = 0; w < kBitWords; ++w)
+        scratch.found.changed.words[w] |= others.words[w];
 }
 
 // Bricks that arrive or leave change nothing beside them: what they share with a brick in which no sample is crossed
@@ -74,6 +92,7 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
     BrickDraft<Live>& draft = scratch.draft;
     draft.newPoints = nullptr;
     classifyFor(move, surface, job, scratch);
+    addOtherLeaves(job.slot, scratch);
     draft.active = scratch.found.active;
     draft.ownedEdges = scratch.found.ownedEdges;
     draft.merged.clear();

@@ -1,6 +1,7 @@
 #include "core/extract/sources/leaf_finding.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -23,17 +24,26 @@ std::uint64_t bitsFrom(const Bits& bits, ClosedPoint first) {
     return found >> (first.number() % 8);
 }
 
-// Bits 0, 2, 4, 6 and 8 of a row side by side, and bits 1, 3, 5 and 7.
-constexpr std::uint64_t evenBits(std::uint64_t row) {
-    return (row & 1) | (row >> 1 & 2) | (row >> 2 & 4) | (row >> 3 & 8) | (row >> 4 & 16);
-}
-constexpr std::uint64_t oddBits(std::uint64_t row) { return evenBits(row >> 1) & 15; }
+// Of a row of nine bits those at even places side by side, and those at odd ones.
+struct SplitRow {
+    std::uint8_t even, odd;
+};
+constexpr std::array<SplitRow, 512> kSplitRows = [] {
+    std::array<SplitRow, 512> rows{};
+    for (unsigned row = 0; row < rows.size(); ++row)
+        for (unsigned x = 0; x < 9; ++x) {
+            std::uint8_t& half = x % 2 == 0 ? rows[row].even : rows[row].odd;
+            half = static_cast<std::uint8_t>(half | (row >> x & 1) << (x / 2));
+        }
+    return rows;
+}();
+constexpr const SplitRow& splitRow(std::uint64_t row) { return kSplitRows[row & 511]; }
 
 // Bits of the first cells of all cells of side 2: bit x + 4 y + 16 z.
 std::uint64_t firstCells(const UnsetBits& bits) {
     std::uint64_t found = 0;
     for (int k = 0; k < 16; ++k)
-        found |= (evenBits(bitsFrom(bits, closedPoint(0, 2 * (k % 4), 2 * (k / 4)))) & 15) << (4 * k);
+        found |= std::uint64_t{splitRow(bitsFrom(bits, closedPoint(0, 2 * (k % 4), 2 * (k / 4)))).even & 15u} << (4 * k);
     return found;
 }
 
@@ -44,8 +54,8 @@ void gatherSigns(const BitString& above, SignWords& signs) {
     signs.fill(0);
     for (int z = 0; z < kPointSide; ++z)
         for (int y = 0; y < kPointSide; ++y) {
-            const std::uint64_t row = bitsFrom(above, closedPoint(0, y, z)), even = evenBits(row);
-            const std::array<std::uint64_t, 3> thirds{even & 15, oddBits(row), even >> 1};
+            const SplitRow row = splitRow(bitsFrom(above, closedPoint(0, y, z)));
+            const std::array<std::uint64_t, 3> thirds{row.even & 15u, row.odd, std::uint64_t{row.even} >> 1};
             // Of a point at an even place, which is the first of one cell and the last of the one before.
             for (int sz = z % 2; sz < 3; sz += 2)
                 for (int sy = y % 2; sy < 3; sy += 2) {
@@ -60,15 +70,28 @@ void gatherSigns(const BitString& above, SignWords& signs) {
 
 // The same of the 8 cells of side 4, and in bit 8 of the one of side 8.
 void gatherSignsOfLarger(const BitString& above, SignWords& signs) {
-    for (int p = 0; p < 27; ++p) {
-        const int sx = p % 3, sy = p / 3 % 3, sz = p / 9;
-        std::uint64_t word = std::uint64_t{above.test(closedPoint(4 * sx, 4 * sy, 4 * sz))} << 8;
-        for (int i = 0; i < 8; ++i)
-            word |= std::uint64_t{above.test(
-                        closedPoint(4 * (i & 1) + 2 * sx, 4 * (i >> 1 & 1) + 2 * sy, 4 * (i >> 2) + 2 * sz))}
-                    << i;
-        signs[static_cast<std::size_t>(p)] = word;
-    }
+    // Bits of the points with even coordinates, five in a row.
+    std::array<unsigned, 25> rows;
+    for (int y = 0; y < 5; ++y)
+        for (int z = 0; z < 5; ++z)
+            rows[static_cast<std::size_t>(y + 5 * z)] =
+                splitRow(bitsFrom(above, closedPoint(0, 2 * y, 2 * z))).even;
+    for (int sz = 0; sz < 3; ++sz)
+        for (int sy = 0; sy < 3; ++sy) {
+            std::array<unsigned, 4> pairs; // of the cells with one y and z: the row through the point
+            for (int i = 0; i < 4; ++i)
+                pairs[static_cast<std::size_t>(i)] =
+                    rows[static_cast<std::size_t>(2 * (i & 1) + sy + 5 * (2 * (i >> 1) + sz))];
+            const unsigned whole = splitRow(rows[static_cast<std::size_t>(2 * sy + 5 * 2 * sz)]).even;
+            for (int sx = 0; sx < 3; ++sx) {
+                std::uint64_t word = std::uint64_t{whole >> sx & 1} << 8;
+                for (int i = 0; i < 4; ++i) {
+                    const unsigned row = pairs[static_cast<std::size_t>(i)] >> sx;
+                    word |= std::uint64_t{(row & 1) | (row >> 1 & 2)} << (2 * i);
+                }
+                signs[static_cast<std::size_t>(sx + 3 * sy + 9 * sz)] = word;
+            }
+        }
 }
 
 // For each cell of side 2 what its eight cells combine to: bit x + 4 y + 16 z.
