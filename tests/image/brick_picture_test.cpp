@@ -1,4 +1,4 @@
-// The surface as the graphics card makes it from edge records, against the same surface from arrays of floats.
+// The surface as the graphics card makes it from vertex codes, against the same surface from arrays of floats.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -6,7 +6,9 @@
 #include <limits>
 #include <map>
 #include <random>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <QImage>
 #include <QOffscreenSurface>
@@ -122,6 +124,60 @@ TEST_F(BrickPictureTest, IsThatOfArrays) {
             EXPECT_LE(difference, 2) << noise << " at " << isovalue;
         }
     }
+}
+
+/// The same waves as whole numbers of a type, about 0 if it has a sign.
+template <class Sample>
+std::shared_ptr<const ScalarGrid> wholeWaves(ScalarType type) {
+    const auto waves = roughWaves(0.1);
+    const float scale = sizeof(Sample) == 1 ? 70.0f : 9000.0f, zero = std::is_signed_v<Sample> ? 0.0f : 1.7f * scale;
+    std::vector<Sample> values;
+    for (const float value : waves->values<float>())
+        values.push_back(static_cast<Sample>(std::lround(scale * value + zero)));
+    return std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<Sample>(waves->geometry(), type, values));
+}
+
+// The card has samples as keys of one or two bytes: each type has its own zero.
+TEST_F(BrickPictureTest, IsThatOfArraysForWholeNumbers) {
+    const auto check = [&](const std::shared_ptr<const ScalarGrid>& grid, double isovalue) {
+        auto engine = preprocess::makeMemoryEngine(grid);
+        ASSERT_THAT(engine, IsOk());
+        engine_ = std::move(engine).value();
+        const auto frame = slideTo(isovalue);
+        ASSERT_EQ(frame->bricks->type(), grid->type());
+        auto arrays = std::make_shared<SurfaceFrame>(*frame);
+        expandPicture(*arrays);
+        const QImage fromCodes = grab(*viewport_, frame);
+        EXPECT_TRUE(hasSurface(fromCodes));
+        EXPECT_LE(largestDifference(fromCodes, grab(*viewport_, arrays)), 2) << scalarTypeName(grid->type());
+    };
+    check(wholeWaves<std::uint8_t>(ScalarType::U8), 125.3);
+    check(wholeWaves<std::int8_t>(ScalarType::I8), -6.4);
+    check(wholeWaves<std::uint16_t>(ScalarType::U16), 16000.7);
+    check(wholeWaves<std::int16_t>(ScalarType::I16), -811.2);
+}
+
+// Points of more bricks than one texture holds: in each brick a small octahedron.
+TEST_F(BrickPictureTest, IsThatOfArraysOnSeveralPages) {
+    constexpr int kSide = 200;
+    GridGeometry geometry;
+    geometry.dims = {kSide, kSide, kSide};
+    std::vector<float> values(std::size_t{kSide} * kSide * kSide, 0.0f);
+    for (int z = 4; z < kSide; z += extract::kCellSide)
+        for (int y = 4; y < kSide; y += extract::kCellSide)
+            for (int x = 4; x < kSide; x += extract::kCellSide)
+                values[static_cast<std::size_t>(x + kSide * (y + kSide * z))] = 1.0f + 0.01f * static_cast<float>(x);
+    auto engine = preprocess::makeMemoryEngine(
+        std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values)));
+    ASSERT_THAT(engine, IsOk());
+    engine_ = std::move(engine).value();
+    const auto frame = slideTo(0.2);
+    ASSERT_GT(frame->bricks->pointLineEnd(), std::uint64_t{1} << 20);
+    auto arrays = std::make_shared<SurfaceFrame>(*frame);
+    expandPicture(*arrays);
+    const QImage fromCodes = grab(*viewport_, frame);
+    EXPECT_TRUE(hasSurface(fromCodes));
+    EXPECT_LE(largestDifference(fromCodes, grab(*viewport_, arrays)), 2);
 }
 
 // Lines darken the surface; they are of the triangles, so fewer of them darken less.
