@@ -102,7 +102,7 @@ template <class Live>
 template <class Counts>
 void LiveSurface<Live>::countLeaves(const Brick& brick, int sign, Counts& counts) const {
     using Count = typename Counts::value_type;
-    counts[0] += static_cast<Count>(sign * brick.cells.count());
+    counts[0] += static_cast<Count>(sign * brick.cellCount);
     for (const MergedLeaf& leaf : mergedLeaves(brick))
         counts[leaf.level] += static_cast<Count>(sign);
 }
@@ -158,7 +158,7 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
     nearMissing_[slot.index()].reset();
     intervals_[slot.index()] = kAlways;
     hasInner_[slot.index()] = 0;
-    brick = Brick();
+    static_cast<LiveBrickHead&>(brick) = {};
     free_.push_back(slot);
     --liveBricks_;
 }
@@ -243,9 +243,10 @@ template <class Live>
 void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
                                 double isovalue) {
     Brick& brick = bricks_[slot.index()];
+    const std::uint64_t before = brick.cellCount > 0 ? ~std::uint64_t{0} : 0; // else what stands there is none of its
     for (std::size_t w = 0; w < kBitWords; ++w)
-        draft.counts.cellsChanged += static_cast<std::uint64_t>(
-            std::popcount(draft.changed.words[w] & (draft.active.cells.words[w] | brick.cells.words[w])));
+        draft.counts.cellsChanged += static_cast<std::uint64_t>(std::popcount(
+            draft.changed.words[w] & (draft.active.cells.words[w] | (brick.cells.words[w] & before))));
     for (const MergedLeaf& leaf : draft.merged.leaves())
         draft.counts.cellsChanged += hasAnyCell(draft.changed, leaf.cell, leaf.level);
     triangulate(slot, draft, corners, isovalue);
@@ -375,6 +376,7 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     brick.ambiguousCells = static_cast<std::uint16_t>(draft.ambiguous.size());
     brick.above = draft.above;
     brick.cells = draft.active.cells;
+    brick.cellCount = static_cast<std::uint16_t>(draft.active.cells.count());
     brick.changed = draft.changed;
     show(slot);
 }

@@ -125,7 +125,7 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
             continue; // points without cells
         const BrickSlot slot(std::exchange(slotOf_[brick.index()], 0) - 1);
         stats.edgesRemoved += surface.brick(slot).ownedEdges;
-        stats.cellsRetriangulated += static_cast<std::uint64_t>(surface.brick(slot).cells.count());
+        stats.cellsRetriangulated += surface.brick(slot).cellCount;
         surface.remove(slot);
         watch_[slot.index()] = {};
     }
