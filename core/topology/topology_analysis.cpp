@@ -29,7 +29,7 @@ namespace {
 
 constexpr std::int64_t kMostPlaneSamples = std::int64_t{1} << 27;
 // Noise of 32 bits, for each sample; there is hardly a volume with more. More memory than that is not asked after.
-constexpr Findings kMostFindings{1.25, 3.2, 0.4, 0.4, 0.0};
+constexpr Findings kMostFindings{1.25, 0.4, 0.4, 0.0};
 constexpr double kMostBytesPerSample = 768.0;
 constexpr double kBoundaryBytesPerPoint = 80.0;
 
@@ -197,11 +197,12 @@ private:
                 window.samples.insert(window.samples.end(), row, row + cube[0]);
             }
         window.findStars();
-        const LayerChanges changes = findLayerChanges(window);
-        found.euler += static_cast<double>(changes.euler.size());
-        found.joins += static_cast<double>(changes.above.size() + changes.below.size());
-        for (const LayerComponents& side : {findLayerComponents(Side::Above, window, changes.above),
-                                            findLayerComponents(Side::Below, window, changes.below)}) {
+        LayerSide above(Side::Above), below(Side::Below);
+        above.flood(window);
+        below.flood(window);
+        found.euler += static_cast<double>(findLayerChanges(window, above, below).euler.size());
+        for (LayerSide* each : {&above, &below}) {
+            const LayerComponents side = each->take(window.planeStep());
             found.seeds += static_cast<double>(side.seeds.size());
             found.links += static_cast<double>(side.links.size());
         }
@@ -259,10 +260,11 @@ private:
 
     void analyse(Layer& layer) {
         layer.window.findStars();
-        layer.changes = findLayerChanges(layer.window);
-        tbb::parallel_invoke(
-            [&] { layer.above = findLayerComponents(Side::Above, layer.window, layer.changes.above); },
-            [&] { layer.below = findLayerComponents(Side::Below, layer.window, layer.changes.below); });
+        LayerSide above(Side::Above), below(Side::Below);
+        tbb::parallel_invoke([&] { above.flood(layer.window); }, [&] { below.flood(layer.window); });
+        layer.changes = findLayerChanges(layer.window, above, below);
+        tbb::parallel_invoke([&] { layer.above = above.take(layer.window.planeStep()); },
+                             [&] { layer.below = below.take(layer.window.planeStep()); });
         layer.boundary = DomainBoundary::partOf(layer.window, layer.changes);
         layer.measures = measureLayer(layer.window, options_.measures, source_.geometry);
     }

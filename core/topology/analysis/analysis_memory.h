@@ -11,12 +11,12 @@ namespace isoslider::topology {
 
 /// How much was found that can be an event: in layers, or what is expected of all of them.
 struct Findings {
-    double euler = 0.0, joins = 0.0; ///< changes of the Euler number; joins within cells, which stay in their layer
+    double euler = 0.0; ///< changes of the Euler number
     double seeds = 0.0, links = 0.0; ///< of both sides
     double boundaryBytes = 0.0; ///< that DomainBoundary keeps
 
     Findings operator*(double factor) const {
-        return {euler * factor, joins * factor, seeds * factor, links * factor, boundaryBytes * factor};
+        return {euler * factor, seeds * factor, links * factor, boundaryBytes * factor};
     }
     /// Bytes of all layers together, until events are made of it.
     double keptBytes() const {
@@ -28,7 +28,7 @@ struct Findings {
 /// quarter times besides; of each sample, also, what it leads to, its star and the like.
 inline double layerBytes(double samples, const Findings& found) {
     constexpr double kOfSample = 40.0, kGrowing = 2.25;
-    return kOfSample * samples + kGrowing * (found.keptBytes() + found.joins * sizeof(CornerJoin));
+    return kOfSample * samples + kGrowing * found.keptBytes();
 }
 
 /// Bytes at most from when all layers are put together until their events are stored: components are followed, events
