@@ -182,8 +182,9 @@ private:
             findCodes(edgesAt(start));
             for (std::int64_t x = 0; x + 1 < nx_; ++x) {
                 const unsigned code = codes_[along(x)];
-                const bool isThere = (window_.stars[along(start + x + plane_)] & 0x08) != 0;
-                if ((code >> kTop & 1u) == 0 || !isThere)
+                const CellStar star = window_.stars[along(start + x + plane_)];
+                const bool areBothThere = (star & 0x08) != 0 && (star & 0x80) != 0;
+                if ((code >> kTop & 1u) == 0 || !areBothThere)
                     continue;
                 loadCell(start + x);
                 if (saddles_.find(scalars_, code & kFaces, (code & kInner) != 0))
