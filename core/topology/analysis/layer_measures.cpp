@@ -18,8 +18,6 @@ namespace {
 
 using cell::CornerScalars;
 
-glm::dvec3 cornerPlace(unsigned corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
-
 class CellMeasure {
 public:
     explicit CellMeasure(const GridGeometry& geometry)
@@ -31,6 +29,10 @@ public:
             const auto pattern = static_cast<std::uint8_t>(signs);
             isAmbiguous_[signs] = cell::isAmbiguous(pattern);
             activeEdges_[signs] = cell::activeEdges(pattern);
+        }
+        for (std::size_t e = 0; e < cell::kCellEdges.size(); ++e) {
+            const unsigned corner = cell::kCellEdges[e].lowerCorner;
+            places_[e] = {corner & 1, corner >> 1 & 1, corner >> 2 & 1};
         }
     }
 
@@ -46,8 +48,7 @@ public:
             const auto e = static_cast<std::size_t>(std::countr_zero(edges));
             const auto& edge = cell::kCellEdges[e];
             const double a = scalars[edge.lowerCorner], b = scalars[edge.upperCorner];
-            places_[e] = cornerPlace(edge.lowerCorner);
-            places_[e][edge.axis] = (isovalue - a) / (b - a);
+            places_[e][edge.axis] = (isovalue - a) / (b - a); // the others are those of the edge
         }
         if (state.innerVertices > 0)
             placeInner(scalars, state, isovalue);
