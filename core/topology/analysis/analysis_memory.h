@@ -31,6 +31,12 @@ inline double layerBytes(double samples, const Findings& found) {
     return kOfSample * samples + kGrowing * found.keptBytes();
 }
 
+/// Bytes of CoarseCounts beside a layer: of five forests nodes, links and sets, and of both planes between layers.
+inline double coarseBytes(double planeSamples, const Findings& found) {
+    constexpr double kOfNode = 60.0, kOfPlanePoint = 120.0;
+    return kOfNode * (found.seeds + found.links) + kOfPlanePoint * planeSamples;
+}
+
 /// Bytes at most from when all layers are put together until their events are stored: components are followed, events
 /// made, then written. An upper bound where every change is an event, as in noise.
 inline double assemblyBytes(const Findings& found) {
