@@ -104,7 +104,7 @@ public:
         if (detail == Detail::Counts)
             coarse_ = std::make_unique<CoarseCounts>(coarseIsovalues(options.measures));
         // Thick enough that little is said twice, thin enough for the caches and for many threads.
-        constexpr std::int64_t kLayerSamples = 1 << 20;
+        constexpr std::int64_t kLayerSamples = 1 << 19;
         const std::int64_t plane = std::max<std::int64_t>(1, dims_[0] * dims_[1]);
         planesAtOnce_ = options.planesAtOnce > 0 ? std::max<std::int64_t>(3, options.planesAtOnce)
                                                  : std::clamp<std::int64_t>(kLayerSamples / plane, 3, 16);
@@ -169,8 +169,8 @@ private:
             above_.reserve(0.55 * expected_.seeds, 0.55 * expected_.links);
             below_.reserve(0.55 * expected_.seeds, 0.55 * expected_.links);
         }
-        // Two layers for each thread: one that is being worked on, one that waits; fewer where memory is scarce.
-        const double most = 2.0 * tbb::this_task_arena::max_concurrency();
+        // A layer for each thread, and one that is read or put together; fewer where memory is scarce.
+        const double most = 1.0 + tbb::this_task_arena::max_concurrency();
         layersAtOnce_ = static_cast<std::size_t>(std::clamp(room / bytesOfLayer(planesAtOnce_), 1.0, most));
         return {};
     }

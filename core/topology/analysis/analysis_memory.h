@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/topology/analysis/component_graph.h"
 #include "core/topology/analysis/layer_euler.h"
@@ -44,9 +43,7 @@ inline double assemblyBytes(const Findings& found) {
     const double changes = 2.0 * sizeof(ComponentChange) * found.seeds;
     const double closed = 0.5 * sizeof(ClosedChange) * (found.seeds + found.links); // of one side
     const double following = found.keptBytes() + 1.5 * changes + 16.0 * found.seeds + closed;
-    // Events come one by one into a vector that doubles.
-    const double doubled = std::exp2(std::ceil(std::log2(std::max(2.0, found.euler))));
-    const double events = sizeof(TopologyEvent) * std::max(found.euler, doubled);
+    const double events = sizeof(TopologyEvent) * found.euler;
     const double assembling = sizeof(EulerChange) * found.euler + changes + closed + 3.0 * found.boundaryBytes + events;
     constexpr double kStored = 100.0; // of an event, coded, in a vector that grows
     return std::max({following, assembling, (sizeof(TopologyEvent) + kStored) * found.euler});

@@ -103,7 +103,7 @@ public:
 private:
     void addBirth(std::uint32_t seed, double persistence) {
         const Seed& of = graph_.seeds[seed];
-        history_.changes.push_back({of.isovalue, persistence, Cause::vertex(of.point), true});
+        history_.births.push_back({of.isovalue, persistence, Cause::vertex(of.point)});
     }
 
     // Whether two sets have become one; whether one of them, or the whole, was closed.
@@ -124,7 +124,7 @@ private:
                                             std::numeric_limits<double>::max()); // of doubles from end to end
         if (persistence > 0.0) {
             addBirth(younger, persistence);
-            history_.changes.push_back({link.isovalue, persistence, link.cause, false});
+            history_.joins.push_back({link.isovalue, persistence, link.cause});
         }
         if (!isClosed_.empty()) {
             if (isClosed_[elder] || isClosed_[younger])
