@@ -110,6 +110,13 @@ TEST_F(CliMemory, TopologyThatTakesMoreIsCountedWithoutEvents) {
     ASSERT_TRUE(json.is_object());
     EXPECT_FALSE(json.contains("topology_problem"));
     EXPECT_TRUE(json["topology_events"].is_null());
+    const auto checked = runJson({"validate", path("a.isx"), "--full"});
+    EXPECT_TRUE(checked["sound"].get<bool>());
+    EXPECT_TRUE(checked["topology_events"].is_null());
+    const auto counts = runJson({"topology", path("a.isx"), "--at", "127.5"});
+    EXPECT_FALSE(counts["has_events"].get<bool>());
+    EXPECT_GT(counts["components"], 1);
+    EXPECT_TRUE(runJson({"topology", path("a.isx"), "--events", "5"})["events"].empty());
 }
 
 // Three planes take more than there is.
