@@ -76,6 +76,7 @@ struct Built {
     io::VolumeInfo volume;
     std::uint64_t events = 0; ///< of topology
     double topologySeconds = 0.0;
+    bool hasEvents = true; ///< else counts and curves only
     std::string topologyProblem; ///< why the index has none; empty: it has, or it was not wanted
 };
 
@@ -95,7 +96,7 @@ Json jsonOf(const Built& built) {
     if (!built.topologyProblem.empty()) {
         json["topology_problem"] = built.topologyProblem;
     } else if (built.topologySeconds > 0.0) {
-        json["topology_events"] = built.events;
+        json["topology_events"] = built.hasEvents ? Json(built.events) : Json();
         json["topology_seconds"] = built.topologySeconds;
     }
     addResampling(built.volume, json);
@@ -279,6 +280,7 @@ private:
             return curve.error();
         ISO_TRY(source.checkUnchanged());
         ISO_TRY(topology::storeTopology(*reader.value(), curve.value()));
+        built.hasEvents = curve.value().hasEvents();
         built.events = curve.value().eventCount();
         return {};
     }
@@ -308,6 +310,10 @@ private:
                             report.info.distinctValues, report.info.levels.size());
         if (!built.topologyProblem.empty())
             text += fmt::format("without topology: {}\n", built.topologyProblem);
+        else if (withTopology_ && !built.hasEvents)
+            text += fmt::format("topology without events and persistence, which take more memory: counts at {} "
+                                "isovalues and curves in {:.2f} s; a build with more --memory adds them\n",
+                                built.events, built.topologySeconds);
         else if (withTopology_)
             text += fmt::format("{} events of topology in {:.2f} s\n", built.events, built.topologySeconds);
         if (const std::string lost = resamplingText(built.volume); !lost.empty())

@@ -170,6 +170,11 @@ private:
 
     Status describe(const topology::TopologySummary& summary, Answer& answer) const {
         ISO_TRY(answerQuestion(summary, answer));
+        if (!summary.hasEvents()) {
+            answer.json["has_events"] = false;
+            answer.text += "no events or persistence, which took more memory than there was: counts are those at the "
+                           "next of some thousand isovalues\n";
+        }
         if (!summary.areCountsExact()) {
             answer.json["counts_exact"] = false;
             answer.text += "samples are missing: pieces and boundary loops are at least as many\n";
@@ -199,10 +204,16 @@ private:
             return showDifference(summary, answer);
         if (suggests_)
             return showSuggestions(summary, answer);
-        answer.json["event_count"] = summary.eventCount();
+        answer.json["event_count"] = eventCountJson(summary);
         answer.json["events"] = Json::array();
-        answer.text = fmt::format("{} events; see --at, --events, --curves and --suggest\n", summary.eventCount());
+        answer.text = !summary.hasEvents() ? std::string()
+                                           : fmt::format("{} events; see --at, --events, --curves and --suggest\n",
+                                                         summary.eventCount());
         return {};
+    }
+
+    static Json eventCountJson(const topology::TopologySummary& summary) {
+        return summary.hasEvents() ? Json(summary.eventCount()) : Json();
     }
 
     Status showAt(const topology::TopologySummary& summary, Answer& answer) const {
@@ -227,10 +238,12 @@ private:
             summary.mostNotable(events_ == 0 ? summary.eventCount() : static_cast<std::size_t>(events_));
         if (!events.isOk())
             return events.error();
-        answer.json["event_count"] = summary.eventCount();
+        answer.json["event_count"] = eventCountJson(summary);
         answer.json["events"] = Json::array();
-        answer.text = fmt::format("{:>14} {:<12} {:>12} {:>18} {:>18} {:>18} {:>20}\n", "isovalue", "kind",
-                                  "persistence", "pieces", "tunnels", "boundary loops", "near grid point");
+        answer.text = !summary.hasEvents()
+                          ? std::string()
+                          : fmt::format("{:>14} {:<12} {:>12} {:>18} {:>18} {:>18} {:>20}\n", "isovalue", "kind",
+                                        "persistence", "pieces", "tunnels", "boundary loops", "near grid point");
         const auto change = [](std::int64_t before, std::int64_t after) {
             return before == after ? fmt::format("{}", before) : fmt::format("{} > {}", before, after);
         };
@@ -325,17 +338,20 @@ private:
         const topology::SurfaceDifference& difference = found.value();
         answer.json["from"] = countsJson(difference.from);
         answer.json["to"] = countsJson(difference.to);
-        answer.json["events"] = difference.events;
-        answer.json["births"] = difference.births;
-        answer.json["deaths"] = difference.deaths;
-        answer.json["joins"] = difference.joins;
-        answer.json["splits"] = difference.splits;
         answer.json["volume_between"] = difference.volume;
-        answer.text = fmt::format(
-            "{}: {}\n{}: {}\n{} events: pieces come {} times, go {} times, join {} times, split {} "
-            "times\nvolume between: about {:.5g}\n",
-            between_[0], countsText(difference.from), between_[1], countsText(difference.to), difference.events,
-            difference.births, difference.deaths, difference.joins, difference.splits, difference.volume);
+        answer.text = fmt::format("{}: {}\n{}: {}\n", between_[0], countsText(difference.from), between_[1],
+                                  countsText(difference.to));
+        if (summary.hasEvents()) {
+            answer.json["events"] = difference.events;
+            answer.json["births"] = difference.births;
+            answer.json["deaths"] = difference.deaths;
+            answer.json["joins"] = difference.joins;
+            answer.json["splits"] = difference.splits;
+            answer.text += fmt::format("{} events: pieces come {} times, go {} times, join {} times, split {} times\n",
+                                       difference.events, difference.births, difference.deaths, difference.joins,
+                                       difference.splits);
+        }
+        answer.text += fmt::format("volume between: about {:.5g}\n", difference.volume);
         return {};
     }
 

@@ -120,7 +120,8 @@ private:
         json["pages"] = report.pages;
         json["chunks"] = report.chunks;
         json["bytes"] = report.bytes;
-        json["topology_events"] = validated.topology.isThere ? Json(validated.topology.events) : Json();
+        json["topology_events"] =
+            validated.topology.isThere && validated.topology.hasEvents ? Json(validated.topology.events) : Json();
         json["fault_count"] = validated.faultCount();
         json["faults"] = Json::array();
         for (const index::IndexFault& fault : validated.faults())
@@ -141,8 +142,9 @@ private:
                             index::indexKindName(report.info.kind), report.pages);
         if (report.chunks > 0)
             text += fmt::format(" and {} chunks", report.chunks);
-        text += validated.topology.isThere ? fmt::format(", {} events of topology", validated.topology.events)
-                                           : ", no topology";
+        text += !validated.topology.isThere    ? ", no topology"
+                : validated.topology.hasEvents ? fmt::format(", {} events of topology", validated.topology.events)
+                                               : ", counts of topology without events";
         if (!isFull_)
             text += "; checksums only (--full: everything)";
         if (!volumePath_.empty() && !report.areEdgesCompared)

@@ -13,7 +13,7 @@ namespace {
 
 // What tells changes of one isovalue and cause apart: sorted by it as well, they lead to the same events in every run.
 int restOf(const EulerChange& change) { return change.euler; }
-std::pair<double, bool> restOf(const ComponentChange& change) { return {change.persistence, change.isBirth}; }
+double restOf(const ComponentChange& change) { return change.persistence; }
 std::int64_t restOf(const ClosedChange& change) { return change.closed; }
 
 // Takes changes of one kind in the order of isovalues that rise.
@@ -30,7 +30,7 @@ public:
     double isovalue() const {
         return at_ < changes_.size() ? changes_[at_].isovalue : std::numeric_limits<double>::infinity();
     }
-    bool isLeft() const { return at_ < changes_.size(); }
+    void rewind() { at_ = 0; }
     template <class Function>
     void takeAt(double isovalue, const Function& function) {
         for (; at_ < changes_.size() && changes_[at_].isovalue == isovalue; ++at_)
@@ -81,63 +81,120 @@ struct EulerSum {
     }
 };
 
-} // namespace
+class Assembly {
+public:
+    explicit Assembly(EventParts& parts)
+        : euler_(parts.euler),
+          above_(parts.above),
+          below_(parts.below),
+          closed_(parts.below.closed),
+          aboveOuter_(parts.aboveOnBoundary),
+          belowOuter_(parts.belowOnBoundary) {}
 
-std::vector<TopologyEvent> assembleEvents(EventParts parts, const GridDims& dims) {
-    Ascending euler(parts.euler);
-    Ascending above(parts.above.changes), below(parts.below.changes);
-    Ascending closed(parts.below.closed);
-    Ascending aboveOuter(parts.aboveOnBoundary.changes), belowOuter(parts.belowOnBoundary.changes);
-    // Below all isovalues everything is above. Each component of the cells, and of their boundary, counts as above,
-    // as below, or twice where the surface parts it.
-    SurfaceCounts counts;
-    std::vector<TopologyEvent> events;
-    while (euler.isLeft() || above.isLeft() || below.isLeft() || closed.isLeft() || aboveOuter.isLeft() ||
-           belowOuter.isLeft()) {
-        TopologyEvent event;
-        event.isovalue = std::min({euler.isovalue(), above.isovalue(), below.isovalue(), closed.isovalue(),
-                                   aboveOuter.isovalue(), belowOuter.isovalue()});
-        event.below = counts;
-        Place place;
+    /// Calls `take(event, place)` for all events, ascending. May be done again.
+    template <class Take>
+    void walk(const Take& take) {
+        rewind();
+        // Below all isovalues everything is above. Each component of the cells, and of their boundary, counts as above,
+        // as below, or twice where the surface parts it.
+        SurfaceCounts counts;
+        for (double next = nextIsovalue(); next < std::numeric_limits<double>::infinity(); next = nextIsovalue()) {
+            TopologyEvent event;
+            event.isovalue = next;
+            event.below = counts;
+            Place place;
+            takeEuler(event, counts, place);
+            takePieces(event, counts, place);
+            closed_.takeAt(next, [&](const ClosedChange& change) {
+                counts.voids += change.closed;
+                place.offer(change.cause, 0.0, 0);
+            });
+            takeLoops(event, counts, place);
+            event.above = counts;
+            if (!(event.above == event.below && event.pieces == PieceChanges()))
+                take(event, place);
+        }
+    }
+
+private:
+    struct OneSide {
+        explicit OneSide(ComponentHistory& history) : births(history.births), joins(history.joins) {}
+        Ascending<ComponentChange> births, joins;
+        double isovalue() const { return std::min(births.isovalue(), joins.isovalue()); }
+    };
+
+    void rewind() {
+        euler_.rewind();
+        closed_.rewind();
+        for (OneSide* side : {&above_, &below_, &aboveOuter_, &belowOuter_}) {
+            side->births.rewind();
+            side->joins.rewind();
+        }
+    }
+    double nextIsovalue() const {
+        return std::min({euler_.isovalue(), above_.isovalue(), below_.isovalue(), closed_.isovalue(),
+                         aboveOuter_.isovalue(), belowOuter_.isovalue()});
+    }
+
+    void takeEuler(const TopologyEvent& event, SurfaceCounts& counts, Place& place) {
         std::array<EulerSum, 2> sums; // at grid points, at saddles
-        euler.takeAt(event.isovalue,
-                     [&](const EulerChange& change) { sums[change.cause.isVertex() ? 0 : 1].add(change); });
+        euler_.takeAt(event.isovalue,
+                      [&](const EulerChange& change) { sums[change.cause.isVertex() ? 0 : 1].add(change); });
         for (const EulerSum& sum : sums) {
             counts.euler += sum.euler;
             if (sum.euler != 0)
                 place.offer(sum.largest.cause, 0.0, sum.largest.euler);
         }
-        // What is above shrinks: its components go where they come when the isovalue falls.
-        above.takeAt(event.isovalue, [&](const ComponentChange& change) {
-            ++(change.isBirth ? event.pieces.deaths : event.pieces.splits);
-            counts.components += change.isBirth ? -1 : 1;
-            event.persistence = std::max(event.persistence, change.persistence);
-            place.offer(change.cause, change.persistence, 1);
-        });
-        below.takeAt(event.isovalue, [&](const ComponentChange& change) {
-            ++(change.isBirth ? event.pieces.births : event.pieces.joins);
-            counts.components += change.isBirth ? 1 : -1;
-            event.persistence = std::max(event.persistence, change.persistence);
-            place.offer(change.cause, change.persistence, 1);
-        });
-        closed.takeAt(event.isovalue, [&](const ClosedChange& change) {
-            counts.voids += change.closed;
-            place.offer(change.cause, 0.0, 0);
-        });
-        aboveOuter.takeAt(event.isovalue, [&](const ComponentChange& change) {
-            counts.loops += change.isBirth ? -1 : 1;
-            place.offer(change.cause, 0.0, 1);
-        });
-        belowOuter.takeAt(event.isovalue, [&](const ComponentChange& change) {
-            counts.loops += change.isBirth ? 1 : -1;
-            place.offer(change.cause, 0.0, 1);
-        });
-        event.above = counts;
-        if (event.above == event.below && event.pieces == PieceChanges())
-            continue;
+    }
+
+    // What is above shrinks: its components go where they come when the isovalue falls, and are parted where they join.
+    void takePieces(TopologyEvent& event, SurfaceCounts& counts, Place& place) {
+        const auto takeAt = [&](Ascending<ComponentChange>& changes, std::uint32_t& pieces, int components) {
+            changes.takeAt(event.isovalue, [&](const ComponentChange& change) {
+                ++pieces;
+                counts.components += components;
+                event.persistence = std::max(event.persistence, change.persistence);
+                place.offer(change.cause, change.persistence, 1);
+            });
+        };
+        takeAt(above_.joins, event.pieces.splits, 1);
+        takeAt(above_.births, event.pieces.deaths, -1);
+        takeAt(below_.joins, event.pieces.joins, -1);
+        takeAt(below_.births, event.pieces.births, 1);
+    }
+
+    void takeLoops(const TopologyEvent& event, SurfaceCounts& counts, Place& place) {
+        const auto takeAt = [&](Ascending<ComponentChange>& changes, int loops) {
+            changes.takeAt(event.isovalue, [&](const ComponentChange& change) {
+                counts.loops += loops;
+                place.offer(change.cause, 0.0, 1);
+            });
+        };
+        takeAt(aboveOuter_.joins, 1);
+        takeAt(aboveOuter_.births, -1);
+        takeAt(belowOuter_.joins, -1);
+        takeAt(belowOuter_.births, 1);
+    }
+
+    Ascending<EulerChange> euler_;
+    OneSide above_, below_;
+    Ascending<ClosedChange> closed_;
+    OneSide aboveOuter_, belowOuter_;
+};
+
+} // namespace
+
+std::vector<TopologyEvent> assembleEvents(EventParts parts, const GridDims& dims) {
+    Assembly assembly(parts);
+    // Counted first: a vector that grows step by step is held twice, and nothing else takes as much memory.
+    std::size_t count = 0;
+    assembly.walk([&](const TopologyEvent&, const Place&) { ++count; });
+    std::vector<TopologyEvent> events;
+    events.reserve(count);
+    assembly.walk([&](TopologyEvent& event, const Place& place) {
         place.describe(dims, event);
         events.push_back(event);
-    }
+    });
     return events;
 }
 

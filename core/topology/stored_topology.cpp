@@ -22,7 +22,7 @@ namespace {
 
 // Events in pages of a thousand, by columns of bytes; a directory tells where each page begins, and the counts there.
 // FORMAT.md, "Topology".
-constexpr std::uint32_t kKind = 1; // of appendix
+constexpr std::uint32_t kKindOfEvents = 1, kKindOfCounts = 2; // of appendix; of the latter pages hold steps of counts
 constexpr std::size_t kPageEvents = 1024;
 constexpr std::size_t kMostPageBytes = std::size_t{1} << 20;
 constexpr std::size_t kWideColumns = 3, kNarrowColumns = 9;
@@ -135,8 +135,10 @@ public:
         auto stored = std::make_shared<StoredTopology>();
         const auto damaged = [&] { return makeError(ErrorCode::Corruption, "topology of the index is damaged", path); };
         ByteReader in(appendix.directory);
-        if (in.get<std::uint32_t>() != kKind)
+        const auto kind = in.get<std::uint32_t>();
+        if (kind != kKindOfEvents && kind != kKindOfCounts)
             return makeError(ErrorCode::UnsupportedVersion, "topology of the index is of a later version", path);
+        stored->hasEvents_ = kind == kKindOfEvents;
         stored->areCountsExact_ = in.get<std::uint8_t>() != 0;
         const auto pages = in.get<std::uint64_t>();
         if (in.hasFailed() || pages > appendix.directory.size() / 64)
@@ -188,6 +190,7 @@ public:
 
     std::uint64_t eventCount() const override { return eventCount_; }
     bool areCountsExact() const override { return areCountsExact_; }
+    bool hasEvents() const override { return hasEvents_; }
     const MeasureCurves& curves() const override { return curves_; }
 
     Result<SurfaceCounts> at(double isovalue) const override {
@@ -248,7 +251,7 @@ private:
     std::unique_ptr<RandomAccessFile> file_;
     std::uint64_t bodyOffset_ = 0;
     std::string path_;
-    bool areCountsExact_ = true;
+    bool areCountsExact_ = true, hasEvents_ = true;
     std::uint64_t eventCount_ = 0;
     std::vector<Page> pages_;
     MeasureCurves curves_;
@@ -288,7 +291,7 @@ Status storeTopology(const index::IndexReader& index, const TopologySummary& sum
     endPage();
     std::vector<std::byte> directory;
     ByteWriter out(directory);
-    out.put<std::uint32_t>(kKind);
+    out.put<std::uint32_t>(summary.hasEvents() ? kKindOfEvents : kKindOfCounts);
     out.put<std::uint8_t>(summary.areCountsExact() ? 1 : 0);
     out.put<std::uint64_t>(pages.size());
     for (const Page& page : pages) {

@@ -42,6 +42,7 @@ Result<StoredTopologyCheck> checkStoredTopology(const std::filesystem::path& ind
     if (!stored.value())
         return check;
     check.isThere = true;
+    check.hasEvents = stored.value()->hasEvents();
     SurfaceCounts before;
     const Status visited = stored.value()->visitEvents([&](const TopologyEvent& event) {
         if (check.events % 1024 == 0 && job.isStopRequested())

@@ -11,7 +11,8 @@ namespace isoslider::topology {
 
 struct StoredTopologyCheck {
     bool isThere = false;
-    std::uint64_t events = 0;
+    bool hasEvents = true; ///< else counts only: TopologySummary::hasEvents
+    std::uint64_t events = 0; ///< or isovalues with counts
     std::vector<index::IndexFault> faults;
 };
 

@@ -15,6 +15,7 @@
 #include <tbb/task_arena.h>
 
 #include "core/topology/analysis/analysis_memory.h"
+#include "core/topology/analysis/coarse_counts.h"
 #include "core/topology/analysis/component_graph.h"
 #include "core/topology/analysis/domain_boundary.h"
 #include "core/topology/analysis/layer_components.h"
@@ -29,7 +30,7 @@ namespace {
 
 constexpr std::int64_t kMostPlaneSamples = std::int64_t{1} << 27;
 // Noise of 32 bits, for each sample; there is hardly a volume with more. More memory than that is not asked after.
-constexpr Findings kMostFindings{1.25, 3.2, 0.4, 0.4, 0.0};
+constexpr Findings kMostFindings{1.25, 0.4, 0.4, 0.0};
 constexpr double kMostBytesPerSample = 768.0;
 constexpr double kBoundaryBytesPerPoint = 80.0;
 
@@ -78,13 +79,32 @@ private:
     std::vector<std::uint32_t> top_;
 };
 
+// Where counts are made if there are no events: where surfaces are measured, and between.
+std::vector<double> coarseIsovalues(const MeasurePlan& plan) {
+    constexpr int kSteps = 2048; // enough for every pixel of a plot
+    std::vector<double> isovalues = plan.isovalues;
+    const auto [low, high] = plan.usual;
+    for (int i = 0; i <= kSteps; ++i) {
+        const double part = static_cast<double>(i) / kSteps;
+        isovalues.push_back(std::clamp(low * (1.0 - part) + high * part, plan.least, plan.greatest));
+    }
+    isovalues.insert(isovalues.end(), {plan.least, plan.greatest});
+    std::sort(isovalues.begin(), isovalues.end());
+    isovalues.erase(std::unique(isovalues.begin(), isovalues.end()), isovalues.end());
+    return isovalues;
+}
+
+enum class Detail { Events, Counts };
+
 template <class Sample>
 class Analysis {
 public:
-    Analysis(const PlaneSource& source, const AnalysisOptions& options, const JobControl& job)
+    Analysis(const PlaneSource& source, const AnalysisOptions& options, Detail detail, const JobControl& job)
         : source_(source), options_(options), job_(job), dims_(source.geometry.dims) {
+        if (detail == Detail::Counts)
+            coarse_ = std::make_unique<CoarseCounts>(coarseIsovalues(options.measures));
         // Thick enough that little is said twice, thin enough for the caches and for many threads.
-        constexpr std::int64_t kLayerSamples = 1 << 20;
+        constexpr std::int64_t kLayerSamples = 1 << 19;
         const std::int64_t plane = std::max<std::int64_t>(1, dims_[0] * dims_[1]);
         planesAtOnce_ = options.planesAtOnce > 0 ? std::max<std::int64_t>(3, options.planesAtOnce)
                                                  : std::clamp<std::int64_t>(kLayerSamples / plane, 3, 16);
@@ -109,7 +129,7 @@ public:
         if (job_.isStopRequested())
             return cancelledError();
         ISO_TRY(problem_);
-        return assemble();
+        return coarse_ ? coarseCurve() : assemble();
     }
 
 private:
@@ -130,12 +150,12 @@ private:
         const bool isTight = memory < kMostBytesPerSample * points;
         if (isTight)
             ISO_TRY(lookAt(each));
-        expected_ = each * points;
+        expected_ = each * (coarse_ ? 0.0 : points);
         const auto sides = static_cast<double>(dims_[0] * dims_[1] + dims_[1] * dims_[2] + dims_[2] * dims_[0]);
-        expected_.boundaryBytes = 2.0 * sides * kBoundaryBytesPerPoint;
+        expected_.boundaryBytes = coarse_ ? 0.0 : 2.0 * sides * kBoundaryBytesPerPoint;
         const auto bytesOfLayer = [&](std::int64_t planes) {
             const double samples = plane * static_cast<double>(std::min(dims_[2], planes + 2));
-            return layerBytes(samples, each * samples);
+            return layerBytes(samples, each * samples) + (coarse_ ? coarseBytes(plane, each * samples) : 0.0);
         };
         const double room = memory - (isTight ? expected_.keptBytes() : 0.0);
         while (options_.planesAtOnce == 0 && planesAtOnce_ > 3 && bytesOfLayer(planesAtOnce_) > room)
@@ -149,8 +169,8 @@ private:
             above_.reserve(0.55 * expected_.seeds, 0.55 * expected_.links);
             below_.reserve(0.55 * expected_.seeds, 0.55 * expected_.links);
         }
-        // Two layers for each thread: one that is being worked on, one that waits; fewer where memory is scarce.
-        const double most = 2.0 * tbb::this_task_arena::max_concurrency();
+        // A layer for each thread, and one that is read or put together; fewer where memory is scarce.
+        const double most = 1.0 + tbb::this_task_arena::max_concurrency();
         layersAtOnce_ = static_cast<std::size_t>(std::clamp(room / bytesOfLayer(planesAtOnce_), 1.0, most));
         return {};
     }
@@ -197,11 +217,12 @@ private:
                 window.samples.insert(window.samples.end(), row, row + cube[0]);
             }
         window.findStars();
-        const LayerChanges changes = findLayerChanges(window);
-        found.euler += static_cast<double>(changes.euler.size());
-        found.joins += static_cast<double>(changes.above.size() + changes.below.size());
-        for (const LayerComponents& side : {findLayerComponents(Side::Above, window, changes.above),
-                                            findLayerComponents(Side::Below, window, changes.below)}) {
+        LayerSide above(Side::Above), below(Side::Below);
+        above.flood(window);
+        below.flood(window);
+        found.euler += static_cast<double>(findLayerChanges(window, above, below).euler.size());
+        for (LayerSide* each : {&above, &below}) {
+            const LayerComponents side = each->take(window.planeStep());
             found.seeds += static_cast<double>(side.seeds.size());
             found.links += static_cast<double>(side.links.size());
         }
@@ -259,10 +280,11 @@ private:
 
     void analyse(Layer& layer) {
         layer.window.findStars();
-        layer.changes = findLayerChanges(layer.window);
-        tbb::parallel_invoke(
-            [&] { layer.above = findLayerComponents(Side::Above, layer.window, layer.changes.above); },
-            [&] { layer.below = findLayerComponents(Side::Below, layer.window, layer.changes.below); });
+        LayerSide above(Side::Above), below(Side::Below);
+        tbb::parallel_invoke([&] { above.flood(layer.window); }, [&] { below.flood(layer.window); });
+        layer.changes = findLayerChanges(layer.window, above, below);
+        tbb::parallel_invoke([&] { layer.above = above.take(layer.window.planeStep()); },
+                             [&] { layer.below = below.take(layer.window.planeStep()); });
         layer.boundary = DomainBoundary::partOf(layer.window, layer.changes);
         layer.measures = measureLayer(layer.window, options_.measures, source_.geometry);
     }
@@ -272,9 +294,17 @@ private:
     void add(Layer& layer) {
         if (job_.isStopRequested() || hasFailed_)
             return;
+        measures_.add(layer.measures);
+        if (coarse_)
+            addCoarsely(layer);
+        else
+            addWhole(layer);
+        job_.report(0.8 * static_cast<double>(layer.window.zEnd) / static_cast<double>(dims_[2]), "analysing topology");
+    }
+
+    void addWhole(Layer& layer) {
         euler_.insert(euler_.end(), layer.changes.euler.begin(), layer.changes.euler.end());
         boundary_.add(layer.boundary);
-        measures_.add(layer.measures);
         Status status = above_.add(layer.above, layer.window);
         if (status.isOk())
             status = below_.add(layer.below, layer.window);
@@ -295,7 +325,36 @@ private:
                 least_ = std::min(least_, scalar);
                 greatest_ = std::max(greatest_, scalar);
             }
-        job_.report(0.8 * static_cast<double>(layer.window.zEnd) / static_cast<double>(dims_[2]), "analysing topology");
+    }
+
+    void addCoarsely(const Layer& layer) {
+        const auto planeAt = [&](std::int64_t z) {
+            const Sample* const first = layer.window.layer() + layer.window.planeStep() * (z - layer.window.zBegin);
+            return std::vector<double>(first, first + layer.window.planeStep());
+        };
+        coarse_->add(layer.above, layer.below, layer.changes, layer.boundary, planeAt(layer.window.zBegin),
+                     planeAt(layer.window.zEnd));
+        const double bytes = static_cast<double>(coarse_->sizeBytes());
+        if (bytes > static_cast<double>(options_.memoryBytes))
+            fail(tooLarge(bytes));
+    }
+
+    // Each isovalue has the counts at it, and beyond those at the next.
+    Result<TopologyCurve> coarseCurve() {
+        const std::vector<SurfaceCounts> counts = coarse_->finish();
+        if (job_.isStopRequested())
+            return cancelledError();
+        std::vector<TopologyEvent> steps;
+        for (std::size_t i = 0; i < counts.size(); ++i) {
+            TopologyEvent step;
+            step.isovalue = coarse_->isovalues()[i];
+            step.below = counts[i];
+            step.above = i + 1 < counts.size() ? counts[i + 1] : SurfaceCounts();
+            if (!(step.below == step.above))
+                steps.push_back(step);
+        }
+        return TopologyCurve(std::move(steps), measures_.curves(options_.measures, source_.geometry),
+                             coarse_->areExact(), false);
     }
 
     Result<TopologyCurve> assemble() {
@@ -334,6 +393,7 @@ private:
     std::mutex problemMutex_;
     Status problem_;
     std::atomic<bool> hasFailed_ = false;
+    std::unique_ptr<CoarseCounts> coarse_; ///< then nothing goes into what follows but the measures
     std::vector<EulerChange> euler_;
     SideGraph above_{Side::Above}, below_{Side::Below};
     DomainBoundary boundary_;
@@ -358,8 +418,14 @@ Result<TopologyCurve> analyseTopology(const PlaneSource& source, const AnalysisO
     const GridDims& dims = source.geometry.dims;
     if (dims[0] * dims[1] >= kMostPlaneSamples)
         return makeError(ErrorCode::InvalidArgument, "the topology of planes of 2^27 samples or more is not analysed");
-    return visitScalarType(source.type,
-                           [&](auto sample) { return Analysis<decltype(sample)>(source, options, job).run(); });
+    return visitScalarType(source.type, [&](auto sample) {
+        using Sample = decltype(sample);
+        auto whole = Analysis<Sample>(source, options, Detail::Events, job).run();
+        if (whole.isOk() || whole.error().code != ErrorCode::OutOfSpace || options.measures.isovalues.empty())
+            return whole;
+        auto counts = Analysis<Sample>(source, options, Detail::Counts, job).run();
+        return counts.isOk() || counts.error().code != ErrorCode::OutOfSpace ? std::move(counts) : std::move(whole);
+    });
 }
 
 } // namespace isoslider::topology

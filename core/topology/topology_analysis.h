@@ -33,10 +33,12 @@ struct AnalysisOptions {
     std::int64_t planesAtOnce = 0;
 };
 
-/// Every isovalue at which the topology of the volume's surface changes. TOPOLOGY.md. Each sample is read once.
+/// Every isovalue at which the topology of the volume's surface changes. TOPOLOGY.md.
 /// O(n) in samples, O(m log m) in what can be an event; all threads. Memory: some planes, and what can be an event.
+/// Where that is more than `options.memoryBytes`, and measures are planned: counts only, at some thousand isovalues
+/// (TopologySummary::hasEvents), in memory for some planes. Samples may then be read twice.
 /// Errors: those of `source`; InvalidArgument (planes of 2^27 samples or more); OutOfSpace (more than
-/// `options.memoryBytes`); Cancelled.
+/// `options.memoryBytes` even so); Cancelled.
 Result<TopologyCurve> analyseTopology(const PlaneSource& source, const AnalysisOptions& options = {},
                                       const JobControl& job = {});
 

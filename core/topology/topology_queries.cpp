@@ -115,6 +115,8 @@ Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary)
         since = isovalue;
     };
     ISO_TRY(summary.visitEvents([&, low = low, high = high](const TopologyEvent& event) {
+        if (!summary.hasEvents())
+            return false;
         // One that lasts longer than the usual range is of an outlier.
         if (event.isovalue < low || event.isovalue > high || 0.5 * event.persistence > halfRange)
             return true;
@@ -129,7 +131,8 @@ Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary)
         }
         return true;
     }));
-    endInterval(high);
+    if (summary.hasEvents())
+        endInterval(high);
     std::optional<double> steepest;
     double worthALook = curves.isEmpty() ? 0.0 : std::pow(curves.measures.front().volume, 2.0 / 3.0);
     double largestArea = 0.0, strongest = 0.0;

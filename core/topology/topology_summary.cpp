@@ -87,6 +87,8 @@ private:
 } // namespace
 
 Result<std::vector<WeightedEvent>> TopologySummary::mostNotable(std::size_t count) const {
+    if (!hasEvents())
+        return std::vector<WeightedEvent>();
     Weighing weighing;
     ISO_TRY(visitEvents([&](const TopologyEvent& event) {
         weighing.add(event);

@@ -31,6 +31,9 @@ public:
     /// False where samples are missing such that the rest is no ball, or none with hollows: then pieces and boundary
     /// loops are at least as many as stated, and tunnels are not known. Euler numbers and voids hold.
     virtual bool areCountsExact() const = 0;
+    /// False where memory sufficed for counts only. What is then visited are isovalues, each with the counts at it and
+    /// at the next of them; counts between are those at the next, and nothing is known of persistence and places.
+    virtual bool hasEvents() const { return true; }
     /// Calls `visit` for all events, ascending, until it returns false. Errors: IoError, Corruption.
     virtual Status visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const = 0;
     /// The same without the events below `isovalue`. O(log n) and what is visited where the kind of summary can;
@@ -39,8 +42,8 @@ public:
     /// Empty where they were not made.
     virtual const MeasureCurves& curves() const = 0;
 
-    /// The `count` events of the greatest weight, ascending by isovalue; all if there are fewer. O(events), in time and
-    /// memory (32 bytes each).
+    /// The `count` events of the greatest weight, ascending by isovalue; all if there are fewer, none if !hasEvents().
+    /// O(events), in time and memory (32 bytes each).
     Result<std::vector<WeightedEvent>> mostNotable(std::size_t count) const;
 };
 

@@ -103,10 +103,26 @@ TEST_F(CliMemory, MetacellsAreBuiltWithinTheBudgetWhateverTheType) {
     expectBudgetKept<double>("f64", 250, Field::Noise, "metacells");
 }
 
-// Its topology would take some 500 MB: that shows before any of it is made.
-TEST_F(CliMemory, TopologyThatTakesMoreIsLeftOutAndSaysWhatItWouldTake) {
+// Its events would take some 500 MB: that shows before any of them is found.
+TEST_F(CliMemory, TopologyThatTakesMoreIsCountedWithoutEvents) {
     writeField<std::uint8_t>(path("volume.raw"), 128, Field::Noise);
     const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "128,128,128", "--raw-type", "u8"});
+    ASSERT_TRUE(json.is_object());
+    EXPECT_FALSE(json.contains("topology_problem"));
+    EXPECT_TRUE(json["topology_events"].is_null());
+    const auto checked = runJson({"validate", path("a.isx"), "--full"});
+    EXPECT_TRUE(checked["sound"].get<bool>());
+    EXPECT_TRUE(checked["topology_events"].is_null());
+    const auto counts = runJson({"topology", path("a.isx"), "--at", "127.5"});
+    EXPECT_FALSE(counts["has_events"].get<bool>());
+    EXPECT_GT(counts["components"], 1);
+    EXPECT_TRUE(runJson({"topology", path("a.isx"), "--events", "5"})["events"].empty());
+}
+
+// Three planes take more than there is.
+TEST_F(CliMemory, TopologyOfPlanesThatTakeMoreIsLeftOutAndSaysWhatItWouldTake) {
+    std::ofstream(path("volume.raw"), std::ios::binary) << std::string(1000 * 1000 * 3, 'a');
+    const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "1000,1000,3", "--raw-type", "u8"});
     ASSERT_TRUE(json.is_object());
     EXPECT_THAT(json["topology_problem"], ::testing::ContainsRegex("takes about [0-9]+ MB of memory.*--memory"));
     EXPECT_FALSE(json.contains("topology_events"));

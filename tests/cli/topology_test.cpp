@@ -1,6 +1,13 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <map>
+#include <numeric>
+#include <random>
+#include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -28,6 +35,117 @@ TEST_F(CliTopology, CountsWhatExtractionCounts) {
             EXPECT_EQ(ofIndex[key], counts[key]) << key << " at " << isovalue;
         EXPECT_NEAR(ofIndex["area"].get<double>(), counts["area"].get<double>(), 0.01 * counts["area"].get<double>());
     }
+}
+
+/// What is counted of a mesh here, by its vertices and triangles alone.
+struct MeshCounts {
+    std::int64_t pieces = 0, euler = 0, loops = 0, tunnels = 0, voids = 0;
+};
+
+int rootOf(std::vector<int>& parents, int of) {
+    while (parents[static_cast<std::size_t>(of)] != of)
+        of = parents[static_cast<std::size_t>(of)] =
+            parents[static_cast<std::size_t>(parents[static_cast<std::size_t>(of)])];
+    return of;
+}
+
+// A void is bounded from outside by one closed piece, which is wound towards it: its volume is negative.
+MeshCounts countsOfObj(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    std::vector<std::array<double, 3>> places;
+    std::vector<std::array<int, 3>> triangles;
+    for (std::string line; std::getline(in, line);) {
+        std::istringstream words(line);
+        std::string kind, corner;
+        words >> kind;
+        if (kind == "v")
+            words >> places.emplace_back()[0] >> places.back()[1] >> places.back()[2];
+        if (kind == "f")
+            for (int& vertex : triangles.emplace_back()) {
+                words >> corner;
+                vertex = std::stoi(corner) - 1; // up to a slash
+            }
+    }
+    std::vector<int> pieces(places.size()), ends(places.size());
+    std::iota(pieces.begin(), pieces.end(), 0);
+    std::set<std::pair<int, int>> directed;
+    for (const auto& triangle : triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const int from = triangle[k], to = triangle[(k + 1) % 3];
+            EXPECT_TRUE(directed.emplace(from, to).second) << "an edge twice";
+            pieces[static_cast<std::size_t>(rootOf(pieces, from))] = rootOf(pieces, to);
+        }
+    MeshCounts counts;
+    std::int64_t borders = 0;
+    std::set<int> open; // pieces with a border
+    std::iota(ends.begin(), ends.end(), 0);
+    std::set<int> onBorder;
+    for (const auto& [from, to] : directed)
+        if (directed.count({to, from}) == 0) {
+            ++borders;
+            open.insert(rootOf(pieces, from));
+            onBorder.insert({from, to});
+            ends[static_cast<std::size_t>(rootOf(ends, from))] = rootOf(ends, to);
+        }
+    for (const int vertex : onBorder)
+        counts.loops += rootOf(ends, vertex) == vertex ? 1 : 0;
+    std::map<int, double> volumes;
+    for (const auto& triangle : triangles) {
+        const auto& a = places[static_cast<std::size_t>(triangle[0])];
+        const auto& b = places[static_cast<std::size_t>(triangle[1])];
+        const auto& c = places[static_cast<std::size_t>(triangle[2])];
+        const auto& origin = places[static_cast<std::size_t>(rootOf(pieces, triangle[0]))]; // near: nothing cancels
+        const auto from = [&origin](const std::array<double, 3>& p) {
+            return std::array{p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]};
+        };
+        const auto u = from(a), v = from(b), w = from(c);
+        volumes[rootOf(pieces, triangle[0])] += u[0] * (v[1] * w[2] - v[2] * w[1]) +
+                                                u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]);
+    }
+    const auto edges = (static_cast<std::int64_t>(directed.size()) + borders) / 2;
+    counts.pieces = static_cast<std::int64_t>(volumes.size());
+    counts.euler = static_cast<std::int64_t>(places.size()) - edges + static_cast<std::int64_t>(triangles.size());
+    counts.tunnels = (2 * counts.pieces - counts.loops - counts.euler) / 2;
+    for (const auto& [piece, volume] : volumes)
+        counts.voids += open.count(piece) == 0 && volume < 0.0 ? 1 : 0;
+    return counts;
+}
+
+TEST_F(CliTopology, CountsWhatTheExtractedMeshHas) {
+    std::mt19937 random(5);
+    MeshCounts all;
+    for (const bool isInteger : {false, true})
+        for (int grid = 0; grid < 2; ++grid) {
+            std::vector<float> samples(16 * 16 * 16);
+            for (float& sample : samples)
+                sample = isInteger ? static_cast<float>(random() % 6)
+                                   : std::uniform_real_distribution<float>(0.0F, 5.0F)(random);
+            std::ofstream(path("grid.raw"), std::ios::binary)
+                .write(reinterpret_cast<const char*>(samples.data()),
+                       static_cast<std::streamsize>(samples.size() * sizeof(float)));
+            const std::vector<std::string> raw{path("grid.raw"), "--raw-dims", "16,16,16", "--raw-type", "f32"};
+            for (int i = 0; i < 6; ++i) {
+                const std::string isovalue =
+                    fmt::format("{}", std::uniform_real_distribution<double>(0.3, 4.7)(random));
+                SCOPED_TRACE(fmt::format("{} grid {} at {}", isInteger ? "integer" : "real", grid, isovalue));
+                std::vector<std::string> count{"topology", "--at", isovalue};
+                count.insert(count.end(), raw.begin(), raw.end());
+                std::vector<std::string> extract{"extract", "--isovalue", isovalue, "-o", path("mesh.obj")};
+                extract.insert(extract.end(), raw.begin(), raw.end());
+                const auto counts = runJson(count);
+                runJson(extract);
+                const MeshCounts mesh = countsOfObj(path("mesh.obj"));
+                EXPECT_EQ(counts["components"], mesh.pieces);
+                EXPECT_EQ(counts["euler"], mesh.euler);
+                EXPECT_EQ(counts["boundary_loops"], mesh.loops);
+                EXPECT_EQ(counts["handles"], mesh.tunnels);
+                EXPECT_EQ(counts["voids"], mesh.voids);
+                all.tunnels += mesh.tunnels;
+                all.voids += mesh.voids;
+            }
+        }
+    EXPECT_GT(all.tunnels, 1000);
+    EXPECT_GT(all.voids, 500);
 }
 
 TEST_F(CliTopology, ListsTheMostPersistentEvents) {

@@ -14,12 +14,14 @@
 #include <QSlider>
 #include <QSortFilterProxyModel>
 #include <QStatusBar>
+#include <QTabWidget>
 #include <QTableView>
 #include <QTest>
 #include <QTimer>
 #include <QToolButton>
 #include <QToolTip>
 
+#include "core/topology/topology_curve.h"
 #include "tests/gui/cones.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/isovalue/number_text.h"
@@ -407,6 +409,34 @@ TEST_F(TopologyPanelTest, StatesWhyThereIsNothing) {
     EXPECT_FALSE(window_->actions().action("isovalue.nextEvent")->isEnabled());
     session_->close();
     EXPECT_EQ(stateText(), "No volume is open.");
+}
+
+// Of a volume with more events than memory holds: counts at some isovalues.
+TEST_F(TopologyPanelTest, OffersCountsWhereThereAreNoEvents) {
+    std::vector<topology::TopologyEvent> steps(3);
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        steps[i].isovalue = -30.0 + 20.0 * static_cast<double>(i);
+        steps[i].below.components = i == 0 ? 0 : static_cast<std::int64_t>(4 + i);
+        steps[i].above.components = i + 1 == steps.size() ? 0 : static_cast<std::int64_t>(5 + i);
+    }
+    const auto withEvents = topology().summary();
+    auto* note = child<QLabel>("topologyNoEvents");
+    EXPECT_FALSE(note->isVisible()) << "there are events";
+    topology().setContent(model::TopologyModel::contentOf(
+                              std::make_shared<topology::TopologyCurve>(steps, QuietSummary().curves(), true, false))
+                              .value());
+    EXPECT_TRUE(waitUntil([&] { return note->isVisible(); }));
+    EXPECT_FALSE(table_->isVisible());
+    EXPECT_FALSE(child<QComboBox>("topologyFilter")->isVisible());
+    EXPECT_EQ(topology().eventCount(), 0u);
+    EXPECT_FALSE(window_->actions().action("isovalue.nextEvent")->isEnabled());
+    EXPECT_EQ(topology().countsAt(-15.0)->components, 5);
+    EXPECT_TRUE(topology().hasCurve(model::TopologyQuantity::Pieces));
+    EXPECT_TRUE(child<QTabWidget>("topologyTabs")->isVisible()) << "isovalues can be asked for, and compared";
+    keepPicture(*window_, "topology_without_events");
+    topology().setContent(model::TopologyModel::contentOf(withEvents).value());
+    EXPECT_TRUE(waitUntil([&] { return table_->isVisible(); }));
+    EXPECT_FALSE(note->isVisible());
 }
 
 class CurvesTest : public TopologyTest {

@@ -81,6 +81,7 @@ std::vector<std::byte> directoryOf(std::uint32_t pageBytes, std::uint32_t events
 void expectSame(const TopologySummary& stored, const TopologySummary& made) {
     EXPECT_EQ(stored.eventCount(), made.eventCount());
     EXPECT_EQ(stored.areCountsExact(), made.areCountsExact());
+    EXPECT_EQ(stored.hasEvents(), made.hasEvents());
     const auto found = eventsOf(stored), expected = eventsOf(made);
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -172,6 +173,24 @@ TEST_F(StoredTopologyTest, IsReadAsItWasMade) {
         EXPECT_TRUE(std::equal(bare_.begin(), bare_.end(), now.begin()));
         EXPECT_THAT(index::IndexReader::open(path_), IsOk());
     }
+}
+
+TEST_F(StoredTopologyTest, OfCountsWithoutEventsHasNone) {
+    const auto grid = noise({30, 30, 60}, ScalarType::F32, 7);
+    build(grid);
+    AnalysisOptions options;
+    options.measures = planMeasures(*grid);
+    options.memoryBytes = 4 << 20;
+    const auto counts = analyseTopology(planesOf(*grid), options);
+    ASSERT_THAT(counts, IsOk());
+    ASSERT_FALSE(counts.value().hasEvents());
+    ASSERT_THAT(storeTopology(*reader(), counts.value()), IsOk());
+    const auto stored = openTopology(path_);
+    ASSERT_THAT(stored, IsOk());
+    ASSERT_NE(stored.value(), nullptr);
+    EXPECT_FALSE(stored.value()->hasEvents());
+    expectSame(*stored.value(), counts.value());
+    EXPECT_TRUE(stored.value()->mostNotable(5).value().empty());
 }
 
 // FORMAT.md, "Limits": looked at when the directory is opened, before a page is read.

@@ -15,20 +15,26 @@ namespace isoslider::topology {
 
 void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
     using Element = DisjointSets<>::Element;
-    constexpr auto kNone = std::numeric_limits<std::size_t>::max();
     struct Left { // a link that may still be kept, by the sets of its ends
-        std::size_t link;
+        double order; // the greater the earlier
         Element a, b;
+        std::uint32_t link;
     };
+    struct Best { // of a set, by its root
+        double order;
+        std::uint32_t left;
+    };
+    constexpr Best kNone{-std::numeric_limits<double>::infinity(), std::numeric_limits<std::uint32_t>::max()};
     DisjointSets<> sets(seeds);
-    std::vector<Left> left;
+    std::vector<Left> left(links.size());
     for (std::size_t i = 0; i < links.size(); ++i)
-        left.push_back({i, links[i].a, links[i].b});
+        left[i] = {side == Side::Above ? links[i].isovalue : -links[i].isovalue, links[i].a, links[i].b,
+                   static_cast<std::uint32_t>(i)};
     std::vector<Link> kept;
-    std::vector<std::size_t> best(seeds, kNone); // by root
+    std::vector<Best> best(seeds, kNone);
     while (!left.empty()) {
         // Links have an order of their isovalues, then of their places: so no ring of bests can come about.
-        std::size_t count = 0;
+        std::uint32_t count = 0;
         for (Left each : left) {
             each.a = sets.rootOf(each.a);
             each.b = sets.rootOf(each.b);
@@ -36,22 +42,21 @@ void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
                 continue;
             left[count] = each;
             for (const Element end : {each.a, each.b})
-                if (best[end] == kNone ||
-                    comesEarlier(side, links[each.link].isovalue, links[left[best[end]].link].isovalue))
-                    best[end] = count;
+                if (each.order > best[end].order)
+                    best[end] = {each.order, count};
             ++count;
         }
         left.resize(count);
         for (const Left& each : left)
             for (const Element end : {each.a, each.b}) {
-                const std::size_t chosen = std::exchange(best[end], kNone);
-                if (chosen == kNone)
+                const Best chosen = std::exchange(best[end], kNone);
+                if (chosen.left == kNone.left)
                     continue;
-                const Element a = sets.rootOf(left[chosen].a), b = sets.rootOf(left[chosen].b);
+                const Element a = sets.rootOf(left[chosen.left].a), b = sets.rootOf(left[chosen.left].b);
                 if (a == b)
                     continue;
                 sets.attach(std::max(a, b), std::min(a, b));
-                kept.push_back(links[left[chosen].link]);
+                kept.push_back(links[left[chosen.left].link]);
             }
     }
     links = std::move(kept);
@@ -98,7 +103,7 @@ public:
 private:
     void addBirth(std::uint32_t seed, double persistence) {
         const Seed& of = graph_.seeds[seed];
-        history_.changes.push_back({of.isovalue, persistence, Cause::vertex(of.point), true});
+        history_.births.push_back({of.isovalue, persistence, Cause::vertex(of.point)});
     }
 
     // Whether two sets have become one; whether one of them, or the whole, was closed.
@@ -119,7 +124,7 @@ private:
                                             std::numeric_limits<double>::max()); // of doubles from end to end
         if (persistence > 0.0) {
             addBirth(younger, persistence);
-            history_.changes.push_back({link.isovalue, persistence, link.cause, false});
+            history_.joins.push_back({link.isovalue, persistence, link.cause});
         }
         if (!isClosed_.empty()) {
             if (isClosed_[elder] || isClosed_[younger])

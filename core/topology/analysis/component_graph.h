@@ -41,7 +41,6 @@ struct ComponentChange {
     double isovalue;
     double persistence;
     Cause cause;
-    bool isBirth;
 };
 /// A change of the number of components that do not reach the boundary.
 struct ClosedChange {
@@ -50,7 +49,7 @@ struct ClosedChange {
     Cause cause;
 };
 struct ComponentHistory {
-    std::vector<ComponentChange> changes; ///< not in order
+    std::vector<ComponentChange> births, joins; ///< not in order; equally many, but for the components that last
     std::vector<ClosedChange> closed; ///< in the order of isovalues met; of the side below only
     std::uint64_t lasting = 0; ///< components in the end
 };

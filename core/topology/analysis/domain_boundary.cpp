@@ -63,16 +63,8 @@ DomainBoundary::Part DomainBoundary::partOf(const LayerWindow<Sample>& window, c
             part.euler += std::popcount(beside) == 1;
         }
     }
-    const auto addJoins = [&](const std::vector<CornerJoin>& joins, std::vector<Part::Join>& out) {
-        for (const CornerJoin& join : joins)
-            if (join.isOnBoundary)
-                out.push_back({join.isovalue,
-                               join.cause,
-                               {window.firstPoint() + static_cast<Point>(join.a),
-                                window.firstPoint() + static_cast<Point>(join.b)}});
-    };
-    addJoins(changes.above, part.above);
-    addJoins(changes.below, part.below);
+    part.above = changes.boundaryAbove;
+    part.below = changes.boundaryBelow;
     return part;
 }
 
@@ -102,14 +94,14 @@ ComponentHistory DomainBoundary::follow(Side side, double span) const {
         const std::uint32_t later = comesEarlier(side, all_.scalars[a], all_.scalars[b]) ? b : a;
         graph.links.push_back({all_.scalars[later], Cause::vertex(all_.points[later]), a, b});
     }
-    for (const Part::Join& join : side == Side::Above ? all_.above : all_.below)
+    for (const BoundaryJoin& join : side == Side::Above ? all_.above : all_.below)
         graph.links.push_back({join.isovalue, join.cause, seedOf(join.points[0]), seedOf(join.points[1])});
     return followComponents(graph, span);
 }
 
 std::uint64_t DomainBoundary::sizeBytes() const {
     return all_.points.size() * 16 + all_.edges.size() * sizeof(all_.edges[0]) +
-           (all_.above.size() + all_.below.size()) * sizeof(Part::Join);
+           (all_.above.size() + all_.below.size()) * sizeof(BoundaryJoin);
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \

@@ -19,12 +19,7 @@ public:
         std::vector<Point> points; ///< ascending
         std::vector<double> scalars;
         std::vector<std::array<Point, 2>> edges;
-        struct Join {
-            double isovalue;
-            Cause cause;
-            std::array<Point, 2> points;
-        };
-        std::vector<Join> above, below;
+        std::vector<BoundaryJoin> above, below;
         std::int64_t euler = 0; ///< of the boundary: points less edges plus faces
         bool isManifold = true; ///< no edge or point at which it only touches itself
     };

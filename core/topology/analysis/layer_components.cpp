@@ -1,9 +1,10 @@
 #include "core/topology/analysis/layer_components.h"
 
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/grid/scalar_type.h"
-#include "core/topology/analysis/link_collector.h"
 
 namespace isoslider::topology {
 namespace {
@@ -11,28 +12,23 @@ namespace {
 template <class Sample, Side kSide>
 class LayerFlood {
 public:
-    explicit LayerFlood(const LayerWindow<Sample>& window)
+    LayerFlood(const LayerWindow<Sample>& window, std::vector<std::uint32_t>& leadsTo, std::vector<Seed>& seeds,
+               LinkCollector& links)
         : window_(window),
           samples_(window.layer()),
           row_(window.rowStep()),
           plane_(window.planeStep()),
-          leadsTo_(static_cast<std::size_t>(window.points())) {}
+          leadsTo_(leadsTo),
+          seeds_(seeds),
+          links_(links) {
+        leadsTo_.resize(static_cast<std::size_t>(window.points()));
+    }
 
-    LayerComponents run(std::span<const CornerJoin> joins) {
+    void run() {
         findNeighbours();
         numberSeeds();
         if (!window_.stop.stop_requested())
             linkNeighbours();
-        if (window_.stop.stop_requested())
-            return {};
-        for (const CornerJoin& join : joins)
-            links_.add(join.isovalue, join.cause, leadsTo(join.a), leadsTo(join.b));
-        found_.links = links_.take();
-        keepForest(kSide, found_.seeds.size(), found_.links);
-        const auto plane = static_cast<std::ptrdiff_t>(plane_);
-        found_.bottom.assign(leadsTo_.begin(), leadsTo_.begin() + plane);
-        found_.top.assign(leadsTo_.end() - plane, leadsTo_.end());
-        return std::move(found_);
     }
 
 private:
@@ -90,14 +86,14 @@ private:
         std::vector<std::uint32_t> numbers(count);
         for (std::uint32_t at = 0; at < count; ++at)
             if (leadsTo_[at] == at && window_.stars[at] != 0) {
-                numbers[at] = static_cast<std::uint32_t>(found_.seeds.size());
-                found_.seeds.push_back({static_cast<double>(samples_[at]), std::numeric_limits<double>::quiet_NaN(),
-                                        window_.firstPoint() + at});
+                numbers[at] = static_cast<std::uint32_t>(seeds_.size());
+                seeds_.push_back({static_cast<double>(samples_[at]), std::numeric_limits<double>::quiet_NaN(),
+                                  window_.firstPoint() + at});
             }
         for (std::uint32_t at = 0; at < count; ++at) {
             leadsTo_[at] = window_.stars[at] != 0 ? numbers[leadsTo_[at]] : kNoSeed;
             if (kSide == Side::Below && window_.stars[at] != 0 && window_.stars[at] != kWholeStar)
-                reachBoundary(found_.seeds[leadsTo_[at]], static_cast<double>(samples_[at]));
+                reachBoundary(seeds_[leadsTo_[at]], static_cast<double>(samples_[at]));
         }
     }
     static void reachBoundary(Seed& seed, double isovalue) {
@@ -127,21 +123,33 @@ private:
     const LayerWindow<Sample>& window_;
     const Sample* samples_;
     std::int64_t row_, plane_;
-    std::vector<std::uint32_t> leadsTo_; ///< a point; in the end a seed
-    LinkCollector links_{kSide};
-    LayerComponents found_;
+    std::vector<std::uint32_t>& leadsTo_; ///< a point; in the end a seed
+    std::vector<Seed>& seeds_;
+    LinkCollector& links_;
 };
 
 } // namespace
 
 template <class Sample>
-LayerComponents findLayerComponents(Side side, const LayerWindow<Sample>& window, std::span<const CornerJoin> joins) {
-    return side == Side::Above ? LayerFlood<Sample, Side::Above>(window).run(joins)
-                               : LayerFlood<Sample, Side::Below>(window).run(joins);
+void LayerSide::flood(const LayerWindow<Sample>& window) {
+    if (side_ == Side::Above)
+        LayerFlood<Sample, Side::Above>(window, leadsTo_, seeds_, links_).run();
+    else
+        LayerFlood<Sample, Side::Below>(window, leadsTo_, seeds_, links_).run();
 }
 
-#define ISO_INSTANTIATE(Sample, Name) \
-    template LayerComponents findLayerComponents(Side, const LayerWindow<Sample>&, std::span<const CornerJoin>);
+LayerComponents LayerSide::take(std::int64_t planePoints) {
+    LayerComponents found;
+    found.links = links_.take();
+    keepForest(side_, seeds_.size(), found.links);
+    found.seeds = std::move(seeds_);
+    const auto plane = static_cast<std::ptrdiff_t>(planePoints);
+    found.bottom.assign(leadsTo_.begin(), leadsTo_.begin() + plane);
+    found.top.assign(leadsTo_.end() - plane, leadsTo_.end());
+    return found;
+}
+
+#define ISO_INSTANTIATE(Sample, Name) template void LayerSide::flood(const LayerWindow<Sample>&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

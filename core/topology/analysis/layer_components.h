@@ -2,12 +2,11 @@
 
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <vector>
 
 #include "core/topology/analysis/component_graph.h"
-#include "core/topology/analysis/layer_euler.h"
 #include "core/topology/analysis/layer_window.h"
+#include "core/topology/analysis/link_collector.h"
 
 namespace isoslider::topology {
 
@@ -21,9 +20,30 @@ struct LayerComponents {
     std::vector<std::uint32_t> bottom, top; ///< the seed that each grid point of the outer planes leads to
 };
 
-/// Every grid point leads to a seed along neighbours that come ever earlier: what it joins first, so that no other of
-/// its links matters until then. Links between seeds follow. O(points), nearly.
-template <class Sample>
-LayerComponents findLayerComponents(Side side, const LayerWindow<Sample>& window, std::span<const CornerJoin> joins);
+/// One side of a layer while it is worked on. Every grid point leads to a seed along neighbours that come ever earlier:
+/// what it joins first, so that no other of its links matters until then. Links between seeds follow.
+class LayerSide {
+public:
+    explicit LayerSide(Side side) : side_(side), links_(side) {}
+
+    /// Finds seeds, and links along edges of the grid. O(points), nearly.
+    template <class Sample>
+    void flood(const LayerWindow<Sample>& window);
+    /// Whether a link of two grid points with cells could matter. Places count from the layer's first grid point.
+    bool areApart(std::int64_t a, std::int64_t b) const {
+        return leadsTo_[static_cast<std::size_t>(a)] != leadsTo_[static_cast<std::size_t>(b)];
+    }
+    void join(double isovalue, Cause cause, std::int64_t a, std::int64_t b) {
+        links_.add(isovalue, cause, leadsTo_[static_cast<std::size_t>(a)], leadsTo_[static_cast<std::size_t>(b)]);
+    }
+    /// Links that matter only, with all there is in `planePoints` grid points of each outer plane.
+    LayerComponents take(std::int64_t planePoints);
+
+private:
+    Side side_;
+    std::vector<std::uint32_t> leadsTo_; ///< by grid point: a seed
+    std::vector<Seed> seeds_;
+    LinkCollector links_;
+};
 
 } // namespace isoslider::topology

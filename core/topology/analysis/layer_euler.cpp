@@ -1,254 +1,341 @@
 #include "core/topology/analysis/layer_euler.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <tuple>
+#include <bit>
+#include <utility>
 
 #include "core/grid/scalar_type.h"
-#include "core/topology/analysis/cell_discs.h"
+#include "core/topology/analysis/body_saddles.h"
+#include "core/topology/analysis/euler_sums.h"
+#include "core/topology/cell_saddles.h"
 
 namespace isoslider::topology {
 namespace {
 
+// Near a grid point each cell is linear: its surface there is a disc around the point where all three neighbours are on
+// the other side, and passes by as one disc or not at all where they differ or are on the same.
+int cellChange(int higherNeighbours) { return higherNeighbours == 3 ? 1 : higherNeighbours == 0 ? -1 : 0; }
+
+// What the surface's Euler number changes by where the isovalue rises beyond a grid point: vertices less segments plus
+// discs. `higher`: bit of each neighbour that is; neighbours in the order of kStarSides.
+int pointChange(CellStar star, unsigned higher) {
+    int change = 0;
+    const auto side = [&](std::size_t d) { return (higher >> d & 1u) != 0 ? 1 : -1; };
+    for (std::size_t d = 0; d < 6; ++d)
+        change += (star & kStarSides[d]) != 0 ? side(d) : 0;
+    for (std::size_t d = 0; d < 4; ++d)
+        for (std::size_t e = d / 2 * 2 + 2; e < 6; ++e)
+            if ((star & kStarSides[d] & kStarSides[e]) != 0)
+                change -= (side(d) + side(e)) / 2;
+    for (unsigned cell = 0; cell < 8; ++cell)
+        if ((star >> cell & 1u) != 0)
+            change +=
+                cellChange(static_cast<int>((higher >> (cell & 1u) & 1u) + (higher >> (2 + (cell >> 1 & 1u)) & 1u) +
+                                            (higher >> (4 + (cell >> 2)) & 1u)));
+    return change;
+}
+
+// Of points with eight cells.
+const std::array<std::int8_t, 64>& wholeStarChanges() {
+    static const std::array<std::int8_t, 64> table = [] {
+        std::array<std::int8_t, 64> changes{};
+        for (unsigned higher = 0; higher < 64; ++higher)
+            changes[higher] = static_cast<std::int8_t>(pointChange(kWholeStar, higher));
+        return changes;
+    }();
+    return table;
+}
+
 template <class Sample>
 class LayerScan {
 public:
-    explicit LayerScan(const LayerWindow<Sample>& window)
+    LayerScan(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below)
         : window_(window),
+          above_(above),
+          below_(below),
           nx_(window.dims[0]),
           row_(window.rowStep()),
           plane_(window.planeStep()),
-          low_(static_cast<std::size_t>(nx_)),
-          high_(low_.size()),
-          level_(low_.size()),
-          isAmbiguous_(low_.size()),
-          atPoints_(static_cast<std::size_t>(window.points())) {}
+          codes_(static_cast<std::size_t>(nx_)),
+          passedX_(0),
+          passedY_(codes_.size()),
+          passedZ_(static_cast<std::size_t>(plane_)) {}
 
     LayerChanges run() {
-        for (std::int64_t z = window_.zBegin; z < window_.ownedEnd(); ++z)
-            for (std::int64_t y = 0; y < window_.dims[1]; ++y)
-                scanPoints(y, z);
-        for (std::int64_t z = window_.zBegin; z < window_.zEnd; ++z)
-            for (std::int64_t y = 0; y + 1 < window_.dims[1]; ++y)
-                scanCells(y, z);
-        gather();
+        findEdges();
+        if (window_.zBegin > window_.firstPlane)
+            passCellsBelow();
+        for (std::int64_t z = window_.zBegin; z <= window_.zEnd && !window_.stop.stop_requested(); ++z) {
+            if (z < window_.ownedEnd())
+                for (std::int64_t y = 0; y < window_.dims[1]; ++y)
+                    scanPoints(y, z);
+            if (z < window_.zEnd)
+                for (std::int64_t y = 0; y + 1 < window_.dims[1]; ++y)
+                    scanCells(y, z);
+        }
+        found_.euler = sums_.take();
         return std::move(found_);
     }
 
 private:
+    /// Bits of a grid point: which of its next neighbours along x, y and z are higher; of equal ones the later is.
+    enum : std::uint8_t { kUpX = 1, kUpY = 2, kUpZ = 4 };
+    /// Bits of a cell: CellSaddles::find, `faces` and `mayHaveInner`.
+    static constexpr unsigned kFaces = 63, kInner = 64;
+
     std::int64_t placeOf(std::int64_t y, std::int64_t z) const { return row_ * y + plane_ * (z - window_.zBegin); }
-
-    void note(std::int64_t at, int euler) {
-        auto& sum = atPoints_[static_cast<std::size_t>(at)];
-        sum = static_cast<std::int16_t>(sum + euler);
+    // Places count from the layer's first grid point; one plane before it is there, too.
+    const std::uint8_t* edgesAt(std::int64_t place) const {
+        return edges_.data() + place + plane_ * (window_.zBegin - window_.firstPlane);
     }
-
-    // Saddles of a face are found by both its cells, and mostly cancel out; so does much among equal samples.
-    void gather() {
-        for (std::size_t at = 0; at < atPoints_.size(); ++at)
-            if (atPoints_[at] != 0)
-                found_.euler.push_back({static_cast<double>(window_.layer()[at]),
-                                        Cause::vertex(window_.firstPoint() + at), atPoints_[at]});
-        std::sort(found_.euler.begin(), found_.euler.end(), [](const EulerChange& a, const EulerChange& b) {
-            return std::tuple(a.isovalue, a.cause.isVertex(), -std::abs(a.euler), a.cause) <
-                   std::tuple(b.isovalue, b.cause.isVertex(), -std::abs(b.euler), b.cause);
-        });
-        std::size_t kept = 0;
-        for (std::size_t first = 0, next = 0; first < found_.euler.size(); first = next) {
-            EulerChange sum = found_.euler[first]; // at the place that most is due to
-            for (next = first + 1; next < found_.euler.size() && found_.euler[next].isovalue == sum.isovalue &&
-                                   found_.euler[next].cause.isVertex() == sum.cause.isVertex();
-                 ++next)
-                sum.euler += found_.euler[next].euler;
-            if (sum.euler != 0)
-                found_.euler[kept++] = sum;
-        }
-        found_.euler.resize(kept);
-        found_.euler.shrink_to_fit();
+    std::int64_t offsetOf(unsigned corner) const {
+        return static_cast<std::int64_t>(corner & 1) + row_ * static_cast<std::int64_t>(corner >> 1 & 1) +
+               plane_ * static_cast<std::int64_t>(corner >> 2);
     }
-
-    // ---- grid points
-
-    void scanPoints(std::int64_t y, std::int64_t z) {
-        if (window_.stop.stop_requested())
-            return;
-        const std::int64_t start = placeOf(y, z);
-        const CellStar* const stars = window_.stars.data() + start;
-        const bool isInner = y > 0 && y + 1 < window_.dims[1] && z > 0 && z + 1 < window_.dims[2];
-        if (isInner)
-            compareNeighbours(window_.layer() + start);
-        const NeighbourTable& table = NeighbourTable::get();
-        for (std::int64_t x = 0; x < nx_; ++x) {
-            const auto i = static_cast<std::size_t>(x);
-            if (isInner && stars[x] == kWholeStar)
-                note(start + x, table.change(low_[i], level_[i], high_[i]));
-            else if (stars[x] != 0)
-                note(start + x, changeAt(start + x, stars[x]));
-        }
-    }
-
-    // Which neighbours of a row's points are higher; of equal ones the later one is. Ends of the row are left out.
-    void compareNeighbours(const Sample* row) {
-        for (std::uint16_t* bits : {low_.data(), level_.data(), high_.data()})
-            std::fill_n(bits, nx_, std::uint16_t{0});
-        for (int dy = -1; dy <= 1; ++dy)
-            for (int dx = -1; dx <= 1; ++dx) {
-                const int place = dx + 1 + 3 * (dy + 1);
-                const Sample* const next = row + dx + row_ * dy;
-                const auto bit = static_cast<std::uint16_t>(1u << place);
-                compareRow<false>(row, next - plane_, bit, low_.data());
-                compareRow<true>(row, next + plane_, bit, high_.data());
-                if (place < 4)
-                    compareRow<false>(row, next, bit, level_.data());
-                else if (place > 4)
-                    compareRow<true>(row, next, static_cast<std::uint16_t>(bit >> 1), level_.data());
-            }
-    }
-    template <bool IsLater>
-    void compareRow(const Sample* row, const Sample* other, std::uint16_t bit, std::uint16_t* bits) const {
-        for (std::int64_t x = 1; x < nx_ - 1; ++x) {
-            const bool isHigher = IsLater ? other[x] >= row[x] : other[x] > row[x];
-            bits[x] = static_cast<std::uint16_t>(bits[x] | (isHigher ? bit : 0));
-        }
-    }
-
+    std::size_t along(std::int64_t x) const { return static_cast<std::size_t>(x); }
+    Point pointAt(std::int64_t place) const { return window_.firstPoint() + static_cast<Point>(place); }
+    double scalarAt(std::int64_t place) const { return static_cast<double>(window_.layer()[place]); }
     bool isHigher(std::int64_t other, std::int64_t than) const {
         const Sample *const layer = window_.layer(), a = layer[other], b = layer[than];
         return a > b || (a == b && other > than);
     }
 
-    // The same without a table, where cells are missing: vertices less segments plus discs.
-    int changeAt(std::int64_t at, CellStar star) const {
-        const std::array<std::int64_t, 6> steps{-1, 1, -row_, row_, -plane_, plane_};
-        std::array<int, 6> side{};
-        int change = 0;
-        for (std::size_t d = 0; d < 6; ++d)
-            if ((star & kStarSides[d]) != 0) {
-                side[d] = isHigher(at + steps[d], at) ? 1 : -1;
-                change += side[d];
-            }
-        for (std::size_t d = 0; d < 4; ++d)
-            for (std::size_t e = d / 2 * 2 + 2; e < 6; ++e)
-                if ((star & kStarSides[d] & kStarSides[e]) != 0)
-                    change -= (side[d] + side[e]) / 2;
-        const auto& discs = discsBySigns();
-        for (unsigned cell = 0; cell < 8; ++cell)
-            if ((star >> cell & 1u) != 0) {
-                const unsigned own = 7 - cell;
-                const std::int64_t first = at - offsetOf(own);
-                unsigned signs = 0;
-                for (unsigned c = 0; c < 8; ++c)
-                    signs |= (c != own && isHigher(first + offsetOf(c), at) ? 1u : 0u) << c;
-                change += discs[signs] - discs[signs | 1u << own];
-            }
-        return change;
+    // At the ends of the grid bits mean nothing.
+    void findEdges() {
+        const auto count = static_cast<std::int64_t>(window_.samples.size());
+        edges_.resize(static_cast<std::size_t>(std::min(count, plane_ * (window_.zEnd + 1 - window_.firstPlane))));
+        const auto compare = [&](std::int64_t step, std::uint8_t bit) {
+            const auto last = std::min(count - step, static_cast<std::int64_t>(edges_.size()));
+            const Sample* const samples = window_.samples.data();
+            for (std::int64_t i = 0; i < last; ++i)
+                edges_[along(i)] =
+                    static_cast<std::uint8_t>(edges_[along(i)] | (samples[i + step] >= samples[i] ? bit : 0));
+        };
+        compare(1, kUpX);
+        compare(row_, kUpY);
+        compare(plane_, kUpZ);
     }
 
-    std::int64_t offsetOf(unsigned corner) const {
-        return static_cast<std::int64_t>(corner & 1) + row_ * static_cast<std::int64_t>(corner >> 1 & 1) +
-               plane_ * static_cast<std::int64_t>(corner >> 2);
+    // ---- grid points
+
+    void scanPoints(std::int64_t y, std::int64_t z) {
+        const std::int64_t start = placeOf(y, z);
+        const CellStar* const stars = window_.stars.data() + start;
+        const Sample* const samples = window_.layer() + start;
+        const std::uint8_t* const edges = edgesAt(start);
+        const auto higherOf = [&](std::int64_t x, CellStar star) {
+            unsigned higher = 0;
+            const std::array<std::int64_t, 3> steps{1, row_, plane_};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                if ((star & kStarSides[2 * axis]) != 0) // cells before it
+                    higher |= (~static_cast<unsigned>(edges[x - steps[axis]]) >> axis & 1u) << 2 * axis;
+                if ((star & kStarSides[2 * axis + 1]) != 0)
+                    higher |= (static_cast<unsigned>(edges[x]) >> axis & 1u) << (2 * axis + 1);
+            }
+            return higher;
+        };
+        const auto& table = wholeStarChanges();
+        for (std::int64_t x = 0; x < nx_; ++x) {
+            if (stars[x] == 0)
+                continue;
+            const unsigned higher = higherOf(x, stars[x]);
+            sums_.addSample(samples[x], pointAt(start + x),
+                            stars[x] == kWholeStar ? table[higher] : pointChange(stars[x], higher));
+        }
     }
 
     // ---- cells that are ambiguous at some isovalue
 
+    // From the edges of a row of cells: on which faces opposite corners come together, and whether all four edges of an
+    // axis point the same way.
+    void findCodes(const std::uint8_t* edges) {
+        for (std::int64_t x = 0; x + 1 < nx_; ++x) {
+            const unsigned p = edges[x], px = edges[x + 1], py = edges[x + row_], pz = edges[x + plane_],
+                           pxy = edges[x + row_ + 1], pxz = edges[x + plane_ + 1], pyz = edges[x + plane_ + row_];
+            // Opposite edges of a face point against each other, both pairs from the same corner.
+            const auto isSaddle = [](unsigned a0, unsigned a1, unsigned b0, unsigned b1) {
+                return (a0 ^ a1) & (b0 ^ b1) & ~(a0 ^ b0) & 1u;
+            };
+            const unsigned faces = isSaddle(p >> 1, pz >> 1, p >> 2, py >> 2) |
+                                   isSaddle(px >> 1, pxz >> 1, px >> 2, pxy >> 2) << 1 |
+                                   isSaddle(p, pz, p >> 2, px >> 2) << 2 | isSaddle(py, pyz, py >> 2, pxy >> 2) << 3 |
+                                   isSaddle(p, py, p >> 1, px >> 1) << 4 | isSaddle(pz, pyz, pz >> 1, pxz >> 1) << 5;
+            const unsigned differX = (p ^ py) | (p ^ pz) | (p ^ pyz), differY = (p ^ px) | (p ^ pz) | (p ^ pxz),
+                           differZ = (p ^ px) | (p ^ py) | (p ^ pxy);
+            const unsigned inner = differX & differY >> 1 & differZ >> 2 & 1u;
+            codes_[along(x)] = static_cast<std::uint8_t>(faces | inner << 6);
+        }
+    }
+
+    void loadCell(std::int64_t first) {
+        for (unsigned c = 0; c < 8; ++c) {
+            corners_[c] = first + offsetOf(c);
+            scalars_[c] = scalarAt(corners_[c]);
+        }
+    }
+
+    // What cells of the layer below add at its top faces, which are this layer's.
+    void passCellsBelow() {
+        constexpr unsigned kTop = 5;
+        for (std::int64_t y = 0; y + 1 < window_.dims[1]; ++y) {
+            const std::int64_t start = placeOf(y, window_.zBegin - 1);
+            findCodes(edgesAt(start));
+            for (std::int64_t x = 0; x + 1 < nx_; ++x) {
+                const unsigned code = codes_[along(x)];
+                const CellStar star = window_.stars[along(start + x + plane_)];
+                const bool areBothThere = (star & 0x08) != 0 && (star & 0x80) != 0;
+                if ((code >> kTop & 1u) == 0 || !areBothThere)
+                    continue;
+                loadCell(start + x);
+                if (saddles_.find(scalars_, code & kFaces, (code & kInner) != 0))
+                    passedZ_[along(x + row_ * y)] = static_cast<std::int8_t>(saddles_.eulerAtFace(kTop));
+            }
+        }
+    }
+
     void scanCells(std::int64_t y, std::int64_t z) {
         const std::int64_t start = placeOf(y, z);
-        findAmbiguous(window_.layer() + start);
+        findCodes(edgesAt(start));
+        const CellStar* const stars = window_.stars.data() + start;
+        passedX_ = 0;
         for (std::int64_t x = 0; x + 1 < nx_; ++x)
-            if (isAmbiguous_[static_cast<std::size_t>(x)] != 0 && !window_.stop.stop_requested() &&
-                (window_.stars[static_cast<std::size_t>(start + x)] & 0x80) != 0)
-                addCell(start + x);
+            if (codes_[along(x)] != 0 && (stars[x] & 0x80) != 0)
+                addCell(start + x, x, x + row_ * y, codes_[along(x)]);
     }
 
-    // Two corners opposite each other on a face, or in the cell, above all others there.
-    void findAmbiguous(const Sample* row) {
-        const std::array<std::int64_t, 8> to{offsetOf(0), offsetOf(1), offsetOf(2), offsetOf(3),
-                                             offsetOf(4), offsetOf(5), offsetOf(6), offsetOf(7)};
-        for (std::int64_t x = 0; x + 1 < nx_; ++x) {
-            const Sample* const p = row + x;
-            std::array<Sample, 8> s;
-            for (std::size_t c = 0; c < 8; ++c)
-                s[c] = p[to[c]];
-            const auto isSaddle = [&](Sample a, Sample c, Sample b, Sample d) {
-                return static_cast<int>(std::min(a, c) > std::max(b, d)) |
-                       static_cast<int>(std::min(b, d) > std::max(a, c));
-            };
-            int found = isSaddle(s[0], s[3], s[1], s[2]) | isSaddle(s[4], s[7], s[5], s[6]) |
-                        isSaddle(s[0], s[5], s[1], s[4]) | isSaddle(s[2], s[7], s[3], s[6]) |
-                        isSaddle(s[0], s[6], s[2], s[4]) | isSaddle(s[1], s[7], s[3], s[5]);
-            std::array<Sample, 4> least, most;
-            for (std::size_t d = 0; d < 4; ++d) {
-                least[d] = std::min(s[d], s[7 - d]);
-                most[d] = std::max(s[d], s[7 - d]);
-            }
-            for (std::size_t d = 0; d < 4; ++d) {
-                const std::size_t i = (d + 1) % 4, j = (d + 2) % 4, k = (d + 3) % 4;
-                found |= static_cast<int>(least[d] > std::max(std::max(most[i], most[j]), most[k])) |
-                         static_cast<int>(most[d] < std::min(std::min(least[i], least[j]), least[k]));
-            }
-            isAmbiguous_[static_cast<std::size_t>(x)] = static_cast<std::uint8_t>(found);
+    // `x`, `inPlane`: where what is passed to the next cells along y and z is kept.
+    void addCell(std::int64_t first, std::int64_t x, std::int64_t inPlane, unsigned code) {
+        loadCell(first);
+        const bool isCertain = saddles_.find(scalars_, code & kFaces, (code & kInner) != 0);
+        if (isCertain) {
+            for (const BodySaddle& saddle : saddles_.inner())
+                addInner(saddle);
+        } else {
+            addHistory();
+        }
+        const std::array<std::int8_t*, 3> passed{&passedX_, &passedY_[along(x)], &passedZ_[along(inPlane)]};
+        const bool isNextLayers = window_.zEnd == window_.zBegin + first / plane_ + 1 && !window_.isLast();
+        for (unsigned faces = code & kFaces; faces != 0; faces &= faces - 1) {
+            const auto face = static_cast<unsigned>(std::countr_zero(faces));
+            const int own = isCertain ? saddles_.eulerAtFace(static_cast<int>(face)) : 0;
+            std::int8_t& other = *passed[face / 2];
+            if (face % 2 == 0)
+                addFace(face, own + std::exchange(other, std::int8_t{0}), isBoundaryFace(face));
+            else if (isBoundaryFace(face))
+                addFace(face, own, true);
+            else if (face != 5 || !isNextLayers)
+                other = static_cast<std::int8_t>(own);
         }
     }
 
-    void addCell(std::int64_t first) {
-        const Sample* const layer = window_.layer();
-        cell::CornerScalars scalars{};
-        std::array<std::int64_t, 8> corners{};
-        for (unsigned c = 0; c < 8; ++c) {
-            corners[c] = first + offsetOf(c);
-            scalars[c] = static_cast<double>(layer[corners[c]]);
+    // A saddle at the scalar of a corner is that corner's.
+    const std::int64_t* cornerWith(double isovalue) const {
+        for (unsigned c = 0; c < 8; ++c)
+            if (scalars_[c] == isovalue)
+                return &corners_[c];
+        return nullptr;
+    }
+    Cause causeAt(double isovalue, int face) const {
+        const std::int64_t* const corner = cornerWith(isovalue);
+        return corner != nullptr ? Cause::vertex(pointAt(*corner)) : Cause::saddle(pointAt(corners_[0]), face);
+    }
+    void addEuler(double isovalue, int face, int euler) {
+        if (const std::int64_t* const corner = cornerWith(isovalue))
+            sums_.addSample(window_.layer()[*corner], pointAt(*corner), euler);
+        else
+            sums_.addSaddle(isovalue, Cause::saddle(pointAt(corners_[0]), face), euler);
+    }
+
+    void addInner(const BodySaddle& saddle) {
+        addEuler(saddle.isovalue, -1, saddle.euler());
+        LayerSide& side = saddle.isOfAbove ? above_ : below_;
+        const std::int64_t a = corners_[saddle.corners[0]], b = corners_[saddle.corners[1]];
+        if (side.areApart(a, b))
+            side.join(saddle.isovalue, causeAt(saddle.isovalue, -1), a, b);
+    }
+
+    // Once for both cells: where one has a disc more and the other one less nothing changes.
+    void addFace(unsigned face, int euler, bool isBoundary) {
+        const auto& f = cell::kFaceCorners[face];
+        const bool isFirstUp = isHigher(corners_[f[0]], corners_[f[1]]);
+        const std::size_t up = isFirstUp ? 0 : 1;
+        const std::array<std::int64_t, 4> at{corners_[f[up]], corners_[f[up + 1]], corners_[f[up + 2]],
+                                             corners_[f[(up + 3) % 4]]};
+        const double a = scalars_[f[up]], b = scalars_[f[up + 1]], c = scalars_[f[up + 2]],
+                     d = scalars_[f[(up + 3) % 4]];
+        if (!(std::min(a, c) > std::max(b, d))) { // equal corners: joined along edges as soon as they are there
+            addEuler(std::max(b, d), static_cast<int>(face), euler);
+            return;
         }
-        history_.find(scalars);
-        // What the table took for granted is taken back.
-        const auto& discs = discsBySigns();
+        const bool joinsAbove = above_.areApart(at[0], at[2]), joinsBelow = below_.areApart(at[1], at[3]);
+        if (euler == 0 && !joinsAbove && !joinsBelow && !isBoundary)
+            return;
+        const double isovalue = cell::lastJoined(a, b, c, d);
+        addEuler(isovalue, static_cast<int>(face), euler);
+        const Cause cause = causeAt(isovalue, static_cast<int>(face));
+        if (joinsAbove)
+            above_.join(isovalue, cause, at[0], at[2]);
+        if (joinsBelow)
+            below_.join(isovalue, cause, at[1], at[3]);
+        if (isBoundary) {
+            found_.boundaryAbove.push_back({isovalue, cause, {pointAt(at[0]), pointAt(at[2])}});
+            found_.boundaryBelow.push_back({isovalue, cause, {pointAt(at[1]), pointAt(at[3])}});
+        }
+    }
+
+    // State by state, where plain arithmetic leaves something open. Joins across faces are not asked for here.
+    void addHistory() {
+        history_.find(scalars_);
         for (unsigned own = 0; own < 8; ++own) {
-            unsigned signs = 0;
-            for (unsigned c = 0; c < 8; ++c)
-                signs |= (c != own && isHigher(corners[c], corners[own]) ? 1u : 0u) << c;
-            note(corners[own], history_.eulerAtCorners()[own] - (discs[signs] - discs[signs | 1u << own]));
+            int higher = 0;
+            for (unsigned axis = 0; axis < 3; ++axis)
+                higher += isHigher(corners_[own ^ 1u << axis], corners_[own]) ? 1 : 0;
+            sums_.addSample(window_.layer()[corners_[own]], pointAt(corners_[own]),
+                            history_.eulerAtCorners()[own] - cellChange(higher));
         }
-        const Point cell = window_.firstPoint() + static_cast<Point>(first);
         for (const CellSaddle& saddle : history_.saddles())
-            if (saddle.euler != 0)
-                found_.euler.push_back({saddle.isovalue, Cause::saddle(cell, saddle.face), saddle.euler});
-        for (const CellJoin& join : history_.joins()) {
-            Cause cause = Cause::saddle(cell, join.face);
-            for (unsigned c = 0; c < 8; ++c)
-                if (scalars[c] == join.isovalue)
-                    cause = Cause::vertex(window_.firstPoint() + static_cast<Point>(corners[c]));
-            (join.isOfAbove ? found_.above : found_.below)
-                .push_back({join.isovalue, corners[join.corners[0]], corners[join.corners[1]], cause,
-                            join.face >= 0 && isBoundaryFace(corners, join.face)});
-        }
+            addEuler(saddle.isovalue, saddle.face, saddle.euler);
+        for (const CellJoin& join : history_.joins())
+            if (join.face < 0)
+                (join.isOfAbove ? above_ : below_)
+                    .join(join.isovalue, causeAt(join.isovalue, -1), corners_[join.corners[0]],
+                          corners_[join.corners[1]]);
     }
 
     // Whether no cell lies beyond a face: by the star of one of its corners.
-    bool isBoundaryFace(const std::array<std::int64_t, 8>& corners, int face) const {
-        const auto side = static_cast<unsigned>(face);
-        const unsigned axis = side / 2, corner = (side & 1u) << axis; // a corner of the face; the cell's others lie up
-        const CellStar star = window_.stars[static_cast<std::size_t>(corners[corner])];
+    bool isBoundaryFace(unsigned face) const {
+        const unsigned axis = face / 2, corner = (face & 1u) << axis; // a corner of the face; the cell's others lie up
+        const CellStar star = window_.stars[along(corners_[corner])];
         // The cell is upwards of that corner along the other axes; beyond the face it is the opposite along this one.
-        const unsigned beyond = (7u & ~(1u << axis)) | ((side & 1u) << axis);
+        const unsigned beyond = (7u & ~(1u << axis)) | ((face & 1u) << axis);
         return (star >> beyond & 1u) == 0;
     }
 
     const LayerWindow<Sample>& window_;
+    LayerSide &above_, &below_;
     std::int64_t nx_, row_, plane_;
-    std::vector<std::uint16_t> low_, high_, level_;
-    std::vector<std::uint8_t> isAmbiguous_;
-    std::vector<std::int16_t> atPoints_; ///< what the Euler number changes by where the isovalue rises beyond each
+    std::vector<std::uint8_t> edges_; ///< of grid points from the window's first plane on
+    std::vector<std::uint8_t> codes_; ///< of a row of cells
+    // What cells add to the changes at their far faces, until the next cell takes it.
+    std::int8_t passedX_;
+    std::vector<std::int8_t> passedY_, passedZ_;
+    std::array<std::int64_t, 8> corners_{}; ///< of the present cell
+    cell::CornerScalars scalars_{};
+    CellSaddles saddles_;
     CellHistory history_;
+    EulerSums<Sample> sums_;
     LayerChanges found_;
 };
 
 } // namespace
 
 template <class Sample>
-LayerChanges findLayerChanges(const LayerWindow<Sample>& window) {
-    return LayerScan<Sample>(window).run();
+LayerChanges findLayerChanges(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below) {
+    return LayerScan<Sample>(window, above, below).run();
 }
 
-#define ISO_INSTANTIATE(Sample, Name) template LayerChanges findLayerChanges(const LayerWindow<Sample>&);
+#define ISO_INSTANTIATE(Sample, Name) \
+    template LayerChanges findLayerChanges(const LayerWindow<Sample>&, LayerSide&, LayerSide&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

@@ -2,27 +2,27 @@
 
 #include <vector>
 
+#include "core/topology/analysis/layer_components.h"
 #include "core/topology/analysis/layer_window.h"
-#include "core/topology/cell_saddles.h"
 
 namespace isoslider::topology {
 
-/// Two corners of one cell that are joined without an edge of the grid between them.
-struct CornerJoin {
-    double isovalue;
-    std::int64_t a, b; ///< from the layer's first grid point on
+/// Two corners of a face of the boundary that are joined without an edge of the grid between them.
+struct BoundaryJoin {
+    double isovalue; ///< above side: the last at which they are joined; below side: beyond it they are
     Cause cause;
-    bool isOnBoundary; ///< across a face of the boundary
+    std::array<Point, 2> points;
 };
 
-/// What is local in a layer of cells: changes of the Euler number, and joins.
+/// What is local in a layer of cells.
 struct LayerChanges {
     std::vector<EulerChange> euler; ///< those of one isovalue add up
-    std::vector<CornerJoin> above, below;
+    std::vector<BoundaryJoin> boundaryAbove, boundaryBelow;
 };
 
-/// O(points), and some hundred nanoseconds for each cell that is ambiguous at some isovalue.
+/// Finds what changes the Euler number, and joins `above` and `below` across faces and through the inside of cells.
+/// O(points), and some ten nanoseconds for each cell that is ambiguous at some isovalue. REQUIRES: both are flooded.
 template <class Sample>
-LayerChanges findLayerChanges(const LayerWindow<Sample>& window);
+LayerChanges findLayerChanges(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below);
 
 } // namespace isoslider::topology

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -17,48 +18,23 @@ namespace {
 
 using cell::CornerScalars;
 
-glm::dvec3 cornerPlace(unsigned corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
-
-// Of the unit square beyond a cell at x = 1: how much is above, within the mesh's segments.
-double areaAboveOnFace(const CornerScalars& scalars, const cell::CellState& state, double isovalue) {
-    constexpr std::size_t kFace = 1; // x = 1
-    const auto& corners = cell::kFaceCorners[kFace];
-    std::array<glm::dvec2, 8> ring;
-    std::size_t count = 0;
-    double corner = 0.0; // triangles at above corners, where they are parted
-    for (std::size_t i = 0; i < 4; ++i) {
-        const std::size_t next = (i + 1) % 4, last = (i + 3) % 4;
-        const auto place = [&](std::size_t k) {
-            const glm::dvec3 at = cornerPlace(corners[k]);
-            return glm::dvec2(at.y, at.z);
-        };
-        const auto part = [&](std::size_t k) { // of the side from corner i to k
-            return (isovalue - scalars[corners[i]]) / (scalars[corners[k]] - scalars[corners[i]]);
-        };
-        const bool isUp = (state.signs >> corners[i] & 1) != 0;
-        if (isUp)
-            ring[count++] = place(i);
-        if (isUp != ((state.signs >> corners[next] & 1) != 0))
-            ring[count++] = place(i) + part(next) * (place(next) - place(i));
-        if (isUp && (cell::ambiguousFaces(state.signs) >> kFace & 1) != 0)
-            corner += 0.5 * part(next) * part(last);
-    }
-    if ((cell::ambiguousFaces(state.signs) >> kFace & 1) != 0 && (state.joinedFaces >> kFace & 1) == 0)
-        return corner;
-    double twice = 0.0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const glm::dvec2 a = ring[i], b = ring[(i + 1) % count];
-        twice += a.x * b.y - a.y * b.x;
-    }
-    return 0.5 * std::abs(twice);
-}
-
 class CellMeasure {
 public:
     explicit CellMeasure(const GridGeometry& geometry)
         : toWorld_(geometry.direction *
                    glm::dmat3(geometry.spacing.x, 0, 0, 0, geometry.spacing.y, 0, 0, 0, geometry.spacing.z)),
-          gradientToWorld_(glm::transpose(glm::inverse(toWorld_))) {}
+          gradientToWorld_(glm::transpose(glm::inverse(toWorld_))),
+          areaToWorld_(glm::determinant(toWorld_) * gradientToWorld_) {
+        for (unsigned signs = 0; signs < 256; ++signs) {
+            const auto pattern = static_cast<std::uint8_t>(signs);
+            isAmbiguous_[signs] = cell::isAmbiguous(pattern);
+            activeEdges_[signs] = cell::activeEdges(pattern);
+        }
+        for (std::size_t e = 0; e < cell::kCellEdges.size(); ++e) {
+            const unsigned corner = cell::kCellEdges[e].lowerCorner;
+            places_[e] = {corner & 1, corner >> 1 & 1, corner >> 2 & 1};
+        }
+    }
 
     MeasureSums::Sum at(const CornerScalars& scalars, double isovalue) {
         unsigned signs = 0;
@@ -66,14 +42,13 @@ public:
             signs |= (scalars[c] >= isovalue ? 1u : 0u) << c;
         const auto pattern = static_cast<std::uint8_t>(signs);
         const cell::StateId id =
-            cell::isAmbiguous(pattern) ? cell::resolveCell(pattern, scalars, true, isovalue).state : pattern;
-        const cell::CellState& state = cell::cellStates()[id];
-        for (unsigned edges = cell::activeEdges(pattern); edges != 0; edges &= edges - 1) {
+            isAmbiguous_[pattern] ? cell::resolveCell(pattern, scalars, true, isovalue).state : pattern;
+        const cell::CellState& state = states_[id];
+        for (unsigned edges = activeEdges_[pattern]; edges != 0; edges &= edges - 1) {
             const auto e = static_cast<std::size_t>(std::countr_zero(edges));
             const auto& edge = cell::kCellEdges[e];
             const double a = scalars[edge.lowerCorner], b = scalars[edge.upperCorner];
-            places_[e] = cornerPlace(edge.lowerCorner);
-            places_[e][edge.axis] = (isovalue - a) / (b - a);
+            places_[e][edge.axis] = (isovalue - a) / (b - a); // the others are those of the edge
         }
         if (state.innerVertices > 0)
             placeInner(scalars, state, isovalue);
@@ -83,13 +58,15 @@ public:
         for (std::size_t t = 0; t < state.triangles.size(); t += 3) {
             const glm::dvec3 &a = places_[state.triangles[t]], &b = places_[state.triangles[t + 1]],
                              &c = places_[state.triangles[t + 2]];
-            sum.area += 0.5 * glm::length(glm::cross(toWorld_ * (b - a), toWorld_ * (c - a)));
-            middle += a + b + c;
+            const glm::dvec3 normal = glm::cross(b - a, c - a); // twice as long as the triangle is large
+            const glm::dvec3 corners = a + b + c;
+            sum.area += glm::length(areaToWorld_ * normal);
             // Of the field (x, 0, 0) through the triangle, which is wound so that it faces what is below.
-            const double facingX = (b.y - a.y) * (c.z - a.z) - (b.z - a.z) * (c.y - a.y);
-            sum.volume += facingX / 2.0 * (a.x + b.x + c.x) / 3.0;
+            sum.volume += normal.x * corners.x;
+            middle += corners;
         }
-        sum.volume += areaAboveOnFace(scalars, state, isovalue);
+        sum.area *= 0.5;
+        sum.volume = sum.volume / 6.0 + areaAboveOnFace(state);
         middle /= std::max<double>(1.0, static_cast<double>(state.triangles.size()));
         const auto gradient = cell::gradientInCell(scalars, middle.x, middle.y, middle.z);
         sum.gradient = sum.area * glm::length(gradientToWorld_ * glm::dvec3(gradient[0], gradient[1], gradient[2]));
@@ -97,6 +74,33 @@ public:
     }
 
 private:
+    // Of the unit square beyond a cell at x = 1: how much is above, within the mesh's segments.
+    double areaAboveOnFace(const cell::CellState& state) const {
+        constexpr unsigned kFace = 1;
+        // Of corner i of the face, at (i & 1, i >> 1) in y and z: the triangle between it and its two edges' vertices.
+        const auto triangle = [this](unsigned corner) {
+            const double y = places_[(corner & 2) != 0 ? 7 : 5].y, z = places_[(corner & 1) != 0 ? 11 : 9].z;
+            return 0.5 * ((corner & 1) != 0 ? 1.0 - y : y) * ((corner & 2) != 0 ? 1.0 - z : z);
+        };
+        const unsigned above = (state.signs >> 1 & 1u) | (state.signs >> 3 & 1u) << 1 | (state.signs >> 5 & 1u) << 2 |
+                               (state.signs >> 7 & 1u) << 3;
+        switch (above) {
+            case 0: return 0.0;
+            case 15: return 1.0;
+            case 3: return 0.5 * (places_[9].z + places_[11].z);
+            case 12: return 1.0 - 0.5 * (places_[9].z + places_[11].z);
+            case 5: return 0.5 * (places_[5].y + places_[7].y);
+            case 10: return 1.0 - 0.5 * (places_[5].y + places_[7].y);
+            default: break;
+        }
+        const bool isJoined = std::popcount(above) == 3 || (state.joinedFaces >> kFace & 1) != 0;
+        const unsigned cut = isJoined ? ~above & 15u : above; // corners that triangles part from the rest
+        double area = 0.0;
+        for (unsigned corner = 0; corner < 4; ++corner)
+            area += (cut >> corner & 1u) != 0 ? triangle(corner) : 0.0;
+        return isJoined ? 1.0 - area : area;
+    }
+
     void placeInner(const CornerScalars& scalars, const cell::CellState& state, double isovalue) {
         std::size_t inner = cell::kInnerVertex;
         if (state.tunnel != cell::Tunnel::None) {
@@ -112,7 +116,10 @@ private:
         }
     }
 
-    glm::dmat3 toWorld_, gradientToWorld_;
+    glm::dmat3 toWorld_, gradientToWorld_, areaToWorld_; ///< the last of what is normal to an area
+    std::span<const cell::CellState> states_ = cell::cellStates();
+    std::array<bool, 256> isAmbiguous_{};
+    std::array<std::uint16_t, 256> activeEdges_{};
     std::array<glm::dvec3, cell::kInnerVertex + cell::kMaxInnerVertices> places_{};
 };
 

@@ -25,6 +25,7 @@ Result<Comparison> compare(const topology::TopologySummary& summary, const topol
     comparison.split = isUpwards ? rising.splits : rising.joins;
     comparison.events = rising.events;
     comparison.areCountsExact = summary.areCountsExact();
+    comparison.hasEvents = summary.hasEvents();
     if (!summary.curves().isEmpty()) {
         comparison.measuresBefore = summary.curves().at(reference);
         comparison.measuresAfter = summary.curves().at(isovalue);

@@ -17,6 +17,7 @@ struct Comparison {
     std::uint64_t events = 0;
     std::optional<double> volumeBetween; ///< never negative; none without curves
     bool areCountsExact = true;
+    bool hasEvents = true; ///< else nothing is known of what happens to pieces on the way
 };
 
 /// O(log n) and at most topology::ChangeSums::kStep events twice: may follow the handle. Errors: those of reading

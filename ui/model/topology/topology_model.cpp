@@ -205,7 +205,7 @@ bool TopologyModel::hasCurve(TopologyQuantity quantity) const {
         return false;
     if (isMeasured(quantity))
         return !content_.summary->curves().isEmpty();
-    return !content_.events.empty() && (quantity != TopologyQuantity::Tunnels || areCountsExact());
+    return hasCounts() && (quantity != TopologyQuantity::Tunnels || areCountsExact());
 }
 
 std::optional<double> TopologyModel::valueAt(TopologyQuantity quantity, double isovalue) const {

@@ -60,8 +60,12 @@ public:
     const topology::ChangeSums& changes() const { return content_.changes; }
     /// Isovalues worth a look, the best first.
     const std::vector<topology::Suggestion>& suggestions() const { return content_.suggestions; }
+    /// False where memory sufficed for counts and curves only.
+    bool hasEvents() const { return !content_.summary || content_.summary->hasEvents(); }
+    /// Whether there are counts of any surface.
+    bool hasCounts() const { return !content_.counts.empty(); }
     /// Of all, listed or not.
-    std::uint64_t eventCount() const { return content_.summary ? content_.summary->eventCount() : 0; }
+    std::uint64_t eventCount() const { return content_.summary && hasEvents() ? content_.summary->eventCount() : 0; }
     /// Ascending by isovalue.
     const std::vector<topology::TopologyEvent>& events() const { return content_.events; }
     /// REQUIRES: event < events().size().

@@ -187,11 +187,15 @@ void ComparePage::showSides(const model::Comparison& comparison) {
 void ComparePage::showBetween(const model::Comparison& comparison) {
     const auto* dataset = session_.dataset();
     const QString often = tr("How often, on the way");
-    pieces_->setFacts({{tr("Pieces appear"), grouped(comparison.appear), often},
-                       {tr("Pieces disappear"), grouped(comparison.disappear), often},
-                       {tr("Events"), grouped(comparison.events), tr("Isovalues at which the topology changes")}});
-    std::vector<Fact> facts{{tr("Pieces join"), grouped(comparison.join), often},
-                            {tr("Pieces split"), grouped(comparison.split), often}};
+    std::vector<Fact> pieces, facts;
+    if (comparison.hasEvents) {
+        pieces = {{tr("Pieces appear"), grouped(comparison.appear), often},
+                  {tr("Pieces disappear"), grouped(comparison.disappear), often},
+                  {tr("Events"), grouped(comparison.events), tr("Isovalues at which the topology changes")}};
+        facts = {{tr("Pieces join"), grouped(comparison.join), often},
+                 {tr("Pieces split"), grouped(comparison.split), often}};
+    }
+    pieces_->setFacts(std::move(pieces));
     if (comparison.volumeBetween)
         facts.push_back({tr("Volume between"),
                          inLengthUnit(fromStd(model::valueText(*comparison.volumeBetween, 4)),

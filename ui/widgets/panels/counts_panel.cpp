@@ -80,6 +80,15 @@ QString hintOf(const model::Session& session) {
     return CountsPanel::tr("Counted once the index is built.");
 }
 
+// What counts stand for.
+QString noteOf(const model::TopologyModel& topology) {
+    if (!topology.areCountsExact())
+        return CountsPanel::tr("Samples are missing: pieces and boundary loops are at least as many as stated.");
+    if (!topology.hasEvents())
+        return CountsPanel::tr("Counted at some thousand isovalues: these are the counts at the next of them.");
+    return {};
+}
+
 } // namespace
 
 CountsPanel::CountsPanel(model::Session& session, QWidget* parent)
@@ -126,10 +135,7 @@ void CountsPanel::show() {
     const auto measures = counts ? measureFacts(session_, frame->isovalue) : std::vector<Fact>{};
     measures_->setFacts(measures);
     measuresHeading_->setVisible(!measures.empty());
-    const QString hint = !counts ? hintOf(session_)
-                         : areExact
-                             ? QString()
-                             : tr("Samples are missing: pieces and boundary loops are at least as many as stated.");
+    const QString hint = counts ? noteOf(session_.topology()) : hintOf(session_);
     hint_->setText(hint);
     hint_->setVisible(!hint.isEmpty());
 }

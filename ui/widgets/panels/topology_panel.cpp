@@ -148,6 +148,16 @@ QWidget* TopologyPanel::makeEventsPage() {
     count_ = new ElidedLabel(page);
     count_->setObjectName(QStringLiteral("topologyCount"));
     makeQuiet(count_);
+    noEvents_ =
+        new QLabel(tr("This volume has more events than fit into memory. Pieces, tunnels and voids were counted "
+                      "at some thousand isovalues instead: the curves, Isovalues and Compare show them. A build "
+                      "of the index with more memory adds events and persistence."),
+                   page);
+    noEvents_->setObjectName(QStringLiteral("topologyNoEvents"));
+    noEvents_->setWordWrap(true);
+    noEvents_->setAlignment(Qt::AlignLeft | Qt::AlignTop);
+    makeQuiet(noEvents_);
+    layout->addWidget(noEvents_, 2, 0, 1, 3);
     layout->addWidget(filter_, 0, 0);
     layout->addWidget(persistence_, 0, 1);
     layout->addWidget(persistenceValue_, 0, 2);
@@ -203,9 +213,9 @@ void TopologyPanel::showTopology() {
 
 void TopologyPanel::showProgress() {
     const auto& topology = session_.topology();
-    const bool hasEvents = topology.state() == model::TopologyState::Ready && topology.eventCount() > 0;
-    pages_->setCurrentIndex(hasEvents ? 1 : 0);
-    if (hasEvents)
+    const bool hasCounts = topology.state() == model::TopologyState::Ready && topology.hasCounts();
+    pages_->setCurrentIndex(hasCounts ? 1 : 0);
+    if (hasCounts)
         return;
     const model::JobEntry* job = session_.analysing();
     progress_->setVisible(topology.state() == model::TopologyState::Analysing);
@@ -236,6 +246,11 @@ void TopologyPanel::showProgress() {
 void TopologyPanel::showFilters() {
     const auto& topology = session_.topology();
     const QSignalBlocker noFilter(filter_), noSlider(persistence_);
+    noEvents_->setVisible(!topology.hasEvents());
+    for (QWidget* part :
+         {static_cast<QWidget*>(filter_), static_cast<QWidget*>(persistence_), static_cast<QWidget*>(persistenceValue_),
+          static_cast<QWidget*>(count_), static_cast<QWidget*>(view_)})
+        part->setVisible(topology.hasEvents());
     filter_->setCurrentIndex(static_cast<int>(topology.eventFilter()));
     const double least = topology.leastPersistence();
     persistence_->setValue(qRound(topology.fractionOf(least) * kSliderSteps));

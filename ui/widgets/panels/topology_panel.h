@@ -77,6 +77,7 @@ private:
     ElidedLabel* persistenceValue_ = nullptr;
     ElidedLabel* count_ = nullptr;
     QTableView* view_ = nullptr;
+    QLabel* noEvents_ = nullptr; ///< instead of all these
     model::Subscription topologySubscription_;
     model::Subscription chosenSubscription_;
     model::Subscription datasetSubscription_;

@@ -148,6 +148,149 @@ TEST(TopologyCurve, FindsWhereEightSpheresJoin) {
     EXPECT_EQ(curve.countsAt(0.99).handles(), 5);
 }
 
+// ---- where events of analytic fields are
+
+double distanceTo(const TopologyEvent& event, const std::array<double, 3>& place) {
+    return std::hypot(event.position[0] - place[0], event.position[1] - place[1], event.position[2] - place[2]);
+}
+
+// The only event near an isovalue at which a count changes.
+template <class Change>
+const TopologyEvent& onlyEventNear(const TopologyCurve& curve, double isovalue, double tolerance,
+                                   const Change& change) {
+    static const TopologyEvent kNone;
+    const TopologyEvent* found = &kNone;
+    int count = 0;
+    for (const TopologyEvent& event : curve.events())
+        if (std::abs(event.isovalue - isovalue) < tolerance && change(event)) {
+            found = &event;
+            ++count;
+        }
+    EXPECT_EQ(count, 1) << "near " << isovalue;
+    return *found;
+}
+bool changesTunnels(const TopologyEvent& event) { return event.below.handles() != event.above.handles(); }
+
+TEST(EventPlaces, OfASphereAreItsCentreAndWhereItMeetsTheBox) {
+    const std::array<double, 3> centre{10.15, 9.9, 11.2};
+    const auto curve = curveOfField({21, 21, 23}, [&](double x, double y, double z) {
+        return 10.0 - std::hypot(x - centre[0], y - centre[1], z - centre[2]);
+    });
+    const TopologyEvent& last = curve.events().back();
+    EXPECT_NEAR(last.isovalue, 10.0 - std::hypot(0.15, 0.1, 0.2), 1e-5) << "of the nearest grid point";
+    EXPECT_EQ(last.kind, EventKind::Vertex);
+    EXPECT_EQ(last.position, (std::array<float, 3>{10, 10, 11}));
+    EXPECT_EQ(last.below, (SurfaceCounts{1, 2, 0, 0}));
+    // It meets the sides y = 0, x = 20, x = 0, y = 20 one after the other: there loops come as the isovalue falls.
+    const std::array<std::pair<double, std::array<double, 3>>, 4> sides{
+        {{10 - 9.85, {20, 10, 11}}, {10 - 9.9, {10, 0, 11}}, {10 - 10.15, {0, 10, 11}}, {10 - 10.1, {10, 20, 11}}}};
+    for (const auto& [isovalue, place] : sides) {
+        double nearest = 1e9;
+        for (const TopologyEvent& event : curve.events())
+            if (std::abs(event.isovalue - isovalue) < 0.02 && event.below.loops != event.above.loops)
+                nearest = std::min(nearest, distanceTo(event, place));
+        EXPECT_LE(nearest, 1.0) << place[0] << ' ' << place[1];
+    }
+    EXPECT_EQ(curve.countsAt(0.2).loops, 0);
+    EXPECT_EQ(curve.countsAt(0.0).loops, 2);
+    EXPECT_EQ(curve.countsAt(-0.2).loops, 4);
+}
+
+// The hole of a ring closes in its middle, where all of the ring is equally far away.
+TEST(EventPlaces, OfRingsAreTheMiddlesOfTheirHoles) {
+    const auto torus = curveOfField({61, 61, 31}, [](double x, double y, double z) {
+        return 6.0 - std::hypot(std::hypot(x - 30.1, y - 29.8) - 12.0, z - 15.2);
+    });
+    const TopologyEvent& closing = onlyEventNear(torus, -6.0, 0.5, changesTunnels);
+    EXPECT_EQ(closing.below.handles(), 0);
+    EXPECT_EQ(closing.above.handles(), 1);
+    EXPECT_LT(distanceTo(closing, {30.1, 29.8, 15.2}), 1.2);
+    const auto ring = [](double x, double y, double z, double centre) {
+        return std::hypot(std::hypot(x - centre, y - 25.01) - 10.0, z - 15.02);
+    };
+    const auto two = curveOfField({85, 51, 31}, [&](double x, double y, double z) {
+        return 4.0 - std::min(ring(x, y, z, 25.02), 1.1 * ring(x, y, z, 59.03));
+    });
+    EXPECT_EQ(two.countsAt(1.5).handles(), 2);
+    EXPECT_LT(distanceTo(onlyEventNear(two, -6.0, 0.1, changesTunnels), {25.02, 25.01, 15.02}), 1.2);
+    EXPECT_LT(distanceTo(onlyEventNear(two, -7.0, 0.1, changesTunnels), {59.03, 25.01, 15.02}), 1.2);
+}
+
+TEST(EventPlaces, OfEightSpheresAreBetweenTwoOfThem) {
+    const auto curve = curveOfField({41, 41, 41}, [](double x, double y, double z) {
+        const auto wave = [](double t, double centre) { return std::cos(0.31415926535897932 * (t - centre)); };
+        return wave(x, 10.13) + 1.04 * wave(y, 10.21) + 1.09 * wave(z, 9.87); // so pairs along each axis join apart
+    });
+    // Along an axis of amplitude a neighbours join at the sum of the others less a.
+    const std::array<std::pair<double, std::size_t>, 3> axes{{{1.13, 0}, {1.05, 1}, {0.95, 2}}};
+    std::size_t found = 0;
+    for (const TopologyEvent& event : curve.events()) {
+        if (event.isovalue < 0.8 || event.isovalue > 1.3 || event.below.components == event.above.components)
+            continue;
+        ++found;
+        const auto axis = std::min_element(axes.begin(), axes.end(), [&](const auto& a, const auto& b) {
+            return std::abs(event.isovalue - a.first) < std::abs(event.isovalue - b.first);
+        });
+        EXPECT_NEAR(event.isovalue, axis->first, 0.03);
+        EXPECT_NEAR(event.position[axis->second], 20.0, 1.0) << event.isovalue;
+        for (std::size_t other = 0; other < 3; ++other)
+            if (other != axis->second) {
+                EXPECT_LT(std::min(std::abs(event.position[other] - 10.0F), std::abs(event.position[other] - 30.0F)),
+                          1.1F);
+            }
+    }
+    EXPECT_GE(found, 3u);
+    EXPECT_EQ(curve.countsAt(1.25).components, 8);
+    EXPECT_EQ(curve.countsAt(1.09).components, 4);
+    EXPECT_EQ(curve.countsAt(1.0).components, 2);
+    EXPECT_EQ(curve.countsAt(0.9).components, 1);
+}
+
+// It has its greatest value 3/2 where all three products are 1/2, and necks between such places at the root of 2.
+TEST(EventPlaces, OfAGyroidAreItsCriticalPoints) {
+    constexpr double kTurn = 2.0 * 3.14159265358979, kPeriod = 44.0;
+    const auto gyroid = [](double x, double y, double z) {
+        return std::sin(x) * std::cos(y) + std::sin(y) * std::cos(z) + std::sin(z) * std::cos(x);
+    };
+    const auto curve = curveOfField({45, 45, 45}, [&](double x, double y, double z) {
+        return gyroid(kTurn * x / kPeriod, kTurn * y / kPeriod, kTurn * z / kPeriod);
+    });
+    std::vector<std::array<double, 3>> tops;
+    for (int i = 0; i <= 8; ++i)
+        for (int k = 0; k <= 8; ++k)
+            for (int l = 0; l <= 8; ++l)
+                if (gyroid(kTurn * i / 8, kTurn * k / 8, kTurn * l / 8) > 1.499)
+                    tops.push_back({kPeriod * i / 8, kPeriod * k / 8, kPeriod * l / 8});
+    ASSERT_GE(tops.size(), 4u);
+    EXPECT_EQ(curve.countsAt(1.45).components, static_cast<std::int64_t>(tops.size()));
+    int deaths = 0, splits = 0;
+    for (const TopologyEvent& event : curve.events()) {
+        if (event.isovalue < 1.36 || event.persistence < 0.03)
+            continue;
+        const double x = kTurn * event.position[0] / kPeriod, y = kTurn * event.position[1] / kPeriod,
+                     z = kTurn * event.position[2] / kPeriod;
+        // The gradient vanishes at the place, but for the steps of the grid.
+        const double gradient = std::hypot(std::cos(x) * std::cos(y) - std::sin(z) * std::sin(x),
+                                           std::cos(y) * std::cos(z) - std::sin(x) * std::sin(y),
+                                           std::cos(z) * std::cos(x) - std::sin(y) * std::sin(z));
+        EXPECT_LT(gradient, 0.2) << event.isovalue;
+        EXPECT_NEAR(gyroid(x, y, z), event.isovalue, 0.03);
+        if (event.pieces.deaths > 0) {
+            ++deaths;
+            EXPECT_NEAR(event.isovalue, 1.5, 0.01);
+            double nearest = 1e9;
+            for (const auto& top : tops)
+                nearest = std::min(nearest, distanceTo(event, top));
+            EXPECT_LT(nearest, 1.0);
+        } else if (event.pieces.splits > 0) {
+            ++splits;
+            EXPECT_NEAR(event.isovalue, std::sqrt(2.0), 0.02);
+        }
+    }
+    EXPECT_GT(deaths, 0);
+    EXPECT_GT(splits, 0);
+}
+
 // Three hills and two valleys between them, on a plateau of 0.
 TEST(TopologyCurve, PairsHillsWithThePassesWhereTheyJoinHigherOnes) {
     const auto curve = curveOfField({31, 7, 7}, [](double x, double y, double z) {
