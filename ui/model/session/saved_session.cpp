@@ -144,14 +144,17 @@ struct HistogramFlag {
     const char* name;
     bool HistogramOptions::*member;
 };
-constexpr std::array<HistogramFlag, 3> kHistogramFlags{{{"logCounts", &HistogramOptions::hasLogCounts},
+constexpr std::array<HistogramFlag, 4> kHistogramFlags{{{"logCounts", &HistogramOptions::hasLogCounts},
                                                         {"clipsCounts", &HistogramOptions::clipsCounts},
-                                                        {"snapsToSamples", &HistogramOptions::snapsToSamples}}};
+                                                        {"snapsToSamples", &HistogramOptions::snapsToSamples},
+                                                        {"snapsToEvents", &HistogramOptions::snapsToEvents}}};
+constexpr std::size_t kMostCurves = 32, kMostCurveNameBytes = 64;
 
 Json toJson(const HistogramOptions& options) {
     Json json{{"valueScale", std::string(scaleName(options.valueScale))}};
     for (const auto& [name, member] : kHistogramFlags)
         json[name] = options.*member;
+    json["curves"] = options.curves;
     return json;
 }
 
@@ -167,7 +170,28 @@ HistogramOptions histogramFrom(const Json& json, std::vector<std::string>& probl
         else
             members.reportOf("valueScale", "is neither linear nor log nor symlog and ignored");
     }
+    if (const Json* curves = members.find("curves")) {
+        const bool areNames =
+            curves->is_array() && curves->size() <= kMostCurves &&
+            std::all_of(curves->begin(), curves->end(), [](const Json& name) {
+                return name.is_string() && name.get_ref<const std::string&>().size() <= kMostCurveNameBytes;
+            });
+        if (areNames)
+            options.curves = curves->get<std::vector<std::string>>();
+        else
+            members.reportOf("curves", "is not a list of at most 32 names and is ignored");
+    }
     return options;
+}
+
+std::optional<HistogramRange> rangeFrom(Members& members) {
+    std::array<double, 2> ends{};
+    if (!members.numbers("histogramRange", ends, 2))
+        return std::nullopt;
+    if (ends[0] < ends[1])
+        return HistogramRange{ends[0], ends[1]};
+    members.reportOf("histogramRange", "is not from a lower to a higher value and is ignored");
+    return std::nullopt;
 }
 
 fs::path volumeFrom(Members& volume, const fs::path& folder) {
@@ -211,6 +235,8 @@ std::string sessionText(const SavedSession& session, const fs::path& folder) {
         json["camera"] = toJson(*session.camera);
     if (session.histogram)
         json["histogram"] = toJson(*session.histogram);
+    if (session.histogramRange)
+        json["histogramRange"] = {session.histogramRange->lower, session.histogramRange->upper};
     if (session.slices)
         json["slices"] = slicesJson(*session.slices);
     if (session.view) {
@@ -264,6 +290,7 @@ ReadSession sessionFromText(const std::string& text, const fs::path& folder) {
         read.session.camera = cameraFrom(*camera, problems);
     if (const Json* histogram = members.find("histogram"))
         read.session.histogram = histogramFrom(*histogram, problems);
+    read.session.histogramRange = rangeFrom(members);
     if (const Json* slices = members.find("slices"))
         read.session.slices = slicesFromJson(*slices, problems);
     if (const Json* view = members.find("view")) {

@@ -29,6 +29,7 @@ struct SavedSession {
     /// A file of an earlier version states neither: both then stay as they are.
     bool hasStage = true, hasColouring = true;
     std::optional<HistogramOptions> histogram;
+    std::optional<HistogramRange> histogramRange; ///< none: the usual one
     std::optional<SliceOptions> slices;
 
     bool hasVolume() const { return !volume.empty() || !sampleName.empty(); }

@@ -129,6 +129,7 @@ QDockWidget* MainWindow::addDock(const QString& title, const char* name, QWidget
 
 void MainWindow::makeDocks() {
     isovaluePanel_ = new IsovaluePanel(session_, settings_, *actions_, this);
+    keeper_->setPlot(isovaluePanel_->plot());
     datasetDock_ = addDock(tr("Dataset"), "datasetDock", new DatasetPanel(session_, *actions_, this));
     isovalueDock_ = addDock(tr("Isovalue"), "isovalueDock", isovaluePanel_);
     countsDock_ = addDock(tr("Counts"), "countsDock", new CountsPanel(session_, this));

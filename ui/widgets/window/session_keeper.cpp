@@ -13,6 +13,7 @@
 #include "ui/model/pieces/piece_places.h"
 #include "ui/model/session/session.h"
 #include "ui/model/slices/slice_model.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/opening/file_dialogs.h"
 #include "ui/widgets/opening/file_filters.h"
 #include "ui/widgets/viewport/viewport_host.h"
@@ -93,8 +94,15 @@ model::SavedSession SessionKeeper::capture() const {
     if (const auto* active = saved.surfaces.find(saved.surfaces.active))
         saved.view->pieces.hiddenPieces() = active->hiddenPieces;
     saved.histogram = session_.histogramOptions().options();
+    if (plot_ != nullptr)
+        saved.histogramRange = plot_->chosenRange();
     saved.slices = slices_.options();
     return saved;
+}
+
+void SessionKeeper::setPlot(HistogramPlot& plot) {
+    plot_ = &plot;
+    connect(&plot, &HistogramPlot::viewChanged, this, &SessionKeeper::noteChange);
 }
 
 void SessionKeeper::askSave() {
@@ -186,6 +194,8 @@ void SessionKeeper::showView() {
             session_.detail().setError(*saved.error);
         if (saved.histogram)
             session_.histogramOptions().setOptions(*saved.histogram);
+        if (plot_ != nullptr && saved.histogramRange)
+            plot_->showRange(*saved.histogramRange);
         if (saved.slices)
             slices_.setOptions(*saved.slices);
         if (saved.view) {

@@ -50,7 +50,8 @@ SavedSession fullSession(const fs::path& volume) {
     session.view->clipping.plane = {true, {0.0, 0.6, -0.8}, -12.625, Cap::Values};
     session.view->measured = {{1.5, -2.0, 1e-30}, {0.1, 0.2, 0.3}};
     session.view->pieces.awaited = {{{{1, 2, 3}, 0}, {{40, 0, 7}, 2}}, PiecePlace{{5, 6, 7}, 1}};
-    session.histogram = HistogramOptions{ScaleKind::Symlog, false, false, true};
+    session.histogram = HistogramOptions{ScaleKind::Symlog, false, false, true, true, {"pieces", "area"}};
+    session.histogramRange = HistogramRange{-0.1, 2.5};
     SliceOptions slices;
     slices.layout = SliceLayout::Three;
     slices.onePane = SliceKind::Oblique;
@@ -82,6 +83,7 @@ void expectSame(const SavedSession& a, const SavedSession& b) {
     }
     EXPECT_EQ(a.view, b.view);
     EXPECT_EQ(a.histogram, b.histogram);
+    EXPECT_EQ(a.histogramRange, b.histogramRange);
 }
 
 class SavedSessionTest : public ::testing::Test {
@@ -135,6 +137,15 @@ TEST_F(SavedSessionTest, B110_OfZeroBytesOrOtherBytesIsToldAndHoldsDefaults) {
         EXPECT_THAT(found.value().problems, ElementsAre(HasSubstr(says)));
         EXPECT_FALSE(found.value().session.hasVolume());
     }
+}
+
+TEST_F(SavedSessionTest, ARangeOrCurvesThatMakeNoSenseAreLeftOut) {
+    const auto turned = read(changed("-0.1,\n    2.5", "2.5,\n    -0.1"));
+    EXPECT_THAT(turned.problems, ElementsAre(HasSubstr("histogramRange")));
+    EXPECT_FALSE(turned.session.histogramRange);
+    const auto numbers = read(changed("\"pieces\",\n      \"area\"", "1, 2"));
+    EXPECT_THAT(numbers.problems, ElementsAre(HasSubstr("curves")));
+    EXPECT_THAT(numbers.session.histogram->curves, IsEmpty());
 }
 
 TEST_F(SavedSessionTest, B110_OfAGigabyteIsNotReadAtAll) {
