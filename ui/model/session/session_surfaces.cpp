@@ -68,19 +68,10 @@ void Session::setMaking() {
     making.pictureLimit = pictureLimit_;
     if (indexState_ == IndexState::Ready) {
         making.geometry = dataset_->geometry;
-        making.openSource = [path = dataset_->indexPath](const JobControl&) -> Result<std::unique_ptr<SurfaceSource>> {
-            auto engine =
-                extract::SlideEngine::open(path, {.cacheBytes = extract::kEdgesCacheBytes, .readsAhead = false});
-            if (!engine.isOk())
-                return std::move(engine).error();
-            return makeIndexSource(std::move(engine).value());
-        };
+        making.openSource = openerOfIndex(dataset_->indexPath);
     } else {
         making.geometry = grid_->geometry();
-        making.openSource = [grid = grid_, builder = services_.indexBuilder](
-                                const JobControl&) -> Result<std::unique_ptr<SurfaceSource>> {
-            return makeMemorySource(grid, builder);
-        };
+        making.openSource = openerOfMemory(grid_, services_.indexBuilder);
     }
     inactive_->setMaking(std::move(making));
 }

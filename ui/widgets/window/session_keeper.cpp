@@ -62,6 +62,8 @@ SessionKeeper::SessionKeeper(model::Session& session, ViewportHost& host, model:
     subscriptions_.push_back(session_.detail().observe([this] { noteChange(); }));
     subscriptions_.push_back(session_.isovalue().observe([this] { noteChange(); })); // its reference
     subscriptions_.push_back(session_.surfaces().observe([this] { noteChange(); }));
+    subscriptions_.push_back(session_.secondVolume().changed().observe([this] { noteChange(); }));
+    subscriptions_.push_back(session_.secondVolume().surfaces().observe([this] { noteChange(); }));
     subscriptions_.push_back(session_.histogramOptions().observe([this] { noteChange(); }));
     subscriptions_.push_back(slices_.observe([this] { noteChange(); }));
 }
@@ -84,6 +86,7 @@ model::SavedSession SessionKeeper::capture() const {
     saved.readOptions = dataset->readOptions;
     saved.isovalue = session_.isovalue().requested();
     saved.surfaces = session_.surfaces().list();
+    saved.second = session_.secondVolume().state();
     saved.reference = session_.isovalue().reference();
     saved.error = session_.detail().error();
     if (host_.viewport() != nullptr)
@@ -190,6 +193,7 @@ void SessionKeeper::showView() {
             return noteChange(); // another volume was opened meanwhile
         session_.isovalue().setReference(saved.reference);
         session_.surfaces().restore(saved.surfaces);
+        session_.secondVolume().setState(saved.second);
         if (saved.error)
             session_.detail().setError(*saved.error);
         if (saved.histogram)

@@ -50,6 +50,16 @@ SavedSession fullSession(const fs::path& volume) {
     session.view->clipping.plane = {true, {0.0, 0.6, -0.8}, -12.625, Cap::Values};
     session.view->measured = {{1.5, -2.0, 1e-30}, {0.1, 0.2, 0.3}};
     session.view->pieces.awaited = {{{{1, 2, 3}, 0}, {{40, 0, 7}, 2}}, PiecePlace{{5, 6, 7}, 1}};
+    session.second.volume = {volume.parent_path() / "b.nrrd", {}, {}};
+    session.second.volume.readOptions.field = "density";
+    ListedSurface beside;
+    beside.id = SurfaceId{1};
+    beside.name = "Bone";
+    beside.isovalue = 0.1;
+    beside.colour = {1, 2, 3};
+    beside.opacity = 0.5;
+    beside.isVisible = false;
+    session.second.surfaces = {{beside}, beside.id};
     session.histogram = HistogramOptions{ScaleKind::Symlog, false, false, true, true, {"pieces", "area"}};
     session.histogramRange = HistogramRange{-0.1, 2.5};
     SliceOptions slices;
@@ -70,6 +80,7 @@ void expectSame(const SavedSession& a, const SavedSession& b) {
     EXPECT_EQ(a.sampleName, b.sampleName);
     EXPECT_EQ(a.readOptions, b.readOptions);
     EXPECT_EQ(a.isovalue, b.isovalue);
+    EXPECT_EQ(a.second, b.second);
     EXPECT_EQ(a.reference, b.reference);
     EXPECT_EQ(a.error, b.error);
     EXPECT_EQ(a.slices, b.slices);
