@@ -364,13 +364,20 @@ void Session::checkMesh() {
     certificateChanged_.notify();
 }
 
-void Session::exportMesh(const fs::path& path, DatasetGeneration of) { exportSurface(path, of, std::nullopt); }
-
-void Session::exportPart(const fs::path& path, DatasetGeneration of, ExportPart part) {
-    exportSurface(path, of, std::move(part));
+Session::TakeMesh Session::takeActive() const {
+    return
+        [worker = worker_.get(), of = datasetGeneration_](const JobControl& job) { return worker->takeMesh(of, job); };
 }
 
-void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::optional<ExportPart> part) {
+void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
+    exportSurface(path, of, std::nullopt, takeActive());
+}
+
+void Session::exportPart(const fs::path& path, DatasetGeneration of, ExportPart part) {
+    exportSurface(path, of, std::move(part), takeActive());
+}
+
+void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::optional<ExportPart> part, TakeMesh take) {
     if (of != datasetGeneration_)
         return fail("The mesh was not exported",
                     makeError(ErrorCode::InvalidArgument, "its volume has been closed or replaced", path.string()));
@@ -383,10 +390,10 @@ void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::opt
     const bool isWhole = !part;
     runner_->run<mesh::Certificate>(
         "Export " + path.filename().string(),
-        [worker = worker_.get(), of, source = SourceOfMesh(*dataset_), path,
+        [take = std::move(take), source = SourceOfMesh(*dataset_), path,
          part = std::move(part)](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
-            auto surface = worker->takeMesh(of, job);
+            auto surface = take(job);
             if (!surface.isOk())
                 return surface.error();
             bool isChecked = true;

@@ -61,6 +61,8 @@ public:
     /// The same of a part of the surface; with pieces it fails if the surface has moved on by then. The certificate
     /// shown stays that of the whole. What is cut through triangles is written without a check.
     void exportPart(const std::filesystem::path& path, DatasetGeneration of, ExportPart part);
+    /// The same of a surface that does not slide, which is extracted for it.
+    void exportInactive(const std::filesystem::path& path, DatasetGeneration of, SurfaceId surface, ExportPart part);
     /// True, and a notice states why, while there is but a preview: its meshes are not exported.
     bool refusesExport();
     void cancelJob(JobId id);
@@ -184,9 +186,13 @@ private:
     void followSurfaces();
     void changeActive(SurfaceId before, const ListedSurface& active);
     void setMaking();
+    SourceOpener sourceOpener() const;
     void setMoveProgress(double fraction);
     void onSlideError(const Error& error, double isovalue, SourceGeneration generation);
-    void exportSurface(const std::filesystem::path& path, DatasetGeneration of, std::optional<ExportPart> part);
+    using TakeMesh = std::function<Result<extract::SurfaceMesh>(const JobControl&)>;
+    TakeMesh takeActive() const;
+    void exportSurface(const std::filesystem::path& path, DatasetGeneration of, std::optional<ExportPart> part,
+                       TakeMesh take);
     void onExported(const std::filesystem::path& path, DatasetGeneration of, mesh::Certificate certificate,
                     bool isWhole);
     void fail(const std::string& title, const Error& error);

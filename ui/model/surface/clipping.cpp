@@ -110,6 +110,10 @@ glm::dvec3 centredWorldOf(const glm::dvec3& place, const GridGeometry& grid, con
     return glm::dmat3(grid.indexToWorld()) * place + offsetOf(grid, volume);
 }
 
+glm::dvec3 indexOfCentred(const glm::dvec3& place, const GridGeometry& grid, const GridGeometry& volume) {
+    return glm::inverse(glm::dmat3(grid.indexToWorld())) * (place - offsetOf(grid, volume));
+}
+
 double reachAlong(const glm::dvec3& direction, const GridGeometry& volume) {
     const glm::dmat3 toWorld(volume.indexToWorld());
     double reach = 0.0;

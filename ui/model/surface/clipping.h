@@ -64,6 +64,9 @@ std::optional<std::pair<glm::dvec3, glm::dvec3>> partWithin(std::span<const glm:
 /// Index units of `grid` to world axes, moved so that the centre of `volume` is the origin.
 glm::dvec3 centredWorldOf(const glm::dvec3& place, const GridGeometry& grid, const GridGeometry& volume);
 
+/// The other way round.
+glm::dvec3 indexOfCentred(const glm::dvec3& place, const GridGeometry& grid, const GridGeometry& volume);
+
 /// The volume's extent along a unit direction of the world, from its centre: planes farther away miss it.
 double reachAlong(const glm::dvec3& direction, const GridGeometry& volume);
 /// With a unit normal and an offset that does not leave the volume; as it is without a volume.
