@@ -342,7 +342,7 @@ void ViewportHost::addSecond(std::vector<render::InactiveSurface>& surfaces) {
     for (const model::ListedSurface& surface : second.surfaces().list().surfaces)
         if (auto picture = second.pictureOf(surface.id); picture && surface.isVisible)
             surfaces.push_back({model::SurfaceId{static_cast<std::uint32_t>(surface.id) | kSecondVolume},
-                                std::move(picture), render::lookOf(surface), surface.hiddenPieces});
+                                std::move(picture), render::lookOf(surface), surface.hiddenPieces, false});
 }
 
 void ViewportHost::reachSecond() {
