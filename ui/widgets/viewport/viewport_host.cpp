@@ -40,7 +40,7 @@ struct OptionAction {
     const char* setting;
     bool model::ViewOptions::*member;
 };
-constexpr std::array<OptionAction, 9> kOptionActions{
+constexpr std::array<OptionAction, 10> kOptionActions{
     {{"view.changed", "view/showsChanged", &model::ViewOptions::showsChanged},
      {"view.edges", "view/showsEdges", &model::ViewOptions::showsEdges},
      {"view.levels", "view/showsLevels", &model::ViewOptions::showsLevels},
@@ -49,6 +49,7 @@ constexpr std::array<OptionAction, 9> kOptionActions{
      {"view.readout", "view/showsReadout", &model::ViewOptions::showsReadout},
      {"view.cube", "view/showsCube", &model::ViewOptions::showsCube},
      {"view.scaleBar", "view/showsScaleBar", &model::ViewOptions::showsScaleBar},
+     {"view.ticks", "view/showsTicks", &model::ViewOptions::showsTicks},
      {"colour.bar", "view/showsColourBar", &model::ViewOptions::showsColourBar}}};
 
 constexpr std::array<const char*, 11> kClipActions{{"clip.crop", "clip.resetCrop", "clip.plane", "clip.flip",

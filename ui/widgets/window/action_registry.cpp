@@ -113,6 +113,8 @@ const std::vector<SectionSpec>& specs() {
            TR("Show a cube that turns with the view; a click on a side shows it straight on"), "", true},
           {"view.scaleBar", TR("S&cale Bar"), "Shift+K", TR("Show a length in the middle of the view to compare with"),
            "", true},
+          {"view.ticks", TR("Axes with &Ticks"), "Shift+A",
+           TR("Show places along the edges of the volume's box, in units of length"), "", true},
           {"view.measure", TR("&Measure"), "M",
            TR("Click two places on the surface for the length between them, a third for the angle"), "", true},
           {"clip.crop", TR("&Crop Box"), "Shift+B", TR("Show what lies in a box; its faces are dragged in the view"),

@@ -51,8 +51,8 @@ void MainWindow::makeMenus() {
     QMenu* standard = view->addMenu(tr("&Standard Views"));
     add(standard, {"view.front", "view.back", "view.right", "view.left", "view.top", "view.bottom"});
     view->addSeparator();
-    add(view, {"view.changed", "view.edges", "view.levels", "view.box", "view.axes", "view.cube", "view.scaleBar",
-               "view.readout"});
+    add(view, {"view.changed", "view.edges", "view.levels", "view.box", "view.ticks", "view.axes", "view.cube",
+               "view.scaleBar", "view.readout"});
     view->addSeparator();
     add(view, {"view.measure"});
     ColourWiring::addTo(*view->addMenu(tr("Colour B&y")), *actions_);

@@ -44,6 +44,7 @@ SavedSession fullSession(const fs::path& volume) {
     session.view->pieces.isColoured = true;
     session.view->showsCube = false;
     session.view->showsScaleBar = false;
+    session.view->showsTicks = true;
     session.view->stage = {Background::White, Light::Raking, true, {1.0, 2.5, 0.125}};
     session.view->clipping.isCropped = true;
     session.view->clipping.crop = CropBox{{1, 2, 3}, {40, 50, 60}};
