@@ -62,7 +62,7 @@ SavedSession fullSession(const fs::path& volume) {
     beside.isVisible = false;
     session.second.surfaces = {{beside}, beside.id};
     session.histogram = HistogramOptions{ScaleKind::Symlog, false, false, true, true, {"pieces", "area"}};
-    session.histogramRange = HistogramRange{-0.1, 2.5};
+    session.histogramRange = HistogramRange{-0.75, 2.5};
     SliceOptions slices;
     slices.layout = SliceLayout::Three;
     slices.onePane = SliceKind::Oblique;
@@ -152,7 +152,7 @@ TEST_F(SavedSessionTest, B110_OfZeroBytesOrOtherBytesIsToldAndHoldsDefaults) {
 }
 
 TEST_F(SavedSessionTest, ARangeOrCurvesThatMakeNoSenseAreLeftOut) {
-    const auto turned = read(changed("-0.1,\n    2.5", "2.5,\n    -0.1"));
+    const auto turned = read(changed("-0.75,\n    2.5", "2.5,\n    -0.75"));
     EXPECT_THAT(turned.problems, ElementsAre(HasSubstr("histogramRange")));
     EXPECT_FALSE(turned.session.histogramRange);
     const auto numbers = read(changed("\"pieces\",\n      \"area\"", "1, 2"));

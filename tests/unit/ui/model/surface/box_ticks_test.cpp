@@ -14,8 +14,8 @@
 namespace isoslider::model {
 namespace {
 
-constexpr double kRadius = 30.0;
-const glm::dvec2 kPixels(900.0, 600.0);
+constexpr double kSceneReach = 30.0;
+const glm::dvec2 kViewPixels(900.0, 600.0);
 
 GridGeometry volumeOf(const glm::dvec3& origin) {
     GridGeometry volume;
@@ -29,19 +29,19 @@ glm::dmat4 toScreen(const GridGeometry& volume, const Camera& camera) {
     const glm::dvec3 last(volume.dims[0] - 1, volume.dims[1] - 1, volume.dims[2] - 1);
     glm::dmat4 centred(glm::dmat3(volume.indexToWorld()));
     centred[3] = glm::dvec4(-(glm::dmat3(centred) * (0.5 * last)), 1.0);
-    return camera.projectionMatrix(kPixels.x / kPixels.y) * camera.viewMatrix() * centred;
+    return camera.projectionMatrix(kViewPixels.x / kViewPixels.y) * camera.viewMatrix() * centred;
 }
 
 Camera cameraFrom(double right, double up) {
     Camera camera;
-    camera.reset(kRadius);
+    camera.reset(kSceneReach);
     camera.orbit(right, up);
     return camera;
 }
 
 TEST(BoxTicks, StandWhereTheirValuesSay) {
     const GridGeometry volume = volumeOf({-3.25, 1000.0, 7.0});
-    const auto edges = tickedEdges(volume, toScreen(volume, cameraFrom(0.0, 0.0)), kPixels);
+    const auto edges = tickedEdges(volume, toScreen(volume, cameraFrom(0.0, 0.0)), kViewPixels);
     ASSERT_EQ(edges.size(), 3u);
     for (const TickedEdge& edge : edges) {
         EXPECT_TRUE(edge.isOfWorld);
@@ -68,7 +68,7 @@ TEST(BoxTicks, AnEdgeIsOnTheOutlineFromEveryDirection) {
             const glm::dvec4 clip = screen * glm::dvec4(index, 1.0);
             return glm::dvec2(clip) / clip.w;
         };
-        for (const TickedEdge& edge : tickedEdges(volume, screen, kPixels)) {
+        for (const TickedEdge& edge : tickedEdges(volume, screen, kViewPixels)) {
             const glm::dvec2 from = place(edge.from), along = place(edge.to) - from;
             int left = 0, right = 0;
             for (int corner = 0; corner < 8; ++corner) {
@@ -87,7 +87,7 @@ TEST(BoxTicks, AnEdgeIsOnTheOutlineFromEveryDirection) {
 TEST(BoxTicks, OfATurnedGridAreLengthsFromItsFirstPoint) {
     GridGeometry volume = volumeOf({50.0, 60.0, 70.0});
     volume.direction = glm::dmat3(glm::rotate(glm::dmat4(1.0), 0.4, glm::dvec3(0.0, 0.0, 1.0)));
-    for (const TickedEdge& edge : tickedEdges(volume, toScreen(volume, cameraFrom(0.0, 0.0)), kPixels)) {
+    for (const TickedEdge& edge : tickedEdges(volume, toScreen(volume, cameraFrom(0.0, 0.0)), kViewPixels)) {
         EXPECT_EQ(edge.isOfWorld, edge.axis == 2);
         if (!edge.isOfWorld) {
             EXPECT_EQ(edge.ticks.front().value, 0.0);
@@ -95,7 +95,7 @@ TEST(BoxTicks, OfATurnedGridAreLengthsFromItsFirstPoint) {
     }
     // Axes that change places, one of them backwards, are still those of the world.
     volume.direction = glm::dmat3(glm::dvec3(0, -1, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1));
-    for (const TickedEdge& edge : tickedEdges(volume, toScreen(volume, cameraFrom(0.0, 0.0)), kPixels)) {
+    for (const TickedEdge& edge : tickedEdges(volume, toScreen(volume, cameraFrom(0.0, 0.0)), kViewPixels)) {
         EXPECT_TRUE(edge.isOfWorld);
         for (const auto& tick : edge.ticks)
             EXPECT_NEAR(glm::dvec3(volume.indexToWorld() * glm::dvec4(tick.place, 1.0))[edge.axis], tick.value, 1e-9);
@@ -104,17 +104,17 @@ TEST(BoxTicks, OfATurnedGridAreLengthsFromItsFirstPoint) {
 
 TEST(BoxTicks, AreNoneWhereTheyCannotBeRead) {
     const GridGeometry volume = volumeOf({1e18, 0.0, 0.0});
-    for (const TickedEdge& edge : tickedEdges(volume, toScreen(volume, cameraFrom(0.0, 0.0)), kPixels))
+    for (const TickedEdge& edge : tickedEdges(volume, toScreen(volume, cameraFrom(0.0, 0.0)), kViewPixels))
         if (edge.axis == 0) {
             EXPECT_TRUE(edge.ticks.empty()) << "all digits are the origin's";
         }
     Camera inside = cameraFrom(0.0, 0.0);
     inside.zoom(1e3, {0.0, 0.0}, 1.5);
-    EXPECT_TRUE(tickedEdges(volume, toScreen(volume, inside), kPixels).empty()) << "the viewer is in the box";
+    EXPECT_TRUE(tickedEdges(volume, toScreen(volume, inside), kViewPixels).empty()) << "the viewer is in the box";
     Camera front = cameraFrom(0.0, 0.0);
     front.setStandardView(StandardView::Front);
     front.setPerspective(false);
-    EXPECT_EQ(tickedEdges(volumeOf({0, 0, 0}), toScreen(volumeOf({0, 0, 0}), front), kPixels).size(), 2u)
+    EXPECT_EQ(tickedEdges(volumeOf({0, 0, 0}), toScreen(volumeOf({0, 0, 0}), front), kViewPixels).size(), 2u)
         << "none along the line of sight";
 }
 
