@@ -15,6 +15,7 @@ namespace {
 constexpr double kPersistent = 0.05;
 // A surface of a few cells may be as steep as you like: one that is worth a look has this share of the area of a side
 // of the box, or of the largest surface, if that is less. (In noise the largest surface is much larger than either.)
+// Up to that area a larger one is worth more, by the root of its share: its width as it is seen.
 constexpr double kWorthALook = 0.05;
 
 double nextAbove(double value) { return std::nextafter(value, std::numeric_limits<double>::infinity()); }
@@ -65,7 +66,7 @@ Result<SurfaceDifference> difference(const TopologySummary& summary, double from
 const char* reasonText(SuggestionReason reason) {
     switch (reason) {
         case SuggestionReason::WidestInterval: return "middle of the widest interval without a persistent event";
-        case SuggestionReason::StrongestGradient: return "greatest mean gradient on the surface";
+        case SuggestionReason::StrongestGradient: return "greatest mean gradient on the surface, weighed by its size";
         case SuggestionReason::LargestPiece: return "just beyond the most persistent event of a piece";
         case SuggestionReason::HalfVolume: return "encloses half of the volume";
     }
@@ -134,15 +135,17 @@ Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary)
     if (summary.hasEvents())
         endInterval(high);
     std::optional<double> steepest;
-    double worthALook = curves.isEmpty() ? 0.0 : std::pow(curves.measures.front().volume, 2.0 / 3.0);
-    double largestArea = 0.0, strongest = 0.0;
+    const double sideArea = curves.isEmpty() ? 0.0 : std::pow(curves.measures.front().volume, 2.0 / 3.0);
+    double largestArea = 0.0, strongest = 0.0; // of gradients, weighed
     for (const SurfaceMeasures& at : curves.measures)
         largestArea = std::max(largestArea, at.area);
-    worthALook = kWorthALook * std::min(worthALook, largestArea);
+    const double large = std::min(sideArea, largestArea);
     for (std::size_t i = 0; i < curves.isovalues.size(); ++i) {
         const bool isUsual = curves.isovalues[i] >= low && curves.isovalues[i] <= high;
-        if (isUsual && curves.measures[i].area >= worthALook && curves.measures[i].gradient > strongest) {
-            strongest = curves.measures[i].gradient;
+        const double area = curves.measures[i].area;
+        const double weighed = curves.measures[i].gradient * std::sqrt(std::min(1.0, area / large));
+        if (isUsual && area >= kWorthALook * large && weighed > strongest) {
+            strongest = weighed;
             steepest = curves.isovalues[i];
         }
     }

@@ -47,6 +47,25 @@ protected:
     }
 };
 
+TEST_F(MeasureTest, PlacesLieOnWhicheverSurfaceIsSeen) {
+    QTest::keyClick(window_.get(), Qt::Key_Insert);
+    ASSERT_TRUE(session_->isovalue().request(-kBallRadius / 2.0));
+    ASSERT_TRUE(waitUntilSettled());
+    auto& surfaces = session_->surfaces();
+    const auto outer = surfaces.list().surfaces[0].id;
+    const auto radiusAt = [&](double opacity, bool isVisible) {
+        surfaces.change(outer, [&](model::ListedSurface& surface) {
+            surface.opacity = opacity;
+            surface.isVisible = isVisible;
+        });
+        click(at(0.2, 0.1));
+        return places().empty() ? 0.0 : glm::length(places().back());
+    };
+    EXPECT_NEAR(radiusAt(1.0, true), kBallRadius, 0.1);
+    EXPECT_NEAR(radiusAt(0.4, true), kBallRadius / 2.0, 0.1) << "through the outer one";
+    EXPECT_NEAR(radiusAt(1.0, false), kBallRadius / 2.0, 0.1);
+}
+
 TEST_F(MeasureTest, ClicksGiveLengthsAndAnAngle) {
     EXPECT_EQ(viewport().cursor().shape(), Qt::CrossCursor);
     EXPECT_FALSE(measures().isVisible());

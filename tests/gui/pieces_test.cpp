@@ -447,6 +447,70 @@ TEST_F(SurfacesWithPiecesTest, AnotherOneHidesAndShowsNothingOfTheFirst) {
     keepPicture(*window_, "pieces_of_two_surfaces");
 }
 
+TEST_F(SurfacesWithPiecesTest, ADoubleClickOnAnotherSurfaceMakesItActiveAndSelectsItsPiece) {
+    addAt(1.0); // larger cones around the first ones
+    for (const model::ListedSurface& surface : surfaces().list().surfaces)
+        surfaces().change(surface.id, [](model::ListedSurface& changed) { changed.opacity = 1.0; });
+    activateNext();
+    ASSERT_EQ(session_->frame()->isovalue, 1.5);
+    letStepEnd();
+    pick(pixelOf(1));
+    ASSERT_TRUE(waitUntil([&] { return session_->frame()->isovalue == 1.0 && pieces().selected.has_value(); }))
+        << "the outer one is in front";
+    EXPECT_EQ(*pieces().selected, piece(1).id);
+    surfaces().change(surfaces().list().active, [](model::ListedSurface& outer) { outer.opacity = 0.4; });
+    pick(pixelOf(2));
+    ASSERT_TRUE(waitUntil([&] { return session_->frame()->isovalue == 1.5 && pieces().selected.has_value(); }))
+        << "what is seen through it is meant";
+    EXPECT_EQ(*pieces().selected, piece(2).id);
+}
+
+TEST_F(SurfacesWithPiecesTest, AllThatIsShownIsExportedAFileForEach) {
+    hide(1);
+    const auto ofFirst = piece(0).triangles + piece(2).triangles;
+    addAt(1.0);
+    ASSERT_TRUE(action("pieces.exportShown")->isEnabled());
+    dialogs_.answers.push_back(qpath(folder_ / "shown.obj"));
+    folder_.write("shown_Surface_1.obj", "not to be replaced");
+    action("pieces.exportShown")->trigger();
+    EXPECT_TRUE(dialogs_.asked.title.contains(QLatin1Char('2'))) << dialogs_.asked.title.toStdString();
+    const auto second = folder_ / "shown_Surface_1_2.obj";
+    ASSERT_TRUE(waitUntil([&] { return std::filesystem::exists(second); }));
+    ASSERT_TRUE(waitUntilSettled());
+    const auto facesOf = [](const std::filesystem::path& path) {
+        std::ifstream text(path);
+        std::string line;
+        std::uint64_t faces = 0;
+        while (std::getline(text, line))
+            faces += line.rfind("f ", 0) == 0;
+        return faces;
+    };
+    EXPECT_EQ(facesOf(folder_ / "shown.obj"), session_->frame()->stats.triangles);
+    EXPECT_EQ(facesOf(second), ofFirst);
+    EXPECT_EQ(std::filesystem::file_size(folder_ / "shown_Surface_1.obj"), 18u);
+    showOnly(1);
+    dialogs_.answers.push_back(qpath(folder_ / "only.obj"));
+    EXPECT_FALSE(action("pieces.exportShown")->isEnabled()) << "the whole of one surface: that is Export Mesh";
+    dialogs_.answers.clear();
+}
+
+TEST_F(SurfacesWithPiecesTest, FitShowsAllSurfacesThatAreShown) {
+    addAt(2.5); // small tips of the cones
+    const auto radiusOf = [this] {
+        const auto before = viewport().camera().pose();
+        QTest::keyClick(window_.get(), Qt::Key_F);
+        EXPECT_TRUE(waitUntil([&] { return viewport().camera().pose() != before; }));
+        QTest::qWait(600); // the camera flies
+        return viewport().camera().distance();
+    };
+    const double both = radiusOf();
+    showOnly(1);
+    const double one = radiusOf();
+    EXPECT_LT(one, 0.95 * both);
+    showOnly(0);
+    EXPECT_NEAR(radiusOf(), both, 0.02 * both) << "the larger one holds the smaller one";
+}
+
 TEST_F(SurfacesWithPiecesTest, UndoBringsEachBackAsItWas) {
     hide(1);
     addAt(1.0);

@@ -15,6 +15,7 @@
 
 #include "tests/gui/window_fixture.h"
 #include "ui/model/surface/orientation_cube.h"
+#include "ui/widgets/viewport/box_ticks_view.h"
 #include "ui/widgets/viewport/camera_flight.h"
 #include "ui/widgets/viewport/orientation_cube.h"
 #include "ui/widgets/viewport/scale_bar_view.h"
@@ -340,6 +341,28 @@ TEST_F(SceneGuidesTest, FitToSurfaceFillsTheViewWithTheSurface) {
     session_->isovalue().request(-100.0); // below all samples: at the least one
     ASSERT_TRUE(waitUntil([this] { return !window_->actions().action("view.fit")->isEnabled(); }))
         << "there is no surface";
+}
+
+TEST_F(SceneGuidesTest, TicksComeByKeyFollowTheCameraAndAreSavedAndUndone) {
+    auto& ticks = *child<widgets::BoxTicksView>("boxTicks");
+    EXPECT_FALSE(ticks.isVisible());
+    const QImage without = savedPicture();
+    QTest::keyClick(window_.get(), Qt::Key_A, Qt::ShiftModifier);
+    ASSERT_TRUE(ticks.isVisible());
+    ASSERT_EQ(ticks.edges().size(), 3u);
+    for (const auto& edge : ticks.edges())
+        EXPECT_GE(edge.ticks.size(), 2u) << edge.title.toStdString();
+    const auto before = ticks.edges();
+    viewport().changeCamera([](model::Camera& moved) { moved.orbit(0.3, 0.1); });
+    EXPECT_NE(ticks.edges(), before);
+    viewport().changeCamera([](model::Camera& moved) { moved.orbit(-0.3, 0.0); });
+    EXPECT_NE(savedPicture(), without);
+    EXPECT_TRUE(settings_->boolean("view/showsTicks"));
+    keepPicture(*window_, "ticks");
+    QTest::qWait(600); // longer than steps are joined
+    QTest::keyClick(window_.get(), Qt::Key_Z, Qt::ControlModifier);
+    EXPECT_FALSE(ticks.isVisible());
+    EXPECT_FALSE(isChecked("view.ticks"));
 }
 
 } // namespace

@@ -9,6 +9,8 @@
 #include "tests/gui/window_fixture.h"
 #include "ui/model/session/saved_session.h"
 #include "ui/model/session/session_slot.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/isovalue/isovalue_panel.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
@@ -91,6 +93,37 @@ TEST_F(SessionKeeperTest, ShowsAgainWhatWasSaved) {
         EXPECT_NEAR(glm::length(viewport->camera().orientation() - pose.orientation), 0.0, 1e-12);
     }
     EXPECT_FALSE(window_->messageBar().isVisible()) << message();
+}
+
+TEST_F(SessionKeeperTest, ShowsCurvesSnappingAndRangeOfTheHistogramAgain) {
+    openBall();
+    auto* area = window_->findChild<QAction*>(QStringLiteral("curve.area"));
+    ASSERT_NE(area, nullptr);
+    ASSERT_TRUE(waitUntil([&] { return area->isEnabled(); }));
+    auto& plot = window_->isovaluePanel().plot();
+    EXPECT_FALSE(plot.chosenRange());
+    area->trigger();
+    trigger("isovalue.snap");
+    QTest::keyClick(window_.get(), Qt::Key_Plus, Qt::ControlModifier);
+    const auto range = plot.chosenRange();
+    ASSERT_TRUE(range);
+    const auto path = saveSession();
+    trigger("file.close");
+    area->trigger();
+    trigger("isovalue.snap");
+    openAndWait(path);
+    EXPECT_TRUE(area->isChecked());
+    EXPECT_TRUE(isChecked("isovalue.snap"));
+    ASSERT_TRUE(plot.chosenRange());
+    EXPECT_NEAR(plot.chosenRange()->lower, range->lower, 1e-9);
+    EXPECT_NEAR(plot.chosenRange()->upper, range->upper, 1e-9);
+    EXPECT_EQ(settings_->list("histogram/curves"), QStringList{QStringLiteral("area")});
+    QTest::qWait(600); // longer than steps are joined
+    EXPECT_FALSE(window_->actions().action("edit.undo")->isEnabled());
+    area->trigger();
+    QTest::qWait(600);
+    trigger("edit.undo");
+    EXPECT_TRUE(area->isChecked());
 }
 
 TEST_F(SessionKeeperTest, OneOfAnEarlierVersionLeavesBackgroundLightAndColoursAsTheyAre) {

@@ -96,6 +96,55 @@ TEST_F(UndoTest, AChangeAfterAnUndoTakesTheOthersPlace) {
     EXPECT_TRUE(undo().isEnabled());
 }
 
+TEST_F(UndoTest, SlicesPiecesErrorAndReferenceAreStepsWithTheirNames) {
+    openBall();
+    letStepEnd();
+    struct Scene {
+        model::SliceOptions slices;
+        std::optional<double> reference;
+        extract::MergeError error;
+        model::HiddenPieces hidden;
+
+        bool operator==(const Scene&) const = default;
+    };
+    const auto scene = [&] {
+        return Scene{window_->slices().options(), isovalue().reference(), session_->detail().error(),
+                     session_->surfaces().active()->hiddenPieces};
+    };
+    std::vector<Scene> scenes{scene()};
+    std::vector<std::string> names;
+    const auto note = [&] {
+        letStepEnd();
+        ASSERT_NE(scene(), scenes.back());
+        scenes.push_back(scene());
+        names.push_back(undo().text().toStdString());
+    };
+    press(Qt::Key_F7, Qt::NoModifier);
+    note();
+    press(Qt::Key_Period, Qt::NoModifier);
+    note();
+    press(Qt::Key_D, Qt::NoModifier);
+    note();
+    session_->detail().setError({extract::MergeBound::Measure::Distance, 0.25});
+    note();
+    trigger("pieces.largest");
+    note();
+    const std::vector<std::string> wanted{"Slices", "Slices", "Reference", "Error", "Pieces"};
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+        EXPECT_NE(names[i].find(wanted[i]), std::string::npos) << names[i];
+    for (std::size_t i = scenes.size() - 1; i-- > 0;) {
+        press(Qt::Key_Z, Qt::ControlModifier);
+        EXPECT_TRUE(scene() == scenes[i]) << i;
+    }
+    for (std::size_t i = 1; i < scenes.size(); ++i) {
+        press(Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);
+        EXPECT_TRUE(scene() == scenes[i]) << i;
+    }
+    EXPECT_FALSE(redo().isEnabled());
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.25);
+}
+
 TEST_F(UndoTest, AnotherVolumeBeginsWithoutAHistory) {
     openBall();
     letStepEnd();

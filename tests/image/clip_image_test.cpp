@@ -218,6 +218,50 @@ TEST_F(ClipImageTest, APlaneShowsWhatLiesBehindIt) {
     EXPECT_LE(surface(grab(half, {})) * 9, surface(image) * 10);
 }
 
+TEST_F(ClipImageTest, TheCapHasTheColourOfTheInnermostSurfaceThatIsShown) {
+    const auto grid = roughWaves(0.0f);
+    model::Clipping clipping;
+    clipping.plane = {true, {0.0, -1.0, 0.0}, -0.8, model::Cap::Colour};
+    const auto frame = bricksOf(grid);
+    const render::SurfaceLook red{glm::vec3(0.8f, 0.02f, 0.02f)}, green{glm::vec3(0.02f, 0.8f, 0.02f)};
+    auto inner = std::make_shared<SurfaceFrame>();
+    const auto innerEngine = preprocess::makeMemoryEngine(grid);
+    ASSERT_THAT(innerEngine, IsOk());
+    ASSERT_THAT(innerEngine.value()->slideTo(0.6), IsOk());
+    innerEngine.value()->copyFrame(*inner);
+    render::InactiveSurface beside{model::SurfaceId{9}, inner, green, {}};
+    struct Count {
+        int red = 0, green = 0;
+    };
+    const auto count = [&](const render::SurfaceLook& look, std::vector<render::InactiveSurface> others) {
+        viewport_->setSurfaces(look, std::move(others));
+        const QImage image = grab(frame, clipping, capOf(*grid, clipping.plane));
+        Count found; // the cap alone is lit evenly: most of it has one colour
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x) {
+                const QColor pixel = image.pixelColor(x, y);
+                found.red += pixel.red() > 100 && pixel.red() > 3 * pixel.green();
+                found.green += pixel.green() > 100 && pixel.green() > 3 * pixel.red();
+            }
+        return found;
+    };
+    const Count one = count(red, {}), both = count(red, {beside});
+    EXPECT_EQ(one.green, 0);
+    EXPECT_GT(both.green, 1000);
+    EXPECT_LT(both.red, one.red - 1000) << "the inner one's cap is drawn over the outer one's";
+    beside.look.isVisible = false;
+    EXPECT_EQ(count(red, {beside}).green, 0);
+    beside.look.isVisible = true;
+    beside.isOfVolume = false;
+    EXPECT_LT(count(red, {beside}).green, both.green / 2) << "the samples on the plane are those of this volume";
+    render::SurfaceLook hidden = red;
+    hidden.isVisible = false;
+    beside.isOfVolume = true;
+    const Count without = count(hidden, {beside});
+    EXPECT_EQ(without.red, 0);
+    EXPECT_GT(without.green, 1000);
+}
+
 TEST_F(ClipImageTest, TheCapIsWhereTheInterpolantReachesTheIsovalue) {
     for (const bool hasHole : {false, true})
         for (const glm::dvec3& direction : {glm::dvec3(0.0, -1.0, 0.0), glm::dvec3(0.5, -1.0, 0.6)}) {

@@ -16,6 +16,7 @@ constexpr int kBoxPoints = 24;
 const QVector4D kCropColour(0.98f, 0.66f, 0.30f, 0.95f); // as seen; apart from the volume's box
 const QVector4D kPlaneColour(0.45f, 0.80f, 0.98f, 0.95f);
 const QVector3D kCapColour(0.66f, 0.33f, 0.17f); // linear light: the surface's hue, darker and warmer
+constexpr float kCapShare = 0.6f; // of the colour of any other surface: darker than its outside
 constexpr float kCapLight = 0.75f; // as a surface that faces the light
 
 void addBox(std::vector<float>& data, const model::CropBox& box) {
@@ -161,8 +162,6 @@ void ClipGuides::drawCap(const model::Clipping& clipping, const CapScene& cap, c
         program.setUniformValue("modelToView", view.modelToView);
         program.setUniformValue("viewToClip", view.viewToClip);
         program.setUniformValue("samples", 0);
-        program.setUniformValue("isovalue", view.isovalue);
-        program.setUniformValue("capColour", kCapColour * (0.6f + 0.4f * view.facing));
         program.setUniformValue("capLight", kCapLight * (0.6f + 0.4f * view.facing));
         view.uniforms.set(program, view.colours, view.volume, view.volume);
         program.setUniformValue("greyWindow",
@@ -173,7 +172,13 @@ void ClipGuides::drawCap(const model::Clipping& clipping, const CapScene& cap, c
         box.isCropped = true;
         box.crop = drawnBox(clipping, view.volume);
         setCuts(gl_, program, model::cutsOf(box, view.volume, view.volume));
-        gl_.glDrawArrays(GL_TRIANGLE_STRIP, 0, kQuadPoints);
+        for (const Fill& fill : view.fills) {
+            const QVector3D colour =
+                fill.colour ? kCapShare * QVector3D(fill.colour->r, fill.colour->g, fill.colour->b) : kCapColour;
+            program.setUniformValue("isovalue", fill.isovalue);
+            program.setUniformValue("capColour", colour * (0.6f + 0.4f * view.facing));
+            gl_.glDrawArrays(GL_TRIANGLE_STRIP, 0, kQuadPoints);
+        }
         clearCuts(gl_);
         program.release();
     }

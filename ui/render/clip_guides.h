@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,11 +39,16 @@ void clearCuts(Gl& gl);
 /// destroyed with one context current; nothing is on the card before the first is drawn.
 class ClipGuides {
 public:
+    /// A surface that the cap closes.
+    struct Fill {
+        float isovalue = 0.0f;
+        std::optional<glm::vec3> colour; ///< linear light; none: that of the first of all colours
+    };
     struct View {
         const QMatrix4x4& modelToView; ///< of the volume's index units
         const QMatrix4x4& viewToClip;
         const GridGeometry& volume;
-        float isovalue = 0.0f;
+        std::span<const Fill> fills; ///< ascending by isovalue: what lies within another one is drawn over it
         float facing = 1.0f; ///< how much the plane faces the viewer, 0 to 1
         ColourUniforms& uniforms;
         const model::SurfaceColours& colours; ///< of the cap too, where there are any

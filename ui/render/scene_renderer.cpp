@@ -404,9 +404,16 @@ void SceneRenderer::drawBoxLines(QOpenGLShaderProgram& program, const Matrices& 
 void SceneRenderer::drawClipGuides(const Matrices& ofVolume, const SceneView& view) {
     const model::Clipping clipping = drawnClipping(view.options.clipping, view.cap);
     const auto facing = std::abs(glm::normalize(view.camera.normalMatrix() * clipping.plane.normal).z);
+    std::vector<ClipGuides::Fill> fills;
+    if (view.look.isVisible)
+        fills.push_back({static_cast<float>(frame_->isovalue), view.look.colour});
+    for (const InactiveSurface& surface : view.inactive)
+        if (surface.isOfVolume && surface.look.isVisible)
+            fills.push_back({static_cast<float>(surface.frame->isovalue), surface.look.colour});
+    std::stable_sort(fills.begin(), fills.end(), [](const auto& a, const auto& b) { return a.isovalue < b.isovalue; });
     resources_->clipGuides.draw(clipping, view.cap,
-                                {ofVolume.boxToView, ofVolume.viewToClip, volume_, static_cast<float>(frame_->isovalue),
-                                 static_cast<float>(facing), resources_->colours, view.colours});
+                                {ofVolume.boxToView, ofVolume.viewToClip, volume_, fills, static_cast<float>(facing),
+                                 resources_->colours, view.colours});
 }
 
 void SceneRenderer::drawMarker(const Spot& spot, const glm::dvec4& place, glm::ivec2 pixels) {

@@ -30,6 +30,7 @@ struct InactiveSurface {
     std::shared_ptr<const extract::SurfaceFrame> frame; ///< not null
     SurfaceLook look;
     model::HiddenPieces hiddenPieces; ///< of pieces that the frame has
+    bool isOfVolume = true; ///< that slides, not of a second one
 
     bool operator==(const InactiveSurface&) const = default;
 };

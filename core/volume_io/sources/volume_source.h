@@ -39,6 +39,7 @@ struct VolumeInfo {
     std::string fieldTitle; ///< the same for people; empty: the name will do
     /// Of spacing and origin: "mm", "Å"; empty where the format does not state. isLengthUnit() holds.
     std::string lengthUnit;
+    bool isPatientSpace = false; ///< the header states that the world's axes lead towards left, posterior, superior
     std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
     /// Set when the source has been resampled: once its first slab is read.
     std::optional<ResampleReport> resampling;

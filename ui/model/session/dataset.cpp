@@ -93,6 +93,7 @@ void describe(const io::VolumeInfo& info, Dataset& dataset) {
     dataset.fieldName = info.fieldName;
     dataset.fieldTitle = info.fieldTitle;
     dataset.lengthUnit = info.lengthUnit;
+    dataset.statesPatientSpace = info.isPatientSpace;
     dataset.notes = info.notes;
 }
 
@@ -181,6 +182,8 @@ std::string layoutText(const io::ReadOptions& options) {
 }
 
 bool isPatientSpace(const Dataset& dataset) {
+    if (dataset.statesPatientSpace)
+        return true;
     if (dataset.format != "DICOM" && dataset.format != "NIfTI")
         return false;
     return std::none_of(dataset.notes.begin(), dataset.notes.end(),

@@ -34,6 +34,7 @@ struct Dataset {
     std::string fieldName;
     std::string fieldTitle; ///< the same for people; empty: the name will do
     std::string lengthUnit; ///< of spacing and origin; empty: unknown
+    bool statesPatientSpace = false; ///< see io::VolumeInfo::isPatientSpace
     std::vector<std::string> notes; ///< what the reader had to assume or leave out, one line each
     std::optional<io::ResampleReport> resampling; ///< what a grid that is not uniform lost when it was read
     GridGeometry geometry; ///< of the whole volume

@@ -14,6 +14,7 @@
 #include "ui/model/session/saved_slices.h"
 #include "ui/model/session/saved_surfaces.h"
 #include "ui/model/session/saved_view.h"
+#include "ui/model/session/saved_volume.h"
 #include "ui/model/session/session_members.h"
 
 namespace isoslider::model {
@@ -21,80 +22,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kVersion = 1;
-
-Json toJson(const io::RawLayout& raw) {
-    return {{"dims", arrayOf(raw.dims, 3)},
-            {"type", std::string(scalarTypeName(raw.type))},
-            {"spacing", arrayOf(raw.spacing, 3)},
-            {"skipBytes", raw.skipBytes},
-            {"bigEndian", raw.isBigEndian}};
-}
-
-Json toJson(const io::ReadOptions& options) {
-    Json json = Json::object();
-    if (options.raw)
-        json["raw"] = toJson(*options.raw);
-    if (!options.field.empty())
-        json["field"] = bytesText(options.field);
-    if (options.component)
-        json["component"] = *options.component;
-    if (options.frame)
-        json["frame"] = *options.frame;
-    if (options.resampleDims[0] > 0)
-        json["size"] = arrayOf(options.resampleDims, 3);
-    if (options.allowsExternalData)
-        json["allowsExternalData"] = true;
-    if (options.allowsTrailing)
-        json["allowsTrailing"] = true;
-    return json;
-}
-
-/// Nothing without dims and type: a headerless file cannot be read by halves.
-std::optional<io::RawLayout> rawFrom(const Json& json, std::vector<std::string>& problems) {
-    Members members(json, "raw", problems);
-    io::RawLayout raw;
-    std::string type;
-    const bool hasDims = members.dims("dims", raw.dims, 1), hasType = members.text("type", type);
-    const auto scalar = hasType ? scalarTypeFromName(type) : std::nullopt;
-    if (members.numbers("spacing", raw.spacing, 3) &&
-        !(raw.spacing.x > 0.0 && raw.spacing.y > 0.0 && raw.spacing.z > 0.0)) {
-        members.reportOf("spacing", "is not positive and ignored");
-        raw.spacing = glm::dvec3(1.0);
-    }
-    members.integer("skipBytes", raw.skipBytes, 0, INT64_MAX);
-    members.flag("bigEndian", raw.isBigEndian);
-    if (!hasDims || !scalar) {
-        members.reportOf("dims or type", "cannot be used");
-        return std::nullopt;
-    }
-    raw.type = *scalar;
-    return raw;
-}
-
-io::ReadOptions optionsFrom(const Json& json, std::vector<std::string>& problems) {
-    Members members(json, "options", problems);
-    io::ReadOptions options;
-    if (const Json* raw = members.find("raw"))
-        options.raw = rawFrom(*raw, problems);
-    std::string field;
-    if (members.text("field", field)) {
-        const auto bytes = bytesFromText(field);
-        if (bytes)
-            options.field = *bytes;
-        else
-            members.reportOf("field", "is not valid text and is ignored");
-    }
-    int component = 0;
-    if (members.integer("component", component, io::kMagnitude, INT32_MAX))
-        options.component = component;
-    std::int64_t frame = 0;
-    if (members.integer("frame", frame, 0, INT64_MAX))
-        options.frame = frame;
-    members.dims("size", options.resampleDims, 2);
-    members.flag("allowsExternalData", options.allowsExternalData);
-    members.flag("allowsTrailing", options.allowsTrailing);
-    return options;
-}
 
 Json toJson(const CameraPose& camera) {
     const auto& q = camera.orientation;
@@ -140,18 +67,34 @@ std::optional<extract::MergeError> errorFrom(const Json& json, std::vector<std::
     return error;
 }
 
+SecondVolumeState secondFrom(const Json& json, const fs::path& folder, std::vector<std::string>& problems) {
+    Members members(json, "second", problems);
+    SecondVolumeState second;
+    if (const Json* volume = members.find("volume"))
+        second.volume = volumeFromJson(*volume, folder, "second, volume", problems);
+    const Json* surfaces = members.find("surfaces");
+    if (second.volume.isNone())
+        members.reportOf("volume", "names no volume and is ignored");
+    else if (surfaces != nullptr)
+        second.surfaces = surfacesFromJson(*surfaces, problems);
+    return second;
+}
+
 struct HistogramFlag {
     const char* name;
     bool HistogramOptions::*member;
 };
-constexpr std::array<HistogramFlag, 3> kHistogramFlags{{{"logCounts", &HistogramOptions::hasLogCounts},
+constexpr std::array<HistogramFlag, 4> kHistogramFlags{{{"logCounts", &HistogramOptions::hasLogCounts},
                                                         {"clipsCounts", &HistogramOptions::clipsCounts},
-                                                        {"snapsToSamples", &HistogramOptions::snapsToSamples}}};
+                                                        {"snapsToSamples", &HistogramOptions::snapsToSamples},
+                                                        {"snapsToEvents", &HistogramOptions::snapsToEvents}}};
+constexpr std::size_t kMostCurves = 32, kMostCurveNameBytes = 64;
 
 Json toJson(const HistogramOptions& options) {
     Json json{{"valueScale", std::string(scaleName(options.valueScale))}};
     for (const auto& [name, member] : kHistogramFlags)
         json[name] = options.*member;
+    json["curves"] = options.curves;
     return json;
 }
 
@@ -167,20 +110,28 @@ HistogramOptions histogramFrom(const Json& json, std::vector<std::string>& probl
         else
             members.reportOf("valueScale", "is neither linear nor log nor symlog and ignored");
     }
+    if (const Json* curves = members.find("curves")) {
+        const bool areNames =
+            curves->is_array() && curves->size() <= kMostCurves &&
+            std::all_of(curves->begin(), curves->end(), [](const Json& name) {
+                return name.is_string() && name.get_ref<const std::string&>().size() <= kMostCurveNameBytes;
+            });
+        if (areNames)
+            options.curves = curves->get<std::vector<std::string>>();
+        else
+            members.reportOf("curves", "is not a list of at most 32 names and is ignored");
+    }
     return options;
 }
 
-fs::path volumeFrom(Members& volume, const fs::path& folder) {
-    std::string path, relative;
-    volume.text("path", path);
-    volume.text("relative", relative);
-    const auto absolute = bytesFromText(path), below = bytesFromText(relative);
-    if (!absolute || !below)
-        volume.reportOf("path", "is not valid text and is ignored");
-    // What lies beside the session has moved along with it.
-    if (below && !below->empty() && isPresent(folder / *below))
-        return (folder / *below).lexically_normal();
-    return absolute ? fs::path(*absolute) : fs::path();
+std::optional<HistogramRange> rangeFrom(Members& members) {
+    std::array<double, 2> ends{};
+    if (!members.numbers("histogramRange", ends, 2))
+        return std::nullopt;
+    if (ends[0] < ends[1])
+        return HistogramRange{ends[0], ends[1]};
+    members.reportOf("histogramRange", "is not from a lower to a higher value and is ignored");
+    return std::nullopt;
 }
 
 } // namespace
@@ -189,20 +140,14 @@ bool isSessionFile(const fs::path& path) { return path.extension() == kSessionSu
 
 std::string sessionText(const SavedSession& session, const fs::path& folder) {
     Json json{{"isosliderSession", kVersion}};
-    Json& volume = json["volume"] = Json::object();
-    if (!session.sampleName.empty())
-        volume["sample"] = bytesText(session.sampleName);
-    if (!session.volume.empty()) {
-        volume["path"] = bytesText(session.volume.native());
-        const fs::path relative = session.volume.lexically_relative(folder);
-        if (!relative.empty() && *relative.begin() != "..")
-            volume["relative"] = bytesText(relative.native());
-    }
-    volume["options"] = toJson(session.readOptions);
+    json["volume"] = volumeJson({session.volume, session.sampleName, session.readOptions}, folder);
     if (session.isovalue && std::isfinite(*session.isovalue))
         json["isovalue"] = *session.isovalue;
     if (!session.surfaces.surfaces.empty())
         json["surfaces"] = surfacesJson(session.surfaces);
+    if (!session.second.volume.isNone())
+        json["second"] = {{"volume", volumeJson(session.second.volume, folder)},
+                          {"surfaces", surfacesJson(session.second.surfaces)}};
     if (session.reference && std::isfinite(*session.reference))
         json["reference"] = *session.reference;
     if (session.error)
@@ -211,6 +156,8 @@ std::string sessionText(const SavedSession& session, const fs::path& folder) {
         json["camera"] = toJson(*session.camera);
     if (session.histogram)
         json["histogram"] = toJson(*session.histogram);
+    if (session.histogramRange)
+        json["histogramRange"] = {session.histogramRange->lower, session.histogramRange->upper};
     if (session.slices)
         json["slices"] = slicesJson(*session.slices);
     if (session.view) {
@@ -237,16 +184,10 @@ ReadSession sessionFromText(const std::string& text, const fs::path& folder) {
     if (!members.integer("isosliderSession", version, 1, INT32_MAX) || version > kVersion)
         members.reportOf("isosliderSession", "names a later version; what is known of it is used");
     if (const Json* volume = members.find("volume")) {
-        Members place(*volume, "volume", problems);
-        std::string sample;
-        if (place.text("sample", sample))
-            read.session.sampleName = bytesFromText(sample).value_or("");
-        if (read.session.sampleName.empty())
-            read.session.volume = volumeFrom(place, folder);
-        else
-            volumeFrom(place, folder);
-        if (const Json* options = place.find("options"))
-            read.session.readOptions = optionsFrom(*options, problems);
+        NamedVolume named = volumeFromJson(*volume, folder, "volume", problems);
+        read.session.volume = std::move(named.path);
+        read.session.sampleName = std::move(named.sampleName);
+        read.session.readOptions = std::move(named.readOptions);
     }
     if (!read.session.hasVolume())
         problems.emplace_back("names no volume");
@@ -255,6 +196,8 @@ ReadSession sessionFromText(const std::string& text, const fs::path& folder) {
         read.session.isovalue = isovalue;
     if (const Json* surfaces = members.find("surfaces"))
         read.session.surfaces = surfacesFromJson(*surfaces, problems);
+    if (const Json* second = members.find("second"))
+        read.session.second = secondFrom(*second, folder, problems);
     double reference = 0.0;
     if (members.number("reference", reference))
         read.session.reference = reference;
@@ -264,6 +207,7 @@ ReadSession sessionFromText(const std::string& text, const fs::path& folder) {
         read.session.camera = cameraFrom(*camera, problems);
     if (const Json* histogram = members.find("histogram"))
         read.session.histogram = histogramFrom(*histogram, problems);
+    read.session.histogramRange = rangeFrom(members);
     if (const Json* slices = members.find("slices"))
         read.session.slices = slicesFromJson(*slices, problems);
     if (const Json* view = members.find("view")) {
@@ -293,17 +237,6 @@ Result<ReadSession> readSession(const fs::path& path) {
 Status writeSession(const SavedSession& session, const fs::path& path) {
     std::error_code ignored;
     return writeWholeFile(path, sessionText(session, fs::absolute(path, ignored).parent_path()));
-}
-
-std::string optionsText(const io::ReadOptions& options) { return toJson(options).dump(); }
-
-std::optional<io::ReadOptions> optionsFromText(const std::string& text) {
-    if (text.size() > kMostSessionBytes)
-        return std::nullopt;
-    std::vector<std::string> problems;
-    const Json json = Json::parse(text, nullptr, false);
-    const auto options = optionsFrom(json, problems);
-    return problems.empty() ? std::optional(options) : std::nullopt;
 }
 
 } // namespace isoslider::model

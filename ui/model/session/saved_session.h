@@ -8,6 +8,7 @@
 #include "core/extract/merged/merge_bound.h"
 #include "core/volume_io/volume_reader.h"
 #include "ui/model/isovalue/histogram_options.h"
+#include "ui/model/session/named_volume.h"
 #include "ui/model/slices/slice_options.h"
 #include "ui/model/surface/camera.h"
 #include "ui/model/surface/surface_list.h"
@@ -22,6 +23,7 @@ struct SavedSession {
     io::ReadOptions readOptions;
     std::optional<double> isovalue; ///< of the active surface
     SurfaceList surfaces; ///< empty: one, as sessions of before have it
+    SecondVolumeState second;
     std::optional<double> reference; ///< the isovalue that others are compared with
     std::optional<extract::MergeError> error; ///< within which cells are merged
     std::optional<CameraPose> camera;
@@ -29,6 +31,7 @@ struct SavedSession {
     /// A file of an earlier version states neither: both then stay as they are.
     bool hasStage = true, hasColouring = true;
     std::optional<HistogramOptions> histogram;
+    std::optional<HistogramRange> histogramRange; ///< none: the usual one
     std::optional<SliceOptions> slices;
 
     bool hasVolume() const { return !volume.empty() || !sampleName.empty(); }

@@ -14,15 +14,16 @@ struct OptionName {
     const char* name;
     bool ViewOptions::*member;
 };
-constexpr std::array<OptionName, 9> kOptionNames{{{"changed", &ViewOptions::showsChanged},
-                                                  {"edges", &ViewOptions::showsEdges},
-                                                  {"levels", &ViewOptions::showsLevels},
-                                                  {"box", &ViewOptions::showsBox},
-                                                  {"axes", &ViewOptions::showsAxes},
-                                                  {"readout", &ViewOptions::showsReadout},
-                                                  {"cube", &ViewOptions::showsCube},
-                                                  {"scaleBar", &ViewOptions::showsScaleBar},
-                                                  {"colourBar", &ViewOptions::showsColourBar}}};
+constexpr std::array<OptionName, 10> kOptionNames{{{"changed", &ViewOptions::showsChanged},
+                                                   {"edges", &ViewOptions::showsEdges},
+                                                   {"levels", &ViewOptions::showsLevels},
+                                                   {"box", &ViewOptions::showsBox},
+                                                   {"axes", &ViewOptions::showsAxes},
+                                                   {"readout", &ViewOptions::showsReadout},
+                                                   {"cube", &ViewOptions::showsCube},
+                                                   {"scaleBar", &ViewOptions::showsScaleBar},
+                                                   {"ticks", &ViewOptions::showsTicks},
+                                                   {"colourBar", &ViewOptions::showsColourBar}}};
 
 constexpr std::array<const char*, 3> kCapNames{"none", "colour", "values"}; // by Cap
 

@@ -4,6 +4,7 @@
 
 #include "core/extract/merged/merge_bound.h"
 #include "ui/model/isovalue/histogram_options.h"
+#include "ui/model/session/named_volume.h"
 #include "ui/model/slices/slice_options.h"
 #include "ui/model/surface/surface_list.h"
 #include "ui/model/surface/view_state.h"
@@ -14,6 +15,7 @@ namespace isoslider::model {
 struct SceneState {
     double isovalue = 0.0; ///< of the active surface
     SurfaceList surfaces;
+    SecondVolumeState second;
     std::optional<double> reference;
     extract::MergeError error;
     ViewOptions view;

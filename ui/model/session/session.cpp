@@ -8,7 +8,6 @@
 #include "core/mesh/mesh_export.h"
 #include "core/topology/index_topology.h"
 #include "ui/model/isovalue/histogram_model.h"
-#include "ui/model/opening/volume_choice.h"
 
 namespace isoslider::model {
 namespace fs = std::filesystem;
@@ -68,45 +67,29 @@ Session::Session(SessionServices services)
     detailSubscription_ = detail_.observe([this] {
         mergeCells();
         redraw();
+        second_->mergeWithin(detail_.error());
     });
     inactive_ = std::make_unique<InactiveSurfaces>(
         *runner_, services_.postToMain, [this](const ListedSurface& surface, const Error& error) {
             fail("The surface " + surface.name + " could not be extracted", error);
         });
+    second_ = std::make_unique<SecondVolume>(*runner_, services_, cache_, surfaces_,
+                                             [this](const Notice& notice) { post(notice); });
     surfacesSubscription_ = surfaces_.observe([this] { followSurfaces(); });
 }
 
 Session::~Session() = default;
 
-Result<Session::Opened> Session::openOrAsk(const OpenRequest& request, const SessionServices& services,
-                                           const IndexCache& cache, const JobControl& job) {
-    Opened opened;
-    auto loaded = loadDataset(request, cache, services.sampleLoader, services.wholeVolumeBytes, job, services.volumes);
-    if (loaded.isOk()) {
-        opened.loaded = std::move(loaded).value();
-        return opened;
-    }
-    // Only what is refused is listed: a file with nothing to choose is opened without being read twice.
-    if (request.asksForChoice && loaded.error().code == ErrorCode::InvalidArgument && !job.isStopRequested()) {
-        auto contents = services.volumes.list(request.path, request.readOptions);
-        if (contents.isOk() && isWorthAsking(contents.value())) {
-            opened.contents = std::move(contents).value();
-            return opened;
-        }
-    }
-    return std::move(loaded).error();
-}
-
 void Session::open(OpenRequest request) {
     if (loadJob_)
         runner_->cancel(*loadJob_);
     const auto ticket = ++loadTicket_;
-    loadJob_ = runner_->run<Opened>(
+    loadJob_ = runner_->run<OpenedVolume>(
         "Open " + displayName(request),
         [request, cache = cache_, services = services_](const JobControl& job) {
             return openOrAsk(request, services, cache, job);
         },
-        [this, ticket, request](Result<Opened> opened) {
+        [this, ticket, request](Result<OpenedVolume> opened) {
             if (ticket == loadTicket_)
                 onOpened(std::move(opened), request);
         });
@@ -118,7 +101,7 @@ void Session::cancelOpening() {
         runner_->cancel(*loadJob_);
 }
 
-void Session::onOpened(Result<Opened> opened, const OpenRequest& request) {
+void Session::onOpened(Result<OpenedVolume> opened, const OpenRequest& request) {
     loadJob_.reset();
     if (opened.isOk() && opened.value().loaded)
         return adopt(std::move(*opened.value().loaded));
@@ -153,6 +136,7 @@ void Session::forgetDataset() {
     isCheckingMesh_ = false;
     isPictureComing_ = false;
     inactive_->clear();
+    second_->close();
     standIn_.reset();
     isFrameOfActive_ = true;
     surfaces_.clear();
@@ -162,6 +146,7 @@ void Session::adopt(LoadedDataset loaded) {
     forgetDataset();
     pictureLimit_ = std::numeric_limits<std::uint64_t>::max();
     worker_->limitPicture(pictureLimit_);
+    second_->limitPicture(pictureLimit_);
     dataset_ = std::move(loaded.dataset);
     grid_ = std::move(loaded.grid);
     isovalue_.setDomain(dataset_->min, dataset_->max, loaded.first.isovalue);
@@ -379,13 +364,20 @@ void Session::checkMesh() {
     certificateChanged_.notify();
 }
 
-void Session::exportMesh(const fs::path& path, DatasetGeneration of) { exportSurface(path, of, std::nullopt); }
-
-void Session::exportPart(const fs::path& path, DatasetGeneration of, ExportPart part) {
-    exportSurface(path, of, std::move(part));
+Session::TakeMesh Session::takeActive() const {
+    return
+        [worker = worker_.get(), of = datasetGeneration_](const JobControl& job) { return worker->takeMesh(of, job); };
 }
 
-void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::optional<ExportPart> part) {
+void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
+    exportSurface(path, of, std::nullopt, takeActive());
+}
+
+void Session::exportPart(const fs::path& path, DatasetGeneration of, ExportPart part) {
+    exportSurface(path, of, std::move(part), takeActive());
+}
+
+void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::optional<ExportPart> part, TakeMesh take) {
     if (of != datasetGeneration_)
         return fail("The mesh was not exported",
                     makeError(ErrorCode::InvalidArgument, "its volume has been closed or replaced", path.string()));
@@ -398,10 +390,10 @@ void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::opt
     const bool isWhole = !part;
     runner_->run<mesh::Certificate>(
         "Export " + path.filename().string(),
-        [worker = worker_.get(), of, source = SourceOfMesh(*dataset_), path,
+        [take = std::move(take), source = SourceOfMesh(*dataset_), path,
          part = std::move(part)](const JobControl& job) -> Result<mesh::Certificate> {
             job.report(0.05, "Taking the surface");
-            auto surface = worker->takeMesh(of, job);
+            auto surface = take(job);
             if (!surface.isOk())
                 return surface.error();
             bool isChecked = true;
@@ -453,7 +445,7 @@ bool Session::isSettled() const {
         return false;
     if (!dataset_)
         return true;
-    if (isMoving() || inactive_->isBusy())
+    if (isMoving() || inactive_->isBusy() || second_->isBusy())
         return false;
     switch (indexState_) {
         case IndexState::None: return !grid_ || !services_.indexBuilder;

@@ -16,7 +16,9 @@
 #include "ui/model/jobs/job_runner.h"
 #include "ui/model/session/dataset.h"
 #include "ui/model/session/notice.h"
+#include "ui/model/session/second_volume.h"
 #include "ui/model/session/session_services.h"
+#include "ui/model/session/volume_opening.h"
 #include "ui/model/surface/clipped_mesh.h"
 #include "ui/model/surface/detail_model.h"
 #include "ui/model/surface/inactive_surfaces.h"
@@ -59,6 +61,8 @@ public:
     /// The same of a part of the surface; with pieces it fails if the surface has moved on by then. The certificate
     /// shown stays that of the whole. What is cut through triangles is written without a check.
     void exportPart(const std::filesystem::path& path, DatasetGeneration of, ExportPart part);
+    /// The same of a surface that does not slide, which is extracted for it.
+    void exportInactive(const std::filesystem::path& path, DatasetGeneration of, SurfaceId surface, ExportPart part);
     /// True, and a notice states why, while there is but a preview: its meshes are not exported.
     bool refusesExport();
     void cancelJob(JobId id);
@@ -114,6 +118,9 @@ public:
     std::shared_ptr<const extract::SurfacePieces> piecesOf(SurfaceId id) const;
     /// Another one becomes active, at an isovalue apart from the others.
     void addSurface();
+    /// What lies beside the volume; it is closed with it.
+    SecondVolume& secondVolume() { return *second_; }
+    const SecondVolume& secondVolume() const { return *second_; }
     /// What the volume was opened with, until the handle moves.
     FirstIsovalue& firstIsovalue() { return firstIsovalue_; }
     /// Isovalues worth a look, the best first: of the histogram, and of the topology once it is known.
@@ -159,15 +166,7 @@ private:
         std::shared_ptr<SurfaceSource> source;
     };
 
-    /// What opening a file came to: a volume, or what the user must choose from.
-    struct Opened {
-        std::optional<LoadedDataset> loaded;
-        io::VolumeContents contents;
-    };
-
-    static Result<Opened> openOrAsk(const OpenRequest& request, const SessionServices& services,
-                                    const IndexCache& cache, const JobControl& job);
-    void onOpened(Result<Opened> opened, const OpenRequest& request);
+    void onOpened(Result<OpenedVolume> opened, const OpenRequest& request);
     void adopt(LoadedDataset loaded);
     void startIndexBuild();
     void onIndexBuilt(const Status& status);
@@ -187,9 +186,13 @@ private:
     void followSurfaces();
     void changeActive(SurfaceId before, const ListedSurface& active);
     void setMaking();
+    SourceOpener sourceOpener() const;
     void setMoveProgress(double fraction);
     void onSlideError(const Error& error, double isovalue, SourceGeneration generation);
-    void exportSurface(const std::filesystem::path& path, DatasetGeneration of, std::optional<ExportPart> part);
+    using TakeMesh = std::function<Result<extract::SurfaceMesh>(const JobControl&)>;
+    TakeMesh takeActive() const;
+    void exportSurface(const std::filesystem::path& path, DatasetGeneration of, std::optional<ExportPart> part,
+                       TakeMesh take);
     void onExported(const std::filesystem::path& path, DatasetGeneration of, mesh::Certificate certificate,
                     bool isWhole);
     void fail(const std::string& title, const Error& error);
@@ -238,6 +241,7 @@ private:
     SourceGeneration generation_{};
     std::unique_ptr<SlideWorker> worker_;
     std::unique_ptr<InactiveSurfaces> inactive_;
+    std::unique_ptr<SecondVolume> second_;
     std::unique_ptr<JobRunner> runner_; // last: jobs use the worker
 };
 

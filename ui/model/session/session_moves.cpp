@@ -88,6 +88,7 @@ void Session::limitPicture(std::uint64_t bytes) {
     pictureLimit_ = bytes;
     worker_->limitPicture(bytes);
     inactive_->change([bytes](InactiveSurfaces::Making& making) { making.pictureLimit = bytes; });
+    second_->limitPicture(bytes);
     redraw();
 }
 

@@ -62,26 +62,36 @@ extract::MergeBound Session::boundAtRest() const {
     return extract::boundOf(detail_.error(), dataset_->min, dataset_->max);
 }
 
+SourceOpener Session::sourceOpener() const {
+    return indexState_ == IndexState::Ready ? openerOfIndex(dataset_->indexPath)
+                                            : openerOfMemory(grid_, services_.indexBuilder);
+}
+
+void Session::exportInactive(const std::filesystem::path& path, DatasetGeneration of, SurfaceId surface,
+                             ExportPart part) {
+    const ListedSurface* listed = surfaces_.list().find(surface);
+    if (listed == nullptr || !dataset_)
+        return;
+    exportSurface(path, of, std::move(part),
+                  [open = sourceOpener(), isovalue = listed->isovalue,
+                   bound = boundAtRest()](const JobControl& job) -> Result<extract::SurfaceMesh> {
+                      auto source = open(job);
+                      if (!source.isOk())
+                          return std::move(source).error();
+                      extract::SurfaceFrame frame;
+                      frame.marksChanges = false;
+                      frame.mergeBound = bound;
+                      ISO_TRY(source.value()->moveTo(isovalue, job, frame));
+                      return source.value()->mesh(job);
+                  });
+}
+
 void Session::setMaking() {
     InactiveSurfaces::Making making;
     making.bound = boundAtRest();
     making.pictureLimit = pictureLimit_;
-    if (indexState_ == IndexState::Ready) {
-        making.geometry = dataset_->geometry;
-        making.openSource = [path = dataset_->indexPath](const JobControl&) -> Result<std::unique_ptr<SurfaceSource>> {
-            auto engine =
-                extract::SlideEngine::open(path, {.cacheBytes = extract::kEdgesCacheBytes, .readsAhead = false});
-            if (!engine.isOk())
-                return std::move(engine).error();
-            return makeIndexSource(std::move(engine).value());
-        };
-    } else {
-        making.geometry = grid_->geometry();
-        making.openSource = [grid = grid_, builder = services_.indexBuilder](
-                                const JobControl&) -> Result<std::unique_ptr<SurfaceSource>> {
-            return makeMemorySource(grid, builder);
-        };
-    }
+    making.geometry = indexState_ == IndexState::Ready ? dataset_->geometry : grid_->geometry();
+    making.openSource = sourceOpener();
     inactive_->setMaking(std::move(making));
 }
 

@@ -42,6 +42,18 @@ glm::dquat standardOrientation(StandardView view) {
     return lookFrom(-z, -y);
 }
 
+double reachOf(const GridDims& dims, const glm::dmat4& fromIndex) {
+    double reach = 0.0;
+    for (int corner = 0; corner < 8; ++corner) {
+        glm::dvec4 place(0.0, 0.0, 0.0, 1.0);
+        for (int axis = 0; axis < 3; ++axis)
+            place[axis] =
+                (corner >> axis & 1) != 0 ? static_cast<double>(dims[static_cast<std::size_t>(axis)] - 1) : 0.0;
+        reach = std::max(reach, glm::length(glm::dvec3(fromIndex * place)));
+    }
+    return reach;
+}
+
 CameraPose poseBetween(const CameraPose& from, const CameraPose& to, double part) {
     part = std::clamp(part, 0.0, 1.0);
     CameraPose pose = to;
@@ -144,7 +156,7 @@ glm::dmat4 Camera::projectionMatrix(double aspect) const {
     aspect = usableAspect(aspect);
     // Both planes hug the scene's sphere, wherever the viewer stands: all depth bits go to the scene.
     const double centreDepth = glm::dot(backward(), eye());
-    const double reach = sceneRadius_ * 1.05;
+    const double reach = std::max(sceneRadius_, reach_) * 1.05;
     const double far = std::max(centreDepth + reach, reach * 1e-3);
     if (!isPerspective_) {
         const double half = halfHeight();

@@ -6,6 +6,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "core/grid/grid_geometry.h"
+
 namespace isoslider::model {
 
 enum class StandardView { Front, Back, Right, Left, Top, Bottom };
@@ -23,6 +25,9 @@ struct CameraPose {
 
     bool operator==(const CameraPose&) const = default;
 };
+
+/// How far a corner of a grid of these dimensions lies from the origin of the space that `fromIndex` leads to.
+double reachOf(const GridDims& dims, const glm::dmat4& fromIndex);
 
 /// On the way from one pose to another, `part` from 0 to 1; the distance changes by equal factors in equal parts.
 /// REQUIRES: both are poses of cameras.
@@ -43,6 +48,10 @@ public:
     /// there. REQUIRES: it can be inverted.
     void setStretch(const glm::dmat3& toShown, double sceneRadius);
     void setStandardView(StandardView view);
+    /// Draws what lies within this distance of the centre as well, in the space that is shown; less than the scene's
+    /// radius changes nothing.
+    void setReach(double reach) { reach_ = reach; }
+    double reach() const { return reach_; }
 
     /// Turns about the pivot: the volume's centre, or what a pose was made around; radians to the right and upwards, as
     /// the pointer moves.
@@ -86,6 +95,7 @@ public:
 
 private:
     double sceneRadius_ = 1.0;
+    double reach_ = 0.0;
     double distance_ = 3.0;
     glm::dvec3 target_{0.0}, pivot_{0.0};
     glm::dquat orientation_{1.0, 0.0, 0.0, 0.0}; ///< camera axes to world axes

@@ -19,6 +19,21 @@ glm::dvec3 offsetOf(const GridGeometry& grid, const GridGeometry& volume) {
     return (grid.origin - volume.origin) - glm::dmat3(volume.indexToWorld()) * (0.5 * lastPoint(volume));
 }
 
+/// The volume's index along an axis, as a function of an index in `grid`: dot(xyz, place) + w.
+glm::dvec4 indexAlong(int axis, const GridGeometry& grid, const GridGeometry& volume) {
+    glm::dvec4 along(0.0);
+    if (grid.direction == volume.direction && grid.origin == volume.origin) { // exact, for places on a face
+        along[axis] = grid.spacing[axis] / volume.spacing[axis];
+        return along;
+    }
+    const glm::dmat3 toVolume = glm::inverse(glm::dmat3(volume.indexToWorld()));
+    const glm::dmat3 turn = toVolume * glm::dmat3(grid.indexToWorld());
+    for (int column = 0; column < 3; ++column)
+        along[column] = turn[column][axis];
+    along.w = (toVolume * (grid.origin - volume.origin))[axis];
+    return along;
+}
+
 glm::dvec3 unitOr(const glm::dvec3& direction, const glm::dvec3& other) {
     const double length = glm::length(direction);
     return std::isfinite(length) && length > 0.0 ? direction / length : other;
@@ -57,13 +72,9 @@ std::vector<glm::dvec4> cutsOf(const Clipping& clipping, const GridGeometry& gri
         const CropBox box = cropWithin(clipping.crop, volume.dims);
         for (int axis = 0; axis < 3; ++axis) {
             const auto a = static_cast<std::size_t>(axis);
-            glm::dvec4 cut(0.0);
-            cut[axis] = grid.spacing[axis] / volume.spacing[axis]; // of a preview: to points of the volume
-            cut.w = -static_cast<double>(box.low[a]);
-            cuts.push_back(cut);
-            cut[axis] = -cut[axis];
-            cut.w = static_cast<double>(box.high[a]);
-            cuts.push_back(cut);
+            const glm::dvec4 along = indexAlong(axis, grid, volume);
+            cuts.push_back(along - glm::dvec4(0.0, 0.0, 0.0, static_cast<double>(box.low[a])));
+            cuts.push_back(glm::dvec4(0.0, 0.0, 0.0, static_cast<double>(box.high[a])) - along);
         }
     }
     if (clipping.plane.isOn) {
@@ -97,6 +108,10 @@ std::optional<std::pair<glm::dvec3, glm::dvec3>> partWithin(std::span<const glm:
 
 glm::dvec3 centredWorldOf(const glm::dvec3& place, const GridGeometry& grid, const GridGeometry& volume) {
     return glm::dmat3(grid.indexToWorld()) * place + offsetOf(grid, volume);
+}
+
+glm::dvec3 indexOfCentred(const glm::dvec3& place, const GridGeometry& grid, const GridGeometry& volume) {
+    return glm::inverse(glm::dmat3(grid.indexToWorld())) * (place - offsetOf(grid, volume));
 }
 
 double reachAlong(const glm::dvec3& direction, const GridGeometry& volume) {

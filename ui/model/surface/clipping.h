@@ -51,7 +51,8 @@ CropBox cropWithin(const std::optional<CropBox>& crop, const GridDims& dims);
 CropBox withFace(CropBox box, int axis, bool isHigh, double at, const GridDims& dims);
 
 /// Half-spaces, all of which a place must lie in to be drawn: dot(xyz, place) + w >= 0, in index units of `grid`, which
-/// is `volume` or every n-th of its points. The six of the crop box come first, then that of the plane.
+/// is `volume`, every n-th of its points, or that of another volume in the same space. The six of the crop box come
+/// first, then that of the plane.
 std::vector<glm::dvec4> cutsOf(const Clipping& clipping, const GridGeometry& grid, const GridGeometry& volume);
 inline constexpr std::size_t kMostCuts = 7;
 
@@ -62,6 +63,9 @@ std::optional<std::pair<glm::dvec3, glm::dvec3>> partWithin(std::span<const glm:
 
 /// Index units of `grid` to world axes, moved so that the centre of `volume` is the origin.
 glm::dvec3 centredWorldOf(const glm::dvec3& place, const GridGeometry& grid, const GridGeometry& volume);
+
+/// The other way round.
+glm::dvec3 indexOfCentred(const glm::dvec3& place, const GridGeometry& grid, const GridGeometry& volume);
 
 /// The volume's extent along a unit direction of the world, from its centre: planes farther away miss it.
 double reachAlong(const glm::dvec3& direction, const GridGeometry& volume);

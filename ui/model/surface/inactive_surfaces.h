@@ -34,7 +34,7 @@ public:
     using Frame = std::shared_ptr<const extract::SurfaceFrame>;
     /// How pictures are made.
     struct Making {
-        std::function<Result<std::unique_ptr<SurfaceSource>>(const JobControl&)> openSource; ///< on a worker thread
+        SourceOpener openSource; ///< used on a worker thread
         GridGeometry geometry; ///< what the source will be of
         extract::MergeBound bound;
         std::uint64_t pictureLimit = std::numeric_limits<std::uint64_t>::max(); ///< see fitPicture()

@@ -130,4 +130,18 @@ std::unique_ptr<SurfaceSource> makeIndexSource(std::unique_ptr<extract::SlideEng
     return std::make_unique<EngineSource>(std::move(engine));
 }
 
+SourceOpener openerOfIndex(std::filesystem::path index) {
+    return [index = std::move(index)](const JobControl&) -> Result<std::unique_ptr<SurfaceSource>> {
+        auto engine = extract::SlideEngine::open(index, {.cacheBytes = extract::kEdgesCacheBytes, .readsAhead = false});
+        if (!engine.isOk())
+            return std::move(engine).error();
+        return makeIndexSource(std::move(engine).value());
+    };
+}
+
+SourceOpener openerOfMemory(std::shared_ptr<const ScalarGrid> grid, std::shared_ptr<IndexBuilder> builder) {
+    return [grid = std::move(grid), builder = std::move(builder)](
+               const JobControl&) -> Result<std::unique_ptr<SurfaceSource>> { return makeMemorySource(grid, builder); };
+}
+
 } // namespace isoslider::model

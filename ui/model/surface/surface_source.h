@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "core/base/job_control.h"
@@ -35,5 +37,10 @@ std::unique_ptr<SurfaceSource> makeMemorySource(std::shared_ptr<const ScalarGrid
                                                 std::shared_ptr<IndexBuilder> builder);
 /// Slides along an index.
 std::unique_ptr<SurfaceSource> makeIndexSource(std::unique_ptr<extract::SlideEngine> engine);
+
+/// Makes another source of the same volume each time; on any thread.
+using SourceOpener = std::function<Result<std::unique_ptr<SurfaceSource>>(const JobControl&)>;
+SourceOpener openerOfIndex(std::filesystem::path index);
+SourceOpener openerOfMemory(std::shared_ptr<const ScalarGrid> grid, std::shared_ptr<IndexBuilder> builder);
 
 } // namespace isoslider::model

@@ -20,6 +20,7 @@ struct ViewOptions {
     bool showsReadout = true; ///< isovalue, triangles and milliseconds in a corner
     bool showsCube = true; ///< which way the world's axes point, to click on
     bool showsScaleBar = true;
+    bool showsTicks = false; ///< places along three edges of the box, in units of length
     bool showsColourBar = true; ///< where values have colours
     Colouring colouring;
     Clipping clipping;

@@ -9,7 +9,7 @@
 
 namespace isoslider::model {
 
-/// An isovalue worth a look, and why: "greatest mean gradient on the surface".
+/// An isovalue worth a look, and why: "encloses half of the volume".
 struct SuggestedIsovalue {
     double isovalue = 0.0;
     std::string reason; ///< empty: it was asked for
@@ -36,7 +36,7 @@ inline constexpr double kFewWholeValues = 16.0;
 std::vector<SuggestedIsovalue> suggestedIsovalues(const std::vector<topology::Suggestion>& ofTopology,
                                                   std::optional<double> ofHistogram, const SuggestedRange& range);
 
-/// "1200: greatest mean gradient on the surface"
+/// "1200: encloses half of the volume"
 std::string suggestionText(const SuggestedIsovalue& suggested);
 
 } // namespace isoslider::model

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <QAction>
 #include <QCoreApplication>
@@ -63,17 +64,31 @@ CurveOverlay::CurveOverlay(model::Session& session, SettingsStore& settings, His
     legend_->setTextFormat(Qt::RichText);
     legend_->setWordWrap(true);
     legend_->setMargin(3);
-    makeActions(settings);
+    readSettings(settings);
+    makeActions();
     plot_.installEventFilter(this);
     applyPalette();
     connect(&plot_, &HistogramPlot::scaleChanged, this, &CurveOverlay::showCurves);
+    subscriptions_.push_back(session_.histogramOptions().observe([this, &settings] { showChoices(settings); }));
     subscriptions_.push_back(session_.topology().changed().observe([this] { showCurves(); }));
     subscriptions_.push_back(session_.isovalue().observe([this] { showLegend(); }));
     showCurves();
 }
 
-void CurveOverlay::makeActions(SettingsStore& settings) {
-    const QStringList chosen = settings.list("histogram/curves");
+void CurveOverlay::readSettings(const SettingsStore& settings) {
+    auto options = session_.histogramOptions().options();
+    options.curves.clear();
+    for (const QString& name : settings.list("histogram/curves"))
+        options.curves.push_back(name.toStdString());
+    session_.histogramOptions().setOptions(options);
+}
+
+bool CurveOverlay::isChosen(TopologyQuantity quantity) const {
+    const auto& chosen = session_.histogramOptions().options().curves;
+    return std::find(chosen.begin(), chosen.end(), nameOf(quantity).key) != chosen.end();
+}
+
+void CurveOverlay::makeActions() {
     forEachQuantity([&](TopologyQuantity quantity) {
         Curve& curve = curveOf(quantity);
         curve.graph = plot_.addGraph(plot_.xAxis, axis_);
@@ -83,20 +98,33 @@ void CurveOverlay::makeActions(SettingsStore& settings) {
         curve.action = new QAction(translated(nameOf(quantity).text), this);
         curve.action->setObjectName(QStringLiteral("curve.") + QLatin1String(nameOf(quantity).key));
         curve.action->setCheckable(true);
-        curve.action->setChecked(chosen.contains(QLatin1String(nameOf(quantity).key)));
-        connect(curve.action, &QAction::toggled, this, [this, &settings] {
-            keepChoices(settings);
-            showCurves();
-        });
+        curve.action->setChecked(isChosen(quantity));
+        connect(curve.action, &QAction::triggered, this, &CurveOverlay::choose);
     });
 }
 
-void CurveOverlay::keepChoices(SettingsStore& settings) const {
+void CurveOverlay::choose() {
+    auto options = session_.histogramOptions().options();
+    options.curves.clear();
+    forEachQuantity([&](TopologyQuantity quantity) {
+        if (curveOf(quantity).action->isChecked())
+            options.curves.emplace_back(nameOf(quantity).key);
+    });
+    session_.histogramOptions().setOptions(options);
+}
+
+void CurveOverlay::showChoices(SettingsStore& settings) {
     QStringList chosen;
-    for (std::size_t i = 0; i < curves_.size(); ++i)
-        if (curves_[i].action->isChecked())
-            chosen << QLatin1String(kNames[i].key);
-    settings.set("histogram/curves", chosen);
+    forEachQuantity([&](TopologyQuantity quantity) {
+        QAction& action = *curveOf(quantity).action;
+        if (isChosen(quantity))
+            chosen << QLatin1String(nameOf(quantity).key);
+        action.setChecked(isChosen(quantity));
+    });
+    if (settings.list("histogram/curves") != chosen)
+        settings.set("histogram/curves", chosen);
+    if (std::exchange(drawn_, chosen) != chosen)
+        showCurves();
 }
 
 QToolButton* CurveOverlay::makeButton(QWidget* parent) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <QObject>
+#include <QStringList>
 
 #include "ui/model/observers.h"
 #include "ui/model/topology/topology_model.h"
@@ -45,8 +46,11 @@ private:
     };
 
     Curve& curveOf(model::TopologyQuantity quantity) { return curves_[static_cast<std::size_t>(quantity)]; }
-    void makeActions(SettingsStore& settings);
-    void keepChoices(SettingsStore& settings) const;
+    void readSettings(const SettingsStore& settings);
+    bool isChosen(model::TopologyQuantity quantity) const;
+    void makeActions();
+    void choose();
+    void showChoices(SettingsStore& settings);
     void showCurves();
     void showLegend();
     void placeLegend();
@@ -58,6 +62,7 @@ private:
     QCPAxis* axis_; ///< 0 to 1, not drawn
     QLabel* legend_;
     std::array<Curve, model::kTopologyQuantities> curves_;
+    QStringList drawn_; ///< as they were chosen
     std::vector<model::Subscription> subscriptions_;
 };
 

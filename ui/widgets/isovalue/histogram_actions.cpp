@@ -30,10 +30,11 @@ struct Switch {
     const char* setting;
     bool HistogramOptions::*member;
 };
-constexpr std::array<Switch, 3> kSwitches{
+constexpr std::array<Switch, 4> kSwitches{
     {{"isovalue.logCounts", "histogram/logCounts", &HistogramOptions::hasLogCounts},
      {"isovalue.clipCounts", "histogram/clipCounts", &HistogramOptions::clipsCounts},
-     {"isovalue.snapToSamples", "isovalue/snapsToSamples", &HistogramOptions::snapsToSamples}}};
+     {"isovalue.snapToSamples", "isovalue/snapsToSamples", &HistogramOptions::snapsToSamples},
+     {"isovalue.snap", "isovalue/snapsToEvents", &HistogramOptions::snapsToEvents}}};
 
 } // namespace
 
@@ -66,7 +67,7 @@ HistogramActions::HistogramActions(model::Session& session, SettingsStore& setti
 }
 
 void HistogramActions::readSettings() {
-    HistogramOptions options;
+    HistogramOptions options = session_.histogramOptions().options(); // its curves
     options.valueScale =
         model::scaleFromName(settings_.text("histogram/valueScale").toStdString()).value_or(ScaleKind::Linear);
     for (const auto& one : kSwitches)

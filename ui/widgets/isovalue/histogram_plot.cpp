@@ -312,6 +312,21 @@ void HistogramPlot::showWholeRange() {
         showPlaces(placesOf(view_.wholeRange()));
 }
 
+void HistogramPlot::showRange(const model::HistogramRange& range) {
+    const QCPRange places = placesOf({range.lower, range.upper});
+    if (!hasHistogram_ || !(places.size() > 0.0))
+        return;
+    isAtUsualRange_ = false;
+    showPlaces(places);
+}
+
+std::optional<model::HistogramRange> HistogramPlot::chosenRange() const {
+    if (!hasHistogram_ || isAtUsualRange_)
+        return std::nullopt;
+    const QCPRange shown = visibleRange();
+    return model::HistogramRange{shown.lower, shown.upper};
+}
+
 void HistogramPlot::showHandle() {
     const auto whole = placesOf(view_.wholeRange());
     const double place = scale_.placeOf(requested_);

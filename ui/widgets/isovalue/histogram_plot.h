@@ -40,8 +40,6 @@ public:
     /// Ascending by isovalue. `describe` gives the tool tip of one; empty if there are no marks.
     void setEventMarks(std::vector<EventMark> marks, std::function<QString(std::size_t event)> describe);
     void setChosenEvent(std::optional<std::size_t> event);
-    /// Whether a drag near a mark goes just past its event; not while Shift is held.
-    void setSnapping(bool isSnapping) { isSnapping_ = isSnapping; }
     const EventMarks& eventMarks() const { return *marks_; }
     HistogramHints& hints() { return *hints_; }
 
@@ -49,6 +47,10 @@ public:
     void showUsualRange();
     void showWholeRange();
     void showHandle();
+    /// As far as there are such values.
+    void showRange(const model::HistogramRange& range);
+    /// What the user chose to see; none: the usual range.
+    std::optional<model::HistogramRange> chosenRange() const;
     /// About the handle if it is in view, the middle otherwise. Above 1: closer.
     void zoom(double factor);
 
@@ -148,7 +150,6 @@ private:
     Drag drag_ = Drag::None;
     bool hasHistogram_ = false;
     bool isAtUsualRange_ = true; ///< until the user chooses another
-    bool isSnapping_ = false;
 };
 
 } // namespace isoslider::widgets

@@ -68,7 +68,7 @@ double HistogramPlot::soughtValue(double value, bool isFine) const {
     if (value <= min_ || value >= max_)
         return std::clamp(value, min_, max_);
     if (!isFine) {
-        if (isSnapping_)
+        if (options_.snapsToEvents)
             if (const EventMark* mark = marks_->markNear(pixelOf(value), kSnapPixels))
                 return mark->justPast;
         if (options_.snapsToSamples)

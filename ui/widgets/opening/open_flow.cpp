@@ -1,5 +1,7 @@
 #include "ui/widgets/opening/open_flow.h"
 
+#include <utility>
+
 #include <QDir>
 #include <QFileInfo>
 
@@ -26,15 +28,17 @@ bool isHeaderlessFile(const QString& path) {
 
 } // namespace
 
-OpenFlow::OpenFlow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs, QWidget* window)
+OpenFlow::OpenFlow(Target target, const model::SessionServices& services, SettingsStore& settings, FileDialogs& dialogs,
+                   QWidget* window)
     : QObject(window),
-      session_(session),
+      target_(std::move(target)),
+      volumes_(services.volumes),
       settings_(settings),
       dialogs_(dialogs),
       window_(window),
-      jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
+      jobs_(std::make_shared<model::BackgroundJobs>(services.postToMain)) {
     subscription_ =
-        session_.choiceNeeded().observe([this](const model::OpenRequest& request, const io::VolumeContents& contents) {
+        target_.choiceNeeded.observe([this](const model::OpenRequest& request, const io::VolumeContents& contents) {
             askChoice(request, contents);
         });
 }
@@ -42,7 +46,7 @@ OpenFlow::OpenFlow(model::Session& session, SettingsStore& settings, FileDialogs
 OpenFlow::~OpenFlow() = default;
 
 void OpenFlow::askFile() {
-    dialogs_.askOpen(window_, tr("Open Volume"), settings_.text(kFolderSetting), volumeFilters(),
+    dialogs_.askOpen(window_, target_.title, settings_.text(kFolderSetting), volumeFilters(),
                      [this](const QString& path) {
                          settings_.set(kFolderSetting, QFileInfo(path).path());
                          preview(path);
@@ -69,8 +73,7 @@ void OpenFlow::preview(const QString& path) {
     const auto file = absolutePath(path);
     if (model::isIndexFile(file) || isHeaderlessFile(path) || !settings_.boolean(kPreviewSetting))
         return openPath(path);
-    auto* dialog =
-        showDialog(std::make_unique<model::OpenModel>(file, jobs_, session_.services().volumes), std::nullopt);
+    auto* dialog = showDialog(std::make_unique<model::OpenModel>(file, jobs_, volumes_), std::nullopt);
     dialog->offerPreviewsFirst(true);
     connect(dialog, &VolumeDialog::previewsFirstToggled, this, &OpenFlow::setPreviewsFirst);
 }
@@ -111,15 +114,15 @@ void OpenFlow::setPreviewsFirst(bool isOn) {
 
 void OpenFlow::open(model::OpenRequest request) {
     Q_EMIT opening();
-    session_.open(std::move(request));
+    target_.open(std::move(request));
 }
 
 void OpenFlow::askRawLayout(const QString& path) {
     const QFileInfo file(path);
-    auto* dialog = new RawImportDialog(std::make_unique<model::RawImportModel>(absolutePath(path),
-                                                                               static_cast<std::uint64_t>(file.size()),
-                                                                               jobs_, session_.services().volumes),
-                                       window_);
+    auto* dialog =
+        new RawImportDialog(std::make_unique<model::RawImportModel>(
+                                absolutePath(path), static_cast<std::uint64_t>(file.size()), jobs_, volumes_),
+                            window_);
     connect(dialog, &RawImportDialog::openRequested, this,
             [this](const QString& chosen, const io::ReadOptions& options) {
                 model::OpenRequest request;
@@ -131,8 +134,7 @@ void OpenFlow::askRawLayout(const QString& path) {
 }
 
 void OpenFlow::askChoice(const model::OpenRequest& request, const io::VolumeContents& contents) {
-    showDialog(std::make_unique<model::OpenModel>(request.path, contents, jobs_, session_.services().volumes),
-               request.isovalue);
+    showDialog(std::make_unique<model::OpenModel>(request.path, contents, jobs_, volumes_), request.isovalue);
 }
 
 VolumeDialog* OpenFlow::showDialog(std::unique_ptr<model::OpenModel> model, std::optional<double> isovalue) {

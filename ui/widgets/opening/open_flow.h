@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include <QObject>
@@ -24,7 +25,14 @@ class VolumeDialog;
 class OpenFlow : public QObject {
     Q_OBJECT
 public:
-    OpenFlow(model::Session& session, SettingsStore& settings, FileDialogs& dialogs, QWidget* window);
+    /// Where what is to be opened goes.
+    struct Target {
+        std::function<void(model::OpenRequest)> open;
+        const model::Observable<const model::OpenRequest&, const io::VolumeContents&>& choiceNeeded;
+        QString title; ///< of the dialog that asks for a file
+    };
+    OpenFlow(Target target, const model::SessionServices& services, SettingsStore& settings, FileDialogs& dialogs,
+             QWidget* window);
     ~OpenFlow() override;
 
     /// Asks for a file, shows it before it is opened, if the user wants that, and opens it.
@@ -56,7 +64,8 @@ private:
     VolumeDialog* showDialog(std::unique_ptr<model::OpenModel> model, std::optional<double> isovalue);
     void open(model::OpenRequest request);
 
-    model::Session& session_;
+    Target target_;
+    model::VolumeAccess volumes_;
     SettingsStore& settings_;
     FileDialogs& dialogs_;
     QWidget* window_;

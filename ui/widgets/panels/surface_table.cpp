@@ -20,8 +20,8 @@ int percentOf(double opacity) { return static_cast<int>(std::lround(100.0 * opac
 
 } // namespace
 
-SurfaceTable::SurfaceTable(model::SurfacesModel& surfaces, QObject* parent)
-    : QAbstractTableModel(parent), surfaces_(surfaces), shown_(surfaces.list()) {
+SurfaceTable::SurfaceTable(model::SurfacesModel& surfaces, QString activeTip, QObject* parent)
+    : QAbstractTableModel(parent), surfaces_(surfaces), activeTip_(std::move(activeTip)), shown_(surfaces.list()) {
     subscription_ = surfaces_.observe([this] { follow(); });
 }
 
@@ -100,7 +100,7 @@ QVariant SurfaceTable::data(const QModelIndex& index, int role) const {
             return QVariant::fromValue((column <= Name ? Qt::AlignLeft : Qt::AlignRight) | Qt::AlignVCenter);
         case Qt::AccessibleTextRole:
             return column == Shown ? QVariant(tr("Show %1").arg(textOf(surface.name))) : data(index, Qt::DisplayRole);
-        case Qt::ToolTipRole: return isActive ? tr("The active surface: it is the one that slides") : QString();
+        case Qt::ToolTipRole: return isActive ? activeTip_ : QString();
         default: return {};
     }
 }

@@ -13,8 +13,8 @@ class SurfaceTable : public QAbstractTableModel {
 public:
     enum Column { Shown, Name, Isovalue, Opacity, kColumns };
 
-    /// The model must outlive it.
-    explicit SurfaceTable(model::SurfacesModel& surfaces, QObject* parent = nullptr);
+    /// The model must outlive it. `activeTip`: of the active surface's row.
+    SurfaceTable(model::SurfacesModel& surfaces, QString activeTip, QObject* parent = nullptr);
 
     /// REQUIRES: there is such a row.
     model::SurfaceId surfaceOf(int row) const;
@@ -32,6 +32,7 @@ private:
     void follow();
 
     model::SurfacesModel& surfaces_;
+    QString activeTip_;
     model::SurfaceList shown_; ///< what views have been told of
     model::Subscription subscription_;
 };

@@ -1,43 +1,22 @@
 #include "ui/widgets/panels/surfaces_panel.h"
 
-#include <cmath>
-#include <utility>
-
-#include <QAction>
-#include <QColorDialog>
-#include <QHeaderView>
-#include <QItemSelectionModel>
-#include <QLabel>
-#include <QMenu>
-#include <QPixmap>
-#include <QSignalBlocker>
-#include <QSlider>
-#include <QTableView>
 #include <QToolButton>
 #include <QVBoxLayout>
 
 #include "ui/model/session/session.h"
 #include "ui/widgets/common/small_widgets.h"
-#include "ui/widgets/panels/surface_table.h"
+#include "ui/widgets/panels/second_volume_box.h"
+#include "ui/widgets/panels/surface_editor.h"
 #include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::widgets {
-namespace {
-
-constexpr int kSwatch = 16;
-
-QColor colourOf(const model::SurfaceColour& colour) { return {colour[0], colour[1], colour[2]}; }
-
-QIcon swatchOf(const QColor& colour) {
-    QPixmap picture(kSwatch, kSwatch);
-    picture.fill(colour);
-    return QIcon(picture);
-}
-
-} // namespace
 
 SurfacesPanel::SurfacesPanel(model::Session& session, const ActionRegistry& actions, QWidget* parent)
-    : QWidget(parent), session_(session), table_(new SurfaceTable(session.surfaces(), this)) {
+    : QWidget(parent),
+      editor_(new SurfaceEditor(session.surfaces(),
+                                {QStringLiteral("surface"), tr("Surfaces of the volume"),
+                                 tr("The active surface: it is the one that slides")},
+                                this)) {
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(10, 8, 10, 8);
     layout->setSpacing(6);
@@ -46,130 +25,14 @@ SurfacesPanel::SurfacesPanel(model::Session& session, const ActionRegistry& acti
         row->addWidget(makeToolButton(actions.action(action), Qt::ToolButtonTextOnly, this));
     row->addStretch(1);
     layout->addLayout(row);
-    makeTable(actions);
-    layout->addWidget(view_, 1);
-    makeColours();
-    makeLook();
-    subscription_ = session_.surfaces().observe([this] { showSurfaces(); });
-    showSurfaces();
+    for (const char* action : {"surfaces.add", "surfaces.remove", "surfaces.rename", "second.open"})
+        editor_->addTableAction(actions.action(action));
+    layout->addWidget(editor_, 1);
+    layout->addWidget(new SecondVolumeBox(session, actions, this), 1);
 }
 
-void SurfacesPanel::makeTable(const ActionRegistry& actions) {
-    view_ = new QTableView(this);
-    view_->setObjectName(QStringLiteral("surfaceTable"));
-    view_->setAccessibleName(tr("Surfaces of the volume"));
-    view_->setModel(table_);
-    makePlain(*view_);
-    view_->setSelectionBehavior(QAbstractItemView::SelectRows);
-    view_->setSelectionMode(QAbstractItemView::SingleSelection);
-    view_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
-    view_->setMinimumSize(80, 40);
-    view_->verticalHeader()->setSectionResizeMode(QHeaderView::Fixed);
-    view_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 8);
-    auto* header = view_->horizontalHeader();
-    header->setMinimumSectionSize(24);
-    header->setSectionResizeMode(QHeaderView::ResizeToContents);
-    header->setSectionResizeMode(SurfaceTable::Name, QHeaderView::Stretch);
-    connect(view_, &QTableView::clicked, this, &SurfacesPanel::pick);
-    connect(view_, &QTableView::activated, this, &SurfacesPanel::pick);
-    view_->setContextMenuPolicy(Qt::ActionsContextMenu);
-    for (const char* action : {"surfaces.add", "surfaces.remove", "surfaces.rename"})
-        view_->addAction(actions.action(action));
-}
+QMenu* SurfacesPanel::colourMenu() { return editor_->colourMenu(); }
 
-void SurfacesPanel::makeColours() {
-    colours_ = new QMenu(tr("&Colour"), this);
-    for (const auto& named : model::kSurfaceColours)
-        connect(colours_->addAction(swatchOf(colourOf(named.colour)), QLatin1String(named.name)), &QAction::triggered,
-                this, [this, colour = colourOf(named.colour)] { setColour(colour); });
-    colours_->addSeparator();
-    connect(colours_->addAction(tr("&Other…")), &QAction::triggered, this, &SurfacesPanel::askColour);
-}
-
-void SurfacesPanel::makeLook() {
-    auto* row = new QHBoxLayout;
-    colour_ = new QToolButton(this);
-    colour_->setObjectName(QStringLiteral("surfaceColour"));
-    colour_->setText(tr("Colour"));
-    colour_->setToolTip(tr("Colour of the active surface"));
-    colour_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
-    colour_->setAutoRaise(true);
-    colour_->setMenu(colours_);
-    colour_->setPopupMode(QToolButton::InstantPopup);
-    auto* name = new QLabel(tr("Opacity"), this);
-    opacity_ = new QSlider(Qt::Horizontal, this);
-    opacity_->setObjectName(QStringLiteral("surfaceOpacity"));
-    opacity_->setRange(static_cast<int>(std::lround(100.0 * model::kLeastOpacity)), 100);
-    opacity_->setPageStep(10);
-    opacity_->setMinimumWidth(40);
-    opacity_->setAccessibleName(tr("Opacity of the active surface"));
-    opacity_->setToolTip(tr("Opacity of the active surface; those of others are typed in the list"));
-    name->setBuddy(opacity_);
-    opacityValue_ = new QLabel(this);
-    opacityValue_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("100 %")));
-    opacityValue_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
-    row->addWidget(colour_);
-    row->addWidget(name);
-    row->addWidget(opacity_, 1);
-    row->addWidget(opacityValue_);
-    static_cast<QVBoxLayout*>(layout())->addLayout(row);
-    connect(opacity_, &QSlider::valueChanged, this, [this](int percent) {
-        auto& surfaces = session_.surfaces();
-        surfaces.change(surfaces.list().active,
-                        [percent](model::ListedSurface& surface) { surface.opacity = percent / 100.0; });
-    });
-}
-
-void SurfacesPanel::pick(const QModelIndex& index) {
-    if (index.isValid() && index.column() != SurfaceTable::Shown && index.column() != SurfaceTable::Opacity)
-        session_.surfaces().activate(table_->surfaceOf(index.row()));
-}
-
-void SurfacesPanel::setColour(const QColor& colour) {
-    auto& surfaces = session_.surfaces();
-    surfaces.change(surfaces.list().active, [&](model::ListedSurface& surface) {
-        surface.colour = {static_cast<std::uint8_t>(colour.red()), static_cast<std::uint8_t>(colour.green()),
-                          static_cast<std::uint8_t>(colour.blue())};
-    });
-}
-
-void SurfacesPanel::askColour() {
-    const auto* active = session_.surfaces().active();
-    if (active == nullptr)
-        return;
-    auto* dialog = new QColorDialog(colourOf(active->colour), this);
-    dialog->setObjectName(QStringLiteral("surfaceColourDialog"));
-    dialog->setAttribute(Qt::WA_DeleteOnClose);
-    connect(dialog, &QColorDialog::colorSelected, this, &SurfacesPanel::setColour);
-    dialog->open();
-}
-
-void SurfacesPanel::editName() {
-    const QModelIndex index = table_->index(table_->activeRow(), SurfaceTable::Name);
-    view_->setFocus(Qt::ShortcutFocusReason);
-    view_->setCurrentIndex(index);
-    if (index.isValid() && !view_->isPersistentEditorOpen(index)) // which is true of any open editor
-        view_->edit(index);
-}
-
-void SurfacesPanel::showSurfaces() {
-    const auto* active = session_.surfaces().active();
-    for (QWidget* widget : {static_cast<QWidget*>(colour_), static_cast<QWidget*>(opacity_)})
-        widget->setEnabled(active != nullptr);
-    colours_->setEnabled(active != nullptr);
-    if (active == nullptr)
-        return opacityValue_->clear();
-    const int percent = static_cast<int>(std::lround(100.0 * active->opacity));
-    {
-        const QSignalBlocker blocker(opacity_); // a session may have steps in between
-        opacity_->setValue(percent);
-    }
-    opacityValue_->setText(tr("%1 %").arg(percent));
-    colour_->setIcon(swatchOf(colourOf(active->colour)));
-    // Not while a surface slides: somebody may be typing in another row.
-    const bool isOther = std::exchange(shownActive_, active->id) != active->id;
-    if (isOther || !view_->currentIndex().isValid())
-        view_->setCurrentIndex(table_->index(table_->activeRow(), SurfaceTable::Name));
-}
+void SurfacesPanel::editName() { editor_->editName(); }
 
 } // namespace isoslider::widgets

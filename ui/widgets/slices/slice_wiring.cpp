@@ -10,8 +10,8 @@
 #include <glm/geometric.hpp>
 
 #include "ui/model/isovalue/number_text.h"
-#include "ui/model/pieces/shown_hit.h"
 #include "ui/model/session/session.h"
+#include "ui/model/surface/shown_surfaces.h"
 #include "ui/widgets/slices/slice_pane.h"
 #include "ui/widgets/slices/slice_workspace.h"
 #include "ui/widgets/viewport/viewport_host.h"
@@ -283,7 +283,7 @@ void SliceWiring::faceTheView() {
 void SliceWiring::moveToPointer(QPointF point) {
     const SliceOptions& options = parts_.slices.options();
     const auto* dataset = parts_.slices.dataset();
-    const auto frame = parts_.session.frame();
+    const auto frame = parts_.session.pictureOf(parts_.session.surfaces().list().active); // of whose grid the line is
     const auto line = parts_.host.viewport()->lineOfSight(point);
     if (!line || !frame || dataset == nullptr || actions_.action("view.measure")->isChecked() ||
         (options.layout == SliceLayout::None &&
@@ -300,9 +300,13 @@ void SliceWiring::moveToPointer(QPointF point) {
                 snaps = kind != SliceKind::Oblique;
             }
     const model::ViewOptions& view = parts_.host.viewState().options();
-    const auto cuts = model::cutsOf(view.clipping, frame->geometry, dataset->geometry);
-    if (const auto hit = firstShownHit(*frame, view.pieces, cuts, line->first, line->second)) {
-        const double way = glm::distance(hit->place * step, from) / glm::distance(to, from);
+    const GridGeometry& volume = dataset->geometry;
+    const auto shown = model::shownSurfaces(parts_.session, view);
+    if (const auto met =
+            model::firstShownPlace(shown, view.clipping, volume, model::centredWorldOf(from, volume, volume),
+                                   model::centredWorldOf(to, volume, volume))) {
+        const double way =
+            glm::distance(model::indexOfCentred(met->place, volume, volume), from) / glm::distance(to, from);
         if (way < nearest) {
             nearest = way;
             snaps = true;

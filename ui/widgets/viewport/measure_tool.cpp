@@ -10,9 +10,8 @@
 #include <QLineF>
 
 #include "ui/model/isovalue/number_text.h"
-#include "ui/model/pieces/shown_hit.h"
 #include "ui/model/session/session.h"
-#include "ui/render/scene_renderer.h"
+#include "ui/model/surface/shown_surfaces.h"
 #include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/viewport/viewport_widget.h"
 
@@ -141,15 +140,17 @@ MeasureTool::MeasureTool(model::Session& session, model::ViewState& options, Vie
 
 void MeasureTool::take(QPointF point) {
     const auto* dataset = session_.dataset();
-    const auto frame = session_.frame();
+    const auto frame = session_.pictureOf(session_.surfaces().list().active); // of whose grid the line is
     const auto line = viewport_.lineOfSight(point);
     if (!action_.isChecked() || dataset == nullptr || !frame || !line)
         return;
-    const auto cuts = model::cutsOf(options_.options().clipping, frame->geometry, dataset->geometry);
-    if (const auto hit = firstShownHit(*frame, options_.options().pieces, cuts, line->first, line->second))
-        setPlaces(model::withPlace(
-            options_.options().measured,
-            glm::dvec3(render::indexToCentredWorld(frame->geometry, dataset->geometry) * glm::dvec4(hit->place, 1.0))));
+    const auto inWorld = [&](const glm::dvec3& place) {
+        return model::centredWorldOf(place, frame->geometry, dataset->geometry);
+    };
+    const auto shown = model::shownSurfaces(session_, options_.options());
+    if (const auto met = model::firstShownPlace(shown, options_.options().clipping, dataset->geometry,
+                                                inWorld(line->first), inWorld(line->second)))
+        setPlaces(model::withPlace(options_.options().measured, met->place));
 }
 
 void MeasureTool::setPlaces(model::MeasuredPlaces places) {

@@ -1,6 +1,8 @@
 #include "ui/widgets/viewport/scene_guides.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include <QAction>
 #include <QEvent>
@@ -12,7 +14,10 @@
 #include "ui/model/colouring/colour_model.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
+#include "ui/model/surface/box_ticks.h"
+#include "ui/render/scene_renderer.h"
 #include "ui/widgets/panels/fact_texts.h"
+#include "ui/widgets/viewport/box_ticks_view.h"
 #include "ui/widgets/viewport/camera_flight.h"
 #include "ui/widgets/viewport/colour_bar_view.h"
 #include "ui/widgets/viewport/orientation_cube.h"
@@ -37,6 +42,7 @@ SceneGuides::SceneGuides(model::Session& session, const Parts& parts, const Acti
       session_(session),
       parts_(parts),
       actions_(actions),
+      ticks_(new BoxTicksView(&parts.viewport)), // below the others
       cube_(new OrientationCube(&parts.viewport)),
       scaleBar_(new ScaleBarView(&parts.viewport)),
       colourBar_(new ColourBarView(&parts.viewport)),
@@ -46,6 +52,7 @@ SceneGuides::SceneGuides(model::Session& session, const Parts& parts, const Acti
     connect(&parts_.viewport, &ViewportWidget::cameraChanged, this, [this] {
         cube_->setOrientation(parts_.viewport.camera().orientation());
         showScale();
+        showTicks();
     });
     connect(actions_.action("view.fit"), &QAction::triggered, this, &SceneGuides::fitToSurface);
     parts_.viewport.installEventFilter(this);
@@ -68,6 +75,47 @@ void SceneGuides::showState() {
     cube_->move(room.width() - cube_->width() - kCubeMargin, kCubeMargin);
     showScale();
     showColours();
+    showTicks();
+}
+
+// Outside the box as it is seen: away from its middle.
+void SceneGuides::showTicks() {
+    const auto* dataset = session_.dataset();
+    const model::ViewOptions& options = parts_.view.options();
+    const QSize room = parts_.viewport.size();
+    ticks_->setGeometry(parts_.viewport.rect());
+    ticks_->setVisible(dataset != nullptr && options.showsTicks && room.width() > 0 && room.height() > 0);
+    if (ticks_->isHidden())
+        return;
+    const model::Camera& camera = parts_.viewport.camera();
+    const GridGeometry& volume = dataset->geometry;
+    const glm::dmat4 toScreen = camera.projectionMatrix(static_cast<double>(room.width()) / room.height()) *
+                                camera.viewMatrix() * render::indexToCentredWorld(volume, volume);
+    const auto pixelOf = [&](const glm::dvec3& place) {
+        const glm::dvec4 clip = toScreen * glm::dvec4(place, 1.0);
+        return QPointF((0.5 + 0.5 * clip.x / clip.w) * room.width(), (0.5 - 0.5 * clip.y / clip.w) * room.height());
+    };
+    const glm::dvec3 last(volume.dims[0] - 1, volume.dims[1] - 1, volume.dims[2] - 1);
+    const QPointF middle = pixelOf(0.5 * last);
+    std::vector<BoxTicksView::Edge> edges;
+    for (const model::TickedEdge& ticked : model::tickedEdges(volume, toScreen, {room.width(), room.height()})) {
+        BoxTicksView::Edge edge;
+        const QString letter(QLatin1Char("XYZ"[ticked.axis]));
+        const QString unit = fromStd(dataset->lengthUnit);
+        const QString name = ticked.isOfWorld ? letter : tr("along %1").arg(letter);
+        edge.title = unit.isEmpty() ? name : tr("%1 (%2)").arg(name, unit);
+        edge.from = pixelOf(ticked.from);
+        edge.to = pixelOf(ticked.to);
+        const QPointF along = edge.to - edge.from;
+        QPointF across(-along.y(), along.x());
+        if (QPointF::dotProduct(across, (edge.from + edge.to) / 2.0 - middle) < 0.0)
+            across = -across;
+        edge.outwards = across / std::hypot(across.x(), across.y());
+        for (const auto& tick : ticked.ticks)
+            edge.ticks.emplace_back(pixelOf(tick.place), fromStd(model::valueText(tick.value, 7)));
+        edges.push_back(std::move(edge));
+    }
+    ticks_->setEdges(std::move(edges), model::isLight(options.stage.background));
 }
 
 // Between the cube and the scale bar: all three stay clear of each other.
@@ -119,6 +167,7 @@ void SceneGuides::paint(QPainter& painter) const {
         guide.paint(painter);
         painter.restore();
     };
+    paint(*ticks_);
     paint(*cube_);
     paint(*scaleBar_);
     paint(*colourBar_);

@@ -17,6 +17,7 @@ class Session;
 namespace isoslider::widgets {
 
 class ActionRegistry;
+class BoxTicksView;
 class CameraFlight;
 class ColourBarView;
 class OrientationCube;
@@ -24,8 +25,8 @@ class ScaleBarView;
 class SurfaceFit;
 class ViewportWidget;
 
-/// What helps to find one's way in the 3-D view: the orientation cube, the scale bar, the colour bar, and the way to
-/// the surface. Everything it is given must outlive it.
+/// What helps to find one's way in the 3-D view: the orientation cube, the scale bar, the colour bar, ticks on
+/// the box, and the way to the surfaces. Everything it is given must outlive it.
 class SceneGuides : public QObject {
     Q_OBJECT
 public:
@@ -49,10 +50,12 @@ private:
     void showState();
     void showScale();
     void showColours();
+    void showTicks();
 
     model::Session& session_;
     Parts parts_;
     const ActionRegistry& actions_;
+    BoxTicksView* ticks_;
     OrientationCube* cube_;
     ScaleBarView* scaleBar_;
     ColourBarView* colourBar_;

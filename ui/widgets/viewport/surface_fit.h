@@ -19,7 +19,7 @@ namespace isoslider::widgets {
 
 class ViewportWidget;
 
-/// Finds where a view's camera must stand to show what is shown of the active surface as large as it fits, from the
+/// Finds where a view's camera must stand to show what is shown of all surfaces as large as it fits, from the
 /// direction that it has. Everything it is given must outlive it.
 class SurfaceFit : public QObject {
     Q_OBJECT

@@ -31,6 +31,7 @@ namespace {
 
 constexpr int kOverlayMargin = 12;
 constexpr int kOverlaySpacing = 6;
+constexpr std::uint32_t kSecondVolume = 0x80000000; // set in the ids of its surfaces
 constexpr std::uint64_t kLeastPictureBytes = 1 << 14; // below it, it is not for its size that a surface is refused
 const QColor kPreviewColour(255, 214, 138);
 
@@ -39,7 +40,7 @@ struct OptionAction {
     const char* setting;
     bool model::ViewOptions::*member;
 };
-constexpr std::array<OptionAction, 9> kOptionActions{
+constexpr std::array<OptionAction, 10> kOptionActions{
     {{"view.changed", "view/showsChanged", &model::ViewOptions::showsChanged},
      {"view.edges", "view/showsEdges", &model::ViewOptions::showsEdges},
      {"view.levels", "view/showsLevels", &model::ViewOptions::showsLevels},
@@ -48,6 +49,7 @@ constexpr std::array<OptionAction, 9> kOptionActions{
      {"view.readout", "view/showsReadout", &model::ViewOptions::showsReadout},
      {"view.cube", "view/showsCube", &model::ViewOptions::showsCube},
      {"view.scaleBar", "view/showsScaleBar", &model::ViewOptions::showsScaleBar},
+     {"view.ticks", "view/showsTicks", &model::ViewOptions::showsTicks},
      {"colour.bar", "view/showsColourBar", &model::ViewOptions::showsColourBar}}};
 
 constexpr std::array<const char*, 11> kClipActions{{"clip.crop", "clip.resetCrop", "clip.plane", "clip.flip",
@@ -138,6 +140,8 @@ ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, con
         showReadout();
     });
     inactiveSubscription_ = session_.inactiveChanged().observe([this] { showSurfaces(); });
+    secondSubscriptions_[0] = session_.secondVolume().changed().observe([this] { showSurfaces(); });
+    secondSubscriptions_[1] = session_.secondVolume().surfaces().observe([this] { showSurfaces(); });
     applyOptions();
     showFrame();
 }
@@ -200,6 +204,8 @@ void ViewportHost::connectViews(const ActionRegistry& actions) {
     clip_ = new ClipTool(session_, viewState_, *viewport_, actions, this);
     connect(viewport_, &ViewportWidget::cameraChanged, this,
             [this] { axes_->setOrientation(viewport_->camera().orientation()); });
+    connect(viewport_, &ViewportWidget::cameraChanged, this,
+            &ViewportHost::reachSecond); // what is shown may be stretched
     connect(viewport_, &ViewportWidget::stepRequested, this, [this](double step) { session_.isovalue().step(step); });
     connect(actions.action("view.reset"), &QAction::triggered, firstView_, &FirstView::reset);
     connect(actions.action("view.perspective"), &QAction::toggled, this, [this](bool isPerspective) {
@@ -230,11 +236,14 @@ void ViewportHost::connectGraphics() {
 }
 
 void ViewportHost::showCoarser(std::uint64_t refusedBytes) {
-    const auto& surfaces = session_.surfaces().list().surfaces;
-    const bool isShown = std::any_of(surfaces.begin(), surfaces.end(), [&](const model::ListedSurface& surface) {
-        const auto picture = session_.pictureOf(surface.id);
-        return picture && extract::pictureBytes(*picture) == refusedBytes;
-    });
+    const auto isOf = [refusedBytes](const auto& owner) {
+        const auto& surfaces = owner.surfaces().list().surfaces;
+        return std::any_of(surfaces.begin(), surfaces.end(), [&](const model::ListedSurface& surface) {
+            const auto picture = owner.pictureOf(surface.id);
+            return picture && extract::pictureBytes(*picture) == refusedBytes;
+        });
+    };
+    const bool isShown = isOf(session_) || isOf(session_.secondVolume());
     if (!isShown)
         return; // another one is on its way already
     if (refusedBytes >= kLeastPictureBytes)
@@ -317,6 +326,8 @@ void ViewportHost::showSurfaces() {
         else if (auto picture = session_.pictureOf(surface.id); picture && surface.isVisible)
             inactive.push_back({surface.id, std::move(picture), render::lookOf(surface), surface.hiddenPieces});
     }
+    addSecond(inactive);
+    reachSecond();
     // The list states each isovalue that the handle asks for: without a new picture there is nothing to draw.
     const auto volume = dataset != nullptr ? std::optional(dataset->geometry) : std::nullopt;
     auto picture = session_.pictureOf(list.active);
@@ -325,6 +336,27 @@ void ViewportHost::showSurfaces() {
     drawnPicture_ = std::move(picture);
     drawnVolume_ = volume;
     viewport_->setSurfaces(look, std::move(inactive));
+}
+
+void ViewportHost::addSecond(std::vector<render::InactiveSurface>& surfaces) {
+    const auto& second = session_.secondVolume();
+    for (const model::ListedSurface& surface : second.surfaces().list().surfaces)
+        if (auto picture = second.pictureOf(surface.id); picture && surface.isVisible)
+            surfaces.push_back({model::SurfaceId{static_cast<std::uint32_t>(surface.id) | kSecondVolume},
+                                std::move(picture), render::lookOf(surface), surface.hiddenPieces, false});
+}
+
+void ViewportHost::reachSecond() {
+    const auto* first = session_.dataset();
+    const auto* second = session_.secondVolume().dataset();
+    const bool areThere = first != nullptr && second != nullptr;
+    const model::Camera& camera = viewport_->camera();
+    const double reach = areThere ? model::reachOf(second->geometry.dims,
+                                                   glm::dmat4(camera.stretch()) *
+                                                       render::indexToCentredWorld(second->geometry, first->geometry))
+                                  : 0.0;
+    if (reach != camera.reach())
+        viewport_->changeCamera([reach](model::Camera& changed) { changed.setReach(reach); });
 }
 
 void ViewportHost::showState() {

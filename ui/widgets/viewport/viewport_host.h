@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <QImage>
 #include <QWidget>
@@ -15,6 +17,10 @@ namespace isoslider::model {
 class ColourModel;
 class Session;
 } // namespace isoslider::model
+
+namespace isoslider::render {
+struct InactiveSurface;
+}
 
 namespace isoslider::widgets {
 
@@ -71,6 +77,8 @@ private:
     void showFrame();
     void showReadout();
     void showSurfaces();
+    void addSecond(std::vector<render::InactiveSurface>& surfaces);
+    void reachSecond();
     void showState();
     void applyOptions();
     void placeOverlays();
@@ -101,6 +109,7 @@ private:
     model::Subscription frameSubscription_;
     model::Subscription surfacesSubscription_;
     model::Subscription inactiveSubscription_;
+    std::array<model::Subscription, 2> secondSubscriptions_;
     model::Subscription optionsSubscription_;
     model::Subscription actionsSubscription_;
     model::Subscription coloursSubscription_;

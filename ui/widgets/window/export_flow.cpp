@@ -1,10 +1,14 @@
 #include "ui/widgets/window/export_flow.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include <QAction>
 #include <QDir>
 #include <QFileInfo>
+#include <QRegularExpression>
+#include <QStringList>
 #include <QWidget>
 
 #include "ui/model/surface/view_state.h"
@@ -18,6 +22,19 @@ namespace {
 
 std::filesystem::path toPath(const QString& path) { return {path.toStdU16String()}; }
 
+/// A file beside `path` that is not there yet: nobody was asked whether it may be replaced.
+QString freePath(const QString& path, QString name, const QStringList& taken) {
+    static const QRegularExpression unfit(QStringLiteral("[^\\w.-]+"), QRegularExpression::UseUnicodePropertiesOption);
+    name.replace(unfit, QStringLiteral("_"));
+    const QFileInfo file(path);
+    const QString begin = file.dir().filePath(file.completeBaseName() + QLatin1Char('_') + name);
+    const QString end = QLatin1Char('.') + file.suffix();
+    QString found = begin + end;
+    for (int number = 2; QFileInfo::exists(found) || taken.contains(found); ++number)
+        found = begin + QLatin1Char('_') + QString::number(number) + end;
+    return found;
+}
+
 } // namespace
 
 ExportFlow::ExportFlow(model::Session& session, const Parts& parts, QWidget* window)
@@ -27,6 +44,7 @@ ExportFlow::ExportFlow(model::Session& session, const Parts& parts, QWidget* win
     connect(parts_.actions.action("pieces.exportSelected"), &QAction::triggered, this, [this] { askSelected(); });
     connect(parts_.actions.action("clip.exportClosed"), &QAction::triggered, this, [this] { askClosed(); });
     frameSubscription_ = session_.frameChanged().observe([this] { showWhatIsPossible(); });
+    surfacesSubscription_ = session_.surfaces().observe([this] { showWhatIsPossible(); });
     optionsSubscription_ = parts_.viewState.observe([this] { showWhatIsPossible(); });
     showWhatIsPossible();
 }
@@ -45,21 +63,45 @@ void ExportFlow::askWhole() {
                            });
 }
 
+// A file for each surface. The first has the name that is chosen, the others that of the surface besides.
 void ExportFlow::askShown() {
-    const auto& options = parts_.viewState.options();
-    model::Session::ExportPart part;
-    part.clipping = options.clipping;
-    if (options.pieces.hidesAny()) {
-        part.pieces = piecesOf(Choice::Shown);
-        if (!part.pieces || part.pieces->kept.empty())
-            return;
+    std::vector<ShownPart> parts;
+    for (const model::ShownSurface& surface : model::shownSurfaces(session_, parts_.viewState.options())) {
+        const auto* listed = session_.surfaces().list().find(surface.id);
+        model::Session::ExportPart part;
+        part.clipping = parts_.viewState.options().clipping;
+        if (surface.pieces.hidesAny())
+            part.pieces = shownPiecesOf(surface);
+        const bool isNothing = surface.pieces.hidesAny() && (!part.pieces || part.pieces->kept.empty());
+        if (!surface.isOfSecond && listed != nullptr && !isNothing)
+            parts.push_back({surface.id, QString::fromStdString(listed->name), std::move(part)});
     }
-    ask(tr("Export What Is Shown"), QStringLiteral("_shown"), part);
+    if (parts.empty() || session_.dataset() == nullptr || session_.refusesExport())
+        return;
+    const QString title =
+        parts.size() > 1 ? tr("Export What Is Shown: %1 Files").arg(parts.size()) : tr("Export What Is Shown");
+    parts_.dialogs.askSave(window_, title, suggestedPath(QStringLiteral("_shown")), meshFilters(),
+                           [this, parts, of = session_.datasetGeneration()](const QString& path) {
+                               rememberFolder(path);
+                               exportAll(parts, path, of);
+                           });
+}
+
+void ExportFlow::exportAll(const std::vector<ShownPart>& parts, const QString& path, model::DatasetGeneration of) {
+    QStringList taken{path};
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const QString file = i == 0 ? path : freePath(path, parts[i].name, taken);
+        taken << file;
+        if (parts[i].surface == session_.surfaces().list().active)
+            session_.exportPart(toPath(file), of, parts[i].part);
+        else
+            session_.exportInactive(toPath(file), of, parts[i].surface, parts[i].part);
+    }
 }
 
 void ExportFlow::askSelected() {
     model::Session::ExportPart part;
-    part.pieces = piecesOf(Choice::Selected);
+    part.pieces = selectedPiece();
     if (part.pieces && !part.pieces->kept.empty())
         ask(tr("Export Selected Piece"), QStringLiteral("_piece"), part);
 }
@@ -94,16 +136,26 @@ void ExportFlow::rememberFolder(const QString& path) {
     parts_.settings.set("files/exportFolder", QFileInfo(path).path());
 }
 
-std::optional<model::Session::ExportPart::Pieces> ExportFlow::piecesOf(Choice choice) const {
+std::optional<model::Session::ExportPart::Pieces> ExportFlow::selectedPiece() const {
     const auto frame = session_.frame();
     if (session_.dataset() == nullptr || !frame || !frame->pieces)
         return std::nullopt;
     model::Session::ExportPart::Pieces pieces{{}, frame->isovalue};
-    const auto& options = parts_.viewState.options().pieces;
-    const model::PieceDisplay display(*frame->pieces, frame->geometry, options);
-    const auto all = frame->pieces->pieces();
+    for (const extract::Piece& piece : frame->pieces->pieces())
+        if (parts_.viewState.options().pieces.selected == piece.id)
+            pieces.kept.push_back(piece);
+    return pieces;
+}
+
+std::optional<model::Session::ExportPart::Pieces> ExportFlow::shownPiecesOf(const model::ShownSurface& surface) {
+    const extract::SurfaceFrame& frame = *surface.frame;
+    if (!frame.pieces)
+        return std::nullopt;
+    model::Session::ExportPart::Pieces pieces{{}, frame.isovalue};
+    const model::PieceDisplay display(*frame.pieces, frame.geometry, surface.pieces);
+    const auto all = frame.pieces->pieces();
     for (std::size_t piece = 0; piece < all.size(); ++piece)
-        if (choice == Choice::Selected ? options.selected == all[piece].id : display.isShown(piece))
+        if (display.isShown(piece))
             pieces.kept.push_back(all[piece]);
     return pieces;
 }
@@ -114,10 +166,13 @@ void ExportFlow::showWhatIsPossible() {
     const auto* dataset = session_.dataset();
     const model::Clipping& clipping = options.clipping;
     const bool isKnown = frame && frame->pieces;
+    const auto& surfaces = session_.surfaces().list().surfaces;
+    const bool areSeveral = std::count_if(surfaces.begin(), surfaces.end(),
+                                          [](const model::ListedSurface& surface) { return surface.isVisible; }) > 1;
     const bool isClipped = clipping.isCropped || clipping.plane.isOn;
     parts_.actions.action("pieces.exportSelected")->setEnabled(isKnown && options.pieces.selected);
     parts_.actions.action("pieces.exportShown")
-        ->setEnabled(options.pieces.hidesAny() ? isKnown : frame != nullptr && isClipped);
+        ->setEnabled(frame != nullptr && (areSeveral || (options.pieces.hidesAny() ? isKnown : isClipped)));
     // Only whole cells can be closed exactly, and only where no sample is missing.
     parts_.actions.action("clip.exportClosed")
         ->setEnabled(frame != nullptr && dataset != nullptr && clipping.isCropped && dataset->missingSamples == 0 &&

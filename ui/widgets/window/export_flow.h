@@ -1,12 +1,14 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <QObject>
 #include <QString>
 
 #include "ui/model/observers.h"
 #include "ui/model/session/session.h"
+#include "ui/model/surface/shown_surfaces.h"
 
 class QWidget;
 
@@ -34,7 +36,12 @@ public:
     ExportFlow(model::Session& session, const Parts& parts, QWidget* window);
 
 private:
-    enum class Choice { Shown, Selected };
+    /// What of a surface is shown.
+    struct ShownPart {
+        model::SurfaceId surface{};
+        QString name;
+        model::Session::ExportPart part;
+    };
 
     void askWhole();
     void askShown();
@@ -43,14 +50,17 @@ private:
     void ask(const QString& title, const QString& addition, const model::Session::ExportPart& part);
     QString suggestedPath(const QString& addition) const;
     void rememberFolder(const QString& path);
+    void exportAll(const std::vector<ShownPart>& parts, const QString& path, model::DatasetGeneration of);
     /// None without pieces that are known.
-    std::optional<model::Session::ExportPart::Pieces> piecesOf(Choice choice) const;
+    std::optional<model::Session::ExportPart::Pieces> selectedPiece() const;
+    static std::optional<model::Session::ExportPart::Pieces> shownPiecesOf(const model::ShownSurface& surface);
     void showWhatIsPossible();
 
     model::Session& session_;
     Parts parts_;
     QWidget* window_;
     model::Subscription frameSubscription_;
+    model::Subscription surfacesSubscription_;
     model::Subscription optionsSubscription_;
 };
 

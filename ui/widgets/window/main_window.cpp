@@ -69,7 +69,12 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
       dialogs_(dialogs),
       recentFiles_(std::make_unique<RecentFiles>(settings)),
       actions_(new ActionRegistry(this)),
-      openFlow_(new OpenFlow(session, settings, dialogs, this)),
+      openFlow_(new OpenFlow({[&session](model::OpenRequest request) { session.open(std::move(request)); },
+                              session.choiceNeeded(), tr("Open Volume")},
+                             session.services(), settings, dialogs, this)),
+      secondFlow_(new OpenFlow({[&session](const model::OpenRequest& request) { session.secondVolume().open(request); },
+                                session.secondVolume().choiceNeeded(), tr("Open Second Volume")},
+                               session.services(), settings, dialogs, this)),
       slices_(std::make_unique<model::SliceModel>(session)),
       jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
     setObjectName(QStringLiteral("mainWindow"));
@@ -129,6 +134,7 @@ QDockWidget* MainWindow::addDock(const QString& title, const char* name, QWidget
 
 void MainWindow::makeDocks() {
     isovaluePanel_ = new IsovaluePanel(session_, settings_, *actions_, this);
+    keeper_->setPlot(isovaluePanel_->plot());
     datasetDock_ = addDock(tr("Dataset"), "datasetDock", new DatasetPanel(session_, *actions_, this));
     isovalueDock_ = addDock(tr("Isovalue"), "isovalueDock", isovaluePanel_);
     countsDock_ = addDock(tr("Counts"), "countsDock", new CountsPanel(session_, this));
@@ -241,7 +247,7 @@ void MainWindow::updateActions() {
     const auto* dataset = session_.dataset();
     const bool hasSurface = session_.frame() != nullptr;
     const auto state = session_.indexState();
-    for (const char* id : {"isovalue.edit", "isovalue.play", "file.close", "file.saveSession"})
+    for (const char* id : {"isovalue.edit", "isovalue.play", "file.close", "file.saveSession", "second.open"})
         actions_->action(id)->setEnabled(dataset != nullptr);
     actions_->action("mesh.export")->setEnabled(hasSurface);
     actions_->action("file.saveImage")->setEnabled(hasSurface && host_->viewport() != nullptr);
@@ -273,9 +279,12 @@ void MainWindow::reportNotOpened(const QStringList& files) {
     const QString shown = files.mid(0, kMostFilesNamed).join(QStringLiteral(", "));
     const auto more = files.size() - kMostFilesNamed;
     const QString all = more > 0 ? tr("%1 and %2 more").arg(shown).arg(more) : shown;
-    messageBar_->showNotice({model::Notice::Severity::Information,
-                             tr("One volume is shown at a time; a folder of slices is opened as a whole").toStdString(),
-                             tr("Not opened: %1").arg(all).toStdString()});
+    messageBar_->showNotice(
+        {model::Notice::Severity::Information,
+         tr("One file is opened at a time; a folder of slices is opened as a whole, a second volume beside the "
+            "first by the menu Surfaces")
+             .toStdString(),
+         tr("Not opened: %1").arg(all).toStdString()});
 }
 
 void MainWindow::changeEvent(QEvent* event) {

@@ -89,6 +89,7 @@ private:
     std::unique_ptr<RecentFiles> recentFiles_;
     ActionRegistry* actions_;
     OpenFlow* openFlow_;
+    OpenFlow* secondFlow_; ///< of a second volume
     SessionKeeper* keeper_ = nullptr;
     MessageBar* messageBar_ = nullptr;
     MessageBar* recoveryBar_ = nullptr;

@@ -30,7 +30,7 @@ void MainWindow::makeMenus() {
             menu->addAction(actions_->action(id));
     };
     QMenu* file = menuBar()->addMenu(tr("&File"));
-    add(file, {"file.open", "file.openFolder", "file.importRaw"});
+    add(file, {"file.open", "file.openFolder", "file.importRaw", "second.open"});
     recentMenu_ = file->addMenu(tr("Open &Recent"));
     QMenu* samples = file->addMenu(tr("Open Sa&mple"));
     add(samples, {"file.sampleBluntFin", "file.sampleShell"});
@@ -51,8 +51,8 @@ void MainWindow::makeMenus() {
     QMenu* standard = view->addMenu(tr("&Standard Views"));
     add(standard, {"view.front", "view.back", "view.right", "view.left", "view.top", "view.bottom"});
     view->addSeparator();
-    add(view, {"view.changed", "view.edges", "view.levels", "view.box", "view.axes", "view.cube", "view.scaleBar",
-               "view.readout"});
+    add(view, {"view.changed", "view.edges", "view.levels", "view.box", "view.ticks", "view.axes", "view.cube",
+               "view.scaleBar", "view.readout"});
     view->addSeparator();
     add(view, {"view.measure"});
     ColourWiring::addTo(*view->addMenu(tr("Colour B&y")), *actions_);
@@ -120,6 +120,9 @@ void MainWindow::makeMenus() {
     surfaces->addSeparator();
     add(surfaces, {"surfaces.show", "surfaces.rename"});
     surfaces->addMenu(surfacesPanel_->colourMenu());
+    surfaces->addSeparator();
+    add(surfaces->addMenu(tr("Second &Volume")),
+        {"second.open", "second.addSurface", "second.removeSurface", "second.close"});
 
     QMenu* mesh = menuBar()->addMenu(tr("&Mesh"));
     add(mesh, {"mesh.check", "mesh.export"});
@@ -165,6 +168,7 @@ void MainWindow::connectActions() {
     on("file.importRaw", [this] { openFlow_->askRawFile(); });
     on("file.sampleBluntFin", [this] { openFlow_->openSample(QStringLiteral("bluntfin")); });
     on("file.sampleShell", [this] { openFlow_->openSample(QStringLiteral("shell")); });
+    on("second.open", [this] { secondFlow_->askFile(); });
     on("file.openSession", [this] { keeper_->askOpen(); });
     on("file.saveSession", [this] { keeper_->askSave(); });
     on("file.saveImage", [this] { askSaveImage(); });
@@ -186,7 +190,8 @@ void MainWindow::connectActions() {
     QAction* previewsFirst = actions_->action("file.previewsFirst");
     previewsFirst->setChecked(settings_.boolean("files/previewsFirst"));
     connect(previewsFirst, &QAction::toggled, openFlow_, &OpenFlow::setPreviewsFirst);
-    connect(openFlow_, &OpenFlow::previewsFirstChanged, previewsFirst, &QAction::setChecked);
+    for (OpenFlow* flow : {openFlow_, secondFlow_})
+        connect(flow, &OpenFlow::previewsFirstChanged, previewsFirst, &QAction::setChecked);
 
     QAction* perspective = actions_->action("view.perspective");
     connect(perspective, &QAction::toggled, this, [this](bool isOn) { settings_.set("view/perspective", isOn); });

@@ -11,6 +11,7 @@
 #include "ui/model/pieces/piece_places.h"
 #include "ui/model/pieces/shown_hit.h"
 #include "ui/model/session/session.h"
+#include "ui/model/surface/shown_surfaces.h"
 #include "ui/model/surface/view_state.h"
 #include "ui/widgets/panels/pieces_panel.h"
 #include "ui/widgets/viewport/view_note.h"
@@ -114,17 +115,41 @@ void PieceWiring::pick(QPointF point, Purpose purpose) {
     const auto frame = session_.frame();
     const auto line = host_.viewport()->lineOfSight(point);
     pick_.reset();
-    if (frame && line)
-        pick_ = Pick{point, purpose, *line, frame->isovalue};
+    const Met met = frame && line ? activatePicked(*line) : Met::OfSecond;
+    if (met != Met::OfSecond)
+        pick_ = Pick{point, purpose, *line, met == Met::Other ? session_.isovalue().requested() : frame->isovalue,
+                     met == Met::Other};
     else if (purpose == Purpose::Menu)
         showMenu(point);
     ask();
     takePick();
 }
 
+// What is met first is what is meant, whichever surface it is of.
+PieceWiring::Met PieceWiring::activatePicked(const std::pair<glm::dvec3, glm::dvec3>& line) {
+    const auto drawn = session_.pictureOf(session_.surfaces().list().active); // of whose grid the line is
+    if (drawn == nullptr)
+        return Met::Active;
+    const GridGeometry& volume = session_.dataset()->geometry;
+    const model::ViewOptions& view = host_.viewState().options();
+    const auto shown = model::shownSurfaces(session_, view);
+    const auto met =
+        model::firstShownPlace(shown, view.clipping, volume, model::centredWorldOf(line.first, drawn->geometry, volume),
+                               model::centredWorldOf(line.second, drawn->geometry, volume));
+    if (!met)
+        return Met::Active;
+    const model::ShownSurface& surface = shown[met->surface];
+    const bool isActive = !surface.isOfSecond && surface.id == session_.surfaces().list().active;
+    if (!isActive)
+        (surface.isOfSecond ? session_.secondVolume().surfaces() : session_.surfaces()).activate(surface.id);
+    return surface.isOfSecond ? Met::OfSecond : isActive ? Met::Active : Met::Other;
+}
+
 void PieceWiring::takePick() {
     const auto frame = session_.frame();
     if (!pick_ || !frame || session_.dataset() == nullptr)
+        return;
+    if (pick_->isComing && frame->isovalue != pick_->isovalue && session_.isMoving())
         return;
     if (frame->isovalue == pick_->isovalue && !frame->pieces && !frame->findsPieces)
         return; // the next one has them

@@ -49,6 +49,7 @@ private:
         Purpose purpose = Purpose::Select;
         std::pair<glm::dvec3, glm::dvec3> line;
         double isovalue = 0.0;
+        bool isComing = false; ///< the surface has just become active
     };
 
     void connectActions();
@@ -61,6 +62,10 @@ private:
     /// Hides what a session says is hidden, as soon as there is a picture with pieces.
     void findAwaited();
     void dropLostSelection();
+    /// What a line of sight meets first; nothing counts as the active surface.
+    enum class Met { Active, Other, OfSecond };
+    /// Makes it the active one of its volume.
+    Met activatePicked(const std::pair<glm::dvec3, glm::dvec3>& line);
     void takePick();
     void select(std::optional<extract::PieceId> piece);
     void showMenu(QPointF point);

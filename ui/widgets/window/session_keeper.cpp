@@ -13,6 +13,7 @@
 #include "ui/model/pieces/piece_places.h"
 #include "ui/model/session/session.h"
 #include "ui/model/slices/slice_model.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/opening/file_dialogs.h"
 #include "ui/widgets/opening/file_filters.h"
 #include "ui/widgets/viewport/viewport_host.h"
@@ -61,6 +62,8 @@ SessionKeeper::SessionKeeper(model::Session& session, ViewportHost& host, model:
     subscriptions_.push_back(session_.detail().observe([this] { noteChange(); }));
     subscriptions_.push_back(session_.isovalue().observe([this] { noteChange(); })); // its reference
     subscriptions_.push_back(session_.surfaces().observe([this] { noteChange(); }));
+    subscriptions_.push_back(session_.secondVolume().changed().observe([this] { noteChange(); }));
+    subscriptions_.push_back(session_.secondVolume().surfaces().observe([this] { noteChange(); }));
     subscriptions_.push_back(session_.histogramOptions().observe([this] { noteChange(); }));
     subscriptions_.push_back(slices_.observe([this] { noteChange(); }));
 }
@@ -83,6 +86,7 @@ model::SavedSession SessionKeeper::capture() const {
     saved.readOptions = dataset->readOptions;
     saved.isovalue = session_.isovalue().requested();
     saved.surfaces = session_.surfaces().list();
+    saved.second = session_.secondVolume().state();
     saved.reference = session_.isovalue().reference();
     saved.error = session_.detail().error();
     if (host_.viewport() != nullptr)
@@ -93,8 +97,15 @@ model::SavedSession SessionKeeper::capture() const {
     if (const auto* active = saved.surfaces.find(saved.surfaces.active))
         saved.view->pieces.hiddenPieces() = active->hiddenPieces;
     saved.histogram = session_.histogramOptions().options();
+    if (plot_ != nullptr)
+        saved.histogramRange = plot_->chosenRange();
     saved.slices = slices_.options();
     return saved;
+}
+
+void SessionKeeper::setPlot(HistogramPlot& plot) {
+    plot_ = &plot;
+    connect(&plot, &HistogramPlot::viewChanged, this, &SessionKeeper::noteChange);
 }
 
 void SessionKeeper::askSave() {
@@ -182,10 +193,13 @@ void SessionKeeper::showView() {
             return noteChange(); // another volume was opened meanwhile
         session_.isovalue().setReference(saved.reference);
         session_.surfaces().restore(saved.surfaces);
+        session_.secondVolume().setState(saved.second);
         if (saved.error)
             session_.detail().setError(*saved.error);
         if (saved.histogram)
             session_.histogramOptions().setOptions(*saved.histogram);
+        if (plot_ != nullptr && saved.histogramRange)
+            plot_->showRange(*saved.histogramRange);
         if (saved.slices)
             slices_.setOptions(*saved.slices);
         if (saved.view) {

@@ -27,6 +27,7 @@ namespace isoslider::widgets {
 
 class ActionRegistry;
 class FileDialogs;
+class HistogramPlot;
 class MessageBar;
 class ViewportHost;
 
@@ -40,6 +41,8 @@ public:
                   FileDialogs& dialogs, MessageBar& messageBar, MessageBar& recoveryBar, QWidget* window);
     ~SessionKeeper() override;
 
+    /// Whose range is kept, too.
+    void setPlot(HistogramPlot& plot);
     void askSave();
     void askOpen();
     /// Shows what the file keeps, as far as it can be understood, and states what could not be.
@@ -71,6 +74,7 @@ private:
     FileDialogs& dialogs_;
     MessageBar& messageBar_;
     MessageBar& recoveryBar_;
+    HistogramPlot* plot_ = nullptr;
     QWidget* window_;
     std::optional<model::SavedSession> pending_; ///< its view is shown once its volume is
     std::shared_ptr<model::SessionSlot> slot_;

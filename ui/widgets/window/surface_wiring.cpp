@@ -25,7 +25,10 @@ SurfaceWiring::SurfaceWiring(model::Session& session, const ActionRegistry& acti
     connectActions();
     connect(bars_, &SurfaceBars::pressed, this, [this](model::SurfaceId id) { session_.surfaces().activate(id); });
     subscription_ = session_.surfaces().observe([this] { showSurfaces(); });
+    secondSubscriptions_[0] = session_.secondVolume().changed().observe([this] { showSecond(); });
+    secondSubscriptions_[1] = session_.secondVolume().surfaces().observe([this] { showSecond(); });
     showSurfaces();
+    showSecond();
 }
 
 void SurfaceWiring::connectActions() {
@@ -53,6 +56,17 @@ void SurfaceWiring::connectActions() {
         parts_.dock.raise();
         parts_.panel.editName();
     });
+    auto& second = session_.secondVolume();
+    on("second.addSurface", [&second] { second.addSurface(); });
+    on("second.removeSurface", [&second] { second.surfaces().remove(second.surfaces().list().active); });
+    on("second.close", [&second] { second.close(); });
+}
+
+void SurfaceWiring::showSecond() {
+    const auto& second = session_.secondVolume();
+    actions_.action("second.addSurface")->setEnabled(second.surfaces().canAdd());
+    actions_.action("second.removeSurface")->setEnabled(second.surfaces().canRemove());
+    actions_.action("second.close")->setEnabled(second.dataset() != nullptr || !second.opening().empty());
 }
 
 void SurfaceWiring::showSurfaces() {

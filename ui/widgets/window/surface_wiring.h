@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include <QObject>
 
 #include "ui/model/observers.h"
@@ -17,8 +19,8 @@ class HistogramPlot;
 class SurfaceBars;
 class SurfacesPanel;
 
-/// Several surfaces of one volume: the actions, and their bars on the histogram. Everything it is given must outlive
-/// it.
+/// Several surfaces of one volume, and those of a second one: the actions, and the bars on the histogram. Everything it
+/// is given must outlive it.
 class SurfaceWiring : public QObject {
     Q_OBJECT
 public:
@@ -32,12 +34,14 @@ public:
 private:
     void connectActions();
     void showSurfaces();
+    void showSecond();
 
     model::Session& session_;
     const ActionRegistry& actions_;
     Parts parts_;
     SurfaceBars* bars_; ///< the plot's
     model::Subscription subscription_;
+    std::array<model::Subscription, 2> secondSubscriptions_;
 };
 
 } // namespace isoslider::widgets

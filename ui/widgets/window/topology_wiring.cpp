@@ -64,17 +64,10 @@ void TopologyWiring::connectActions(SettingsStore& settings) {
     connect(actions_.action("isovalue.nextEvent"), &QAction::triggered, this, [this] { moveToNext(true); });
     connect(actions_.action("isovalue.clearEvent"), &QAction::triggered, this,
             [this] { session_.topology().choose(std::nullopt); });
-    QAction* snap = actions_.action("isovalue.snap");
-    snap->setChecked(settings.boolean("isovalue/snapsToEvents"));
-    plot_.setSnapping(snap->isChecked());
     QAction* pass = actions_.action("isovalue.markPassed");
     pass->setChecked(settings.boolean("isovalue/marksPassedEvents"));
     connect(pass, &QAction::toggled, this,
             [&settings](bool marksPassed) { settings.set("isovalue/marksPassedEvents", marksPassed); });
-    connect(snap, &QAction::toggled, this, [this, &settings](bool isSnapping) {
-        plot_.setSnapping(isSnapping);
-        settings.set("isovalue/snapsToEvents", isSnapping);
-    });
 }
 
 void TopologyWiring::moveTo(std::size_t event) {

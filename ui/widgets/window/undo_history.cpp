@@ -32,6 +32,10 @@ QString nameOf(const model::SceneState& before, const model::SceneState& after) 
                                                                                 : UndoHistory::tr("Remove Surface");
     if (before.surfaces.active != after.surfaces.active)
         return UndoHistory::tr("Active Surface");
+    if (before.second.volume != after.second.volume)
+        return UndoHistory::tr("Second Volume");
+    if (before.second != after.second)
+        return UndoHistory::tr("Surfaces of Second Volume");
     if (before.isovalue != after.isovalue)
         return UndoHistory::tr("Isovalue %1").arg(QString::fromStdString(model::valueText(after.isovalue, 7)));
     if (before.view.pieces != after.view.pieces || !hideSame(before.surfaces, after.surfaces))
@@ -93,6 +97,8 @@ UndoHistory::UndoHistory(const Models& models, const ActionRegistry& actions, QO
         if (isOfThisVolume() && !isApplying_ && !isNew_)
             record();
     }));
+    subscriptions_.push_back(session.secondVolume().changed().observe(note));
+    subscriptions_.push_back(session.secondVolume().surfaces().observe(note));
     subscriptions_.push_back(session.histogramOptions().observe(note));
     subscriptions_.push_back(models_.view.observe(note));
     subscriptions_.push_back(models_.slices.observe(note));
@@ -110,6 +116,7 @@ model::SceneState UndoHistory::capture() const {
     auto& session = models_.session;
     state.isovalue = session.isovalue().requested();
     state.surfaces = session.surfaces().list();
+    state.second = session.secondVolume().state();
     state.reference = session.isovalue().reference();
     state.error = session.detail().error();
     state.view = models_.view.options();
@@ -134,6 +141,7 @@ void UndoHistory::apply(const model::SceneState& state) {
     session.detail().setError(state.error);
     session.isovalue().setReference(state.reference);
     session.surfaces().setList(state.surfaces);
+    session.secondVolume().setState(state.second);
     session.isovalue().request(state.isovalue);
     timer_.stop();
     isApplying_ = false;

@@ -292,6 +292,19 @@ GridGeometry placeImage(const Header& header, const GridDims& dims) {
     return geometry;
 }
 
+/// MetaIO's world leads towards left, posterior and superior. AnatomicalOrientation names where each axis comes from,
+/// as in RAI; "???" is written where nobody knew. Without a matrix the axes are taken as they are, which is RAI.
+bool isPatientSpace(const Fields& fields) {
+    const std::string_view code = valueOr(fields, "AnatomicalOrientation", "");
+    constexpr std::string_view kDirections[] = {"RL", "AP", "IS"};
+    const auto isOneOf = [code](std::string_view direction) {
+        return std::ranges::count_if(code, [&](char letter) { return direction.find(letter) != direction.npos; }) == 1;
+    };
+    const bool hasMatrix =
+        fields.contains("TransformMatrix") || fields.contains("Rotation") || fields.contains("Orientation");
+    return code.size() == 3 && std::ranges::all_of(kDirections, isOneOf) && (hasMatrix || code == "RAI");
+}
+
 } // namespace
 
 Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const ReadOptions& options) {
@@ -312,6 +325,7 @@ Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const 
     info.dataFiles = filesBeside(path, image.parts);
     info.geometry = geometry;
     info.lengthUnit = knownLengthUnit(valueOr(image.header.fields, "DistanceUnits", ""));
+    info.isPatientSpace = isPatientSpace(image.header.fields);
     if (image.isLonger)
         info.notes.push_back("the data file is longer than the samples; the rest is ignored");
     const Fields& fields = image.header.fields;

@@ -17,17 +17,19 @@ namespace {
 struct Space {
     std::string_view name, shortName;
     glm::dvec3 toLps;
+    bool isPatient; ///< else the directions of the axes have no meaning
 };
-const Space kSpaces[] = {{"right-anterior-superior", "ras", {-1.0, -1.0, 1.0}},
-                         {"left-anterior-superior", "las", {1.0, -1.0, 1.0}},
-                         {"left-posterior-superior", "lps", {1.0, 1.0, 1.0}},
-                         {"scanner-xyz", "", {1.0, 1.0, 1.0}},
-                         {"3d-right-handed", "", {1.0, 1.0, 1.0}},
-                         {"3d-left-handed", "", {1.0, 1.0, 1.0}}};
+const Space kSpaces[] = {{"right-anterior-superior", "ras", {-1.0, -1.0, 1.0}, true},
+                         {"left-anterior-superior", "las", {1.0, -1.0, 1.0}, true},
+                         {"left-posterior-superior", "lps", {1.0, 1.0, 1.0}, true},
+                         {"scanner-xyz", "", {1.0, 1.0, 1.0}, false},
+                         {"3d-right-handed", "", {1.0, 1.0, 1.0}, false},
+                         {"3d-left-handed", "", {1.0, 1.0, 1.0}, false}};
 
 struct World {
     std::size_t dimension = 0; ///< none where the header names no space
     glm::dvec3 toLps{1.0};
+    bool isPatient = false;
 };
 
 Result<World> readWorld(const NrrdHeader& header, const fs::path& path) {
@@ -40,14 +42,14 @@ Result<World> readWorld(const NrrdHeader& header, const fs::path& path) {
             return refuseField("space", inQuotes(header["space"]) + " is not a known space", path);
         if (!dimension.empty())
             return refuseField("space dimension", "is given beside a named space", path);
-        return World{3, found->toLps};
+        return World{3, found->toLps, found->isPatient};
     }
     if (dimension.empty())
         return World{};
     const auto number = parseInteger(dimension);
     if (!number || *number < 1 || *number > 3)
         return refuseField("space dimension", inQuotes(dimension) + " is not a number from 1 to 3", path);
-    return World{static_cast<std::size_t>(*number), glm::dvec3(1.0)};
+    return World{static_cast<std::size_t>(*number), glm::dvec3(1.0), false};
 }
 
 glm::dvec3 toVector(const std::vector<double>& numbers) {
@@ -108,7 +110,7 @@ Status placeOrigin(const NrrdHeader& header, const World& world, GridGeometry& g
 
 } // namespace
 
-Result<GridGeometry> readNrrdGeometry(const NrrdHeader& header, std::vector<std::string>& notes, const fs::path& path) {
+Result<NrrdPlace> readNrrdPlace(const NrrdHeader& header, std::vector<std::string>& notes, const fs::path& path) {
     const auto world = readWorld(header, path);
     if (!world.isOk())
         return world.error();
@@ -116,7 +118,8 @@ Result<GridGeometry> readNrrdGeometry(const NrrdHeader& header, std::vector<std:
     for (const NrrdAxis& axis : header.axes)
         if (axis.role == NrrdRole::Space)
             axes.push_back(&axis);
-    GridGeometry geometry;
+    NrrdPlace place;
+    GridGeometry& geometry = place.geometry;
     geometry.dims = header.dims();
     const bool hasDirections =
         std::ranges::all_of(axes, [](const NrrdAxis* axis) { return axis->direction.has_value(); });
@@ -126,7 +129,8 @@ Result<GridGeometry> readNrrdGeometry(const NrrdHeader& header, std::vector<std:
         ISO_TRY(placeOrigin(header, world.value(), geometry, path));
     if (hasDirections) {
         ISO_TRY(placeByDirections(axes, world.value(), geometry, path));
-        return geometry;
+        place.isPatientSpace = world.value().isPatient;
+        return place;
     }
     for (const NrrdAxis* axis : axes)
         if (!axis->maximum.empty() && (axis->spacing.empty() || axis->spacing == "nan"))
@@ -135,7 +139,7 @@ Result<GridGeometry> readNrrdGeometry(const NrrdHeader& header, std::vector<std:
     if (world.value().dimension > 0)
         notes.push_back("names a space but no directions in it; the axes are taken as they are");
     placeByAxes(axes, geometry);
-    return geometry;
+    return place;
 }
 
 } // namespace isoslider::io

@@ -266,11 +266,12 @@ Result<std::unique_ptr<VolumeSource>> openNrrd(const fs::path& path, const ReadO
     VolumeInfo info;
     info.format = "NRRD";
     info.dataFiles = filesBeside(path, volume.data.parts);
-    auto geometry = readNrrdGeometry(volume.header, info.notes, path);
-    if (!geometry.isOk())
-        return std::move(geometry).error();
-    ISO_TRY(checkGeometry(geometry.value(), "spacings or space directions", path));
-    info.geometry = geometry.value();
+    const auto place = readNrrdPlace(volume.header, info.notes, path);
+    if (!place.isOk())
+        return place.error();
+    info.geometry = place.value().geometry;
+    info.isPatientSpace = place.value().isPatientSpace;
+    ISO_TRY(checkGeometry(info.geometry, "spacings or space directions", path));
     info.fieldTitle = volume.field.title;
     info.lengthUnit = lengthUnitOf(volume.header);
     if (volume.data.isLonger)

@@ -212,6 +212,28 @@ TEST(TopologyQueries, SuggestWithAReason) {
     EXPECT_TRUE(suggestIsovalues(TopologyCurve()).value().empty());
 }
 
+TEST(TopologyQueries, ALargeSurfaceIsSuggestedBeforeASteeperSliver) {
+    const auto steepestOf = [](double gradientOfSliver) {
+        MeasureCurves curves; // in a box of 100 x 100 x 100
+        const std::array<double, 5> areas{0.0, 9000.0, 9000.0, 1000.0, 0.0};
+        const std::array<double, 5> gradients{0.0, 2.0, 4.0, gradientOfSliver, 0.0};
+        for (std::size_t i = 0; i < areas.size(); ++i) {
+            curves.isovalues.push_back(static_cast<double>(i));
+            curves.measures.push_back({areas[i], 1e6 - 2.5e5 * static_cast<double>(i), 2.0 * areas[i], gradients[i]});
+        }
+        std::vector<TopologyEvent> events(2);
+        events[0].above.components = events[1].below.components = 1;
+        events[1].isovalue = 4.0;
+        const auto found = suggestIsovalues(TopologyCurve(std::move(events), std::move(curves), true));
+        EXPECT_THAT(found, IsOk());
+        EXPECT_EQ(found.value().front().reason, SuggestionReason::StrongestGradient);
+        return found.value().front().isovalue;
+    };
+    EXPECT_EQ(steepestOf(5.0), 2.0) << "a third as wide, and but little steeper";
+    EXPECT_EQ(steepestOf(11.0), 2.0);
+    EXPECT_EQ(steepestOf(13.0), 3.0) << "three times as steep";
+}
+
 TEST(TopologyQueries, OutliersAreNotOfTheUsualRange) {
     MeasureCurves curves;
     for (const auto& [isovalue, volume] :

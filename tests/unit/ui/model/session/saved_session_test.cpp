@@ -44,13 +44,25 @@ SavedSession fullSession(const fs::path& volume) {
     session.view->pieces.isColoured = true;
     session.view->showsCube = false;
     session.view->showsScaleBar = false;
+    session.view->showsTicks = true;
     session.view->stage = {Background::White, Light::Raking, true, {1.0, 2.5, 0.125}};
     session.view->clipping.isCropped = true;
     session.view->clipping.crop = CropBox{{1, 2, 3}, {40, 50, 60}};
     session.view->clipping.plane = {true, {0.0, 0.6, -0.8}, -12.625, Cap::Values};
     session.view->measured = {{1.5, -2.0, 1e-30}, {0.1, 0.2, 0.3}};
     session.view->pieces.awaited = {{{{1, 2, 3}, 0}, {{40, 0, 7}, 2}}, PiecePlace{{5, 6, 7}, 1}};
-    session.histogram = HistogramOptions{ScaleKind::Symlog, false, false, true};
+    session.second.volume = {volume.parent_path() / "b.nrrd", {}, {}};
+    session.second.volume.readOptions.field = "density";
+    ListedSurface beside;
+    beside.id = SurfaceId{1};
+    beside.name = "Bone";
+    beside.isovalue = 0.1;
+    beside.colour = {1, 2, 3};
+    beside.opacity = 0.5;
+    beside.isVisible = false;
+    session.second.surfaces = {{beside}, beside.id};
+    session.histogram = HistogramOptions{ScaleKind::Symlog, false, false, true, true, {"pieces", "area"}};
+    session.histogramRange = HistogramRange{-0.75, 2.5};
     SliceOptions slices;
     slices.layout = SliceLayout::Three;
     slices.onePane = SliceKind::Oblique;
@@ -69,6 +81,7 @@ void expectSame(const SavedSession& a, const SavedSession& b) {
     EXPECT_EQ(a.sampleName, b.sampleName);
     EXPECT_EQ(a.readOptions, b.readOptions);
     EXPECT_EQ(a.isovalue, b.isovalue);
+    EXPECT_EQ(a.second, b.second);
     EXPECT_EQ(a.reference, b.reference);
     EXPECT_EQ(a.error, b.error);
     EXPECT_EQ(a.slices, b.slices);
@@ -82,6 +95,7 @@ void expectSame(const SavedSession& a, const SavedSession& b) {
     }
     EXPECT_EQ(a.view, b.view);
     EXPECT_EQ(a.histogram, b.histogram);
+    EXPECT_EQ(a.histogramRange, b.histogramRange);
 }
 
 class SavedSessionTest : public ::testing::Test {
@@ -135,6 +149,15 @@ TEST_F(SavedSessionTest, B110_OfZeroBytesOrOtherBytesIsToldAndHoldsDefaults) {
         EXPECT_THAT(found.value().problems, ElementsAre(HasSubstr(says)));
         EXPECT_FALSE(found.value().session.hasVolume());
     }
+}
+
+TEST_F(SavedSessionTest, ARangeOrCurvesThatMakeNoSenseAreLeftOut) {
+    const auto turned = read(changed("-0.75,\n    2.5", "2.5,\n    -0.75"));
+    EXPECT_THAT(turned.problems, ElementsAre(HasSubstr("histogramRange")));
+    EXPECT_FALSE(turned.session.histogramRange);
+    const auto numbers = read(changed("\"pieces\",\n      \"area\"", "1, 2"));
+    EXPECT_THAT(numbers.problems, ElementsAre(HasSubstr("curves")));
+    EXPECT_THAT(numbers.session.histogram->curves, IsEmpty());
 }
 
 TEST_F(SavedSessionTest, B110_OfAGigabyteIsNotReadAtAll) {

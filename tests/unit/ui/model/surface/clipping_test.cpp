@@ -95,6 +95,33 @@ TEST(Clipping, CutsHoldExactlyWhatLiesInTheBoxAndBehindThePlane) {
     }
 }
 
+TEST(Clipping, CutsOfAnotherVolumeInTheSameSpaceAreAtTheSamePlaces) {
+    const GridGeometry volume = awkwardVolume();
+    GridGeometry other = volume;
+    other.dims = {7, 9, 5};
+    other.spacing = {2.0, 0.5, 1.25};
+    other.origin += glm::dvec3(3.0, -1.0, 2.0);
+    std::swap(other.direction[0], other.direction[2]);
+    Clipping clipping;
+    clipping.isCropped = true;
+    clipping.crop = CropBox{{2, 3, 4}, {8, 19, 25}};
+    clipping.plane = {true, glm::normalize(glm::dvec3(1.0, -2.0, 0.5)), 0.75, Cap::None};
+    const auto cuts = cutsOf(clipping, volume, volume), ofOther = cutsOf(clipping, other, volume);
+    ASSERT_EQ(ofOther.size(), kMostCuts);
+    const glm::dmat4 toOther = glm::inverse(other.indexToWorld()) * volume.indexToWorld();
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> share(-0.1, 1.1);
+    int within = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const glm::dvec3 place(10.0 * share(random), 20.0 * share(random), 30.0 * share(random));
+        const bool isKept = isWithin(cuts, place);
+        EXPECT_EQ(isWithin(ofOther, glm::dvec3(toOther * glm::dvec4(place, 1.0))), isKept);
+        within += isKept;
+    }
+    EXPECT_GT(within, 300);
+    EXPECT_LT(within, 3000);
+}
+
 TEST(Clipping, PlacesOnTheFacesAreWithin) {
     Clipping clipping;
     clipping.isCropped = true;

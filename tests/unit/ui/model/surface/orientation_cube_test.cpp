@@ -75,7 +75,7 @@ TEST(OrientationCube, ASideIsHitWhereALineOfSightMeetsItFirst) {
     EXPECT_LT(hits, 2900);
 }
 
-TEST(OrientationCube, OnlyDicomAndNiftiWithAnOrientationNameAPatientsDirections) {
+TEST(OrientationCube, DicomAndNiftiWithAnOrientationAndHeadersThatSayNameAPatientsDirections) {
     Dataset dataset;
     for (const auto& [format, isPatient] : {std::pair("DICOM", true), std::pair("NIfTI", true),
                                             std::pair("MetaImage", false), std::pair("Analyze", false)}) {
@@ -85,6 +85,10 @@ TEST(OrientationCube, OnlyDicomAndNiftiWithAnOrientationNameAPatientsDirections)
     dataset.format = "NIfTI";
     dataset.notes = {"the file states no orientation"};
     EXPECT_FALSE(isPatientSpace(dataset));
+    dataset.format = "NRRD";
+    EXPECT_FALSE(isPatientSpace(dataset));
+    dataset.statesPatientSpace = true;
+    EXPECT_TRUE(isPatientSpace(dataset));
 }
 
 } // namespace

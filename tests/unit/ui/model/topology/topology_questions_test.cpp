@@ -66,7 +66,7 @@ TEST(SuggestedIsovalues, AreOneForEachReasonAndTheHistogramsLast) {
                                                        {4.0, SuggestionReason::HalfVolume}};
     const auto suggested = suggestedIsovalues(ofTopology, 5.0, {0.0, 10.0});
     ASSERT_EQ(suggested.size(), 3u) << "12 is not within the range";
-    EXPECT_EQ(suggested[0], (SuggestedIsovalue{7.0, "greatest mean gradient on the surface"}));
+    EXPECT_EQ(suggested[0], (SuggestedIsovalue{7.0, "greatest mean gradient on the surface, weighed by its size"}));
     EXPECT_EQ(suggested[1].isovalue, 3.0);
     EXPECT_EQ(suggested[2], (SuggestedIsovalue{5.0, kHistogramReason}));
     EXPECT_TRUE(suggestedIsovalues({}, std::nullopt, {0.0, 10.0}).empty());

@@ -44,6 +44,23 @@ TEST_F(MetaImageReader, TakesOneChannel) {
     EXPECT_EQ(length.value()->values<float>()[0], static_cast<float>(std::sqrt(5.0)));
 }
 
+TEST_F(MetaImageReader, IsOfAPatientWhereTheHeaderNamesDirections) {
+    const auto isPatient = [&](const std::string& fields) {
+        const std::string bytes = replaced(test::mhaHeader(), "NDims", fields + "NDims") + test::ramp<std::int16_t>(24);
+        const auto source = openVolume(folder.write("a.mha", bytes));
+        EXPECT_THAT(source, test::IsOk()) << fields;
+        return source.isOk() && source.value()->info().isPatientSpace;
+    };
+    const std::string matrix = "TransformMatrix = 0 1 0 1 0 0 0 0 1\n", code = "AnatomicalOrientation = ";
+    EXPECT_FALSE(isPatient(""));
+    EXPECT_FALSE(isPatient(matrix));
+    EXPECT_TRUE(isPatient(code + "RAI\n"));
+    EXPECT_TRUE(isPatient(matrix + code + "ASL\n"));
+    EXPECT_FALSE(isPatient(code + "LPS\n")) << "the axes are not turned to that";
+    for (const char* none : {"???\n", "RRI\n", "RA\n", "RAIS\n", "unknown\n"})
+        EXPECT_FALSE(isPatient(matrix + code + none)) << none;
+}
+
 TEST_F(MetaImageReader, TakesOneFrameOfFourDimensions) {
     const std::string bytes =
         "ObjectType = Image\nNDims = 4\nBinaryData = True\nElementNumberOfChannels = 2\n"

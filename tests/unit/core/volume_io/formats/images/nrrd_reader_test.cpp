@@ -147,10 +147,12 @@ TEST_F(NrrdReader, KeepsThePlaceOfSpatialAxes) {
 }
 
 TEST_F(NrrdReader, TurnsEveryNamedSpaceIntoOneOrientation) {
+    bool isPatient = false;
     const auto open = [&](const std::string& fields) {
         const auto source =
             openVolume(folder.write("a.nrrd", headerOf("2 2 2", fields + "\n") + test::ramp<std::int16_t>(8)));
         EXPECT_THAT(source, test::IsOk()) << fields;
+        isPatient = source.isOk() && source.value()->info().isPatientSpace;
         return source.isOk() ? source.value()->info().geometry : GridGeometry{};
     };
     const std::string place = "\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (5,6,7)\n";
@@ -164,11 +166,14 @@ TEST_F(NrrdReader, TurnsEveryNamedSpaceIntoOneOrientation) {
                               Case{"space: 3D-left-handed", {1, 1, 1}}, Case{"space dimension: 3", {1, 1, 1}}}) {
         const GridGeometry g = open(named.space + place);
         EXPECT_EQ(g.spacing, glm::dvec3(2, 3, 4)) << named.space;
+        const std::string_view name(named.space);
+        EXPECT_EQ(isPatient, name.find("3") == name.npos && name.find("scanner") == name.npos) << named.space;
         EXPECT_EQ(g.origin, glm::dvec3(5, 6, 7) * named.signs) << named.space;
         for (int axis = 0; axis < 3; ++axis)
             EXPECT_EQ(g.direction[axis][axis], named.signs[axis]) << named.space;
     }
     EXPECT_EQ(open("space: RAS\nspace origin: (1,2,3)\n").origin, glm::dvec3(-1, -2, 3));
+    EXPECT_FALSE(isPatient) << "without directions";
     const auto bytes = [&](const std::string& fields) {
         return headerOf("2 2 2", fields + "\n") + test::ramp<std::int16_t>(8);
     };
