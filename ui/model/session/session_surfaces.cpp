@@ -69,8 +69,11 @@ void Session::setMaking() {
     if (indexState_ == IndexState::Ready) {
         making.geometry = dataset_->geometry;
         making.openSource = [path = dataset_->indexPath](const JobControl&) -> Result<std::unique_ptr<SurfaceSource>> {
-            auto engine =
-                extract::SlideEngine::open(path, {.cacheBytes = extract::kEdgesCacheBytes, .readsAhead = false});
+            // It moves once.
+            extract::SlideOptions options;
+            options.cacheBytes = extract::kEdgesCacheBytes;
+            options.readsAhead = options.buildsLevels = false;
+            auto engine = extract::SlideEngine::open(path, options);
             if (!engine.isOk())
                 return std::move(engine).error();
             return makeIndexSource(std::move(engine).value());
