@@ -28,7 +28,6 @@
 #include "core/index/format/index_format.h"
 #include "core/topology/index_topology.h"
 #include "core/topology/stored_topology.h"
-#include "core/volume_io/parsing/reading_memory.h"
 #include "preprocess/build_index.h"
 #include "preprocess/resume/build_checkpoints.h"
 
@@ -135,8 +134,9 @@ public:
             return makeError(ErrorCode::InvalidArgument, "is an index; build needs a volume", volumePath_);
         ISO_CLI_TRY(checkOutput(indexPath_, volumePath_));
         ProgressBar bar(session.showsProgress, session.stop);
-        io::setReadingMemoryBytes(memoryBytes_ / 2);
-        auto source = io::openVolume(volumePath_, volume_.readOptions(), bar.job());
+        io::ReadOptions reading = volume_.readOptions();
+        reading.memoryBytes = memoryBytes_ / 2;
+        auto source = io::openVolume(volumePath_, reading, bar.job());
         if (!source.isOk()) {
             bar.wipe();
             return source.error();
