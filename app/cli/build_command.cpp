@@ -74,6 +74,7 @@ struct Built {
     preprocess::BuildReport report;
     io::VolumeInfo volume;
     std::uint64_t events = 0; ///< of topology
+    std::uint64_t topologyBytes = 0; ///< behind the index in its file
     double topologySeconds = 0.0;
     std::string topologyProblem; ///< why the index has none; empty: it has, or it was not wanted
 };
@@ -95,6 +96,7 @@ Json jsonOf(const Built& built) {
         json["topology_problem"] = built.topologyProblem;
     } else if (built.topologySeconds > 0.0) {
         json["topology_events"] = built.events;
+        json["topology_bytes"] = built.topologyBytes;
         json["topology_seconds"] = built.topologySeconds;
     }
     addResampling(built.volume, json);
@@ -280,6 +282,9 @@ private:
         ISO_TRY(source.checkUnchanged());
         ISO_TRY(topology::storeTopology(*reader.value(), curve.value()));
         built.events = curve.value().eventCount();
+        const auto file = defaultFileSystem().openForReading(indexPath_);
+        if (file.isOk())
+            built.topologyBytes = file.value()->sizeBytes() - built.report.info.indexBytes;
         return {};
     }
 
@@ -309,7 +314,8 @@ private:
         if (!built.topologyProblem.empty())
             text += fmt::format("without topology: {}\n", built.topologyProblem);
         else if (withTopology_)
-            text += fmt::format("{} events of topology in {:.2f} s\n", built.events, built.topologySeconds);
+            text += fmt::format("{} events of topology in {:.2f} s, {} behind the index\n", built.events,
+                                built.topologySeconds, sizeText(built.topologyBytes));
         if (const std::string lost = resamplingText(built.volume); !lost.empty())
             text += fmt::format("resampled {}\n", lost);
         return text;
