@@ -11,6 +11,7 @@
 #include "core/base/file_system.h"
 #include "core/base/machine.h"
 #include "core/index/format/index_format.h"
+#include "core/index/level_store.h"
 #include "preprocess/forecast/metered_file_system.h"
 #include "preprocess/index_builds.h"
 
@@ -61,6 +62,8 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
     const int cores = tbb::this_task_arena::max_concurrency();
     tbb::task_arena arena(options.threads == 0 ? cores : std::min(options.threads, cores));
     ISO_TRY(arena.execute([&] { return build(source, indexPath, actual, job, report); }));
+    if (fileSystemOf(options).keepsFiles())
+        index::LevelStore::discard(indexPath, fileSystemOf(options)); // of the index that was there before
     report.temporaryBytes = metered.mostBytes();
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report.peakRssBytes = peakRssBytes();

@@ -28,7 +28,6 @@
 #include "core/index/format/index_format.h"
 #include "core/topology/index_topology.h"
 #include "core/topology/stored_topology.h"
-#include "core/volume_io/parsing/reading_memory.h"
 #include "preprocess/build_index.h"
 #include "preprocess/resume/build_checkpoints.h"
 
@@ -75,6 +74,7 @@ struct Built {
     preprocess::BuildReport report;
     io::VolumeInfo volume;
     std::uint64_t events = 0; ///< of topology
+    std::uint64_t topologyBytes = 0; ///< behind the index in its file
     double topologySeconds = 0.0;
     bool hasEvents = true; ///< else counts and curves only
     std::string topologyProblem; ///< why the index has none; empty: it has, or it was not wanted
@@ -97,6 +97,7 @@ Json jsonOf(const Built& built) {
         json["topology_problem"] = built.topologyProblem;
     } else if (built.topologySeconds > 0.0) {
         json["topology_events"] = built.hasEvents ? Json(built.events) : Json();
+        json["topology_bytes"] = built.topologyBytes;
         json["topology_seconds"] = built.topologySeconds;
     }
     addResampling(built.volume, json);
@@ -136,8 +137,9 @@ public:
             return makeError(ErrorCode::InvalidArgument, "is an index; build needs a volume", volumePath_);
         ISO_CLI_TRY(checkOutput(indexPath_, volumePath_));
         ProgressBar bar(session.showsProgress, session.stop);
-        io::setReadingMemoryBytes(memoryBytes_ / 2);
-        auto source = io::openVolume(volumePath_, volume_.readOptions(), bar.job());
+        io::ReadOptions reading = volume_.readOptions();
+        reading.memoryBytes = memoryBytes_ / 2;
+        auto source = io::openVolume(volumePath_, reading, bar.job());
         if (!source.isOk()) {
             bar.wipe();
             return source.error();
@@ -282,6 +284,9 @@ private:
         ISO_TRY(topology::storeTopology(*reader.value(), curve.value()));
         built.hasEvents = curve.value().hasEvents();
         built.events = curve.value().eventCount();
+        const auto file = defaultFileSystem().openForReading(indexPath_);
+        if (file.isOk())
+            built.topologyBytes = file.value()->sizeBytes() - built.report.info.indexBytes;
         return {};
     }
 
@@ -315,7 +320,8 @@ private:
                                 "isovalues and curves in {:.2f} s; a build with more --memory adds them\n",
                                 built.events, built.topologySeconds);
         else if (withTopology_)
-            text += fmt::format("{} events of topology in {:.2f} s\n", built.events, built.topologySeconds);
+            text += fmt::format("{} events of topology in {:.2f} s, {} behind the index\n", built.events,
+                                built.topologySeconds, sizeText(built.topologyBytes));
         if (const std::string lost = resamplingText(built.volume); !lost.empty())
             text += fmt::format("resampled {}\n", lost);
         return text;

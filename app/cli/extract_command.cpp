@@ -57,7 +57,9 @@ std::uint64_t missingSamples(const ScalarGrid& grid, const JobControl& job) {
 
 Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, const LodError& lodError,
                                    const JobControl& job) {
-    auto engine = extract::SlideEngine::open(path);
+    extract::SlideOptions options; // it moves once
+    options.readsAhead = options.buildsLevels = false;
+    auto engine = extract::SlideEngine::open(path, options);
     if (!engine.isOk())
         return std::move(engine).error();
     const index::IndexInfo& info = engine.value()->info();

@@ -11,6 +11,9 @@
 namespace isoslider::desktop {
 namespace {
 
+// As isoslider-cli: the window and the volume or its preview are there too.
+std::uint64_t budgetBytes() { return std::max(preprocess::kMinBuildMemoryBytes, physicalMemoryBytes() / 4); }
+
 Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const std::filesystem::path& indexPath,
                  bool resumes, const JobControl& job) {
     preprocess::BuildOptions options;
@@ -18,8 +21,7 @@ Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const 
     options.replacesUnfit = true;
     options.sourceName = sourceName;
     options.kind = index::IndexKind::Metacells; // as fast, far smaller, and their cells merge while sliding
-    // As isoslider-cli: the window and the volume or its preview are there too.
-    options.memoryBytes = std::max(preprocess::kMinBuildMemoryBytes, physicalMemoryBytes() / 4);
+    options.memoryBytes = budgetBytes();
     auto report = preprocess::buildIndex(source, indexPath, options, job);
     if (!report.isOk())
         return report.error();
@@ -40,7 +42,9 @@ Status PreprocessIndexBuilder::build(const std::shared_ptr<const ScalarGrid>& gr
 Status PreprocessIndexBuilder::buildFromFile(const std::filesystem::path& volume, const io::ReadOptions& options,
                                              const std::string& sourceName, const std::filesystem::path& indexPath,
                                              const JobControl& job) {
-    const auto source = io::openVolume(volume, options);
+    io::ReadOptions reading = options;
+    reading.memoryBytes = budgetBytes() / 2;
+    const auto source = io::openVolume(volume, reading);
     if (!source.isOk())
         return source.error();
     return buildFrom(*source.value(), sourceName, indexPath, true, job);

@@ -82,6 +82,8 @@ public:
     /// Where a file written at `path` comes to lie; reports before any work whether it could be written. That of the
     /// disk: checkOutputPath() and linkTarget(), which see.
     virtual Result<std::filesystem::path> outputTarget(const std::filesystem::path& path);
+    /// Whether what is written outlives the process.
+    virtual bool keepsFiles() const { return true; }
     /// Of the file system that `folder` lies on; one that states nothing has no end. Errors: NotFound, IoError.
     virtual Result<DiskSpace> space(const std::filesystem::path& folder);
 };

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <malloc.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace isoslider {
@@ -24,6 +25,12 @@ std::uint64_t peakRssBytes() {
         }
     }
     return 0;
+}
+
+// Of a thread on Linux. Not SCHED_IDLE: on a busy machine such a thread would not even come to its end.
+void lowerThreadPriority() {
+    constexpr int kLow = 10;
+    static_cast<void>(::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLow));
 }
 
 void returnLargeBlocksAtOnce() { ::mallopt(M_MMAP_THRESHOLD, 4 << 20); }

@@ -17,6 +17,7 @@ public:
     Status removeFile(const std::filesystem::path& path) override;
     /// `path`: there are neither folders nor links, and what the disk holds is of no interest.
     Result<std::filesystem::path> outputTarget(const std::filesystem::path& path) override;
+    bool keepsFiles() const override { return false; }
 
 private:
     using Bytes = std::shared_ptr<std::vector<std::byte>>;

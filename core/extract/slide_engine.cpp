@@ -76,7 +76,9 @@ public:
           surface_(meta().info.geometry, meta().info.type, meta().missingCells),
           position_(backing_.source.lowest()),
           wantedBound_(boundOf(builtError(meta().info), meta().info.min, meta().info.max)),
-          mergeBound_(wantedBound_) {}
+          mergeBound_(wantedBound_) {
+        backing_.source.setBuildsLevels(options.buildsLevels);
+    }
 
     const index::IndexInfo& info() const override { return meta().info; }
 

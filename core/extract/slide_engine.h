@@ -22,6 +22,8 @@ inline constexpr std::uint64_t kMetacellsCacheBytes = std::uint64_t{256} << 20;
 struct SlideOptions {
     std::optional<std::uint64_t> cacheBytes; ///< bound on decoded pages and samples kept in memory
     bool readsAhead = true; ///< between moves, what the next one in the same direction would need is read
+    /// Skip levels that jumps come to need are built in the background, and kept beside the index.
+    bool buildsLevels = true;
 };
 
 /// What a frame is to hold beside the surface.
@@ -68,7 +70,7 @@ public:
     /// that of the index.
     virtual Status setMergeBound(const MergeBound& bound) = 0;
 
-    /// Waits until nothing is read ahead any more.
+    /// Waits until nothing is read ahead any more, and no level is built.
     virtual void waitForPrefetch() = 0;
     /// Forgets what is kept of the index. The surface stays; the next move reads again what it needs.
     virtual void dropCaches() = 0;

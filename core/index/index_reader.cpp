@@ -12,6 +12,7 @@ Result<std::unique_ptr<IndexReader>> IndexReader::open(const std::filesystem::pa
         return std::move(file).error();
     std::unique_ptr<IndexReader> reader(new IndexReader());
     reader->file_ = std::move(file).value();
+    reader->disk_ = fileSystem.keepsFiles() ? &fileSystem : nullptr;
     const std::uint64_t fileBytes = reader->file_->sizeBytes();
 
     std::vector<std::byte> first(static_cast<std::size_t>(std::min<std::uint64_t>(fileBytes, kPreambleBytes)));

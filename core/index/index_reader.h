@@ -23,6 +23,8 @@ public:
     std::span<const std::byte> preambleBytes() const { return preambleBytes_; }
     /// Where the parts end: the first byte of meta.
     std::uint64_t metaOffset() const { return metaOffset_; }
+    /// Where files beside the index may lie; null where it lies in memory only. Must still be there then.
+    FileSystem* disk() const { return disk_; }
     std::string pathString() const { return file_->path().string(); }
 
     /// One page's bytes into `bytes`, its checksum verified. Errors: IoError, Corruption.
@@ -38,6 +40,7 @@ private:
     IndexReader() = default;
 
     std::unique_ptr<RandomAccessFile> file_;
+    FileSystem* disk_ = nullptr;
     std::vector<std::byte> preambleBytes_;
     std::uint64_t seed_ = 0;
     std::uint64_t metaOffset_ = 0;

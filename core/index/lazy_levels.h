@@ -1,66 +1,71 @@
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
+#include <stop_token>
+#include <thread>
+#include <vector>
 
 #include "core/index/format/block_codec.h"
+#include "core/index/level_store.h"
 
 namespace isoslider::index {
 
-/// Skip levels above those of the file, built when walks need them and kept (PAPER 2.1: they "may be
-/// computed in a lazy fashion"). DEVIATION: a block is merged when it is asked for a second time; merging
-/// costs as much as the move itself, and most jumps happen once. Block g of lazy level l merges blocks 2 g and 2 g + 1
-/// of level l - 1; lazy level 0 stands for the file's top level. A merged block holds what is left of both when edges
-/// with both ends in their common interval are taken out.
+/// Skip levels above those of the file, built when walks need them and kept (PAPER 2.1: they "may be computed in a lazy
+/// fashion"). Lazy level l has a group for each 2^l blocks of the file's highest level: what is left of their edges
+/// without those that have both ends in their common interval. A group that would not leave out an eighth of them is
+/// noted as not worthwhile, and its blocks are walked.
 ///
-/// Memory is bounded: once full, nothing more is kept, walks use the levels below. Any thread.
+/// A thread of its own builds them, one after the other, while walks go on over the blocks; LevelStore keeps them.
+/// Memory: pages of kBuildPoints records while a group is built, whatever its size. Any thread.
 template <class Key>
 class LazyLevels {
 public:
-    using Page = std::shared_ptr<const DecodedPage<Key>>;
+    static constexpr std::size_t kBuildPoints = 1u << 16;
 
-    /// One block to be taken in a walk: group `index` of lazy level `level`.
-    struct Group {
-        int level = 0;
-        std::uint64_t index = 0;
-        std::uint64_t firstBlock() const { return index << level; }
-        std::uint64_t blockEnd() const { return (index + 1) << level; }
-    };
+    /// `reader` must outlive this; `memoryBytes` as of LevelStore.
+    LazyLevels(const IndexReader& reader, std::uint64_t memoryBytes);
+    ~LazyLevels();
 
-    /// Reads block b of the file's top level as pages; the key interval of blocks [begin, end).
-    struct Below {
-        std::function<Result<std::vector<Page>>(std::uint64_t block)> pages;
-        std::function<std::pair<std::uint64_t, std::uint64_t>(std::uint64_t begin, std::uint64_t end)> interval;
-    };
+    /// Cuts blocks [begin, end) of the highest level into the largest groups, single blocks as groups of level 0.
+    /// O(log(end - begin)).
+    static std::vector<BlockGroup> groupsOf(std::uint64_t begin, std::uint64_t end);
 
-    /// Groups are no larger than 2^kMaxLevel blocks.
-    static constexpr int kMaxLevel = 12;
+    std::shared_ptr<const StoredGroup> find(const BlockGroup& group) const { return store_.find(group); }
+    /// Errors: IoError, Corruption: forget() the group then.
+    Status load(const StoredPage& page, DecodedPage<Key>& decoded) const;
+    void forget(const BlockGroup& group) { store_.forget(group); }
 
-    explicit LazyLevels(std::uint64_t maxBytes) : maxBytes_(maxBytes) {}
-
-    /// Cuts blocks [begin, end) of the top level into the largest groups. O(log(end - begin)).
-    static std::vector<Group> groupsOf(std::uint64_t begin, std::uint64_t end);
-
-    /// The merged block, built from below if it is not there. Null at the first request, and when there
-    /// is no room to keep it.
-    /// Errors: those of `below`.
-    Result<Page> get(const Group& group, const Below& below);
-
-    std::uint64_t memoryBytes() const;
+    /// What a walk has missed is built next, the largest first, in place of what was asked for before and is not begun.
+    /// Returns at once.
+    void request(std::vector<BlockGroup> groups);
+    /// Nothing more is built, what is there stays in use.
+    void stopBuilding();
+    /// Waits until nothing is left to build.
+    void wait();
+    /// Forgets what is in memory only, after wait().
     void clear();
 
-private:
-    Result<Page> build(const Group& group, const Below& below);
-    Page find(const Group& group) const;
-    bool isFull() const;
+    std::uint64_t memoryBytes() const { return store_.memoryBytes(); }
 
-    std::uint64_t maxBytes_;
-    mutable std::mutex mutex_;
-    std::uint64_t bytes_ = 0;
-    std::map<std::pair<int, std::uint64_t>, Page> blocks_; ///< null: asked for once
+private:
+    class Gathering;
+
+    void run(std::stop_token stop);
+    void build(const BlockGroup& group, std::stop_token stop);
+    bool gather(const BlockGroup& group, Gathering& gathering, std::stop_token stop);
+    std::uint64_t entriesOf(const BlockGroup& group) const;
+
+    const IndexReader& reader_;
+    LevelStore store_;
+    std::mutex mutex_; ///< of what follows
+    std::condition_variable_any changed_;
+    std::vector<BlockGroup> wanted_; ///< the next one last
+    bool isBuilding_ = false, isStopped_ = false;
+    std::jthread thread_; ///< the last member: it uses the others
 };
 
 extern template class LazyLevels<std::uint16_t>;

@@ -12,19 +12,19 @@ namespace isoslider::index {
 // About as many as there are threads: each takes one and gives one back.
 static constexpr std::size_t kMaxSpares = 8;
 
-namespace {
+// Above the numbers of all levels.
+static constexpr std::uint64_t kOthers = std::uint64_t{0xff} << 56;
 
 template <class Key>
-Status readAndDecode(const IndexReader& reader, const PageEntry& entry, DecodedPage<Key>& page) {
-    thread_local std::vector<std::byte> bytes;
-    ISO_TRY(reader.readPage(entry, bytes));
+Status decodeStated(const IndexReader& reader, std::span<const std::byte> bytes, std::uint32_t points,
+                    std::uint32_t edges, DecodedPage<Key>& page) {
     ISO_TRY(decodePage<Key>(bytes, reader.grid(), page, reader.pathString()));
     const auto corrupt = [&](const char* problem) {
         return makeError(ErrorCode::Corruption, std::string("index page ") + problem, reader.pathString());
     };
     if (!page.forms.empty() && !(reader.info().mergeError > 0.0))
         return corrupt("is damaged: merged cells where there are none");
-    if (page.pointCount() != entry.points || page.edgeCount() != entry.edges)
+    if (page.pointCount() != points || page.edgeCount() != edges)
         return corrupt("disagrees with the directory");
     // A brick has one entry; whoever walks a list of bricks relies on it.
     if (reader.info().kind == IndexKind::Metacells &&
@@ -33,25 +33,42 @@ Status readAndDecode(const IndexReader& reader, const PageEntry& entry, DecodedP
     return {};
 }
 
-} // namespace
+template <class Key>
+std::shared_ptr<DecodedPage<Key>> PageCache<Key>::find(std::uint64_t id) {
+    const std::lock_guard lock(mutex_);
+    const auto found = byId_.find(id);
+    if (found == byId_.end())
+        return nullptr;
+    entries_.splice(entries_.begin(), entries_, found->second);
+    return found->second->page;
+}
 
 template <class Key>
 Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std::size_t pageIndex) {
     const std::uint64_t id = static_cast<std::uint64_t>(level) << 56 | pageIndex;
-    {
-        const std::lock_guard lock(mutex_);
-        const auto found = byId_.find(id);
-        if (found != byId_.end()) {
-            entries_.splice(entries_.begin(), entries_, found->second);
-            return Lookup{found->second->page, 0};
-        }
-    }
+    if (auto page = find(id))
+        return Lookup{std::move(page), 0};
     const PageEntry& entry = reader_.meta().levels[level.index()].pages[pageIndex];
     std::shared_ptr<DecodedPage<Key>> page = takeSpare();
-    if (Status status = readAndDecode(reader_, entry, *page); !status.isOk())
+    thread_local std::vector<std::byte> bytes;
+    Status status = reader_.readPage(entry, bytes);
+    if (status.isOk())
+        status = decodeStated(reader_, bytes, entry.points, entry.edges, *page);
+    if (!status.isOk())
         return inPage(reader_, level, pageIndex, std::move(status).error());
     insert(id, page);
     return Lookup{std::move(page), entry.bytes};
+}
+
+template <class Key>
+Result<typename PageCache<Key>::Lookup> PageCache<Key>::getOther(std::uint64_t number, std::uint64_t bytes,
+                                                                 const std::function<Status(DecodedPage<Key>&)>& load) {
+    if (auto page = find(kOthers | number))
+        return Lookup{std::move(page), 0};
+    std::shared_ptr<DecodedPage<Key>> page = takeSpare();
+    ISO_TRY(load(*page));
+    insert(kOthers | number, page);
+    return Lookup{std::move(page), bytes};
 }
 
 template <class Key>
@@ -97,8 +114,13 @@ void PageCache<Key>::clear() {
     bytes_ = 0;
 }
 
-template class PageCache<std::uint16_t>;
-template class PageCache<std::uint32_t>;
-template class PageCache<std::uint64_t>;
+#define ISO_INSTANTIATE(Key) \
+    template class PageCache<Key>; \
+    template Status decodeStated(const IndexReader&, std::span<const std::byte>, std::uint32_t, std::uint32_t, \
+                                 DecodedPage<Key>&);
+ISO_INSTANTIATE(std::uint16_t)
+ISO_INSTANTIATE(std::uint32_t)
+ISO_INSTANTIATE(std::uint64_t)
+#undef ISO_INSTANTIATE
 
 } // namespace isoslider::index

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -10,6 +11,11 @@
 #include "core/index/index_reader.h"
 
 namespace isoslider::index {
+
+/// A page of `reader`'s volume from its bytes, checked against what is stated of it. Errors: Corruption.
+template <class Key>
+Status decodeStated(const IndexReader& reader, std::span<const std::byte> bytes, std::uint32_t points,
+                    std::uint32_t edges, DecodedPage<Key>& page);
 
 /// Decoded pages, least recently used out first, within a bound on their memory (a single page larger
 /// than the bound is handed out but not kept). Beyond it a few evicted pages wait for their memory to be used again.
@@ -26,6 +32,9 @@ public:
 
     /// Errors: IoError, Corruption.
     Result<Lookup> get(SkipLevel level, std::size_t pageIndex);
+    /// Of what lies elsewhere (LevelStore), under a number of its own; `load` fills the page. Errors: those of `load`.
+    Result<Lookup> getOther(std::uint64_t number, std::uint64_t bytes,
+                            const std::function<Status(DecodedPage<Key>&)>& load);
 
     std::uint64_t memoryBytes() const;
     void clear();
@@ -36,6 +45,7 @@ private:
         std::shared_ptr<DecodedPage<Key>> page;
     };
 
+    std::shared_ptr<DecodedPage<Key>> find(std::uint64_t id);
     std::shared_ptr<DecodedPage<Key>> takeSpare();
     void insert(std::uint64_t id, std::shared_ptr<DecodedPage<Key>> page);
 

@@ -37,7 +37,7 @@ Result<std::shared_ptr<const ScalarGrid>> readSlabs(VolumeSource& source, const 
     const GridDims& dims = info.geometry.dims;
     const std::uint64_t planeBytes = static_cast<std::uint64_t>(dims[0] * dims[1]) * scalarTypeSizeBytes(info.type);
     const std::uint64_t totalBytes = planeBytes * static_cast<std::uint64_t>(dims[2]);
-    ISO_TRY(checkFitsMemory(totalBytes, path));
+    ISO_TRY(checkFitsMemory(totalBytes, 0, path));
     std::vector<std::byte> samples; // grows as samples come: packed data may hold fewer than its header states
     const auto step = static_cast<std::int64_t>(std::max<std::uint64_t>(1, kSlabBytes / planeBytes));
     for (std::int64_t z = 0; z < dims[2]; z += step) {

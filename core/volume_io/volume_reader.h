@@ -33,6 +33,9 @@ struct ReadOptions {
     GridDims resampleDims{0, 0, 0}; ///< size for input that is no uniform grid; zeros = VolumeField::dims
     bool allowsExternalData = false; ///< a header may name data files outside its folder
     bool allowsTrailing = false; ///< bytes behind the last sample are not refused
+    /// How much memory reading may hold, in this program and its reader process; 0: what this machine has. What needs
+    /// more is read in passes, or refused.
+    std::uint64_t memoryBytes = 0;
 
     bool operator==(const ReadOptions&) const = default;
 };

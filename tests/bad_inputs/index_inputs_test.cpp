@@ -23,6 +23,7 @@
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/forged_index.h"
+#include "tests/support/repetitions.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/test_paths.h"
@@ -228,13 +229,13 @@ TEST_F(BadIndex, B089_KilledAtAnyMoment) {
     ASSERT_LT(indexBytes, bytes.size());
     std::mt19937 random(7);
     int absent = 0;
-    const int rounds = std::getenv("ISOSLIDER_LONG_TESTS") != nullptr ? 2000 : 30;
-    for (int round = 0; round < rounds; ++round) {
+    const long wanted = repetitions("ISOSLIDER_KILLS", 20);
+    for (long killed = 0; killed < wanted;) {
         const auto moment = std::chrono::steady_clock::now() + whole * (random() % 1000) / 900;
         ProcessOptions options;
         options.signalToSend = SIGKILL;
         options.signalWhen = [&] { return std::chrono::steady_clock::now() >= moment; };
-        (void)run({"build", volume, "-o", path("a.isx")}, options);
+        killed += run({"build", volume, "-o", path("a.isx")}, options).signal == SIGKILL ? 1 : 0;
         if (fs::exists(path("a.isx"))) {
             // Topology is added once the index is there.
             ASSERT_TRUE(readText(path("a.isx")).substr(0, indexBytes) == bytes.substr(0, indexBytes));

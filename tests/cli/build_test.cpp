@@ -17,12 +17,15 @@ TEST_F(CliBuild, ReportsWhatItBuilt) {
         runJson({"build", volume, "-o", path("a.isx"), "--memory", "64M", "--threads", "2", "--index", "edges"});
     EXPECT_THAT(keysOf(json), ElementsAre("seconds", "peak_rss_bytes", "forecast_bytes", "index_bytes",
                                           "forecast_temporary_bytes", "temporary_bytes", "distinct_values", "levels",
-                                          "kind", "resumed", "topology_events", "topology_seconds"));
+                                          "kind", "resumed", "topology_events", "topology_bytes", "topology_seconds"));
     EXPECT_NEAR(json["forecast_bytes"].get<double>(), json["index_bytes"].get<double>(),
                 0.15 * json["index_bytes"].get<double>());
     EXPECT_LE(json["temporary_bytes"], json["forecast_temporary_bytes"]);
     EXPECT_THAT(run({"build", volume, "-o", path("b.isx")}).standardOutput, ::testing::HasSubstr("\nforecast: "));
-    EXPECT_LT(json["index_bytes"], std::filesystem::file_size(path("a.isx"))) << "topology lies behind it";
+    EXPECT_GT(json["topology_bytes"], 0);
+    EXPECT_EQ(json["index_bytes"].get<std::uint64_t>() + json["topology_bytes"].get<std::uint64_t>(),
+              std::filesystem::file_size(path("a.isx")))
+        << "topology lies behind it";
     EXPECT_EQ(json["topology_events"], runJson({"topology", path("a.isx")})["event_count"]);
     const auto bare = runJson({"build", volume, "-o", path("a.isx"), "--no-topology", "--index", "edges"});
     EXPECT_FALSE(bare.contains("topology_events"));

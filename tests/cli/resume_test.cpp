@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tests/cli/cli_fixture.h"
+#include "tests/support/repetitions.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/test_paths.h"
 
@@ -80,7 +81,7 @@ TEST_P(CliResume, B089_GoesOnAfterAKillAtEachStep) {
 #else
     const std::string bytes = whole();
     int resumed = 0, kills = 0;
-    const bool isLong = std::getenv("ISOSLIDER_LONG_TESTS") != nullptr;
+    const bool isLong = repetitions("ISOSLIDER_KILLS", 0) > 0;
     for (int at = 0;; at += isLong ? 1 : 1 + at / 3) {
         ProcessOptions killed;
         killed.environment = {{"LD_PRELOAD", test::builtFile("libisoslider_failing_calls.so")},
@@ -117,18 +118,19 @@ TEST_P(CliResume, B089_GoesOnAfterAKillAtAnyMoment) {
     const auto time = std::chrono::steady_clock::now() - begin;
     std::mt19937 random(std::getenv("ISOSLIDER_SEED") ? static_cast<unsigned>(std::atoi(std::getenv("ISOSLIDER_SEED")))
                                                       : 5u);
-    const int rounds = std::getenv("ISOSLIDER_LONG_TESTS") != nullptr ? 1000 : 6;
-    for (int round = 0; round < rounds; ++round) {
-        int kills = 0;
-        for (; kills < 4; ++kills) {
+    const long wanted = repetitions("ISOSLIDER_KILLS", 15);
+    long killed = 0;
+    for (int round = 0; killed < wanted; ++round) {
+        for (int inARow = 0; inARow < 4; ++inARow) {
             const auto moment = std::chrono::steady_clock::now() + time * (random() % 1000) / 800;
-            ProcessOptions killed;
-            killed.signalToSend = SIGKILL;
-            killed.signalWhen = [&] { return std::chrono::steady_clock::now() >= moment; };
-            const auto result = run(building("a.isx", {"--resume"}), killed);
+            ProcessOptions killing;
+            killing.signalToSend = SIGKILL;
+            killing.signalWhen = [&] { return std::chrono::steady_clock::now() >= moment; };
+            const auto result = run(building("a.isx", {"--resume"}), killing);
             ASSERT_TRUE(result.signal == SIGKILL || result.exitCode == 0) << result.standardError;
             if (result.exitCode == 0)
                 break;
+            ++killed;
         }
         ASSERT_EQ(run(building("a.isx", {"--resume"})).exitCode, 0);
         ASSERT_TRUE(readText(path("a.isx")) == bytes) << "round " << round;

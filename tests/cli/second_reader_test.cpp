@@ -1,12 +1,66 @@
 // A reader of the index format in another language, written from FORMAT.md alone, against the program.
 
+#include <bit>
+
 #include <fmt/format.h>
 
+#include "core/grid/scalar_key.h"
+#include "core/index/format/hidden_corner_codec.h"
+#include "core/index/index_reader.h"
+#include "core/index/page_cache.h"
+#include "core/index/sample_store.h"
 #include "tests/cli/cli_fixture.h"
+#include "tests/support/result_matchers.h"
 #include "tests/support/test_paths.h"
 
 namespace isoslider::test {
 namespace {
+
+template <class Key>
+std::string recordsOf(const index::IndexReader& reader, std::size_t level) {
+    index::PageCache<Key> pages(reader, 0);
+    std::string text;
+    for (std::size_t p = 0; p < reader.meta().levels[level].pages.size(); ++p) {
+        const auto page = pages.get(index::SkipLevel(level), p).value().page;
+        std::size_t entry = 0;
+        for (std::size_t i = 0; i < page->pointCount(); ++i) {
+            text += fmt::format("{} {} {} {}", page->form(i), page->ids[i], page->keys[i], page->normals[i]);
+            for (unsigned rest = page->masks[i]; rest != 0; rest &= rest - 1, ++entry)
+                text += fmt::format(" {} {} {}", std::countr_zero(rest), page->farKeys[entry], page->farNormals[entry]);
+            text += '\n';
+        }
+    }
+    return text;
+}
+
+std::string hiddenCornersOf(const index::IndexReader& reader) {
+    std::string text;
+    std::vector<std::byte> bytes;
+    for (const index::HiddenPageEntry& entry : reader.meta().hiddenPages) {
+        index::HiddenPage page;
+        EXPECT_THAT(reader.readPage(entry, bytes), IsOk());
+        EXPECT_THAT(index::decodeHiddenPage(bytes, entry, reader.info(), page, ""), IsOk());
+        for (std::size_t i = 0; i < page.places.size(); ++i) {
+            const std::uint64_t key = visitScalarType(reader.info().type, [&](auto sample) {
+                return std::uint64_t{keyOf(static_cast<decltype(sample)>(page.scalars[i]))};
+            });
+            text += fmt::format("{} {} {}\n", entry.firstBrick.number() + page.places[i] / 4096, page.places[i] % 4096,
+                                key);
+        }
+    }
+    return text;
+}
+
+std::string samplesOf(const ScalarGrid& grid) {
+    std::string text;
+    const std::size_t rowBytes = static_cast<std::size_t>(grid.dims()[0]) * scalarTypeSizeBytes(grid.type());
+    for (std::size_t i = 0; i < grid.bytes().size(); ++i) {
+        text += fmt::format("{:02x}", std::to_integer<unsigned>(grid.bytes()[i]));
+        if ((i + 1) % rowBytes == 0)
+            text += '\n';
+    }
+    return text;
+}
 
 class SecondReader : public CliTest {
 protected:
@@ -17,13 +71,35 @@ protected:
             GTEST_SKIP() << "needs python3 and the zstd program";
     }
     OrderedJson read(const std::string& index, std::vector<std::string> words) const {
+        return OrderedJson::parse(textOf(index, std::move(words)), nullptr, false);
+    }
+    std::string textOf(const std::string& index, std::vector<std::string> words) const {
         words.insert(words.begin(),
                      {"python3", std::string(test::sourceFolder()) + "/tests/format/read_index.py", index});
         ProcessOptions options;
         options.timeout = std::chrono::minutes(2);
         const auto result = runProcess("/usr/bin/env", words, options);
         EXPECT_EQ(result.exitCode, 0) << result.standardError;
-        return OrderedJson::parse(result.standardOutput, nullptr, false);
+        return result.standardOutput;
+    }
+    /// Every record of every level, every hidden corner and every sample, as the program reads them.
+    void expectAllTheSame(const std::string& index) const {
+        SCOPED_TRACE(index);
+        const auto opened = index::IndexReader::open(index);
+        ASSERT_THAT(opened, IsOk());
+        const index::IndexReader& reader = *opened.value();
+        visitScalarType(reader.info().type, [&](auto sample) {
+            using Key = KeyOf<decltype(sample)>;
+            for (std::size_t level = 0; level < reader.meta().levels.size(); ++level)
+                EXPECT_TRUE(textOf(index, {"records", std::to_string(level)}) == recordsOf<Key>(reader, level))
+                    << "level " << level;
+        });
+        EXPECT_TRUE(textOf(index, {"hidden"}) == hiddenCornersOf(reader));
+        if (reader.info().kind == index::IndexKind::Metacells) {
+            const auto grid = index::readSamples(reader);
+            ASSERT_THAT(grid, IsOk());
+            EXPECT_TRUE(textOf(index, {"samples"}) == samplesOf(*grid.value()));
+        }
     }
     void expectTheSame(const std::string& index, const std::string& volume, const std::vector<std::string>& raw,
                        const std::vector<std::string>& isovalues) const {
@@ -48,8 +124,11 @@ protected:
 TEST_F(SecondReader, FindsTheEdgesOfFloats) {
     const std::vector<std::string> isovalues{"5", "2.5", "-1", "9.75"};
     const std::string volume = sphereVolume();
-    expectTheSame(edgesIndex(), volume, {}, isovalues);
-    expectTheSame(sphereIndex(), volume, {}, isovalues);
+    for (const std::string& index : {edgesIndex(), sphereIndex()}) {
+        expectTheSame(index, volume, {}, isovalues);
+        expectAllTheSame(index);
+    }
+    expectAllTheSame(edgesIndex("merged.isx", {"--lod-error", "0.5c"}));
 }
 
 TEST_F(SecondReader, FindsTheEdgesOfBytesAndIntegers) {
@@ -70,8 +149,15 @@ TEST_F(SecondReader, FindsTheEdgesOfBytesAndIntegers) {
             build.insert(build.end(), raw.begin(), raw.end());
             ASSERT_EQ(run(build).exitCode, 0);
             expectTheSame(index, volume, raw, {"17", "60.5", "100"});
+            expectAllTheSame(index);
         }
     }
+}
+
+TEST_F(SecondReader, ReadsIndexesOfEachVersion) {
+    for (const char* name :
+         {"golden_v3", "golden_v4", "golden_v4_metacells", "golden_v4_merged", "golden_v4_1_topology", "golden_v4_2"})
+        expectAllTheSame(fmt::format("{}/tests/data/{}.isx", test::sourceFolder(), name));
 }
 
 TEST_F(SecondReader, RefusesWhatIsNoIndex) {

@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <csignal>
+#include <filesystem>
 
 #include "tests/cli/cli_fixture.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::test {
 
@@ -110,6 +113,43 @@ TEST_F(CliSlide, RefusesExportNamesWithoutOneNumber) {
         expectRefusal({"slide", index, "--path", "5", "--export", pattern}, 2, "--export");
     expectRefusal({"slide", index, "--path", "5", "--export", "out_%d.txt"}, 2, "suffix");
     expectRefusal({"slide", index, "--path", "5", "--export", "missing/out_%d.ply"}, 4, "folder");
+}
+
+// Jumps write lazy levels beside the index, in the background. Killed in front of each write there, the next program
+// gives the same surfaces and goes on with the file.
+TEST_F(CliSlide, GivesTheSameAfterAKillWhileLevelsAreWritten) {
+#ifndef ISOSLIDER_HAS_FAILING_CALLS
+    GTEST_SKIP() << "sanitizers want to come first themselves";
+#else
+    const auto index = edgesIndex("a.isx", {"--skip-levels", "2", "--redundancy", "0.05"});
+    std::string isovalues = "9,1";
+    for (int i = 0; i < 60; ++i)
+        isovalues += i % 2 == 0 ? ",8.9,1.1,-2,4" : ",9,1,7,-3";
+    const std::vector<std::string> sliding{"slide", index, "--path", isovalues};
+    const auto edgesOf = [&] {
+        std::vector<int> edges;
+        const auto json = runJson(sliding);
+        for (const auto& step : json["steps"])
+            edges.push_back(step["active_edges"]);
+        return edges;
+    };
+    const auto expected = edgesOf();
+    ASSERT_TRUE(std::filesystem::exists(index + ".levels"));
+    int kills = 0, misses = 0;
+    for (int at = 0; misses < 3; ++at) {
+        std::filesystem::remove(index + ".levels");
+        ProcessOptions killed;
+        killed.environment = {{"LD_PRELOAD", builtFile("libisoslider_failing_calls.so")},
+                              {"ISO_FAIL_BELOW", folder_.path().string()},
+                              {"ISO_FAIL_CALLS", "write"},
+                              {"ISO_FAIL_HOW", "kill"},
+                              {"ISO_FAIL_AT", std::to_string(at)}};
+        const auto result = run(sliding, killed);
+        (result.signal == SIGKILL ? kills : misses) += 1;
+        ASSERT_EQ(edgesOf(), expected) << "step " << at;
+    }
+    EXPECT_GT(kills, 5);
+#endif
 }
 
 TEST_F(CliSlide, RefusesAnIncompletePath) {

@@ -1,3 +1,6 @@
+#include <regex>
+#include <set>
+
 #include "tests/cli/cli_fixture.h"
 #include "tests/support/test_paths.h"
 
@@ -62,6 +65,41 @@ TEST_F(CliUsage, IsCompletedByTheShell) {
     EXPECT_EQ(complete("isoslider-cli build --index m", 3), "metacells\n");
     folder_.write("head.mha", "");
     EXPECT_EQ(complete("isoslider-cli info he", 2), "head.mha\n");
+}
+
+// A command's options stand below its heading, those of many below headings of their own.
+TEST_F(CliUsage, IsDescribedByItsManualPage) {
+    std::string page = readText(std::filesystem::path(test::sourceFolder()) / "packaging/desktop/isoslider-cli.1");
+    for (std::size_t at = 0; (at = page.find("\\-", at)) != std::string::npos; ++at)
+        page.erase(at, 1);
+    const auto section = [&](const std::string& heading) {
+        const std::size_t begin = page.find("\n.SS " + heading);
+        EXPECT_NE(begin, std::string::npos) << heading;
+        return begin == std::string::npos ? "" : page.substr(begin, page.find("\n.S", begin + 5) - begin);
+    };
+    // "  --name", "  -n,--name"
+    const auto optionsOf = [](const std::string& help) {
+        std::set<std::string> names;
+        const std::regex option("\n  (-[a-z],)?(--[a-z-]+)");
+        for (std::sregex_iterator at(help.begin(), help.end(), option), end; at != end; ++at)
+            names.insert((*at)[2]);
+        return names;
+    };
+    const std::string help = run({"--help"}).standardOutput;
+    const std::string commands = help.substr(help.find("Subcommands:"));
+    const std::regex line("\n  ([a-z]+) "), bold("\\\\fB(--[a-z-]+)\\\\fR");
+    int count = 0;
+    for (std::sregex_iterator at(commands.begin(), commands.end(), line), end; at != end; ++at, ++count) {
+        const std::string command = (*at)[1], own = section(command + " ");
+        const std::string described = own + section("Of every command") + section("Of commands that read a volume");
+        const auto options = optionsOf(run({command, "--help"}).standardOutput);
+        EXPECT_GT(options.size(), 2u) << command;
+        for (const std::string& option : options)
+            EXPECT_THAT(described, HasSubstr("\\fB" + option + "\\fR")) << command;
+        for (std::sregex_iterator stated(own.begin(), own.end(), bold); stated != end; ++stated)
+            EXPECT_TRUE(options.contains((*stated)[1])) << command << " has no " << (*stated)[1];
+    }
+    EXPECT_EQ(count, 10);
 }
 
 // What the shell would offer is written by a compadd and a _describe that stand for its own.

@@ -5,6 +5,11 @@ the zstd program. It shares nothing with the one in C++: where both agree, the d
     read_index.py INDEX facts            what meta states, as JSON
     read_index.py INDEX edges            each edge of level 0: x y z axis lower upper (of an index of edges)
     read_index.py INDEX bricks           each brick of level 0: x y z least greatest (of metacells)
+    read_index.py INDEX records LEVEL    all of a level's pages, a line for each record: form, id, key and normal, then of
+                                         each entry its edge number, key and normal; numbers only
+    read_index.py INDEX hidden           hidden corners, a line for each: place of the brick, place in it, key
+    read_index.py INDEX samples          of metacells: the bytes of all samples, in hexadecimal digits, a line for each row
+    read_index.py INDEX planes           bytes of each level's planes by column, as JSON
     read_index.py INDEX active VALUE...  active edges at isovalues, from edges or from samples, as JSON
 
 Checksums are not compared: XXH3 is not in the standard library. `isoslider-cli validate` does that.
@@ -124,16 +129,10 @@ class Index:
         at = (brick % bx, brick // bx % by, brick // (bx * by))
         return tuple(8 * b + (local >> 3 * a & 7) for a, b in enumerate(at))
 
-    def page(self, entry):
-        """Records of a page: (key, id, form, {edge: far key})."""
-        data = self.data[entry[2] : entry[2] + entry[4]]
-        points, edges, base, key_bytes, id_bytes, order, flags, planes = struct.unpack_from("<IIQBBBBI", data, 0)
-        id_count = 512 * self.bricks[0] * self.bricks[1] * self.bricks[2]
-        counts = [points] * (key_bytes + id_bytes + 1 + (flags >> 2 & 1) + 2) + [edges] * (key_bytes + 2)
-        if len(counts) != planes:
-            fail("number of planes")
-        table = struct.unpack_from("<%dI" % planes, data, 32)
-        at, frames, parts = 32 + 4 * planes, [], []
+    def planes(self, data, at, counts):
+        """Byte planes behind their table, unpacked: one for each of `counts`, to the end of the data."""
+        table = struct.unpack_from("<%dI" % len(counts), data, at)
+        at, frames, parts = at + 4 * len(counts), [], []
         for word, count in zip(table, counts):
             length, mode = word & (1 << 30) - 1, word >> 30
             part = data[at : at + length]
@@ -148,7 +147,17 @@ class Index:
         if at != len(data):
             fail("bytes after the last plane")
         unpacked = iter(unpack_frames([f for f, _ in frames], [n for _, n in frames]))
-        parts = iter([next(unpacked) if part is None else part for part in parts])
+        return iter([next(unpacked) if part is None else part for part in parts])
+
+    def page(self, entry):
+        """Records of a page: (key, id, form, {edge: far key}, normal, {edge: far normal})."""
+        data = self.data[entry[2] : entry[2] + entry[4]]
+        points, edges, base, key_bytes, id_bytes, order, flags, planes = struct.unpack_from("<IIQBBBBI", data, 0)
+        id_count = 512 * self.bricks[0] * self.bricks[1] * self.bricks[2]
+        counts = [points] * (key_bytes + id_bytes + 1 + (flags >> 2 & 1) + 2) + [edges] * (key_bytes + 2)
+        if len(counts) != planes:
+            fail("number of planes")
+        parts = self.planes(data, 32, counts)
 
         def column(width, count):
             cut = [next(parts) for _ in range(width)]
@@ -156,20 +165,59 @@ class Index:
 
         keys, ids, masks = column(key_bytes, points), column(id_bytes, points), column(1, points)
         forms = column(1, points) if flags & 4 else [0] * points
-        column(2, points)
-        far = iter(column(key_bytes, edges))
-        modulus, records, key, point = 1 << 8 * key_bytes, [], base, 0
+        def plus(a, b):
+            return (a + b & 0xFF) | ((a >> 8) + (b >> 8) & 0xFF) << 8
+
+        turns = column(2, points)
+        far, bends = iter(column(key_bytes, edges)), iter(column(2, edges))
+        modulus, records, key, point, normal = 1 << 8 * key_bytes, [], base, 0, 0
         for i in range(points):
             key = ((key if order == 0 else base) + keys[i]) % modulus
             point = (point + ids[i]) % id_count
+            normal = plus(normal, turns[i])
             numbers = [e for e in range(6) if masks[i] >> e & 1]
             differences = {e: (lambda z: z >> 1 if z % 2 == 0 else -(z >> 1) - 1)(next(far)) for e in numbers}
             ends = {e: (key + d) % modulus for e, d in differences.items()}
+            turned = {e: next(bends) for e in numbers}
+            normals = {e: plus(normal, d) for e, d in turned.items()}
             for e in (0, 2, 4):
-                if flags & 1 and e in ends and e + 1 in ends:
-                    ends[e] = (2 * key - ends[e + 1] + differences[e]) % modulus
-            records.append((key, point, forms[i], ends))
+                if e in ends and e + 1 in ends:
+                    if flags & 1:
+                        ends[e] = (2 * key - ends[e + 1] + differences[e]) % modulus
+                    if flags & 2:
+                        opposite = (-(normals[e + 1] & 0xFF) & 0xFF) | (-(normals[e + 1] >> 8) & 0xFF) << 8
+                        normals[e] = plus(plus(plus(normal, normal), opposite), turned[e])
+            records.append((key, point, forms[i], ends, normal, normals))
         return records
+
+    def plane_bytes(self):
+        """Encoded bytes of each level: by column, low byte first, and of heads and tables."""
+        levels = []
+        for level in self.levels:
+            sums = {"heads": 0}
+            for entry in level["page_entries"]:
+                key_bytes, id_bytes, _, flags, planes = struct.unpack_from("<BBBBI", self.data, entry[2] + 16)
+                names = ["keys"] * key_bytes + ["ids"] * id_bytes + ["masks"] + ["forms"] * (flags >> 2 & 1) + ["normals"] * 2
+                names += ["far keys"] * key_bytes + ["far normals"] * 2
+                table = struct.unpack_from("<%dI" % planes, self.data, entry[2] + 32)
+                for name, word in zip(names, table):
+                    sums[name] = sums.get(name, 0) + (word & (1 << 30) - 1)
+                sums["heads"] += 32 + 4 * planes
+            levels.append(sums)
+        return levels
+
+    def hidden_corners(self):
+        for first, _, corners, size, offset, _ in self.hidden:
+            data = self.data[offset : offset + size]
+            count, brick, key_bytes, planes = struct.unpack_from("<4I", data, 0)
+            if (count, brick, planes) != (corners, first, 4 + key_bytes):
+                fail("a page of hidden corners is not what its entry states")
+            parts = self.planes(data, 16, [count] * planes)
+            places, keys = ([int.from_bytes(bytes(p), "little") for p in zip(*(next(parts) for _ in range(width)))] for width in (4, key_bytes))
+            place = 0
+            for step, key in zip(places, keys):
+                place += step
+                yield (brick + place // 4096, place % 4096, key)
 
     def records(self, level=0):
         for entry in self.levels[level]["page_entries"]:
@@ -177,7 +225,7 @@ class Index:
 
     def edges(self):
         """(x, y, z, axis, lower end's scalar, upper end's scalar), once for each edge."""
-        for key, point, form, ends in self.records():
+        for key, point, form, ends, _, _ in self.records():
             if form != 0:
                 fail("has merged cells: its edges are intervals")
             for edge, far in ends.items():
@@ -185,7 +233,7 @@ class Index:
                     yield (*self.coords(point), edge // 2, self.scalar(key), self.scalar(far))
 
     def brick_list(self):
-        for key, point, _, ends in self.records():
+        for key, point, _, ends, _, _ in self.records():
             far = next(iter(ends.values()))
             if key < far:
                 yield (*(c // 8 for c in self.coords(point)), self.scalar(key), self.scalar(far))
@@ -275,7 +323,7 @@ class Index:
         levels = []
         for number, level in enumerate(self.levels):
             records = list(self.records(number))
-            entries = sum(len(ends) for _, _, _, ends in records)
+            entries = sum(len(record[3]) for record in records)
             levels.append({"points": len(records), "edges": entries, "stated_edges": level["edges"]})
         return {
             "kind": self.kind,
@@ -292,15 +340,24 @@ class Index:
 
 
 def main(words):
-    if len(words) < 2 or words[1] not in ("facts", "edges", "bricks", "active"):
-        fail("usage: read_index.py INDEX facts|edges|bricks|active [VALUE...]")
+    if len(words) < 2 or words[1] not in ("facts", "edges", "bricks", "records", "hidden", "samples", "planes", "active"):
+        fail("usage: read_index.py INDEX facts|edges|bricks|records|hidden|samples|planes|active [LEVEL|VALUE...]")
     index = Index(words[0])
     if words[1] == "facts":
         print(json.dumps(index.facts()))
+    elif words[1] == "planes":
+        print(json.dumps(index.plane_bytes()))
     elif words[1] == "active":
         print(json.dumps(index.active([float(w) for w in words[2:]])))
+    elif words[1] == "records":
+        for key, point, form, ends, normal, normals in index.records(int(words[2])):
+            print(form, point, key, normal, *(n for e in sorted(ends) for n in (e, ends[e], normals[e])))
+    elif words[1] == "samples":
+        values, nx = index.samples(), index.dims[0]
+        for row in range(0, len(values), nx):
+            print(struct.pack("<%d%s" % (nx, SAMPLE[index.type]), *values[row : row + nx]).hex())
     else:
-        for line in index.edges() if words[1] == "edges" else index.brick_list():
+        for line in {"edges": index.edges, "bricks": index.brick_list, "hidden": index.hidden_corners}[words[1]]():
             print(*line)
 
 

@@ -212,6 +212,7 @@ private:
     Status open(std::size_t k, std::unique_ptr<extract::SlideEngine>& engine) const {
         extract::SlideOptions options;
         options.readsAhead = false; // the next step follows at once
+        options.buildsLevels = false; // what is measured must not depend on how far they are
         auto opened = extract::SlideEngine::open(indexPath(k), options);
         if (!opened.isOk())
             return opened.error();

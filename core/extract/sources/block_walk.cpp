@@ -16,19 +16,23 @@ namespace isoslider::extract {
 using index::DecodedPage;
 using index::WalkSegment;
 
-// One page to take from: of the file, or a merged block that is in memory already.
+// One page to take from: of the file, or of a lazy level.
 template <class Key>
 struct BlockWalk<Key>::Task {
     const WalkSegment* segment;
     std::size_t page = 0;
-    typename index::LazyLevels<Key>::Page merged = nullptr;
     index::SkipLevel level;
     bool beginsBlock = false; // at level 0 blocks are counted by their keys
+    std::shared_ptr<const index::StoredGroup> lazy = nullptr; // `page` is a page of it
+    index::BlockGroup group = {};
 };
 
 template <class Key>
 BlockWalk<Key>::BlockWalk(const index::IndexReader& reader, std::uint64_t cacheBytes)
-    : reader_(reader), skipList_(reader.meta().levels), cache_(reader, cacheBytes), lazyLevels_(cacheBytes / 4) {}
+    : reader_(reader),
+      skipList_(reader.meta().levels),
+      cache_(reader, cacheBytes),
+      lazyLevels_(reader, cacheBytes / 4) {}
 
 // A page that fails may be gone around, one that could be read after all no longer is: a disk may have been out of
 // reach.
@@ -45,59 +49,67 @@ Result<typename index::PageCache<Key>::Lookup> BlockWalk<Key>::getPage(index::Sk
     return lookup;
 }
 
+// A group that is damaged is none: the next walk goes over its blocks.
+template <class Key>
+Result<typename index::PageCache<Key>::Lookup> BlockWalk<Key>::getLazyPage(const Task& task) {
+    const index::StoredPage& page = task.lazy->pages[task.page];
+    auto lookup = cache_.getOther(page.number, page.bytes,
+                                  [&](DecodedPage<Key>& decoded) { return lazyLevels_.load(page, decoded); });
+    if (!lookup.isOk()) {
+        lazyLevels_.forget(task.group);
+        const std::lock_guard lock(damagedMutex_);
+        ++pagesLost_;
+    }
+    return lookup;
+}
+
+template <class Key>
+void BlockWalk<Key>::addBlocks(const WalkSegment& segment, std::uint64_t begin, std::uint64_t end,
+                               std::vector<Task>& tasks) {
+    for (std::uint64_t b = begin; b < end; ++b) {
+        const index::BlockEntry& block = skipList_.block(segment.level, b);
+        for (std::uint64_t p = 0; p < block.pageCount; ++p)
+            tasks.push_back({&segment, block.firstPage + p, segment.level, p == 0});
+    }
+}
+
+// A group that is not there gives way to smaller ones that are, and to its blocks.
+template <class Key>
+void BlockWalk<Key>::addGroup(const WalkSegment& segment, const index::BlockGroup& group, std::vector<Task>& tasks) {
+    auto stored = group.level > 0 ? lazyLevels_.find(group) : nullptr;
+    if (stored && stored->isWorthwhile) {
+        for (std::size_t p = 0; p < stored->pages.size(); ++p)
+            tasks.push_back({&segment, p, above(segment.level, group.level), p == 0, stored, group});
+    } else if (stored || group.level == 0) {
+        addBlocks(segment, group.firstBlock(), group.blockEnd(), tasks);
+    } else {
+        addGroup(segment, {group.level - 1, 2 * group.index}, tasks);
+        addGroup(segment, {group.level - 1, 2 * group.index + 1}, tasks);
+    }
+}
+
 // PAPER 2.1: E+ and E- of every block on the way. DEVIATION: blocks are taken in any order and by several threads,
 // because what they list are net changes between two thresholds, which do not depend on each other.
 template <class Key>
-std::vector<typename BlockWalk<Key>::Task> BlockWalk<Key>::makeTasks(const std::vector<WalkSegment>& segments,
-                                                                     SlideStats& stats) {
-    using Lazy = index::LazyLevels<Key>;
-    const index::SkipLevel top = skipList_.top();
-    typename Lazy::Below below;
-    below.pages = [&](std::uint64_t b) -> Result<std::vector<typename Lazy::Page>> {
-        const index::BlockEntry& block = skipList_.block(top, b);
-        std::vector<typename Lazy::Page> pages;
-        for (std::uint64_t p = 0; p < block.pageCount; ++p) {
-            auto lookup = getPage(top, block.firstPage + p);
-            if (!lookup.isOk())
-                return std::move(lookup).error();
-            stats.bytesRead += lookup.value().bytesRead;
-            pages.push_back(std::move(lookup).value().page);
-        }
-        return pages;
-    };
-    below.interval = [&](std::uint64_t begin, std::uint64_t end) {
-        return std::pair{skipList_.block(top, begin).firstKey, skipList_.block(top, end - 1).lastKey + 1};
-    };
+std::vector<typename BlockWalk<Key>::Task> BlockWalk<Key>::makeTasks(const std::vector<WalkSegment>& segments) {
     std::vector<Task> tasks;
-    const auto addBlocks = [&](const WalkSegment& segment, std::uint64_t begin, std::uint64_t end) {
-        for (std::uint64_t b = begin; b < end; ++b) {
-            const index::BlockEntry& block = skipList_.block(segment.level, b);
-            for (std::uint64_t p = 0; p < block.pageCount; ++p)
-                tasks.push_back({&segment, block.firstPage + p, nullptr, segment.level, p == 0});
-        }
-    };
+    std::vector<index::BlockGroup> missing;
     for (const WalkSegment& segment : segments) {
         if (segment.level == index::kLevel0) {
             for (std::size_t page = segment.firstPage; page < segment.pageEnd; ++page)
-                tasks.push_back({&segment, page, nullptr, segment.level});
-        } else if (segment.level < top) {
-            addBlocks(segment, segment.firstBlock, segment.firstBlock + segment.blocks);
+                tasks.push_back({&segment, page, segment.level});
+        } else if (segment.level < skipList_.top()) {
+            addBlocks(segment, segment.firstBlock, segment.firstBlock + segment.blocks, tasks);
         } else {
-            for (const typename Lazy::Group& group :
-                 Lazy::groupsOf(segment.firstBlock, segment.firstBlock + segment.blocks)) {
-                typename Lazy::Page merged;
-                if (group.level > 0) {
-                    // What cannot be merged is visited block by block, and that finds every damaged page.
-                    if (auto made = lazyLevels_.get(group, below); made.isOk())
-                        merged = std::move(made).value();
-                }
-                if (merged)
-                    tasks.push_back({&segment, 0, std::move(merged), above(top, group.level)});
-                else
-                    addBlocks(segment, group.firstBlock(), group.blockEnd());
+            for (const index::BlockGroup& group :
+                 index::LazyLevels<Key>::groupsOf(segment.firstBlock, segment.firstBlock + segment.blocks)) {
+                if (group.level > 0 && !lazyLevels_.find(group))
+                    missing.push_back(group);
+                addGroup(segment, group, tasks);
             }
         }
     }
+    lazyLevels_.request(std::move(missing));
     return tasks;
 }
 
@@ -128,8 +140,8 @@ Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats&
         const std::lock_guard lock(damagedMutex_);
         return skipList_.plan(lower, upper, damaged_);
     }();
-    const std::vector<Task> tasks = makeTasks(segments, stats);
-    constexpr int kMaxLevels = index::kMaxSkipLevels + index::LazyLevels<Key>::kMaxLevel;
+    const std::vector<Task> tasks = makeTasks(segments);
+    constexpr int kMaxLevels = index::kMaxSkipLevels + index::kMaxGroupLevel;
 
     tbb::enumerable_thread_specific<std::vector<WalkStep>> allSteps([] { return std::vector<WalkStep>(kMaxLevels); });
     std::atomic<std::uint64_t> bytesRead{0};
@@ -145,13 +157,7 @@ Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats&
             const Part part = partOf(page, task, step);
             step.edges += visit(part) - part.firstEntry;
         };
-        if (task.merged) {
-            ++step.blocks;
-            step.bytes += task.merged->memoryBytes();
-            take(*task.merged);
-            return;
-        }
-        auto lookup = getPage(task.segment->level, task.page);
+        auto lookup = task.lazy ? getLazyPage(task) : getPage(task.level, task.page);
         if (!lookup.isOk()) {
             const std::lock_guard lock(errorMutex);
             if (!firstError || task.page < firstErrorPage)
@@ -160,7 +166,7 @@ Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats&
             return;
         }
         bytesRead.fetch_add(lookup.value().bytesRead, std::memory_order_relaxed);
-        step.bytes += skipList_.page(task.level, task.page).bytes;
+        step.bytes += task.lazy ? task.lazy->pages[task.page].bytes : skipList_.page(task.level, task.page).bytes;
         step.blocks += task.beginsBlock;
         take(*lookup.value().page);
     });

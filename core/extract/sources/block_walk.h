@@ -61,27 +61,39 @@ public:
 
     /// And of damaged pages.
     void dropCaches() {
-        cache_.clear();
+        lazyLevels_.wait();
         lazyLevels_.clear();
+        cache_.clear();
         const std::lock_guard lock(damagedMutex_);
         damaged_.clear();
     }
 
+    /// Whether lazy levels are built: otherwise those that are there are used, no others.
+    void setBuildsLevels(bool builds) {
+        if (!builds)
+            lazyLevels_.stopBuilding();
+    }
+    /// Waits until those are built that walks have asked for.
+    void waitForLevels() { lazyLevels_.wait(); }
+
 private:
     struct Task;
-    /// The pages of a walk; whole runs of top-level blocks come from lazy levels where there is room.
-    std::vector<Task> makeTasks(const std::vector<index::WalkSegment>& segments, SlideStats& stats);
+    /// The pages of a walk; whole runs of top-level blocks come from lazy levels where those are there.
+    std::vector<Task> makeTasks(const std::vector<index::WalkSegment>& segments);
+    void addGroup(const index::WalkSegment& segment, const index::BlockGroup& group, std::vector<Task>& tasks);
+    void addBlocks(const index::WalkSegment& segment, std::uint64_t begin, std::uint64_t end, std::vector<Task>& tasks);
     /// As PageCache::get; remembers which pages cannot be read.
     Result<typename index::PageCache<Key>::Lookup> getPage(index::SkipLevel level, std::size_t page);
+    Result<typename index::PageCache<Key>::Lookup> getLazyPage(const Task& task);
     static Part partOf(const index::DecodedPage<Key>& page, const Task& task, WalkStep& step);
 
     const index::IndexReader& reader_;
     index::SkipList skipList_;
     index::PageCache<Key> cache_;
-    index::LazyLevels<Key> lazyLevels_;
     mutable std::mutex damagedMutex_;
     index::DamagedPages damaged_;
     std::uint64_t pagesLost_ = 0;
+    index::LazyLevels<Key> lazyLevels_;
 };
 
 extern template class BlockWalk<std::uint16_t>;

@@ -55,6 +55,7 @@ public:
     void waitForPrefetch() override {
         if (ahead_.joinable())
             ahead_.join();
+        walk_.waitForLevels();
     }
     void dropCaches() override {
         walk_.dropCaches();

@@ -44,7 +44,9 @@ public:
     /// The next move may be from `from` to `to`: what it needs may be fetched in the background until then.
     /// Returns at once.
     virtual void prefetch(KeyThreshold /*from*/, KeyThreshold /*to*/) {}
-    /// Waits until what prefetch() asked for has been read.
+    /// Whether more skip levels are built in the background as moves come to need them.
+    virtual void setBuildsLevels(bool /*builds*/) {}
+    /// Waits until what prefetch() asked for has been read, and those levels are built.
     virtual void waitForPrefetch() {}
     /// Forgets what is kept of what has been read, after waitForPrefetch().
     virtual void dropCaches() {}

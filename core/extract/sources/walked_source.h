@@ -24,6 +24,8 @@ public:
         return walk_.isBlocked(std::min(from, to), std::max(from, to));
     }
     std::uint64_t partsLost() const override { return walk_.pagesLost(); }
+    void setBuildsLevels(bool builds) override { walk_.setBuildsLevels(builds); }
+    void waitForPrefetch() override { walk_.waitForLevels(); }
     KeyThreshold threshold(double isovalue) const override { return thresholdOf<Sample>(isovalue); }
     KeyThreshold lowest() const override { return 0; }
     KeyThreshold highest() const override { return KeyThreshold{keyOf(static_cast<Sample>(reader_.info().max))} + 1; }

@@ -1,7 +1,6 @@
 #include "core/volume_io/parsing/header_checks.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include <glm/matrix.hpp>
@@ -133,28 +132,14 @@ Result<std::string> readStart(const fs::path& path, std::uint64_t maxBytes) {
     return text;
 }
 
-namespace {
-
-std::atomic<std::uint64_t> readingMemory = 0; // 0: that of the machine
-
-} // namespace
-
-std::uint64_t readingMemoryBytes() {
-    const std::uint64_t bytes = readingMemory;
-    return bytes > 0 ? bytes : physicalMemoryBytes();
-}
-
-void setReadingMemoryBytes(std::uint64_t bytes) { readingMemory = bytes; }
-
-Status checkFitsMemory(std::uint64_t sizeBytes, const fs::path& path) {
-    const auto memory = readingMemoryBytes();
+Status checkFitsMemory(std::uint64_t sizeBytes, std::uint64_t memoryBytes, const fs::path& path) {
+    const std::uint64_t memory = readingMemoryOf(memoryBytes);
     if (sizeBytes <= memory)
         return {};
-    const bool isOfMachine = readingMemory == 0;
     return makeError(ErrorCode::OutOfSpace,
                      "needs " + std::to_string((sizeBytes >> 20) + 1) + " MiB in memory, " +
-                         (isOfMachine ? "this machine has " : "half of --memory, what reading may hold, is ") +
-                         std::to_string(memory >> 20) + (isOfMachine ? "" : " MiB"),
+                         (memoryBytes == 0 ? "this machine has " : "reading may hold half of the memory budget, ") +
+                         std::to_string(memory >> 20) + (memoryBytes == 0 ? "" : " MiB"),
                      path);
 }
 

@@ -48,7 +48,7 @@ Result<std::filesystem::path> resolveDataFile(const std::filesystem::path& heade
 /// Up to `maxBytes` from the start of a file, as text.
 Result<std::string> readStart(const std::filesystem::path& path, std::uint64_t maxBytes = kMaxHeaderBytes);
 
-/// Refuses a volume that is larger than this machine's memory. OutOfSpace.
-Status checkFitsMemory(std::uint64_t sizeBytes, const std::filesystem::path& path);
+/// Refuses a volume that is larger than the memory that reading may hold (ReadOptions::memoryBytes). OutOfSpace.
+Status checkFitsMemory(std::uint64_t sizeBytes, std::uint64_t memoryBytes, const std::filesystem::path& path);
 
 } // namespace isoslider::io

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 
+#include "core/base/machine.h"
+
 namespace isoslider::io {
 
-/// How much memory reading a volume may hold, in this program or in its reader process; that of this machine unless it
-/// is set. checkFitsMemory() refuses what needs more. Set before a volume is opened; any thread.
-std::uint64_t readingMemoryBytes();
-void setReadingMemoryBytes(std::uint64_t bytes);
+/// What ReadOptions::memoryBytes allows.
+inline std::uint64_t readingMemoryOf(std::uint64_t memoryBytes) {
+    return memoryBytes > 0 ? memoryBytes : physicalMemoryBytes();
+}
 
 } // namespace isoslider::io

@@ -116,6 +116,7 @@ void options(Codec& codec, Options& value) {
     dims(codec, value.resampleDims);
     codec.flag(value.allowsExternalData);
     codec.flag(value.allowsTrailing);
+    codec.number(value.memoryBytes);
 }
 
 template <class Codec, class Request>

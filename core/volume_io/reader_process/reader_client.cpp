@@ -17,7 +17,6 @@
 
 #include "core/base/folders.h"
 #include "core/base/sanitizers.h"
-#include "core/volume_io/parsing/reading_memory.h"
 #include "core/volume_io/reader_process/activity_watch.h"
 #include "core/volume_io/reader_process/message_channel.h"
 #include "core/volume_io/reader_process/messages.h"
@@ -69,8 +68,7 @@ public:
         ::posix_spawn_file_actions_addopen(actions.get(), STDERR_FILENO, "/dev/null", O_WRONLY, 0);
 #endif
         std::string name = program.value().string();
-        std::string memory = std::to_string(readingMemoryBytes());
-        char* const arguments[] = {name.data(), memory.data(), nullptr};
+        char* const arguments[] = {name.data(), nullptr};
         pid_t process = -1;
         const int problem = ::posix_spawn(&process, name.c_str(), actions.get(), nullptr, arguments, environ);
         ::close(ends[1]);

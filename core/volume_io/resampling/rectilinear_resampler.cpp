@@ -211,7 +211,7 @@ Result<std::unique_ptr<VolumeSource>> placeOnAxes(std::unique_ptr<VolumeSource> 
             return refuseField(
                 "size", own[axis] > 1 ? "two points or more are needed along each axis" : "the data is one plane",
                 path);
-    ISO_TRY(checkFitsMemory(sizeof(float) * static_cast<std::uint64_t>(pointCount(own)), path));
+    ISO_TRY(checkFitsMemory(sizeof(float) * static_cast<std::uint64_t>(pointCount(own)), options.memoryBytes, path));
     VolumeInfo info = source->info();
     info.geometry = axesGeometry(axes, dims.value());
     ISO_TRY(checkGeometry(info.geometry, "coordinates", path));

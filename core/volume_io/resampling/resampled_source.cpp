@@ -167,7 +167,8 @@ Result<GridDims> resampledDims(const ReadOptions& options, const GridDims& other
     const GridDims wanted = options.resampleDims == GridDims{0, 0, 0} ? otherwise : options.resampleDims;
     auto dims = checkDims(wanted, "size", path);
     if (dims.isOk()) // while it is made there are two
-        ISO_TRY(checkFitsMemory(2 * sizeof(float) * static_cast<std::uint64_t>(pointCount(dims.value())), path));
+        ISO_TRY(checkFitsMemory(2 * sizeof(float) * static_cast<std::uint64_t>(pointCount(dims.value())),
+                                options.memoryBytes, path));
     return dims;
 }
 

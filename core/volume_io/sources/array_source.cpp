@@ -17,7 +17,7 @@ constexpr std::uint64_t kMostBlockBytes = std::uint64_t{64} << 20;
 class ArraySource final : public VolumeSource {
 public:
     ArraySource(VolumeInfo info, ArrayView view, ArrayMeaning meaning, std::unique_ptr<ArrayReader> reader,
-                std::filesystem::path path)
+                std::filesystem::path path, std::uint64_t memoryBytes)
         : info_(std::move(info)),
           view_(std::move(view)),
           meaning_(std::move(meaning)),
@@ -27,7 +27,8 @@ public:
         const GridDims& dims = info_.geometry.dims;
         planeSamples_ = static_cast<std::uint64_t>(dims[0] * dims[1]);
         const std::uint64_t planeBytes = planeSamples_ * fileTypeSizeBytes(view_.type);
-        const std::uint64_t blockBytes = std::min(kMostBlockBytes, readingMemoryBytes() / 2); // the other half is slabs
+        const std::uint64_t blockBytes =
+            std::min(kMostBlockBytes, readingMemoryOf(memoryBytes) / 2); // the other half is slabs
         blockPlanes_ = static_cast<std::int64_t>(std::max<std::uint64_t>(1, blockBytes / planeBytes));
         // Planes across the file's order touch the whole of it, so each pass over it fetches as many as it may.
         for (std::size_t axis = 0; axis < 2; ++axis)
@@ -166,9 +167,10 @@ ScalarType arrayType(FileType type, const ArrayMeaning& meaning) {
 }
 
 std::unique_ptr<VolumeSource> makeArraySource(VolumeInfo info, ArrayView view, ArrayMeaning meaning,
-                                              std::unique_ptr<ArrayReader> reader, std::filesystem::path path) {
+                                              std::unique_ptr<ArrayReader> reader, std::filesystem::path path,
+                                              std::uint64_t memoryBytes) {
     return std::make_unique<ArraySource>(std::move(info), std::move(view), std::move(meaning), std::move(reader),
-                                         std::move(path));
+                                         std::move(path), memoryBytes);
 }
 
 } // namespace isoslider::io

@@ -45,9 +45,10 @@ ScalarType arrayType(FileType type, const ArrayMeaning& meaning);
 
 /// Samples of an array, x fastest, missing ones NaN. Blocks of a bounded size are read; if z is the file's slowest
 /// axis, only the planes asked for. `info.type` is set here, `info.geometry.dims` states how many samples along x, y,
-/// z. REQUIRES: the array is that large. Errors of readSlab: those of the reader; InvalidArgument (a 64-bit integer
-/// without an exact f64).
+/// z; `memoryBytes` is that of ReadOptions. REQUIRES: the array is that large. Errors of readSlab: those of the reader;
+/// InvalidArgument (a 64-bit integer without an exact f64).
 std::unique_ptr<VolumeSource> makeArraySource(VolumeInfo info, ArrayView view, ArrayMeaning meaning,
-                                              std::unique_ptr<ArrayReader> reader, std::filesystem::path path);
+                                              std::unique_ptr<ArrayReader> reader, std::filesystem::path path,
+                                              std::uint64_t memoryBytes);
 
 } // namespace isoslider::io

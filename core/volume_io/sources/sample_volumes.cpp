@@ -105,7 +105,7 @@ Result<ScalarGrid> makeSphericalShell(const GridDims& wanted, const JobControl& 
     GridGeometry geometry;
     geometry.dims = dims.value();
     const auto [nx, ny, nz] = geometry.dims;
-    ISO_TRY(checkFitsMemory(2 * static_cast<std::uint64_t>(pointCount(geometry.dims)), {}));
+    ISO_TRY(checkFitsMemory(2 * static_cast<std::uint64_t>(pointCount(geometry.dims)), 0, {}));
     const double cx = static_cast<double>(nx) / 2, cy = static_cast<double>(ny) / 2, cz = static_cast<double>(nz) / 2;
     const double radius = 79.1 * static_cast<double>(std::min({nx, ny, nz})) / 256;
     const double top = std::max(radius, std::sqrt(cx * cx + cy * cy + cz * cz) - radius);

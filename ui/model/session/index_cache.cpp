@@ -11,6 +11,7 @@
 #include "core/base/content_hash.h"
 #include "core/base/file_system.h"
 #include "core/base/folders.h"
+#include "core/index/level_store.h"
 
 namespace isoslider::model {
 namespace fs = std::filesystem;
@@ -143,6 +144,7 @@ bool IndexCache::takeMoved(const VolumeStamp& volume, std::string_view layout, c
             continue;
         if (!defaultFileSystem().renameDurably(index, here).isOk())
             return false;
+        (void)defaultFileSystem().renameDurably(index::LevelStore::pathFor(index), index::LevelStore::pathFor(here));
         forget(index);
         (void)defaultFileSystem().removeFile(useNoteOf(index));
         return true;

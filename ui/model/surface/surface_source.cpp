@@ -132,7 +132,10 @@ std::unique_ptr<SurfaceSource> makeIndexSource(std::unique_ptr<extract::SlideEng
 
 SourceOpener openerOfIndex(std::filesystem::path index) {
     return [index = std::move(index)](const JobControl&) -> Result<std::unique_ptr<SurfaceSource>> {
-        auto engine = extract::SlideEngine::open(index, {.cacheBytes = extract::kEdgesCacheBytes, .readsAhead = false});
+        extract::SlideOptions options; // it moves once
+        options.cacheBytes = extract::kEdgesCacheBytes;
+        options.readsAhead = options.buildsLevels = false;
+        auto engine = extract::SlideEngine::open(index, options);
         if (!engine.isOk())
             return std::move(engine).error();
         return makeIndexSource(std::move(engine).value());

@@ -205,7 +205,8 @@ Result<std::unique_ptr<VolumeSource>> openHdf5(const fs::path& path, const ReadO
     if (!prepared.isOk())
         return std::move(prepared).error();
     Prepared& parts = prepared.value();
-    return makeArraySource(std::move(parts.info), std::move(parts.view), {}, std::move(parts.reader), path);
+    return makeArraySource(std::move(parts.info), std::move(parts.view), {}, std::move(parts.reader), path,
+                           options.memoryBytes);
 }
 
 } // namespace isoslider::io

@@ -377,7 +377,7 @@ Result<std::unique_ptr<VolumeSource>> openNetcdf(const fs::path& path, const Rea
         return std::move(prepared).error();
     Prepared& parts = prepared.value();
     auto source = makeArraySource(std::move(parts.info), std::move(parts.view), std::move(parts.meaning),
-                                  std::move(parts.reader), path);
+                                  std::move(parts.reader), path, options.memoryBytes);
     return placeOnAxes(std::move(source), std::move(parts.axes), options, path);
 }
 

@@ -345,9 +345,12 @@ std::string dicomTagText(DicomTag tag) {
     return text + ')';
 }
 
-void DicomDataSet::allow(std::uint64_t end) const {
-    if (const auto* inflated = dynamic_cast<const InflatedFile*>(bytes.get()))
+Status DicomDataSet::allow(std::uint64_t end) const {
+    if (const auto* inflated = dynamic_cast<const InflatedFile*>(bytes.get())) {
+        ISO_TRY(checkFitsMemory(end, memoryBytes, bytes->path()));
         inflated->allow(end);
+    }
+    return {};
 }
 
 bool looksLikeDicom(std::span<const std::byte> start) {
@@ -355,11 +358,12 @@ bool looksLikeDicom(std::span<const std::byte> start) {
            beginsWithElements(start, false) || beginsWithElements(start, true);
 }
 
-Result<DicomDataSet> openDicomDataSet(const fs::path& path) {
+Result<DicomDataSet> openDicomDataSet(const fs::path& path, std::uint64_t memoryBytes) {
     auto opened = defaultFileSystem().openForReading(path);
     if (!opened.isOk())
         return std::move(opened).error();
     DicomDataSet dataSet;
+    dataSet.memoryBytes = memoryBytes;
     dataSet.bytes = std::move(opened).value();
     Window window(*dataSet.bytes);
     const auto start = window.at(0, 512);

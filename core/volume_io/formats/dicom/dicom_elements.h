@@ -62,13 +62,14 @@ public:
 /// The start of a data set and how its elements are written.
 struct DicomDataSet {
     std::shared_ptr<const RandomAccessFile> bytes; ///< the file, or what it unpacks to
+    std::uint64_t memoryBytes = 0; ///< that of ReadOptions
     std::uint64_t begin = 0;
     std::string transferSyntax; ///< empty: the file does not state
     bool isExplicit = true; ///< value representations are written out
     bool isBigEndian = false;
 
     /// Lets the first `end` bytes of a deflated data set be unpacked, which by itself are bounded.
-    void allow(std::uint64_t end) const;
+    Status allow(std::uint64_t end) const;
 };
 
 /// True of a file that begins as DICOM does, with or without a preamble. `start`: up to its first 512 bytes.
@@ -76,7 +77,7 @@ bool looksLikeDicom(std::span<const std::byte> start);
 
 /// Reads the file meta information and finds out how the rest is written.
 /// Errors: InvalidArgument (not DICOM), Corruption, IoError.
-Result<DicomDataSet> openDicomDataSet(const std::filesystem::path& path);
+Result<DicomDataSet> openDicomDataSet(const std::filesystem::path& path, std::uint64_t memoryBytes = 0);
 
 /// Walks the elements up to the samples. Those of sequences are given when the sink wants the sequence.
 /// Errors: Corruption (an element leads out of the file, or of the sequence it is in), InvalidArgument (no

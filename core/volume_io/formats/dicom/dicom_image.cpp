@@ -330,7 +330,7 @@ Status locateNative(DicomPixels& pixels, std::uint64_t frames, const DicomDataSe
     // The product stays below 2^32 * 4 * 2^16 * 2^6.
     const std::uint64_t needed = (points * frames * static_cast<std::uint64_t>(pixels.bitsAllocated) + 7) / 8;
     std::byte last{};
-    dataSet.allow(samples.offset + needed);
+    ISO_TRY(dataSet.allow(samples.offset + needed));
     if (needed <= available && !dataSet.bytes->readExactlyAt(samples.offset + needed - 1, {&last, 1}).isOk())
         available = 0;
     if (needed > available)
@@ -423,8 +423,8 @@ std::string_view dicomSplitName(DicomSplit split) {
     return kNames[static_cast<std::size_t>(split)];
 }
 
-Result<DicomImage> readDicomImage(const fs::path& path) {
-    auto dataSet = openDicomDataSet(path);
+Result<DicomImage> readDicomImage(const fs::path& path, std::uint64_t memoryBytes) {
+    auto dataSet = openDicomDataSet(path, memoryBytes);
     if (!dataSet.isOk())
         return std::move(dataSet).error();
     ImageSink sink;

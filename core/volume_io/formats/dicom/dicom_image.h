@@ -85,6 +85,6 @@ struct DicomImage {
 /// Reads and checks everything but the samples: that they are all there, and of compressed ones that their
 /// own headers state the same size. Memory in proportion to the number of frames the file really holds. Errors:
 /// InvalidArgument (no image, or none of a kind that is read), Corruption, IoError.
-Result<DicomImage> readDicomImage(const std::filesystem::path& path);
+Result<DicomImage> readDicomImage(const std::filesystem::path& path, std::uint64_t memoryBytes = 0);
 
 } // namespace isoslider::io

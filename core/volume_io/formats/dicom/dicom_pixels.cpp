@@ -462,12 +462,12 @@ Status checkDicomCodestream(const RandomAccessFile& bytes, const DicomPixels& pi
     }
 }
 
-Result<std::unique_ptr<DicomFrameReader>> openDicomFrames(const DicomImage& image) {
-    auto dataSet = openDicomDataSet(image.path);
+Result<std::unique_ptr<DicomFrameReader>> openDicomFrames(const DicomImage& image, std::uint64_t memoryBytes) {
+    auto dataSet = openDicomDataSet(image.path, memoryBytes);
     if (!dataSet.isOk())
         return std::move(dataSet).error();
     const DicomPixels& pixels = image.pixels;
-    dataSet.value().allow(pixels.offset + image.frames.size() * pixels.frameBytes());
+    ISO_TRY(dataSet.value().allow(pixels.offset + image.frames.size() * pixels.frameBytes()));
     return std::unique_ptr<DicomFrameReader>(std::make_unique<FrameReader>(image, dataSet.value().bytes));
 }
 

@@ -31,7 +31,7 @@ public:
     virtual bool isPlanar() const = 0;
 };
 
-/// REQUIRES: `image` outlives the reader.
-Result<std::unique_ptr<DicomFrameReader>> openDicomFrames(const DicomImage& image);
+/// `memoryBytes` is that of ReadOptions. REQUIRES: `image` outlives the reader.
+Result<std::unique_ptr<DicomFrameReader>> openDicomFrames(const DicomImage& image, std::uint64_t memoryBytes = 0);
 
 } // namespace isoslider::io

@@ -38,7 +38,7 @@ bool beginsAsDicom(const fs::path& path) {
     return count.isOk() && looksLikeDicom(std::span(buffer).first(count.value()));
 }
 
-Result<Collection> collectFolder(const fs::path& folder) {
+Result<Collection> collectFolder(const fs::path& folder, std::uint64_t memoryBytes) {
     auto listed = listFiles(folder, {kMaxFolderDepth, kMaxFiles + 1});
     if (!listed.isOk())
         return std::move(listed).error();
@@ -50,7 +50,7 @@ Result<Collection> collectFolder(const fs::path& folder) {
     std::size_t leftOut = 0;
     std::string reason;
     for (const fs::path& path : files) {
-        auto image = beginsAsDicom(path) ? readDicomImage(path)
+        auto image = beginsAsDicom(path) ? readDicomImage(path, memoryBytes)
                                          : Result<DicomImage>(makeError(ErrorCode::InvalidArgument, "is not DICOM"));
         if (image.isOk()) {
             found.images.push_back(std::move(image).value());
@@ -66,15 +66,15 @@ Result<Collection> collectFolder(const fs::path& folder) {
     return found;
 }
 
-Result<Collection> collect(const fs::path& path) {
+Result<Collection> collect(const fs::path& path, std::uint64_t memoryBytes) {
     Collection found;
     if (isFolder(path)) {
-        auto folder = collectFolder(path);
+        auto folder = collectFolder(path, memoryBytes);
         if (!folder.isOk())
             return folder;
         found = std::move(folder).value();
     } else {
-        auto image = readDicomImage(path);
+        auto image = readDicomImage(path, memoryBytes);
         if (!image.isOk())
             return std::move(image).error();
         if (image.value().frames.size() == 1 && image.value().frames.front().position)
@@ -98,12 +98,14 @@ VolumeContents contentsOf(const Collection& found) {
 /// Slices decoded as they are asked for.
 class DicomSource final : public VolumeSource {
 public:
-    DicomSource(std::vector<DicomImage> images, DicomStack stack, VolumeInfo info, const Choice& choice)
+    DicomSource(std::vector<DicomImage> images, DicomStack stack, VolumeInfo info, const Choice& choice,
+                std::uint64_t memoryBytes)
         : images_(std::move(images)),
           stack_(std::move(stack)),
           info_(std::move(info)),
           slices_(stack_.frames[static_cast<std::size_t>(choice.frame)]),
           component_(choice.component),
+          memoryBytes_(memoryBytes),
           openImage_(images_.size()),
           heldSlices_{slices_.size(), slices_.size()} {
         info_.type = stack_.type;
@@ -142,7 +144,7 @@ private:
     Status loadSlice(std::size_t index, std::span<std::byte> out) {
         const DicomSlice& slice = slices_[index];
         if (slice.image != openImage_) {
-            auto opened = openDicomFrames(images_[slice.image]);
+            auto opened = openDicomFrames(images_[slice.image], memoryBytes_);
             if (!opened.isOk())
                 return std::move(opened).error();
             reader_ = std::move(opened).value();
@@ -281,6 +283,7 @@ private:
     VolumeInfo info_;
     const std::vector<DicomSlice>& slices_;
     int component_;
+    std::uint64_t memoryBytes_; ///< that of ReadOptions
     std::size_t openImage_;
     std::unique_ptr<DicomFrameReader> reader_;
     std::vector<std::byte> samples_;
@@ -304,15 +307,15 @@ bool isDicom(const fs::path& path, std::span<const std::byte> start) {
     return files.isOk() && std::ranges::any_of(files.value(), beginsAsDicom);
 }
 
-Result<VolumeContents> listDicom(const fs::path& path, const ReadOptions& /*options*/) {
-    const auto found = collect(path);
+Result<VolumeContents> listDicom(const fs::path& path, const ReadOptions& options) {
+    const auto found = collect(path, options.memoryBytes);
     if (!found.isOk())
         return found.error();
     return contentsOf(found.value());
 }
 
 Result<std::unique_ptr<VolumeSource>> openDicom(const fs::path& path, const ReadOptions& options) {
-    auto found = collect(path);
+    auto found = collect(path, options.memoryBytes);
     if (!found.isOk())
         return std::move(found).error();
     const auto chosen = chooseField(contentsOf(found.value()), options, path);
@@ -338,7 +341,7 @@ Result<std::unique_ptr<VolumeSource>> openDicom(const fs::path& path, const Read
         return dims.error();
     ISO_TRY(checkGeometry(info.geometry, "pixel spacing, positions", path));
     return std::unique_ptr<VolumeSource>(std::make_unique<DicomSource>(
-        std::move(found).value().images, std::move(stack), std::move(info), choice.value()));
+        std::move(found).value().images, std::move(stack), std::move(info), choice.value(), options.memoryBytes));
 }
 
 } // namespace isoslider::io

@@ -8,11 +8,13 @@
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/parsing/byte_decoder.h"
 #include "core/volume_io/parsing/header_checks.h"
+#include "core/volume_io/parsing/reading_memory.h"
 #include "core/volume_io/parsing/text_scanner.h"
 #include "core/volume_io/volume_choice.h"
 
 // Gaussian cube files: text, the third axis fastest, so that the first plane is known when the last number
-// has been read. Numbers are kept as they are written, in f64; lengths stay in the unit of the file.
+// has been read: from a file that is larger than memory, planes come in several passes. Numbers are kept as they are
+// written, in f64; lengths stay in the unit of the file.
 
 namespace isoslider::io {
 namespace fs = std::filesystem;
@@ -189,21 +191,48 @@ VolumeField fieldOf(const Header& header) {
     return field;
 }
 
-class CubeSource final : public WholeGridSource {
+/// All planes at once where they fit into what reading may hold; otherwise as many as do, in as many passes over the
+/// file.
+class CubeSource final : public VolumeSource {
 public:
-    CubeSource(fs::path path, VolumeInfo info, int component, bool allowsTrailing)
-        : path_(std::move(path)), info_(std::move(info)), component_(component), allowsTrailing_(allowsTrailing) {
+    CubeSource(fs::path path, VolumeInfo info, int component, const ReadOptions& options)
+        : path_(std::move(path)),
+          info_(std::move(info)),
+          component_(component),
+          allowsTrailing_(options.allowsTrailing) {
         info_.type = ScalarType::F64;
+        const GridDims& dims = info_.geometry.dims;
+        const std::uint64_t planeBytes = sizeof(double) * static_cast<std::uint64_t>(dims[0] * dims[1]);
+        const std::uint64_t most = readingMemoryOf(options.memoryBytes) / 2; // the other half is slabs
+        passPlanes_ = static_cast<std::int64_t>(
+            std::clamp<std::uint64_t>(most / planeBytes, 1, static_cast<std::uint64_t>(dims[2])));
     }
 
     const VolumeInfo& info() const override { return info_; }
 
-    Result<std::shared_ptr<const ScalarGrid>> grid(const JobControl& job) override {
-        if (grid_)
-            return grid_;
-        // Twice: as read, and with the first axis fastest.
-        ISO_TRY(
-            checkFitsMemory(2 * sizeof(double) * static_cast<std::uint64_t>(pointCount(info_.geometry.dims)), path_));
+    Status prepare(const JobControl& job) override { return planeEnd_ > 0 ? Status() : load(0, job); }
+
+    Status readSlab(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) override {
+        const auto [nx, ny, nz] = info_.geometry.dims;
+        ISO_CHECK(zBegin >= 0 && zBegin <= zEnd && zEnd <= nz);
+        std::byte* to = out.data();
+        for (std::int64_t z = zBegin; z < zEnd; ++z) {
+            if (z < planeBegin_ || z >= planeEnd_)
+                ISO_TRY(load(z, {}));
+            const std::int64_t planes = planeEnd_ - planeBegin_;
+            for (std::int64_t y = 0; y < ny; ++y)
+                for (std::int64_t x = 0; x < nx; ++x, to += sizeof(double))
+                    std::memcpy(to, &samples_[static_cast<std::size_t>((x * ny + y) * planes + z - planeBegin_)],
+                                sizeof(double));
+        }
+        return {};
+    }
+
+private:
+    // As many planes as may be held, from `begin` on.
+    Status load(std::int64_t begin, const JobControl& job) {
+        planeBegin_ = planeEnd_ = 0;
+        samples_.clear();
         auto text = openText(path_);
         if (!text.isOk())
             return std::move(text).error();
@@ -212,35 +241,41 @@ public:
             return header.error();
         if (header.value().geometry != info_.geometry)
             return makeError(ErrorCode::Corruption, "has changed since it was opened", path_);
-        std::vector<double> samples;
-        ISO_TRY(readSamples(text.value()->reader, header.value().values, samples, job));
-        grid_ = std::make_shared<const ScalarGrid>(info_.geometry, ScalarType::F64, transposed(samples));
-        return grid_;
+        const std::int64_t end = std::min(begin + passPlanes_, info_.geometry.dims[2]);
+        ISO_TRY(readSamples(text.value()->reader, header.value().values, begin, end, job));
+        isChecked_ = true;
+        planeBegin_ = begin;
+        planeEnd_ = end;
+        return {};
     }
 
-private:
-    Status readSamples(TextReader& reader, std::int64_t values, std::vector<double>& samples,
-                       const JobControl& job) const {
+    Status readSamples(TextReader& reader, std::int64_t values, std::int64_t zBegin, std::int64_t zEnd,
+                       const JobControl& job) {
         const GridDims& dims = info_.geometry.dims;
         const std::int64_t count = pointCount(dims);
+        const auto kept = static_cast<std::size_t>(dims[0] * dims[1] * (zEnd - zBegin));
         // Room for all is made when these have come: there may be fewer than the header states.
-        constexpr std::int64_t kFirstSamples = std::int64_t{1} << 20;
-        samples.reserve(static_cast<std::size_t>(std::min(count, kFirstSamples)));
+        constexpr std::size_t kFirstSamples = std::size_t{1} << 20;
+        samples_.reserve(std::min(kept, kFirstSamples));
         std::string word;
         for (std::int64_t i = 0; i < count; ++i) {
-            if (i == kFirstSamples)
-                samples.reserve(static_cast<std::size_t>(count));
+            if (samples_.size() == kFirstSamples)
+                samples_.reserve(kept);
             if (i % (dims[1] * dims[2]) == 0) {
                 if (job.isStopRequested())
                     return cancelledError();
                 job.report(static_cast<double>(i) / static_cast<double>(count), "reading");
             }
+            const std::int64_t z = i % dims[2];
+            const bool isKept = z >= zBegin && z < zEnd;
             double sample = 0.0;
             for (std::int64_t value = 0; value < values; ++value) {
                 if (!reader.word(word))
                     return endsIn("its numbers: " + std::to_string(count * values) + " expected, found " +
                                       std::to_string(i * values + value),
                                   reader, path_);
+                if (!isKept && isChecked_)
+                    continue;
                 const auto number = word.size() <= kMaxScannedWord ? parseFortranReal(word) : std::nullopt;
                 if (!number)
                     return makeError(
@@ -251,7 +286,8 @@ private:
                 else if (value == component_)
                     sample = *number;
             }
-            samples.push_back(component_ == kMagnitude ? std::sqrt(sample) : sample);
+            if (isKept)
+                samples_.push_back(component_ == kMagnitude ? std::sqrt(sample) : sample);
         }
         if (!allowsTrailing_ && reader.word(word))
             return makeError(ErrorCode::InvalidArgument,
@@ -261,22 +297,14 @@ private:
         return reader.status();
     }
 
-    std::vector<std::byte> transposed(const std::vector<double>& samples) const {
-        const auto [nx, ny, nz] = info_.geometry.dims;
-        std::vector<std::byte> out(samples.size() * sizeof(double));
-        auto* to = out.data();
-        for (std::int64_t z = 0; z < nz; ++z)
-            for (std::int64_t y = 0; y < ny; ++y)
-                for (std::int64_t x = 0; x < nx; ++x, to += sizeof(double))
-                    std::memcpy(to, &samples[static_cast<std::size_t>((x * ny + y) * nz + z)], sizeof(double));
-        return out;
-    }
-
     fs::path path_;
     VolumeInfo info_;
     int component_;
     bool allowsTrailing_;
-    std::shared_ptr<const ScalarGrid> grid_;
+    bool isChecked_ = false; ///< all numbers have been looked at
+    std::int64_t passPlanes_ = 1;
+    std::int64_t planeBegin_ = 0, planeEnd_ = 0;
+    std::vector<double> samples_; ///< those planes, in the file's order
 };
 
 } // namespace
@@ -294,7 +322,7 @@ Result<std::unique_ptr<VolumeSource>> openCube(const fs::path& path, const ReadO
     info.fieldTitle = header.value().title;
     info.lengthUnit = header.value().isInBohr ? "bohr" : "Å";
     return std::unique_ptr<VolumeSource>(
-        std::make_unique<CubeSource>(path, std::move(info), choice.value().component, options.allowsTrailing));
+        std::make_unique<CubeSource>(path, std::move(info), choice.value().component, options));
 }
 
 Result<VolumeContents> listCube(const fs::path& path, const ReadOptions&) {

@@ -76,7 +76,7 @@ Result<Files> findPair(const fs::path& path) {
 }
 
 /// Proves the sizes of both files.
-Result<Plot3dLayout> checkPair(const Files& files) {
+Result<Plot3dLayout> checkPair(const Files& files, std::uint64_t memoryBytes) {
     auto grid = defaultFileSystem().openForReading(files.grid);
     auto solution = defaultFileSystem().openForReading(files.solution);
     if (!grid.isOk() || !solution.isOk())
@@ -87,7 +87,7 @@ Result<Plot3dLayout> checkPair(const Files& files) {
     const std::uint64_t inCurvilinear = sizeof(glm::dvec3) + sizeof(float);
     ISO_TRY(checkFitsMemory(grid.value()->sizeBytes() + solution.value()->sizeBytes() +
                                 inCurvilinear * static_cast<std::uint64_t>(pointCount(layout.value().dims)),
-                            files.solution));
+                            memoryBytes, files.solution));
     return layout;
 }
 
@@ -174,7 +174,7 @@ Result<VolumeContents> listPlot3d(const fs::path& path, const ReadOptions& optio
     const auto files = findPair(path);
     if (!files.isOk())
         return files.error();
-    const auto layout = checkPair(files.value());
+    const auto layout = checkPair(files.value(), options.memoryBytes);
     if (!layout.isOk())
         return layout.error();
     const auto lattice = latticeIn(files.value(), layout.value());
@@ -205,7 +205,7 @@ Result<std::unique_ptr<VolumeSource>> openPlot3d(const fs::path& path, const Rea
     const auto files = findPair(path);
     if (!files.isOk())
         return files.error();
-    const auto layout = checkPair(files.value());
+    const auto layout = checkPair(files.value(), options.memoryBytes);
     if (!layout.isOk())
         return layout.error();
     VolumeInfo info;

@@ -214,7 +214,8 @@ private:
         if (out_.isBinary) {
             const std::uint64_t size = count * fileTypeSizeBytes(type);
             if (request_.keepsStructure) {
-                ISO_TRY(checkFitsMemory(3 * (out_.structure.size() + size), scan_.path())); // VTK copies both
+                ISO_TRY(checkFitsMemory(3 * (out_.structure.size() + size), request_.memoryBytes,
+                                        scan_.path())); // VTK copies both
                 const std::size_t begin = out_.structure.size();
                 out_.structure.resize(begin + size);
                 ISO_TRY(file_.readExactlyAt(scan_.position(),

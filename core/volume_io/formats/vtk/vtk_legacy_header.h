@@ -33,6 +33,7 @@ struct LegacyFile {
 
 struct LegacyRequest {
     bool keepsStructure = false; ///< fill LegacyFile::structure
+    std::uint64_t memoryBytes = 0; ///< that of ReadOptions
     /// True for the array after which nothing more is looked at; none: to the end of the file.
     std::function<bool(const LegacyArray&)> isLast;
 };

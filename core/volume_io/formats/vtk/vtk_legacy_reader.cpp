@@ -79,8 +79,8 @@ std::string startOf(const LegacyFile& header) {
 /// The text of a file that has but one array.
 class Excerpt {
 public:
-    Excerpt(const RandomAccessFile& file, LegacyFile header, const LegacyArray& array)
-        : file_(file), header_(std::move(header)), array_(array) {}
+    Excerpt(const RandomAccessFile& file, LegacyFile header, const LegacyArray& array, std::uint64_t memoryBytes)
+        : file_(file), header_(std::move(header)), array_(array), memoryBytes_(memoryBytes) {}
 
     Result<std::string> run() {
         const std::uint64_t values = header_.points * array_.components;
@@ -92,7 +92,8 @@ public:
                                  " bytes or more, " + std::to_string(left) + " remain",
                              file_.path(), array_.position);
         const std::uint64_t fileBytes = header_.isBinary ? values * width : left;
-        ISO_TRY(checkFitsMemory(3 * header_.structure.size() + 2 * fileBytes + 2 * values * width, file_.path()));
+        ISO_TRY(checkFitsMemory(3 * header_.structure.size() + 2 * fileBytes + 2 * values * width, memoryBytes_,
+                                file_.path()));
         text_ = startOf(header_);
         text_ += "POINT_DATA " + std::to_string(header_.points) + "\nFIELD FieldData 1\n" + kSamples + " " +
                  std::to_string(array_.components) + " " + std::to_string(header_.points) + " " +
@@ -129,6 +130,7 @@ private:
     const RandomAccessFile& file_;
     LegacyFile header_;
     const LegacyArray& array_;
+    std::uint64_t memoryBytes_;
     std::string text_;
 };
 
@@ -140,6 +142,7 @@ Result<VolumeContents> listVtkLegacy(const fs::path& path, const ReadOptions& op
         return file.error();
     LegacyRequest request;
     request.keepsStructure = true;
+    request.memoryBytes = options.memoryBytes;
     const auto header = readLegacyHeader(*file.value(), request);
     if (!header.isOk())
         return header.error();
@@ -169,6 +172,7 @@ Result<std::unique_ptr<VolumeSource>> openVtkLegacy(const fs::path& path, const 
         return file.error();
     LegacyRequest request;
     request.keepsStructure = true;
+    request.memoryBytes = options.memoryBytes;
     request.isLast = [&](const LegacyArray& array) {
         return options.field.empty() ? array.components == 1 : array.name == options.field;
     };
@@ -187,7 +191,7 @@ Result<std::unique_ptr<VolumeSource>> openVtkLegacy(const fs::path& path, const 
     const VtkKind kind = read.value().kind;
     const LegacyArray array = read.value().arrays[chosen.value()];
     const std::uint64_t points = read.value().points;
-    auto text = Excerpt(*file.value(), std::move(read).value(), array).run();
+    auto text = Excerpt(*file.value(), std::move(read).value(), array, options.memoryBytes).run();
     if (!text.isOk())
         return std::move(text).error();
 

@@ -115,7 +115,7 @@ Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& pa
     ISO_TRY(check(*file.value(), header, chosen.value()));
     // VTK holds the array, and it is copied.
     const std::uint64_t values = header.points * static_cast<std::uint64_t>(field.components);
-    ISO_TRY(checkFitsMemory(2 * values * bytesPerValue(field), path));
+    ISO_TRY(checkFitsMemory(2 * values * bytesPerValue(field), options.memoryBytes, path));
 
     const VtkSession session;
     const auto reader = readerOf(header.kind);

@@ -1,11 +1,18 @@
 #include "core/extract/slide_engine.h"
 
+#include <algorithm>
+#include <bit>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include <glm/geometric.hpp>
+
 #include "core/extract/full_extraction.h"
 #include "core/extract/live/brick_picture.h"
+#include "core/index/index_writer.h"
+#include "core/index/page_cache.h"
 #include "preprocess/metacells/brick_list.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
@@ -315,6 +322,85 @@ TEST_F(SlideEngineTest, PicturesDifferInTheBricksThatChange) {
     ASSERT_GT(few.value().edgesAdded + few.value().edgesRemoved, 0u);
     EXPECT_GT(differing(), 0u);
     EXPECT_LT(differing(), bricks);
+}
+
+/// An index of a grid of 5 * 10^10 edges, all of whose samples are 0 but those of the last cells: there it holds what
+/// an index of `corner`, whose outermost samples are 0 too, holds at its only level.
+void writeSparseIndex(const std::filesystem::path& cornerIndex, const GridDims& dims,
+                      const std::filesystem::path& path) {
+    const auto opened = index::IndexReader::open(cornerIndex);
+    ASSERT_THAT(opened, IsOk());
+    const index::IndexReader& corner = *opened.value();
+    const BrickGrid grid(dims);
+    index::PageCache<std::uint16_t> pages(corner, 1u << 20);
+    std::vector<index::PointRecord<std::uint16_t>> records;
+    for (std::size_t p = 0; p < corner.meta().levels[0].pages.size(); ++p) {
+        const auto page = pages.get(index::kLevel0, p).value().page;
+        std::size_t entry = 0;
+        for (std::size_t i = 0; i < page->pointCount(); ++i) {
+            index::PointRecord<std::uint16_t> record;
+            record.key = page->keys[i];
+            record.normal = page->normals[i];
+            record.edgeMask = page->masks[i];
+            auto at = corner.grid().pointCoords(PointId(page->ids[i]));
+            for (int a = 0; a < 3; ++a)
+                at[a] += dims[a] - corner.grid().dims()[a];
+            record.setId(grid.pointId(at[0], at[1], at[2]));
+            for (unsigned rest = record.edgeMask; rest != 0; rest &= rest - 1, ++entry) {
+                record.farKeys[std::countr_zero(rest)] = page->farKeys[entry];
+                record.farNormals[std::countr_zero(rest)] = page->farNormals[entry];
+            }
+            records.push_back(record);
+        }
+    }
+    std::sort(records.begin(), records.end(),
+              [](const auto& a, const auto& b) { return std::pair(a.key, a.id()) < std::pair(b.key, b.id()); });
+    index::PageEntry entry = corner.meta().levels[0].pages[0];
+    auto writer = index::IndexWriter::create(path, 1);
+    ASSERT_THAT(writer, IsOk());
+    ASSERT_THAT(writer.value()->addPage(index::kLevel0, entry,
+                                        index::encodePage<std::uint16_t>(records, index::PageOrder::Value, grid)),
+                IsOk());
+    index::IndexMeta meta = corner.meta();
+    meta.info.geometry.dims = dims;
+    ASSERT_THAT(writer.value()->finish(std::move(meta)), IsOk());
+}
+
+// Ids of points and edges have 64 bits all the way from the page to the mesh.
+TEST_F(SlideEngineTest, ReachesTheLastCellOfAGridWithMoreEdgesThan32BitsCount) {
+    const GridDims dims{3001, 3003, 2001};
+    ASSERT_GT(3 * pointCount(dims), std::int64_t{1} << 34);
+    ASSERT_GT(pointCount(dims), std::int64_t{1} << 34);
+    GridGeometry geometry;
+    geometry.dims = {5, 6, 4};
+    const auto corner =
+        test::makeVolume<std::uint16_t>(ScalarType::U16, geometry, [](std::int64_t x, std::int64_t y, std::int64_t z) {
+            return x == 0 || y == 0 || z == 0 ? 0 : 100 * x + 10 * y * z;
+        });
+    preprocess::BuildOptions options;
+    options.skipLevels = 1;
+    ASSERT_THAT(test::buildIndexOf(corner, folder_ / "corner.isx", options), IsOk());
+    ASSERT_NO_FATAL_FAILURE(writeSparseIndex(folder_ / "corner.isx", dims, folder_ / "sparse.isx"));
+    const auto engine = SlideEngine::open(folder_ / "sparse.isx");
+    ASSERT_THAT(engine, IsOk());
+    for (const double isovalue : {150.0, 333.0, 41.5, 500.0, 1.0}) {
+        ASSERT_THAT(engine.value()->slideTo(isovalue), IsOk());
+        const SurfaceMesh mesh = engine.value()->mesh().value(), expected = extractFull(*corner, isovalue).value();
+        EXPECT_GT(mesh.triangleCount(), 3u);
+        EXPECT_EQ(mesh.triangles, expected.triangles) << isovalue;
+        std::vector<EdgeId> ids;
+        for (const EdgeId id : expected.edgeIds) {
+            const auto point = static_cast<std::int64_t>(id / 4);
+            const std::int64_t x = point % 5 + dims[0] - 5, y = point / 5 % 6 + dims[1] - 6,
+                               z = point / 30 + dims[2] - 4;
+            ids.push_back(4 * static_cast<EdgeId>(x + dims[0] * (y + dims[1] * z)) + id % 4);
+        }
+        EXPECT_GT(ids.back(), EdgeId{1} << 34);
+        EXPECT_EQ(mesh.edgeIds, ids);
+        ASSERT_EQ(mesh.positions.size(), expected.positions.size());
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i) // floats of some thousands
+            EXPECT_LT(glm::distance(mesh.positions[i], expected.positions[i] + glm::vec3(2996, 2997, 1997)), 2e-3F);
+    }
 }
 
 } // namespace

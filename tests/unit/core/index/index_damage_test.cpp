@@ -18,6 +18,7 @@
 #include "tests/property/test_volumes.h"
 #include "tests/support/forged_index.h"
 #include "tests/support/memory_file_system.h"
+#include "tests/support/repetitions.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
@@ -159,14 +160,13 @@ TEST_P(IndexDamage, B080_EachBitOfHeaderAndDirectoryIsFoundOnOpening) {
 }
 
 TEST_P(IndexDamage, B080_FlippedBitsOfPartsAreFoundWhenTheyAreRead) {
-    // A million with ISOSLIDER_LONG_TESTS.
-    const int flips = std::getenv("ISOSLIDER_LONG_TESTS") != nullptr ? 1'000'000 : 200'000;
+    const long flips = test::repetitions("ISOSLIDER_FLIPS", 200'000);
     std::mt19937_64 random(80);
     std::vector<std::uint64_t> ends;
     std::uint64_t total = 0;
     for (const Part& part : parts_)
         ends.push_back(total += part.bytes);
-    for (int i = 0; i < flips; ++i) {
+    for (long i = 0; i < flips; ++i) {
         const std::uint64_t at = random() % total;
         const Part& part =
             parts_[static_cast<std::size_t>(std::upper_bound(ends.begin(), ends.end(), at) - ends.begin())];

@@ -182,6 +182,7 @@ TEST(ReaderMessages, KeepEveryField) {
     request.options.resampleDims = {8, 9, 10};
     request.options.allowsExternalData = true;
     request.options.allowsTrailing = true;
+    request.options.memoryBytes = std::uint64_t{3} << 33;
     request.zBegin = 3;
     request.zEnd = 1LL << 33;
     const auto taken = decodeRequest(encodeRequest(request));

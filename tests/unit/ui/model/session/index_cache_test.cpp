@@ -114,11 +114,14 @@ TEST_F(IndexCacheTest, B087_AFileThatWasOnlyTouchedIsAccepted) {
 
 TEST_F(IndexCacheTest, B087_AVolumeThatMovedBringsItsIndexAlong) {
     const auto path = writeVolume();
-    open(path);
+    const fs::path index = open(path).dataset.indexPath;
+    std::ofstream(index.string() + ".levels") << "ISOLEVEL";
     fs::rename(folder_ / "volumes", folder_ / "archive");
     EXPECT_TRUE(opensFromCache(folder_ / "archive/head.mhd"));
     EXPECT_EQ(cache_.usage().indexes, 1u);
-    EXPECT_EQ(std::distance(fs::directory_iterator(cache_.folder()), {}), 3) << "an index, its record, its last use";
+    EXPECT_EQ(std::distance(fs::directory_iterator(cache_.folder()), {}), 4)
+        << "an index, its lazy levels, its record, its last use";
+    EXPECT_FALSE(fs::exists(index.string() + ".levels"));
     writeVolume("archive/head.mhd");
     changeOneByte(folder_ / "archive/skull.raw");
     fs::rename(folder_ / "archive", folder_ / "volumes");

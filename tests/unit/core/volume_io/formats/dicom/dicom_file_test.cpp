@@ -112,6 +112,18 @@ TEST(DicomFile, DoesNotUnpackWhatNobodyAsksFor) {
     ASSERT_THAT(grid, test::HasError(Corruption));
 }
 
+TEST(DicomFile, UnpacksNoMoreThanReadingMayHold) {
+    const test::TemporaryFolder folder;
+    const auto path = folder.write("a.dcm", dicomFile(dicomSlice(0, 1), test::kDeflatedLittle));
+    ReadOptions options;
+    options.memoryBytes = 64;
+    const auto refused = readVolume(path, options);
+    ASSERT_THAT(refused, test::HasError(ErrorCode::OutOfSpace));
+    EXPECT_THAT(refused.error().message, testing::HasSubstr("half of the memory budget"));
+    options.memoryBytes = std::uint64_t{1} << 20;
+    EXPECT_THAT(readVolume(path, options), test::IsOk());
+}
+
 TEST(DicomFile, UnpacksRunLengths) {
     const auto elements = test::encapsulated(dicomSlice(0, 1), test::dicomFragments({plainRunLength()}));
     const auto grid = readFile(dicomFile(elements, test::kRunLength));

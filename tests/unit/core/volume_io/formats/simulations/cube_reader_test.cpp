@@ -54,6 +54,29 @@ TEST_F(CubeReader, TurnsTheThirdAxisToTheLast) {
     EXPECT_THAT(read(test::gzipped(kHeader + numbers(24)), {}, "a.cube.gz"), test::IsOk());
 }
 
+TEST_F(CubeReader, ReadsInPassesWhatDoesNotFitIntoMemory) {
+    const auto path = folder.write("a.cube", kHeader + numbers(24));
+    constexpr std::uint64_t kPlaneBytes = 2 * 3 * sizeof(double);
+    for (const std::uint64_t planes : {1, 2, 3, 4, 9}) { // held at once
+        ReadOptions options;
+        options.memoryBytes = 2 * planes * kPlaneBytes;
+        const auto source = openVolume(path, options);
+        ASSERT_THAT(source, test::IsOk());
+        for (const auto& [begin, end] : {std::pair{0, 4}, {3, 4}, {1, 3}, {0, 1}, {2, 2}}) {
+            std::vector<double> samples(static_cast<std::size_t>(end - begin) * 6);
+            ASSERT_THAT(source.value()->readSlab(begin, end, std::as_writable_bytes(std::span(samples))), test::IsOk());
+            std::size_t at = 0;
+            for (int z = begin; z < end; ++z)
+                for (int y = 0; y < 3; ++y)
+                    for (int x = 0; x < 2; ++x)
+                        ASSERT_EQ(samples[at++], 12 * x + 4 * y + z) << planes;
+        }
+    }
+    ReadOptions little;
+    little.memoryBytes = 1;
+    EXPECT_THAT(refusal(kHeader + numbers(23) + " x", little), HasSubstr("'x' is not one")) << "of the last plane";
+}
+
 TEST_F(CubeReader, KeepsObliqueAxes) {
     const auto source = openVolume(folder.write("a.cube", kHeader + numbers(24)));
     ASSERT_THAT(source, test::IsOk());

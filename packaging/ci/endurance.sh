@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# What takes too long for each change: builds that are killed, damage bit by bit, use for an hour.
+#
+#   packaging/ci/endurance.sh kills [COUNT]     ends builds by SIGKILL at each step, and COUNT times at random moments
+#                                               (10000)
+#   packaging/ci/endurance.sh flips [COUNT]     COUNT flipped bits of indexes (1000000), every bit of their headers and every
+#                                               length, under the address sanitizer
+#   packaging/ci/endurance.sh soak [MINUTES]    opens, slides, jumps, exports and closes three volumes in turn (60)
+#
+# Uses build/release, and build/asan-ubsan for what runs under the sanitizer. ISOSLIDER_SEED chooses the moments.
+# What differs is printed with its round; the exit code is 1 then.
+set -euo pipefail
+
+ROOT=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
+readonly ROOT
+
+say() { printf 'endurance.sh: %s\n' "$*" >&2; }
+
+# build PRESET TARGET...
+build() {
+  local preset=$1
+  shift
+  [[ -f build/$preset/build.ninja ]] || cmake --preset "$preset" -DISOSLIDER_JOINED_BUILD=ON
+  cmake --build "build/$preset" --target "$@"
+}
+
+# Five kinds of builds that go on, and one that does not, share the kills.
+kills() {
+  local count=${1:-10000}
+  build release cli_test bad_inputs_test
+  export ISOSLIDER_KILLS=$(((count + 5) / 6))
+  say "$ISOSLIDER_KILLS kills of each of six builds"
+  build/release/bin/cli_test --gtest_brief=1 --gtest_filter='*CliResume.B089*'
+  build/release/bin/bad_inputs_test --gtest_brief=1 --gtest_filter='BadIndex.B089*'
+}
+
+flips() {
+  export ISOSLIDER_FLIPS=${1:-1000000}
+  build asan-ubsan core_index_tests
+  export ASAN_OPTIONS=strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
+  build/asan-ubsan/bin/core_index_tests --gtest_brief=1 --gtest_filter='*IndexDamage*:LazyLevels*Damaged*'
+}
+
+soak() {
+  build release session_soak
+  build/release/bin/session_soak --minutes "${1:-60}"
+}
+
+main() {
+  cd "$ROOT"
+  case "${1:-}" in
+    kills | flips | soak) "$@" ;;
+    *) sed -n '2,/^$/s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 2 ;;
+  esac
+}
+
+main "$@"
