@@ -11,6 +11,7 @@
 #include <QSplitter>
 #include <QTest>
 
+#include "core/extract/live/brick_picture.h"
 #include "core/mesh/mesh_checks.h"
 #include "tests/gui/faulty_driver.h"
 #include "tests/gui/image_likeness.h"
@@ -22,9 +23,9 @@
 namespace isoslider::test {
 namespace {
 
-// Of arrays: positions, normals, indices, changed, tints; of bricks: records, indices, places, changed, tints, coarse
-// indices; box.
-constexpr std::size_t kBuffers = 12;
+// Of arrays: positions, normals, indices, changed, tints; of bricks: codes, indices, inner, places, changed, tints,
+// coarse indices, a page of points; box.
+constexpr std::size_t kBuffers = 14;
 
 /// The surface, and nothing of the grey background, is warm: clearly more red than blue.
 std::size_t surfacePixels(const QImage& image) {
@@ -179,13 +180,13 @@ TEST_P(GraphicsInputs, B105_TheScreenChanges) {
 TEST_P(GraphicsInputs, B106_EachAllocationFailsOnce) {
     trigger("view.reset"); // the whole box, whatever the first surface
     const auto pixels = surfacePixels(grab());
-    for (int call = 1; call <= 4; ++call) {
+    for (int call = 1; call <= 5; ++call) {
         openBall(40); // what is found out of the card's memory is for one volume
         trigger("view.reset");
         request(-12.0);
         const int refusals = driver_->refusals();
         driver_->refusedCall = driver_->allocations() + call;
-        viewport_->setDriver(driver_); // new buffers: records, indices, places, box
+        viewport_->setDriver(driver_); // new buffers: codes, indices, places, points, box
         request(-11.0 - 0.1 * call);
         request(-12.0);
         EXPECT_EQ(driver_->refusals(), refusals + 2) << call;
@@ -202,7 +203,9 @@ TEST_P(GraphicsInputs, B106_ASurfaceOfThreeTimesTheMemoryIsShownCoarser) {
     const auto whole = session_->frame();
     const auto pixels = surfacePixels(grab());
     request(-2.0);
-    driver_->memoryBytes = extract::pictureBytes(*whole) / 3;
+    extract::SurfaceFrame arrays = *whole; // which take less than bricks where these are as empty as here
+    extract::expandPicture(arrays);
+    driver_->memoryBytes = extract::pictureBytes(arrays) / 3;
     viewport_->setDriver(driver_); // what it has already would do
     session_->isovalue().request(-12.0);
     auto* label = child<QLabel>("previewLabel");

@@ -53,6 +53,7 @@ TEST_F(MeasureTest, PlacesLieOnWhicheverSurfaceIsSeen) {
     ASSERT_TRUE(waitUntilSettled());
     auto& surfaces = session_->surfaces();
     const auto outer = surfaces.list().surfaces[0].id;
+    surfaces.change(surfaces.list().active, [](model::ListedSurface& inner) { inner.opacity = 1.0; });
     const auto radiusAt = [&](double opacity, bool isVisible) {
         surfaces.change(outer, [&](model::ListedSurface& surface) {
             surface.opacity = opacity;

@@ -514,6 +514,8 @@ TEST_F(SurfacesWithPiecesTest, FitShowsAllSurfacesThatAreShown) {
 TEST_F(SurfacesWithPiecesTest, UndoBringsEachBackAsItWas) {
     hide(1);
     addAt(1.0);
+    showOnly(1); // else the smaller cones of the first, seen through it, are meant
+    letStepEnd();
     hide(2);
     const auto first = hiddenOf(0), second = hiddenOf(1);
     ASSERT_EQ(second.hidden.size(), 1u);
@@ -528,12 +530,11 @@ TEST_F(SurfacesWithPiecesTest, UndoBringsEachBackAsItWas) {
     undo(); // the removal
     EXPECT_EQ(pieces().hiddenPieces(), second);
     EXPECT_EQ(hiddenOf(0), first);
-    showOnly(1);
     EXPECT_EQ(seen(), (Seen{true, true, false}));
-    undo(); // showing one only
     EXPECT_EQ(action("edit.undo")->text(), QStringLiteral("&Undo Pieces"));
     undo();
     EXPECT_FALSE(pieces().hidesAny());
+    undo(); // showing one only
     undo(); // the slide
     undo(); // adding it
     ASSERT_EQ(surfaces().list().surfaces.size(), 1u);
@@ -548,7 +549,11 @@ TEST_F(SurfacesWithPiecesTest, UndoBringsEachBackAsItWas) {
 TEST_F(SurfacesWithPiecesTest, ASessionKeepsWhatEachHides) {
     hide(1);
     addAt(1.0);
+    showOnly(1); // as above
+    letStepEnd();
     hide(0);
+    surfaces().change(surfaces().list().surfaces[0].id, [](model::ListedSurface& first) { first.isVisible = true; });
+    ASSERT_TRUE(waitUntilSettled());
     const auto path = folder_ / "two.isosession";
     dialogs_.answers.push_back(QString::fromStdString(path.string()));
     trigger("file.saveSession");

@@ -22,7 +22,7 @@ namespace {
 
 using widgets::SurfaceTable;
 
-constexpr int kPoints = 16;
+constexpr int kSmallPoints = 16;
 constexpr double kSpacing = 0.5, kOffset = 40.0; // so it ends beyond the ball of 32 points
 
 class SecondVolumeTest : public WindowTest {
@@ -32,15 +32,16 @@ protected:
         std::string bytes = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
                             "DimSize = 16 16 16\nElementSpacing = 0.5 0.5 0.5\nOffset = 40 40 40\n"
                             "ElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
-        for (int z = 0; z < kPoints; ++z)
-            for (int y = 0; y < kPoints; ++y)
-                for (int x = 0; x < kPoints; ++x) {
+        for (int z = 0; z < kSmallPoints; ++z)
+            for (int y = 0; y < kSmallPoints; ++y)
+                for (int x = 0; x < kSmallPoints; ++x) {
                     const auto value = static_cast<float>(-kSpacing * std::hypot(x - 7.5, y - 7.5, z - 7.5));
                     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
                 }
         return folder_.write(name, bytes);
     }
     void open() {
+        settings_->set("files/previewsFirst", false);
         openBall(32);
         child<QDockWidget>("surfacesDock")->raise();
         session_->isovalue().request(-12.0);
@@ -50,7 +51,7 @@ protected:
     void openBoth() {
         open();
         dialogs_.answers = {qpath(writeSmallBall())};
-        QTest::keyClick(window_.get(), Qt::Key_O, Qt::ControlModifier | Qt::AltModifier);
+        trigger("second.open");
         settle();
         ASSERT_NE(second().dataset(), nullptr);
         letStepEnd();
@@ -77,7 +78,7 @@ TEST_F(SecondVolumeTest, IsShownAtItsPlaceUntilItIsHidden) {
     window_->viewportHost().viewport()->changeCamera([](model::Camera& camera) { camera.zoom(0.4, {0.0, 0.0}, 1.0); });
     const QImage before = picture();
     dialogs_.answers = {qpath(writeSmallBall())};
-    QTest::keyClick(window_.get(), Qt::Key_O, Qt::ControlModifier | Qt::AltModifier);
+    trigger("second.open");
     settle();
     EXPECT_EQ(dialogs_.asked.title, QStringLiteral("Open Second Volume"));
     ASSERT_EQ(all().size(), 1u);
@@ -96,12 +97,13 @@ TEST_F(SecondVolumeTest, IsShownAtItsPlaceUntilItIsHidden) {
     const QPoint middle(static_cast<int>((0.5 + 0.5 * clip.x / clip.w) * with.width()),
                         static_cast<int>((0.5 - 0.5 * clip.y / clip.w) * with.height()));
     ASSERT_TRUE(with.rect().contains(middle));
-    EXPECT_NE(with.pixel(middle), before.pixel(middle));
-    EXPECT_EQ(with.pixel(with.width() / 2, with.height() / 2), before.pixel(with.width() / 2, with.height() / 2));
+    EXPECT_GT(std::abs(qGray(with.pixel(middle)) - qGray(before.pixel(middle))), 30);
+    const QPoint ball(with.width() / 2, with.height() / 2);
+    EXPECT_NEAR(qGray(with.pixel(ball)), qGray(before.pixel(ball)), 30) << "the first stays where it is";
     keepPicture(*window_, "second_volume");
     clickBox(0);
     EXPECT_FALSE(all()[0].isVisible);
-    EXPECT_EQ(picture().pixel(middle), before.pixel(middle));
+    EXPECT_NEAR(qGray(picture().pixel(middle)), qGray(before.pixel(middle)), 4);
 }
 
 TEST_F(SecondVolumeTest, ItsSurfacesAreAddedMovedAndRemoved) {

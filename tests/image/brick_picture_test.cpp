@@ -401,8 +401,8 @@ TEST_F(BrickPictureTest, ACoarseSurfaceHasNoCracks) {
                     brick.indexCount > 0 ? picture.records(brick, room) : std::span<const extract::EdgeRecord<float>>();
                 render::coarsenBrick(records, {picture.indices(brick), brick.indexCount}, blockCells, coarse);
                 const auto placeOf = [&](std::size_t i) {
-                    const auto vertex = extract::vertexOf(records[coarse[i]], brick.origin(),
-                                                          static_cast<float>(frame->isovalue));
+                    const auto vertex =
+                        extract::vertexOf(records[coarse[i]], brick.origin(), static_cast<float>(frame->isovalue));
                     return Place{vertex.position.x, vertex.position.y, vertex.position.z};
                 };
                 for (std::size_t i = 0; i < coarse.size(); ++i) {

@@ -50,9 +50,11 @@ public:
     /// Bytes of vertices, indices, points and places sent since the object was made.
     std::uint64_t uploadedBytes() const { return uploadedBytes_; }
 
-    /// Sets what the vertex shader of bricks must know of them; texture units 0 and kBrickUnit to kBrickUnit + 2 are its.
+    /// Sets what the vertex shader of bricks must know of them; texture units 0 and kBrickUnit to kBrickUnit + 2 are
+    /// its.
     void setUniforms(QOpenGLShaderProgram& program) const;
-    /// Draws the bricks that `modelToClip` brings into view, with a program that has these uniforms. `isStopped` is asked between parts: false if it answered true.
+    /// Draws the bricks that `modelToClip` brings into view, with a program that has these uniforms. `isStopped` is
+    /// asked between parts: false if it answered true.
     bool drawSurface(const glm::dmat4& modelToClip, const std::function<bool()>& isStopped);
     /// The same of a coarser surface, see coarsenBrick. REQUIRES: `picture` is the one uploaded last.
     bool drawCoarse(const Picture& picture, int blockCells, const glm::dmat4& modelToClip,
@@ -65,8 +67,8 @@ public:
 private:
     static constexpr std::uint32_t kVerticesPerPlace = 32;
     static constexpr std::uint32_t kLinesPerPage = std::uint32_t{1} << 20;
-    /// Of a brick: x and y of its place, 16 bits each; z; its first line of points, in its page; its first vertex inside
-    /// cells.
+    /// Of a brick: x and y of its place, 16 bits each; z; its first line of points, in its page; its first vertex
+    /// inside cells.
     using Place = std::array<std::uint32_t, 4>;
     struct Buffer {
         GLuint name = 0;

@@ -30,12 +30,15 @@ struct BrickArenas {
     RunArena<PointLine, 4, 20> points;
     const std::uint64_t series = nextSeries(); ///< no other arenas have the same number
 
-    /// RunArena::clear() and trim() of all.
+    /// RunArena::clear() and trim() of all, isSparse() of any.
     void clear() {
         vertices.clear();
         indices.clear();
         inner.clear();
         points.clear();
+    }
+    bool isSparse(std::uint64_t share) const {
+        return vertices.isSparse(share) || indices.isSparse(share) || inner.isSparse(share) || points.isSparse(share);
     }
     void trim() {
         vertices.trim();

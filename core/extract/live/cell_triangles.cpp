@@ -100,8 +100,8 @@ HWY_INLINE void findAllSigns(const BitString& above, std::uint8_t* HWY_RESTRICT 
 // Which of 64 signs are ambiguous: a bit in 32 bytes.
 HWY_INLINE std::uint64_t whichAreAmbiguous(__m512i signs, __m512i table) {
     const __m512i bitOf = _mm512_set1_epi64(static_cast<long long>(0x8040201008040201u));
-    const __m512i byte = _mm512_permutexvar_epi8(
-        _mm512_and_si512(_mm512_srli_epi16(signs, 3), _mm512_set1_epi8(0x1f)), table);
+    const __m512i byte =
+        _mm512_permutexvar_epi8(_mm512_and_si512(_mm512_srli_epi16(signs, 3), _mm512_set1_epi8(0x1f)), table);
     const __m512i bit = _mm512_shuffle_epi8(bitOf, _mm512_and_si512(signs, _mm512_set1_epi8(7)));
     return _mm512_test_epi8_mask(byte, bit);
 }
@@ -113,18 +113,17 @@ void listCellsHere(const BitString& active, const BitString& above, CellList& li
     findAllSigns(above, allSigns.data());
     std::uint8_t* end = list.signs.data();
     for (std::size_t w = 0; w < kBitWords; ++w) {
-        _mm512_storeu_si512(end, _mm512_maskz_compress_epi8(active.words[w],
-                                                            _mm512_load_si512(allSigns.data() + 64 * w)));
+        _mm512_storeu_si512(end,
+                            _mm512_maskz_compress_epi8(active.words[w], _mm512_load_si512(allSigns.data() + 64 * w)));
         end += std::popcount(active.words[w]);
     }
-    const __m512i table = _mm512_castsi256_si512(
-        _mm256_load_si256(reinterpret_cast<const __m256i*>(ambiguousSignBits().data())));
+    const __m512i table =
+        _mm512_castsi256_si512(_mm256_load_si256(reinterpret_cast<const __m256i*>(ambiguousSignBits().data())));
     list.ambiguousCount = 0;
     for (std::uint32_t k = 0; k < list.count; k += 64) {
         const __m512i signs = _mm512_loadu_si512(list.signs.data() + k);
         _mm512_storeu_si512(list.states.data() + k, _mm512_cvtepu8_epi16(_mm512_castsi512_si256(signs)));
-        _mm512_storeu_si512(list.states.data() + k + 32,
-                            _mm512_cvtepu8_epi16(_mm512_extracti64x4_epi64(signs, 1)));
+        _mm512_storeu_si512(list.states.data() + k + 32, _mm512_cvtepu8_epi16(_mm512_extracti64x4_epi64(signs, 1)));
         std::uint64_t ambiguous = whichAreAmbiguous(signs, table);
         if (list.count - k < 64)
             ambiguous &= (std::uint64_t{1} << (list.count - k)) - 1;

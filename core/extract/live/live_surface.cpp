@@ -204,15 +204,14 @@ void LiveSurface<Live>::finishMove(const BrickDraft<Live>& draft) {
 
 // Memory, here and on the card, follows the highest run: where most of what is below it stays free, all runs move into
 // arenas that hold nothing else. The surface has lost half of what it had since the last time, so moves pay little for
-// it; not at once, for a jump leaves room that the next one fills, and new memory costs as much as what is in it.
+// it; not at once if it is not much smaller: a jump leaves room that the next one fills, and new memory costs as much
+// as what is in it.
 template <class Live>
 void LiveSurface<Live>::compact() {
     if (hasCleared_)
         trim();
-    const bool isSparse = arenas_->vertices.isSparse() || arenas_->indices.isSparse() || arenas_->inner.isSparse() ||
-                          arenas_->points.isSparse();
-    sparseMoves_ = isSparse ? sparseMoves_ + 1 : 0;
-    if (sparseMoves_ < kSparseMoves)
+    sparseMoves_ = arenas_->isSparse(2) ? sparseMoves_ + 1 : 0;
+    if (sparseMoves_ < kSparseMoves && !arenas_->isSparse(kVerySparse))
         return;
     sparseMoves_ = 0;
     auto compacted = std::make_shared<BrickArenas>(arenas_->type);
@@ -245,8 +244,8 @@ void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerS
     Brick& brick = bricks_[slot.index()];
     const std::uint64_t before = brick.cellCount > 0 ? ~std::uint64_t{0} : 0; // else what stands there is none of its
     for (std::size_t w = 0; w < kBitWords; ++w)
-        draft.counts.cellsChanged += static_cast<std::uint64_t>(std::popcount(
-            draft.changed.words[w] & (draft.active.cells.words[w] | (brick.cells.words[w] & before))));
+        draft.counts.cellsChanged += static_cast<std::uint64_t>(
+            std::popcount(draft.changed.words[w] & (draft.active.cells.words[w] | (brick.cells.words[w] & before))));
     for (const MergedLeaf& leaf : draft.merged.leaves())
         draft.counts.cellsChanged += hasAnyCell(draft.changed, leaf.cell, leaf.level);
     triangulate(slot, draft, corners, isovalue);
@@ -345,8 +344,8 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     Brick& brick = bricks_[slot.index()];
     const auto inner = static_cast<std::uint32_t>(draft.inner.size());
     if (isWatched_ && brick.vertices.capacity > 0)
-        draft.retired.push_back({std::exchange(brick.vertices, {}), std::exchange(brick.indices, {}),
-                                 std::exchange(brick.inner, {}), {}});
+        draft.retired.push_back(
+            {std::exchange(brick.vertices, {}), std::exchange(brick.indices, {}), std::exchange(brick.inner, {}), {}});
     putPoints(slot, draft);
     std::uint32_t vertices = draft.edgeVertices;
     for (std::uint32_t k = 0; k < inner; ++k)

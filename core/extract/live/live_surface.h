@@ -35,7 +35,8 @@ namespace isoslider::extract {
 /// 4. `activeEdges()` and `triangles()` are sums over the bricks, each edge counted by its owner only; 5. what a
 /// picture refers to is neither changed nor used again while the picture lives.
 ///
-/// Threads: replace(), putPoints() and refreshInnerVertices() may run for different bricks at once; everything else alone.
+/// Threads: replace(), putPoints() and refreshInnerVertices() may run for different bricks at once; everything else
+/// alone.
 template <class Live>
 class LiveSurface {
 public:
@@ -171,6 +172,7 @@ private:
     std::shared_ptr<PictureLeases> leases_ = std::make_shared<PictureLeases>();
     std::uint32_t version_ = 0; ///< counts moves
     static constexpr int kSparseMoves = 8;
+    static constexpr std::uint64_t kVerySparse = 8; ///< one in so many is used: then at once
     int sparseMoves_ = 0; ///< after which the arenas were mostly free, one after the other
     bool hasCleared_ = false; ///< since compact()
     bool isWatched_ = false; ///< in this move: there are pictures, and nothing of them may be written to

@@ -62,8 +62,8 @@ public:
     const T* at(std::uint32_t index) const { return elements_.at(index); }
     /// One past the last element that belongs to a run or did so.
     std::uint64_t top() const { return top_; }
-    /// Whether most of the elements up to top() belong to no run.
-    bool isSparse() const { return top_ > 2 * used_ + kSparseSlack; }
+    /// Whether no more than one in `share` of the elements up to top() belongs to a run.
+    bool isSparse(std::uint64_t share) const { return top_ > share * used_ + kSparseSlack; }
 
 private:
     static constexpr std::uint64_t kChunk = ChunkedArray<T, ChunkBits>::kChunk;

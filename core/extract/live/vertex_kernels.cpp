@@ -112,8 +112,8 @@ void readRecordsHere(const BrickPoints<Sample>& points, const VertexCode* HWY_RE
                 hn::IfThenElse(hn::Eq(axis, hn::Zero(d)), one, hn::IfThenElse(hn::Eq(axis, one), nine, eightyOne));
             const auto q = hn::Add(p, stride);
             const auto edge = hn::Or(hn::ShiftLeft<kEdgeAxisShift>(axis), p);
-            const auto normals = hn::Or(gatherNarrow(d, points.normals, p),
-                                        hn::ShiftLeft<16>(gatherNarrow(d, points.normals, q)));
+            const auto normals =
+                hn::Or(gatherNarrow(d, points.normals, p), hn::ShiftLeft<16>(gatherNarrow(d, points.normals, q)));
             const bool isWhole = k + lanes <= count;
             hn::StoreInterleaved4(edge, normals, gatherScalars<Sample>(d, points.samples, p),
                                   gatherScalars<Sample>(d, points.samples, q), d,

@@ -312,8 +312,8 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
     return {};
 }
 
-// The samples of the block that was read as the brick's points: ordered, and without what would disturb comparisons. Outside the box
-// and at missing values stands some sample of the brick; masks leave those points out.
+// The samples of the block that was read as the brick's points: ordered, and without what would disturb comparisons.
+// Outside the box and at missing values stands some sample of the brick; masks leave those points out.
 template <class Sample>
 void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, Points& points, Scratch& scratch) const {
     const SampleRows<Sample> rows = samples_.rows(brick);
@@ -356,9 +356,9 @@ void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, Points& poi
     std::fill(out, points.samples + kPaddedPoints, any);
 }
 
-// Normals at the brick's points. In a jump only those that its active edges need: it pays for no more than it shows. Else
-// all of them, for a handle that moves on goes through the brick, and finding some at each move would cost more than half
-// as much again, most of it waiting for samples. False when samples are wanted that are not ready.
+// Normals at the brick's points. In a jump only those that its active edges need: it pays for no more than it shows.
+// Else all of them, for a handle that moves on goes through the brick, and finding some at each move would cost more
+// than half as much again, most of it waiting for samples. False when samples are wanted that are not ready.
 template <class Sample>
 bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll,
                                           Scratch& scratch) {
@@ -435,8 +435,7 @@ bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, 
 }
 
 template <class Sample>
-void BrickSource<Sample>::makeUnmerged(const Move& move, LiveSurface<Live>& surface, const Job& job,
-                                       Scratch& scratch) {
+void BrickSource<Sample>::makeUnmerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
     scratch.draft.merged.clear();
     scratch.draft.active = scratch.found.active;
     scratch.draft.ownedEdges = scratch.found.ownedEdges;

@@ -34,8 +34,7 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
     BrickLeaves found;
     if (job.isNew || hasNewBound_) {
         surely = findSurelyWithin<Sample>(samples, bound_);
-        found = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_,
-                                        surely);
+        found = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, surely);
     } else {
         found = updateBrickLeaves<Sample>(leaves, scratch.found.changed, samples, scratch.found.above,
                                           scratch.found.active, validCells, bound_, surely);

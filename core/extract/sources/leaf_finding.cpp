@@ -43,7 +43,8 @@ constexpr const SplitRow& splitRow(std::uint64_t row) { return kSplitRows[row & 
 std::uint64_t firstCells(const UnsetBits& bits) {
     std::uint64_t found = 0;
     for (int k = 0; k < 16; ++k)
-        found |= std::uint64_t{splitRow(bitsFrom(bits, closedPoint(0, 2 * (k % 4), 2 * (k / 4)))).even & 15u} << (4 * k);
+        found |= std::uint64_t{splitRow(bitsFrom(bits, closedPoint(0, 2 * (k % 4), 2 * (k / 4)))).even & 15u}
+                 << (4 * k);
     return found;
 }
 
@@ -74,8 +75,7 @@ void gatherSignsOfLarger(const BitString& above, SignWords& signs) {
     std::array<unsigned, 25> rows;
     for (int y = 0; y < 5; ++y)
         for (int z = 0; z < 5; ++z)
-            rows[static_cast<std::size_t>(y + 5 * z)] =
-                splitRow(bitsFrom(above, closedPoint(0, 2 * y, 2 * z))).even;
+            rows[static_cast<std::size_t>(y + 5 * z)] = splitRow(bitsFrom(above, closedPoint(0, 2 * y, 2 * z))).even;
     for (int sz = 0; sz < 3; ++sz)
         for (int sy = 0; sy < 3; ++sy) {
             std::array<unsigned, 4> pairs; // of the cells with one y and z: the row through the point

@@ -205,8 +205,8 @@ HWY_INLINE void fillIn(const StoredSample<Sample>* HWY_RESTRICT samples, SampleB
         }
 }
 
-// Beside the box a one-sided difference is that of the point and its only neighbour: the point stands in for the missing
-// one, and the difference is not halved.
+// Beside the box a one-sided difference is that of the point and its only neighbour: the point stands in for the
+// missing one, and the difference is not halved.
 template <class D, class V>
 HWY_INLINE V differenceOf(D d, V upper, V lower, V scale, float inverse) {
     return hn::Mul(hn::Sub(hn::Mul(upper, scale), hn::Mul(lower, scale)), hn::Set(d, inverse));
@@ -277,8 +277,8 @@ void findNormalsAtHere(const BitString& points, const StoredSample<Sample>* HWY_
 
 // Eight points of a row at a time; the ninth of all rows are then points by themselves.
 template <class Sample>
-void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, SampleBlock<float>& block,
-                     const PointRows& rows, const glm::vec3& inverseSpacing, NormalCode* HWY_RESTRICT codes) {
+void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, SampleBlock<float>& block, const PointRows& rows,
+                     const glm::vec3& inverseSpacing, NormalCode* HWY_RESTRICT codes) {
     using Block = SampleBlock<float>;
     const hn::CappedTag<float, 8> d;
     const std::size_t lanes = hn::Lanes(d);
@@ -311,14 +311,14 @@ void findNormalsHere(const StoredSample<Sample>* HWY_RESTRICT samples, SampleBlo
                 if (isAtBegin)
                     lowerX = hn::IfThenElse(hn::Eq(place, hn::Zero(d)), own, lowerX);
                 if (block.end[0] <= kBrickSide)
-                    upperX = hn::IfThenElse(hn::Eq(place, hn::Set(d, static_cast<float>(block.end[0] - 1))), own, upperX);
+                    upperX =
+                        hn::IfThenElse(hn::Eq(place, hn::Set(d, static_cast<float>(block.end[0] - 1))), own, upperX);
                 NormalCode* const out = codes + closedPoint(0, y, z).index() + i;
-                writeCodes(d, differenceOf(d, upperX, lowerX, hn::Load(d, scaleX + i), inverseSpacing.x),
-                           differenceOf(d, hn::LoadU(d, at + above), hn::LoadU(d, at - below), scaleY,
-                                        inverseSpacing.y),
-                           differenceOf(d, hn::LoadU(d, at + over), hn::LoadU(d, at - under), scaleZ,
-                                        inverseSpacing.z),
-                           std::min(lanes, inRow - i), [&](std::size_t k, NormalCode code) { out[k] = code; });
+                writeCodes(
+                    d, differenceOf(d, upperX, lowerX, hn::Load(d, scaleX + i), inverseSpacing.x),
+                    differenceOf(d, hn::LoadU(d, at + above), hn::LoadU(d, at - below), scaleY, inverseSpacing.y),
+                    differenceOf(d, hn::LoadU(d, at + over), hn::LoadU(d, at - under), scaleZ, inverseSpacing.z),
+                    std::min(lanes, inRow - i), [&](std::size_t k, NormalCode code) { out[k] = code; });
             }
         }
     findNormalsOfPoints(lasts, block, inverseSpacing, codes);

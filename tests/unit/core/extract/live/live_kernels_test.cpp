@@ -154,8 +154,8 @@ void expectRecords(std::mt19937& random) {
                 for (std::size_t a = 0; a < 3; ++a)
                     at[a] = static_cast<int>(random() % (a == axis ? kCellSide : kPointSide));
                 const int level = merges && random() % 3 == 0 ? static_cast<int>(random() % 4) : 0;
-                codes.push_back(vertexCode(
-                    closedEdge(static_cast<int>(axis), closedPoint(at[0], at[1], at[2])), level));
+                codes.push_back(
+                    vertexCode(closedEdge(static_cast<int>(axis), closedPoint(at[0], at[1], at[2])), level));
             }
             codes.resize((count + kCodesTogether - 1) / kCodesTogether * kCodesTogether, VertexCode{0});
             std::vector<EdgeRecord<Live>> records(count + 1);
