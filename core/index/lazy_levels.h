@@ -19,7 +19,7 @@ namespace isoslider::index {
 /// without those that have both ends in their common interval. A group that would not leave out an eighth of them is
 /// noted as not worthwhile, and its blocks are walked.
 ///
-/// A thread of its own builds them, one after the other, while walks go on over the blocks; LevelStore keeps them.
+/// A separate thread builds them, one after the other, while walks go on over the blocks; LevelStore keeps them.
 /// Memory: pages of kBuildPoints records while a group is built, whatever its size. Any thread.
 template <class Key>
 class LazyLevels {

@@ -130,15 +130,16 @@ LevelStore::~LevelStore() = default;
 void LevelStore::takeOver() {
     validBytes_ = kHeaderBytes;
     auto opened = reader_.disk()->openForReading(path_);
-    if (!opened.isOk())
+    if (!opened.isOk() || !isOfTheIndex(*opened.value()))
         return;
-    std::vector<std::byte> first(kHeaderBytes);
-    if (opened.value()->readExactlyAt(0, first).isOk() && first == header_)
-        readGroups(*opened.value());
-    else
-        return;
+    readGroups(*opened.value());
     const std::lock_guard lock(mutex_);
     file_ = std::move(opened).value();
+}
+
+bool LevelStore::isOfTheIndex(const RandomAccessFile& file) const {
+    std::vector<std::byte> first(kHeaderBytes);
+    return file.readExactlyAt(0, first).isOk() && first == header_;
 }
 
 // From `validBytes_` on, as far as whole groups go. What follows is of a program that was ended while it wrote, or
@@ -232,8 +233,7 @@ bool LevelStore::openWriter() {
     if (present.isOk()) {
         if (!beginsLikeLevels(*present.value()))
             return false;
-        std::vector<std::byte> first(kHeaderBytes);
-        isRight = present.value()->readExactlyAt(0, first).isOk() && first == header_;
+        isRight = isOfTheIndex(*present.value());
     } else if (present.error().code != ErrorCode::NotFound) {
         return false;
     }

@@ -80,6 +80,7 @@ private:
     enum class Place { Undecided, File, Memory };
 
     void takeOver();
+    bool isOfTheIndex(const RandomAccessFile& file) const;
     void readGroups(const RandomAccessFile& file);
     bool openWriter();
     void leaveFile();

@@ -32,7 +32,8 @@ public:
 
     /// Errors: IoError, Corruption.
     Result<Lookup> get(SkipLevel level, std::size_t pageIndex);
-    /// Of what lies elsewhere (LevelStore), under a number of its own; `load` fills the page. Errors: those of `load`.
+    /// Of what lies elsewhere (LevelStore), by a number that no other such page has; `load` fills the page. Errors:
+    /// those of `load`.
     Result<Lookup> getOther(std::uint64_t number, std::uint64_t bytes,
                             const std::function<Status(DecodedPage<Key>&)>& load);
 

@@ -38,7 +38,7 @@ protected:
         std::string shown; ///< all that the terminal was sent
         double seconds = 0.0; ///< of processor time, from `typed` to the end: a busy machine changes it little
     };
-    /// Runs the program on a terminal of its own. Once the bar has been drawn, `typed` is typed there.
+    /// Runs the program on a separate terminal. Once the bar has been drawn, `typed` is typed there.
     Ended runOnTerminal(std::vector<std::string> arguments, const std::string& typed = {}) const {
         arguments.insert(arguments.begin(), test::builtFile("isoslider-cli"));
         std::vector<char*> words;

@@ -67,7 +67,7 @@ TEST_F(CliUsage, IsCompletedByTheShell) {
     EXPECT_EQ(complete("isoslider-cli info he", 2), "head.mha\n");
 }
 
-// A command's options stand below its heading, those of many below headings of their own.
+// A command's options stand below its heading, those of many below separate headings.
 TEST_F(CliUsage, IsDescribedByItsManualPage) {
     std::string page = readText(std::filesystem::path(test::sourceFolder()) / "packaging/desktop/isoslider-cli.1");
     for (std::size_t at = 0; (at = page.find("\\-", at)) != std::string::npos; ++at)

@@ -12,6 +12,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "tests/gui/float_volume.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/colouring/colour_model.h"
 #include "ui/widgets/opening/volume_dialog.h"
@@ -36,17 +37,7 @@ constexpr double kTolerance = 0.035; // of a colour, as seen; pictures have 8 bi
 
 template <class Value>
 std::filesystem::path writeVolume(const TemporaryFolder& folder, const char* name, int n, const Value& value) {
-    const std::string size = std::to_string(n);
-    std::string bytes = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nDimSize = ";
-    bytes.append(size).append(" ").append(size).append(" ").append(size);
-    bytes += "\nElementSpacing = 1 1 1\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
-    for (int z = 0; z < n; ++z)
-        for (int y = 0; y < n; ++y)
-            for (int x = 0; x < n; ++x) {
-                const auto sample = static_cast<float>(value(x, y, z));
-                bytes.append(reinterpret_cast<const char*>(&sample), sizeof sample);
-            }
-    return folder.write(name, bytes);
+    return writeFloats(folder, name, {n, n, n}, value);
 }
 
 class ColourTest : public WindowTest {

@@ -15,6 +15,7 @@
 #include <QTest>
 
 #include "core/extract/pieces/surface_pieces.h"
+#include "tests/gui/float_volume.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/slices/slice_model.h"
 #include "ui/model/surface/view_state.h"
@@ -30,21 +31,14 @@ namespace {
 
 /// Three cones along x; the surface at 1.5 is three pieces, 9, 5 and 3 long or so.
 std::filesystem::path writeSeparateCones(const TemporaryFolder& folder) {
-    std::string bytes = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
-                        "DimSize = 40 20 20\nElementSpacing = 1 1 1\nElementType = MET_FLOAT\n"
-                        "ElementDataFile = LOCAL\n";
-    for (int z = 0; z < 20; ++z)
-        for (int y = 0; y < 20; ++y)
-            for (int x = 0; x < 40; ++x) {
-                float value = -30.0f;
-                for (int cone = 0; cone < 3; ++cone)
-                    value =
-                        std::max(value, 6.0f - 1.5f * static_cast<float>(cone) -
-                                            std::hypot(static_cast<float>(x) - 7.0f - 12.5f * static_cast<float>(cone),
-                                                       static_cast<float>(y) - 10.0f, static_cast<float>(z) - 10.0f));
-                bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-            }
-    return folder.write("cones.mha", bytes);
+    return writeFloats(folder, "cones.mha", {40, 20, 20}, [](int x, int y, int z) {
+        float value = -30.0f;
+        for (int cone = 0; cone < 3; ++cone)
+            value = std::max(value, 6.0f - 1.5f * static_cast<float>(cone) -
+                                        std::hypot(static_cast<float>(x) - 7.0f - 12.5f * static_cast<float>(cone),
+                                                   static_cast<float>(y) - 10.0f, static_cast<float>(z) - 10.0f));
+        return value;
+    });
 }
 
 class PiecesTest : public WindowTest {

@@ -8,6 +8,7 @@
 #include <QTest>
 #include <QToolButton>
 
+#include "tests/gui/float_volume.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/session/saved_session.h"
 #include "ui/widgets/panels/surface_table.h"
@@ -22,23 +23,16 @@ namespace {
 
 using widgets::SurfaceTable;
 
-constexpr int kSmallPoints = 16;
 constexpr double kSpacing = 0.5, kOffset = 40.0; // so it ends beyond the ball of 32 points
 
 class SecondVolumeTest : public WindowTest {
 protected:
     /// -distance from the middle, which is at (43.75, 43.75, 43.75) of the space of the first: outside of its box.
     std::filesystem::path writeSmallBall(const char* name = "small.mha") {
-        std::string bytes = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
-                            "DimSize = 16 16 16\nElementSpacing = 0.5 0.5 0.5\nOffset = 40 40 40\n"
-                            "ElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
-        for (int z = 0; z < kSmallPoints; ++z)
-            for (int y = 0; y < kSmallPoints; ++y)
-                for (int x = 0; x < kSmallPoints; ++x) {
-                    const auto value = static_cast<float>(-kSpacing * std::hypot(x - 7.5, y - 7.5, z - 7.5));
-                    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-                }
-        return folder_.write(name, bytes);
+        return writeFloats(
+            folder_, name, {16, 16, 16},
+            [](int x, int y, int z) { return -kSpacing * std::hypot(x - 7.5, y - 7.5, z - 7.5); },
+            "ElementSpacing = 0.5 0.5 0.5\nOffset = 40 40 40\n");
     }
     void open() {
         settings_->set("files/previewsFirst", false);

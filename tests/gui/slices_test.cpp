@@ -11,6 +11,7 @@
 #include "core/volume_io/volume_reader.h"
 #include "preprocess/build_index.h"
 #include "tests/gui/faulty_driver.h"
+#include "tests/gui/float_volume.h"
 #include "tests/gui/window_fixture.h"
 #include "tests/support/result_matchers.h"
 #include "ui/model/slices/slice_model.h"
@@ -29,16 +30,9 @@ using model::SliceLayout;
 
 /// Every value states its place: x + 100 y + 10000 z. 20 x 16 x 12 samples, twice as far apart along z.
 std::filesystem::path writeRamp(const TemporaryFolder& folder, const char* name = "ramp.mha") {
-    std::string bytes = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
-                        "DimSize = 20 16 12\nElementSpacing = 1 1 2\nDistanceUnits = mm\nElementType = MET_FLOAT\n"
-                        "ElementDataFile = LOCAL\n";
-    for (int z = 0; z < 12; ++z)
-        for (int y = 0; y < 16; ++y)
-            for (int x = 0; x < 20; ++x) {
-                const auto value = static_cast<float>(x + 100 * y + 10000 * z);
-                bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-            }
-    return folder.write(name, bytes);
+    return writeFloats(
+        folder, name, {20, 16, 12}, [](int x, int y, int z) { return x + 100 * y + 10000 * z; },
+        "ElementSpacing = 1 1 2\nDistanceUnits = mm\n");
 }
 
 class SlicesTest : public WindowTest {

@@ -285,6 +285,24 @@ TEST_F(BrickPictureTest, SendsBytesInProportionToTheChange) {
     EXPECT_LT(more, whole);
 }
 
+// What a brick's vertices refer to does not change while it stays: then only vertices and triangles are sent.
+TEST_F(BrickPictureTest, SendsThePointsOfABrickOnce) {
+    open(0.0);
+    (void)grab(*viewport_, slideTo(0.1));
+    (void)grab(*viewport_, slideTo(0.1001)); // finds what normals were left out
+    const auto frame = slideTo(0.1002);
+    const auto before = viewport_->uploadedBytes();
+    (void)grab(*viewport_, frame);
+    std::uint64_t triangles = 0, points = 0;
+    for (const extract::PictureBrick& brick : frame->bricks->bricks()) {
+        triangles += frame->bricks->bytesOf(brick, true, false);
+        points += frame->bricks->bytesOf(brick, false, true);
+    }
+    constexpr std::uint64_t kTables = 64 << 10;
+    ASSERT_GT(points, 2 * (triangles + kTables));
+    EXPECT_LT(viewport_->uploadedBytes() - before, triangles + kTables);
+}
+
 // Brick by brick: the card's positions and normals against those of the same formula on the processor.
 TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
     open(0.9);
@@ -303,7 +321,7 @@ TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
     ASSERT_TRUE(gl != nullptr && gl->initializeOpenGLFunctions());
     QOpenGLShaderProgram program;
     ASSERT_TRUE(program.addShaderFromSourceFile(QOpenGLShader::Vertex,
-                                                QStringLiteral(":/isoslider/shaders/surface_records.vert")));
+                                                QStringLiteral(":/isoslider/shaders/surface_bricks.vert")));
     ASSERT_TRUE(program.addShaderFromSourceCode(
         QOpenGLShader::Fragment, "#version 330 core\nout vec4 colour;\nvoid main() { colour = vec4(1.0); }\n"));
     const char* outputs[] = {"gridPosition", "gridNormal"};

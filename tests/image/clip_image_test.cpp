@@ -165,7 +165,7 @@ TEST_F(ClipImageTest, BricksOutsideTheBoxAreNotDrawnAtAll) {
     ASSERT_TRUE(context.makeCurrent(&surface));
     auto* gl = QOpenGLVersionFunctionsFactory::get<render::Gl>(&context);
     ASSERT_TRUE(gl != nullptr && gl->initializeOpenGLFunctions());
-    const auto program = render::loadProgram("surface_records", "surface");
+    const auto program = render::loadProgram("surface_bricks", "surface");
     ASSERT_TRUE(program);
     render::GlDriver driver;
     render::BrickBuffers bricks(*gl, driver);

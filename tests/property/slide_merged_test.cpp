@@ -1,10 +1,13 @@
 // Sliding with merged cells is extracting with them: at every isovalue, from wherever, and after the bound was changed.
 
 #include <cmath>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
+#include "core/extract/live/brick_picture.h"
 #include "core/extract/merged/merged_extraction.h"
+#include "preprocess/metacells/brick_list.h"
 #include "tests/property/random_volumes.h"
 #include "tests/property/slide_ways.h"
 #include "tests/property/surface_comparison.h"
@@ -62,6 +65,31 @@ void expectMerged(std::vector<test::Way>& ways, const ScalarGrid& grid, double i
 // A little further, now and then anywhere.
 double nextIsovalue(double isovalue, int step, test::Random& random) {
     return step % 5 == 4 ? 140.0 * test::unitRandom(random) - 50.0 : isovalue + 2.0 * test::unitRandom(random) - 1.0;
+}
+
+// The isovalue stays: no sign changes, and what has merged or split is all that does.
+TEST(SlideMerged, CellsThatMergeOrSplitHaveChanged) {
+    const auto engine = preprocess::makeMemoryEngine(test::hillsVolume({48, 40, 44})).value();
+    ASSERT_THAT(engine->slideTo(300.0), IsOk());
+    const auto changedBy = [&](const MergeBound& bound, LeafCounts& leaves) {
+        EXPECT_THAT(engine->setMergeBound(bound), IsOk());
+        const auto moved = engine->slideTo(300.0).value();
+        EXPECT_EQ(moved.edgesAdded, 0u);
+        leaves = moved.activeLeaves;
+        SurfaceFrame frame;
+        engine->copyFrame(frame, {.changes = true});
+        EXPECT_EQ(frame.bricks->changedTriangles().empty(), moved.cellsRetriangulated == 0);
+        return moved.cellsRetriangulated;
+    };
+    LeafCounts merged{}, split{};
+    const std::uint64_t byMerging = changedBy({Measure::Distance, 0.3}, merged);
+    const std::uint64_t larger = std::accumulate(merged.begin() + 1, merged.end(), std::uint64_t{0});
+    ASSERT_GT(larger, 50u);
+    EXPECT_GE(byMerging, larger);
+    EXPECT_EQ(changedBy({Measure::Distance, 0.3}, merged), 0u) << "the same once more";
+    const std::uint64_t bySplitting = changedBy({}, split);
+    EXPECT_EQ(std::accumulate(split.begin() + 1, split.end(), std::uint64_t{0}), 0u);
+    EXPECT_GE(bySplitting, larger) << "each leaves several cells that the surface passes through";
 }
 
 TEST(SlideMerged, IsExtractMergedOnRandomWalks) {

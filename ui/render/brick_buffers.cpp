@@ -61,7 +61,7 @@ BrickBuffers::BrickBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) 
 BrickBuffers::~BrickBuffers() {
     if (vertexArray_ == 0)
         return;
-    freePages();
+    freePages(0);
     for (const Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_, &coarseIndices_})
         driver_.freeBuffer(gl_, buffer->name);
     gl_.glDeleteTextures(1, &placesTexture_);
@@ -78,18 +78,17 @@ void BrickBuffers::clear() {
     series_ = 0;
 }
 
-void BrickBuffers::freePages() {
-    for (const Page& page : pages_) {
-        driver_.freeBuffer(gl_, page.lines.name);
-        gl_.glDeleteTextures(1, &page.scalars);
-        gl_.glDeleteTextures(1, &page.normals);
+void BrickBuffers::freePages(std::size_t first) {
+    for (; pages_.size() > first; pages_.pop_back()) {
+        driver_.freeBuffer(gl_, pages_.back().lines.name);
+        gl_.glDeleteTextures(1, &pages_.back().scalars);
+        gl_.glDeleteTextures(1, &pages_.back().normals);
     }
-    pages_.clear();
 }
 
 void BrickBuffers::freeMemory() {
     clear();
-    freePages();
+    freePages(0);
     for (Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_, &coarseIndices_})
         if (std::exchange(buffer->capacityBytes, 0) > 0)
             driver_.allocate(gl_, GL_COPY_WRITE_BUFFER, buffer->name, 0);
@@ -263,12 +262,7 @@ bool BrickBuffers::makeRoomForPoints(const Picture& picture) {
     type_ = picture.type();
     const std::uint64_t end = picture.pointLineEnd();
     const std::size_t count = (end + kLinesPerPage - 1) / kLinesPerPage;
-    while (pages_.size() > count) {
-        driver_.freeBuffer(gl_, pages_.back().lines.name);
-        gl_.glDeleteTextures(1, &pages_.back().scalars);
-        gl_.glDeleteTextures(1, &pages_.back().normals);
-        pages_.pop_back();
-    }
+    freePages(count);
     for (std::size_t at = 0; at < count; ++at) {
         if (at == pages_.size()) {
             Page page;

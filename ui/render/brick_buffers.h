@@ -66,7 +66,7 @@ public:
 
 private:
     static constexpr std::uint32_t kVerticesPerPlace = 32;
-    static constexpr std::uint32_t kLinesPerPage = std::uint32_t{1} << 20;
+    static constexpr std::uint32_t kLinesPerPage = std::uint32_t{1} << extract::BrickArenas::kPointChunkBits;
     /// Of a brick: x and y of its place, 16 bits each; z; its first line of points, in its page; its first vertex
     /// inside cells.
     using Place = std::array<std::uint32_t, 4>;
@@ -89,7 +89,8 @@ private:
     bool isMostlyNew(std::span<const extract::PictureBrick> now) const;
     bool makeRoom(const Picture& picture);
     bool makeRoomForPoints(const Picture& picture);
-    void freePages();
+    /// From page `first` on.
+    void freePages(std::size_t first);
     static std::size_t pageOf(const extract::PictureBrick& brick) { return brick.firstPointLine / kLinesPerPage; }
     void sendPoints(const Picture& picture, std::span<const std::size_t> brickSlots);
     bool makeRoom(GLenum target, Buffer& buffer, std::size_t bytes);

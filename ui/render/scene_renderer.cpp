@@ -195,10 +195,10 @@ bool SceneRenderer::initialize() {
     resources_->lineProgram = loadProgram("line");
     resources_->markerProgram = loadProgram("marker");
     resources_->arraysProgram = loadProgram("surface");
-    resources_->bricksProgram = loadProgram("surface_records", "surface");
+    resources_->bricksProgram = loadProgram("surface_bricks", "surface");
     resources_->arraysPeelingProgram = loadProgram("surface", "surface", "PEELING");
     resources_->linesPeelingProgram = loadProgram("line", "line", "PEELING");
-    resources_->bricksPeelingProgram = loadProgram("surface_records", "surface", "PEELING");
+    resources_->bricksPeelingProgram = loadProgram("surface_bricks", "surface", "PEELING");
     isFrameNew_ = true;
     if (resources_->backgroundProgram && resources_->lineProgram && resources_->markerProgram &&
         resources_->arraysProgram && resources_->bricksProgram)

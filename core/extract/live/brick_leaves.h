@@ -48,8 +48,6 @@ struct BrickLeaves {
 /// The cells of a brick whose leaf has another level.
 inline BitString cellsOfOtherLevel(const BrickLeaves& before, const BrickLeaves& now) {
     BitString cells;
-    if (before == now)
-        return cells;
     for (int z = 0; z < kCellSide; ++z)
         for (int y = 0; y < kCellSide; ++y)
             for (std::uint64_t other = before.levelsOfRow(y, z) ^ now.levelsOfRow(y, z), x = 0; other != 0;

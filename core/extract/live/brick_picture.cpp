@@ -14,11 +14,6 @@ namespace {
 constexpr std::uint32_t kRecordsTogether = 256; // as many as stay in the nearest cache
 
 template <class Live>
-EdgeRecord<Live> recordOf(const InnerRecord& inner) {
-    return EdgeRecord<Live>::inside(inner.place, inner.normal, inner.level);
-}
-
-template <class Live>
 void expandBrick(const BrickPicture<Live>& picture, const PictureBrick& brick, Live isovalue, glm::vec3* positions,
                  glm::vec3* normals) {
     const auto origin = brick.origin();
@@ -32,7 +27,7 @@ void expandBrick(const BrickPicture<Live>& picture, const PictureBrick& brick, L
         interpolateVertices(records.data(), count, origin, isovalue, positions + k, normals + k);
     }
     for (std::uint32_t k = 0; k < brick.innerCount; ++k) {
-        const MeshVertex vertex = vertexOf(recordOf<Live>(picture.inner(brick)[k]), origin, isovalue);
+        const MeshVertex vertex = vertexOf(EdgeRecord<Live>::inside(picture.inner(brick)[k]), origin, isovalue);
         positions[onEdges + k] = vertex.position;
         normals[onEdges + k] = vertex.normal;
     }
@@ -77,7 +72,7 @@ void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t
     });
 }
 
-// A run of its own in another arena, with what the brick has in the first; its place there.
+// Copies a run to another arena; where it begins there.
 template <class Arena, class T>
 std::uint32_t copyRun(Arena& to, const T* from, std::uint32_t count) {
     ArenaRun run;
@@ -96,7 +91,7 @@ auto BrickPicture<Live>::records(const PictureBrick& brick, std::vector<Record>&
     if (onEdges > 0)
         readRecords(type(), points(brick), codes(brick), onEdges, room.data());
     for (std::uint32_t k = 0; k < brick.innerCount; ++k)
-        room[onEdges + k] = recordOf<Live>(inner(brick)[k]);
+        room[onEdges + k] = Record::inside(inner(brick)[k]);
     return room;
 }
 

@@ -23,11 +23,14 @@ namespace isoslider::extract {
 struct BrickArenas {
     explicit BrickArenas(ScalarType scalarType) : type(scalarType) {}
 
+    /// No brick's points lie on both sides of a multiple of 2^kPointChunkBits lines.
+    static constexpr int kPointChunkBits = 20;
+
     const ScalarType type; ///< of the samples in `points`
     RunArena<VertexCode, 32, 20> vertices;
     RunArena<std::uint16_t, 32, 20> indices;
     RunArena<InnerRecord, 4, 14> inner;
-    RunArena<PointLine, 4, 20> points;
+    RunArena<PointLine, 4, kPointChunkBits> points;
     const std::uint64_t series = nextSeries(); ///< no other arenas have the same number
 
     /// RunArena::clear() and trim() of all, isSparse() of any.

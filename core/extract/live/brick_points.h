@@ -54,6 +54,15 @@ struct alignas(64) BrickPoints {
 struct alignas(64) PointLine {
     std::byte bytes[64];
 };
+template <class Sample>
+const PointLine* linesOf(const BrickPoints<Sample>& points) {
+    return reinterpret_cast<const PointLine*>(&points);
+}
+/// REQUIRES: they are lines of points of samples of this type.
+template <class Sample>
+const BrickPoints<Sample>& pointsIn(const PointLine* lines) {
+    return *reinterpret_cast<const BrickPoints<Sample>*>(lines);
+}
 
 constexpr std::uint32_t pointLineCount(std::size_t sampleBytes) {
     return static_cast<std::uint32_t>((sampleBytes + sizeof(NormalCode)) * kPaddedPoints / sizeof(PointLine));

@@ -12,6 +12,14 @@
 
 namespace isoslider::extract {
 
+/// What is kept of a vertex inside a cell, for it is a function of no edge.
+struct InnerRecord {
+    glm::vec3 place; ///< in cells from the brick's first grid point
+    NormalCode normal = 0;
+    std::uint16_t level = 0; ///< of the cell
+};
+static_assert(sizeof(InnerRecord) == 16);
+
 /// A mesh vertex of a live brick with all that it is made from: what does not change while the isovalue slides between
 /// the scalars of its edge. Position and normal are functions of the record and the isovalue (vertexOf()); a vertex
 /// shader evaluates the same formula. Records are read from a brick's codes and points where they are wanted, and kept
@@ -31,15 +39,14 @@ struct EdgeRecord {
     static constexpr ClosedEdge kInside{3 << kEdgeAxisShift};
 
     bool isInside() const { return edge >= kInside; }
-    /// `level`: of the cell.
-    static EdgeRecord inside(const glm::vec3& place, NormalCode normal, int level = 0) {
-        const auto z = std::bit_cast<std::uint32_t>(place.z);
-        return {kInside + level,
+    static EdgeRecord inside(const InnerRecord& inner) {
+        const auto z = std::bit_cast<std::uint32_t>(inner.place.z);
+        return {kInside + inner.level,
                 static_cast<std::uint16_t>(z >> 16),
-                normal,
+                inner.normal,
                 static_cast<NormalCode>(z & 0xffff),
-                static_cast<Live>(place.x),
-                static_cast<Live>(place.y)};
+                static_cast<Live>(inner.place.x),
+                static_cast<Live>(inner.place.y)};
     }
     glm::vec3 insidePlace() const {
         return {static_cast<float>(scalar1), static_cast<float>(scalar2),
@@ -48,14 +55,6 @@ struct EdgeRecord {
 };
 
 static_assert(sizeof(EdgeRecord<float>) == 16 && sizeof(EdgeRecord<double>) == 24);
-
-/// What is kept of a vertex inside a cell, for it is a function of no edge.
-struct InnerRecord {
-    glm::vec3 place; ///< in cells from the brick's first grid point
-    NormalCode normal = 0;
-    std::uint16_t level = 0; ///< of the cell
-};
-static_assert(sizeof(InnerRecord) == 16);
 
 struct MeshVertex {
     glm::vec3 position; ///< grid index units

@@ -302,8 +302,7 @@ auto LiveSurface<Live>::recordOf(BrickSlot slot, std::uint32_t vertex) const -> 
     const Brick& brick = bricks_[slot.index()];
     if (vertex < brick.edgeVertices)
         return readRecord<Live>(arenas_->type, points(slot), codes(slot)[vertex]);
-    const InnerRecord& inner = *arenas_->inner.at(brick.inner.begin + (vertex - brick.edgeVertices));
-    return Record::inside(inner.place, inner.normal, inner.level);
+    return Record::inside(*arenas_->inner.at(brick.inner.begin + (vertex - brick.edgeVertices)));
 }
 
 template <class Live>

@@ -23,14 +23,24 @@ constexpr VertexCode vertexCode(ClosedEdge edge, int level = 0) {
 }
 constexpr VertexCode insideCode(std::size_t number) { return static_cast<VertexCode>(number << 2 | kInsideAxis); }
 
-constexpr bool isInside(VertexCode code) { return (code & 3u) == kInsideAxis; }
-/// REQUIRES: not inside.
+/// REQUIRES for this and what follows: not inside.
 constexpr ClosedEdge edgeOf(VertexCode code) {
     return closedEdge(static_cast<int>(code & 3u), ClosedPoint((code & kCodePlaceMask) >> 2));
 }
 constexpr int levelOf(VertexCode code) { return code >> kCodeLevelShift; }
-/// REQUIRES: inside.
-constexpr std::size_t insideNumber(VertexCode code) { return code >> 2; }
+
+/// The points at the ends of the edge of a code, or of the leaf edge that contains it.
+struct EdgeEnds {
+    std::size_t lower, upper;
+};
+/// Leaf edges are aligned at multiples of their length.
+constexpr EdgeEnds endsOf(VertexCode code) {
+    const ClosedEdge edge = edgeOf(code);
+    const auto axis = static_cast<std::size_t>(axisOf(edge));
+    const int inside = (1 << levelOf(code)) - 1, along = coordsOf(startOf(edge))[axis];
+    const std::size_t lower = startOf(edge).index() - static_cast<std::size_t>((along & inside) * kPointStride[axis]);
+    return {lower, lower + static_cast<std::size_t>((inside + 1) * kPointStride[axis])};
+}
 
 /// Most active edges of a closed brick: 3 directions of 8 x 9 x 9.
 inline constexpr std::size_t kMaxBrickEdges = 3 * kCellSide * kPointSide * kPointSide;

@@ -49,13 +49,8 @@ inline __attribute__((always_inline)) void takeApart(const EdgeRecord<double>* r
 template <class Sample>
 inline EdgeRecord<LiveOf<Sample>> recordOf(const BrickPoints<Sample>& points, VertexCode code) {
     using Live = LiveOf<Sample>;
-    const ClosedEdge edge = edgeOf(code);
-    const auto axis = static_cast<std::size_t>(axisOf(edge));
-    const int inside = (1 << levelOf(code)) - 1, along = coordsOf(startOf(edge))[axis];
-    // Leaf edges are aligned at multiples of their length.
-    const std::size_t lower = startOf(edge).index() - static_cast<std::size_t>((along & inside) * kPointStride[axis]);
-    const std::size_t upper = lower + static_cast<std::size_t>((inside + 1) * kPointStride[axis]);
-    return {edge,
+    const auto [lower, upper] = endsOf(code);
+    return {edgeOf(code),
             static_cast<std::uint16_t>(levelOf(code)),
             points.normals[lower],
             points.normals[upper],
@@ -270,13 +265,6 @@ HWY_EXPORT(interpolateF64);
 #define ISO_EXPORT(Sample, Name) HWY_EXPORT(readRecords##Name);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_EXPORT)
 #undef ISO_EXPORT
-
-namespace {
-template <class Sample>
-const BrickPoints<Sample>& pointsIn(const PointLine* lines) {
-    return *reinterpret_cast<const BrickPoints<Sample>*>(lines);
-}
-} // namespace
 
 template <class Live>
 void readRecords(ScalarType type, const PointLine* points, const VertexCode* codes, std::uint32_t count,

@@ -27,7 +27,7 @@ struct BrickSource<Sample>::Scratch {
 template <class Sample>
 auto BrickSource<Sample>::pointsOf(const LiveSurface<Live>& surface, const Job& job, const Scratch& scratch)
     -> const Points& {
-    return scratch.draft.newPoints ? scratch.points : *reinterpret_cast<const Points*>(surface.points(job.slot));
+    return scratch.draft.newPoints ? scratch.points : pointsIn<Sample>(surface.points(job.slot));
 }
 
 // The corner scalars of cells of one brick.

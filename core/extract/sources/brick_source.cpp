@@ -204,7 +204,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
         for (std::size_t i = begin; i != end; ++i) {
-            Corners corners(*reinterpret_cast<const Points*>(surface.points(refreshed[i])));
+            Corners corners(pointsIn<Sample>(surface.points(refreshed[i])));
             surface.refreshInnerVertices(refreshed[i], scratch.draft, corners, move.isovalue);
         }
     });
@@ -366,14 +366,13 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
     if (!job.isNew && hasAll != 0)
         return true;
     const BrickIndex brick = brickOf_[job.slot.index()];
-    const bool wantsSome = !wantsAll;
     BitString ends;
     PointRows rows;
-    if (wantsSome) {
+    if (wantsAll) {
+        rows.fill((1u << kPointSide) - 1);
+    } else {
         endsOfEdges(scratch.found.active.edges, ends);
         rows = rowsOf(ends);
-    } else {
-        rows.fill((1u << kPointSide) - 1);
     }
     if (!job.isNew) {
         if (!samples_.isReady(brick))
@@ -381,7 +380,7 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
         scratch.read.push_back(brick);
         // Pictures may refer to what is there.
         std::memcpy(scratch.points.samples, pointsOf(surface, job, scratch).samples, sizeof(Points::samples));
-        scratch.draft.newPoints = reinterpret_cast<const PointLine*>(&scratch.points);
+        scratch.draft.newPoints = linesOf<Sample>(scratch.points);
     }
     hasAll = wantsAll;
     if (!kHasNormalKernel<Sample> || surface.brick(job.slot).isNearMissing) {
@@ -389,11 +388,11 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
         findNormalsReference(scratch.block, rows, inverseSpacing_, scratch.points.normals);
     } else if constexpr (kHasNormalKernel<Sample>) {
         readApron(samples_.rows(brick), rows, scratch.floats);
-        if (wantsSome)
+        if (wantsAll)
+            findNormals<Sample>(scratch.points.samples, scratch.floats, rows, inverseSpacing_, scratch.points.normals);
+        else
             findNormalsAt<Sample>(ends, scratch.points.samples, scratch.floats, inverseSpacing_,
                                   scratch.points.normals);
-        else
-            findNormals<Sample>(scratch.points.samples, scratch.floats, rows, inverseSpacing_, scratch.points.normals);
     }
     return true;
 }
@@ -416,7 +415,7 @@ bool BrickSource<Sample>::begin(const LiveSurface<Live>& surface, const Job& job
         return false;
     scratch.read.push_back(brick);
     take(brick, surface.brick(job.slot).isNearMissing, scratch.points, scratch);
-    scratch.draft.newPoints = reinterpret_cast<const PointLine*>(&scratch.points);
+    scratch.draft.newPoints = linesOf<Sample>(scratch.points);
     return true;
 }
 

@@ -122,7 +122,7 @@ private:
     ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
     std::vector<Watch> watch_; ///< by slot
     std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick
-    std::vector<std::uint8_t> hasAllNormals_; ///< by slot: not only those of the edges that it arrived with
+    std::vector<std::uint8_t> hasAllNormals_; ///< by slot: not only those that a jump has shown
     MergeBound bound_;
     bool hasNewBound_ = false; ///< since the last move
     std::vector<BrickLeaves> leaves_, surelyWithin_; ///< by slot, while cells are merged

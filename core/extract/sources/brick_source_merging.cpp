@@ -118,6 +118,7 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
+    template void BrickSource<Sample>::addOtherLeaves(BrickSlot, Scratch&); \
     template Status BrickSource<Sample>::runMerging(const Move&, LiveSurface<Live>&, std::vector<Job>, SlideStats&, \
                                                     const JobControl&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)

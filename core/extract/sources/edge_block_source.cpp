@@ -20,18 +20,6 @@ namespace {
 constexpr std::uint64_t kKeptEntries = 1u << 16;
 constexpr std::uint32_t kArriving = ~std::uint32_t{0}; ///< in place of a slot, until there is one
 
-// The ends of the edge of a code, a leaf edge or not.
-struct EdgeEnds {
-    std::size_t lower, upper;
-};
-EdgeEnds endsOf(VertexCode code) {
-    const ClosedEdge edge = edgeOf(code);
-    const auto axis = static_cast<std::size_t>(axisOf(edge));
-    const int inside = (1 << levelOf(code)) - 1, along = coordsOf(startOf(edge))[axis];
-    const std::size_t lower = startOf(edge).index() - static_cast<std::size_t>((along & inside) * kPointStride[axis]);
-    return {lower, lower + static_cast<std::size_t>((inside + 1) * kPointStride[axis])};
-}
-
 } // namespace
 
 // Corner scalars of cells from the points at the ends of their active edges; the corner that lies on none is looked up.
@@ -383,7 +371,7 @@ bool EdgeBlockSource<Sample>::toggle(BrickSlot slot, const LiveSurface<Live>& su
 template <class Sample>
 auto EdgeBlockSource<Sample>::pointsOf(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch)
     -> const Points& {
-    return scratch.draft.newPoints ? scratch.points : *reinterpret_cast<const Points*>(surface.points(slot));
+    return scratch.draft.newPoints ? scratch.points : pointsIn<Sample>(surface.points(slot));
 }
 
 // Scalars and normals at the ends of edges that came. A point that is there already gets what it has.
@@ -397,7 +385,7 @@ void EdgeBlockSource<Sample>::fillPoints(BrickSlot slot, const LiveSurface<Live>
         std::memset(static_cast<void*>(&scratch.points), 0, sizeof scratch.points);
     else // pictures may refer to what is there
         std::memcpy(static_cast<void*>(&scratch.points), surface.points(slot), sizeof scratch.points);
-    scratch.draft.newPoints = reinterpret_cast<const PointLine*>(&scratch.points);
+    scratch.draft.newPoints = linesOf<Sample>(scratch.points);
     for (std::uint32_t i = chains_[slot.index()].firstActivated; i != kEndOfChain; i = scratch.nextActivated[i]) {
         const Activated& activated = *scratch.activated[i];
         const auto [lower, upper] = endsOf(vertexCode(activated.edge, activated.level));

@@ -121,7 +121,7 @@ void StoredSamples<Sample>::prefetch(BrickIndex brick) const {
     if (!own)
         return;
     fetch(own + first, kBrickSide * (b[0] & 1));
-    // Of the chunk beside it along x each row has one or two samples for the brick, in a line of their own.
+    // Of the chunk beside it along x each row has one or two samples for the brick, in a separate line.
     const bool isUpper = (b[0] & 1) != 0;
     const std::int64_t beside = (b[0] >> 1) + (isUpper ? 1 : -1);
     if (beside >= 0 && beside < store_.chunks().chunks()[0])

@@ -186,7 +186,7 @@ bool CellSaddles::findInner(const CornerScalars& scalars) {
         const unsigned start =
             (turn * static_cast<double>(at[1]) < 0.0 ? 1u : 0u) | (turn * static_cast<double>(at[0]) < 0.0 ? 2u : 0u);
         // The tunnel passes along a diagonal. Where the corner at an end of it is on the other side, its neighbours are
-        // joined round it, and the tunnel leads to them.
+        // joined around it, and the tunnel leads to them.
         for (std::size_t end = 0; end < 2; ++end) {
             const unsigned corner = end == 0 ? start : 7u - start;
             const bool isThere =

@@ -22,7 +22,7 @@ namespace isoslider::model {
 /// Whether a plane through a face of `volume` has all of `other` beyond it: then no place is in both.
 bool liesApart(const GridGeometry& other, const GridGeometry& volume);
 
-/// A second volume in the space of the first, with a grid and surfaces of its own. None of them slides: each is
+/// A second volume in the space of the first, with a separate grid and separate surfaces. None of them slides: each is
 /// extracted by a job when its isovalue is set, see InactiveSurfaces. Slices, pieces, topology, checks and exports
 /// remain those of the first. It gets no index, but uses one that the cache has; what does not fit in memory is shown
 /// by every n-th sample, see Dataset::coarseStep.

@@ -12,6 +12,7 @@
 #include <QPushButton>
 #include <QScrollArea>
 #include <QScrollBar>
+#include <QSlider>
 #include <QTableView>
 #include <QTextDocument>
 #include <QToolButton>
@@ -68,6 +69,19 @@ QLabel* addReadout(QHBoxLayout* row, const QString& caption, const char* objectN
 void setReadout(QLabel* readout, const QString& text) {
     readout->setText(text);
     readout->setAccessibleName(FactForm::tr("%1: %2").arg(readout->property(kCaptionProperty).toString(), text));
+}
+
+SliderRow makeSliderRow(const QString& caption, const QString& widest, QWidget* parent) {
+    SliderRow made{new QHBoxLayout, new QSlider(Qt::Horizontal, parent), new QLabel(parent)};
+    auto* name = new QLabel(caption, parent);
+    name->setBuddy(made.slider);
+    made.slider->setMinimumWidth(40);
+    made.value->setMinimumWidth(parent->fontMetrics().horizontalAdvance(widest));
+    made.value->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
+    made.row->addWidget(name);
+    made.row->addWidget(made.slider, 1);
+    made.row->addWidget(made.value);
+    return made;
 }
 
 QLabel* makeHeading(const QString& text, QWidget* parent) {

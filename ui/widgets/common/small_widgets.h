@@ -14,6 +14,7 @@ class QGridLayout;
 class QHBoxLayout;
 class QPushButton;
 class QScrollArea;
+class QSlider;
 class QTableView;
 class QToolButton;
 class QVBoxLayout;
@@ -28,6 +29,13 @@ QToolButton* makeToolButton(QAction* action, Qt::ToolButtonStyle style, QWidget*
 QLabel* addReadout(QHBoxLayout* row, const QString& caption, const char* objectName, QWidget* parent);
 /// A new value for it, for the eye and for assistive technology.
 void setReadout(QLabel* readout, const QString& text);
+/// A caption, a slider that takes the room there is, and a text for its value: as wide as `widest`.
+struct SliderRow {
+    QHBoxLayout* row;
+    QSlider* slider;
+    QLabel* value;
+};
+SliderRow makeSliderRow(const QString& caption, const QString& widest, QWidget* parent);
 /// A heading within a panel.
 QLabel* makeHeading(const QString& text, QWidget* parent);
 

@@ -63,25 +63,17 @@ PiecesPanel::PiecesPanel(model::Session& session, model::ViewState& viewState, c
 }
 
 void PiecesPanel::addControls(const ActionRegistry& actions) {
-    auto* row = new QHBoxLayout;
-    auto* name = new QLabel(tr("Hide smaller than"), this);
-    size_ = new QSlider(Qt::Horizontal, this);
+    const SliderRow size = makeSliderRow(tr("Hide smaller than"), QStringLiteral("0.0000 mm"), this);
+    size_ = size.slider;
+    sizeValue_ = size.value;
     size_->setObjectName(QStringLiteral("pieceSize"));
     size_->setRange(0, kSteps);
     size_->setPageStep(kSteps / 20);
-    size_->setMinimumWidth(40);
     size_->setAccessibleName(tr("Hide pieces smaller than"));
     size_->setToolTip(tr("Pieces whose longest side is shorter are not drawn. The scale is logarithmic"));
-    name->setBuddy(size_);
-    sizeValue_ = new QLabel(this);
     sizeValue_->setObjectName(QStringLiteral("pieceSizeValue"));
-    sizeValue_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("0.0000 mm")));
-    sizeValue_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
-    row->addWidget(name);
-    row->addWidget(size_, 1);
-    row->addWidget(sizeValue_);
     auto* rows = static_cast<QVBoxLayout*>(layout());
-    rows->addLayout(row);
+    rows->addLayout(size.row);
     auto* second = new QHBoxLayout;
     auto* keep = new QLabel(tr("Show the largest"), this);
     largest_ = new QSpinBox(this);

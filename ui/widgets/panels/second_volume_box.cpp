@@ -59,23 +59,15 @@ SecondVolumeBox::SecondVolumeBox(model::Session& session, const ActionRegistry& 
 }
 
 void SecondVolumeBox::makeIsovalue() {
-    auto* row = new QHBoxLayout;
-    auto* name = new QLabel(tr("Isovalue"), this);
-    isovalue_ = new QSlider(Qt::Horizontal, this);
+    const SliderRow isovalue = makeSliderRow(tr("Isovalue"), QStringLiteral("-0.00000"), this);
+    isovalue_ = isovalue.slider;
+    isovalueText_ = isovalue.value;
     isovalue_->setObjectName(QStringLiteral("secondIsovalue"));
     isovalue_->setRange(0, kIsovalueSteps);
     isovalue_->setPageStep(kIsovalueSteps / 20);
-    isovalue_->setMinimumWidth(40);
     isovalue_->setAccessibleName(tr("Isovalue of the selected surface of the second volume"));
     isovalue_->setToolTip(tr("Isovalue of the selected surface; exact ones are typed in the list"));
-    name->setBuddy(isovalue_);
-    isovalueText_ = new QLabel(this);
-    isovalueText_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
-    isovalueText_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("-0.00000")));
-    row->addWidget(name);
-    row->addWidget(isovalue_, 1);
-    row->addWidget(isovalueText_);
-    static_cast<QVBoxLayout*>(surfaces_->layout())->addLayout(row);
+    static_cast<QVBoxLayout*>(surfaces_->layout())->addLayout(isovalue.row);
     connect(isovalue_, &QSlider::valueChanged, this, [this](int step) {
         const auto* dataset = session_.secondVolume().dataset();
         if (dataset == nullptr)

@@ -83,7 +83,6 @@ void SurfaceEditor::makeColours() {
 }
 
 void SurfaceEditor::makeLook() {
-    auto* row = new QHBoxLayout;
     colour_ = new QToolButton(this);
     colour_->setObjectName(objectNames_ + QStringLiteral("Colour"));
     colour_->setText(tr("Colour"));
@@ -92,23 +91,16 @@ void SurfaceEditor::makeLook() {
     colour_->setAutoRaise(true);
     colour_->setMenu(colours_);
     colour_->setPopupMode(QToolButton::InstantPopup);
-    auto* name = new QLabel(tr("Opacity"), this);
-    opacity_ = new QSlider(Qt::Horizontal, this);
+    const SliderRow opacity = makeSliderRow(tr("Opacity"), QStringLiteral("100 %"), this);
+    opacity_ = opacity.slider;
+    opacityValue_ = opacity.value;
     opacity_->setObjectName(objectNames_ + QStringLiteral("Opacity"));
     opacity_->setRange(static_cast<int>(std::lround(100.0 * model::kLeastOpacity)), 100);
     opacity_->setPageStep(10);
-    opacity_->setMinimumWidth(40);
     opacity_->setAccessibleName(tr("Opacity of the active surface"));
     opacity_->setToolTip(tr("Opacity of the active surface; those of others are typed in the list"));
-    name->setBuddy(opacity_);
-    opacityValue_ = new QLabel(this);
-    opacityValue_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("100 %")));
-    opacityValue_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
-    row->addWidget(colour_);
-    row->addWidget(name);
-    row->addWidget(opacity_, 1);
-    row->addWidget(opacityValue_);
-    static_cast<QVBoxLayout*>(layout())->addLayout(row);
+    opacity.row->insertWidget(0, colour_);
+    static_cast<QVBoxLayout*>(layout())->addLayout(opacity.row);
     connect(opacity_, &QSlider::valueChanged, this, [this](int percent) {
         surfaces_.change(surfaces_.list().active,
                          [percent](model::ListedSurface& surface) { surface.opacity = percent / 100.0; });

@@ -143,7 +143,7 @@ void expectRecords(std::mt19937& random) {
     std::copy(std::begin(samples.values), std::end(samples.values), points.samples);
     for (NormalCode& code : points.normals)
         code = static_cast<NormalCode>(random());
-    const auto* const lines = reinterpret_cast<const PointLine*>(&points);
+    const auto* const lines = linesOf(points);
     // Of all edges of the brick, then with some that lie on edges of merged cells.
     for (const bool merges : {false, true})
         for (const std::uint32_t count : {1u, 15u, 16u, 17u, 333u}) {

@@ -58,13 +58,13 @@ TEST(RunArena, KeepsARunThatFits) {
 
 TEST(EdgeRecord, GivesThePlaceOfAVertexInsideACellBack) {
     const glm::vec3 place(1.25f, 7.0009765625f, 0.1f);
-    const auto record = EdgeRecord<float>::inside(place, encodeNormal({0.0f, 1.0f, 0.0f}));
+    const auto record = EdgeRecord<float>::inside({place, encodeNormal({0.0f, 1.0f, 0.0f}), 0});
     EXPECT_TRUE(record.isInside());
     EXPECT_EQ(record.insidePlace(), place);
     const MeshVertex vertex = vertexOf(record, {8, 16, 24}, 5.0f);
     EXPECT_EQ(vertex.position, glm::vec3(8.0f, 16.0f, 24.0f) + place);
     EXPECT_EQ(vertex.normal, glm::vec3(0.0f, 1.0f, 0.0f));
-    const auto precise = EdgeRecord<double>::inside(place, 0);
+    const auto precise = EdgeRecord<double>::inside({place, 0, 0});
     EXPECT_EQ(precise.insidePlace(), place);
 }
 
