@@ -116,9 +116,8 @@ TEST_F(SessionKeeperTest, ShowsCurvesSnappingAndRangeOfTheHistogramAgain) {
     EXPECT_TRUE(area->isChecked());
     EXPECT_TRUE(isChecked("isovalue.snap"));
     ASSERT_TRUE(plot.chosenRange());
-    const double little = 0.01 * (range->upper - range->lower); // the handle may be brought into view
-    EXPECT_NEAR(plot.chosenRange()->lower, range->lower, little);
-    EXPECT_NEAR(plot.chosenRange()->upper, range->upper, little);
+    EXPECT_NEAR(plot.chosenRange()->lower, range->lower, 1e-9);
+    EXPECT_NEAR(plot.chosenRange()->upper, range->upper, 1e-9);
     EXPECT_EQ(settings_->list("histogram/curves"), QStringList{QStringLiteral("area")});
     QTest::qWait(600); // longer than steps are joined
     EXPECT_FALSE(window_->actions().action("edit.undo")->isEnabled());

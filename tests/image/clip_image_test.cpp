@@ -227,7 +227,7 @@ TEST_F(ClipImageTest, TheCapHasTheColourOfTheInnermostSurfaceThatIsShown) {
     auto inner = std::make_shared<SurfaceFrame>();
     const auto innerEngine = preprocess::makeMemoryEngine(grid);
     ASSERT_THAT(innerEngine, IsOk());
-    ASSERT_THAT(innerEngine.value()->slideTo(0.6), IsOk());
+    ASSERT_THAT(innerEngine.value()->slideTo(0.25), IsOk());
     innerEngine.value()->copyFrame(*inner);
     render::InactiveSurface beside{model::SurfaceId{9}, inner, green, {}};
     struct Count {

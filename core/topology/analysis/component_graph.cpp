@@ -30,7 +30,7 @@ void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
     for (std::size_t i = 0; i < links.size(); ++i)
         left[i] = {side == Side::Above ? links[i].isovalue : -links[i].isovalue, links[i].a, links[i].b,
                    static_cast<std::uint32_t>(i)};
-    std::vector<Link> kept;
+    std::vector<char> isKept(links.size(), 0);
     std::vector<Best> best(seeds, kNone);
     while (!left.empty()) {
         // Links have an order of their isovalues, then of their places: so no ring of bests can come about.
@@ -56,10 +56,15 @@ void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
                 if (a == b)
                     continue;
                 sets.attach(std::max(a, b), std::min(a, b));
-                kept.push_back(links[left[chosen.left].link]);
+                isKept[left[chosen.left].link] = 1;
             }
     }
-    links = std::move(kept);
+    // In their order, so that the same ones are left when only some of them are looked at first.
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < links.size(); ++i)
+        if (isKept[i] != 0)
+            links[count++] = links[i];
+    links.resize(count);
 }
 
 namespace {

@@ -33,7 +33,8 @@ struct ComponentGraph {
     std::vector<Link> links;
 };
 
-/// Leaves out links whose ends are joined no later without them (Borůvka's rounds). O(links log seeds) at most.
+/// Leaves out links whose ends are joined no later without them (Borůvka's rounds); of equal isovalues the first.
+/// Those left keep their order. O(links log seeds) at most.
 void keepForest(Side side, std::size_t seeds, std::vector<Link>& links);
 
 /// A component that comes, or joins an elder one, having lasted for a while.

@@ -27,6 +27,7 @@ public:
     void run() {
         findNeighbours();
         numberSeeds();
+        links_.setSeeds(seeds_.size());
         if (!window_.stop.stop_requested())
             linkNeighbours();
     }
@@ -142,6 +143,7 @@ LayerComponents LayerSide::take(std::int64_t planePoints) {
     LayerComponents found;
     found.links = links_.take();
     keepForest(side_, seeds_.size(), found.links);
+    found.links.shrink_to_fit(); // a layer may wait for others
     found.seeds = std::move(seeds_);
     const auto plane = static_cast<std::ptrdiff_t>(planePoints);
     found.bottom.assign(leadsTo_.begin(), leadsTo_.begin() + plane);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -10,7 +11,8 @@
 namespace isoslider::topology {
 
 /// Gathers links. The boundary between two seeds' points is long in smooth data, and only its earliest link matters:
-/// of links between the same seeds that come one after the other, nearly all are dropped at once.
+/// of links between the same seeds that come one after the other, nearly all are dropped at once. What is left of noise
+/// is many times the links that matter: these are sorted out while they come, where the number of seeds is known.
 class LinkCollector {
 public:
     explicit LinkCollector(Side side) : side_(side), recent_(kRecent) {}
@@ -26,9 +28,17 @@ public:
                 recent = {isovalue, cause, a, b};
             return;
         }
-        if (recent.a != recent.b)
+        if (recent.a != recent.b) {
+            if (links_.size() >= most_)
+                keepForest(side_, seeds_, links_); // a third of them at most
             links_.push_back(recent);
+        }
         recent = {isovalue, cause, a, b};
+    }
+    /// From now on all links are between so many seeds.
+    void setSeeds(std::size_t seeds) {
+        seeds_ = seeds;
+        most_ = kMostPerSeed * seeds + kRecent;
     }
     std::vector<Link> take() {
         for (Link& link : recent_)
@@ -40,7 +50,9 @@ public:
 private:
     static constexpr unsigned kRecentBits = 12;
     static constexpr std::size_t kRecent = std::size_t{1} << kRecentBits;
+    static constexpr std::size_t kMostPerSeed = 3;
     Side side_;
+    std::size_t seeds_ = 0, most_ = std::numeric_limits<std::size_t>::max();
     std::vector<Link> recent_; ///< by a hash of both seeds
     std::vector<Link> links_;
 };

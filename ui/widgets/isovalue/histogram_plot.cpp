@@ -281,11 +281,16 @@ void HistogramPlot::applyTickCounts() {
     ticker_->setTickCount(std::clamp(axisRect()->width() / (2 * widest), 1, kMostTicks));
 }
 
-QCPRange HistogramPlot::placesOf(const model::HistogramView::Range& range) const {
+QCPRange HistogramPlot::endsOf(const model::HistogramView::Range& range) const {
     // Half a bin below the least value may be below what a logarithm has.
     const bool isLog = scale_.kind() == model::ScaleKind::Log;
     const double lower = isLog ? std::max(range.lower, std::max(min_ * 0.7, 1e-300)) : range.lower;
-    const double low = scale_.placeOf(lower), high = scale_.placeOf(std::max(range.upper, lower));
+    return {scale_.placeOf(lower), scale_.placeOf(std::max(range.upper, lower))};
+}
+
+QCPRange HistogramPlot::placesOf(const model::HistogramView::Range& range) const {
+    const QCPRange ends = endsOf(range);
+    const double low = ends.lower, high = ends.upper;
     // A volume of one value still gets an axis to stand on.
     const double pad = high > low ? kPad * (high - low) : std::max(std::abs(high) * 0.01, 0.5);
     return {low - pad, high + pad};
@@ -313,7 +318,7 @@ void HistogramPlot::showWholeRange() {
 }
 
 void HistogramPlot::showRange(const model::HistogramRange& range) {
-    const QCPRange places = placesOf({range.lower, range.upper});
+    const QCPRange places = endsOf({range.lower, range.upper}); // what was seen, no more
     if (!hasHistogram_ || !(places.size() > 0.0))
         return;
     isAtUsualRange_ = false;

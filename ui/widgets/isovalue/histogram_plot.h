@@ -111,6 +111,8 @@ private:
     void applyTickCounts();
     void markClipped(const model::HistogramView::Outline& outline);
     void applyFocus();
+    QCPRange endsOf(const model::HistogramView::Range& range) const;
+    /// The same with some room at both ends.
     QCPRange placesOf(const model::HistogramView::Range& range) const;
     void showPlaces(const QCPRange& places);
     void clampRange(const QCPRange& range);

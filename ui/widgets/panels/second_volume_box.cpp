@@ -81,6 +81,7 @@ void SecondVolumeBox::makeIsovalue() {
 void SecondVolumeBox::showVolume() {
     const auto& second = session_.secondVolume();
     const auto* dataset = second.dataset();
+    const bool isNew = dataset != nullptr && surfaces_->isHidden();
     surfaces_->setVisible(dataset != nullptr);
     setVisible(dataset != nullptr || !second.opening().empty());
     if (!second.opening().empty())
@@ -88,6 +89,8 @@ void SecondVolumeBox::showVolume() {
     else if (dataset != nullptr)
         name_->setFullText(tr("Second volume: %1").arg(textOf(dataset->name)) + remark());
     showIsovalue();
+    if (isNew)
+        emit opened();
 }
 
 // What is not as one would expect of it.

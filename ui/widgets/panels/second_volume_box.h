@@ -22,6 +22,10 @@ class SecondVolumeBox : public QWidget {
 public:
     SecondVolumeBox(model::Session& session, const ActionRegistry& actions, QWidget* parent);
 
+signals:
+    /// A volume is there that was not.
+    void opened();
+
 private:
     void makeIsovalue();
     void showVolume();

@@ -1,5 +1,7 @@
 #include "ui/widgets/panels/surfaces_panel.h"
 
+#include <QScrollArea>
+#include <QTimer>
 #include <QToolButton>
 #include <QVBoxLayout>
 
@@ -17,18 +19,22 @@ SurfacesPanel::SurfacesPanel(model::Session& session, const ActionRegistry& acti
                                 {QStringLiteral("surface"), tr("Surfaces of the volume"),
                                  tr("The active surface: it is the one that slides")},
                                 this)) {
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(10, 8, 10, 8);
+    // A panel that grew with the second volume would push the other panels, and change the view's size.
+    const auto [area, page, layout] = fillWithScrollPage(this);
     layout->setSpacing(6);
     auto* row = new QHBoxLayout;
     for (const char* action : {"surfaces.add", "surfaces.remove"})
-        row->addWidget(makeToolButton(actions.action(action), Qt::ToolButtonTextOnly, this));
+        row->addWidget(makeToolButton(actions.action(action), Qt::ToolButtonTextOnly, page));
     row->addStretch(1);
     layout->addLayout(row);
     for (const char* action : {"surfaces.add", "surfaces.remove", "surfaces.rename", "second.open"})
         editor_->addTableAction(actions.action(action));
     layout->addWidget(editor_, 1);
-    layout->addWidget(new SecondVolumeBox(session, actions, this), 1);
+    auto* second = new SecondVolumeBox(session, actions, page);
+    layout->addWidget(second, 1);
+    connect(second, &SecondVolumeBox::opened, this, [area, second] {
+        QTimer::singleShot(0, area, [area, second] { area->ensureWidgetVisible(second); }); // once it has its place
+    });
 }
 
 QMenu* SurfacesPanel::colourMenu() { return editor_->colourMenu(); }

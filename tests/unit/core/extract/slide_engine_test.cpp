@@ -260,10 +260,8 @@ TEST_F(SlideEngineTest, MemoryFollowsASurfaceThatStartsAgain) {
     EXPECT_EQ(before.positions, after.positions);
     EXPECT_EQ(before.indices, after.indices);
 
-    // Not before some moves: a jump back would want it again.
     shown = {};
-    for (int move = 0; move < 8; ++move)
-        ASSERT_THAT(engine->slideTo(engine->info().max - 2.0 - 0.1 * move), IsOk());
+    ASSERT_THAT(engine->slideTo(engine->info().max - 2.0), IsOk());
     engine->copyFrame(shown);
     EXPECT_LT(pictureBytes(shown), large / 3);
 }

@@ -46,9 +46,10 @@ TEST_F(MetaImageReader, TakesOneChannel) {
 
 TEST_F(MetaImageReader, IsOfAPatientWhereTheHeaderNamesDirections) {
     const auto isPatient = [&](const std::string& fields) {
-        const std::string bytes = replaced(test::mhaHeader(), "NDims", fields + "NDims") + test::ramp<std::int16_t>(24);
+        const std::string header = replaced(test::mhaHeader(), "TransformMatrix = 1 0 0 0 1 0 0 0 1\n", fields);
+        const std::string bytes = header + test::ramp<std::int16_t>(24);
         const auto source = openVolume(folder.write("a.mha", bytes));
-        EXPECT_THAT(source, test::IsOk()) << fields;
+        EXPECT_THAT(source, test::IsOk()) << bytes;
         return source.isOk() && source.value()->info().isPatientSpace;
     };
     const std::string matrix = "TransformMatrix = 0 1 0 1 0 0 0 0 1\n", code = "AnatomicalOrientation = ";
