@@ -20,7 +20,9 @@ SurfacesPanel::SurfacesPanel(model::Session& session, const ActionRegistry& acti
                                  tr("The active surface: it is the one that slides")},
                                 this)) {
     // A panel that grew with the second volume would push the other panels, and change the view's size.
-    const auto [area, page, layout] = fillWithScrollPage(this);
+    const ScrollPage scroll = fillWithScrollPage(this);
+    QWidget* const page = scroll.page;
+    auto* const layout = scroll.rows;
     layout->setSpacing(6);
     auto* row = new QHBoxLayout;
     for (const char* action : {"surfaces.add", "surfaces.remove"})
@@ -32,7 +34,7 @@ SurfacesPanel::SurfacesPanel(model::Session& session, const ActionRegistry& acti
     layout->addWidget(editor_, 1);
     auto* second = new SecondVolumeBox(session, actions, page);
     layout->addWidget(second, 1);
-    connect(second, &SecondVolumeBox::opened, this, [area, second] {
+    connect(second, &SecondVolumeBox::opened, this, [area = scroll.area, second] {
         QTimer::singleShot(0, area, [area, second] { area->ensureWidgetVisible(second); }); // once it has its place
     });
 }
