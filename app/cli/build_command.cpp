@@ -299,8 +299,9 @@ private:
     }
     static const char* otherWay(index::IndexKind kind) {
         return kind == index::IndexKind::Metacells
-                   ? "\"isoslider-cli topology INDEX\" adds it, where there is enough, or a build with more --memory"
-                   : "a build with more --memory adds it";
+                   ? "\"isoslider-cli topology INDEX\" adds what is missing, where there is enough, or a build with more "
+                     "--memory"
+                   : "a build with more --memory adds what is missing";
     }
 
     std::string textOf(const Built& built) const {
@@ -317,8 +318,8 @@ private:
             text += fmt::format("without topology: {}\n", built.topologyProblem);
         else if (withTopology_ && !built.hasEvents)
             text += fmt::format("topology without events and persistence, which take more memory: counts at {} "
-                                "isovalues and curves in {:.2f} s; a build with more --memory adds them\n",
-                                built.events, built.topologySeconds);
+                                "isovalues and curves in {:.2f} s; {}\n",
+                                built.events, built.topologySeconds, otherWay(report.info.kind));
         else if (withTopology_)
             text += fmt::format("{} events of topology in {:.2f} s, {} behind the index\n", built.events,
                                 built.topologySeconds, sizeText(built.topologyBytes));

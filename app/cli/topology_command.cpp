@@ -155,7 +155,13 @@ private:
             auto found = topology::topologyOfIndex(path_, options, job);
             if (!found.isOk())
                 return std::move(found).error();
-            return std::move(found).value().summary;
+            if (found.value().summary->hasEvents())
+                return std::move(found).value().summary;
+            // Built with less memory than there is now, perhaps. What is known already serves where that fails.
+            auto whole = topology::addEvents(path_, options, job);
+            if (whole.isCancelled())
+                return std::move(whole).error();
+            return std::move(whole.isOk() ? whole : found).value().summary;
         }
         const JobControl reading = job.part(0.0, 0.3), analysing = job.part(0.3, 1.0);
         const auto grid = io::readVolume(path_, volume_.readOptions(), reading);

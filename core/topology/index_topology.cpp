@@ -71,6 +71,9 @@ private:
 
 PlaneSource planesOf(const index::IndexReader& reader) {
     PlaneSource source{reader.info().geometry, reader.info().type, {}};
+    const GridDims& dims = source.geometry.dims;
+    source.heldBytes = static_cast<std::uint64_t>(dims[0] * dims[1] * std::min<std::int64_t>(dims[2], index::kChunkSide)) *
+                       scalarTypeSizeBytes(source.type);
     visitScalarType(source.type, [&](auto sample) {
         source.read = [planes = std::make_shared<ChunkPlanes<decltype(sample)>>(reader)](
                           std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
@@ -91,6 +94,27 @@ Result<TopologyCurve> analyseIndex(const index::IndexReader& reader, AnalysisOpt
     return analyseTopology(planesOf(reader), options, job);
 }
 
+namespace {
+
+Result<IndexTopology> analyseAndStore(const std::filesystem::path& index, const AnalysisOptions& options,
+                                      bool replaces, const JobControl& job) {
+    const auto reader = index::IndexReader::open(index);
+    if (!reader.isOk())
+        return reader.error();
+    auto curve = analyseIndex(*reader.value(), options, job);
+    if (!curve.isOk())
+        return std::move(curve).error();
+    IndexTopology found{std::make_shared<TopologyCurve>(std::move(curve).value()), {}};
+    found.storing = storeTopology(*reader.value(), *found.summary, replaces);
+    // Read from the disk from now on: what was analysed need not stay in memory.
+    if (found.storing.isOk())
+        if (auto again = openTopology(index); again.isOk() && again.value())
+            found.summary = std::move(again).value();
+    return found;
+}
+
+} // namespace
+
 Result<IndexTopology> topologyOfIndex(const std::filesystem::path& index, const AnalysisOptions& options,
                                       const JobControl& job) {
     auto stored = openTopology(index);
@@ -106,19 +130,12 @@ Result<IndexTopology> topologyOfIndex(const std::filesystem::path& index, const 
             return IndexTopology{std::move(stored).value(), {}};
         }
     }
-    const auto reader = index::IndexReader::open(index);
-    if (!reader.isOk())
-        return reader.error();
-    auto curve = analyseIndex(*reader.value(), options, job);
-    if (!curve.isOk())
-        return std::move(curve).error();
-    IndexTopology found{std::make_shared<TopologyCurve>(std::move(curve).value()), {}};
-    found.storing = storeTopology(*reader.value(), *found.summary, isDamaged);
-    // Read from the disk from now on: what was analysed need not stay in memory.
-    if (found.storing.isOk())
-        if (auto again = openTopology(index); again.isOk() && again.value())
-            found.summary = std::move(again).value();
-    return found;
+    return analyseAndStore(index, options, isDamaged, job);
+}
+
+Result<IndexTopology> addEvents(const std::filesystem::path& index, AnalysisOptions options, const JobControl& job) {
+    options.mayLackEvents = false;
+    return analyseAndStore(index, options, true, job);
 }
 
 } // namespace isoslider::topology

@@ -25,4 +25,8 @@ struct IndexTopology {
 Result<IndexTopology> topologyOfIndex(const std::filesystem::path& index, const AnalysisOptions& options,
                                       const JobControl& job);
 
+/// For an index whose stored topology has no events: analysed again, and stored in its place. Errors as above;
+/// OutOfSpace (its events take more than `options.memoryBytes` here, too: what is stored stays).
+Result<IndexTopology> addEvents(const std::filesystem::path& index, AnalysisOptions options, const JobControl& job);
+
 } // namespace isoslider::topology

@@ -416,14 +416,17 @@ PlaneSource planesOf(const ScalarGrid& grid) {
 Result<TopologyCurve> analyseTopology(const PlaneSource& source, const AnalysisOptions& options,
                                       const JobControl& job) {
     const GridDims& dims = source.geometry.dims;
+    AnalysisOptions own = options;
+    own.memoryBytes -= std::min(own.memoryBytes, source.heldBytes);
     if (dims[0] * dims[1] >= kMostPlaneSamples)
         return makeError(ErrorCode::InvalidArgument, "the topology of planes of 2^27 samples or more is not analysed");
     return visitScalarType(source.type, [&](auto sample) {
         using Sample = decltype(sample);
-        auto whole = Analysis<Sample>(source, options, Detail::Events, job).run();
-        if (whole.isOk() || whole.error().code != ErrorCode::OutOfSpace || options.measures.isovalues.empty())
+        auto whole = Analysis<Sample>(source, own, Detail::Events, job).run();
+        if (whole.isOk() || whole.error().code != ErrorCode::OutOfSpace || !options.mayLackEvents ||
+            options.measures.isovalues.empty())
             return whole;
-        auto counts = Analysis<Sample>(source, options, Detail::Counts, job).run();
+        auto counts = Analysis<Sample>(source, own, Detail::Counts, job).run();
         return counts.isOk() || counts.error().code != ErrorCode::OutOfSpace ? std::move(counts) : std::move(whole);
     });
 }

@@ -21,6 +21,7 @@ struct PlaneSource {
     ScalarType type = ScalarType::U8;
     /// Fills `out` with planes [zBegin, zEnd), x fastest. One call at a time, from any thread.
     std::function<Status(std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out)> read;
+    std::uint64_t heldBytes = 0; ///< that it keeps while it is read: part of what the analysis may take
 };
 /// `grid` must outlive it.
 PlaneSource planesOf(const ScalarGrid& grid);
@@ -28,6 +29,7 @@ PlaneSource planesOf(const ScalarGrid& grid);
 struct AnalysisOptions {
     std::uint64_t memoryBytes = std::numeric_limits<std::uint64_t>::max();
     MeasurePlan measures; ///< none: the curves stay empty
+    bool mayLackEvents = true; ///< where memory does not hold them, and measures are planned
     /// Planes read at once, 3 or more; 0: layers of a million samples. Events are the same with any number, but for
     /// which of several places of one isovalue is stated.
     std::int64_t planesAtOnce = 0;
@@ -35,7 +37,7 @@ struct AnalysisOptions {
 
 /// Every isovalue at which the topology of the volume's surface changes. TOPOLOGY.md.
 /// O(n) in samples, O(m log m) in what can be an event; all threads. Memory: some planes, and what can be an event.
-/// Where that is more than `options.memoryBytes`, and measures are planned: counts only, at some thousand isovalues
+/// Where that is more than `options.memoryBytes`, and events may be lacking: counts only, at some thousand isovalues
 /// (TopologySummary::hasEvents), in memory for some planes. Samples may then be read twice.
 /// Errors: those of `source`; InvalidArgument (planes of 2^27 samples or more); OutOfSpace (more than
 /// `options.memoryBytes` even so); Cancelled.

@@ -227,6 +227,18 @@ TEST_F(HistogramTest, ALogarithmicAxisMovesEverythingAlike) {
     EXPECT_EQ(settings_->text("histogram/valueScale"), QStringLiteral("symlog"));
 }
 
+TEST_F(HistogramTest, AnotherAxisShowsTheSameValues) {
+    openDecades();
+    drag(onPlot(4000.0), onPlot(9000.0), Qt::ControlModifier);
+    const auto shown = plot().visibleRange();
+    ASSERT_LT(shown.size(), 6000.0);
+    for (const char* scale : {"isovalue.logValues", "isovalue.linearValues", "isovalue.symlogValues"}) {
+        trigger(scale);
+        EXPECT_NEAR(plot().visibleRange().lower, shown.lower, 1e-6) << scale;
+        EXPECT_NEAR(plot().visibleRange().upper, shown.upper, 1e-6) << scale;
+    }
+}
+
 TEST_F(HistogramTest, CurvesFollowTheAxis) {
     openDecades();
     window_->findChild<QAction*>(QStringLiteral("curve.area"))->trigger();

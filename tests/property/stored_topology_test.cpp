@@ -375,6 +375,29 @@ TEST_F(StoredTopologyTest, DamagedIsMadeAgain) {
     EXPECT_EQ(readFile(path_), whole);
 }
 
+// Counts without events were stored where memory was scarce.
+TEST_F(StoredTopologyTest, EventsAreAddedWhereThereIsMemory) {
+    const auto grid = noise({20, 20, 20}, ScalarType::U8, 5);
+    build(grid);
+    AnalysisOptions little;
+    little.memoryBytes = 9 << 17;
+    const auto counts = topologyOfIndex(path_, little, {});
+    ASSERT_THAT(counts, IsOk());
+    ASSERT_THAT(counts.value().storing, IsOk());
+    EXPECT_FALSE(counts.value().summary->hasEvents());
+    const Bytes before = readFile(path_);
+    EXPECT_THAT(addEvents(path_, little, {}), HasError(ErrorCode::OutOfSpace));
+    EXPECT_EQ(readFile(path_), before) << "what is stored stays";
+    const auto added = addEvents(path_, {}, {});
+    ASSERT_THAT(added, IsOk());
+    EXPECT_THAT(added.value().storing, IsOk());
+    const auto again = topologyOfIndex(path_, little, {});
+    ASSERT_THAT(again, IsOk());
+    EXPECT_TRUE(again.value().summary->hasEvents());
+    EXPECT_EQ(eventsOf(*again.value().summary).size(), analysed(*grid).eventCount());
+    EXPECT_GT(analysed(*grid).eventCount(), 1000u);
+}
+
 // Ranges beyond doubles and below them.
 TEST_F(StoredTopologyTest, HoldsTheEndsOfDoubles) {
     for (const double scale : {1.7e308, 5e-324, 1e300, 1e-310}) {

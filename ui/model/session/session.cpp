@@ -272,24 +272,49 @@ void Session::improveFirstIsovalue() {
 
 void Session::analyseTopology() {
     topology_.setAnalysing();
+    const auto find = [](const auto& index, const auto& options, const auto& job) -> Result<TopologyModel::Content> {
+        auto found = topology::topologyOfIndex(index, options, job); // not stored: analysed again the next time
+        if (!found.isOk())
+            return std::move(found).error();
+        return TopologyModel::contentOf(std::move(found.value().summary));
+    };
+    startTopology("Analyse topology of " + dataset_->name, find, [this](Result<TopologyModel::Content> content) {
+        if (!content.isOk())
+            return topology_.setFailed(content.isCancelled() ? "stopped" : content.error().line());
+        topology_.setContent(std::move(content).value());
+        if (!topology_.hasEvents() && dataset_->index && dataset_->index->kind == index::IndexKind::Metacells)
+            addEvents(); // from its samples
+    });
+}
+
+// The index may have been built with less memory. Meanwhile, and where there is no more, what is known serves.
+void Session::addEvents() {
+    const auto find = [](const auto& index, const auto& options, const auto& job) -> Result<TopologyModel::Content> {
+        auto found = topology::addEvents(index, options, job);
+        if (found.isOk())
+            return TopologyModel::contentOf(std::move(found.value().summary));
+        if (found.error().code == ErrorCode::OutOfSpace)
+            return TopologyModel::Content(); // as before
+        return std::move(found).error();
+    };
+    startTopology("Find events of topology of " + dataset_->name, find, [this](Result<TopologyModel::Content> content) {
+        if (content.isOk() && content.value().summary)
+            topology_.setContent(std::move(content).value());
+    });
+}
+
+void Session::startTopology(const std::string& name, const FindTopology& find,
+                            const std::function<void(Result<TopologyModel::Content>)>& use) {
     topology::AnalysisOptions options;
     options.memoryBytes = physicalMemoryBytes() / 4;
     topologyJob_ = runner_->run<TopologyModel::Content>(
-        "Analyse topology of " + dataset_->name,
-        [path = dataset_->indexPath, options](const JobControl& job) -> Result<TopologyModel::Content> {
-            auto found = topology::topologyOfIndex(path, options, job); // not stored: analysed again the next time
-            if (!found.isOk())
-                return std::move(found).error();
-            return TopologyModel::contentOf(std::move(found.value().summary));
-        },
-        [this, ticket = datasetGeneration_](Result<TopologyModel::Content> content) {
+        name,
+        [path = dataset_->indexPath, options, find](const JobControl& job) { return find(path, options, job); },
+        [this, use, ticket = datasetGeneration_](Result<TopologyModel::Content> content) {
             if (ticket != datasetGeneration_)
                 return;
             topologyJob_.reset();
-            if (content.isOk())
-                topology_.setContent(std::move(content).value());
-            else
-                topology_.setFailed(content.isCancelled() ? "stopped" : content.error().line());
+            use(std::move(content));
         });
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -9,6 +11,7 @@
 #include "core/extract/pieces/surface_pieces.h"
 #include "core/extract/surface_frame.h"
 #include "core/mesh/certificate.h"
+#include "core/topology/topology_analysis.h"
 #include "ui/model/isovalue/first_isovalue.h"
 #include "ui/model/isovalue/histogram_options.h"
 #include "ui/model/isovalue/isovalue_model.h"
@@ -173,7 +176,12 @@ private:
     void openBuiltIndex();
     void useIndex(OpenedIndex opened);
     void forgetDataset();
+    using FindTopology = std::function<Result<TopologyModel::Content>(
+        const std::filesystem::path& index, const topology::AnalysisOptions& options, const JobControl& job)>;
     void analyseTopology();
+    void addEvents();
+    void startTopology(const std::string& name, const FindTopology& find,
+                       const std::function<void(Result<TopologyModel::Content>)>& use);
     void countValues();
     bool refusesMesh(const std::string& title, const std::string& verb);
     void useSource(std::shared_ptr<SurfaceSource> source);

@@ -161,7 +161,7 @@ void HistogramPlot::setOptions(const model::HistogramOptions& options) {
         applyScale();
         if (isAtUsualRange_)
             return showUsualRange();
-        return showPlaces(placesOf({shown.lower, shown.upper}));
+        return showPlaces(endsOf({shown.lower, shown.upper}));
     }
     applyOutline();
     replot();

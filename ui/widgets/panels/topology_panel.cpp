@@ -150,8 +150,8 @@ QWidget* TopologyPanel::makeEventsPage() {
     makeQuiet(count_);
     noEvents_ =
         new QLabel(tr("This volume has more events than fit into memory. Pieces, tunnels and voids were counted "
-                      "at some thousand isovalues instead: the curves, Isovalues and Compare show them. A build "
-                      "of the index with more memory adds events and persistence."),
+                      "at some thousand isovalues instead: the curves, Isovalues and Compare show them. Events "
+                      "and persistence are added when the index is opened where there is more memory."),
                    page);
     noEvents_->setObjectName(QStringLiteral("topologyNoEvents"));
     noEvents_->setWordWrap(true);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/index/index_reader.h"
+#include "core/topology/stored_topology.h"
+#include "core/topology/topology_curve.h"
 #include "core/volume_io/sources/volume_source.h"
 #include "preprocess/build_index.h"
 #include "tests/support/damaged_index.h"
@@ -231,6 +234,25 @@ TEST_F(SessionTest, TheFirstIsovalueGivesWayToTheBest) {
     session_->close();
     EXPECT_FALSE(session_->firstIsovalue().isovalue());
     EXPECT_TRUE(session_->suggestions().empty());
+}
+
+TEST_F(SessionTest, EventsAreAddedToAnIndexThatHasCountsOnly) {
+    OpenRequest request;
+    request.path = ballIndex(folder_);
+    {
+        const auto reader = index::IndexReader::open(request.path);
+        ASSERT_TRUE(reader.isOk());
+        const topology::TopologyCurve counts({}, {}, true, false); // as a build with little memory leaves it
+        ASSERT_TRUE(topology::storeTopology(*reader.value(), counts).isOk());
+    }
+    session_->open(request);
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->topology().state() == TopologyState::Ready; }));
+    EXPECT_FALSE(session_->topology().hasEvents()) << "the counts serve meanwhile";
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->topology().hasEvents(); }));
+    EXPECT_GT(session_->topology().eventCount(), 0u);
+    session_->open(request);
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->topology().state() == TopologyState::Ready; }));
+    EXPECT_TRUE(session_->topology().hasEvents()) << "they are stored now";
 }
 
 TEST_F(SessionTest, AnIsovalueAskedForStays) {
