@@ -294,7 +294,8 @@ GridGeometry placeImage(const Header& header, const GridDims& dims) {
 
 /// MetaIO's world leads towards left, posterior and superior. AnatomicalOrientation names where each axis comes from,
 /// as in RAI; "???" is written where nobody knew. Without a matrix the axes are taken as they are, which is RAI.
-bool isPatientSpace(const Fields& fields) {
+/// ITK writes RAI with every image that nobody has placed, be it of a molecule: such a one is no patient.
+bool isPatientSpace(const Fields& fields, const GridGeometry& geometry) {
     const std::string_view code = valueOr(fields, "AnatomicalOrientation", "");
     constexpr std::string_view kDirections[] = {"RL", "AP", "IS"};
     const auto isOneOf = [code](std::string_view direction) {
@@ -302,6 +303,9 @@ bool isPatientSpace(const Fields& fields) {
     };
     const bool hasMatrix =
         fields.contains("TransformMatrix") || fields.contains("Rotation") || fields.contains("Orientation");
+    const GridGeometry unplaced;
+    if (geometry.origin == unplaced.origin && geometry.direction == unplaced.direction)
+        return false;
     return code.size() == 3 && std::ranges::all_of(kDirections, isOneOf) && (hasMatrix || code == "RAI");
 }
 
@@ -325,7 +329,7 @@ Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const 
     info.dataFiles = filesBeside(path, image.parts);
     info.geometry = geometry;
     info.lengthUnit = knownLengthUnit(valueOr(image.header.fields, "DistanceUnits", ""));
-    info.isPatientSpace = isPatientSpace(image.header.fields);
+    info.isPatientSpace = isPatientSpace(image.header.fields, geometry);
     if (image.isLonger)
         info.notes.push_back("the data file is longer than the samples; the rest is ignored");
     const Fields& fields = image.header.fields;

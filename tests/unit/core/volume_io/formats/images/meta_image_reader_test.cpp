@@ -45,8 +45,9 @@ TEST_F(MetaImageReader, TakesOneChannel) {
 }
 
 TEST_F(MetaImageReader, IsOfAPatientWhereTheHeaderNamesDirections) {
-    const auto isPatient = [&](const std::string& fields) {
-        const std::string header = replaced(test::mhaHeader(), "TransformMatrix = 1 0 0 0 1 0 0 0 1\n", fields);
+    const auto isPatient = [&](const std::string& fields, const std::string& offset = "10 20 30") {
+        const std::string header =
+            replaced(replaced(test::mhaHeader(), "TransformMatrix = 1 0 0 0 1 0 0 0 1\n", fields), "10 20 30", offset);
         const std::string bytes = header + test::ramp<std::int16_t>(24);
         const auto source = openVolume(folder.write("a.mha", bytes));
         EXPECT_THAT(source, test::IsOk()) << bytes;
@@ -57,6 +58,9 @@ TEST_F(MetaImageReader, IsOfAPatientWhereTheHeaderNamesDirections) {
     EXPECT_FALSE(isPatient(matrix));
     EXPECT_TRUE(isPatient(code + "RAI\n"));
     EXPECT_TRUE(isPatient(matrix + code + "ASL\n"));
+    EXPECT_TRUE(isPatient(matrix + code + "ASL\n", "0 0 0"));
+    EXPECT_FALSE(isPatient(code + "RAI\n", "0 0 0")) << "as ITK writes where nobody has placed the image";
+    EXPECT_FALSE(isPatient("TransformMatrix = 1 0 0 0 1 0 0 0 1\n" + code + "RAI\n", "0 0 0"));
     EXPECT_FALSE(isPatient(code + "LPS\n")) << "the axes are not turned to that";
     for (const char* none : {"???\n", "RRI\n", "RA\n", "RAIS\n", "unknown\n"})
         EXPECT_FALSE(isPatient(matrix + code + none)) << none;
