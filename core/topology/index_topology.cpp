@@ -72,8 +72,9 @@ private:
 PlaneSource planesOf(const index::IndexReader& reader) {
     PlaneSource source{reader.info().geometry, reader.info().type, {}};
     const GridDims& dims = source.geometry.dims;
-    source.heldBytes = static_cast<std::uint64_t>(dims[0] * dims[1] * std::min<std::int64_t>(dims[2], index::kChunkSide)) *
-                       scalarTypeSizeBytes(source.type);
+    source.heldBytes =
+        static_cast<std::uint64_t>(dims[0] * dims[1] * std::min<std::int64_t>(dims[2], index::kChunkSide)) *
+        scalarTypeSizeBytes(source.type);
     visitScalarType(source.type, [&](auto sample) {
         source.read = [planes = std::make_shared<ChunkPlanes<decltype(sample)>>(reader)](
                           std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
@@ -96,8 +97,8 @@ Result<TopologyCurve> analyseIndex(const index::IndexReader& reader, AnalysisOpt
 
 namespace {
 
-Result<IndexTopology> analyseAndStore(const std::filesystem::path& index, const AnalysisOptions& options,
-                                      bool replaces, const JobControl& job) {
+Result<IndexTopology> analyseAndStore(const std::filesystem::path& index, const AnalysisOptions& options, bool replaces,
+                                      const JobControl& job) {
     const auto reader = index::IndexReader::open(index);
     if (!reader.isOk())
         return reader.error();

@@ -308,8 +308,7 @@ void Session::startTopology(const std::string& name, const FindTopology& find,
     topology::AnalysisOptions options;
     options.memoryBytes = physicalMemoryBytes() / 4;
     topologyJob_ = runner_->run<TopologyModel::Content>(
-        name,
-        [path = dataset_->indexPath, options, find](const JobControl& job) { return find(path, options, job); },
+        name, [path = dataset_->indexPath, options, find](const JobControl& job) { return find(path, options, job); },
         [this, use, ticket = datasetGeneration_](Result<TopologyModel::Content> content) {
             if (ticket != datasetGeneration_)
                 return;
