@@ -114,9 +114,9 @@ TEST_F(CliMemory, TopologyThatTakesMoreIsCountedWithoutEvents) {
     EXPECT_TRUE(checked["sound"].get<bool>());
     EXPECT_TRUE(checked["topology_events"].is_null());
     const auto counts = runJson({"topology", path("a.isx"), "--at", "127.5"});
-    EXPECT_FALSE(counts["has_events"].get<bool>());
+    EXPECT_FALSE(counts.contains("has_events")) << "there is memory for them now: they are added";
     EXPECT_GT(counts["components"], 1);
-    EXPECT_TRUE(runJson({"topology", path("a.isx"), "--events", "5"})["events"].empty());
+    EXPECT_EQ(runJson({"topology", path("a.isx"), "--events", "5"})["events"].size(), 5u);
 }
 
 // Three planes take more than there is.
