@@ -155,7 +155,7 @@ private:
             auto found = topology::topologyOfIndex(path_, options, job);
             if (!found.isOk())
                 return std::move(found).error();
-            if (found.value().summary->hasEvents())
+            if (found.value().summary->hasEvents() || found.value().isNew)
                 return std::move(found).value().summary;
             // Built with less memory than there is now, perhaps. What is known already serves where that fails.
             auto whole = topology::addEvents(path_, options, job);

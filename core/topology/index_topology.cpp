@@ -105,7 +105,7 @@ Result<IndexTopology> analyseAndStore(const std::filesystem::path& index, const 
     auto curve = analyseIndex(*reader.value(), options, job);
     if (!curve.isOk())
         return std::move(curve).error();
-    IndexTopology found{std::make_shared<TopologyCurve>(std::move(curve).value()), {}};
+    IndexTopology found{std::make_shared<TopologyCurve>(std::move(curve).value()), {}, true};
     found.storing = storeTopology(*reader.value(), *found.summary, replaces);
     // Read from the disk from now on: what was analysed need not stay in memory.
     if (found.storing.isOk())
@@ -128,7 +128,7 @@ Result<IndexTopology> topologyOfIndex(const std::filesystem::path& index, const 
         isDamaged = !status.isOk() && status.error().code == ErrorCode::Corruption;
         if (!isDamaged) {
             ISO_TRY(status);
-            return IndexTopology{std::move(stored).value(), {}};
+            return IndexTopology{std::move(stored).value(), {}, false};
         }
     }
     return analyseAndStore(index, options, isDamaged, job);

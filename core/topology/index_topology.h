@@ -21,6 +21,7 @@ Result<TopologyCurve> analyseIndex(const index::IndexReader& reader, AnalysisOpt
 struct IndexTopology {
     std::shared_ptr<const TopologySummary> summary;
     Status storing;
+    bool isNew = false; ///< analysed now: with as much memory as there is
 };
 Result<IndexTopology> topologyOfIndex(const std::filesystem::path& index, const AnalysisOptions& options,
                                       const JobControl& job);

@@ -385,6 +385,8 @@ TEST_F(StoredTopologyTest, EventsAreAddedWhereThereIsMemory) {
     ASSERT_THAT(counts, IsOk());
     ASSERT_THAT(counts.value().storing, IsOk());
     EXPECT_FALSE(counts.value().summary->hasEvents());
+    EXPECT_TRUE(counts.value().isNew) << "there is no use in trying again at once";
+    EXPECT_FALSE(topologyOfIndex(path_, little, {}).value().isNew);
     const Bytes before = readFile(path_);
     EXPECT_THAT(addEvents(path_, little, {}), HasError(ErrorCode::OutOfSpace));
     EXPECT_EQ(readFile(path_), before) << "what is stored stays";

@@ -272,48 +272,53 @@ void Session::improveFirstIsovalue() {
 
 void Session::analyseTopology() {
     topology_.setAnalysing();
-    const auto find = [](const auto& index, const auto& options, const auto& job) -> Result<TopologyModel::Content> {
-        auto found = topology::topologyOfIndex(index, options, job); // not stored: analysed again the next time
-        if (!found.isOk())
-            return std::move(found).error();
-        return TopologyModel::contentOf(std::move(found.value().summary));
-    };
-    startTopology("Analyse topology of " + dataset_->name, find, [this](Result<TopologyModel::Content> content) {
-        if (!content.isOk())
-            return topology_.setFailed(content.isCancelled() ? "stopped" : content.error().line());
-        topology_.setContent(std::move(content).value());
-        if (!topology_.hasEvents() && dataset_->index && dataset_->index->kind == index::IndexKind::Metacells)
-            addEvents(); // from its samples
-    });
+    // Not stored: analysed again the next time.
+    startTopology("Analyse topology of " + dataset_->name, topology::topologyOfIndex,
+                  [this](Result<FoundTopology> found) {
+                      if (!found.isOk())
+                          return topology_.setFailed(found.isCancelled() ? "stopped" : found.error().line());
+                      topology_.setContent(std::move(found.value().content));
+                      const bool hasSamples = dataset_->index && dataset_->index->kind == index::IndexKind::Metacells;
+                      if (!topology_.hasEvents() && !found.value().isNew && hasSamples)
+                          addEvents();
+                  });
 }
 
 // The index may have been built with less memory. Meanwhile, and where there is no more, what is known serves.
 void Session::addEvents() {
-    const auto find = [](const auto& index, const auto& options, const auto& job) -> Result<TopologyModel::Content> {
+    const auto find = [](const auto& index, const auto& options, const auto& job) {
         auto found = topology::addEvents(index, options, job);
-        if (found.isOk())
-            return TopologyModel::contentOf(std::move(found.value().summary));
-        if (found.error().code == ErrorCode::OutOfSpace)
-            return TopologyModel::Content(); // as before
-        return std::move(found).error();
+        const bool isTooLarge = !found.isOk() && found.error().code == ErrorCode::OutOfSpace;
+        return isTooLarge ? Result<topology::IndexTopology>(topology::IndexTopology()) : std::move(found);
     };
-    startTopology("Find events of topology of " + dataset_->name, find, [this](Result<TopologyModel::Content> content) {
-        if (content.isOk() && content.value().summary)
-            topology_.setContent(std::move(content).value());
+    startTopology("Find events of topology of " + dataset_->name, find, [this](Result<FoundTopology> found) {
+        if (found.isOk() && found.value().isNew)
+            topology_.setContent(std::move(found.value().content));
     });
 }
 
 void Session::startTopology(const std::string& name, const FindTopology& find,
-                            const std::function<void(Result<TopologyModel::Content>)>& use) {
+                            const std::function<void(Result<FoundTopology>)>& use) {
     topology::AnalysisOptions options;
     options.memoryBytes = physicalMemoryBytes() / 4;
-    topologyJob_ = runner_->run<TopologyModel::Content>(
-        name, [path = dataset_->indexPath, options, find](const JobControl& job) { return find(path, options, job); },
-        [this, use, ticket = datasetGeneration_](Result<TopologyModel::Content> content) {
+    topologyJob_ = runner_->run<FoundTopology>(
+        name,
+        [path = dataset_->indexPath, options, find](const JobControl& job) -> Result<FoundTopology> {
+            auto found = find(path, options, job);
+            if (!found.isOk())
+                return std::move(found).error();
+            if (!found.value().summary)
+                return FoundTopology{};
+            auto content = TopologyModel::contentOf(std::move(found.value().summary));
+            if (!content.isOk())
+                return std::move(content).error();
+            return FoundTopology{std::move(content).value(), found.value().isNew};
+        },
+        [this, use, ticket = datasetGeneration_](Result<FoundTopology> found) {
             if (ticket != datasetGeneration_)
                 return;
             topologyJob_.reset();
-            use(std::move(content));
+            use(std::move(found));
         });
 }
 

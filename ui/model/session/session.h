@@ -11,7 +11,7 @@
 #include "core/extract/pieces/surface_pieces.h"
 #include "core/extract/surface_frame.h"
 #include "core/mesh/certificate.h"
-#include "core/topology/topology_analysis.h"
+#include "core/topology/index_topology.h"
 #include "ui/model/isovalue/first_isovalue.h"
 #include "ui/model/isovalue/histogram_options.h"
 #include "ui/model/isovalue/isovalue_model.h"
@@ -176,12 +176,16 @@ private:
     void openBuiltIndex();
     void useIndex(OpenedIndex opened);
     void forgetDataset();
-    using FindTopology = std::function<Result<TopologyModel::Content>(
+    using FindTopology = std::function<Result<topology::IndexTopology>(
         const std::filesystem::path& index, const topology::AnalysisOptions& options, const JobControl& job)>;
+    struct FoundTopology {
+        TopologyModel::Content content;
+        bool isNew; ///< see topology::IndexTopology
+    };
     void analyseTopology();
     void addEvents();
     void startTopology(const std::string& name, const FindTopology& find,
-                       const std::function<void(Result<TopologyModel::Content>)>& use);
+                       const std::function<void(Result<FoundTopology>)>& use);
     void countValues();
     bool refusesMesh(const std::string& title, const std::string& verb);
     void useSource(std::shared_ptr<SurfaceSource> source);
