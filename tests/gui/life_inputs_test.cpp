@@ -91,7 +91,7 @@ TEST_F(WindowLife, B108_ClosedWhileAnIndexIsBuilt) {
 }
 
 TEST_F(WindowLife, B108_ClosedWhileAMeshIsExported) {
-    const auto noise = writeNoise(40);
+    const auto noise = writeNoise(80); // so large that it is not done before the window closes
     const auto mesh = folder_ / "noise.ply";
     expectClosesSoon(
         [&] {
