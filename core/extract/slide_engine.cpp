@@ -79,6 +79,7 @@ public:
           mergeBound_(wantedBound_) {
         backing_.source.setBuildsLevels(options.buildsLevels);
     }
+    ~Engine() override { backing_.source.stopPrefetch(); }
 
     const index::IndexInfo& info() const override { return meta().info; }
 
@@ -112,6 +113,10 @@ public:
     }
 
     void waitForPrefetch() override { backing_.source.waitForPrefetch(); }
+    void rest() override {
+        backing_.source.prefetch(position_, position_, surface_);
+        backing_.source.waitForPrefetch();
+    }
     void dropCaches() override {
         waitForPrefetch();
         backing_.source.dropCaches();
@@ -180,8 +185,10 @@ private:
         const double previous = lastStats_.isovalue;
         lastStats_ = stats;
         // A handle that moves goes on moving.
-        if (const double next = isovalue + (isovalue - previous); readsAhead_ && hasMoved_ && std::isfinite(next))
-            backing_.source.prefetch(position_, backing_.source.threshold(next));
+        const double next = isovalue + (isovalue - previous);
+        const bool knowsNext = hasMoved_ && std::isfinite(next);
+        if (readsAhead_)
+            backing_.source.prefetch(position_, knowsNext ? backing_.source.threshold(next) : position_, surface_);
         hasMoved_ = true;
         return stats;
     }
@@ -220,6 +227,7 @@ private:
                 restarts = true;
             }
         }
+        backing_.source.stopPrefetch();
         if (restarts) {
             stats.hasRebuilt = stats.hasRebuilt || surface_.hasBricks();
             stats.edgesRemoved += surface_.activeEdges();
@@ -233,6 +241,7 @@ private:
     }
 
     void dropSurface() {
+        backing_.source.stopPrefetch();
         position_ = backing_.source.lowest();
         surface_.drop();
     }

@@ -21,6 +21,12 @@
 namespace isoslider::extract {
 namespace {
 
+constexpr PointRows kAllPointRows = [] {
+    PointRows rows{};
+    rows.fill((1u << kPointSide) - 1);
+    return rows;
+}();
+
 // Rows with a point in the string. A plane's 81 bits at a time: each bit becomes the or of itself and the next eight.
 PointRows rowsOf(const BitString& points) {
     PointRows rows{};
@@ -55,6 +61,7 @@ BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<
     : WalkedSource<Sample>(bricks, cacheBytes),
       samples_(samples),
       slotOf_(bricks.grid().brickCount()),
+      aheadBytes_(std::min(kMaxAheadBytes, cacheBytes / 2)),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     slotOf_.grow(bricks.grid().brickCount());
     for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
@@ -189,6 +196,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     std::erase_if(refreshed, [&](BrickSlot slot) { return isNew[slot.index()]; });
     jobs.insert(jobs.end(), arrived.begin(), arrived.end());
     isJump_ = arrived.size() > watch_.size() / kJumpShare;
+    lacksNormals_ = lacksNormals_ || isJump_;
 
     for (Scratch& scratch : *scratches_) {
         scratch.draft.beginMove();
@@ -244,7 +252,7 @@ void BrickSource<Sample>::prefetchPoints(const LiveSurface<Live>& surface, const
         return;
     }
     // Of the samples only: nothing reads the normals until the picture is drawn.
-    const auto* const points = reinterpret_cast<const char*>(surface.points(job.slot));
+    const auto* const points = reinterpret_cast<const char*>(surface.newestPoints(job.slot));
     for (std::size_t line = 0; line < sizeof(Points::samples); line += 64)
         __builtin_prefetch(points + line, 0, 2);
 }
@@ -369,7 +377,7 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
     BitString ends;
     PointRows rows;
     if (wantsAll) {
-        rows.fill((1u << kPointSide) - 1);
+        rows = kAllPointRows;
     } else {
         endsOfEdges(scratch.found.active.edges, ends);
         rows = rowsOf(ends);
@@ -383,18 +391,26 @@ bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, cons
         scratch.draft.newPoints = linesOf<Sample>(scratch.points);
     }
     hasAll = wantsAll;
-    if (!kHasNormalKernel<Sample> || surface.brick(job.slot).isNearMissing) {
+    findNormalsOf(brick, surface.brick(job.slot).isNearMissing, rows, wantsAll ? nullptr : &ends, scratch);
+    return true;
+}
+
+// Normals of scratch.points in these rows, or only of those points in them that are set in `only`. REQUIRES: the brick
+// is ready.
+template <class Sample>
+void BrickSource<Sample>::findNormalsOf(BrickIndex brick, bool isNearMissing, const PointRows& rows,
+                                        const BitString* only, Scratch& scratch) const {
+    Points& points = scratch.points;
+    if (!kHasNormalKernel<Sample> || isNearMissing) {
         readBlock(samples_.rows(brick), rowsForGradients(rows), scratch.block);
-        findNormalsReference(scratch.block, rows, inverseSpacing_, scratch.points.normals);
+        findNormalsReference(scratch.block, rows, inverseSpacing_, points.normals);
     } else if constexpr (kHasNormalKernel<Sample>) {
         readApron(samples_.rows(brick), rows, scratch.floats);
-        if (wantsAll)
-            findNormals<Sample>(scratch.points.samples, scratch.floats, rows, inverseSpacing_, scratch.points.normals);
+        if (only)
+            findNormalsAt<Sample>(*only, points.samples, scratch.floats, inverseSpacing_, points.normals);
         else
-            findNormalsAt<Sample>(ends, scratch.points.samples, scratch.floats, inverseSpacing_,
-                                  scratch.points.normals);
+            findNormals<Sample>(points.samples, scratch.floats, rows, inverseSpacing_, points.normals);
     }
-    return true;
 }
 
 template <class Sample>
@@ -404,12 +420,16 @@ void BrickSource<Sample>::classifyFor(const Move& move, const LiveSurface<Live>&
              job.isNew ? nullptr : &surface.brick(job.slot).above, scratch.found);
 }
 
-// Reads the samples of a brick that arrives. False when they are not ready.
+// Reads the samples of a brick that arrives; one that stays gets the points that have been made for it meanwhile. False
+// when samples are wanted that are not ready.
 template <class Sample>
-bool BrickSource<Sample>::begin(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const {
+bool BrickSource<Sample>::begin(LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
     scratch.draft.newPoints = nullptr;
-    if (!job.isNew)
+    if (!job.isNew) {
+        if (surface.takeNextPoints(job.slot, scratch.draft))
+            hasAllNormals_[job.slot.index()] = 1;
         return true;
+    }
     const BrickIndex brick = brickOf_[job.slot.index()];
     if (!samples_.isReady(brick))
         return false;
@@ -461,16 +481,22 @@ void BrickSource<Sample>::finish(const Move& move, LiveSurface<Live>& surface, c
 }
 
 template <class Sample>
-void BrickSource<Sample>::prefetch(KeyThreshold from, KeyThreshold to) {
+void BrickSource<Sample>::prefetch(KeyThreshold from, KeyThreshold to, LiveSurface<Live>& surface) {
     // More than that is a jump, of which there is no knowing where the next one goes.
     constexpr std::uint64_t kMaxEntries = 1u << 16;
-    if (from == to || !samples_.fetchesAhead() || walk_.estimate(std::min(from, to), std::max(from, to)) > kMaxEntries)
+    const bool reads =
+        from != to && samples_.fetchesAhead() && walk_.estimate(std::min(from, to), std::max(from, to)) <= kMaxEntries;
+    ahead_ = {}; // before another begins
+    if (!reads && !lacksNormals_)
         return;
-    // If anything goes wrong, the move itself will report it; without a thread, nothing is read ahead.
+    // If anything goes wrong, the move itself will report it; without a thread, nothing is made ahead.
     try {
-        ahead_ = std::jthread([this, from, to](std::stop_token stop) {
+        ahead_ = std::jthread([this, from, to, reads, &surface](std::stop_token stop) {
             try {
-                (void)readAhead(from, to, stop);
+                if (reads)
+                    (void)readAhead(from, to, stop);
+                if (lacksNormals_)
+                    completeAhead(from, surface, stop);
             } catch (const std::exception&) {}
         });
     } catch (const std::system_error&) {}
@@ -493,6 +519,45 @@ Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::s
         bytesAhead_ = stats.bytesRead;
         return fetched;
     });
+}
+
+// The bricks whose samples lie nearest to the position are those that the next moves cross, in whichever direction:
+// they get points with all normals beside those that they have. Only where a jump has left normals out: a surface that
+// has been slid through has them all.
+template <class Sample>
+void BrickSource<Sample>::completeAhead(KeyThreshold at, LiveSurface<Live>& surface, std::stop_token stop) {
+    struct Candidate {
+        std::uint64_t distance; // in keys
+        BrickSlot slot;
+        bool operator<(const Candidate& other) const { return distance < other.distance; }
+    };
+    std::vector<Candidate> nearest;
+    for (const BrickSlot slot : firstIds<BrickSlot>(watch_.size()))
+        if (const Watch& watch = watch_[slot.index()]; hasAllNormals_[slot.index()] == 0 && surface.brick(slot).isLive)
+            nearest.push_back({std::min(watch.up - at, at - 1 - watch.down), slot});
+    lacksNormals_ = !nearest.empty();
+    const std::size_t most = aheadBytes_ / sizeof(Points);
+    if (nearest.size() > most) {
+        std::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(most), nearest.end());
+        for (const Candidate& far : std::span(nearest).subspan(most))
+            surface.dropNextPoints(far.slot);
+        nearest.resize(most);
+    }
+    std::sort(nearest.begin(), nearest.end());
+    if (!aheadScratch_)
+        aheadScratch_ = std::make_unique<Scratch>();
+    Scratch& scratch = *aheadScratch_;
+    for (const Candidate& near : nearest) {
+        if (stop.stop_requested())
+            return;
+        const BrickIndex brick = brickOf_[near.slot.index()];
+        if (surface.hasNextPoints(near.slot) || !samples_.isReady(brick))
+            continue;
+        std::memcpy(scratch.points.samples, pointsIn<Sample>(surface.points(near.slot)).samples,
+                    sizeof(Points::samples));
+        findNormalsOf(brick, surface.brick(near.slot).isNearMissing, kAllPointRows, nullptr, scratch);
+        std::memcpy(static_cast<void*>(surface.roomForNextPoints(near.slot)), &scratch.points, sizeof(Points));
+    }
 }
 
 #define ISO_INSTANTIATE(Sample, Name) template class BrickSource<Sample>;

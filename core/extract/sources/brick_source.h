@@ -50,8 +50,10 @@ public:
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
         return from == lowest() || from == highest() ? walk_.estimate(std::min(from, to), std::max(from, to)) : 0;
     }
-    /// Reads the samples of bricks that will arrive or be crossed, as far as there is room.
-    void prefetch(KeyThreshold from, KeyThreshold to) override;
+    /// Reads the samples of bricks that will arrive or be crossed, as far as there is room, and finds normals that a
+    /// jump has left out where the surface will be crossed next.
+    void prefetch(KeyThreshold from, KeyThreshold to, LiveSurface<Live>& surface) override;
+    void stopPrefetch() override { ahead_ = {}; }
     void waitForPrefetch() override {
         if (ahead_.joinable())
             ahead_.join();
@@ -108,14 +110,17 @@ private:
     bool findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     bool rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const;
-    bool begin(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
+    bool begin(LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void finish(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     static const Points& pointsOf(const LiveSurface<Live>& surface, const Job& job, const Scratch& scratch);
     void classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
     void take(BrickIndex brick, bool isNearMissing, Points& points, Scratch& scratch) const;
     bool completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll, Scratch& scratch);
     void sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const;
+    void findNormalsOf(BrickIndex brick, bool isNearMissing, const PointRows& rows, const BitString* only,
+                       Scratch& scratch) const;
     Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
+    void completeAhead(KeyThreshold at, LiveSurface<Live>& surface, std::stop_token stop);
 
     SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;
@@ -128,10 +133,14 @@ private:
     std::vector<BrickLeaves> leaves_, surelyWithin_; ///< by slot, while cells are merged
     std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
     static constexpr std::size_t kJumpShare = 4; ///< more than one in so many live bricks is new: a jump
+    static constexpr std::uint64_t kMaxAheadBytes = 1u << 24; ///< of points beside those of live bricks
+    std::uint64_t aheadBytes_;
+    bool lacksNormals_ = false; ///< perhaps: a jump has left some out
     bool isJump_ = false; ///< the move that is under way
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;
+    std::unique_ptr<Scratch> aheadScratch_; ///< of whatever thread is `ahead_`
     std::jthread ahead_; ///< the last member: it uses the others
 };
 

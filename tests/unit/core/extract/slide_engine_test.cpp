@@ -1,6 +1,7 @@
 #include "core/extract/slide_engine.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <random>
 #include <utility>
@@ -11,6 +12,7 @@
 
 #include "core/extract/full_extraction.h"
 #include "core/extract/live/brick_picture.h"
+#include "core/extract/merged/merged_extraction.h"
 #include "core/index/index_writer.h"
 #include "core/index/page_cache.h"
 #include "preprocess/metacells/brick_list.h"
@@ -292,6 +294,82 @@ TEST_F(SlideEngineTest, CrossedBricksReadNoSamplesAgain) {
     EXPECT_GT(changed, 0u);
     EXPECT_GT(made, 20u);
     EXPECT_TRUE(test::isSameSurface(engine.mesh().value(), extractFull(*hills_, way.back()).value()));
+}
+
+// A jump leaves normals out where nothing needs them yet. While the handle rests they are found for what will be
+// crossed next, so that the first small move is made from memory as the later ones are; what is shown meanwhile stays.
+TEST_F(SlideEngineTest, AfterARestTheFirstSmallMoveReadsNoSamples) {
+    preprocess::BuildOptions build;
+    build.kind = index::IndexKind::Metacells;
+    const auto path = folder_ / "metacells.isx";
+    ASSERT_THAT(test::buildIndexOf(hills_, path, build), IsOk());
+    SlideOptions options;
+    options.readsAhead = false;
+    std::array<std::uint64_t, 2> chunks{};
+    std::array<SurfaceMesh, 2> meshes;
+    for (const bool rests : {false, true}) {
+        auto opened = SlideEngine::open(path, options);
+        ASSERT_THAT(opened, IsOk());
+        SlideEngine& engine = *opened.value();
+        ASSERT_THAT(engine.slideTo(300.5), IsOk());
+        SurfaceFrame shown, before, after;
+        engine.copyFrame(shown);
+        before.isovalue = after.isovalue = shown.isovalue;
+        expandPicture(*shown.bricks, before);
+        if (rests)
+            engine.rest();
+        engine.dropCaches();
+        for (const double isovalue : {299.5, 300.5}) { // to where fewer bricks are active, and back
+            const auto moved = engine.slideTo(isovalue);
+            ASSERT_THAT(moved, IsOk());
+            EXPECT_GT(moved.value().bricksRead, 20u);
+            if (isovalue == 299.5)
+                chunks[rests] = moved.value().chunksRead;
+            expandPicture(*shown.bricks, after);
+            EXPECT_EQ(before.positions, after.positions);
+            EXPECT_EQ(before.normals, after.normals);
+        }
+        meshes[rests] = engine.mesh().value();
+        EXPECT_TRUE(test::isSameSurface(meshes[rests], extractFull(*hills_, 300.5).value()));
+    }
+    EXPECT_GT(chunks[0], 0u) << "else the test says nothing";
+    EXPECT_LT(4 * chunks[1], chunks[0]) << "of bricks that arrive at most";
+    EXPECT_EQ(meshes[0].normals, meshes[1].normals);
+}
+
+// Rests, jumps and small moves in any order, while pictures are held or let go.
+TEST_F(SlideEngineTest, RestsChangeNothing) {
+    preprocess::BuildOptions build;
+    build.kind = index::IndexKind::Metacells;
+    const auto path = folder_ / "metacells.isx";
+    ASSERT_THAT(test::buildIndexOf(hills_, path, build), IsOk());
+    const auto engine = SlideEngine::open(path);
+    ASSERT_THAT(engine, IsOk());
+    SurfaceFrame shown;
+    double isovalue = 400.0;
+    for (int step = 0; step < 40; ++step) {
+        isovalue = step % 5 == 0 ? 150.0 + 37.0 * (step * 7 % 19) : isovalue + (step % 2 ? 1.25 : -0.75);
+        SCOPED_TRACE(isovalue);
+        if (step % 3 == 0)
+            engine.value()->rest();
+        if (step == 20) {
+            ASSERT_THAT(engine.value()->setMergeBound(MergeBound{MergeBound::Measure::Scalar, 8.0}), IsOk());
+        }
+        ASSERT_THAT(engine.value()->slideTo(isovalue), IsOk());
+        if (step % 4 == 0)
+            engine.value()->copyFrame(shown);
+        if (step % 4 == 3)
+            shown = {};
+        const SurfaceMesh slid = engine.value()->mesh().value();
+        if (step < 20) {
+            ASSERT_TRUE(test::isSameSurface(slid, extractFull(*hills_, isovalue).value()));
+            ASSERT_TRUE(test::hasExpectedNormals(slid, *hills_));
+        } else {
+            const MergeBound bound = engine.value()->mergeBound();
+            ASSERT_TRUE(
+                test::isSameSurface(slid, extractMerged(*hills_, isovalue, bound, kMaxBrickMergeLevel).value()));
+        }
+    }
 }
 
 // The window uploads the bricks that have another version: they must be few where little changes.
