@@ -3,8 +3,10 @@
 
 #include <QAbstractItemModelTester>
 #include <QAction>
+#include <QClipboard>
 #include <QComboBox>
 #include <QDockWidget>
+#include <QGuiApplication>
 #include <QHeaderView>
 #include <QHelpEvent>
 #include <QLabel>
@@ -396,6 +398,38 @@ TEST_F(TopologyPanelTest, EnterPicksTheRowAndTheChosenRowIsSelected) {
               model::valueText(topology().events()[*topology().chosen()].isovalue, 7));
     QTest::keyClick(window_.get(), Qt::Key_Escape);
     EXPECT_TRUE(table_->selectionModel()->selectedRows().isEmpty());
+}
+
+// What the menu of a row offers, for the row that the right button was pressed on.
+TEST_F(TopologyPanelTest, TheMenuOfARowGoesThereHidesAndCopies) {
+    const auto press = [this](int row) {
+        const QModelIndex index = table_->model()->index(row, widgets::TopologyTable::What);
+        table_->scrollTo(index);
+        QTest::mouseClick(table_->viewport(), Qt::RightButton, {}, table_->visualRect(index).center());
+    };
+    ASSERT_EQ(table_->contextMenuPolicy(), Qt::ActionsContextMenu);
+    press(1);
+    EXPECT_FALSE(topology().chosen()) << "the menu decides";
+    const QString isovalue = textAt(1, widgets::TopologyTable::Isovalue);
+    table_->findChild<QAction*>(QStringLiteral("topologyGo"))->trigger();
+    EXPECT_EQ(topology().chosen(), topology().shown()[1]);
+
+    press(1);
+    QTest::keyClick(table_, Qt::Key_C, Qt::ControlModifier);
+    const QStringList lines = QGuiApplication::clipboard()->text().split(QLatin1Char('\n'));
+    ASSERT_EQ(lines.size(), 3) << "headings, the row, and what follows its end";
+    EXPECT_EQ(lines[0].split(QLatin1Char('\t')).size(), widgets::TopologyTable::kColumns);
+    EXPECT_TRUE(lines[1].startsWith(isovalue + QLatin1Char('\t')));
+    EXPECT_TRUE(lines[2].isEmpty());
+    table_->findChild<QAction*>(QStringLiteral("copyAllRows"))->trigger();
+    EXPECT_EQ(QGuiApplication::clipboard()->text().count(QLatin1Char('\n')), rows() + 1);
+
+    table_->sortByColumn(widgets::TopologyTable::Persistence, Qt::DescendingOrder);
+    const int before = rows();
+    press(0);
+    table_->findChild<QAction*>(QStringLiteral("topologyHideLess"))->trigger();
+    EXPECT_LT(rows(), before);
+    EXPECT_GE(rows(), 1) << "itself stays";
 }
 
 TEST_F(TopologyPanelTest, StatesWhyThereIsNothing) {

@@ -5,7 +5,10 @@
 
 #include <QAccessible>
 #include <QAction>
+#include <QClipboard>
+#include <QContextMenuEvent>
 #include <QDockWidget>
+#include <QGuiApplication>
 #include <QLabel>
 #include <QMenu>
 #include <QMenuBar>
@@ -200,6 +203,44 @@ TEST_F(WindowLayoutTest, FactsAreReadWithTheirValues) {
         EXPECT_TRUE(QAccessible::queryAccessibleInterface(label)->text(QAccessible::Name).contains(label->text()))
             << name;
     }
+}
+
+// The value that the menu was asked for on, what is selected of it, or all facts of the form.
+TEST_F(WindowLayoutTest, FactsAreCopiedByTheirMenu) {
+    openBall();
+    auto* dock = child<QDockWidget>("datasetDock");
+    dock->show();
+    dock->raise();
+    auto* form = dock->findChild<widgets::FactForm*>();
+    ASSERT_TRUE(waitUntil([&] { return form->isVisible(); }));
+    QTest::qWait(30);
+    std::vector<QLabel*> values;
+    for (auto* label : form->findChildren<QLabel*>())
+        if (!label->isHidden() && !label->accessibleName().isEmpty())
+            values.push_back(label);
+    ASSERT_GT(values.size(), 4u);
+    const auto choose = [](QLabel* value, const char* action) {
+        const QPoint middle = value->rect().center();
+        QContextMenuEvent event(QContextMenuEvent::Mouse, middle, value->mapToGlobal(middle));
+        QApplication::sendEvent(value, &event);
+        auto* menu = qobject_cast<QMenu*>(QApplication::activePopupWidget());
+        ASSERT_NE(menu, nullptr);
+        auto* found = menu->findChild<QAction*>(QLatin1String(action));
+        ASSERT_NE(found, nullptr);
+        QTest::mouseClick(menu, Qt::LeftButton, {}, menu->actionGeometry(found).center());
+    };
+    for (QLabel* value : {values.front(), values[3]}) {
+        choose(value, "copyFact");
+        EXPECT_EQ(QGuiApplication::clipboard()->text(), value->text());
+    }
+    values[3]->setSelection(0, 2);
+    choose(values[3], "copyFact");
+    EXPECT_EQ(QGuiApplication::clipboard()->text(), values[3]->text().left(2));
+    choose(values.front(), "copyFacts");
+    const QString all = QGuiApplication::clipboard()->text();
+    EXPECT_EQ(all.count(QLatin1Char('\n')), static_cast<qsizetype>(values.size()));
+    for (const QLabel* value : values)
+        EXPECT_TRUE(all.contains(QLatin1Char('\t') + value->text() + QLatin1Char('\n')));
 }
 
 /// Facts as a folder of slices has them: longer than one line, and more than there were.

@@ -1,14 +1,18 @@
 #include "ui/widgets/common/small_widgets.h"
 
 #include <QAction>
+#include <QClipboard>
+#include <QContextMenuEvent>
 #include <QDialog>
 #include <QDialogButtonBox>
 #include <QEvent>
 #include <QFrame>
 #include <QGridLayout>
+#include <QGuiApplication>
 #include <QHBoxLayout>
 #include <QHeaderView>
 #include <QLabel>
+#include <QMenu>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QScrollBar>
@@ -239,6 +243,33 @@ void FactForm::reserveNameWidth(const QString& name) {
         label->setMinimumWidth(nameWidth_);
 }
 
+// A row for each, name and value separated by a tab, as spreadsheets take them.
+QString FactForm::text() const {
+    QString all;
+    for (std::size_t row = 0; row < names_.size(); ++row)
+        if (!names_[row]->isHidden())
+            all += names_[row]->text() + QLatin1Char('\t') + values_[row]->text() + QLatin1Char('\n');
+    return all;
+}
+
+void FactForm::contextMenuEvent(QContextMenuEvent* event) {
+    auto* menu = new QMenu(this);
+    menu->setAttribute(Qt::WA_DeleteOnClose);
+    const auto copy = [](const QString& what) { return [what] { QGuiApplication::clipboard()->setText(what); }; };
+    for (std::size_t row = 0; row < values_.size(); ++row) {
+        const QLabel& value = *values_[row];
+        const int top = value.geometry().top(), bottom = value.geometry().bottom();
+        if (value.isHidden() || event->pos().y() < top || event->pos().y() > bottom)
+            continue;
+        const QString selected = value.selectedText();
+        auto* one = menu->addAction(selected.isEmpty() ? tr("Copy &Value") : tr("Copy &Selection"),
+                                    copy(selected.isEmpty() ? value.text() : selected));
+        one->setObjectName(QStringLiteral("copyFact"));
+    }
+    menu->addAction(tr("Copy &All"), copy(text()))->setObjectName(QStringLiteral("copyFacts"));
+    menu->popup(event->globalPos());
+}
+
 void FactForm::setFacts(const std::vector<Fact>& facts) {
     while (names_.size() < facts.size()) {
         auto* name = new QLabel(this);
@@ -247,6 +278,7 @@ void FactForm::setFacts(const std::vector<Fact>& facts) {
         name->setMinimumWidth(nameWidth_);
         auto* value = new QLabel(this);
         value->setTextInteractionFlags(Qt::TextSelectableByMouse | Qt::TextSelectableByKeyboard);
+        value->setContextMenuPolicy(Qt::NoContextMenu); // the form's, which can do more
         value->setWordWrap(true);
         value->setTextFormat(Qt::PlainText);
         value->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);

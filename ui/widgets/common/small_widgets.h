@@ -108,7 +108,7 @@ struct Fact {
     QString tip;
 };
 
-/// Names and values in two columns; values can be selected and copied.
+/// Names and values in two columns; values can be selected and copied, one or all by the context menu.
 class FactForm : public QWidget {
     Q_OBJECT
 public:
@@ -117,7 +117,12 @@ public:
     /// So that the values of forms one above the other begin at one place: at least the width of `name`.
     void reserveNameWidth(const QString& name);
 
+protected:
+    void contextMenuEvent(QContextMenuEvent* event) override;
+
 private:
+    QString text() const;
+
     QGridLayout* grid_;
     std::vector<QLabel*> names_;
     std::vector<QLabel*> values_;

@@ -8,6 +8,7 @@
 #include "core/extract/live/brick_picture.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
+#include "ui/widgets/common/copying.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/panels/text_table_model.h"
@@ -189,6 +190,7 @@ QTableView* LevelsPanel::makeTable(TextTableModel* model, const QString& name) {
     };
     connect(model, &QAbstractItemModel::modelReset, table, fit);
     fit();
+    offerCopying(*table);
     return table;
 }
 

@@ -18,6 +18,7 @@
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
 #include "ui/model/surface/view_state.h"
+#include "ui/widgets/common/copying.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/panels/fact_texts.h"
@@ -122,6 +123,7 @@ void PiecesPanel::makeTable(const ActionRegistry& actions) {
     view_->setContextMenuPolicy(Qt::ActionsContextMenu);
     for (const char* action : {"pieces.hide", "pieces.only", "pieces.all"})
         view_->addAction(actions.action(action));
+    offerCopying(*view_);
 }
 
 void PiecesPanel::setSeen(bool isSeen) {

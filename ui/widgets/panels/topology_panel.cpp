@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <QAction>
 #include <QComboBox>
 #include <QDockWidget>
 #include <QEvent>
@@ -20,6 +21,7 @@
 #include "ui/model/jobs/latest_job.h"
 #include "ui/model/session/session.h"
 #include "ui/model/topology/question_model.h"
+#include "ui/widgets/common/copying.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/panels/compare_page.h"
@@ -195,6 +197,25 @@ void TopologyPanel::makeTable(QWidget* page) {
     view_->sortByColumn(TopologyTable::Isovalue, Qt::AscendingOrder);
     connect(view_, &QTableView::clicked, this, &TopologyPanel::pick);
     connect(view_, &QTableView::activated, this, &TopologyPanel::pick);
+    addMenuActions();
+}
+
+// For the row under the pointer, which the right button has made the current one.
+void TopologyPanel::addMenuActions() {
+    auto* go = new QAction(tr("&Go to Event"), view_);
+    go->setObjectName(QStringLiteral("topologyGo"));
+    connect(go, &QAction::triggered, this, [this] { pick(view_->currentIndex()); });
+    auto* hide = new QAction(tr("&Hide Less Persistent Events"), view_);
+    hide->setObjectName(QStringLiteral("topologyHideLess"));
+    connect(hide, &QAction::triggered, this, [this] {
+        if (const QModelIndex row = sorted_->mapToSource(view_->currentIndex()); row.isValid()) {
+            auto& topology = session_.topology();
+            topology.setLeastPersistence(topology.persistenceOf(table_->eventOf(row.row())));
+        }
+    });
+    view_->addAction(go);
+    view_->addAction(hide);
+    offerCopying(*view_);
 }
 
 void TopologyPanel::pick(const QModelIndex& index) {

@@ -55,6 +55,7 @@ private:
     QWidget* makeStatePage();
     QWidget* makeEventsPage();
     void makeTable(QWidget* page);
+    void addMenuActions();
     void pick(const QModelIndex& index);
     void showTopology();
     void showProgress();

@@ -1,0 +1,63 @@
+#include "ui/widgets/common/copying.h"
+
+#include <QAction>
+#include <QClipboard>
+#include <QGuiApplication>
+#include <QHeaderView>
+#include <QItemSelectionModel>
+#include <QStringList>
+#include <QTableView>
+
+namespace isoslider::widgets {
+namespace {
+
+// Of the headings where `row` is -1.
+QString lineOf(const QTableView& view, int row) {
+    QStringList texts;
+    for (int visual = 0; visual < view.horizontalHeader()->count(); ++visual) {
+        const int column = view.horizontalHeader()->logicalIndex(visual);
+        if (view.isColumnHidden(column))
+            continue;
+        QString text = row < 0 ? view.model()->headerData(column, Qt::Horizontal, Qt::DisplayRole).toString()
+                               : view.model()->index(row, column).data(Qt::DisplayRole).toString();
+        text.replace(QLatin1Char('\t'), QLatin1Char(' ')).replace(QLatin1Char('\n'), QLatin1Char(' '));
+        texts.push_back(text);
+    }
+    return texts.join(QLatin1Char('\t')) + QLatin1Char('\n');
+}
+
+} // namespace
+
+QString tableText(const QTableView& view, int row) {
+    QString text = lineOf(view, -1);
+    if (row >= 0)
+        return text + lineOf(view, row);
+    for (int each = 0; each < view.model()->rowCount(); ++each)
+        text += lineOf(view, each);
+    return text;
+}
+
+void offerCopying(QTableView& view) {
+    auto* one = new QAction(QTableView::tr("Copy &Row"), &view);
+    one->setObjectName(QStringLiteral("copyRow"));
+    one->setShortcut(QKeySequence::Copy);
+    one->setShortcutContext(Qt::WidgetShortcut); // of the table that has the focus
+    QObject::connect(one, &QAction::triggered, &view, [&view] {
+        if (const QModelIndex index = view.currentIndex(); index.isValid())
+            QGuiApplication::clipboard()->setText(tableText(view, index.row()));
+    });
+    auto* all = new QAction(QTableView::tr("&Copy All Rows"), &view);
+    all->setObjectName(QStringLiteral("copyAllRows"));
+    QObject::connect(all, &QAction::triggered, &view,
+                     [&view] { QGuiApplication::clipboard()->setText(tableText(view)); });
+    if (!view.actions().isEmpty()) {
+        auto* separator = new QAction(&view);
+        separator->setSeparator(true);
+        view.addAction(separator);
+    }
+    view.addAction(one);
+    view.addAction(all);
+    view.setContextMenuPolicy(Qt::ActionsContextMenu);
+}
+
+} // namespace isoslider::widgets
