@@ -270,13 +270,15 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
         forRanges(some.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
             Scratch& scratch = scratches_->local();
             std::size_t done = 0;
+            for (std::size_t i = begin; i < std::min(begin + kAhead, end); ++i)
+                prefetchPoints(surface, some[i]);
             for (std::size_t i = begin; i != end && !stop.stop_requested(); ++i) {
                 if (i + 2 * kAhead < some.size())
                     surface.prefetchHead(some[i + 2 * kAhead].slot);
-                if (i + kAhead < some.size())
+                if (i + kAhead < end) { // beyond, another thread may be changing them
                     prefetchPoints(surface, some[i + kAhead]);
-                if (i + kAhead < end) // beyond, another thread may be changing it
                     surface.prefetch(some[i + kAhead].slot);
+                }
                 if ((this->*work)(move, surface, some[i], scratch))
                     ++done;
                 else
