@@ -563,7 +563,11 @@ std::shared_ptr<const BrickPicture<Live>> LiveSurface<Live>::picture(bool points
     picture->vertexEnd_ = arenas_->vertices.top();
     picture->indexEnd_ = arenas_->indices.top();
     picture->innerEnd_ = arenas_->inner.top();
-    picture->pointLineEnd_ = arenas_->points.top();
+    // Not top(): what has been made ahead is not sent before it is taken, so the card needs no room for it.
+    for (const PictureBrick& brick : shown_)
+        if (brick.indexCount > 0)
+            picture->pointLineEnd_ =
+                std::max(picture->pointLineEnd_, std::uint64_t{brick.firstPointLine} + pointLines_);
     if (pointsOutChanges)
         listChanges(picture->changedTriangles_, picture->changedIndices_);
     return picture;
