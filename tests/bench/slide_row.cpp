@@ -101,8 +101,9 @@ public:
         if (isFirst) {
             row_.firstMs = elapsed;
             engine_->rest();
-        } else
+        } else {
             add(moved.value(), elapsed);
+        }
         if (frame.bricks && !isFirst) {
             row_.sentBytes += sentBytes(*frame.bricks);
             const double before = nowMs();

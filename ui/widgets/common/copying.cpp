@@ -4,7 +4,7 @@
 #include <QClipboard>
 #include <QGuiApplication>
 #include <QHeaderView>
-#include <QItemSelectionModel>
+#include <QString>
 #include <QStringList>
 #include <QTableView>
 
@@ -26,8 +26,7 @@ QString lineOf(const QTableView& view, int row) {
     return texts.join(QLatin1Char('\t')) + QLatin1Char('\n');
 }
 
-} // namespace
-
+// Of all rows where `row` is -1.
 QString tableText(const QTableView& view, int row) {
     QString text = lineOf(view, -1);
     if (row >= 0)
@@ -36,6 +35,8 @@ QString tableText(const QTableView& view, int row) {
         text += lineOf(view, each);
     return text;
 }
+
+} // namespace
 
 void offerCopying(QTableView& view) {
     auto* one = new QAction(QTableView::tr("Copy &Row"), &view);
@@ -49,7 +50,7 @@ void offerCopying(QTableView& view) {
     auto* all = new QAction(QTableView::tr("&Copy All Rows"), &view);
     all->setObjectName(QStringLiteral("copyAllRows"));
     QObject::connect(all, &QAction::triggered, &view,
-                     [&view] { QGuiApplication::clipboard()->setText(tableText(view)); });
+                     [&view] { QGuiApplication::clipboard()->setText(tableText(view, -1)); });
     if (!view.actions().isEmpty()) {
         auto* separator = new QAction(&view);
         separator->setSeparator(true);

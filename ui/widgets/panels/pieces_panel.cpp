@@ -120,7 +120,6 @@ void PiecesPanel::makeTable(const ActionRegistry& actions) {
     });
     connect(view_, &QTableView::clicked, this,
             [this](const QModelIndex& index) { Q_EMIT piecePicked(table_->pieceOf(index.row())); });
-    view_->setContextMenuPolicy(Qt::ActionsContextMenu);
     for (const char* action : {"pieces.hide", "pieces.only", "pieces.all"})
         view_->addAction(actions.action(action));
     offerCopying(*view_);

@@ -41,6 +41,14 @@ protected:
         return std::move(engine).value();
     }
 
+    std::filesystem::path buildMetacells() {
+        preprocess::BuildOptions options;
+        options.kind = index::IndexKind::Metacells;
+        auto path = folder_ / "metacells.isx";
+        EXPECT_THAT(test::buildIndexOf(hills_, path, options), IsOk());
+        return path;
+    }
+
     test::TemporaryFolder folder_;
     std::shared_ptr<const ScalarGrid> hills_ = test::hillsVolume({48, 40, 44});
 };
@@ -270,10 +278,7 @@ TEST_F(SlideEngineTest, MemoryFollowsASurfaceThatStartsAgain) {
 
 // A brick that has changed once is made from what is kept of it: nothing is decoded again, whatever the cache holds.
 TEST_F(SlideEngineTest, CrossedBricksReadNoSamplesAgain) {
-    preprocess::BuildOptions build;
-    build.kind = index::IndexKind::Metacells;
-    const auto path = folder_ / "metacells.isx";
-    ASSERT_THAT(test::buildIndexOf(hills_, path, build), IsOk());
+    const auto path = buildMetacells();
     SlideOptions options;
     options.readsAhead = false;
     auto opened = SlideEngine::open(path, options);
@@ -299,10 +304,7 @@ TEST_F(SlideEngineTest, CrossedBricksReadNoSamplesAgain) {
 // A jump leaves normals out where nothing needs them yet. While the handle rests they are found for what will be
 // crossed next, so that the first small move is made from memory as the later ones are; what is shown meanwhile stays.
 TEST_F(SlideEngineTest, AfterARestTheFirstSmallMoveReadsNoSamples) {
-    preprocess::BuildOptions build;
-    build.kind = index::IndexKind::Metacells;
-    const auto path = folder_ / "metacells.isx";
-    ASSERT_THAT(test::buildIndexOf(hills_, path, build), IsOk());
+    const auto path = buildMetacells();
     SlideOptions options;
     options.readsAhead = false;
     std::array<std::uint64_t, 2> chunks{};
@@ -337,12 +339,31 @@ TEST_F(SlideEngineTest, AfterARestTheFirstSmallMoveReadsNoSamples) {
     EXPECT_EQ(meshes[0].normals, meshes[1].normals);
 }
 
+// Memory follows the surface: what is made beside it stays within a bound, and beyond it nothing is made ahead.
+TEST_F(SlideEngineTest, WhatARestMakesIsBoundedByTheCache) {
+    const auto path = buildMetacells();
+    SlideOptions options;
+    options.readsAhead = false;
+    std::vector<std::uint64_t> chunks;
+    // All chunks fit into either cache; what is made ahead has a sixteenth: of the first it is five bricks.
+    for (const std::uint64_t cacheBytes : {std::uint64_t{256} << 10, std::uint64_t{256} << 20}) {
+        options.cacheBytes = cacheBytes;
+        auto opened = SlideEngine::open(path, options);
+        ASSERT_THAT(opened, IsOk());
+        ASSERT_THAT(opened.value()->slideTo(300.5), IsOk());
+        opened.value()->rest();
+        opened.value()->dropCaches();
+        const auto moved = opened.value()->slideTo(299.5);
+        ASSERT_THAT(moved, IsOk());
+        EXPECT_GT(moved.value().bricksRead, 20u);
+        chunks.push_back(moved.value().chunksRead);
+    }
+    EXPECT_GT(chunks[0], 4 * chunks[1]);
+}
+
 // Rests, jumps and small moves in any order, while pictures are held or let go.
 TEST_F(SlideEngineTest, RestsChangeNothing) {
-    preprocess::BuildOptions build;
-    build.kind = index::IndexKind::Metacells;
-    const auto path = folder_ / "metacells.isx";
-    ASSERT_THAT(test::buildIndexOf(hills_, path, build), IsOk());
+    const auto path = buildMetacells();
     const auto engine = SlideEngine::open(path);
     ASSERT_THAT(engine, IsOk());
     SurfaceFrame shown;
