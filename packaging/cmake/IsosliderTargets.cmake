@@ -23,18 +23,21 @@ elseif(NOT ISOSLIDER_SANITIZER STREQUAL "")
 endif()
 
 # Several files in one go, where ISOSLIDER_JOINED_BUILD asks for it: what their headers bring along is then compiled
-# once for all of them. Of two files of one target no name in an unnamed namespace may be the same.
+# once for all of them. Of two files of one target no name in an unnamed namespace may be the same; files named after the
+# target are compiled by themselves.
 # (Not by UNITY_BUILD, whose files name others by absolute paths: ccache would then compile all again in another clone.)
 function(isoslider_join_files target)
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  list(REMOVE_ITEM sources "" ${ARGN})
   list(LENGTH sources count)
   if(NOT ISOSLIDER_JOINED_BUILD OR NOT count GREATER 3)
     return()
   endif()
   set(batch 6)
+  math(EXPR last "${count} - 1")
   set(joined "")
-  foreach(first RANGE 0 ${count} ${batch})
+  foreach(first RANGE 0 ${last} ${batch})
     list(SUBLIST sources ${first} ${batch} files)
     if(NOT files STREQUAL "")
       set(text "")
@@ -52,10 +55,13 @@ function(isoslider_join_files target)
   target_sources(${target} PRIVATE ${joined})
 endfunction()
 
-# isoslider_library(NAME SOURCES ... [HEADERS ...])
+# isoslider_library(NAME SOURCES ... [HEADERS ...] [APART ...])
+# APART: sources that a joined build compiles by themselves, because of a name in an unnamed namespace, because of their
+# own options, or as they include themselves.
 function(isoslider_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;APART" ${ARGN})
   add_library(isoslider_${name} STATIC ${ARG_SOURCES})
+  isoslider_join_files(isoslider_${name} ${ARG_APART})
   add_library(Isoslider::${name} ALIAS isoslider_${name})
   target_sources(isoslider_${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
   target_include_directories(isoslider_${name} PUBLIC ${PROJECT_SOURCE_DIR})

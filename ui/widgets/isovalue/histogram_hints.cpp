@@ -8,6 +8,7 @@
 
 #include "ui/model/isovalue/number_text.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/plot_style.h"
 
@@ -15,10 +16,9 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kAside = 8;
-constexpr int kLowHeight = 48; // below it, there is room for the handle alone
+constexpr int kLowestHintHeight = 48; // below it, there is room for the handle alone
 
-QString textOf(double value) { return QString::fromStdString(model::valueText(value, 6)); }
-QString countOf(std::uint64_t count) { return QString::fromStdString(model::groupedText(count)); }
+QString textOf(double value) { return fromStd(model::valueText(value, 6)); }
 
 } // namespace
 
@@ -93,10 +93,10 @@ void HistogramHints::update() {
     const auto beyond = view.beyond({shown.lower, shown.upper});
     const QString about = values.isExact() ? QString() : QStringLiteral("≈ ");
     const auto describe = [&](std::uint64_t count) {
-        return count == 0 ? tr("samples") : count == 1 ? tr("1 sample") : about + tr("%1 samples").arg(countOf(count));
+        return count == 0 ? tr("samples") : count == 1 ? tr("1 sample") : about + tr("%1 samples").arg(grouped(count));
     };
     const int middle = rect.top() + rect.height() / 2;
-    const bool isLow = rect.height() < kLowHeight;
+    const bool isLow = rect.height() < kLowestHintHeight;
     // Of rounding at the ends nothing is said.
     place(*lower_, !isLow && values.min < shown.lower && (beyond.below > 0 || values.min < view.usualRange().lower),
           tr("◂ %1 down to %2").arg(describe(beyond.below), textOf(values.min)), true, middle);
@@ -137,7 +137,7 @@ QString HistogramHints::readoutText(double pixel) const {
     const auto number = [&](double v) { return QString::fromStdString(model::resolvedText(v, resolution)); };
     const QString about = readout->isExact ? QString() : QStringLiteral("≈ ");
     const QString count =
-        about + (readout->count == 1 ? tr("1 sample") : tr("%1 samples").arg(countOf(readout->count)));
+        about + (readout->count == 1 ? tr("1 sample") : tr("%1 samples").arg(grouped(readout->count)));
     const QString where =
         readout->lower == readout->upper
             ? tr("%1 at %2").arg(count, QString::fromStdString(model::valueText(readout->lower, 7)))

@@ -16,6 +16,7 @@
 
 #include "ui/model/isovalue/number_text.h"
 #include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/opening/preview_pane.h"
 #include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/panels/text_table_model.h"
@@ -26,7 +27,6 @@ namespace {
 constexpr int kLeftWidth = 430;
 constexpr int kRowsShown = 6;
 
-QString grouped(std::uint64_t value) { return fromStd(model::groupedText(value)); }
 
 QStringList rowOf(const model::RawGuess& guess) {
     const auto& layout = guess.layout;

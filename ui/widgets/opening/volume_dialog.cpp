@@ -26,7 +26,7 @@
 namespace isoslider::widgets {
 namespace {
 
-constexpr int kLeftWidth = 440;
+constexpr int kFieldsWidth = 440;
 constexpr int kFolderWidth = 300; // of it, for the longest value
 constexpr int kLeastNumberWidth = 68;
 
@@ -127,7 +127,7 @@ void VolumeDialog::offerPreviewsFirst(bool isOn) {
 QWidget* VolumeDialog::makeLeft() {
     const auto [area, page, rows] = makeScrollPage(this);
     area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    area->setFixedWidth(kLeftWidth);
+    area->setFixedWidth(kFieldsWidth);
     rows->setContentsMargins(0, 0, 6, 0);
     rows->setSpacing(8);
     makeFields(rows, page);

@@ -13,17 +13,13 @@
 #include "ui/model/topology/comparison.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/panels/text_table_model.h"
 #include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::widgets {
 namespace {
-
-template <class Count>
-QString grouped(Count count) {
-    return fromStd(model::groupedText(count));
-}
 
 /// A button that does what an action does, and is enabled when it is.
 QPushButton* makeButton(QAction* action, const QString& text, const char* name, QWidget* parent) {

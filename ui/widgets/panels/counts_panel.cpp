@@ -9,6 +9,7 @@
 #include "ui/model/session/session.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/fact_texts.h"
 
 namespace isoslider::widgets {
@@ -16,11 +17,8 @@ namespace {
 
 using model::TopologyQuantity;
 
-constexpr int kIntervalMs = 60;
+constexpr int kShowIntervalMs = 60;
 constexpr int kMeasureFigures = 4; // curves are interpolated between some hundred isovalues
-
-QString grouped(std::uint64_t value) { return fromStd(model::groupedText(value)); }
-QString grouped(std::int64_t value) { return fromStd(model::groupedText(value)); }
 
 std::vector<Fact> surfaceFacts(const model::Session& session) {
     const auto frame = session.frame();
@@ -99,7 +97,7 @@ CountsPanel::CountsPanel(model::Session& session, QWidget* parent)
       measures_(new FactForm(this)),
       hint_(new QLabel(this)),
       measuresHeading_(makeHeading(tr("Measures"), this)),
-      throttle_(kIntervalMs, [this] { show(); }) {
+      throttle_(kShowIntervalMs, [this] { show(); }) {
     const auto [scroll, page, rows] = fillWithScrollPage(this);
     rows->setSpacing(6);
     surface_->setObjectName(QStringLiteral("surfaceFacts"));

@@ -18,8 +18,6 @@ QString joined(const glm::dvec3& v, const QString& pattern) {
 
 } // namespace
 
-QString fromStd(const std::string& text) { return QString::fromStdString(text); }
-
 QString dimsText(const GridDims& dims) { return QStringLiteral("%1 × %2 × %3").arg(dims[0]).arg(dims[1]).arg(dims[2]); }
 
 QString valueTriple(const glm::dvec3& v) { return joined(v, QStringLiteral("%1 × %2 × %3")); }

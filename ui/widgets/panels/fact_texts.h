@@ -8,10 +8,10 @@
 #include "core/grid/scalar_type.h"
 #include "core/volume_io/sources/volume_source.h"
 #include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/common/texts.h"
 
 namespace isoslider::widgets {
 
-QString fromStd(const std::string& text);
 /// "256 × 256 × 109"
 QString dimsText(const GridDims& dims);
 /// "1 × 1 × 2.5"

@@ -11,6 +11,7 @@
 #include "ui/widgets/common/copying.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/text_table_model.h"
 
 namespace isoslider::widgets {
@@ -20,8 +21,6 @@ constexpr int kMoveIntervalMs = 60;
 
 QString compact(std::uint64_t value) { return QString::fromStdString(model::compactText(value)).trimmed(); }
 QString bytes(std::uint64_t value) { return QString::fromStdString(model::bytesText(value)); }
-QString grouped(std::uint64_t value) { return QString::fromStdString(model::groupedText(value)); }
-
 std::vector<TextTableModel::Column> levelColumns() {
     return {
         {LevelsPanel::tr("Level"), LevelsPanel::tr("Skip level; 0 has one block per distinct value")},

@@ -10,6 +10,7 @@
 #include "ui/model/session/session.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/window/action_registry.h"
 
@@ -18,14 +19,11 @@ namespace {
 
 constexpr int kCountsIntervalMs = 60;
 
-QString grouped(std::uint64_t value) { return QString::fromStdString(model::groupedText(value)); }
-QString number(double value) { return QString::fromStdString(model::valueText(value, 7)); }
+QString number(double value) { return fromStd(model::valueText(value, 7)); }
 // Words, not colour, carry the verdict.
 QString yesNo(bool isTrue) {
     return isTrue ? QStringLiteral("✓ ") + MeshPanel::tr("yes") : QStringLiteral("✗ ") + MeshPanel::tr("no");
 }
-
-QString number(std::int64_t value) { return QString::fromStdString(model::groupedText(value)); }
 
 QString placeName(mesh::OpenAt place) {
     switch (place) {
@@ -97,9 +95,9 @@ std::vector<Fact> factsOf(const mesh::Certificate& certificate, const std::strin
             {tr("Edges"), grouped(report.edges), {}},
             {tr("Triangles"), grouped(report.triangles), {}},
             {tr("Components"), grouped(report.components), {}},
-            {tr("Euler number"), number(report.euler), tr("Vertices − edges + triangles")},
+            {tr("Euler number"), grouped(report.euler), tr("Vertices − edges + triangles")},
             {tr("Boundary loops"), grouped(report.boundaryLoops), {}},
-            {tr("Genus"), hasGenus ? number(report.genus) : QStringLiteral("–"), tr("Tunnels, summed over components")},
+            {tr("Genus"), hasGenus ? grouped(report.genus) : QStringLiteral("–"), tr("Tunnels, summed over components")},
             {tr("Area"), inLengthUnit(number(report.area), unit, 2), unitTip},
             {tr("Enclosed volume"),
              report.isClosed ? inLengthUnit(number(report.enclosedVolume), unit, 3) : tr("– (open)"), unitTip},

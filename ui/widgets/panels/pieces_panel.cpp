@@ -21,6 +21,7 @@
 #include "ui/widgets/common/copying.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/panels/piece_details.h"
 #include "ui/widgets/panels/piece_table.h"
@@ -31,9 +32,7 @@ namespace {
 
 constexpr int kSteps = 400;
 constexpr double kDecades = 4.0; // of the slider, down from the whole volume
-constexpr int kIntervalMs = 60;
-
-QString grouped(std::uint64_t value) { return QString::fromStdString(model::groupedText(value)); }
+constexpr int kPiecesIntervalMs = 60;
 
 } // namespace
 
@@ -44,7 +43,7 @@ PiecesPanel::PiecesPanel(model::Session& session, model::ViewState& viewState, c
       viewState_(viewState),
       table_(new PieceTable(this)),
       details_(new PieceDetails(session.services().postToMain, this)),
-      throttle_(kIntervalMs, [this] { showPieces(); }) {
+      throttle_(kPiecesIntervalMs, [this] { showPieces(); }) {
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(10, 8, 10, 8);
     layout->setSpacing(6);

@@ -13,6 +13,7 @@
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
 #include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/surface_editor.h"
 #include "ui/widgets/window/action_registry.h"
 
@@ -20,8 +21,6 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kIsovalueSteps = 1000; // from the least to the greatest suggested value
-
-QString textOf(const std::string& text) { return QString::fromStdString(text); }
 
 } // namespace
 
@@ -85,9 +84,9 @@ void SecondVolumeBox::showVolume() {
     surfaces_->setVisible(dataset != nullptr);
     setVisible(dataset != nullptr || !second.opening().empty());
     if (!second.opening().empty())
-        name_->setFullText(tr("Opening %1…").arg(textOf(second.opening())));
+        name_->setFullText(tr("Opening %1…").arg(fromStd(second.opening())));
     else if (dataset != nullptr)
-        name_->setFullText(tr("Second volume: %1").arg(textOf(dataset->name)) + remark());
+        name_->setFullText(tr("Second volume: %1").arg(fromStd(dataset->name)) + remark());
     showIsovalue();
     if (isNew)
         emit opened();
@@ -113,7 +112,7 @@ void SecondVolumeBox::showIsovalue() {
     const double share = range.max > range.min ? (selected->isovalue - range.min) / (range.max - range.min) : 0.0;
     const QSignalBlocker blocker(isovalue_); // a typed isovalue may lie between two steps
     isovalue_->setValue(static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * kIsovalueSteps)));
-    isovalueText_->setText(textOf(model::valueText(selected->isovalue, 6)));
+    isovalueText_->setText(fromStd(model::valueText(selected->isovalue, 6)));
 }
 
 } // namespace isoslider::widgets

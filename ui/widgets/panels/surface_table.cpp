@@ -10,11 +10,10 @@
 #include <QPalette>
 
 #include "ui/model/isovalue/number_text.h"
+#include "ui/widgets/common/texts.h"
 
 namespace isoslider::widgets {
 namespace {
-
-QString textOf(const std::string& text) { return QString::fromStdString(text); }
 
 int percentOf(double opacity) { return static_cast<int>(std::lround(100.0 * opacity)); }
 
@@ -74,9 +73,9 @@ QVariant SurfaceTable::data(const QModelIndex& index, int role) const {
         case Qt::DisplayRole:
         case Qt::EditRole:
             switch (column) {
-                case Name: return textOf(surface.name);
+                case Name: return fromStd(surface.name);
                 case Isovalue:
-                    return textOf(role == Qt::EditRole ? model::exactText(surface.isovalue)
+                    return fromStd(role == Qt::EditRole ? model::exactText(surface.isovalue)
                                                        : model::valueText(surface.isovalue, 7));
                 case Opacity:
                     return role == Qt::EditRole ? QVariant(percentOf(surface.opacity))
@@ -99,7 +98,7 @@ QVariant SurfaceTable::data(const QModelIndex& index, int role) const {
         case Qt::TextAlignmentRole:
             return QVariant::fromValue((column <= Name ? Qt::AlignLeft : Qt::AlignRight) | Qt::AlignVCenter);
         case Qt::AccessibleTextRole:
-            return column == Shown ? QVariant(tr("Show %1").arg(textOf(surface.name))) : data(index, Qt::DisplayRole);
+            return column == Shown ? QVariant(tr("Show %1").arg(fromStd(surface.name))) : data(index, Qt::DisplayRole);
         case Qt::ToolTipRole: return isActive ? activeTip_ : QString();
         default: return {};
     }

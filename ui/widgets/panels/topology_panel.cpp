@@ -24,6 +24,7 @@
 #include "ui/widgets/common/copying.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/compare_page.h"
 #include "ui/widgets/panels/find_page.h"
 #include "ui/widgets/panels/topology_table.h"
@@ -34,9 +35,6 @@ namespace {
 constexpr int kSliderSteps = 600;
 constexpr int kLeastWhatWidth = 168;
 constexpr int kRowsMeasured = 200; // for the widths of columns
-
-QString fromStd(const std::string& text) { return QString::fromStdString(text); }
-QString grouped(std::uint64_t value) { return fromStd(model::groupedText(value)); }
 
 QString countText(const model::TopologyModel& topology) {
     const QString shown = grouped(topology.shown().size()), listed = grouped(topology.events().size());

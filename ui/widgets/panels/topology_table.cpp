@@ -4,14 +4,13 @@
 #include <array>
 
 #include "ui/model/isovalue/number_text.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/isovalue/event_marks.h"
 
 namespace isoslider::widgets {
 namespace {
 
 constexpr int kGlyphSize = 14;
-
-QString fromStd(const std::string& text) { return QString::fromStdString(text); }
 
 } // namespace
 

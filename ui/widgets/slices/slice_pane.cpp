@@ -10,6 +10,7 @@
 
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/surface/stage.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/slices/contour_painter.h"
 
 namespace isoslider::widgets {
@@ -25,9 +26,7 @@ const QColor kQuietWords(168, 176, 188);
 const QColor kPreview(255, 214, 138); // as over the 3-D view
 const QColor kContourShadow(12, 10, 8, 190);
 
-QString text(const std::string& words) { return QString::fromStdString(words); }
-
-QString numberText(double value) { return text(model::valueText(value, 7)); }
+QString numberText(double value) { return fromStd(model::valueText(value, 7)); }
 
 QString axisName(int axis) { return QString(QLatin1Char("XYZ"[axis])); }
 
@@ -125,7 +124,7 @@ QString SlicePane::caption() const {
     const int world = model::worldAxisOf(dataset->geometry, axis);
     if (!dataset->lengthUnit.empty()) {
         const glm::dvec4 place = dataset->geometry.indexToWorld() * glm::dvec4(model_.options().position, 1.0);
-        words += QStringLiteral(", %1 %2").arg(text(model::valueText(place[world], 5)), text(dataset->lengthUnit));
+        words += QStringLiteral(", %1 %2").arg(fromStd(model::valueText(place[world], 5)), fromStd(dataset->lengthUnit));
     }
     if (model_.isPatient())
         return tr(kPlanes[static_cast<std::size_t>(world)]) + QStringLiteral("   ") + words;
@@ -142,12 +141,12 @@ QString SlicePane::readout() const {
     const QString value = reading->value ? numberText(*reading->value) : tr("missing");
     const auto triple = [](const glm::dvec3& v, int digits) {
         return QStringLiteral("%1, %2, %3")
-            .arg(text(model::valueText(v.x, digits)), text(model::valueText(v.y, digits)),
-                 text(model::valueText(v.z, digits)));
+            .arg(fromStd(model::valueText(v.x, digits)), fromStd(model::valueText(v.y, digits)),
+                 fromStd(model::valueText(v.z, digits)));
     };
     const std::string& unit = model_.dataset()->lengthUnit;
     return tr("%1   at (%2)\n%3").arg(value, triple(reading->place, 5), triple(reading->world, 5)) +
-           (unit.empty() ? QString() : QLatin1Char(' ') + text(unit));
+           (unit.empty() ? QString() : QLatin1Char(' ') + fromStd(unit));
 }
 
 void SlicePane::resizeEvent(QResizeEvent* event) {
@@ -265,19 +264,19 @@ void SlicePane::paintWords(QPainter& painter) const {
     QFont bold = font();
     bold.setBold(true);
     painter.setFont(bold);
-    drawWords(painter, room, Qt::AlignLeft | Qt::AlignVCenter, text(labels.left), kWords);
-    drawWords(painter, room, Qt::AlignRight | Qt::AlignVCenter, text(labels.right), kWords);
+    drawWords(painter, room, Qt::AlignLeft | Qt::AlignVCenter, fromStd(labels.left), kWords);
+    drawWords(painter, room, Qt::AlignRight | Qt::AlignVCenter, fromStd(labels.right), kWords);
     // Below the caption where that reaches the middle.
     const double captionEnd = kMargin + fontMetrics().horizontalAdvance(caption()) + 2.0 * kMargin;
     const double down = captionEnd > room.center().x() - kMargin ? fontMetrics().height() : 0.0;
-    drawWords(painter, room.adjusted(0, down, 0, 0), Qt::AlignHCenter | Qt::AlignTop, text(labels.top), kWords);
-    drawWords(painter, room, Qt::AlignHCenter | Qt::AlignBottom, text(labels.bottom), kWords);
+    drawWords(painter, room.adjusted(0, down, 0, 0), Qt::AlignHCenter | Qt::AlignTop, fromStd(labels.top), kWords);
+    drawWords(painter, room, Qt::AlignHCenter | Qt::AlignBottom, fromStd(labels.bottom), kWords);
     painter.setFont(small);
     const QString words = readout();
     const QFontMetricsF metrics(small);
     const model::ValueWindow window = model_.window();
     const QString range =
-        tr("W %1\nL %2").arg(text(model::valueText(window.width(), 4)), text(model::valueText(window.level(), 4)));
+        tr("W %1\nL %2").arg(fromStd(model::valueText(window.width(), 4)), fromStd(model::valueText(window.level(), 4)));
     drawWords(painter, room, Qt::AlignLeft | Qt::AlignBottom, words, kWords);
     // The value is what people look for: the window gives way.
     const double needed =
@@ -289,7 +288,7 @@ void SlicePane::paintWords(QPainter& painter) const {
 void SlicePane::paintMessage(QPainter& painter) const {
     painter.setFont(font());
     const QRectF room = QRectF(rect()).adjusted(24, 24, -24, -24);
-    drawWords(painter, room, Qt::AlignCenter | Qt::TextWordWrap, text(model_.problem(kind_)), kWords);
+    drawWords(painter, room, Qt::AlignCenter | Qt::TextWordWrap, fromStd(model_.problem(kind_)), kWords);
 }
 
 } // namespace isoslider::widgets

@@ -15,7 +15,7 @@
 namespace isoslider::widgets {
 namespace {
 
-constexpr double kZoomPerNotch = 1.2;
+constexpr double kZoomPerSliceNotch = 1.2;
 constexpr double kPageSlices = 10.0; // with Shift
 constexpr double kWindowPerSide = 2.0; // powers of e of the width, and widths of the level, for a drag over the pane
 
@@ -81,7 +81,7 @@ void SlicePane::wheelEvent(QWheelEvent* event) {
     if (event->modifiers().testFlag(Qt::ControlModifier)) {
         Q_EMIT isovalueStepRequested(notches * model::kFineStep / (isShift ? model::kPrecisionFactor : 1.0));
     } else if (isShift) {
-        zoom(std::pow(kZoomPerNotch, notches), event->position());
+        zoom(std::pow(kZoomPerSliceNotch, notches), event->position());
     } else {
         notches_ += notches; // touch pads give parts of one
         const double whole = std::trunc(notches_);
@@ -105,8 +105,8 @@ void SlicePane::keyPressEvent(QKeyEvent* event) {
         case Qt::Key_Home: return model_.step(kind_, -static_cast<double>(kMaxDim));
         case Qt::Key_End: return model_.step(kind_, static_cast<double>(kMaxDim));
         case Qt::Key_Plus:
-        case Qt::Key_Equal: return zoom(kZoomPerNotch, QRectF(rect()).center());
-        case Qt::Key_Minus: return zoom(1.0 / kZoomPerNotch, QRectF(rect()).center());
+        case Qt::Key_Equal: return zoom(kZoomPerSliceNotch, QRectF(rect()).center());
+        case Qt::Key_Minus: return zoom(1.0 / kZoomPerSliceNotch, QRectF(rect()).center());
         case Qt::Key_0:
             return model_.change([this](model::SliceOptions& options) { options.views[placeOf(kind_)] = {}; });
         case Qt::Key_Menu: Q_EMIT menuRequested(QRectF(rect()).center()); return;

@@ -11,7 +11,7 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr double kTickLength = 6.0;
-constexpr double kGap = 4.0; // from a tick to its number
+constexpr double kTickGap = 4.0; // from a tick to its number
 const QColor kInk(226, 230, 236), kInkOnLight(40, 44, 50);
 
 /// The box of a text whose near side lies at `place`.
@@ -56,7 +56,7 @@ void BoxTicksView::paintEdge(QPainter& painter, const Edge& edge) const {
     for (const auto& [place, number] : edge.ticks) {
         painter.drawLine(place, place + edge.outwards * kTickLength);
         const QSizeF size(metrics.horizontalAdvance(number), metrics.height());
-        painter.drawText(beside(place + edge.outwards * (kTickLength + kGap), edge.outwards, size), Qt::AlignCenter,
+        painter.drawText(beside(place + edge.outwards * (kTickLength + kTickGap), edge.outwards, size), Qt::AlignCenter,
                          number);
         widest =
             std::max(widest, std::abs(edge.outwards.x()) * size.width() + std::abs(edge.outwards.y()) * size.height());
@@ -66,7 +66,7 @@ void BoxTicksView::paintEdge(QPainter& painter, const Edge& edge) const {
     painter.setFont(bold);
     const QSizeF size(QFontMetricsF(bold).horizontalAdvance(edge.title), metrics.height());
     painter.drawText(
-        beside((edge.from + edge.to) / 2.0 + edge.outwards * (kTickLength + 2.0 * kGap + widest), edge.outwards, size),
+        beside((edge.from + edge.to) / 2.0 + edge.outwards * (kTickLength + 2.0 * kTickGap + widest), edge.outwards, size),
         Qt::AlignCenter, edge.title);
     painter.setFont(font());
 }

@@ -19,7 +19,7 @@ constexpr double kReach = 12.0; // of the pointer
 constexpr double kRadius = 5.0, kLarge = 7.0;
 constexpr double kNormalShare = 0.3; // of the scene's radius
 constexpr int kOutlineAlpha = 110;
-constexpr double kPadding = 5.0, kGap = 12.0; // of the text
+constexpr double kPadding = 5.0, kHandleGap = 12.0; // of the text
 const QColor kCropInk(250, 168, 76), kPlaneInk(115, 204, 250);
 const QColor kShadow(20, 22, 26, 190);
 
@@ -182,9 +182,9 @@ void ClipHandles::paintHandle(QPainter& painter, const ClipHandle& handle, QPoin
         return;
     const QFontMetricsF metrics(painter.font());
     QRectF plate(0.0, 0.0, metrics.horizontalAdvance(text_) + 2.0 * kPadding, metrics.height() + kPadding);
-    plate.moveCenter(point + QPointF(0.0, -kGap - plate.height() / 2.0));
+    plate.moveCenter(point + QPointF(0.0, -kHandleGap - plate.height() / 2.0));
     plate.moveLeft(std::clamp(plate.left(), 0.0, std::max(0.0, width() - plate.width())));
-    plate.moveTop(plate.top() < 0.0 ? point.y() + kGap : plate.top());
+    plate.moveTop(plate.top() < 0.0 ? point.y() + kHandleGap : plate.top());
     painter.setPen(Qt::NoPen);
     painter.setBrush(kShadow);
     painter.drawRoundedRect(plate, 5.0, 5.0);

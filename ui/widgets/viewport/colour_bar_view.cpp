@@ -14,7 +14,7 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kPadding = 8;
-constexpr int kGap = 5;
+constexpr int kScaleGap = 5;
 constexpr int kStrip = 16; // width
 constexpr int kTick = 5;
 constexpr int kMostTitle = 150; // a name of a field may be long
@@ -54,18 +54,18 @@ void ColourBarView::layOut() {
     textWidth_ = 0;
     for (const model::ColourTick& tick : ticks_)
         textWidth_ = std::max(textWidth_, metrics.horizontalAdvance(QString::fromStdString(tick.text)));
-    int wanted = kStrip + kTick + kGap + textWidth_;
+    int wanted = kStrip + kTick + kScaleGap + textWidth_;
     for (const QString& line : {content_.title, content_.unit})
         wanted = std::max(wanted, std::min(kMostTitle, metrics.horizontalAdvance(line) + 1));
     if (content_.hasMissing)
-        wanted = std::max(wanted, kStrip + kTick + kGap + metrics.horizontalAdvance(tr("no value")) + 1);
+        wanted = std::max(wanted, kStrip + kTick + kScaleGap + metrics.horizontalAdvance(tr("no value")) + 1);
     resize(wanted + 2 * kPadding, wantedHeight_);
 }
 
 QRectF ColourBarView::strip() const {
     const int line = fontMetrics().height();
-    const int above = kPadding + line * (content_.unit.isEmpty() ? 1 : 2) + kGap + line / 2 - 2;
-    const int below = kPadding + (content_.hasMissing ? line + kGap : 0) + line / 2 - 2;
+    const int above = kPadding + line * (content_.unit.isEmpty() ? 1 : 2) + kScaleGap + line / 2 - 2;
+    const int below = kPadding + (content_.hasMissing ? line + kScaleGap : 0) + line / 2 - 2;
     return QRectF(kPadding, above, kStrip, std::max(1, wantedHeight_ - above - below));
 }
 
@@ -101,7 +101,7 @@ void ColourBarView::paint(QPainter& painter) const {
     for (const model::ColourTick& tick : ticks_) {
         const double y = std::round(yOf(tick.value)) + 0.5;
         painter.drawLine(QPointF(bar.right() + 1.0, y), QPointF(bar.right() + kTick, y));
-        painter.drawText(QRectF(bar.right() + kTick + kGap, y - line / 2.0, textWidth_ + 2, line),
+        painter.drawText(QRectF(bar.right() + kTick + kScaleGap, y - line / 2.0, textWidth_ + 2, line),
                          Qt::AlignLeft | Qt::AlignVCenter, QString::fromStdString(tick.text));
     }
     if (content_.hasMissing) {
@@ -109,7 +109,7 @@ void ColourBarView::paint(QPainter& painter) const {
         painter.setPen(QPen(kQuietInk, 1.0));
         painter.setBrush(toQt(model::kNoValueColour));
         painter.drawRect(QRectF(kPadding, top + 2.0, kStrip, line - 4.0));
-        painter.drawText(QRectF(bar.right() + kTick + kGap, top, width(), line), Qt::AlignLeft | Qt::AlignVCenter,
+        painter.drawText(QRectF(bar.right() + kTick + kScaleGap, top, width(), line), Qt::AlignLeft | Qt::AlignVCenter,
                          tr("no value"));
     }
     painter.restore();

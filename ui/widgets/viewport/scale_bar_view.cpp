@@ -11,7 +11,7 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kPadding = 7;
-constexpr int kGap = 4; // between the text and the bar
+constexpr int kBarGap = 4; // between the text and the bar
 constexpr double kThickness = 2.0;
 constexpr double kTick = 7.0; // height of the ends
 const QColor kPlate(20, 22, 26, 150); // as behind readouts
@@ -36,7 +36,7 @@ QSize ScaleBarView::sizeHint() const {
     const QFontMetrics metrics = fontMetrics();
     const int length = static_cast<int>(std::ceil(bar_.pixels));
     return {std::max(length, metrics.horizontalAdvance(text_)) + 2 * kPadding,
-            metrics.height() + kGap + static_cast<int>(kTick) + 2 * kPadding - 2};
+            metrics.height() + kBarGap + static_cast<int>(kTick) + 2 * kPadding - 2};
 }
 
 void ScaleBarView::paint(QPainter& painter) const {

@@ -7,7 +7,7 @@
 namespace isoslider::widgets {
 namespace {
 
-constexpr int kMargin = 12;
+constexpr int kNoteMargin = 12;
 constexpr int kAside = 124; // the orientation axes lie beside it
 constexpr int kLeastWidth = 180;
 constexpr int kLeastHeight = 220; // of the view
@@ -39,7 +39,7 @@ void ViewNote::settle() {
         size = {std::max(room, 1), heightForWidth(std::max(room, 1))};
     }
     const int above = view_.height() - size.height();
-    setGeometry((view_.width() - size.width()) / 2, place_ == Place::Centre ? above / 2 : above - kMargin, size.width(),
+    setGeometry((view_.width() - size.width()) / 2, place_ == Place::Centre ? above / 2 : above - kNoteMargin, size.width(),
                 size.height());
 }
 

@@ -13,6 +13,7 @@
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace isoslider::index {
@@ -134,7 +135,7 @@ TEST_F(DamagedNoise, AFlippedBitInAnyByteIsFoundOrHarmless) {
     const HiddenPageEntry& hidden = meta_.hiddenPages[0];
     std::mt19937 random(6);
     std::size_t found = 0, others = 0;
-    for (std::size_t at = 0; at < bytes_.size(); ++at) {
+    for (std::size_t at = 0; at < bytes_.size(); at += test::kSparser) {
         const bool isPage = at >= kPreambleBytes && at < preamble_.metaOffset;
         const bool isHidden = at >= hidden.offset && at < hidden.offset + hidden.bytes;
         if (isPage && !isHidden && at % 6 != 0)

@@ -25,6 +25,7 @@
 #include "core/volume_io/volume_contents.h"
 #include "core/volume_io/volume_reader.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/core/volume_io/volume_bytes.h"
 
@@ -397,7 +398,7 @@ TEST_P(VtkGrids, WithCornersThatAreNoPointsAreRefused) {
 TEST_P(VtkGrids, SurviveDamage) {
     for (const auto& path : {file(cells()), file(sheared()), file(rectilinear(false))}) {
         const std::string whole = test::readText(path);
-        for (std::size_t i = 0; i < whole.size(); i += 1 + whole.size() / 40) {
+        for (std::size_t i = 0; i < whole.size(); i += 1 + whole.size() * test::kSparser / 30) {
             std::string damaged = whole;
             damaged[i] = static_cast<char>(damaged[i] ^ 0x15);
             static_cast<void>(readVolume(folder.write(path.filename().string(), damaged)));
