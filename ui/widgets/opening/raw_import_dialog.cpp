@@ -27,7 +27,6 @@ namespace {
 constexpr int kLeftWidth = 430;
 constexpr int kRowsShown = 6;
 
-
 QStringList rowOf(const model::RawGuess& guess) {
     const auto& layout = guess.layout;
     const bool hasOrder = scalarTypeSizeBytes(layout.type) > 1;

@@ -76,7 +76,7 @@ QVariant SurfaceTable::data(const QModelIndex& index, int role) const {
                 case Name: return fromStd(surface.name);
                 case Isovalue:
                     return fromStd(role == Qt::EditRole ? model::exactText(surface.isovalue)
-                                                       : model::valueText(surface.isovalue, 7));
+                                                        : model::valueText(surface.isovalue, 7));
                 case Opacity:
                     return role == Qt::EditRole ? QVariant(percentOf(surface.opacity))
                                                 : QVariant(tr("%1 %").arg(percentOf(surface.opacity)));

@@ -124,7 +124,8 @@ QString SlicePane::caption() const {
     const int world = model::worldAxisOf(dataset->geometry, axis);
     if (!dataset->lengthUnit.empty()) {
         const glm::dvec4 place = dataset->geometry.indexToWorld() * glm::dvec4(model_.options().position, 1.0);
-        words += QStringLiteral(", %1 %2").arg(fromStd(model::valueText(place[world], 5)), fromStd(dataset->lengthUnit));
+        words +=
+            QStringLiteral(", %1 %2").arg(fromStd(model::valueText(place[world], 5)), fromStd(dataset->lengthUnit));
     }
     if (model_.isPatient())
         return tr(kPlanes[static_cast<std::size_t>(world)]) + QStringLiteral("   ") + words;
@@ -276,7 +277,8 @@ void SlicePane::paintWords(QPainter& painter) const {
     const QFontMetricsF metrics(small);
     const model::ValueWindow window = model_.window();
     const QString range =
-        tr("W %1\nL %2").arg(fromStd(model::valueText(window.width(), 4)), fromStd(model::valueText(window.level(), 4)));
+        tr("W %1\nL %2")
+            .arg(fromStd(model::valueText(window.width(), 4)), fromStd(model::valueText(window.level(), 4)));
     drawWords(painter, room, Qt::AlignLeft | Qt::AlignBottom, words, kWords);
     // The value is what people look for: the window gives way.
     const double needed =

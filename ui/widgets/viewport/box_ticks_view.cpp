@@ -65,9 +65,9 @@ void BoxTicksView::paintEdge(QPainter& painter, const Edge& edge) const {
     bold.setBold(true);
     painter.setFont(bold);
     const QSizeF size(QFontMetricsF(bold).horizontalAdvance(edge.title), metrics.height());
-    painter.drawText(
-        beside((edge.from + edge.to) / 2.0 + edge.outwards * (kTickLength + 2.0 * kTickGap + widest), edge.outwards, size),
-        Qt::AlignCenter, edge.title);
+    painter.drawText(beside((edge.from + edge.to) / 2.0 + edge.outwards * (kTickLength + 2.0 * kTickGap + widest),
+                            edge.outwards, size),
+                     Qt::AlignCenter, edge.title);
     painter.setFont(font());
 }
 

@@ -39,8 +39,8 @@ void ViewNote::settle() {
         size = {std::max(room, 1), heightForWidth(std::max(room, 1))};
     }
     const int above = view_.height() - size.height();
-    setGeometry((view_.width() - size.width()) / 2, place_ == Place::Centre ? above / 2 : above - kNoteMargin, size.width(),
-                size.height());
+    setGeometry((view_.width() - size.width()) / 2, place_ == Place::Centre ? above / 2 : above - kNoteMargin,
+                size.width(), size.height());
 }
 
 bool ViewNote::eventFilter(QObject* watched, QEvent* event) {
