@@ -4,6 +4,7 @@
 
 #include <QAbstractItemModelTester>
 #include <QAction>
+#include <QClipboard>
 #include <QColorDialog>
 #include <QDockWidget>
 #include <QLineEdit>
@@ -168,6 +169,20 @@ TEST_F(SurfacesTest, CopyingWithoutARowSaysNothing) {
     ASSERT_FALSE(table()->currentIndex().isValid());
     table()->setFocus();
     QTest::keyClick(table(), Qt::Key_Insert, Qt::ControlModifier); // a warning of Qt fails every test
+}
+
+TEST_F(SurfacesTest, TheListIsCopiedAsATable) {
+    open();
+    addAt(-6.0);
+    ASSERT_EQ(table()->contextMenuPolicy(), Qt::ActionsContextMenu);
+    const auto copied = [] { return QGuiApplication::clipboard()->text().toStdString(); };
+    const std::string headings = "Surface\tIsovalue\tOpacity\n";
+    const std::string first = "Surface 1\t-12\t100 %\n", second = "Surface 2\t-6\t40 %\n";
+    clickCell(1, SurfaceTable::Name);
+    QTest::keyClick(table(), Qt::Key_C, Qt::ControlModifier);
+    EXPECT_EQ(copied(), headings + second) << "boxes are no text";
+    table()->findChild<QAction*>(QStringLiteral("copyAllRows"))->trigger();
+    EXPECT_EQ(copied(), headings + first + second);
 }
 
 TEST_F(SurfacesTest, F2RenamesAndColourAndOpacityAreOfTheActiveOne) {

@@ -11,15 +11,16 @@
 namespace isoslider::widgets {
 namespace {
 
-// Of the headings where `row` is -1.
+// Of the headings where `row` is -1. Columns without one have boxes or icons, no text.
 QString lineOf(const QTableView& view, int row) {
     QStringList texts;
     for (int visual = 0; visual < view.horizontalHeader()->count(); ++visual) {
         const int column = view.horizontalHeader()->logicalIndex(visual);
-        if (view.isColumnHidden(column))
+        QString text = view.model()->headerData(column, Qt::Horizontal, Qt::DisplayRole).toString();
+        if (view.isColumnHidden(column) || text.isEmpty())
             continue;
-        QString text = row < 0 ? view.model()->headerData(column, Qt::Horizontal, Qt::DisplayRole).toString()
-                               : view.model()->index(row, column).data(Qt::DisplayRole).toString();
+        if (row >= 0)
+            text = view.model()->index(row, column).data(Qt::DisplayRole).toString();
         text.replace(QLatin1Char('\t'), QLatin1Char(' ')).replace(QLatin1Char('\n'), QLatin1Char(' '));
         texts.push_back(text);
     }
@@ -39,7 +40,7 @@ QString tableText(const QTableView& view, int row) {
 } // namespace
 
 void offerCopying(QTableView& view) {
-    auto* one = new QAction(QTableView::tr("Copy &Row"), &view);
+    auto* one = new QAction(QTableView::tr("Co&py Row"), &view);
     one->setObjectName(QStringLiteral("copyRow"));
     one->setShortcut(QKeySequence::Copy);
     one->setShortcutContext(Qt::WidgetShortcut); // of the table that has the focus
@@ -47,7 +48,7 @@ void offerCopying(QTableView& view) {
         if (const QModelIndex index = view.currentIndex(); index.isValid())
             QGuiApplication::clipboard()->setText(tableText(view, index.row()));
     });
-    auto* all = new QAction(QTableView::tr("&Copy All Rows"), &view);
+    auto* all = new QAction(QTableView::tr("Copy A&ll Rows"), &view);
     all->setObjectName(QStringLiteral("copyAllRows"));
     QObject::connect(all, &QAction::triggered, &view,
                      [&view] { QGuiApplication::clipboard()->setText(tableText(view, -1)); });

@@ -48,8 +48,8 @@ SecondVolumeBox::SecondVolumeBox(model::Session& session, const ActionRegistry& 
                                      {QStringLiteral("secondSurface"), tr("Surfaces of the second volume"),
                                       tr("The selected surface: isovalue, colour and opacity below are of it")},
                                      this);
-    for (const char* action : {"second.addSurface", "second.removeSurface", "second.close"})
-        editor->addTableAction(actions.action(action));
+    editor->setTableActions(
+        {actions.action("second.addSurface"), actions.action("second.removeSurface"), actions.action("second.close")});
     rows->addWidget(editor, 1);
     makeIsovalue();
     volumeSubscription_ = session_.secondVolume().changed().observe([this] { showVolume(); });

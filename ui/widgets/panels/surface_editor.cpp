@@ -16,6 +16,7 @@
 #include <QToolButton>
 #include <QVBoxLayout>
 
+#include "ui/widgets/common/copying.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/panels/surface_table.h"
 
@@ -50,7 +51,10 @@ SurfaceEditor::SurfaceEditor(model::SurfacesModel& surfaces, const Texts& texts,
     showSurfaces();
 }
 
-void SurfaceEditor::addTableAction(QAction* action) { view_->addAction(action); }
+void SurfaceEditor::setTableActions(const QList<QAction*>& actions) {
+    view_->addActions(actions);
+    offerCopying(*view_);
+}
 
 void SurfaceEditor::makeTable(const Texts& texts) {
     view_ = new QTableView(this);

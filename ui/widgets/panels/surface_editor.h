@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QList>
 #include <QWidget>
 
 #include "ui/model/surface/surface_list.h"
@@ -27,8 +28,8 @@ public:
     /// The model must outlive it.
     SurfaceEditor(model::SurfacesModel& surfaces, const Texts& texts, QWidget* parent);
 
-    /// For its context menu.
-    void addTableAction(QAction* action);
+    /// Of its context menu, before those that copy. Called once.
+    void setTableActions(const QList<QAction*>& actions);
     /// Colours for the active surface.
     QMenu* colourMenu() { return colours_; }
     /// Lets the user type the name of the active surface. REQUIRES: the widget can be seen.

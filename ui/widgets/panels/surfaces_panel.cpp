@@ -29,8 +29,8 @@ SurfacesPanel::SurfacesPanel(model::Session& session, const ActionRegistry& acti
         row->addWidget(makeToolButton(actions.action(action), Qt::ToolButtonTextOnly, page));
     row->addStretch(1);
     layout->addLayout(row);
-    for (const char* action : {"surfaces.add", "surfaces.remove", "surfaces.rename", "second.open"})
-        editor_->addTableAction(actions.action(action));
+    editor_->setTableActions({actions.action("surfaces.add"), actions.action("surfaces.remove"),
+                              actions.action("surfaces.rename"), actions.action("second.open")});
     layout->addWidget(editor_, 1);
     auto* second = new SecondVolumeBox(session, actions, page);
     layout->addWidget(second, 1);

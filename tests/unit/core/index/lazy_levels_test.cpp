@@ -19,6 +19,7 @@
 #include "tests/property/test_volumes.h"
 #include "tests/support/faulty_file_system.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace isoslider::index {
@@ -336,7 +337,7 @@ TEST_F(LazyLevelsTest, ThatAreDamagedNeverMakeAnotherSurface) {
     ASSERT_TRUE(jumpsRight({}, 4));
     const std::string whole = bytesOf(levels_);
     ASSERT_GT(whole.size(), 1000u);
-    const std::size_t step = whole.size() / 250;
+    const std::size_t step = whole.size() * test::kSparser / 250;
     for (std::size_t at = 0; at < whole.size(); at += step) {
         std::string damaged = whole;
         damaged[at] = static_cast<char>(damaged[at] ^ 1 << at % 8);
