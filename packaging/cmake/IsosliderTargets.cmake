@@ -56,8 +56,8 @@ function(isoslider_join_files target)
 endfunction()
 
 # isoslider_library(NAME SOURCES ... [HEADERS ...] [APART ...])
-# APART: sources that a joined build compiles by themselves, because of a name in an unnamed namespace, because of their
-# own options, or as they include themselves.
+# APART: sources that a joined build compiles by themselves, because of a name in an unnamed namespace, an instantiation of
+# members of a class that another file instantiates whole, or their own options, or as they include themselves.
 function(isoslider_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;APART" ${ARGN})
   add_library(isoslider_${name} STATIC ${ARG_SOURCES})
