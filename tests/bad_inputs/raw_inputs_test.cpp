@@ -465,7 +465,8 @@ TEST_F(BadRaw, B023_IsovalueOnSamplesEverywhere) {
 }
 
 TEST_F(BadRaw, B024_SourceThatChangesMeanwhile) {
-    const auto volume = noiseVolume(96), larger = noiseVolume(200, "larger.mha"); // for as long as metacells take
+    // For as long as metacells take.
+    const auto volume = noiseVolume(96), larger = noiseVolume(test::kHasSanitizers ? 128 : 200, "larger.mha");
     const std::string samples = readText(volume), largerSamples = readText(larger);
     fs::remove(larger);
     struct Change {
