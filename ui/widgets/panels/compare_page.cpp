@@ -191,7 +191,7 @@ void ComparePage::showBetween(const model::Comparison& comparison) {
         facts = {{tr("Pieces join"), grouped(comparison.join), often},
                  {tr("Pieces split"), grouped(comparison.split), often}};
     }
-    pieces_->setFacts(std::move(pieces));
+    pieces_->setFacts(pieces);
     if (comparison.volumeBetween)
         facts.push_back({tr("Volume between"),
                          inLengthUnit(fromStd(model::valueText(*comparison.volumeBetween, 4)),
