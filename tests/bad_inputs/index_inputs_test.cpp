@@ -229,7 +229,7 @@ TEST_F(BadIndex, B089_KilledAtAnyMoment) {
     ASSERT_LT(indexBytes, bytes.size());
     std::mt19937 random(7);
     int absent = 0;
-    const long wanted = repetitions("ISOSLIDER_KILLS", test::kHasSanitizers ? 5 : 20);
+    const long wanted = repetitions("ISOSLIDER_KILLS", 20);
     for (long killed = 0; killed < wanted;) {
         const auto moment = std::chrono::steady_clock::now() + whole * (random() % 1000) / 900;
         ProcessOptions options;
