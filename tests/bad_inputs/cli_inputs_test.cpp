@@ -264,7 +264,7 @@ TEST_F(BadSignal, B100_EndsAnExtraction) {
 
 TEST_F(BadSignal, B100_EndsACheck) {
     ASSERT_EQ(run(joined(joined({"extract"}, roughVolume()), {"--isovalue", "127.5", "-o", path("rough.off")}),
-                  {.timeout = std::chrono::seconds(180)})
+                  {.timeout = std::chrono::seconds(60)})
                   .exitCode,
               0);
     expectEnds({"check", path("rough.off")}, [](int signal, auto time) { return isLater(signal, time, 500, 400); });

@@ -1,12 +1,14 @@
 // Several surfaces of one volume in the window: by keys, in the list, on the histogram; undone, saved, drawn.
 #include <cmath>
 #include <ostream>
+#include <set>
 
 #include <QAbstractItemModelTester>
 #include <QAction>
 #include <QClipboard>
 #include <QColorDialog>
 #include <QDockWidget>
+#include <QKeySequence>
 #include <QLineEdit>
 #include <QMenu>
 #include <QMouseEvent>
@@ -183,6 +185,18 @@ TEST_F(SurfacesTest, TheListIsCopiedAsATable) {
     EXPECT_EQ(copied(), headings + second) << "boxes are no text";
     table()->findChild<QAction*>(QStringLiteral("copyAllRows"))->trigger();
     EXPECT_EQ(copied(), headings + first + second);
+}
+
+TEST_F(SurfacesTest, EachEntryOfTheListsMenuHasALetterOfItsOwn) {
+    std::set<QString> letters;
+    for (const QAction* action : table()->actions()) {
+        if (action->isSeparator())
+            continue;
+        const QString letter = QKeySequence::mnemonic(action->text()).toString();
+        EXPECT_FALSE(letter.isEmpty()) << action->text().toStdString();
+        EXPECT_TRUE(letters.insert(letter).second) << action->text().toStdString();
+    }
+    EXPECT_GE(letters.size(), 4u);
 }
 
 TEST_F(SurfacesTest, F2RenamesAndColourAndOpacityAreOfTheActiveOne) {

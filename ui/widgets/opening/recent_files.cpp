@@ -4,7 +4,7 @@
 
 #include <QDir>
 
-#include "ui/widgets/panels/fact_texts.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/window/settings_store.h"
 
 namespace isoslider::widgets {

@@ -17,7 +17,7 @@
 #include "ui/model/session/session.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
-#include "ui/widgets/panels/fact_texts.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/viewport/clip_tool.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/window/action_registry.h"

@@ -16,7 +16,7 @@
 #include "ui/model/isovalue/number_text.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
-#include "ui/widgets/panels/fact_texts.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/window/colour_wiring.h"

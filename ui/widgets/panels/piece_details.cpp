@@ -10,6 +10,7 @@
 
 #include "ui/model/isovalue/number_text.h"
 #include "ui/widgets/common/small_widgets.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/fact_texts.h"
 
 namespace isoslider::widgets {
@@ -96,9 +97,7 @@ void PieceDetails::showFacts() {
         return form_->setFacts({});
     const extract::Piece& piece = frame_->pieces->pieces()[*piece_];
     const QString waiting = QStringLiteral("…");
-    form_->setFacts({{tr("Piece %1").arg(piece.id.number() + 1),
-                      tr("%1 triangles").arg(QString::fromStdString(model::groupedText(piece.triangles))),
-                      {}},
+    form_->setFacts({{tr("Piece %1").arg(piece.id.number() + 1), tr("%1 triangles").arg(grouped(piece.triangles)), {}},
                      {tr("Box"), boxText(piece, frame_->geometry, unit_), tr("To one step of the grid")},
                      {tr("Area"), measures_ ? inLengthUnit(lengthText(measures_->area), unit_, 2) : waiting, {}},
                      {tr("Enclosed volume"), measures_ ? volumeText(*measures_, unit_) : waiting,

@@ -9,6 +9,7 @@
 #include "core/extract/surface_frame.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/pieces/piece_tints.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/fact_texts.h"
 
 namespace isoslider::widgets {
@@ -73,7 +74,7 @@ QVariant PieceTable::data(const QModelIndex& index, int role) const {
         case Qt::DisplayRole:
             switch (index.column()) {
                 case Number: return row.piece.number() + 1;
-                case Triangles: return QString::fromStdString(model::groupedText(row.triangles));
+                case Triangles: return grouped(row.triangles);
                 case Size: return row.size;
                 default: return {};
             }

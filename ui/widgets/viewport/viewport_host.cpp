@@ -14,6 +14,7 @@
 #include "ui/model/session/session.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/opening/loading_card.h"
 #include "ui/widgets/opening/start_page.h"
 #include "ui/widgets/viewport/camera_flight.h"
@@ -256,7 +257,6 @@ void ViewportHost::reportWhatIsDrawn() {
     const auto frame = session_.frame();
     const auto merged = frame ? frame->mergedCells : 1;
     const auto reported = std::exchange(reportedMergedCells_, merged > 1 ? std::max(merged, reportedMergedCells_) : 1);
-    const auto grouped = [](std::uint64_t count) { return QString::fromStdString(model::groupedText(count)); };
     if (merged > reported)
         session_.post(
             {model::Notice::Severity::Error, tr("The graphics card has no memory for this surface").toStdString(),
