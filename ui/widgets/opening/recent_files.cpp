@@ -4,6 +4,7 @@
 
 #include <QDir>
 
+#include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/texts.h"
 #include "ui/widgets/window/settings_store.h"
 
