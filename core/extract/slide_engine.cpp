@@ -79,7 +79,6 @@ public:
           mergeBound_(wantedBound_) {
         backing_.source.setBuildsLevels(options.buildsLevels);
     }
-    ~Engine() override { backing_.source.stopPrefetch(); }
 
     const index::IndexInfo& info() const override { return meta().info; }
 
@@ -113,10 +112,6 @@ public:
     }
 
     void waitForPrefetch() override { backing_.source.waitForPrefetch(); }
-    void rest() override {
-        backing_.source.prefetch(position_, position_, surface_);
-        backing_.source.waitForPrefetch();
-    }
     void dropCaches() override {
         waitForPrefetch();
         backing_.source.dropCaches();
@@ -185,10 +180,8 @@ private:
         const double previous = lastStats_.isovalue;
         lastStats_ = stats;
         // A handle that moves goes on moving.
-        const double next = isovalue + (isovalue - previous);
-        const bool knowsNext = hasMoved_ && std::isfinite(next);
-        if (readsAhead_)
-            backing_.source.prefetch(position_, knowsNext ? backing_.source.threshold(next) : position_, surface_);
+        if (const double next = isovalue + (isovalue - previous); readsAhead_ && hasMoved_ && std::isfinite(next))
+            backing_.source.prefetch(position_, backing_.source.threshold(next));
         hasMoved_ = true;
         return stats;
     }
@@ -227,7 +220,6 @@ private:
                 restarts = true;
             }
         }
-        backing_.source.stopPrefetch();
         if (restarts) {
             stats.hasRebuilt = stats.hasRebuilt || surface_.hasBricks();
             stats.edgesRemoved += surface_.activeEdges();
@@ -241,7 +233,6 @@ private:
     }
 
     void dropSurface() {
-        backing_.source.stopPrefetch();
         position_ = backing_.source.lowest();
         surface_.drop();
     }

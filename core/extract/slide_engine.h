@@ -70,9 +70,6 @@ public:
     /// that of the index.
     virtual Status setMergeBound(const MergeBound& bound) = 0;
 
-    /// Does now what is done in the background while the handle rests, SlideOptions::readsAhead: with normals that a
-    /// jump has left out, the first small moves after it cost no more than the next ones.
-    virtual void rest() = 0;
     /// Waits until nothing is read ahead any more, and no level is built.
     virtual void waitForPrefetch() = 0;
     /// Forgets what is kept of the index. The surface stays; the next move reads again what it needs.

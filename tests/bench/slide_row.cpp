@@ -98,12 +98,10 @@ public:
             return moved;
         engine_->copyFrame(frame);
         const double elapsed = nowMs() - start;
-        if (isFirst) {
+        if (isFirst)
             row_.firstMs = elapsed;
-            engine_->rest();
-        } else {
+        else
             add(moved.value(), elapsed);
-        }
         if (frame.bricks && !isFirst) {
             row_.sentBytes += sentBytes(*frame.bricks);
             const double before = nowMs();

@@ -12,7 +12,6 @@ namespace isoslider::extract {
 struct LiveBrickHead {
     BrickIndex index;
     ArenaRun vertices, indices, inner, points, ambiguous, merged;
-    ArenaRun nextPoints; ///< empty, or the same points with all normals, which no picture refers to yet
     std::uint32_t indexCount = 0;
     std::uint32_t pointsVersion = 0; ///< the move that brought the points
     std::uint16_t edgeVertices = 0;

@@ -56,7 +56,6 @@ void LiveSurface<Live>::clear() {
         all.reserve(liveBricks_);
         for (const BrickSlot slot : slots())
             if (Brick& brick = bricks_[slot.index()]; brick.isLive) {
-                dropNextPoints(slot);
                 all.push_back(takeRuns(brick));
             }
         retire(version_ + 1, all);
@@ -150,7 +149,6 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
     triangles_ -= brick.indexCount / 3;
     countLeaves(brick, -1, activeLeaves_);
     ambiguousCells_ -= brick.ambiguousCells;
-    dropNextPoints(slot);
     if (RetiredRuns runs = takeRuns(brick); isWatched_)
         retire(version_, std::span(&runs, 1));
     else
@@ -232,7 +230,6 @@ void LiveSurface<Live>::compact() {
         moveRun(compacted->indices, arenas_->indices, brick.indices);
         moveRun(compacted->inner, arenas_->inner, brick.inner);
         moveRun(compacted->points, arenas_->points, brick.points);
-        brick.nextPoints = {}; // they can be made again
         show(slot);
     }
     arenas_ = std::move(compacted);
@@ -325,6 +322,20 @@ void LiveSurface<Live>::show(BrickSlot slot) {
     shown.innerCount = brick.innerVertices;
     shown.firstPointLine = brick.points.begin;
     shown.pointsVersion = brick.pointsVersion;
+}
+
+template <class Live>
+void LiveSurface<Live>::putPoints(BrickSlot slot, BrickDraft<Live>& draft) {
+    if (!draft.newPoints)
+        return;
+    Brick& brick = bricks_[slot.index()];
+    if (isWatched_ && brick.hasPoints)
+        draft.retired.push_back({{}, {}, {}, std::exchange(brick.points, {})});
+    arenas_->points.resize(brick.points, pointLines_);
+    streamCopy(arenas_->points.at(brick.points.begin), std::exchange(draft.newPoints, nullptr),
+               pointLines_ * sizeof(PointLine));
+    brick.pointsVersion = version_;
+    brick.hasPoints = true;
 }
 
 // Puts the draft's vertices, triangles and ambiguous cells into the brick's runs, and new points.
@@ -563,11 +574,7 @@ std::shared_ptr<const BrickPicture<Live>> LiveSurface<Live>::picture(bool points
     picture->vertexEnd_ = arenas_->vertices.top();
     picture->indexEnd_ = arenas_->indices.top();
     picture->innerEnd_ = arenas_->inner.top();
-    // Not top(): what has been made ahead is not sent before it is taken, so the card needs no room for it.
-    for (const PictureBrick& brick : shown_)
-        if (brick.indexCount > 0)
-            picture->pointLineEnd_ =
-                std::max(picture->pointLineEnd_, std::uint64_t{brick.firstPointLine} + pointLines_);
+    picture->pointLineEnd_ = arenas_->points.top();
     if (pointsOutChanges)
         listChanges(picture->changedTriangles_, picture->changedIndices_);
     return picture;

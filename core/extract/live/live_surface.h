@@ -35,8 +35,8 @@ namespace isoslider::extract {
 /// 4. `activeEdges()` and `triangles()` are sums over the bricks, each edge counted by its owner only; 5. what a
 /// picture refers to is neither changed nor used again while the picture lives.
 ///
-/// Threads: replace(), putPoints(), takeNextPoints() and refreshInnerVertices() may run for different bricks at once;
-/// everything else alone.
+/// Threads: replace(), putPoints() and refreshInnerVertices() may run for different bricks at once; everything else
+/// alone.
 template <class Live>
 class LiveSurface {
 public:
@@ -63,13 +63,6 @@ public:
     void replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
     /// Puts the draft's points into the brick ahead of replace(), which then finds them there.
     void putPoints(BrickSlot slot, BrickDraft<Live>& draft);
-    /// Where points of the brick may be put that replace its own when it is first crossed: takeNextPoints(). Between
-    /// moves only, one thread, which others may meanwhile run beside that only read the surface. Throws std::bad_alloc.
-    PointLine* roomForNextPoints(BrickSlot slot);
-    void dropNextPoints(BrickSlot slot) { arenas_->points.release(bricks_[slot.index()].nextPoints); }
-    bool hasNextPoints(BrickSlot slot) const { return bricks_[slot.index()].nextPoints.capacity > 0; }
-    /// Makes them the brick's points. False where there are none. REQUIRES: replace() follows.
-    bool takeNextPoints(BrickSlot slot, BrickDraft<Live>& draft);
     /// Moves the vertices inside the brick's cells to `isovalue`, which crosses nothing in the brick.
     void refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
     /// Takes over what a thread's draft has counted since beginMove(). The threads that have replaced bricks must have
@@ -95,11 +88,6 @@ public:
     /// Of the edges, then of what lies inside cells. REQUIRES for this and the next: the brick has been replaced once.
     const VertexCode* codes(BrickSlot slot) const { return arenas_->vertices.at(bricks_[slot.index()].vertices.begin); }
     const PointLine* points(BrickSlot slot) const { return arenas_->points.at(bricks_[slot.index()].points.begin); }
-    /// Those that it will have when it is made again.
-    const PointLine* newestPoints(BrickSlot slot) const {
-        const Brick& brick = bricks_[slot.index()];
-        return arenas_->points.at((hasNextPoints(slot) ? brick.nextPoints : brick.points).begin);
-    }
     bool hasBricks() const { return liveBricks_ > 0; }
     /// Isovalues between which no cell of the brick changes its state; everything for a slot without a brick.
     const cell::StateInterval& stateInterval(BrickSlot slot) const { return intervals_[slot.index()]; }

@@ -61,15 +61,9 @@ public:
     T* at(std::uint32_t index) { return elements_.at(index); }
     const T* at(std::uint32_t index) const { return elements_.at(index); }
     /// One past the last element that belongs to a run or did so.
-    std::uint64_t top() const {
-        const std::lock_guard lock(mutex_);
-        return top_;
-    }
+    std::uint64_t top() const { return top_; }
     /// Whether no more than one in `share` of the elements up to top() belongs to a run.
-    bool isSparse(std::uint64_t share) const {
-        const std::lock_guard lock(mutex_);
-        return top_ > share * used_ + kSparseSlack;
-    }
+    bool isSparse(std::uint64_t share) const { return top_ > share * used_ + kSparseSlack; }
 
 private:
     static constexpr std::uint64_t kChunk = ChunkedArray<T, ChunkBits>::kChunk;
@@ -130,7 +124,7 @@ private:
     std::uint64_t limit_;
     std::uint64_t top_ = 0;
     std::uint64_t used_ = 0; ///< belong to a run
-    mutable SpinLock mutex_;
+    SpinLock mutex_;
     std::vector<std::vector<std::uint32_t>> freeBySize_;
     std::vector<std::uint64_t> hasFree_; ///< a bit per size
 };

@@ -10,9 +10,7 @@ namespace isoslider::extract {
 /// What a thread makes a brick in.
 template <class Sample>
 struct BrickSource<Sample>::Scratch {
-    SampleBlock<Sample> block;
-    SampleBlock<float> floats; ///< the same where normals are found at some points
-    Points points; ///< of a brick that arrives, or whose normals become whole
+    Points points; ///< of a brick that arrives
     ClassifiedBrick<Stored> found;
     BrickDraft<Live> draft;
     std::vector<Job> pending; ///< jobs that want samples which are not ready yet

@@ -19,49 +19,12 @@
 #include "core/extract/sources/brick_scratch.h"
 
 namespace isoslider::extract {
-namespace {
-
-constexpr PointRows kAllPointRows = [] {
-    PointRows rows{};
-    rows.fill((1u << kPointSide) - 1);
-    return rows;
-}();
-
-// Rows with a point in the string. A plane's 81 bits at a time: each bit becomes the or of itself and the next eight.
-PointRows rowsOf(const BitString& points) {
-    PointRows rows{};
-    const auto bitsAt = [&](std::size_t p) {
-        std::uint64_t bits;
-        std::memcpy(&bits, reinterpret_cast<const std::byte*>(points.words.data()) + p / 8, sizeof bits);
-        return bits >> (p % 8); // 56 of them at least
-    };
-    constexpr int kRowsAtOnce = 5; // 45 bits, and eight more
-    for (std::size_t z = 0; z < rows.size(); ++z) {
-        unsigned found = 0;
-        for (int first = 0; first < kPointSide; first += kRowsAtOnce) {
-            const int count = std::min(kRowsAtOnce, kPointSide - first);
-            const std::uint64_t bits = bitsAt(z * kPointStride[2] + static_cast<std::size_t>(kPointSide * first));
-            std::uint64_t any = bits | bits >> 1;
-            any |= any >> 2;
-            any |= any >> 4;
-            any |= bits >> 8;
-            for (int k = 0; k < count; ++k)
-                found |= static_cast<unsigned>(any >> (kPointSide * k) & 1) << (first + k);
-        }
-        rows[z] = static_cast<std::uint16_t>(found);
-    }
-    return rows;
-}
-
-} // namespace
-
 template <class Sample>
 BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples,
                                  std::uint64_t cacheBytes)
     : WalkedSource<Sample>(bricks, cacheBytes),
       samples_(samples),
       slotOf_(bricks.grid().brickCount()),
-      aheadBytes_(std::min(kMaxAheadBytes, cacheBytes / 2)),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     slotOf_.grow(bricks.grid().brickCount());
     for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
@@ -83,7 +46,6 @@ void BrickSource<Sample>::reset() {
         slotOf_[brick.index()] = 0;
     watch_.clear();
     brickOf_.clear();
-    hasAllNormals_.clear();
     leaves_.clear();
     surelyWithin_.clear();
     shownLeaves_.clear();
@@ -147,7 +109,6 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         if (slot.index() >= watch_.size()) {
             watch_.resize(slot.index() + 1);
             brickOf_.resize(slot.index() + 1);
-            hasAllNormals_.resize(slot.index() + 1);
             leaves_.resize(slot.index() + 1);
             surelyWithin_.resize(slot.index() + 1);
             shownLeaves_.resize(slot.index() + 1);
@@ -195,8 +156,6 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     std::erase_if(jobs, [&](const Job& job) { return isNew[job.slot.index()]; });
     std::erase_if(refreshed, [&](BrickSlot slot) { return isNew[slot.index()]; });
     jobs.insert(jobs.end(), arrived.begin(), arrived.end());
-    isJump_ = arrived.size() > watch_.size() / kJumpShare;
-    lacksNormals_ = lacksNormals_ || isJump_;
 
     for (Scratch& scratch : *scratches_) {
         scratch.draft.beginMove();
@@ -252,7 +211,7 @@ void BrickSource<Sample>::prefetchPoints(const LiveSurface<Live>& surface, const
         return;
     }
     // Of the samples only: nothing reads the normals until the picture is drawn.
-    const auto* const points = reinterpret_cast<const char*>(surface.newestPoints(job.slot));
+    const auto* const points = reinterpret_cast<const char*>(surface.points(job.slot));
     for (std::size_t line = 0; line < sizeof(Points::samples); line += 64)
         __builtin_prefetch(points + line, 0, 2);
 }
@@ -295,13 +254,10 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
     }
     ISO_TRY(run(jobs));
     std::vector<BrickIndex> bricks;
-    std::vector<bool> isNew(watch_.size(), false);
     for (const Scratch& scratch : *scratches_) {
         samples_.touch(scratch.read);
-        for (const Job& job : scratch.pending) {
+        for (const Job& job : scratch.pending)
             bricks.push_back(brickOf_[job.slot.index()]);
-            isNew[job.slot.index()] = job.isNew;
-        }
     }
     if (bricks.empty())
         return {};
@@ -315,104 +271,11 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
             return ready.error();
         std::vector<Job> batch;
         for (const BrickIndex brick : rest.first(ready.value()))
-            batch.push_back({BrickSlot(slotOf_[brick.index()] - 1), isNew[slotOf_[brick.index()] - 1]});
+            batch.push_back({BrickSlot(slotOf_[brick.index()] - 1), true});
         ISO_TRY(run(batch));
         rest = rest.subspan(ready.value());
     }
     return {};
-}
-
-// The samples of the block that was read as the brick's points: ordered, and without what would disturb comparisons.
-// Outside the box and at missing values stands some sample of the brick; masks leave those points out.
-template <class Sample>
-void BrickSource<Sample>::take(BrickIndex brick, bool isNearMissing, Points& points, Scratch& scratch) const {
-    const SampleRows<Sample> rows = samples_.rows(brick);
-    const bool isInside = std::min({rows.end[0], rows.end[1], rows.end[2]}) >= kPointSide;
-    if (isInside && (std::is_integral_v<Sample> || !isNearMissing)) {
-        Stored* out = points.samples;
-        for (int z = 0; z < kPointSide; ++z)
-            for (int y = 0; y < kPointSide; ++y, out += kPointSide) {
-                const auto row = rows.row(y, z);
-                if constexpr (std::is_same_v<Sample, Stored>)
-                    std::memcpy(out, row.own, kBrickSide * sizeof(Stored));
-                else
-                    for (int x = 0; x < kBrickSide; ++x)
-                        out[x] = storedOf(row.own[x]);
-                out[kBrickSide] = storedOf(row.behind[0]);
-            }
-        std::fill(out, points.samples + kPaddedPoints, points.samples[0]);
-        return;
-    }
-    SampleBlock<Sample>& block = scratch.block;
-    readBlock(rows, kAllRows, block);
-    Stored any{};
-    bool hasAny = false;
-    for (int z = 0; z < std::min(kPointSide, block.end[2]) && !hasAny; ++z)
-        for (int y = 0; y < std::min(kPointSide, block.end[1]) && !hasAny; ++y)
-            for (int x = 0; x < std::min(kPointSide, block.end[0]) && !hasAny; ++x)
-                if (const Sample s = block.samples[static_cast<std::size_t>(block.offset(x, y, z))]; !isMissing(s)) {
-                    any = storedOf(s);
-                    hasAny = true;
-                }
-    Stored* out = points.samples;
-    for (int z = 0; z < kPointSide; ++z)
-        for (int y = 0; y < kPointSide; ++y) {
-            const Sample* row = block.samples.data() + block.offset(0, y, z);
-            for (int x = 0; x < kPointSide; ++x) {
-                const bool exists = isInside || block.isInside(x, y, z);
-                *out++ = exists && !isMissing(row[x]) ? storedOf(row[x]) : any;
-            }
-        }
-    std::fill(out, points.samples + kPaddedPoints, any);
-}
-
-// Normals at the brick's points. In a jump only those that its active edges need: it pays for no more than it shows.
-// Else all of them, for a handle that moves on goes through the brick, and finding some at each move would cost more
-// than half as much again, most of it waiting for samples. False when samples are wanted that are not ready.
-template <class Sample>
-bool BrickSource<Sample>::completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll,
-                                          Scratch& scratch) {
-    std::uint8_t& hasAll = hasAllNormals_[job.slot.index()];
-    if (!job.isNew && hasAll != 0)
-        return true;
-    const BrickIndex brick = brickOf_[job.slot.index()];
-    BitString ends;
-    PointRows rows;
-    if (wantsAll) {
-        rows = kAllPointRows;
-    } else {
-        endsOfEdges(scratch.found.active.edges, ends);
-        rows = rowsOf(ends);
-    }
-    if (!job.isNew) {
-        if (!samples_.isReady(brick))
-            return false;
-        scratch.read.push_back(brick);
-        // Pictures may refer to what is there.
-        std::memcpy(scratch.points.samples, pointsOf(surface, job, scratch).samples, sizeof(Points::samples));
-        scratch.draft.newPoints = linesOf<Sample>(scratch.points);
-    }
-    hasAll = wantsAll;
-    findNormalsOf(brick, surface.brick(job.slot).isNearMissing, rows, wantsAll ? nullptr : &ends, scratch);
-    return true;
-}
-
-// Normals of scratch.points in these rows, or only of those points in them that are set in `only`. REQUIRES: the brick
-// is ready.
-template <class Sample>
-void BrickSource<Sample>::findNormalsOf(BrickIndex brick, bool isNearMissing, const PointRows& rows,
-                                        const BitString* only, Scratch& scratch) const {
-    Points& points = scratch.points;
-    if (!kHasNormalKernel<Sample> || isNearMissing) {
-        readBlock(samples_.rows(brick), rowsForGradients(rows), scratch.block);
-        findNormalsReference(scratch.block, rows, inverseSpacing_, points.normals);
-    } else if constexpr (kHasNormalKernel<Sample>) {
-        readApron(samples_.rows(brick), rows, scratch.floats);
-        if (only)
-            findNormalsAt<Sample>(*only, points.samples, scratch.floats, inverseSpacing_, points.normals);
-        else
-            findNormals<Sample>(points.samples, scratch.floats, rows, inverseSpacing_, points.normals);
-    }
 }
 
 template <class Sample>
@@ -422,21 +285,21 @@ void BrickSource<Sample>::classifyFor(const Move& move, const LiveSurface<Live>&
              job.isNew ? nullptr : &surface.brick(job.slot).above, scratch.found);
 }
 
-// Reads the samples of a brick that arrives; one that stays gets the points that have been made for it meanwhile. False
-// when samples are wanted that are not ready.
+// Reads the points of a brick that arrives, with the normals of all: a handle that moves on goes through the brick, and
+// to find out which are needed costs as much as to find them. False when samples are wanted that are not ready.
 template <class Sample>
-bool BrickSource<Sample>::begin(LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
+bool BrickSource<Sample>::begin(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const {
     scratch.draft.newPoints = nullptr;
-    if (!job.isNew) {
-        if (surface.takeNextPoints(job.slot, scratch.draft))
-            hasAllNormals_[job.slot.index()] = 1;
+    if (!job.isNew)
         return true;
-    }
     const BrickIndex brick = brickOf_[job.slot.index()];
     if (!samples_.isReady(brick))
         return false;
     scratch.read.push_back(brick);
-    take(brick, surface.brick(job.slot).isNearMissing, scratch.points, scratch);
+    if (std::is_integral_v<Sample> || !surface.brick(job.slot).isNearMissing)
+        readPoints(samples_.rows(brick), inverseSpacing_, scratch.points);
+    else
+        readPointsReference(samples_.rows(brick), inverseSpacing_, scratch.points);
     scratch.draft.newPoints = linesOf<Sample>(scratch.points);
     return true;
 }
@@ -447,8 +310,6 @@ bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, 
     if (!begin(surface, job, scratch))
         return false;
     classifyFor(move, surface, job, scratch);
-    if (!completeNormals(surface, job, !isJump_, scratch))
-        return false;
     if (hasNewBound_)
         addOtherLeaves(job.slot, scratch);
     makeUnmerged(move, surface, job, scratch);
@@ -483,22 +344,17 @@ void BrickSource<Sample>::finish(const Move& move, LiveSurface<Live>& surface, c
 }
 
 template <class Sample>
-void BrickSource<Sample>::prefetch(KeyThreshold from, KeyThreshold to, LiveSurface<Live>& surface) {
+void BrickSource<Sample>::prefetch(KeyThreshold from, KeyThreshold to) {
     // More than that is a jump, of which there is no knowing where the next one goes.
     constexpr std::uint64_t kMaxEntries = 1u << 16;
-    const bool reads =
-        from != to && samples_.fetchesAhead() && walk_.estimate(std::min(from, to), std::max(from, to)) <= kMaxEntries;
-    ahead_ = {}; // before another begins
-    if (!reads && !lacksNormals_)
+    if (from == to || !samples_.fetchesAhead() || walk_.estimate(std::min(from, to), std::max(from, to)) > kMaxEntries)
         return;
+    ahead_ = {}; // before another begins
     // If anything goes wrong, the move itself will report it; without a thread, nothing is made ahead.
     try {
-        ahead_ = std::jthread([this, from, to, reads, &surface](std::stop_token stop) {
+        ahead_ = std::jthread([this, from, to](std::stop_token stop) {
             try {
-                if (reads)
-                    (void)readAhead(from, to, stop);
-                if (lacksNormals_)
-                    completeAhead(from, surface, stop);
+                (void)readAhead(from, to, stop);
             } catch (const std::exception&) {}
         });
     } catch (const std::system_error&) {}
@@ -512,54 +368,12 @@ Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::s
         NetBricks net;
         Status fetched = netBricks(std::min(from, to), std::max(from, to), from < to, stats, stop, net);
         if (fetched.isOk()) {
-            for (const BrickSlot slot : firstIds<BrickSlot>(watch_.size()))
-                if (watch_[slot.index()].isCrossed(from, to))
-                    net.arrive.push_back(brickOf_[slot.index()]);
             sortForReading(net.arrive, !readsBackwards_);
             fetched = samples_.fetch(net.arrive, stats, stop);
         }
         bytesAhead_ = stats.bytesRead;
         return fetched;
     });
-}
-
-// The bricks whose samples lie nearest to the position are those that the next moves cross, in whichever direction:
-// they get points with all normals beside those that they have. Only where a jump has left normals out: a surface that
-// has been slid through has them all.
-template <class Sample>
-void BrickSource<Sample>::completeAhead(KeyThreshold at, LiveSurface<Live>& surface, std::stop_token stop) {
-    struct Candidate {
-        std::uint64_t distance; // in keys
-        BrickSlot slot;
-        bool operator<(const Candidate& other) const { return distance < other.distance; }
-    };
-    std::vector<Candidate> nearest;
-    for (const BrickSlot slot : firstIds<BrickSlot>(watch_.size()))
-        if (const Watch& watch = watch_[slot.index()]; hasAllNormals_[slot.index()] == 0 && surface.brick(slot).isLive)
-            nearest.push_back({std::min(watch.up - at, at - 1 - watch.down), slot});
-    lacksNormals_ = !nearest.empty();
-    const std::size_t most = aheadBytes_ / sizeof(Points);
-    if (nearest.size() > most) {
-        std::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(most), nearest.end());
-        for (const Candidate& far : std::span(nearest).subspan(most))
-            surface.dropNextPoints(far.slot);
-        nearest.resize(most);
-    }
-    std::sort(nearest.begin(), nearest.end());
-    if (!aheadScratch_)
-        aheadScratch_ = std::make_unique<Scratch>();
-    Scratch& scratch = *aheadScratch_;
-    for (const Candidate& near : nearest) {
-        if (stop.stop_requested())
-            return;
-        const BrickIndex brick = brickOf_[near.slot.index()];
-        if (surface.hasNextPoints(near.slot) || !samples_.isReady(brick))
-            continue;
-        std::memcpy(scratch.points.samples, pointsIn<Sample>(surface.points(near.slot)).samples,
-                    sizeof(Points::samples));
-        findNormalsOf(brick, surface.brick(near.slot).isNearMissing, kAllPointRows, nullptr, scratch);
-        std::memcpy(static_cast<void*>(surface.roomForNextPoints(near.slot)), &scratch.points, sizeof(Points));
-    }
 }
 
 #define ISO_INSTANTIATE(Sample, Name) template class BrickSource<Sample>;

@@ -9,6 +9,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "core/extract/live/chunked_array.h"
+#include "core/extract/sources/point_kernels.h"
 #include "core/extract/sources/sample_kernels.h"
 #include "core/extract/sources/sample_reader.h"
 #include "core/extract/sources/walked_source.h"
@@ -24,10 +25,10 @@ namespace isoslider::extract {
 /// is redundant there.
 ///
 /// A move takes the net changes of the set of active bricks from the list. Bricks that leave are dropped without being
-/// read; those that arrive are read once and become the brick's points, as small as their type allows, with normals as
-/// edges come to need them. Of bricks active at both ends those change which have a sample in between: each knows
-/// the nearest keys on either side of the position, so the others cost the reading of 16 bytes. A brick that changes
-/// is made from its signs, 64 points at a time: see LIVE.md.
+/// read; those that arrive are read once and become the brick's points, as small as their type allows, with normals. Of
+/// bricks active at both ends those change which have a sample in between: each knows the nearest keys on either side
+/// of the position, so the others cost the reading of 16 bytes. A brick that changes is made from its signs, 64 points
+/// at a time: see LIVE.md.
 ///
 /// Cost: O(log N + bricks that come, go or have a crossed sample) and 16 bytes per active brick.
 template <class Sample>
@@ -50,10 +51,8 @@ public:
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
         return from == lowest() || from == highest() ? walk_.estimate(std::min(from, to), std::max(from, to)) : 0;
     }
-    /// Reads the samples of bricks that will arrive or be crossed, as far as there is room, and finds normals that a
-    /// jump has left out where the surface will be crossed next.
-    void prefetch(KeyThreshold from, KeyThreshold to, LiveSurface<Live>& surface) override;
-    void stopPrefetch() override { ahead_ = {}; }
+    /// Reads the samples of bricks that will arrive, as far as there is room.
+    void prefetch(KeyThreshold from, KeyThreshold to) override;
     void waitForPrefetch() override {
         if (ahead_.joinable())
             ahead_.join();
@@ -110,37 +109,25 @@ private:
     bool findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     bool rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const;
-    bool begin(LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    bool begin(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
     void finish(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     static const Points& pointsOf(const LiveSurface<Live>& surface, const Job& job, const Scratch& scratch);
     void classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
-    void take(BrickIndex brick, bool isNearMissing, Points& points, Scratch& scratch) const;
-    bool completeNormals(const LiveSurface<Live>& surface, const Job& job, bool wantsAll, Scratch& scratch);
     void sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const;
-    void findNormalsOf(BrickIndex brick, bool isNearMissing, const PointRows& rows, const BitString* only,
-                       Scratch& scratch) const;
     Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
-    void completeAhead(KeyThreshold at, LiveSurface<Live>& surface, std::stop_token stop);
 
     SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;
     ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
     std::vector<Watch> watch_; ///< by slot
     std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick
-    std::vector<std::uint8_t> hasAllNormals_; ///< by slot: not only those that a jump has shown
     MergeBound bound_;
     bool hasNewBound_ = false; ///< since the last move
     std::vector<BrickLeaves> leaves_, surelyWithin_; ///< by slot, while cells are merged
     std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
-    static constexpr std::size_t kJumpShare = 4; ///< more than one in so many live bricks is new: a jump
-    static constexpr std::uint64_t kMaxAheadBytes = 1u << 24; ///< of points beside those of live bricks
-    std::uint64_t aheadBytes_;
-    bool lacksNormals_ = false; ///< perhaps: a jump has left some out
-    bool isJump_ = false; ///< the move that is under way
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;
-    std::unique_ptr<Scratch> aheadScratch_; ///< of whatever thread is `ahead_`
     std::jthread ahead_; ///< the last member: it uses the others
 };
 

@@ -39,8 +39,6 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
         found = updateBrickLeaves<Sample>(leaves, scratch.found.changed, samples, scratch.found.above,
                                           scratch.found.active, validCells, bound_, surely);
     }
-    if (!completeNormals(surface, job, found.hasMerged() || !isJump_, scratch))
-        return false;
     if (!job.isNew && found != leaves)
         scratch.otherLeaves.emplace_back(job.slot, leaves);
     leaves = found;

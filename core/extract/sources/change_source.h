@@ -41,11 +41,9 @@ public:
     /// estimates are others now.
     virtual std::uint64_t partsLost() const { return 0; }
 
-    /// The surface is at `from`, and the next move may be to `to`: what it needs may be fetched in the background, and
-    /// put beside what the surface holds, until stopPrefetch(). Returns at once.
-    virtual void prefetch(KeyThreshold /*from*/, KeyThreshold /*to*/, LiveSurface<Live>& /*surface*/) {}
-    /// To be called before the surface is changed by anything but move(), and before it is destroyed.
-    virtual void stopPrefetch() {}
+    /// The next move may be from `from` to `to`: what it needs may be fetched in the background until then.
+    /// Returns at once.
+    virtual void prefetch(KeyThreshold /*from*/, KeyThreshold /*to*/) {}
     /// Whether more skip levels are built in the background as moves come to need them.
     virtual void setBuildsLevels(bool /*builds*/) {}
     /// Waits until what prefetch() asked for has been read, and those levels are built.

@@ -37,9 +37,9 @@ public:
         rows.rowStride = view_.stride(1);
         rows.planeStride = view_.stride(2);
         const std::ptrdiff_t first = view_.offset(origin[0], origin[1], origin[2]);
-        rows.before[0] = {view_.samples, first - 1};
-        rows.own[0] = {view_.samples, first};
-        rows.behind[0] = {view_.samples, first + kBrickSide};
+        rows.before.fill({view_.samples, first - 1});
+        rows.own.fill({view_.samples, first});
+        rows.behind.fill({view_.samples, first + kBrickSide});
         return rows;
     }
 

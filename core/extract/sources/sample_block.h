@@ -8,24 +8,6 @@
 
 namespace isoslider::extract {
 
-/// Rows of points of a brick: bit y of word z, local coordinates 0 to 8.
-using PointRows = std::array<std::uint16_t, 9>;
-/// Rows of a block: bit y + 1 of word z + 1, local coordinates -1 to 9.
-using BlockRows = std::array<std::uint16_t, 11>;
-inline constexpr BlockRows kAllRows{0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff, 0x7ff};
-
-/// The rows that gradients at points of `rows` depend on: themselves and those on either side.
-inline BlockRows rowsForGradients(const PointRows& rows) {
-    BlockRows wanted{};
-    for (std::size_t z = 0; z < rows.size(); ++z) {
-        const unsigned row = unsigned{rows[z]} << 1;
-        wanted[z] = static_cast<std::uint16_t>(wanted[z] | row);
-        wanted[z + 1] = static_cast<std::uint16_t>(wanted[z + 1] | row | row << 1 | row >> 1);
-        wanted[z + 2] = static_cast<std::uint16_t>(wanted[z + 2] | row);
-    }
-    return wanted;
-}
-
 /// First and one past the last local coordinate from -1 to 9 that lie inside the box, for a brick that begins at
 /// `origin`.
 inline void placeInBox(const GridDims& dims, const std::array<std::int64_t, 3>& origin, std::array<int, 3>& begin,
@@ -38,15 +20,14 @@ inline void placeInBox(const GridDims& dims, const std::array<std::int64_t, 3>& 
 
 /// The samples around one brick: local coordinates -1 to 9 along each axis. Those from 0 to 8 are the ends of
 /// the brick's edges; the others are what gradients there and the wholeness of cells depend on. Rows are
-/// padded to 16 so that they are compared in whole vectors; places outside the box hold anything.
+/// padded to 16 so that they are read in whole vectors; places outside the box hold anything.
 template <class Sample>
 struct SampleBlock {
     static constexpr int kRow = 16;
     static constexpr int kSide = 11;
     static constexpr int kPlane = kRow * kSide;
 
-    static constexpr int kOverread = 64; ///< vectors may reach behind the last row
-    alignas(64) std::array<Sample, kPlane * kSide + kOverread> samples;
+    alignas(64) std::array<Sample, kPlane * kSide> samples;
     std::array<int, 3> begin{}; ///< first and one past the last local coordinate inside the box
     std::array<int, 3> end{};
 

@@ -10,8 +10,6 @@
 #include "core/extract/live/brick_points.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/vertex_code.h"
-#include "core/extract/sources/sample_block.h"
-#include "core/grid/normal_codec.h"
 
 namespace isoslider::extract {
 
@@ -39,26 +37,6 @@ void classifyReference(const Stored* samples, Stored threshold, const BrickMasks
 /// Codes of a brick's active edges in their order, and their numbers in the vertex table; returns how many there are.
 /// `codes` has room for kMaxEdgeCodes.
 std::uint32_t numberEdges(const ActiveBits& active, VertexCode* codes, VertexTable& vertices);
-
-/// Whether findNormals() is there for a type: differences of others are taken in double precision.
-template <class Sample>
-inline constexpr bool kHasNormalKernel = sizeof(Sample) <= 2 || std::is_same_v<Sample, float>;
-
-/// Quantised normals at the points of whole rows of a brick, several points at a time. `samples`: kPaddedPoints of the
-/// brick; `block`: what readApron() has filled in for these rows, the rest is filled in here. `codes` of all points of
-/// the brick. REQUIRES: no missing sample among them.
-template <class Sample>
-void findNormals(const StoredSample<Sample>* samples, SampleBlock<float>& block, const PointRows& rows,
-                 const glm::vec3& inverseSpacing, NormalCode* codes);
-/// The same at some points: cheaper where they are few. `block`: filled in for their rows.
-template <class Sample>
-void findNormalsAt(const BitString& points, const StoredSample<Sample>* samples, SampleBlock<float>& block,
-                   const glm::vec3& inverseSpacing, NormalCode* codes);
-/// The same from a whole block, point by point: normalOfGradient() of block.gradient(). Missing samples and all types
-/// are allowed.
-template <class Sample>
-void findNormalsReference(const SampleBlock<Sample>& block, const PointRows& rows, const glm::vec3& inverseSpacing,
-                          NormalCode* codes);
 
 /// Names of the instruction sets that the kernels can run with here, the best first; and, for tests, a way to
 /// restrict it to one of them (0: the best again).

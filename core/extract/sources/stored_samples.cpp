@@ -20,6 +20,19 @@ std::size_t capacityFor(std::uint64_t cacheBytes, std::size_t chunkBytes, std::u
     return static_cast<std::size_t>(std::max<std::uint64_t>(bound, kMostChunksOfBrick));
 }
 
+// The samples of a chunk, brick by brick.
+template <class Sample, std::size_t Count>
+void storeBricks(const std::array<Sample, Count>& chunk, Sample* out) {
+    constexpr std::size_t kInChunk = kSide / kBrickSide;
+    for (std::size_t brick = 0; brick < kInChunk * kInChunk * kInChunk; ++brick)
+        for (std::size_t z = 0; z < kBrickSide; ++z)
+            for (std::size_t y = 0; y < kBrickSide; ++y, out += kBrickSide) {
+                const std::size_t row = (brick >> 2) * kBrickSide + z, line = (brick >> 1 & 1) * kBrickSide + y;
+                std::memcpy(out, chunk.data() + kSide * (kSide * row + line) + (brick & 1) * kBrickSide,
+                            kBrickSide * sizeof(Sample));
+            }
+}
+
 } // namespace
 
 template <class Sample>
@@ -106,27 +119,63 @@ void StoredSamples<Sample>::touch(std::span<const BrickIndex> bricks) {
         });
 }
 
-// The chunk of the brick itself: nine tenths of what is read.
+// The samples of the bricks around one, by step along each axis.
+template <class Sample>
+typename StoredSamples<Sample>::Around StoredSamples<Sample>::samplesAround(
+    const std::array<std::int64_t, 3>& b) const {
+    // Of the up to eight chunks, by whether they are the lower or the upper of the two along each axis.
+    std::array<const Sample*, 8> chunks{};
+    const GridDims& count = store_.chunks().chunks();
+    std::array<std::int64_t, 3> lower;
+    for (std::size_t a = 0; a < 3; ++a)
+        lower[a] = (b[a] >> 1) - ((b[a] & 1) != 0 ? 0 : 1);
+    for (std::size_t k = 0; k < 8; ++k) {
+        const std::int64_t x = lower[0] + static_cast<std::int64_t>(k & 1),
+                           y = lower[1] + static_cast<std::int64_t>(k >> 1 & 1),
+                           z = lower[2] + static_cast<std::int64_t>(k >> 2);
+        if (x >= 0 && y >= 0 && z >= 0 && x < count[0] && y < count[1] && z < count[2])
+            chunks[k] = dataOf(x, y, z);
+    }
+    Around around;
+    // Bricks at a step, counted from the lower chunk's first.
+    std::array<std::array<std::size_t, 3>, 3> at;
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t step = 0; step < 3; ++step)
+            at[a][step] = step + ((b[a] & 1) != 0 ? 0 : 1);
+    std::size_t place = 0;
+    for (const std::size_t z : at[2])
+        for (const std::size_t y : at[1])
+            for (const std::size_t x : at[0]) {
+                const Sample* const chunk = chunks[(x >> 1) + 2 * (y >> 1) + 4 * (z >> 1)];
+                const std::size_t brick = (x & 1) + 2 * (y & 1) + 4 * (z & 1);
+                around.samples[place++] = chunk ? chunk + kBrickSamples * brick : nullptr;
+            }
+    return around;
+}
+
+// All lines of the brick and of those beside it along x, and what is needed of the others.
 template <class Sample>
 void StoredSamples<Sample>::prefetch(BrickIndex brick) const {
-    const auto b = bricks_.brickCoords(brick);
-    constexpr int kRowsPerLine = sizeof(Sample) == 1 ? 4 : sizeof(Sample) == 2 ? 2 : 1;
-    const auto fetch = [&](const Sample* from, std::ptrdiff_t x) {
-        for (int z = 0; z < kBrickSide; ++z)
-            for (int y = 0; y < kBrickSide; y += kRowsPerLine)
-                __builtin_prefetch(from + x + kSide * (y + kSide * z));
+    const Around around = samplesAround(bricks_.brickCoords(brick));
+    constexpr std::size_t kLine = 64, kRow = kBrickSide * sizeof(Sample), kPlane = kBrickSide * kRow;
+    const auto fetch = [](const Sample* samples, std::size_t first, std::size_t bytes) {
+        if (samples)
+            for (std::size_t at = first / kLine * kLine; at < first + bytes; at += kLine)
+                __builtin_prefetch(reinterpret_cast<const char*>(samples) + at);
     };
-    const std::ptrdiff_t first = kSide * ((b[1] & 1) * kBrickSide + kSide * ((b[2] & 1) * kBrickSide));
-    const Sample* const own = dataOf(b[0] >> 1, b[1] >> 1, b[2] >> 1);
-    if (!own)
-        return;
-    fetch(own + first, kBrickSide * (b[0] & 1));
-    // Of the chunk beside it along x each row has one or two samples for the brick, in a separate line.
-    const bool isUpper = (b[0] & 1) != 0;
-    const std::int64_t beside = (b[0] >> 1) + (isUpper ? 1 : -1);
-    if (beside >= 0 && beside < store_.chunks().chunks()[0])
-        if (const Sample* const data = dataOf(beside, b[1] >> 1, b[2] >> 1))
-            fetch(data + first, isUpper ? 0 : kSide - 1);
+    const auto fetchRows = [&](const Sample* samples, std::size_t row, std::size_t rows) {
+        for (std::size_t z = 0; z < kBrickSide; ++z)
+            fetch(samples, z * kPlane + row * kRow, rows * kRow);
+    };
+    fetch(around.at(0, 0, 0), 0, kBrickSide * kPlane);
+    for (int x = 0; x <= 1; ++x) {
+        fetchRows(around.at(x, 1, 0), 0, 2);
+        fetchRows(around.at(x, -1, 0), kBrickSide - 1, 1);
+        fetch(around.at(x, 0, 1), 0, 2 * kPlane);
+        fetch(around.at(x, 0, -1), (kBrickSide - 1) * kPlane, kPlane);
+    }
+    fetch(around.at(1, 0, 0), 0, kBrickSide * kPlane);
+    fetch(around.at(-1, 0, 0), 0, kBrickSide * kPlane);
 }
 
 template <class Sample>
@@ -242,8 +291,9 @@ Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& 
             return;
         std::uint64_t bytes = 0;
         const Slot slot = slotOf_[order[i].index()];
-        const std::span<Sample, kSamples> out(samplesOf(slot), kSamples);
-        const Status status = store_.read<Sample>(order[i], out, bytes);
+        alignas(64) std::array<Sample, kSamples> chunk;
+        const Status status = store_.read<Sample>(order[i], chunk, bytes);
+        storeBricks(chunk, samplesOf(slot));
         bytesRead.fetch_add(bytes, std::memory_order_relaxed);
         slots_[slot - 1].isFilled = status.isOk();
         if (!status.isOk()) {
@@ -260,38 +310,23 @@ Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& 
     return stop.stop_requested() && !order.empty() ? Status(cancelledError()) : Status();
 }
 
-// A chunk is two bricks wide. Along each axis a brick's block reaches into the chunk before by one sample where the
-// brick is its chunk's first, and into the one behind by two where it is the second.
 template <class Sample>
 SampleRows<Sample> StoredSamples<Sample>::rows(BrickIndex brick) const {
     const auto b = bricks_.brickCoords(brick);
-    const std::array<std::int64_t, 3> origin{b[0] * kBrickSide, b[1] * kBrickSide, b[2] * kBrickSide};
     SampleRows<Sample> rows;
-    placeInBox(dims_, origin, rows.begin, rows.end);
-    rows.rowStride = kSide;
-    rows.planeStride = kSide * kSide;
-    rows.splitY = b[1] & 1 ? kBrickSide : 0;
-    rows.splitZ = b[2] & 1 ? kBrickSide : 0;
-    const GridDims& chunks = store_.chunks().chunks();
-    const std::int64_t cx = b[0] >> 1;
-    const bool isSecond = b[0] & 1;
-    for (std::size_t place = 0; place < 4; ++place) {
-        const std::int64_t cy = (b[1] >> 1) - (b[1] & 1 ? 0 : 1) + static_cast<std::int64_t>(place & 1);
-        const std::int64_t cz = (b[2] >> 1) - (b[2] & 1 ? 0 : 1) + static_cast<std::int64_t>(place >> 1);
-        if (cy < 0 || cz < 0 || cy >= chunks[1] || cz >= chunks[2])
-            continue;
-        // Of local row 0 of plane 0, counted from the chunk's first sample.
-        const std::ptrdiff_t first = kSide * (origin[1] - kSide * cy) + kSide * kSide * (origin[2] - kSide * cz);
-        const Sample* const own = dataOf(cx, cy, cz);
-        rows.own[place] = {own, first + (isSecond ? kBrickSide : 0)};
-        if (isSecond) {
-            rows.before[place] = {own, first + kBrickSide - 1};
-            rows.behind[place] = {cx + 1 < chunks[0] ? dataOf(cx + 1, cy, cz) : nullptr, first};
-        } else {
-            rows.before[place] = {cx > 0 ? dataOf(cx - 1, cy, cz) : nullptr, first + kSide - 1};
-            rows.behind[place] = {own, first + kBrickSide};
+    placeInBox(dims_, {b[0] * kBrickSide, b[1] * kBrickSide, b[2] * kBrickSide}, rows.begin, rows.end);
+    rows.rowStride = kBrickSide;
+    rows.planeStride = kBrickSide * kBrickSide;
+    const Around around = samplesAround(b);
+    for (int z = -1; z <= 1; ++z)
+        for (int y = -1; y <= 1; ++y) {
+            const std::size_t place = rows.placeOf(y, z);
+            // Of row 0 of plane 0 of the brick in the middle, counted from the first sample of the other.
+            const std::ptrdiff_t first = -kBrickSide * (rows.rowStride * y + rows.planeStride * z);
+            rows.before[place] = {around.at(-1, y, z), first + kBrickSide - 1};
+            rows.own[place] = {around.at(0, y, z), first};
+            rows.behind[place] = {around.at(1, y, z), first};
         }
-    }
     return rows;
 }
 

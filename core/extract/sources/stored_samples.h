@@ -11,11 +11,12 @@ namespace isoslider::extract {
 
 /// The samples of an index of metacells, behind a cache of decoded chunks.
 ///
-/// The cache is an array of slots of one chunk each. Bricks are made ready in batches: one thread gives each
-/// chunk that a batch needs a slot (least recently used out first, those of the batch never), all threads
-/// decode what is missing; afterwards all threads read without locks or counts, because nothing moves until
-/// the next batch. A batch ends where the slots end, so the bound on memory is kept whatever a move needs, and
-/// the result does not depend on it. Never below the eight chunks that one brick may need.
+/// The cache is an array of slots of one chunk each, in which the samples of a brick lie together: a brick that arrives
+/// reads fewer lines than if rows ran through the chunk, most of them one behind the other. Bricks are made ready in
+/// batches: one thread gives each chunk that a batch needs a slot (least recently used out first, those of the batch
+/// never), all threads decode what is missing; afterwards all threads read without locks or counts, because nothing
+/// moves until the next batch. A batch ends where the slots end, so the bound on memory is kept whatever a move needs,
+/// and the result does not depend on it. Never below the eight chunks that one brick may need.
 template <class Sample>
 class StoredSamples final : public SampleReader<Sample> {
 public:
@@ -41,6 +42,15 @@ private:
     static constexpr std::size_t kLeastAhead = 256; ///< a smaller cache has better things to keep
     static constexpr std::size_t kSamples = index::SampleStore::kChunkSamples;
 
+    static constexpr std::size_t kBrickSamples = kBrickSide * kBrickSide * kBrickSide;
+    /// Samples of the bricks around one, which is in the middle; null where there are none.
+    struct Around {
+        std::array<const Sample*, 27> samples{};
+        const Sample* at(int x, int y, int z) const {
+            return samples[static_cast<std::size_t>(x + 1 + 3 * (y + 1) + 9 * (z + 1))];
+        }
+    };
+
     static constexpr Chunk kNone{~std::uint64_t{0}};
     struct SlotState {
         Chunk chunk = kNone;
@@ -55,6 +65,7 @@ private:
     };
 
     Neighbourhood neighbourhood(BrickIndex brick) const;
+    Around samplesAround(const std::array<std::int64_t, 3>& b) const;
     template <class Visit>
     bool forEachChunk(BrickIndex brick, const Visit& visit) const;
     bool claim(Chunk chunk, std::vector<Slot>& missing);
