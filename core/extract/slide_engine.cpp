@@ -18,13 +18,15 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// What an engine stands on: a reader, and samples where the source needs some.
+/// What an engine stands on: a reader, and samples where the source needs some. Points of bricks that have left are
+/// kept within the bound on caches.
 template <class Sample>
 struct IndexBacking {
     using Source = EdgeBlockSource<Sample>;
     std::unique_ptr<index::IndexReader> reader;
     Source source;
     static constexpr bool kIsIndex = true;
+    static constexpr std::uint64_t keptPointBytes = 0; // edges bring the points of their ends only
 
     IndexBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
         : reader(std::move(opened)), source(*reader, options.cacheBytes.value_or(kEdgesCacheBytes)) {}
@@ -37,6 +39,7 @@ struct MemoryBacking {
     std::unique_ptr<index::IndexReader> reader;
     MemorySamples<Sample> samples;
     Source source;
+    std::uint64_t keptPointBytes;
     static constexpr bool kIsIndex = false;
 
     MemoryBacking(std::shared_ptr<const ScalarGrid> volume, std::unique_ptr<index::IndexReader> brickList,
@@ -44,7 +47,8 @@ struct MemoryBacking {
         : grid(std::move(volume)),
           reader(std::move(brickList)),
           samples(*grid),
-          source(*reader, samples, options.cacheBytes.value_or(kEdgesCacheBytes)) {}
+          source(*reader, samples, options.cacheBytes.value_or(kEdgesCacheBytes) / 2),
+          keptPointBytes(options.cacheBytes.value_or(kEdgesCacheBytes) / 2) {}
 };
 
 template <class Sample>
@@ -53,15 +57,19 @@ struct StoreBacking {
     std::unique_ptr<index::IndexReader> reader;
     StoredSamples<Sample> samples;
     Source source;
+    std::uint64_t keptPointBytes;
     static constexpr bool kIsIndex = true;
-    static constexpr std::uint64_t kPagesShare = 8; // of the cache: the list of bricks is small
+    static constexpr std::uint64_t kListShare = 8; // of the cache: the list of bricks is small
+    static constexpr std::uint64_t kPointsShare = 4; // at least; and what samples leave, up to half of the cache
 
     StoreBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
         : StoreBacking(std::move(opened), options.cacheBytes.value_or(kMetacellsCacheBytes)) {}
     StoreBacking(std::unique_ptr<index::IndexReader> opened, std::uint64_t cacheBytes)
         : reader(std::move(opened)),
-          samples(*reader, cacheBytes - cacheBytes / kPagesShare),
-          source(*reader, samples, cacheBytes / kPagesShare) {}
+          samples(*reader, cacheBytes - cacheBytes / kListShare - cacheBytes / kPointsShare),
+          source(*reader, samples, cacheBytes / kListShare),
+          keptPointBytes(std::clamp(cacheBytes - std::min(cacheBytes, cacheBytes / kListShare + samples.mostBytes()),
+                                    cacheBytes / kPointsShare, cacheBytes / 2)) {}
 };
 
 template <class Backing>
@@ -78,6 +86,7 @@ public:
           wantedBound_(boundOf(builtError(meta().info), meta().info.min, meta().info.max)),
           mergeBound_(wantedBound_) {
         backing_.source.setBuildsLevels(options.buildsLevels);
+        surface_.keepPoints(backing_.keptPointBytes);
     }
 
     const index::IndexInfo& info() const override { return meta().info; }
@@ -115,6 +124,7 @@ public:
     void dropCaches() override {
         waitForPrefetch();
         backing_.source.dropCaches();
+        surface_.dropKeptPoints();
     }
 
     void copyFrame(SurfaceFrame& frame, const FrameContents& contents) override {

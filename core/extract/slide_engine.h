@@ -20,7 +20,7 @@ inline constexpr std::uint64_t kEdgesCacheBytes = std::uint64_t{64} << 20;
 inline constexpr std::uint64_t kMetacellsCacheBytes = std::uint64_t{256} << 20;
 
 struct SlideOptions {
-    std::optional<std::uint64_t> cacheBytes; ///< bound on decoded pages and samples kept in memory
+    std::optional<std::uint64_t> cacheBytes; ///< bound on decoded pages, samples and points kept in memory
     bool readsAhead = true; ///< between moves, what the next one in the same direction would need is read
     /// Skip levels that jumps come to need are built in the background, and kept beside the index.
     bool buildsLevels = true;

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstring>
 #include <thread>
+#include <unordered_map>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -102,8 +104,9 @@ public:
             row_.firstMs = elapsed;
         else
             add(moved.value(), elapsed);
+        const double sent = frame.bricks ? sentBytes(*frame.bricks) : 0.0;
         if (frame.bricks && !isFirst) {
-            row_.sentBytes += sentBytes(*frame.bricks);
+            row_.sentBytes += sent;
             const double before = nowMs();
             expandVertices(*frame.bricks, isovalue, positions_, normals_);
             arrayTimes_.push_back(nowMs() - before);
@@ -128,18 +131,22 @@ public:
     }
 
 private:
-    double sentBytes(const extract::BrickPicture<float>& picture) const {
+    // Points that are still where they were sent stay there.
+    double sentBytes(const extract::BrickPicture<float>& picture) {
         const auto now = picture.bricks();
+        if (!frame_.bricks || frame_.bricks->series() != picture.series())
+            sentPoints_.clear();
         const auto before = frame_.bricks && frame_.bricks->series() == picture.series()
                                 ? frame_.bricks->bricks()
                                 : std::span<const extract::PictureBrick>();
         double bytes = 0.0;
         for (std::size_t slot = 0; slot < now.size(); ++slot)
-            if (const bool isNew = slot >= before.size(); now[slot].indexCount > 0)
+            if (const bool isNew = slot >= before.size(); now[slot].indexCount > 0) {
+                const std::uint32_t version = now[slot].pointsVersion;
                 bytes += static_cast<double>(
                     picture.bytesOf(now[slot], isNew || now[slot] != before[slot],
-                                    isNew || now[slot].firstPointLine != before[slot].firstPointLine ||
-                                        now[slot].pointsVersion != before[slot].pointsVersion));
+                                    std::exchange(sentPoints_[now[slot].firstPointLine], version) != version));
+            }
         return bytes;
     }
 
@@ -166,6 +173,7 @@ private:
     EngineRow row_;
     std::unique_ptr<extract::SlideEngine> engine_;
     extract::SurfaceFrame frame_; ///< the last one
+    std::unordered_map<std::uint32_t, std::uint32_t> sentPoints_; ///< their versions, by their first lines
     std::vector<glm::vec3> positions_, normals_; ///< the same as floats
     std::vector<double> times_, updates_, arrayTimes_, copies_, nsPerChange_;
 };

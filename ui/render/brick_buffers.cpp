@@ -119,16 +119,12 @@ bool BrickBuffers::upload(const Picture& picture) {
     bricks_.resize(now.size());
     placeTable_.resize((picture.vertexEnd() + kVerticesPerPlace - 1) / kVerticesPerPlace);
     std::vector<Stretch> codes, indices, inner;
-    std::vector<std::size_t> withPoints;
     std::vector<std::uint64_t> tablePages;
     for (std::size_t slot = 0; slot < now.size(); ++slot) {
         const PictureBrick& brick = now[slot];
         const PictureBrick before = std::exchange(bricks_[slot], brick);
         if (brick.indexCount == 0)
             continue;
-        if (before.indexCount == 0 || before.firstPointLine != brick.firstPointLine ||
-            before.pointsVersion != brick.pointsVersion || pages_[pageOf(brick)].isFresh)
-            withPoints.push_back(slot);
         if (!isFresh_ && brick == before)
             continue;
         codes.push_back({brick.firstVertex, brick.vertexCount, picture.codes(brick)});
@@ -148,7 +144,7 @@ bool BrickBuffers::upload(const Picture& picture) {
     send(GL_COPY_WRITE_BUFFER, codes_, sizeof(extract::VertexCode), isFresh_, codes);
     send(GL_COPY_WRITE_BUFFER, indices_, sizeof(std::uint16_t), isFresh_, indices);
     send(GL_COPY_WRITE_BUFFER, inner_, sizeof(extract::InnerRecord), isFresh_, inner);
-    sendPoints(picture, withPoints);
+    sendPoints(picture);
     sendPlaces(tablePages);
     series_ = picture.series();
     const bool hasRoom = sendChanged(picture);
@@ -158,12 +154,22 @@ bool BrickBuffers::upload(const Picture& picture) {
     return true;
 }
 
-void BrickBuffers::sendPoints(const Picture& picture, std::span<const std::size_t> brickSlots) {
+// Of a brick that was there before, and has kept its points, they are still in their place.
+void BrickBuffers::sendPoints(const Picture& picture) {
     const std::uint32_t lines = extract::pointLineCount(scalarTypeSizeBytes(picture.type()));
+    for (Page& page : pages_) {
+        if (page.isFresh)
+            page.versions.clear();
+        page.versions.resize(kLinesPerPage / lines + 1, 0);
+    }
     std::vector<std::vector<Stretch>> byPage(pages_.size());
-    for (const std::size_t slot : brickSlots) {
-        const PictureBrick& brick = bricks_[slot];
-        byPage[pageOf(brick)].push_back({brick.firstPointLine % kLinesPerPage, lines, picture.points(brick)});
+    for (const PictureBrick& brick : bricks_) {
+        if (brick.indexCount == 0)
+            continue;
+        const std::uint32_t first = brick.firstPointLine % kLinesPerPage;
+        const std::uint32_t before = std::exchange(pages_[pageOf(brick)].versions[first / lines], brick.pointsVersion);
+        if (before != brick.pointsVersion)
+            byPage[pageOf(brick)].push_back({first, lines, picture.points(brick)});
     }
     for (std::size_t page = 0; page < pages_.size(); ++page)
         send(GL_COPY_WRITE_BUFFER, pages_[page].lines, sizeof(extract::PointLine),

@@ -78,6 +78,7 @@ private:
         Buffer lines;
         GLuint scalars = 0, normals = 0; ///< textures of it
         bool isFresh = false; ///< holds nothing of what it should
+        std::vector<std::uint32_t> versions; ///< by run of points: of those that are there; 0 for none
     };
     /// Elements of an arena that lie one after the other.
     struct Stretch {
@@ -92,7 +93,7 @@ private:
     /// From page `first` on.
     void freePages(std::size_t first);
     static std::size_t pageOf(const extract::PictureBrick& brick) { return brick.firstPointLine / kLinesPerPage; }
-    void sendPoints(const Picture& picture, std::span<const std::size_t> brickSlots);
+    void sendPoints(const Picture& picture);
     bool makeRoom(GLenum target, Buffer& buffer, std::size_t bytes);
     void send(GLenum target, const Buffer& buffer, std::size_t elementBytes, bool isFresh,
               std::vector<Stretch>& stretches);

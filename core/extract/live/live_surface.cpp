@@ -41,7 +41,8 @@ LiveSurface<Live>::LiveSurface(const GridGeometry& geometry, ScalarType type,
       shapes_(geometry.dims, missingCells),
       hasMissing_(!missingCells.empty()),
       bricks_(shapes_.grid().brickCount()),
-      arenas_(std::make_shared<BrickArenas>(type)) {
+      arenas_(std::make_shared<BrickArenas>(type)),
+      kept_(shapes_.grid().brickCount()) {
     for (const cell::CellState& state : cell::cellStates())
         ISO_CHECK(state.innerVertices <= cell::kMaxInnerVertices && state.triangles.size() <= kMaxCellIndices);
 }
@@ -55,9 +56,9 @@ void LiveSurface<Live>::clear() {
         std::vector<RetiredRuns> all;
         all.reserve(liveBricks_);
         for (const BrickSlot slot : slots())
-            if (Brick& brick = bricks_[slot.index()]; brick.isLive) {
+            if (Brick& brick = bricks_[slot.index()]; brick.isLive)
                 all.push_back(takeRuns(brick));
-            }
+        addKeptRuns(all);
         retire(version_ + 1, all);
     }
     forgetBricks();
@@ -77,6 +78,7 @@ void LiveSurface<Live>::drop() noexcept {
 
 template <class Live>
 void LiveSurface<Live>::forgetBricks() noexcept {
+    kept_.clear();
     ambiguous_.clear();
     merged_.clear();
     nearMissing_.clear();
@@ -109,7 +111,7 @@ void LiveSurface<Live>::countLeaves(const Brick& brick, int sign, Counts& counts
 }
 
 template <class Live>
-BrickSlot LiveSurface<Live>::add(BrickIndex index) {
+BrickSlot LiveSurface<Live>::add(BrickIndex index, const std::optional<KeptPoints::Kept>& points) {
     if (free_.empty()) {
         // What may fail because memory is short comes first: afterwards all tables have one length.
         const std::size_t slots = slotCount() + 1;
@@ -133,7 +135,13 @@ BrickSlot LiveSurface<Live>::add(BrickIndex index) {
     if (isNearMissing)
         nearMissing_[slot.index()] = std::make_unique<BrickMasks>(shapes_.masksNearMissing(index));
     Brick& brick = bricks_[slot.index()]; // new, or as remove() leaves it
-    arenas_->points.resize(brick.points, pointLines_); // here, where no other thread wants any
+    if (points) {
+        brick.points = points->run;
+        brick.pointsVersion = points->version;
+        brick.hasPoints = true;
+    } else {
+        arenas_->points.resize(brick.points, pointLines_); // here, where no other thread wants any
+    }
     free_.pop_back();
     brick.index = index;
     brick.isLive = true;
@@ -149,6 +157,7 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
     triangles_ -= brick.indexCount / 3;
     countLeaves(brick, -1, activeLeaves_);
     ambiguousCells_ -= brick.ambiguousCells;
+    leavePoints(brick);
     if (RetiredRuns runs = takeRuns(brick); isWatched_)
         retire(version_, std::span(&runs, 1));
     else
@@ -162,6 +171,30 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
     static_cast<LiveBrickHead&>(brick) = {};
     free_.push_back(slot);
     --liveBricks_;
+}
+
+// Pictures may refer to points that are kept: nothing is written to them, as to those of live bricks.
+template <class Live>
+void LiveSurface<Live>::leavePoints(Brick& brick) {
+    if (!brick.hasPoints || kept_.bound() == 0)
+        return;
+    if (const auto givenUp = kept_.put(brick.index, {brick.points, brick.pointsVersion}))
+        brick.points = *givenUp; // goes with the rest of the brick
+    else
+        brick.points = {};
+}
+
+template <class Live>
+void LiveSurface<Live>::addKeptRuns(std::vector<RetiredRuns>& runs) {
+    kept_.forEachRun([&](const ArenaRun& run) { runs.push_back({{}, {}, {}, run}); });
+}
+
+template <class Live>
+void LiveSurface<Live>::dropKeptPoints() {
+    std::vector<RetiredRuns> runs;
+    addKeptRuns(runs);
+    kept_.clear();
+    retire(version_ + 1, runs); // there may be pictures of them
 }
 
 template <class Live>
@@ -216,22 +249,23 @@ void LiveSurface<Live>::compact() {
         return;
     sparseMoves_ = 0;
     auto compacted = std::make_shared<BrickArenas>(arenas_->type);
+    const auto moveRun = [](auto& to, const auto& from, ArenaRun& run) {
+        const ArenaRun moved = to.alike(run);
+        if (moved.capacity > 0)
+            std::memcpy(to.at(moved.begin), from.at(run.begin), moved.capacity * sizeof(*from.at(0)));
+        run = moved;
+    };
     for (const BrickSlot slot : slots()) {
         Brick& brick = bricks_[slot.index()];
         if (!brick.isLive)
             continue;
-        const auto moveRun = [](auto& to, const auto& from, ArenaRun& run) {
-            const ArenaRun moved = to.alike(run);
-            if (moved.capacity > 0)
-                std::memcpy(to.at(moved.begin), from.at(run.begin), moved.capacity * sizeof(*from.at(0)));
-            run = moved;
-        };
         moveRun(compacted->vertices, arenas_->vertices, brick.vertices);
         moveRun(compacted->indices, arenas_->indices, brick.indices);
         moveRun(compacted->inner, arenas_->inner, brick.inner);
         moveRun(compacted->points, arenas_->points, brick.points);
         show(slot);
     }
+    kept_.forEachRun([&](ArenaRun& run) { moveRun(compacted->points, arenas_->points, run); });
     arenas_ = std::move(compacted);
     retired_.clear(); // pictures keep the arenas that they are of
 }

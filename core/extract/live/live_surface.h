@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "core/extract/live/brick_slot.h"
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/chunked_array.h"
+#include "core/extract/live/kept_points.h"
 #include "core/extract/live/live_brick.h"
 #include "core/extract/live/run_arena.h"
 #include "core/extract/merged/merge_bound.h"
@@ -47,12 +49,20 @@ public:
     /// `type`: of the samples that the points of bricks hold. `missingCells` must outlive the surface; sorted by brick.
     LiveSurface(const GridGeometry& geometry, ScalarType type, const std::vector<index::MissingCells>& missingCells);
 
+    /// From now on points of bricks that leave are kept, up to that many bytes of them, for when the bricks come back.
+    /// REQUIRES: bricks have all their points from the first replace() on.
+    void keepPoints(std::uint64_t bytes) { kept_.setBound(bytes / (pointLines_ * sizeof(PointLine))); }
+    /// The points of a brick that is to come back, if they were kept. REQUIRES: add() follows.
+    std::optional<KeptPoints::Kept> takeKeptPoints(BrickIndex brick) { return kept_.take(brick); }
+    void dropKeptPoints();
+    std::uint64_t keptPointBytes() const { return kept_.count() * pointLines_ * sizeof(PointLine); }
+
     /// Drops all bricks. Their memory serves the next ones; compact() gives back what those do not need.
     void clear();
     /// The same after a move that has failed, in whatever state that has left the surface; gives the memory back.
     void drop() noexcept;
     /// Starts a live brick without triangles. REQUIRES: shapes().hasCells(brick).
-    BrickSlot add(BrickIndex brick);
+    BrickSlot add(BrickIndex brick, const std::optional<KeptPoints::Kept>& points = std::nullopt);
     void remove(BrickSlot slot);
 
     /// Starts a move: what has changed is counted from here. What only pictures that are gone refer to becomes free.
@@ -124,6 +134,8 @@ private:
                      BrickDraft<Live>& draft) const;
     Record recordOf(BrickSlot slot, std::uint32_t vertex) const;
     static RetiredRuns takeRuns(Brick& brick);
+    void addKeptRuns(std::vector<RetiredRuns>& runs);
+    void leavePoints(Brick& brick);
     void release(RetiredRuns& runs);
     void retire(std::uint32_t version, std::span<const RetiredRuns> runs);
     void show(BrickSlot slot);
@@ -160,6 +172,7 @@ private:
     std::vector<BrickSlot> free_;
     std::vector<PictureBrick> shown_; ///< by slot: the table of the next picture
     std::shared_ptr<BrickArenas> arenas_;
+    KeptPoints kept_;
     std::shared_ptr<BrickArenas> spare_; ///< empty; for drop(), which cannot make any
     RunArena<AmbiguousCell, 4, 16> ambiguous_;
     RunArena<MergedLeaf, 8, 16> merged_;

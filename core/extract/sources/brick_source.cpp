@@ -82,6 +82,12 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
     NetBricks net;
     ISO_TRY(
         netBricks(std::min(move.from, move.to), std::max(move.from, move.to), move.from < move.to, stats, stop, net));
+    // Before others leave, for which some may be given up.
+    std::erase_if(net.arrive, [&](BrickIndex brick) { return !surface.shapes().hasCells(brick); });
+    sortForReading(net.arrive, false);
+    std::vector<std::optional<KeptPoints::Kept>> kept(net.arrive.size());
+    std::transform(net.arrive.begin(), net.arrive.end(), kept.begin(),
+                   [&](BrickIndex brick) { return surface.takeKeptPoints(brick); });
     constexpr std::size_t kAhead = 8;
     for (std::size_t i = 0; i < net.leave.size(); ++i) {
         if (i + 2 * kAhead < net.leave.size())
@@ -98,14 +104,12 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         surface.remove(slot);
         watch_[slot.index()] = {};
     }
-    sortForReading(net.arrive, false);
-    for (const BrickIndex brick : net.arrive) {
-        if (!surface.shapes().hasCells(brick))
-            continue;
+    for (std::size_t i = 0; i < net.arrive.size(); ++i) {
+        const BrickIndex brick = net.arrive[i];
         if (slotOf_[brick.index()] != 0)
             return makeError(ErrorCode::Corruption, "index contradicts itself: a brick becomes active twice",
                              reader_.pathString());
-        const BrickSlot slot = surface.add(brick);
+        const BrickSlot slot = surface.add(brick, kept[i]);
         if (slot.index() >= watch_.size()) {
             watch_.resize(slot.index() + 1);
             brickOf_.resize(slot.index() + 1);
@@ -206,7 +210,7 @@ void BrickSource<Sample>::sortForReading(std::vector<BrickIndex>& bricks, bool b
 // Most of a move is waiting for memory: a brick's lines are asked for while the one before is made.
 template <class Sample>
 void BrickSource<Sample>::prefetchPoints(const LiveSurface<Live>& surface, const Job& job) const {
-    if (job.isNew) {
+    if (!surface.brick(job.slot).hasPoints) {
         samples_.prefetch(brickOf_[job.slot.index()]);
         return;
     }
@@ -290,7 +294,7 @@ void BrickSource<Sample>::classifyFor(const Move& move, const LiveSurface<Live>&
 template <class Sample>
 bool BrickSource<Sample>::begin(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const {
     scratch.draft.newPoints = nullptr;
-    if (!job.isNew)
+    if (surface.brick(job.slot).hasPoints) // it was there before, or is back
         return true;
     const BrickIndex brick = brickOf_[job.slot.index()];
     if (!samples_.isReady(brick))

@@ -35,6 +35,7 @@ public:
 
     /// Chunks that fit into the cache.
     std::size_t capacity() const { return capacity_; }
+    std::uint64_t mostBytes() const { return capacity_ * kSamples * sizeof(Sample); }
 
 private:
     using Chunk = index::ChunkIndex;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <map>
 #include <random>
 #include <utility>
 
@@ -229,7 +230,9 @@ TEST_F(SlideEngineTest, FramesDoNotGrowWithTheNumberOfMoves) {
 
 // What a large surface took is given back, here and on the card, though nothing is rebuilt.
 TEST_F(SlideEngineTest, MemoryFollowsASurfaceThatShrinks) {
-    auto made = preprocess::makeMemoryEngine(hills_);
+    SlideOptions options;
+    options.cacheBytes = 0; // which points of bricks that have left would have a share of
+    auto made = SlideEngine::open(buildMetacells(), options);
     ASSERT_THAT(made, IsOk());
     SlideEngine& engine = *made.value();
     std::uint64_t largest = 0, last = 0;
@@ -299,6 +302,63 @@ TEST_F(SlideEngineTest, CrossedBricksReadNoSamplesAgain) {
     EXPECT_GT(changed, 0u);
     EXPECT_GT(made, 20u);
     EXPECT_TRUE(test::isSameSurface(engine.mesh().value(), extractFull(*hills_, way.back()).value()));
+}
+
+// A handle goes to and fro: bricks that have left and come back need not be read again, nor sent to the graphics card,
+// as many of them as the bound on caches allows.
+TEST_F(SlideEngineTest, BricksThatComeBackHaveKeptTheirPoints) {
+    const auto path = buildMetacells();
+    SlideOptions options;
+    options.readsAhead = false;
+    const auto pointsOf = [](const SurfaceFrame& frame) { // by place: where they are, and since when
+        std::map<std::array<std::uint16_t, 3>, std::pair<std::uint32_t, std::uint32_t>> points;
+        for (const PictureBrick& brick : frame.bricks->bricks())
+            if (brick.indexCount > 0)
+                points[brick.place] = {brick.firstPointLine, brick.pointsVersion};
+        return points;
+    };
+    const std::size_t bytesOfPoints = pointLineCount(sizeof(std::uint16_t)) * sizeof(PointLine);
+    ASSERT_EQ(hills_->type(), ScalarType::U16);
+    std::vector<std::size_t> kept;
+    for (const std::uint64_t cacheBytes : {std::uint64_t{128} << 10, std::uint64_t{64} << 20})
+        for (const bool drops : {false, true}) {
+            options.cacheBytes = cacheBytes;
+            const auto engine = SlideEngine::open(path, options);
+            ASSERT_THAT(engine, IsOk());
+            SurfaceFrame first, between, last;
+            SurfaceFrame before, after;
+            ASSERT_THAT(engine.value()->slideTo(300.5), IsOk());
+            engine.value()->copyFrame(first);
+            before.isovalue = after.isovalue = first.isovalue;
+            expandPicture(*first.bricks, before);
+            ASSERT_THAT(engine.value()->slideTo(150.5), IsOk());
+            engine.value()->copyFrame(between);
+            if (drops)
+                engine.value()->dropCaches();
+            ASSERT_THAT(engine.value()->slideTo(300.5), IsOk());
+            engine.value()->copyFrame(last);
+            EXPECT_TRUE(test::isSameSurface(engine.value()->mesh().value(), extractFull(*hills_, 300.5).value()));
+            EXPECT_TRUE(test::hasExpectedNormals(engine.value()->mesh().value(), *hills_));
+            expandPicture(*first.bricks, after);
+            EXPECT_EQ(before.positions, after.positions);
+            EXPECT_EQ(before.normals, after.normals);
+            const auto then = pointsOf(first), meanwhile = pointsOf(between), now = pointsOf(last);
+            std::size_t back = 0, same = 0;
+            for (const auto& [place, points] : now)
+                if (!meanwhile.contains(place)) {
+                    ++back;
+                    same += then.at(place) == points;
+                }
+            ASSERT_GT(back, 40u);
+            if (drops)
+                EXPECT_EQ(same, 0u);
+            else if (cacheBytes > (1u << 20))
+                EXPECT_EQ(same, back);
+            else
+                EXPECT_LE(same * bytesOfPoints, cacheBytes / 2);
+            kept.push_back(same);
+        }
+    EXPECT_GT(kept[0], 5u) << "else the bound is never met";
 }
 
 // The window uploads the bricks that have another version: they must be few where little changes.
