@@ -87,6 +87,7 @@ public:
           mergeBound_(wantedBound_) {
         backing_.source.setBuildsLevels(options.buildsLevels);
         surface_.keepPoints(backing_.keptPointBytes);
+        surface_.setSlack(backing_.keptPointBytes / 4);
     }
 
     const index::IndexInfo& info() const override { return meta().info; }

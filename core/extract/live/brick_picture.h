@@ -43,6 +43,10 @@ struct BrickArenas {
     bool isSparse(std::uint64_t share) const {
         return vertices.isSparse(share) || indices.isSparse(share) || inner.isSparse(share) || points.isSparse(share);
     }
+    /// Below what belongs to a run or did so.
+    std::uint64_t unusedBytes() const {
+        return vertices.unusedBytes() + indices.unusedBytes() + inner.unusedBytes() + points.unusedBytes();
+    }
     void trim() {
         vertices.trim();
         indices.trim();

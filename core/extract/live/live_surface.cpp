@@ -244,8 +244,8 @@ template <class Live>
 void LiveSurface<Live>::compact() {
     if (hasCleared_)
         trim();
-    sparseMoves_ = arenas_->isSparse(2) ? sparseMoves_ + 1 : 0;
-    if (sparseMoves_ < kSparseMoves && !arenas_->isSparse(kVerySparse))
+    sparseMoves_ = arenas_->isSparse(2) && arenas_->unusedBytes() > slackBytes_ ? sparseMoves_ + 1 : 0;
+    if (sparseMoves_ == 0 || (sparseMoves_ < kSparseMoves && !arenas_->isSparse(kVerySparse)))
         return;
     sparseMoves_ = 0;
     auto compacted = std::make_shared<BrickArenas>(arenas_->type);

@@ -52,6 +52,9 @@ public:
     /// From now on points of bricks that leave are kept, up to that many bytes of them, for when the bricks come back.
     /// REQUIRES: bricks have all their points from the first replace() on.
     void keepPoints(std::uint64_t bytes) { kept_.setBound(bytes / (pointLines_ * sizeof(PointLine))); }
+    /// So much memory is never given back by compact(): a handle goes to and fro, and to have memory again costs as
+    /// much as filling it.
+    void setSlack(std::uint64_t bytes) { slackBytes_ = bytes; }
     /// The points of a brick that is to come back, if they were kept. REQUIRES: add() follows.
     std::optional<KeptPoints::Kept> takeKeptPoints(BrickIndex brick) { return kept_.take(brick); }
     void dropKeptPoints();
@@ -186,6 +189,7 @@ private:
     std::uint32_t version_ = 0; ///< counts moves
     static constexpr int kSparseMoves = 8;
     static constexpr std::uint64_t kVerySparse = 8; ///< one in so many is used: then at once
+    std::uint64_t slackBytes_ = 0;
     int sparseMoves_ = 0; ///< after which the arenas were mostly free, one after the other
     bool hasCleared_ = false; ///< since compact()
     bool isWatched_ = false; ///< in this move: there are pictures, and nothing of them may be written to

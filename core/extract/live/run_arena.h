@@ -65,6 +65,8 @@ public:
     /// Whether no more than one in `share` of the elements up to top() belongs to a run.
     bool isSparse(std::uint64_t share) const { return top_ > share * used_ + kSparseSlack; }
 
+    std::uint64_t unusedBytes() const { return (top_ - used_) * sizeof(T); }
+
 private:
     static constexpr std::uint64_t kChunk = ChunkedArray<T, ChunkBits>::kChunk;
     static_assert(kChunk % Granule == 0);

@@ -254,6 +254,20 @@ TEST_F(SlideEngineTest, MemoryFollowsASurfaceThatShrinks) {
     EXPECT_LT(last, largest / 3) << isovalue;
 }
 
+// A handle that goes to and fro does not pay for it again and again: little is never given back.
+TEST_F(SlideEngineTest, LittleMemoryStaysWithASurfaceThatShrinks) {
+    const auto engine = SlideEngine::open(buildMetacells());
+    ASSERT_THAT(engine, IsOk());
+    SurfaceFrame first, frame;
+    ASSERT_THAT(engine.value()->slideTo(400.0), IsOk());
+    engine.value()->copyFrame(first);
+    for (double isovalue = 430.0; isovalue < 1000.0; isovalue += 30.0) {
+        ASSERT_THAT(engine.value()->slideTo(isovalue), IsOk());
+        engine.value()->copyFrame(frame);
+        ASSERT_EQ(frame.bricks->series(), first.bricks->series()) << isovalue;
+    }
+}
+
 // The same where the surface starts again; what a picture shows stays while it is shown.
 TEST_F(SlideEngineTest, MemoryFollowsASurfaceThatStartsAgain) {
     const auto engine = openOn(hills_);
