@@ -83,21 +83,21 @@ int eulerNumberOfHalves(MergedSigns s) {
 
 // The cells for which exactly `number` of the words have their bit set: full adders take three words of one weight to
 // one of it and one of the next.
-template <std::size_t Count>
-std::uint64_t areSet(std::array<std::uint64_t, Count> words, unsigned number) {
-    std::uint64_t differs = 0;
+template <class Word, std::size_t Count>
+Word areSet(std::array<Word, Count> words, unsigned number) {
+    Word differs{};
     for (std::size_t count = Count; count > 0; number >>= 1) {
         std::size_t carries = 0;
-        std::uint64_t sum = words[0];
+        Word sum = words[0];
         for (std::size_t i = 1; i < count; i += 2) { // behind the last stands a zero
-            const std::uint64_t b = words[i], c = i + 1 < count ? words[i + 1] : 0, either = b ^ c;
+            const Word b = words[i], c = i + 1 < count ? words[i + 1] : Word{}, either = b ^ c;
             words[carries++] = (b & c) | (sum & either);
             sum ^= either;
         }
         differs |= number & 1 ? ~sum : sum;
         count = carries;
     }
-    return number == 0 ? ~differs : 0;
+    return number == 0 ? ~differs : Word{};
 }
 
 // Calls visit(first corner, step along u, step along v) for the squares of the given spacing.
@@ -113,21 +113,21 @@ void forEachSquare(std::size_t step, const Visit& visit) {
     }
 }
 
-} // namespace
-
-std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& s) {
-    std::uint64_t fails = 0;
-    std::array<std::uint64_t, 54 + 36 + 8> counted; // vertices, loops, and the segments that are not there
+// For each bit of a word what keepsTopology() answers.
+template <class Word>
+Word keepsTopologyOf(const std::array<Word, 27>& s) {
+    Word fails{};
+    std::array<Word, 54 + 36 + 8> counted; // vertices, loops, and the segments that are not there
     std::size_t count = 0;
     constexpr unsigned kSegments = 36;
     for (const std::size_t step : {std::size_t{1}, std::size_t{2}})
         forEachSquare(step, [&](std::size_t p, std::size_t u, std::size_t v) {
-            const std::uint64_t a = s[p], b = s[p + u], c = s[p + v], d = s[p + u + v];
+            const Word a = s[p], b = s[p + u], c = s[p + v], d = s[p + u + v];
             fails |= ~(a ^ d) & ~(b ^ c) & (a ^ b);
             if (step == 1) {
                 counted[count++] = ~((a | b | c | d) & ~(a & b & c & d));
             } else { // the middle of a face
-                const std::uint64_t m = s[p + (u + v) / 2];
+                const Word m = s[p + (u + v) / 2];
                 fails |= (m ^ s[p + u / 2]) & (m ^ s[p + v / 2]) & (m ^ s[p + u + v / 2]) & (m ^ s[p + u / 2 + v]);
             }
         });
@@ -138,7 +138,7 @@ std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& s) {
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t j = 0; j < 3; ++j) {
                 const std::size_t p = i * u + j * v;
-                const std::uint64_t first = s[p] ^ s[p + along], second = s[p + along] ^ s[p + 2 * along];
+                const Word first = s[p] ^ s[p + along], second = s[p + along] ^ s[p + 2 * along];
                 counted[count++] = first;
                 counted[count++] = second;
                 if (i != 1 && j != 1) // an edge of the cell
@@ -147,15 +147,15 @@ std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& s) {
     }
     // Without ambiguous faces, a cell has two loops when two opposite corners differ from the six others.
     const auto look = [&](std::size_t first, std::size_t step) {
-        std::array<std::uint64_t, 8> corners;
-        std::uint64_t any = 0, all = ~std::uint64_t{0};
+        std::array<Word, 8> corners;
+        Word any{}, all = ~Word{};
         for (std::size_t c = 0; c < 8; ++c) {
             corners[c] = s[first + step * ((c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2))];
             any |= corners[c];
             all &= corners[c];
         }
         for (std::size_t c = 0; c < 4; ++c) {
-            std::uint64_t anyOther = 0, allOthers = ~std::uint64_t{0};
+            Word anyOther{}, allOthers = ~Word{};
             for (std::size_t k = 0; k < 8; ++k)
                 if (k != c && k != 7 - c) {
                     anyOther |= corners[k];
@@ -168,13 +168,18 @@ std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& s) {
     fails |= ~look(0, 2); // no loop
     for (std::size_t c = 0; c < 8; ++c)
         counted[count++] = look((c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2), 1);
-    std::uint64_t any = 0, all = ~std::uint64_t{0};
-    for (const std::uint64_t sign : s) {
+    Word any{}, all = ~Word{};
+    for (const Word sign : s) {
         any |= sign;
         all &= sign;
     }
     return (~fails & areSet(counted, kSegments + 1)) | ~any | all;
 }
+
+} // namespace
+
+std::uint64_t keepsTopologyOf64(const std::array<std::uint64_t, 27>& signs) { return keepsTopologyOf(signs); }
+TwoWords keepsTopologyOf128(const std::array<TwoWords, 27>& signs) { return keepsTopologyOf(signs); }
 
 bool keepsTopology(MergedSigns s) {
     if (s == 0 || s == kAllAbove)

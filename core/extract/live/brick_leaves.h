@@ -145,10 +145,14 @@ public:
     void fill(const GridDims& dims, const std::array<std::int32_t, 3>& origin, const BitString& above,
               const LeavesAt& leavesAt) {
         above_ = &above;
-        levels_.fill(kNoLevel);
         std::array<int, 3> end{};
         for (std::size_t a = 0; a < 3; ++a)
             end[a] = static_cast<int>(std::min<std::int64_t>(kCellSide + 1, dims[a] - 1 - origin[a]));
+        if (std::min({origin[0], origin[1], origin[2]}) > 0 && std::min({end[0], end[1], end[2]}) > kCellSide) {
+            fillInBox(leavesAt);
+            return;
+        }
+        levels_.fill(kNoLevel);
         fillFrom({0, 0, 0}, leavesAt(BrickStep{0, 0, 0}), origin, end);
         forEachBrickStep([&](const BrickStep& step) { fillFrom(step, leavesAt(step), origin, end); });
     }
@@ -172,6 +176,36 @@ private:
     static int nextPair(int at) { return at < 0 ? 0 : (at & ~1) + 2; }
     static std::size_t placeOf(int x, int y, int z) {
         return static_cast<std::size_t>(x + 1 + kSide * (y + 1 + kSide * (z + 1)));
+    }
+
+    // Rows at y and at the place after it are alike where both lie in one cell of side 2, and so are planes: 36 of the 100
+    // are made.
+    template <class LeavesAt>
+    void fillInBox(const LeavesAt& leavesAt) {
+        const BrickLeaves none;
+        const auto at = [&](int x, int y, int z) -> const BrickLeaves& {
+            const BrickLeaves* const leaves = leavesAt(BrickStep{x, y, z});
+            return leaves == nullptr ? none : *leaves;
+        };
+        const auto stepOf = [](int place) { return place < 0 ? -1 : place < kCellSide ? 0 : 1; };
+        constexpr int kIn = kCellSide - 1;
+        for (int z = -1; z <= kCellSide; z = nextPair(z))
+            for (int y = -1; y <= kCellSide; y = nextPair(y)) {
+                const int stepY = stepOf(y), stepZ = stepOf(z), inY = y & kIn, inZ = z & kIn;
+                const std::uint64_t levels = at(0, stepY, stepZ).levelsOfRow(inY, inZ);
+                // Beside a brick across an edge lies one that has no more than a point in common with this one.
+                const bool isBesideEdge = stepY != 0 && stepZ != 0;
+                const int before = isBesideEdge ? kNoLevel : at(-1, stepY, stepZ).levelOf(kIn, inY, inZ);
+                const int behind = isBesideEdge ? kNoLevel : at(1, stepY, stepZ).levelOf(0, inY, inZ);
+                const int endY = std::min(nextPair(y), kCellSide + 1), endZ = std::min(nextPair(z), kCellSide + 1);
+                for (int atZ = z; atZ < endZ; ++atZ)
+                    for (int atY = y; atY < endY; ++atY) {
+                        std::int8_t* const row = levels_.data() + placeOf(0, atY, atZ);
+                        row[-1] = static_cast<std::int8_t>(before);
+                        std::memcpy(row, &levels, sizeof levels);
+                        row[kCellSide] = static_cast<std::int8_t>(behind);
+                    }
+            }
     }
 
     void fillFrom(const BrickStep& step, const BrickLeaves* leaves, const std::array<std::int32_t, 3>& origin,

@@ -285,7 +285,7 @@ void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerS
         draft.counts.cellsChanged += hasAnyCell(draft.changed, leaf.cell, leaf.level);
     triangulate(slot, draft, corners, isovalue);
     draft.inner.clear();
-    if (hasInner_[slot.index()] != 0 || !draft.merged.leaves().empty())
+    if (hasInner_[slot.index()] != 0 || draft.merged.hasCentres())
         readRecords(draft.newPoints ? draft.newPoints : points(slot), draft.codes.data(), draft.edgeVertices, draft);
     if (hasInner_[slot.index()] != 0)
         placeInner(shapes_.origin(brick.index), draft.records.data(), draft.ambiguous, draft, corners, isovalue);

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <utility>
 
 namespace isoslider::extract {
 namespace {
@@ -28,6 +29,13 @@ std::uint64_t takeOut(std::uint64_t squares, BitString& cells) {
         found |= ((any & 1) | (any >> 1 & 2) | (any >> 2 & 4) | (any >> 3 & 8)) << (4 * row);
     }
     return found;
+}
+
+std::uint64_t takeOutAll(BitString& cells) {
+    std::uint64_t any = 0;
+    for (std::uint64_t& word : cells.words)
+        any |= std::exchange(word, 0);
+    return any != 0 ? 1 : 0;
 }
 
 // First cells of side 2 of the cells of side 4.
@@ -65,7 +73,7 @@ void MergedCells::clear() {
 
 void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, ActiveBits& active) {
     clear();
-    std::uint64_t crossed = takeOut(leaves.level1, active.cells);
+    std::uint64_t crossed = leaves.level3 ? takeOutAll(active.cells) : takeOut(leaves.level1, active.cells);
     // Of each leaf its first cell of side 2: their order is that of the leaves.
     constexpr std::uint64_t kParts = 0x330033;
     for (std::uint64_t first = firstOfHalves(leaves.level2); first != 0; first &= first - 1) {
@@ -73,8 +81,6 @@ void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, Ac
         if ((crossed & kParts << i) != 0)
             crossed = (crossed & ~(kParts << i)) | std::uint64_t{1} << i;
     }
-    if (leaves.level3)
-        crossed = crossed != 0;
     for (; crossed != 0; crossed &= crossed - 1) {
         const int i = std::countr_zero(crossed), x = 2 * (i % 4), y = 2 * (i / 4 % 4), z = 2 * (i / 16);
         const std::int64_t first = closedPoint(x, y, z).number();

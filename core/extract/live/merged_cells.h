@@ -45,6 +45,7 @@ public:
     /// one.
     static constexpr std::uint32_t kCentre = std::uint32_t{1} << 31;
     std::span<const std::uint32_t> triangles() const { return triangles_; }
+    bool hasCentres() const { return centres_ > 0; }
 
 private:
     void add(const LeafCell& leaf, const LeavesAround& around);

@@ -25,6 +25,7 @@ BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<
     : WalkedSource<Sample>(bricks, cacheBytes),
       samples_(samples),
       slotOf_(bricks.grid().brickCount()),
+      leavesOf_(bricks.grid().brickCount()),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     slotOf_.grow(bricks.grid().brickCount());
     for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
@@ -42,11 +43,12 @@ void BrickSource<Sample>::setMergeBound(const MergeBound& bound) {
 
 template <class Sample>
 void BrickSource<Sample>::reset() {
-    for (const BrickIndex brick : brickOf_)
+    for (const BrickIndex brick : brickOf_) {
         slotOf_[brick.index()] = 0;
+        leavesOf_[brick.index()] = {};
+    }
     watch_.clear();
     brickOf_.clear();
-    leaves_.clear();
     surelyWithin_.clear();
     shownLeaves_.clear();
 }
@@ -103,6 +105,8 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         stats.cellsRetriangulated += surface.brick(slot).cellCount;
         surface.remove(slot);
         watch_[slot.index()] = {};
+        if (bound_.limit > 0.0 || hasNewBound_)
+            leavesOf_[brick.index()] = {};
     }
     for (std::size_t i = 0; i < net.arrive.size(); ++i) {
         const BrickIndex brick = net.arrive[i];
@@ -113,7 +117,6 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         if (slot.index() >= watch_.size()) {
             watch_.resize(slot.index() + 1);
             brickOf_.resize(slot.index() + 1);
-            leaves_.resize(slot.index() + 1);
             surelyWithin_.resize(slot.index() + 1);
             shownLeaves_.resize(slot.index() + 1);
         }
@@ -166,7 +169,8 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         scratch.bricks = scratch.edgesAdded = scratch.edgesRemoved = 0;
     }
     if (hasNewBound_ && bound_.limit == 0.0)
-        leaves_.assign(leaves_.size(), {});
+        for (const BrickIndex brick : brickOf_)
+            leavesOf_[brick.index()] = {};
     if (bound_.limit > 0.0)
         ISO_TRY(runMerging(move, surface, std::move(jobs), stats, control));
     else
@@ -241,6 +245,8 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
                 if (i + kAhead < end) { // beyond, another thread may be changing them
                     prefetchPoints(surface, some[i + kAhead]);
                     surface.prefetch(some[i + kAhead].slot);
+                    if (bound_.limit > 0.0)
+                        prefetchLeavesAround(surface, some[i + kAhead].slot);
                 }
                 if ((this->*work)(move, surface, some[i], scratch))
                     ++done;

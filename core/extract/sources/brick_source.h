@@ -108,6 +108,9 @@ private:
     void addOtherLeaves(BrickSlot slot, Scratch& scratch);
     bool findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     bool rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    BrickLeaves& leavesOf(BrickSlot slot) { return leavesOf_[brickOf_[slot.index()].index()]; }
+    const BrickLeaves& leavesOf(BrickSlot slot) const { return leavesOf_[brickOf_[slot.index()].index()]; }
+    void prefetchLeavesAround(const LiveSurface<Live>& surface, BrickSlot slot) const;
     void addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const;
     bool begin(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
     void finish(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
@@ -123,7 +126,10 @@ private:
     std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick
     MergeBound bound_;
     bool hasNewBound_ = false; ///< since the last move
-    std::vector<BrickLeaves> leaves_, surelyWithin_; ///< by slot, while cells are merged
+    /// By brick, while cells are merged; those of a brick that is not live are none. So what lies around a brick is found
+    /// without a look at slots.
+    VirtualArray<BrickLeaves> leavesOf_;
+    std::vector<BrickLeaves> surelyWithin_; ///< by slot, likewise
     std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;

@@ -1,5 +1,6 @@
 // Bricks with merged cells: what depends on the bricks beside.
 
+#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -18,7 +19,7 @@ Status BrickSource<Sample>::runMerging(const Move& move, LiveSurface<Live>& surf
     for (Scratch& scratch : *scratches_)
         scratch.otherLeaves.clear();
     ISO_TRY(runJobs(move, surface, jobs, stats, control.part(0.0, 0.5), &BrickSource::findLeaves));
-    std::erase_if(jobs, [this](const Job& job) { return !leaves_[job.slot.index()].hasMerged(); });
+    std::erase_if(jobs, [this](const Job& job) { return !leavesOf(job.slot).hasMerged(); });
     addBricksBeside(surface, jobs);
     return runJobs(move, surface, std::move(jobs), stats, control.part(0.5, 1.0), &BrickSource::rebuildMerged);
 }
@@ -29,7 +30,7 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
         return false;
     classifyFor(move, surface, job, scratch);
     const Stored* const samples = pointsOf(surface, job, scratch).samples;
-    BrickLeaves &leaves = leaves_[job.slot.index()], &surely = surelyWithin_[job.slot.index()];
+    BrickLeaves &leaves = leavesOf(job.slot), &surely = surelyWithin_[job.slot.index()];
     const BitString& validCells = surface.masks(job.slot).cells;
     BrickLeaves found;
     if (job.isNew || hasNewBound_) {
@@ -54,12 +55,25 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
 // A cell that has merged or split has changed, whatever its signs.
 template <class Sample>
 void BrickSource<Sample>::addOtherLeaves(BrickSlot slot, Scratch& scratch) {
-    const BrickLeaves before = std::exchange(shownLeaves_[slot.index()], leaves_[slot.index()]);
-    if (before == leaves_[slot.index()])
+    const BrickLeaves before = std::exchange(shownLeaves_[slot.index()], leavesOf(slot));
+    if (before == leavesOf(slot))
         return;
-    const BitString others = cellsOfOtherLevel(before, leaves_[slot.index()]);
+    const BitString others = cellsOfOtherLevel(before, leavesOf(slot));
     for (std::size_t w = 0; w < kBitWords; ++w)
         scratch.found.changed.words[w] |= others.words[w];
+}
+
+// Those of a row of bricks lie together.
+template <class Sample>
+void BrickSource<Sample>::prefetchLeavesAround(const LiveSurface<Live>& surface, BrickSlot slot) const {
+    const BrickGrid& grid = surface.shapes().grid();
+    const auto brick = static_cast<std::int64_t>(brickOf_[slot.index()].number()),
+               last = static_cast<std::int64_t>(grid.brickCount()) - 1;
+    for (std::int64_t z = -1; z <= 1; ++z)
+        for (std::int64_t y = -1; y <= 1; ++y) {
+            const std::int64_t other = brick + grid.bricks()[0] * (y + grid.bricks()[1] * z);
+            __builtin_prefetch(&leavesOf_[static_cast<std::size_t>(std::clamp<std::int64_t>(other, 0, last))]);
+        }
 }
 
 // Bricks that arrive or leave change nothing beside them: what they share with a brick in which no sample is crossed
@@ -73,10 +87,10 @@ void BrickSource<Sample>::addBricksBeside(const LiveSurface<Live>& surface, std:
     for (const Scratch& scratch : *scratches_)
         for (const auto& [slot, before] : scratch.otherLeaves)
             forEachBesideChanged(
-                grid, grid.brickCoords(brickOf_[slot.index()]), before, leaves_[slot.index()],
+                grid, grid.brickCoords(brickOf_[slot.index()]), before, leavesOf(slot),
                 [this](BrickIndex brick) { return slotOf_[brick.index()]; },
                 [&](BrickSlot other) {
-                    if (isListed[other.index()] || !leaves_[other.index()].hasMerged())
+                    if (isListed[other.index()] || !leavesOf(other).hasMerged())
                         return;
                     isListed[other.index()] = true;
                     jobs.push_back({other, false});
@@ -93,14 +107,14 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
     draft.active = scratch.found.active;
     draft.ownedEdges = scratch.found.ownedEdges;
     draft.merged.clear();
-    if (const BrickLeaves& leaves = leaves_[job.slot.index()]; leaves.hasMerged()) {
-        const auto coords = surface.shapes().grid().brickCoords(brickOf_[job.slot.index()]);
+    if (const BrickLeaves& leaves = leavesOf(job.slot); leaves.hasMerged()) {
+        const BrickGrid& grid = surface.shapes().grid();
+        const auto coords = grid.brickCoords(brickOf_[job.slot.index()]);
         const auto leavesAt = [&](const BrickStep& step) -> const BrickLeaves* {
-            if (step == BrickStep{0, 0, 0})
-                return &leaves;
-            const auto other = slotBeside(surface.shapes().grid(), coords, step,
-                                          [this](BrickIndex brick) { return slotOf_[brick.index()]; });
-            return other ? &leaves_[other->index()] : nullptr;
+            for (std::size_t a = 0; a < 3; ++a)
+                if (coords[a] + step[a] < 0 || coords[a] + step[a] >= grid.bricks()[a])
+                    return nullptr;
+            return &leaves + step[0] + grid.bricks()[0] * (step[1] + grid.bricks()[1] * step[2]);
         };
         scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brickOf_[job.slot.index()]),
                             scratch.found.above, leavesAt);
@@ -117,6 +131,7 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
 
 #define ISO_INSTANTIATE(Sample, Name) \
     template void BrickSource<Sample>::addOtherLeaves(BrickSlot, Scratch&); \
+    template void BrickSource<Sample>::prefetchLeavesAround(const LiveSurface<Live>&, BrickSlot) const; \
     template Status BrickSource<Sample>::runMerging(const Move&, LiveSurface<Live>&, std::vector<Job>, SlideStats&, \
                                                     const JobControl&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)

@@ -322,7 +322,22 @@ BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& change
     const BoundCheck<Sample> check(samples, active, bound);
 
     BrickLeaves leaves;
-    const std::uint64_t kept = touched & valid & crossed & cell::keepsTopologyOf64(signs);
+    // Where cells were large they mostly stay so: then all sizes are decided at once.
+    const bool decidesAll = before.level2 != 0;
+    std::uint64_t keptSmaller = 0, keptLarger = 0;
+    if (decidesAll) {
+        SignWords larger;
+        gatherSignsOfLarger(above, larger);
+        std::array<cell::TwoWords, 27> both;
+        for (std::size_t i = 0; i < both.size(); ++i)
+            both[i] = cell::TwoWords{signs[i], larger[i]};
+        const cell::TwoWords kept = cell::keepsTopologyOf128(both);
+        keptSmaller = kept[0];
+        keptLarger = kept[1];
+    } else {
+        keptSmaller = cell::keepsTopologyOf64(signs);
+    }
+    const std::uint64_t kept = touched & valid & crossed & keptSmaller;
     leaves.level1 = (before.level1 & ~touched) | (touched & valid & ~crossed) | (kept & surelyWithin.level1);
     for (std::uint64_t open = kept & ~surelyWithin.level1; open != 0; open &= open - 1) {
         const int i = std::countr_zero(open);
@@ -334,8 +349,7 @@ BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& change
         return leaves;
     const unsigned crossedHalves = halvesWhere([&](std::uint64_t parts) { return (crossed & parts) != 0; }),
                    touchedHalves = halvesWhere([&](std::uint64_t parts) { return (touched & parts) != 0; });
-    std::uint64_t keptLarger = 0;
-    if ((whole & crossedHalves) != 0) {
+    if (!decidesAll && (whole & crossedHalves) != 0) {
         gatherSignsOfLarger(above, signs);
         keptLarger = cell::keepsTopologyOf64(signs);
     }
