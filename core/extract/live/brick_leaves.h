@@ -178,8 +178,8 @@ private:
         return static_cast<std::size_t>(x + 1 + kSide * (y + 1 + kSide * (z + 1)));
     }
 
-    // Rows at y and at the place after it are alike where both lie in one cell of side 2, and so are planes: 36 of the 100
-    // are made.
+    // Rows at y and at the place after it are alike where both lie in one cell of side 2, and so are planes: 36 of the
+    // 100 are made.
     template <class LeavesAt>
     void fillInBox(const LeavesAt& leavesAt) {
         const BrickLeaves none;

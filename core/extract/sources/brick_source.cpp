@@ -49,6 +49,7 @@ void BrickSource<Sample>::reset() {
     }
     watch_.clear();
     brickOf_.clear();
+    usableLeaves_.clear();
     surelyWithin_.clear();
     shownLeaves_.clear();
 }
@@ -117,6 +118,7 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         if (slot.index() >= watch_.size()) {
             watch_.resize(slot.index() + 1);
             brickOf_.resize(slot.index() + 1);
+            usableLeaves_.resize(slot.index() + 1);
             surelyWithin_.resize(slot.index() + 1);
             shownLeaves_.resize(slot.index() + 1);
         }

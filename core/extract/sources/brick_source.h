@@ -126,10 +126,10 @@ private:
     std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick
     MergeBound bound_;
     bool hasNewBound_ = false; ///< since the last move
-    /// By brick, while cells are merged; those of a brick that is not live are none. So what lies around a brick is found
-    /// without a look at slots.
+    /// By brick, while cells are merged: leavesOfSurface(); those of a brick that is not live are none. So what lies
+    /// around a brick is found without a look at slots.
     VirtualArray<BrickLeaves> leavesOf_;
-    std::vector<BrickLeaves> surelyWithin_; ///< by slot, likewise
+    std::vector<BrickLeaves> usableLeaves_, surelyWithin_; ///< by slot, likewise
     std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;

@@ -30,16 +30,18 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
         return false;
     classifyFor(move, surface, job, scratch);
     const Stored* const samples = pointsOf(surface, job, scratch).samples;
-    BrickLeaves &leaves = leavesOf(job.slot), &surely = surelyWithin_[job.slot.index()];
+    BrickLeaves &usable = usableLeaves_[job.slot.index()], &surely = surelyWithin_[job.slot.index()];
     const BitString& validCells = surface.masks(job.slot).cells;
-    BrickLeaves found;
     if (job.isNew || hasNewBound_) {
         surely = findSurelyWithin<Sample>(samples, bound_);
-        found = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, surely);
+        usable =
+            findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, surely);
     } else {
-        found = updateBrickLeaves<Sample>(leaves, scratch.found.changed, samples, scratch.found.above,
-                                          scratch.found.active, validCells, bound_, surely);
+        usable = updateBrickLeaves<Sample>(usable, scratch.found.changed, samples, scratch.found.above,
+                                           scratch.found.active, validCells, bound_, surely);
     }
+    BrickLeaves& leaves = leavesOf(job.slot);
+    const BrickLeaves found = leavesOfSurface(usable, scratch.found.active.cells);
     if (!job.isNew && found != leaves)
         scratch.otherLeaves.emplace_back(job.slot, leaves);
     leaves = found;

@@ -301,6 +301,23 @@ unsigned halvesWhere(const Condition& holds) {
     return halves;
 }
 
+BrickLeaves leavesOfSurface(const BrickLeaves& leaves, const BitString& activeCells) {
+    if (!leaves.hasMerged())
+        return {};
+    const std::uint64_t crossed = anyOfEight(activeCells);
+    if (leaves.level3)
+        return crossed != 0 ? leaves : BrickLeaves();
+    BrickLeaves found{leaves.level1 & crossed, 0, false};
+    for (unsigned open = leaves.level2; open != 0; open &= open - 1) {
+        const int i = std::countr_zero(open);
+        if ((crossed & partsOf(i)) == 0)
+            continue;
+        found.level1 |= partsOf(i);
+        found.level2 = static_cast<std::uint8_t>(found.level2 | 1u << i);
+    }
+    return found;
+}
+
 template <class Sample>
 BrickLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
                             const BitString& validCells, const MergeBound& bound, const BrickLeaves& surelyWithin) {

@@ -25,4 +25,8 @@ BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& change
                               const BitString& above, const ActiveBits& active, const BitString& validCells,
                               const MergeBound& bound, const BrickLeaves& surelyWithin);
 
+/// Those through which the surface passes, with all their halves; others stand as cells of the grid. Polygons and the
+/// bricks beside depend on no more: a leaf without the surface has no active edge, on its faces neither.
+BrickLeaves leavesOfSurface(const BrickLeaves& leaves, const BitString& activeCells);
+
 } // namespace isoslider::extract
