@@ -183,20 +183,26 @@ private:
     template <class LeavesAt>
     void fillInBox(const LeavesAt& leavesAt) {
         const BrickLeaves none;
-        const auto at = [&](int x, int y, int z) -> const BrickLeaves& {
-            const BrickLeaves* const leaves = leavesAt(BrickStep{x, y, z});
-            return leaves == nullptr ? none : *leaves;
+        std::array<const BrickLeaves*, 27> around; // those across a corner are not asked for
+        const auto at = [&](int x, int y, int z) -> const BrickLeaves*& {
+            return around[static_cast<std::size_t>(x + 1 + 3 * (y + 1) + 9 * (z + 1))];
         };
+        const auto find = [&](const BrickStep& step) {
+            const BrickLeaves* const leaves = leavesAt(step);
+            at(step[0], step[1], step[2]) = leaves == nullptr ? &none : leaves;
+        };
+        find({0, 0, 0});
+        forEachBrickStep(find);
         const auto stepOf = [](int place) { return place < 0 ? -1 : place < kCellSide ? 0 : 1; };
         constexpr int kIn = kCellSide - 1;
         for (int z = -1; z <= kCellSide; z = nextPair(z))
             for (int y = -1; y <= kCellSide; y = nextPair(y)) {
                 const int stepY = stepOf(y), stepZ = stepOf(z), inY = y & kIn, inZ = z & kIn;
-                const std::uint64_t levels = at(0, stepY, stepZ).levelsOfRow(inY, inZ);
+                const std::uint64_t levels = at(0, stepY, stepZ)->levelsOfRow(inY, inZ);
                 // Beside a brick across an edge lies one that has no more than a point in common with this one.
                 const bool isBesideEdge = stepY != 0 && stepZ != 0;
-                const int before = isBesideEdge ? kNoLevel : at(-1, stepY, stepZ).levelOf(kIn, inY, inZ);
-                const int behind = isBesideEdge ? kNoLevel : at(1, stepY, stepZ).levelOf(0, inY, inZ);
+                const int before = isBesideEdge ? kNoLevel : at(-1, stepY, stepZ)->levelOf(kIn, inY, inZ);
+                const int behind = isBesideEdge ? kNoLevel : at(1, stepY, stepZ)->levelOf(0, inY, inZ);
                 const int endY = std::min(nextPair(y), kCellSide + 1), endZ = std::min(nextPair(z), kCellSide + 1);
                 for (int atZ = z; atZ < endZ; ++atZ)
                     for (int atY = y; atY < endY; ++atY) {
