@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
+#include "core/base/worker_team.h"
 #include "ui/render/brick_draft.h"
 #include "ui/render/draw_parts.h"
 #include "ui/render/tint_arrays.h"
@@ -71,6 +72,8 @@ BrickBuffers::~BrickBuffers() {
 
 void BrickBuffers::clear() {
     coarse_.clear();
+    coarseParts_.clear();
+    coarseView_.reset();
     sentTints_.clear();
     bricks_.clear();
     changed_.clear();
@@ -382,53 +385,82 @@ bool BrickBuffers::sendChanged(const Picture& picture) {
 }
 
 bool BrickBuffers::drawSurface(const glm::dmat4& modelToClip, const std::function<bool()>& isStopped) {
-    listInView(modelToClip, false);
+    listInView(modelToClip);
+    clearCalls();
+    for (const InView& seen : inView_)
+        addCall(bricks_[seen.slot], bricks_[seen.slot].firstIndex, bricks_[seen.slot].indexCount);
     return drawParts(indices_.name, isStopped);
 }
 
-bool BrickBuffers::drawCoarse(const Picture& picture, int blockCells, const glm::dmat4& modelToClip,
-                              const std::function<bool()>& isStopped) {
-    coarsen(picture, blockCells);
-    listInView(modelToClip, true);
-    return drawParts(coarseIndices_.name, isStopped);
+// In one call for each page of points: a call for each brick would take longer than its few triangles.
+void BrickBuffers::drawCoarse(const Picture& picture, int blockCells, const glm::dmat4& modelToClip) {
+    if (coarsen(picture, blockCells) || coarseView_ != modelToClip) { // else for another layer of what is transparent
+        coarseView_ = modelToClip;
+        listInView(modelToClip);
+        sendCoarse();
+    }
+    bindAll(coarseIndices_.name);
+    for (const CoarsePart& part : coarseParts_) {
+        bindPage(part.page);
+        gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.indexCount), GL_UNSIGNED_INT,
+                           reinterpret_cast<const void*>(part.firstIndex * sizeof(std::uint32_t)));
+    }
+    unbindAll();
 }
 
-void BrickBuffers::coarsen(const Picture& picture, int blockCells) {
+// Whether any brick is another now.
+bool BrickBuffers::coarsen(const Picture& picture, int blockCells) {
     if (std::exchange(coarseBlockCells_, blockCells) != blockCells)
         coarse_.clear();
     bool isOther = coarse_.size() != bricks_.size();
-    std::vector<Picture::Record> records;
     coarse_.resize(bricks_.size());
-    std::size_t count = 0;
-    for (std::size_t slot = 0; slot < bricks_.size(); ++slot) {
-        CoarseBrick& coarse = coarse_[slot];
-        const PictureBrick& brick = bricks_[slot];
-        if (coarse.of != brick) {
-            isOther = true;
+    std::vector<std::size_t> others;
+    for (std::size_t slot = 0; slot < bricks_.size(); ++slot)
+        if (coarse_[slot].of != bricks_[slot])
+            others.push_back(slot);
+    constexpr std::size_t kTogether = 64;
+    forRanges(others.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const PictureBrick& brick = bricks_[others[i]];
+            CoarseBrick& coarse = coarse_[others[i]];
             coarse.of = brick;
             coarse.indices.clear();
             if (brick.indexCount > 0)
-                coarsenBrick(picture.records(brick, records), {picture.indices(brick), brick.indexCount}, blockCells,
-                             coarse.indices);
+                coarsenBrick({{picture.codes(brick), brick.vertexCount},
+                              picture.inner(brick),
+                              {picture.indices(brick), brick.indexCount}},
+                             blockCells, coarse.indices);
         }
-        coarse.firstIndex = static_cast<std::uint32_t>(count);
-        count += coarse.indices.size();
+    });
+    return isOther || !others.empty();
+}
+
+// Those of the bricks in view, in their order.
+void BrickBuffers::sendCoarse() {
+    coarseParts_.clear();
+    std::vector<std::uint32_t> indices;
+    std::size_t count = 0;
+    for (const InView& seen : inView_)
+        count += coarse_[seen.slot].indices.size();
+    indices.reserve(count);
+    for (const InView& seen : inView_) {
+        if (coarseParts_.empty() || coarseParts_.back().page != seen.page)
+            coarseParts_.push_back({seen.page, indices.size(), 0});
+        const std::uint32_t first = bricks_[seen.slot].firstVertex;
+        for (const std::uint16_t index : coarse_[seen.slot].indices)
+            indices.push_back(first + index);
+        coarseParts_.back().indexCount += coarse_[seen.slot].indices.size();
     }
-    if (!isOther)
-        return; // drawn again: from elsewhere, or for another layer of what is transparent
-    std::vector<std::uint16_t> together;
-    together.reserve(count);
-    for (const CoarseBrick& coarse : coarse_)
-        together.insert(together.end(), coarse.indices.begin(), coarse.indices.end());
-    const std::size_t bytes = count * sizeof(std::uint16_t);
-    coarseIndices_.capacityBytes = std::max(coarseIndices_.capacityBytes, bytes);
+    const std::size_t bytes = count * sizeof(std::uint32_t);
     if (bytes == 0)
         return;
+    // Fresh storage each time: the driver need not wait for the draw that reads the old one.
+    coarseIndices_.capacityBytes = std::max(coarseIndices_.capacityBytes, bytes);
     if (driver_.allocate(gl_, GL_COPY_WRITE_BUFFER, coarseIndices_.name, coarseIndices_.capacityBytes))
-        return sendBytes(GL_COPY_WRITE_BUFFER, 0, bytes, together.data());
+        return sendBytes(GL_COPY_WRITE_BUFFER, 0, bytes, indices.data());
     coarseIndices_.capacityBytes = 0; // then nothing of the draft is drawn
-    coarse_.clear();
-    coarse_.resize(bricks_.size());
+    coarseParts_.clear();
+    coarseView_.reset();
 }
 
 bool BrickBuffers::drawParts(GLuint indices, const std::function<bool()>& isStopped) {
@@ -448,7 +480,7 @@ bool BrickBuffers::drawParts(GLuint indices, const std::function<bool()>& isStop
 }
 
 // Nearest first: what is hidden fails the depth test before it is shaded.
-void BrickBuffers::listInView(const glm::dmat4& modelToClip, bool isCoarse) {
+void BrickBuffers::listInView(const glm::dmat4& modelToClip) {
     auto planes = viewPlanes(modelToClip);
     planes.insert(planes.end(), cuts_.begin(), cuts_.end());
     const glm::vec4 depth(modelToClip[0][3], modelToClip[1][3], modelToClip[2][3], 0.0); // w of a place
@@ -464,13 +496,6 @@ void BrickBuffers::listInView(const glm::dmat4& modelToClip, bool isCoarse) {
             {pageOf(brick), glm::dot(isPerspective ? depth : along, place), static_cast<std::uint32_t>(slot)});
     }
     std::sort(inView_.begin(), inView_.end());
-    clearCalls();
-    for (const InView& seen : inView_) {
-        const CoarseBrick* const coarse = isCoarse ? &coarse_[seen.slot] : nullptr;
-        const PictureBrick& brick = bricks_[seen.slot];
-        addCall(brick, coarse ? coarse->firstIndex : brick.firstIndex,
-                coarse ? coarse->indices.size() : brick.indexCount);
-    }
 }
 
 void BrickBuffers::clearCalls() {
@@ -497,29 +522,42 @@ void BrickBuffers::drawChanged() {
     drawRange(changedIndices_.name, 0, counts_.size());
 }
 
-// One call for each stretch of bricks whose points are in one page.
-void BrickBuffers::drawRange(GLuint indices, std::size_t begin, std::size_t end) {
-    if (begin == end)
-        return;
-    const auto bind = [&](int unit, GLuint texture) {
-        gl_.glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
-        gl_.glBindTexture(GL_TEXTURE_BUFFER, texture);
-    };
+void BrickBuffers::bind(int unit, GLuint texture) {
+    gl_.glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
+    gl_.glBindTexture(GL_TEXTURE_BUFFER, texture);
+}
+
+void BrickBuffers::bindAll(GLuint indices) {
     gl_.glBindVertexArray(vertexArray_);
     gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
     bind(kBrickUnit + 2, innerTexture_);
     bind(0, placesTexture_);
-    for (std::size_t next = begin; begin < end; begin = next) {
-        while (next < end && callPages_[next] == callPages_[begin])
-            ++next;
-        bind(kBrickUnit, pages_[callPages_[begin]].scalars);
-        bind(kBrickUnit + 1, pages_[callPages_[begin]].normals);
-        gl_.glMultiDrawElementsBaseVertex(GL_TRIANGLES, &counts_[begin], GL_UNSIGNED_SHORT, &offsets_[begin],
-                                          static_cast<GLsizei>(next - begin), &baseVertices_[begin]);
-    }
+}
+
+void BrickBuffers::bindPage(std::size_t page) {
+    bind(kBrickUnit, pages_[page].scalars);
+    bind(kBrickUnit + 1, pages_[page].normals);
+}
+
+void BrickBuffers::unbindAll() {
     gl_.glBindVertexArray(0);
     for (const int unit : {kBrickUnit, kBrickUnit + 1, kBrickUnit + 2, 0})
         bind(unit, 0);
+}
+
+// One call for each stretch of bricks whose points are in one page.
+void BrickBuffers::drawRange(GLuint indices, std::size_t begin, std::size_t end) {
+    if (begin == end)
+        return;
+    bindAll(indices);
+    for (std::size_t next = begin; begin < end; begin = next) {
+        while (next < end && callPages_[next] == callPages_[begin])
+            ++next;
+        bindPage(callPages_[begin]);
+        gl_.glMultiDrawElementsBaseVertex(GL_TRIANGLES, &counts_[begin], GL_UNSIGNED_SHORT, &offsets_[begin],
+                                          static_cast<GLsizei>(next - begin), &baseVertices_[begin]);
+    }
+    unbindAll();
 }
 
 } // namespace isoslider::render

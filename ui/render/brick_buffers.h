@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -56,13 +57,15 @@ public:
     /// Draws the bricks that `modelToClip` brings into view, with a program that has these uniforms. `isStopped` is
     /// asked between parts: false if it answered true.
     bool drawSurface(const glm::dmat4& modelToClip, const std::function<bool()>& isStopped);
-    /// The same of a coarser surface, see coarsenBrick. REQUIRES: `picture` is the one uploaded last.
-    bool drawCoarse(const Picture& picture, int blockCells, const glm::dmat4& modelToClip,
-                    const std::function<bool()>& isStopped);
+    /// Draws a coarser surface, see coarsenBrick. REQUIRES: `picture` is the one uploaded last.
+    void drawCoarse(const Picture& picture, int blockCells, const glm::dmat4& modelToClip);
     void drawChanged();
     /// From now on bricks wholly outside of one of these half-spaces are not drawn: dot(xyz, place) + w >= 0, in index
     /// units. What is drawn of the others is left to the shader.
-    void setCuts(std::vector<glm::dvec4> cuts) { cuts_ = std::move(cuts); }
+    void setCuts(std::vector<glm::dvec4> cuts) {
+        cuts_ = std::move(cuts);
+        coarseView_.reset();
+    }
 
 private:
     static constexpr std::uint32_t kVerticesPerPlace = 32;
@@ -100,12 +103,17 @@ private:
     void sendBytes(GLenum target, std::uint64_t at, std::size_t bytes, const void* data);
     void sendPlaces(std::vector<std::uint64_t>& pages);
     bool sendChanged(const Picture& picture);
-    void coarsen(const Picture& picture, int blockCells);
-    void listInView(const glm::dmat4& modelToClip, bool isCoarse);
+    bool coarsen(const Picture& picture, int blockCells);
+    void sendCoarse();
+    void listInView(const glm::dmat4& modelToClip);
     void clearCalls();
     void addCall(const extract::PictureBrick& brick, std::size_t firstIndex, std::size_t count);
     bool drawParts(GLuint indices, const std::function<bool()>& isStopped);
     void drawRange(GLuint indices, std::size_t begin, std::size_t end);
+    void bind(int unit, GLuint texture);
+    void bindAll(GLuint indices);
+    void bindPage(std::size_t page);
+    void unbindAll();
 
     Gl& gl_;
     GlDriver& driver_;
@@ -129,10 +137,15 @@ private:
     struct CoarseBrick {
         extract::PictureBrick of;
         std::vector<std::uint16_t> indices;
-        std::uint32_t firstIndex = 0; ///< in the buffer
     };
     std::vector<CoarseBrick> coarse_;
     int coarseBlockCells_ = 0;
+    /// What is drawn of it with the points of one page: numbers of vertices in the arena, for the bricks in this view.
+    struct CoarsePart {
+        std::size_t page, firstIndex, indexCount;
+    };
+    std::vector<CoarsePart> coarseParts_;
+    std::optional<glm::dmat4> coarseView_;
     std::vector<Place> placeTable_;
     std::vector<extract::ChangedTriangles> changed_;
     std::uint64_t uploadedBytes_ = 0;

@@ -4,16 +4,23 @@
 #include <span>
 #include <vector>
 
+#include "core/extract/inner_vertices.h"
 #include "core/extract/live/edge_record.h"
+#include "core/extract/live/vertex_code.h"
 
 namespace isoslider::render {
 
-/// Appends the indices of a coarser surface over the same records to `coarse`: the vertices of each block of
-/// `blockCells` cells a side become one of them, and triangles that lose a corner go; of blocks of 2 a third is left,
-/// of blocks of 4 a tenth. What lies on the sides of the brick is only merged along them, by a rule that both bricks
-/// beside it follow alike, so no cracks open. O(records + indices). REQUIRES: indices are in range, three a triangle;
-/// blocks of 2 or 4.
-void coarsenBrick(std::span<const extract::EdgeRecord<float>> records, std::span<const std::uint16_t> indices,
-                  int blockCells, std::vector<std::uint16_t>& coarse);
+/// The vertices and triangles of a brick, as a picture has them.
+struct BrickSurface {
+    std::span<const extract::VertexCode> codes; ///< those on edges in the order of the edges, then those inside cells
+    const extract::InnerRecord* inner = nullptr;
+    std::span<const std::uint16_t> indices; ///< in range, three a triangle
+};
+
+/// Makes `coarse` the indices of a coarser surface over the same vertices: those of each block of `blockCells` cells a
+/// side become one of them, and triangles that lose a corner go; of blocks of 2 a third is left, of blocks of 4 an
+/// eighth, of blocks of 8 a twentieth. What lies on the sides of the brick is only merged along them, by a rule that
+/// both bricks beside it follow alike, so no cracks open. O(codes + indices). REQUIRES: blocks of 2, 4 or 8.
+void coarsenBrick(const BrickSurface& surface, int blockCells, std::vector<std::uint16_t>& coarse);
 
 } // namespace isoslider::render

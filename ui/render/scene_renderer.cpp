@@ -27,7 +27,7 @@ namespace {
 
 constexpr int kBoxVertices = 24;
 /// Drafts of larger surfaces are coarser, in blocks of so many cells.
-constexpr std::array<std::pair<std::uint64_t, int>, 2> kDraftBlocks{{{600'000, 4}, {120'000, 2}}};
+constexpr std::array<std::pair<std::uint64_t, int>, 3> kDraftBlocks{{{1'500'000, 8}, {600'000, 4}, {120'000, 2}}};
 constexpr float kSpotCells = 1.5f; // around the middle
 constexpr float kSpotShare = 0.9f; // of the surface's colour at full strength
 constexpr float kMarkerPixels = 24.0f; // half the side of its square
@@ -501,9 +501,10 @@ bool SceneRenderer::drawTriangles(const OnCard& surface, Detail detail, const st
     if (!surface.isOfBricks())
         return surface.arrays.drawSurface(isStopped);
     const int blockCells = surface.draftBlockCells(detail);
-    return blockCells > 1
-               ? surface.bricks.drawCoarse(*surface.frame.bricks, blockCells, surface.matrices.modelToClip, isStopped)
-               : surface.bricks.drawSurface(surface.matrices.modelToClip, isStopped);
+    if (blockCells == 1)
+        return surface.bricks.drawSurface(surface.matrices.modelToClip, isStopped);
+    surface.bricks.drawCoarse(*surface.frame.bricks, blockCells, surface.matrices.modelToClip);
+    return true;
 }
 
 bool SceneRenderer::drawOpaque(const OnCard& surface, const SceneView& view, Detail detail,
