@@ -173,30 +173,6 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
     --liveBricks_;
 }
 
-// Pictures may refer to points that are kept: nothing is written to them, as to those of live bricks.
-template <class Live>
-void LiveSurface<Live>::leavePoints(Brick& brick) {
-    if (!brick.hasPoints || kept_.bound() == 0)
-        return;
-    if (const auto givenUp = kept_.put(brick.index, {brick.points, brick.pointsVersion}))
-        brick.points = *givenUp; // goes with the rest of the brick
-    else
-        brick.points = {};
-}
-
-template <class Live>
-void LiveSurface<Live>::addKeptRuns(std::vector<RetiredRuns>& runs) {
-    kept_.forEachRun([&](const ArenaRun& run) { runs.push_back({{}, {}, {}, run}); });
-}
-
-template <class Live>
-void LiveSurface<Live>::dropKeptPoints() {
-    std::vector<RetiredRuns> runs;
-    addKeptRuns(runs);
-    kept_.clear();
-    retire(version_ + 1, runs); // there may be pictures of them
-}
-
 template <class Live>
 void LiveSurface<Live>::prefetch(BrickSlot slot) const {
     const Brick& brick = bricks_[slot.index()];
@@ -356,20 +332,6 @@ void LiveSurface<Live>::show(BrickSlot slot) {
     shown.innerCount = brick.innerVertices;
     shown.firstPointLine = brick.points.begin;
     shown.pointsVersion = brick.pointsVersion;
-}
-
-template <class Live>
-void LiveSurface<Live>::putPoints(BrickSlot slot, BrickDraft<Live>& draft) {
-    if (!draft.newPoints)
-        return;
-    Brick& brick = bricks_[slot.index()];
-    if (isWatched_ && brick.hasPoints)
-        draft.retired.push_back({{}, {}, {}, std::exchange(brick.points, {})});
-    arenas_->points.resize(brick.points, pointLines_);
-    streamCopy(arenas_->points.at(brick.points.begin), std::exchange(draft.newPoints, nullptr),
-               pointLines_ * sizeof(PointLine));
-    brick.pointsVersion = version_;
-    brick.hasPoints = true;
 }
 
 // Puts the draft's vertices, triangles and ambiguous cells into the brick's runs, and new points.
