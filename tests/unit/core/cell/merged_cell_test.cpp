@@ -163,6 +163,12 @@ TEST(MergedCell, AnswersForSixtyFourAsForOne) {
                 words[p] |= std::uint64_t{cells[i] >> p & 1} << i;
         }
         const std::uint64_t answers = keepsTopologyOf64(words);
+        std::array<TwoWords, 27> both;
+        for (std::size_t p = 0; p < 27; ++p)
+            both[p] = TwoWords{words[p], ~words[26 - p]}; // other cells, with the same answers
+        const TwoWords answersOfBoth = keepsTopologyOf128(both);
+        ASSERT_EQ(answersOfBoth[0], answers);
+        ASSERT_EQ(answersOfBoth[1], answers);
         for (std::size_t i = 0; i < cells.size(); ++i) {
             ASSERT_EQ(answers >> i & 1, std::uint64_t{keepsTopology(cells[i])}) << std::hex << cells[i];
             ++(answers >> i & 1 ? kept : refused);
