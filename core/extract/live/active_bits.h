@@ -71,7 +71,7 @@ ISO_ALWAYS_INLINE void endsOfEdges(const std::array<BitString, 3>& edges, BitStr
 
 /// Edges of the given cells.
 inline void edgesOfCells(const BitString& cells, std::array<BitString, 3>& edges) {
-    BitString acrossX, acrossY, acrossZ; // the cells and their neighbours' places a step up
+    BitString acrossX, acrossY; // the cells and their neighbours' places a step up
     for (int i = 0; i < kBitWords; ++i) {
         const auto w = static_cast<std::size_t>(i);
         acrossX.words[w] = cells.words[w] | shiftedUp<1>(cells, i);
