@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/extract/live/active_bits.h"
-#include "core/extract/live/brick_leaves.h"
+#include "core/extract/live/leaves_around.h"
 #include "core/extract/merged/merged_polygon.h"
 
 namespace isoslider::extract {

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/extract/live/leaves_around.h"
 #include "core/extract/sources/brick_source.h"
 
 namespace isoslider::extract {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/extract/live/leaves_around.h"
 #include "core/extract/sources/edge_block_source.h"
 
 namespace isoslider::extract {
