@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <mutex>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include "core/base/spin_lock.h"
@@ -31,22 +32,21 @@ public:
     void resize(ArenaRun& run, std::uint32_t count) {
         if (count <= run.capacity && count >= run.capacity / 2)
             return;
-        release(run);
-        if (count == 0)
-            return;
         const std::uint32_t wanted = (count + Granule - 1) / Granule * Granule;
-        run = {allocate(wanted), wanted};
+        const std::lock_guard lock(mutex_); // once: several threads want it all the time
+        giveBack(std::exchange(run, {}));
+        if (wanted > 0)
+            run = {allocate(wanted), wanted};
     }
     void release(ArenaRun& run) {
-        if (run.capacity > 0) {
-            const std::lock_guard lock(mutex_);
-            used_ -= run.capacity;
-            free(run.begin, run.capacity);
-        }
-        run = {};
+        if (run.capacity == 0)
+            return;
+        const std::lock_guard lock(mutex_);
+        giveBack(std::exchange(run, {}));
     }
     /// A run of the same size as `run`, of another arena. Throws std::bad_alloc.
     ArenaRun alike(const ArenaRun& run) {
+        const std::lock_guard lock(mutex_);
         return run.capacity > 0 ? ArenaRun{allocate(run.capacity), run.capacity} : ArenaRun{};
     }
     /// Forgets all runs. Their memory is kept for others: to get it from the system again costs as much as filling it.
@@ -71,8 +71,14 @@ private:
     static constexpr std::uint64_t kChunk = ChunkedArray<T, ChunkBits>::kChunk;
     static_assert(kChunk % Granule == 0);
 
+    // REQUIRES for this and what follows: the mutex is held.
+    void giveBack(const ArenaRun& run) {
+        if (run.capacity == 0)
+            return;
+        used_ -= run.capacity;
+        free(run.begin, run.capacity);
+    }
     std::uint32_t allocate(std::uint32_t size) {
-        const std::lock_guard lock(mutex_);
         const std::size_t granules = size / Granule;
         // A little larger is as good; the rest stays free.
         if (const std::size_t found = smallestFree(granules); found - granules <= kFit) {
