@@ -293,8 +293,9 @@ Status StoredSamples<Sample>::decode(std::span<const Slot> missing, SlideStats& 
         const Slot slot = slotOf_[order[i].index()];
         alignas(64) std::array<Sample, kSamples> chunk;
         const Status status = store_.read<Sample>(order[i], chunk, bytes);
-        storeBricks(chunk, samplesOf(slot));
         bytesRead.fetch_add(bytes, std::memory_order_relaxed);
+        if (status.isOk())
+            storeBricks(chunk, samplesOf(slot));
         slots_[slot - 1].isFilled = status.isOk();
         if (!status.isOk()) {
             const std::lock_guard lock(errorMutex);
