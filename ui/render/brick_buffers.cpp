@@ -389,7 +389,19 @@ bool BrickBuffers::drawSurface(const glm::dmat4& modelToClip, const std::functio
     clearCalls();
     for (const InView& seen : inView_)
         addCall(bricks_[seen.slot], bricks_[seen.slot].firstIndex, bricks_[seen.slot].indexCount);
-    return drawParts(indices_.name, isStopped);
+    if (!isStopped) {
+        drawRange(indices_.name, 0, counts_.size());
+        return true;
+    }
+    for (std::size_t begin = 0, end = 0; begin < counts_.size(); begin = end) {
+        std::size_t together = 0;
+        for (; end < counts_.size() && together < kIndicesTogether; ++end)
+            together += static_cast<std::size_t>(counts_[end]);
+        drawRange(indices_.name, begin, end);
+        if (isStopped())
+            return false;
+    }
+    return true;
 }
 
 // In one call for each page of points: a call for each brick would take longer than its few triangles.
@@ -461,22 +473,6 @@ void BrickBuffers::sendCoarse() {
     coarseIndices_.capacityBytes = 0; // then nothing of the draft is drawn
     coarseParts_.clear();
     coarseView_.reset();
-}
-
-bool BrickBuffers::drawParts(GLuint indices, const std::function<bool()>& isStopped) {
-    if (!isStopped) {
-        drawRange(indices, 0, counts_.size());
-        return true;
-    }
-    for (std::size_t begin = 0, end = 0; begin < counts_.size(); begin = end) {
-        std::size_t together = 0;
-        for (; end < counts_.size() && together < kIndicesTogether; ++end)
-            together += static_cast<std::size_t>(counts_[end]);
-        drawRange(indices, begin, end);
-        if (isStopped())
-            return false;
-    }
-    return true;
 }
 
 // Nearest first: what is hidden fails the depth test before it is shaded.

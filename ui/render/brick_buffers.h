@@ -108,7 +108,6 @@ private:
     void listInView(const glm::dmat4& modelToClip);
     void clearCalls();
     void addCall(const extract::PictureBrick& brick, std::size_t firstIndex, std::size_t count);
-    bool drawParts(GLuint indices, const std::function<bool()>& isStopped);
     void drawRange(GLuint indices, std::size_t begin, std::size_t end);
     void bind(int unit, GLuint texture);
     void bindAll(GLuint indices);

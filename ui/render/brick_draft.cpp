@@ -74,7 +74,7 @@ void coarsenBrick(const BrickSurface& surface, int blockCells, std::vector<std::
     }
     coarse.resize(surface.indices.size());
     std::size_t count = 0;
-    for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) { // written in any case: no branch to foresee
+    for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) { // written in any case: cheaper than a branch
         const std::uint16_t a = standIns[surface.indices[i]], b = standIns[surface.indices[i + 1]],
                             c = standIns[surface.indices[i + 2]];
         coarse[count] = a;

@@ -1,10 +1,6 @@
 #include "core/extract/live/kept_points.h"
 
-#include <utility>
-
 namespace isoslider::extract {
-
-KeptPoints::KeptPoints(std::uint64_t brickCount) : linkOf_(brickCount) { linkOf_.grow(brickCount); }
 
 void KeptPoints::unlink(Link link) {
     const Node& node = nodes_[link - 1];

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/extract/live/chunked_array.h"
 #include "core/extract/live/run_arena.h"
+#include "core/extract/virtual_array.h"
 #include "core/grid/brick_grid.h"
 
 namespace isoslider::extract {
@@ -20,7 +20,7 @@ public:
         std::uint32_t version = 0; ///< the move that brought the points
     };
 
-    explicit KeptPoints(std::uint64_t brickCount);
+    explicit KeptPoints(std::uint64_t brickCount) : linkOf_(brickCount) {}
 
     std::size_t bound() const { return bound_; }
     void setBound(std::size_t count) { bound_ = count; }
@@ -51,7 +51,7 @@ private:
     void unlink(Link link);
 
     std::size_t bound_ = 0, count_ = 0;
-    ChunkedArray<Link, 16> linkOf_; ///< by brick
+    VirtualArray<Link> linkOf_; ///< by brick
     std::vector<Node> nodes_;
     std::vector<Link> free_;
     Link newest_ = 0, oldest_ = 0;

@@ -22,16 +22,14 @@ public:
     void fill(const GridDims& dims, const std::array<std::int32_t, 3>& origin, const BitString& above,
               const LeavesAt& leavesAt) {
         above_ = &above;
-        std::array<int, 3> end{};
-        for (std::size_t a = 0; a < 3; ++a)
+        fillRows(leavesAt);
+        std::array<int, 3> begin{}, end{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            begin[a] = origin[a] > 0 ? -1 : 0;
             end[a] = static_cast<int>(std::min<std::int64_t>(kCellSide + 1, dims[a] - 1 - origin[a]));
-        if (std::min({origin[0], origin[1], origin[2]}) > 0 && std::min({end[0], end[1], end[2]}) > kCellSide) {
-            fillInBox(leavesAt);
-            return;
         }
-        levels_.fill(kNoLevel);
-        fillFrom({0, 0, 0}, leavesAt(BrickStep{0, 0, 0}), origin, end);
-        forEachBrickStep([&](const BrickStep& step) { fillFrom(step, leavesAt(step), origin, end); });
+        if (std::max({begin[0], begin[1], begin[2]}) == 0 || std::min({end[0], end[1], end[2]}) <= kCellSide)
+            takeOutBesideBox(begin, end);
     }
 
     // As MergedPolygon asks for them: points as in the brick, cells by their places here.
@@ -58,7 +56,7 @@ private:
     // Rows at y and at the place after it are alike where both lie in one cell of side 2, and so are planes: 36 of the
     // 100 are made.
     template <class LeavesAt>
-    void fillInBox(const LeavesAt& leavesAt) {
+    void fillRows(const LeavesAt& leavesAt) {
         const BrickLeaves none;
         std::array<const BrickLeaves*, 27> around; // those across a corner are not asked for
         const auto at = [&](int x, int y, int z) -> const BrickLeaves*& {
@@ -91,34 +89,12 @@ private:
             }
     }
 
-    void fillFrom(const BrickStep& step, const BrickLeaves* leaves, const std::array<std::int32_t, 3>& origin,
-                  const std::array<int, 3>& end) {
-        std::array<int, 3> first{}, last{};
-        for (std::size_t a = 0; a < 3; ++a) {
-            first[a] = step[a] < 0 ? -1 : step[a] > 0 ? kCellSide : 0;
-            last[a] = std::min(end[a], step[a] < 0 ? 0 : step[a] > 0 ? kCellSide + 1 : kCellSide);
-            if (step[a] < 0 && origin[a] == 0)
-                return;
-        }
-        constexpr int kIn = kCellSide - 1;
-        const BrickLeaves none;
-        const BrickLeaves& its = leaves == nullptr ? none : *leaves;
-        // Four rows, or columns across four, are alike: leaves are at least two cells wide where they are merged.
-        const int lastPlane = last[2];
-        for (int z = first[2]; z < lastPlane; z = nextPair(z))
-            for (int y = first[1]; y < last[1]; y = nextPair(y)) {
-                const int endZ = std::min(nextPair(z), lastPlane), endY = std::min(nextPair(y), last[1]);
-                const std::uint64_t levels = its.levelsOfRow(y & kIn, z & kIn);
-                for (int atZ = z; atZ < endZ; ++atZ)
-                    for (int atY = y; atY < endY; ++atY) {
-                        std::int8_t* const row = levels_.data() + placeOf(0, atY, atZ);
-                        if (last[0] - first[0] == kCellSide)
-                            std::memcpy(row, &levels, sizeof levels);
-                        else
-                            for (int x = first[0]; x < last[0]; ++x)
-                                row[x] = static_cast<std::int8_t>(levels >> (8 * (x & kIn)));
-                    }
-            }
+    void takeOutBesideBox(const std::array<int, 3>& begin, const std::array<int, 3>& end) {
+        for (int z = -1; z <= kCellSide; ++z)
+            for (int y = -1; y <= kCellSide; ++y)
+                for (int x = -1; x <= kCellSide; ++x)
+                    if (x < begin[0] || y < begin[1] || z < begin[2] || x >= end[0] || y >= end[1] || z >= end[2])
+                        levels_[placeOf(x, y, z)] = kNoLevel;
     }
 
     const BitString* above_ = nullptr;

@@ -58,7 +58,6 @@ public:
     /// The points of a brick that is to come back, if they were kept. REQUIRES: add() follows.
     std::optional<KeptPoints::Kept> takeKeptPoints(BrickIndex brick) { return kept_.take(brick); }
     void dropKeptPoints();
-    std::uint64_t keptPointBytes() const { return kept_.count() * pointLines_ * sizeof(PointLine); }
 
     /// Drops all bricks. Their memory serves the next ones; compact() gives back what those do not need.
     void clear();

@@ -44,15 +44,6 @@ struct SampleBlock {
                 derivativeAt(point, stride(1), y > begin[1], y + 1 < end[1], inverseSpacing.y),
                 derivativeAt(point, stride(2), z > begin[2], z + 1 < end[2], inverseSpacing.z)};
     }
-    /// Whether the cell at local coordinates from -1 to 8 lies in the box and has eight finite corners.
-    bool isCellValid(int x, int y, int z) const {
-        if (!isInside(x, y, z) || !isInside(x + 1, y + 1, z + 1))
-            return false;
-        for (int c = 0; c < 8; ++c)
-            if (isMissing(samples[static_cast<std::size_t>(offset(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)))]))
-                return false;
-        return true;
-    }
 };
 
 } // namespace isoslider::extract

@@ -50,9 +50,9 @@ struct SampleRows {
     }
 };
 
-/// Copies them to a block. `To`: the samples' type, or one that holds them all.
-template <class Sample, class To>
-inline void readBlock(const SampleRows<Sample>& from, SampleBlock<To>& block) {
+/// Copies them to a block.
+template <class Sample>
+inline void readBlock(const SampleRows<Sample>& from, SampleBlock<Sample>& block) {
     block.begin = from.begin;
     block.end = from.end;
     const bool hasBefore = from.begin[0] < 0;
@@ -61,13 +61,11 @@ inline void readBlock(const SampleRows<Sample>& from, SampleBlock<To>& block) {
     for (int z = from.begin[2]; z < from.end[2]; ++z)
         for (int y = from.begin[1]; y < from.end[1]; ++y) {
             const auto row = from.row(y, z);
-            To* const out = block.samples.data() + SampleBlock<To>::offset(0, y, z);
+            Sample* const out = block.samples.data() + block.offset(0, y, z);
             if (hasBefore)
-                out[-1] = static_cast<To>(*row.before);
-            for (std::size_t x = 0; x < own; ++x)
-                out[x] = static_cast<To>(row.own[x]);
-            for (std::size_t x = 0; x < behind; ++x)
-                out[kBrickSide + x] = static_cast<To>(row.behind[x]);
+                out[-1] = *row.before;
+            std::copy_n(row.own, own, out);
+            std::copy_n(row.behind, behind, out + kBrickSide);
         }
 }
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <map>
 #include <random>
+#include <set>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -252,6 +253,38 @@ TEST_F(SlideEngineTest, MemoryFollowsASurfaceThatShrinks) {
             break;
     }
     EXPECT_LT(last, largest / 3) << isovalue;
+}
+
+// Where memory is given back all runs move, those of points that are kept for bricks which have left too.
+TEST_F(SlideEngineTest, KeptPointsSurviveThatMemoryIsGivenBack) {
+    SlideOptions options;
+    options.cacheBytes = std::uint64_t{256} << 10; // some twenty bricks of points, and little slack
+    const auto opened = SlideEngine::open(buildMetacells(), options);
+    ASSERT_THAT(opened, IsOk());
+    SlideEngine& engine = *opened.value();
+    SurfaceFrame shrunk, grown;
+    const auto slideTo = [&](double isovalue, SurfaceFrame& frame) {
+        ASSERT_THAT(engine.slideTo(isovalue), IsOk());
+        engine.copyFrame(frame);
+        const SurfaceMesh slid = engine.mesh().value();
+        ASSERT_TRUE(test::isSameSurface(slid, extractFull(*hills_, isovalue).value())) << isovalue;
+        ASSERT_TRUE(test::hasExpectedNormals(slid, *hills_)) << isovalue;
+    };
+    double isovalue = 400.0;
+    ASSERT_NO_FATAL_FAILURE(slideTo(isovalue, shrunk));
+    const std::uint64_t series = shrunk.bricks->series();
+    while (shrunk.bricks->series() == series && isovalue < 1000.0)
+        ASSERT_NO_FATAL_FAILURE(slideTo(isovalue += 7.0, shrunk));
+    ASSERT_NE(shrunk.bricks->series(), series) << "nothing was given back";
+    ASSERT_NO_FATAL_FAILURE(slideTo(isovalue - 50.0, grown));
+    std::set<std::array<std::uint16_t, 3>> before;
+    for (const PictureBrick& brick : shrunk.bricks->bricks())
+        if (brick.indexCount > 0)
+            before.insert(brick.place);
+    int cameBack = 0;
+    for (const PictureBrick& brick : grown.bricks->bricks())
+        cameBack += brick.indexCount > 0 && !before.contains(brick.place) && brick.pointsVersion < brick.version;
+    EXPECT_GT(cameBack, 5);
 }
 
 // A handle that goes to and fro does not pay for it again and again: little is never given back.
