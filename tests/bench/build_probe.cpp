@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -22,12 +23,14 @@ Result<double> buildSeconds(std::span<char* const> arguments) {
     const auto file = volumeFileFromArguments(arguments.first(5));
     if (!file.isOk())
         return file.error();
-    preprocess::BuildOptions options;
-    for (const index::IndexKind kind : {index::IndexKind::Edges, index::IndexKind::Metacells})
-        if (std::string_view(arguments[6]) == index::indexKindName(kind))
-            options.kind = kind;
-    if (!options.kind)
+    std::optional<index::IndexKind> kind;
+    for (const index::IndexKind each : {index::IndexKind::Edges, index::IndexKind::Metacells})
+        if (std::string_view(arguments[6]) == index::indexKindName(each))
+            kind = each;
+    if (!kind)
         return makeError(ErrorCode::InvalidArgument, "no such kind of index", arguments[6]);
+    preprocess::BuildOptions options;
+    options.kind = *kind;
     options.threads = std::max(1, std::atoi(arguments[7]));
     options.memoryBytes = std::strtoull(arguments[8], nullptr, 10);
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,

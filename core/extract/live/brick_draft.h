@@ -73,7 +73,11 @@ struct BrickDraft {
         for (std::uint32_t k = 0; k < count; ++k)
             vertices.numbers[first[k] & kCodePlaceMask] = static_cast<std::uint16_t>(k);
     }
+    ShortArena::Ahead verticesAhead, indicesAhead;
+
     void beginMove() {
+        verticesAhead.clear(); // after a move that has failed they are of no arena
+        indicesAhead.clear();
         replaced.clear();
         retired.clear();
         counts = {};

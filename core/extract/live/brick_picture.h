@@ -27,8 +27,8 @@ struct BrickArenas {
     static constexpr int kPointChunkBits = 20;
 
     const ScalarType type; ///< of the samples in `points`
-    RunArena<VertexCode, 32, 20> vertices;
-    RunArena<std::uint16_t, 32, 20> indices;
+    ShortArena vertices; ///< VertexCode
+    ShortArena indices;
     RunArena<InnerRecord, 4, 14> inner;
     RunArena<PointLine, 4, kPointChunkBits> points;
     const std::uint64_t series = nextSeries(); ///< no other arenas have the same number

@@ -202,7 +202,9 @@ void LiveSurface<Live>::beginMove() {
 }
 
 template <class Live>
-void LiveSurface<Live>::finishMove(const BrickDraft<Live>& draft) {
+void LiveSurface<Live>::finishMove(BrickDraft<Live>& draft) {
+    arenas_->vertices.takeBack(draft.verticesAhead);
+    arenas_->indices.takeBack(draft.indicesAhead);
     activeEdges_ += static_cast<std::uint64_t>(draft.counts.activeEdges);
     triangles_ += static_cast<std::uint64_t>(draft.counts.triangles);
     ambiguousCells_ += static_cast<std::uint64_t>(draft.counts.ambiguousCells);
@@ -347,8 +349,8 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     for (std::uint32_t k = 0; k < inner; ++k)
         draft.codes[vertices++] = insideCode(k);
     std::fill_n(&draft.codes[vertices], kCodesTogether, VertexCode{0}); // they are read in whole vectors
-    arenas_->vertices.resize(brick.vertices, vertices);
-    arenas_->indices.resize(brick.indices, draft.indexCount);
+    arenas_->vertices.resize(brick.vertices, vertices, draft.verticesAhead);
+    arenas_->indices.resize(brick.indices, draft.indexCount, draft.indicesAhead);
     arenas_->inner.resize(brick.inner, inner);
     const auto merged = draft.merged.leaves();
     merged_.resize(brick.merged, static_cast<std::uint32_t>(merged.size()));

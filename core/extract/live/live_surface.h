@@ -79,7 +79,7 @@ public:
     void refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
     /// Takes over what a thread's draft has counted since beginMove(). The threads that have replaced bricks must have
     /// called finishStreams() since.
-    void finishMove(const BrickDraft<Live>& draft);
+    void finishMove(BrickDraft<Live>& draft);
     /// After all drafts, or a clear(): gives memory back where the surface has been much smaller for some moves. Throws
     /// std::bad_alloc.
     void compact();

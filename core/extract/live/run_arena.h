@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <mutex>
@@ -27,6 +29,25 @@ public:
 
     explicit RunArena(std::uint64_t maxCount = std::uint64_t{1} << 32) : elements_(maxCount), limit_(maxCount) {}
 
+    /// Free runs that one thread has taken for itself, a few of each size it needs: the arena's own lists are in another
+    /// thread's cache most of the time, and a look at them costs more than making a small run. Belongs to the arena
+    /// until takeBack() or clear().
+    class Ahead {
+    public:
+        void clear() {
+            for (Sized& sized : bySize_)
+                sized.count = 0;
+        }
+
+    private:
+        friend RunArena;
+        struct alignas(64) Sized {
+            std::uint32_t count = 0;
+            std::array<std::uint32_t, 15> begins;
+        };
+        std::vector<Sized> bySize_; ///< by granules
+    };
+
     /// Gives `run` room for `count` elements; keeps it as it is where there is room already, and not more than twice as
     /// much. What the run held is lost. Throws std::bad_alloc.
     void resize(ArenaRun& run, std::uint32_t count) {
@@ -37,6 +58,29 @@ public:
         giveBack(std::exchange(run, {}));
         if (wanted > 0)
             run = {allocate(wanted), wanted};
+    }
+    /// The same where several threads want runs all the time, each with its own `ahead`.
+    void resize(ArenaRun& run, std::uint32_t count, Ahead& ahead) {
+        if (count <= run.capacity && count >= run.capacity / 2)
+            return;
+        const std::uint32_t granules = (count + Granule - 1) / Granule;
+        if (run.capacity > 0 || granules == 0 || granules >= kMostAhead)
+            return resize(run, count);
+        if (ahead.bySize_.empty())
+            ahead.bySize_.resize(kMostAhead);
+        typename Ahead::Sized& sized = ahead.bySize_[granules];
+        if (sized.count == 0)
+            take(granules, sized);
+        run = {sized.begins[--sized.count], granules * Granule};
+    }
+    void takeBack(Ahead& ahead) {
+        const std::lock_guard lock(mutex_);
+        for (std::uint32_t granules = 0; granules < ahead.bySize_.size(); ++granules) {
+            typename Ahead::Sized& sized = ahead.bySize_[granules];
+            for (std::uint32_t k = 0; k < sized.count; ++k)
+                giveBack({sized.begins[k], granules * Granule});
+            sized.count = 0;
+        }
     }
     void release(ArenaRun& run) {
         if (run.capacity == 0)
@@ -71,12 +115,21 @@ private:
     static constexpr std::uint64_t kChunk = ChunkedArray<T, ChunkBits>::kChunk;
     static_assert(kChunk % Granule == 0);
 
-    // REQUIRES for this and what follows: the mutex is held.
+    // REQUIRES for this and what follows, but take(): the mutex is held.
     void giveBack(const ArenaRun& run) {
         if (run.capacity == 0)
             return;
         used_ -= run.capacity;
         free(run.begin, run.capacity);
+    }
+    // Half of the runs of just that size at most: another thread wants such ones too.
+    void take(std::uint32_t granules, typename Ahead::Sized& sized) {
+        const std::uint32_t size = granules * Granule;
+        const std::lock_guard lock(mutex_);
+        const std::size_t free = granules < freeBySize_.size() ? freeBySize_[granules].size() : 0;
+        const auto count = static_cast<std::uint32_t>(std::clamp<std::size_t>(free / 2, 1, sized.begins.size()));
+        for (; sized.count < count; ++sized.count)
+            sized.begins[sized.count] = allocate(size);
     }
     std::uint32_t allocate(std::uint32_t size) {
         const std::size_t granules = size / Granule;
@@ -126,6 +179,7 @@ private:
     }
 
     static constexpr std::size_t kFit = 64;
+    static constexpr std::uint32_t kMostAhead = 128; ///< granules of a run; there are few larger ones
     static constexpr std::uint64_t kSparseSlack = 64 * std::uint64_t{Granule};
 
     ChunkedArray<T, ChunkBits> elements_;
@@ -136,5 +190,8 @@ private:
     std::vector<std::vector<std::uint32_t>> freeBySize_;
     std::vector<std::uint64_t> hasFree_; ///< a bit per size
 };
+
+/// Of vertex codes and indices of triangles.
+using ShortArena = RunArena<std::uint16_t, 32, 20>;
 
 } // namespace isoslider::extract

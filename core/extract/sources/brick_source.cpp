@@ -185,7 +185,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
             surface.refreshInnerVertices(refreshed[i], scratch.draft, corners, move.isovalue);
         }
     });
-    for (const Scratch& scratch : *scratches_) {
+    for (Scratch& scratch : *scratches_) {
         surface.finishMove(scratch.draft);
         stats.bricksRead += scratch.bricks;
         stats.edgesAdded += scratch.edgesAdded;

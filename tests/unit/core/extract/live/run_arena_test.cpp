@@ -1,6 +1,7 @@
 #include "core/extract/live/run_arena.h"
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <vector>
 
@@ -54,6 +55,38 @@ TEST(RunArena, KeepsARunThatFits) {
     EXPECT_EQ(run.begin, before.begin);
     arena.resize(run, 10);
     EXPECT_LE(run.capacity, 32u) << "much too large a run is given back";
+}
+
+// Threads that take runs ahead, in turns: what they were given is nobody else's, and all of it comes back.
+TEST(RunArena, GivesRunsAheadToOneOnly) {
+    std::mt19937 random(12);
+    Arena arena;
+    std::array<Arena::Ahead, 3> aheads;
+    std::vector<ArenaRun> runs(200);
+    std::uint64_t mostTop = 0;
+    for (int move = 0; move < 40; ++move) {
+        for (int k = 0; k < 500; ++k) {
+            const std::size_t i = random() % runs.size();
+            if (random() % 2 == 0)
+                arena.release(runs[i]);
+            const std::uint32_t count = random() % 7 == 0 ? 3000 : random() % 300;
+            arena.resize(runs[i], count, aheads[random() % aheads.size()]);
+            ASSERT_GE(runs[i].capacity, count);
+            if (runs[i].capacity > 0)
+                std::fill_n(arena.at(runs[i].begin), runs[i].capacity, static_cast<std::uint32_t>(i));
+        }
+        for (std::size_t i = 0; i < runs.size(); ++i)
+            for (std::uint32_t k = 0; k < runs[i].capacity; ++k)
+                ASSERT_EQ(*arena.at(runs[i].begin + k), i);
+        for (Arena::Ahead& ahead : aheads)
+            arena.takeBack(ahead);
+        if (move == 20)
+            mostTop = arena.top();
+    }
+    EXPECT_LT(arena.top(), 2 * mostTop) << "what comes back is used again";
+    for (ArenaRun& run : runs)
+        arena.release(run);
+    EXPECT_EQ(arena.unusedBytes(), arena.top() * sizeof(std::uint32_t));
 }
 
 TEST(EdgeRecord, GivesThePlaceOfAVertexInsideACellBack) {
