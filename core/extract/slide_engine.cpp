@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/check.h"
 #include "core/extract/live/live_surface.h"
 #include "core/extract/pieces/piece_tracker.h"
 #include "core/extract/sources/brick_source.h"
@@ -121,6 +122,14 @@ public:
         return {};
     }
 
+    bool canBound() const override { return backing_.source.canBound(); }
+    std::optional<BrickBox> region() const override { return region_; }
+    void setRegion(const std::optional<BrickBox>& region) override {
+        ISO_CHECK(canBound() || !region);
+        backing_.source.setRegion(region);
+        wantedRegion_ = region;
+    }
+
     void waitForPrefetch() override { backing_.source.waitForPrefetch(); }
     void dropCaches() override {
         waitForPrefetch();
@@ -184,6 +193,7 @@ private:
         }
         stats.updateMs = millisecondsSince(start);
         mergeBound_ = wantedBound_;
+        region_ = wantedRegion_;
         stats.activeEdges = surface_.activeEdges();
         stats.triangles = surface_.triangles();
         stats.ambiguousCells = surface_.ambiguousCells();
@@ -257,6 +267,7 @@ private:
     KeyThreshold position_;
     SlideStats lastStats_;
     MergeBound wantedBound_, mergeBound_; ///< for the next move, and of the surface
+    std::optional<BrickBox> wantedRegion_, region_; ///< likewise
     bool hasMoved_ = false;
 };
 

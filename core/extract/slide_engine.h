@@ -8,6 +8,7 @@
 #include "core/extract/merged/merge_bound.h"
 #include "core/extract/surface_frame.h"
 #include "core/extract/surface_mesh.h"
+#include "core/grid/brick_box.h"
 #include "core/grid/scalar_grid.h"
 #include "core/index/format/index_info.h"
 #include "core/index/index_reader.h"
@@ -70,6 +71,15 @@ public:
     /// that of the index.
     virtual Status setMergeBound(const MergeBound& bound) = 0;
 
+    /// Whether a region can be chosen: not of an index of edges.
+    virtual bool canBound() const = 0;
+    /// In which the surface is as it stands; none: in all of the volume.
+    virtual std::optional<BrickBox> region() const = 0;
+    /// From the next move on, the surface has whole bricks of the region and nothing else: a move costs what changes
+    /// there. Merged cells of bricks at its border are those of a volume that ends there. The first move after it looks
+    /// at all active bricks. REQUIRES: canBound(), unless it is none.
+    virtual void setRegion(const std::optional<BrickBox>& region) = 0;
+
     /// Waits until nothing is read ahead any more, and no level is built.
     virtual void waitForPrefetch() = 0;
     /// Forgets what is kept of the index. The surface stays; the next move reads again what it needs.
@@ -78,7 +88,8 @@ public:
     /// The surface as the window needs it: its bricks, or arrays where scalars are kept as double. Pieces keep their
     /// numbers from frame to frame as long as every one of them asks for pieces.
     virtual void copyFrame(SurfaceFrame& frame, const FrameContents& contents = {}) = 0;
-    /// The surface welded and compacted, in grid order: comparable with extractFull, extractMerged.
+    /// The surface, as far as it lies in the region, welded and compacted, in grid order: comparable with extractFull,
+    /// extractMerged.
     /// Errors: Cancelled, OutOfSpace (more than 2^32 vertices). O(n log n).
     virtual Result<SurfaceMesh> mesh(const JobControl& job = {}) const = 0;
 };

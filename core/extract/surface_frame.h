@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
 #include "core/extract/merged/merge_bound.h"
+#include "core/grid/brick_box.h"
 #include "core/grid/grid_geometry.h"
 #include "core/index/format/skip_level.h"
 
@@ -64,6 +66,10 @@ struct SurfaceFrame {
     bool marksChanges = true; ///< wanted by whoever looks: `changedIndices`, or those of the bricks
     MergeBound mergeBound; ///< wanted by whoever looks; afterwards the one that the surface has
     bool canMerge = false; ///< whether it could have one
+    /// Wanted by whoever looks; afterwards where the surface was made: what lies outside is missing, in `stats` too.
+    /// None: nothing is missing.
+    std::optional<BrickBox> region;
+    bool canBound = false; ///< whether it could be made in one
     SlideStats stats;
     bool isFromIndex = false; ///< false: from the volume in memory, before the index was there
     bool isWholeExtraction = false; ///< not slid to: every triangle is new

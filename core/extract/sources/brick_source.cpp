@@ -58,6 +58,7 @@ void BrickSource<Sample>::reset() {
 template <class Sample>
 Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats,
                                       std::stop_token stop, NetBricks& net) {
+    const BrickGrid grid = reader_.grid();
     tbb::enumerable_thread_specific<NetBricks> nets;
     const auto take = [&](const Part& part) {
         NetBricks& local = nets.local();
@@ -67,6 +68,8 @@ Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bo
             if (far >= lower && far < upper)
                 continue; // comes and goes within the move
             const BrickIndex brick = brickOf(PointId(part.page.ids[i]));
+            if (region_ && !region_->contains(grid.brickCoords(brick)))
+                continue;
             ((far > part.page.keys[i]) == goesUp ? local.arrive : local.leave).push_back(brick);
         }
         return entry;
@@ -79,12 +82,41 @@ Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bo
     return {};
 }
 
+// What comes and goes where the region has become another one: of all that are active after the move, from whichever end
+// there are fewer, those that are not live yet; and all others that are.
+template <class Sample>
+Status BrickSource<Sample>::bricksOfRegion(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats,
+                                           std::stop_token stop, NetBricks& net) {
+    const auto cost = [&](KeyThreshold lower, KeyThreshold upper) {
+        return std::pair(walk_.isBlocked(lower, upper), walk_.estimate(lower, upper));
+    };
+    if (cost(lowest(), move.to) <= cost(move.to, highest()))
+        ISO_TRY(netBricks(lowest(), move.to, true, stats, stop, net));
+    else
+        ISO_TRY(netBricks(move.to, highest(), false, stats, stop, net));
+    std::vector<bool> stays(watch_.size(), false);
+    std::erase_if(net.arrive, [&](BrickIndex brick) {
+        const std::uint32_t slot = slotOf_[brick.index()];
+        if (slot != 0)
+            stays[slot - 1] = true;
+        return slot != 0;
+    });
+    net.leave.clear();
+    for (const BrickSlot slot : firstIds<BrickSlot>(watch_.size()))
+        if (surface.brick(slot).isLive && !stays[slot.index()])
+            net.leave.push_back(brickOf_[slot.index()]);
+    return {};
+}
+
 template <class Sample>
 Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats,
                                             std::stop_token stop, std::vector<Job>& jobs) {
     NetBricks net;
-    ISO_TRY(
-        netBricks(std::min(move.from, move.to), std::max(move.from, move.to), move.from < move.to, stats, stop, net));
+    if (hasNewRegion_)
+        ISO_TRY(bricksOfRegion(move, surface, stats, stop, net));
+    else
+        ISO_TRY(netBricks(std::min(move.from, move.to), std::max(move.from, move.to), move.from < move.to, stats, stop,
+                          net));
     // Before others leave, for which some may be given up.
     std::erase_if(net.arrive, [&](BrickIndex brick) { return !surface.shapes().hasCells(brick); });
     sortForReading(net.arrive, false);
@@ -151,6 +183,8 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     stats.bytesAhead += std::exchange(bytesAhead_, 0);
     if (move.from == lowest() || move.from == highest()) // nothing is active there; perhaps a move was broken off
         reset();
+    // Merged cells look different where there are none beside them: a brick at the region's border may be no longer.
+    hasNewBound_ = hasNewBound_ || (hasNewRegion_ && bound_.limit > 0.0);
     std::vector<Job> jobs;
     std::vector<BrickSlot> refreshed;
     listCrossed(move, surface, jobs, refreshed);
@@ -177,7 +211,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         ISO_TRY(runMerging(move, surface, std::move(jobs), stats, control));
     else
         ISO_TRY(runJobs(move, surface, std::move(jobs), stats, control, &BrickSource::rebuild));
-    hasNewBound_ = false;
+    hasNewBound_ = hasNewRegion_ = false;
     forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
         for (std::size_t i = begin; i != end; ++i) {

@@ -47,6 +47,11 @@ public:
     Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, const JobControl& control) override;
     bool canMerge() const override { return true; }
     void setMergeBound(const MergeBound& bound) override;
+    bool canBound() const override { return true; }
+    void setRegion(const std::optional<BrickBox>& region) override {
+        hasNewRegion_ = hasNewRegion_ || region != region_;
+        region_ = region;
+    }
     /// Nothing but from an empty surface: bricks that stay are never dearer than bricks that arrive.
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
         return from == lowest() || from == highest() ? walk_.estimate(std::min(from, to), std::max(from, to)) : 0;
@@ -94,6 +99,8 @@ private:
     void reset();
     Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats, std::stop_token stop,
                      NetBricks& net);
+    Status bricksOfRegion(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
+                          NetBricks& net);
     Status changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
                            std::vector<Job>& jobs);
     void listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs,
@@ -126,6 +133,8 @@ private:
     std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick
     MergeBound bound_;
     bool hasNewBound_ = false; ///< since the last move
+    std::optional<BrickBox> region_; ///< of the bricks that are live; none: all
+    bool hasNewRegion_ = false; ///< since the last move
     /// By brick, while cells are merged: leavesOfSurface(); those of a brick that is not live are none. So what lies
     /// around a brick is found without a look at slots.
     VirtualArray<BrickLeaves> leavesOf_;

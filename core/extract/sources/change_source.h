@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/base/job_control.h"
 #include "core/extract/live/live_surface.h"
 #include "core/extract/merged/merge_bound.h"
+#include "core/grid/brick_box.h"
 #include "core/grid/scalar_key.h"
 
 namespace isoslider::extract {
@@ -31,6 +33,10 @@ public:
     virtual bool canMerge() const { return false; }
     /// From the next move on, cells are merged within the bound; that move makes all live bricks anew.
     virtual void setMergeBound(const MergeBound&) {}
+
+    virtual bool canBound() const { return false; }
+    /// From the next move on, the surface has bricks in the region only; none: all. That move looks at all active ones.
+    virtual void setRegion(const std::optional<BrickBox>&) {}
 
     /// Entries that move() would look at, about; decides between patching and building again.
     virtual std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const = 0;
