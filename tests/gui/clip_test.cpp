@@ -107,6 +107,34 @@ TEST_F(ClipTest, AFaceOfTheCropBoxIsDraggedToGridPoints) {
     EXPECT_NE(viewport().camera().orientation(), orientation) << "where no handle is, the view turns";
 }
 
+// The words under the surface state it, and what shows it elsewhere has it made everywhere.
+TEST_F(ClipTest, TheSurfaceSlidesInTheCropBoxOnly) {
+    openBall(48);
+    ASSERT_TRUE(waitUntil([this] { return session_->dataset()->geometry.dims[0] == 48; }));
+    ASSERT_TRUE(waitUntilSettled());
+    const auto readout = [this] { return child<QLabel>("viewReadout")->text(); };
+    const std::uint64_t all = session_->frame()->stats.triangles;
+    press(Qt::Key_B, Qt::ShiftModifier);
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_FALSE(session_->frame()->region) << "the box holds all";
+    EXPECT_FALSE(readout().contains(QStringLiteral("crop"))) << readout().toStdString();
+    auto options = window_->viewportHost().viewState().options();
+    options.clipping.crop = model::CropBox{{0, 0, 0}, {12, 47, 47}};
+    window_->viewportHost().viewState().setOptions(options);
+    ASSERT_TRUE(waitUntil([this] { return session_->frame()->region.has_value(); }));
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_LT(session_->frame()->stats.triangles, all);
+    EXPECT_TRUE(readout().contains(QStringLiteral("about the crop box"))) << readout().toStdString();
+    window_->slices().change([](model::SliceOptions& slices) { slices.inScene[0] = true; });
+    ASSERT_TRUE(waitUntil([this] { return !session_->frame()->region; }));
+    EXPECT_EQ(session_->frame()->stats.triangles, all) << "a slice shows where the surface cuts it, beyond the box too";
+    window_->slices().change([](model::SliceOptions& slices) { slices.inScene[0] = false; });
+    ASSERT_TRUE(waitUntil([this] { return session_->frame()->region.has_value(); }));
+    press(Qt::Key_B, Qt::ShiftModifier);
+    ASSERT_TRUE(waitUntil([this] { return !session_->frame()->region; }));
+    EXPECT_EQ(session_->frame()->stats.triangles, all);
+}
+
 TEST_F(ClipTest, HandlesStandOutBelowThePointer) {
     trigger("clip.crop");
     const QPoint point = pointOf({Kind::Face, 0, true});

@@ -127,6 +127,7 @@ void Session::forgetDataset() {
     topology_.clear();
     indexState_ = IndexState::None;
     dataset_.reset();
+    lookedAt_.reset();
     grid_.reset();
     frame_.reset();
     failedIsovalue_.reset();

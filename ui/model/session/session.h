@@ -109,6 +109,9 @@ public:
     void findPieces(bool isWanted);
     /// The volume in memory, or a preview of it, see Dataset::coarseStep; null once the index is there.
     std::shared_ptr<const ScalarGrid> samples() const { return grid_; }
+    /// Where surfaces are looked at: none: everywhere. What slides is made there only, where that can be; pieces and
+    /// meshes are of the whole surface all the same.
+    void lookAt(const std::optional<CropBox>& box);
     /// Null until the first surface.
     std::shared_ptr<const extract::SurfaceFrame> frame() const { return frame_; }
     IsovalueModel& isovalue() { return isovalue_; }
@@ -193,6 +196,8 @@ private:
     void requestMove(double isovalue);
     void mergeCells();
     extract::MergeBound wantedBound() const;
+    std::optional<BrickBox> wantedRegion() const;
+    bool isAsWanted(const extract::SurfaceFrame& frame) const;
     extract::MergeBound boundAtRest() const; ///< without what is coarser while moving
     void redraw();
     void followSurfaces();
@@ -228,6 +233,7 @@ private:
     std::uint64_t pictureLimit_ = std::numeric_limits<std::uint64_t>::max();
     std::optional<double> failedIsovalue_; ///< of the last move, if it failed
     bool isMoveStopped_ = false; ///< it failed because the user stopped it
+    std::optional<CropBox> lookedAt_;
     double moveProgress_ = 0.0;
     IndexState indexState_ = IndexState::None;
     std::optional<JobId> loadJob_;

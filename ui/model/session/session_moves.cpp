@@ -42,6 +42,7 @@ SlideWorker::Callbacks Session::workerCallbacks() {
 
 void Session::useSource(std::shared_ptr<SurfaceSource> source) {
     mergeCells(); // a percentage is of this volume's range
+    worker_->boundTo(wantedRegion());
     setMaking();
     moveProgress_ = 0.0;
     std::optional<double> isovalue; // none: what was stopped stays so
@@ -113,6 +114,33 @@ void Session::findPieces(bool isWanted) {
         worker_->request(isovalue_.requested());
 }
 
+void Session::lookAt(const std::optional<CropBox>& box) {
+    if (lookedAt_ == box)
+        return;
+    lookedAt_ = box;
+    worker_->boundTo(wantedRegion());
+    if (frame_ && !isAsWanted(*frame_))
+        redraw();
+}
+
+// A preview is small, and of another grid.
+std::optional<BrickBox> Session::wantedRegion() const {
+    if (!lookedAt_ || !dataset_ || isPreview())
+        return std::nullopt;
+    const CropBox box = cropWithin(lookedAt_, dataset_->geometry.dims);
+    const BrickGrid grid(dataset_->geometry.dims);
+    const BrickBox region = bricksAround(box.low, box.high, grid);
+    return region == BrickBox{{}, {grid.bricks()[0] - 1, grid.bricks()[1] - 1, grid.bricks()[2] - 1}}
+               ? std::nullopt
+               : std::optional(region);
+}
+
+// A move that had begun before something else was wanted goes to its end; the one that was asked for then follows.
+bool Session::isAsWanted(const extract::SurfaceFrame& frame) const {
+    return (!frame.canMerge || frame.mergeBound == wantedBound()) &&
+           (!frame.canBound || frame.findsPieces || frame.region == wantedRegion());
+}
+
 extract::MergeBound Session::wantedBound() const {
     return extract::boundOf(detail_.usedError(), dataset_->min, dataset_->max);
 }
@@ -133,8 +161,7 @@ void Session::takeFrame() {
     isMoveStopped_ = false;
     isFrameOfActive_ = true;
     standIn_.reset();
-    // A move that had begun before the error was changed goes to its end; the one that was asked for then follows.
-    isPictureComing_ = frame_->canMerge && frame_->mergeBound != wantedBound();
+    isPictureComing_ = !isAsWanted(*frame_);
     failedIsovalue_.reset();
     isovalue_.setDisplayed(frame_->isovalue, frame_->stats.updateMs + frame_->stats.interpolateMs);
     frameChanged_.notify();

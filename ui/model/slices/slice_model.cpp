@@ -299,6 +299,10 @@ void SliceModel::sampleNext() {
     }
 }
 
+bool SliceModel::showsContours() const {
+    return options_.showsContour && std::ranges::any_of(kSliceKinds, [this](SliceKind kind) { return isShown(kind); });
+}
+
 bool SliceModel::needsContour(SliceKind kind) const {
     const Slice& slice = slices_[placeOf(kind)];
     return dataset() != nullptr && session_.frame() != nullptr && options_.showsContour && isShown(kind) &&

@@ -62,6 +62,8 @@ public:
     bool isInPane(SliceKind kind) const;
     /// In a pane or in the 3-D view.
     bool isShown(SliceKind kind) const { return isInPane(kind) || options_.inScene[placeOf(kind)]; }
+    /// Of any slice that is shown.
+    bool showsContours() const;
     /// Null without a volume.
     const Dataset* dataset() const;
     /// The one asked for, or the one chosen by the values.

@@ -25,6 +25,8 @@ InactiveSurfaces::Frame separateFrame(const extract::SurfaceFrame& frame) {
     separate->pieces = frame.pieces;
     separate->mergeBound = frame.mergeBound;
     separate->canMerge = frame.canMerge;
+    separate->region = frame.region;
+    separate->canBound = frame.canBound;
     separate->stats = frame.stats;
     separate->isFromIndex = frame.isFromIndex;
     separate->mergedCells = frame.mergedCells;
@@ -56,7 +58,7 @@ Result<InactiveSurfaces::Frame> makeFrame(const InactiveSurfaces::Making& how, d
 } // namespace
 
 bool InactiveSurfaces::Making::isAsGood(const extract::SurfaceFrame& frame) const {
-    return frame.geometry == geometry && (!frame.canMerge || frame.mergeBound == bound) &&
+    return frame.geometry == geometry && !frame.region && (!frame.canMerge || frame.mergeBound == bound) &&
            extract::pictureBytes(frame) <= pictureLimit;
 }
 

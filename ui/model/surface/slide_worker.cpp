@@ -118,6 +118,7 @@ bool SlideWorker::waitForWork(std::stop_token stop, Work& work) {
     work.dataset = dataset_;
     work.stop = moveStop_.get_token();
     work.mergeBound = mergeBound_;
+    work.region = region_;
     if (mailbox_ && source_) {
         work.isovalue = std::exchange(mailbox_, std::nullopt);
         work.pieces = std::exchange(newPieces_, nullptr);
@@ -144,6 +145,7 @@ void SlideWorker::move(const Work& work) {
     frame->pieces = frame->findsPieces && piecesOf_ == work.dataset ? pieces_ : nullptr;
     frame->geometry = piecesGeometry_;
     frame->mergeBound = work.mergeBound;
+    frame->region = work.region;
     JobControl job;
     job.stop = work.stop;
     auto reported = std::chrono::steady_clock::now(); // moves that take no longer than that have no progress

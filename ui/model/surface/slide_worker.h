@@ -73,6 +73,12 @@ public:
         mergeBound_ = bound;
     }
 
+    /// Where the surface is wanted in frames from the next move on, where the source can be bounded; none: everywhere.
+    void boundTo(const std::optional<BrickBox>& region) {
+        const std::lock_guard lock(mutex_);
+        region_ = region;
+    }
+
     /// The surface of `dataset` as a mesh, after all pending moves. Blocks: call it from a job, never the window.
     /// Errors: Cancelled; InvalidArgument once another data set has taken its place, and without a surface: the
     /// last move failed, or there was none.
@@ -90,6 +96,7 @@ private:
         DatasetGeneration dataset{};
         std::optional<double> isovalue;
         extract::MergeBound mergeBound;
+        std::optional<BrickBox> region;
         std::unique_ptr<MeshOrder> order;
         std::stop_token stop;
         std::shared_ptr<const extract::SurfacePieces> pieces;
@@ -121,6 +128,7 @@ private:
     std::optional<double> mailbox_;
     bool isHeld_ = false;
     extract::MergeBound mergeBound_;
+    std::optional<BrickBox> region_;
     std::unique_ptr<MeshOrder> order_;
     std::stop_source moveStop_;
     std::jthread thread_; // last: joins before the members above go

@@ -29,7 +29,8 @@ public:
         frame.geometry = grid_->geometry();
         frame.isovalue = isovalue;
         frame.mergeBound = {};
-        frame.canMerge = false;
+        frame.canMerge = frame.canBound = false;
+        frame.region.reset();
         frame.isFromIndex = false;
         frame.isWholeExtraction = true;
         frame.positions = std::move(mesh.positions);
@@ -58,6 +59,9 @@ public:
         frame.canMerge = engine_->canMerge();
         if (frame.canMerge)
             ISO_TRY(engine_->setMergeBound(frame.mergeBound));
+        frame.canBound = engine_->canBound();
+        engine_->setRegion(frame.canBound && !frame.findsPieces ? frame.region : std::nullopt);
+        isWhole_ = false;
         auto stats = engine_->slideTo(isovalue, job);
         if (!stats.isOk())
             return stats.error();
@@ -66,6 +70,9 @@ public:
                                    .pieces = frame.findsPieces,
                                    .piecesBefore = isSameGrid ? frame.pieces : nullptr});
         frame.mergeBound = engine_->mergeBound();
+        frame.region = engine_->region();
+        isovalue_ = isovalue;
+        isWhole_ = !frame.region;
         frame.stats = std::move(stats).value();
         frame.geometry = engine_->info().geometry;
         frame.isovalue = isovalue;
@@ -73,10 +80,20 @@ public:
         return {};
     }
 
-    Result<extract::SurfaceMesh> mesh(const JobControl& job) override { return engine_->mesh(job); }
+    Result<extract::SurfaceMesh> mesh(const JobControl& job) override {
+        if (!isWhole_) {
+            engine_->setRegion(std::nullopt);
+            if (auto moved = engine_->slideTo(isovalue_, job); !moved.isOk())
+                return std::move(moved).error();
+            isWhole_ = true;
+        }
+        return engine_->mesh(job);
+    }
 
 private:
     std::unique_ptr<extract::SlideEngine> engine_;
+    double isovalue_ = 0.0; ///< of the last move that succeeded
+    bool isWhole_ = false; ///< the engine has the whole surface there
 };
 
 class MemorySource final : public SurfaceSource {

@@ -25,8 +25,8 @@ std::vector<Fact> surfaceFacts(const model::Session& session) {
     if (!frame)
         return {};
     return {{CountsPanel::tr("Isovalue"), fromStd(model::exactText(frame->isovalue)), {}},
-            {CountsPanel::tr("Triangles"), grouped(frame->stats.triangles), {}},
-            {CountsPanel::tr("Active edges"), grouped(frame->stats.activeEdges),
+            {CountsPanel::tr("Triangles"), countText(*frame, frame->stats.triangles), {}},
+            {CountsPanel::tr("Active edges"), countText(*frame, frame->stats.activeEdges),
              CountsPanel::tr("Grid edges that the surface crosses: one vertex on each")}};
 }
 

@@ -33,6 +33,10 @@ QString typeText(ScalarType type) {
         .arg(fromStd(std::string(name)), kind, tr("%1 bits").arg(8 * scalarTypeSizeBytes(type)));
 }
 
+QString countText(const extract::SurfaceFrame& frame, std::uint64_t count) {
+    return frame.region ? tr("%1 about the crop box").arg(grouped(count)) : grouped(count);
+}
+
 QString inLengthUnit(const QString& number, const std::string& unit, int power) {
     static const std::array kPowers{QString(), QStringLiteral("²"), QStringLiteral("³")};
     return number + QChar(QChar::Nbsp) + (unit.empty() ? tr("units") : fromStd(unit)) +

@@ -12,6 +12,7 @@
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/common/texts.h"
+#include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/panels/text_table_model.h"
 
 namespace isoslider::widgets {
@@ -117,7 +118,7 @@ std::vector<Fact> factsOfMove(const extract::SurfaceFrame& frame, const model::I
             {LevelsPanel::tr("To the card"), bytes(frame.bricks->newBytes()),
              LevelsPanel::tr(
                  "Edges and triangles of the bricks that this move has changed: what is sent to the graphics card")});
-    facts.push_back({LevelsPanel::tr("Active edges"), grouped(stats.activeEdges), {}});
+    facts.push_back({LevelsPanel::tr("Active edges"), countText(frame, stats.activeEdges), {}});
     return facts;
 }
 

@@ -121,6 +121,7 @@ ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, con
     layout->addWidget(view_);
     axes_ = new AxesGlyph(this);
     readout_ = new ViewReadout(this);
+    readout_->setObjectName(QStringLiteral("viewReadout"));
     preview_ = new ViewReadout(this, kPreviewColour);
     preview_->setObjectName(QStringLiteral("previewLabel"));
     legend_ = new ViewReadout(this);
@@ -302,7 +303,7 @@ void ViewportHost::showReadout() {
     const auto text = [](const std::string& s) { return QString::fromStdString(s); };
     const auto* active = session_.surfaces().canRemove() ? session_.surfaces().active() : nullptr;
     QString lines = active != nullptr ? text(active->name) + QLatin1Char('\n') : QString();
-    lines += tr("isovalue %1\n%2 triangles")
+    lines += (frame->region ? tr("isovalue %1\n%2 triangles about the crop box") : tr("isovalue %1\n%2 triangles"))
                  .arg(text(model::valueText(frame->isovalue, 7)), text(model::groupedText(frame->stats.triangles)));
     if (frame->mergeBound.limit > 0.0 && dataset != nullptr)
         lines +=

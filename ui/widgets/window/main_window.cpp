@@ -43,6 +43,7 @@
 #include "ui/widgets/window/cache_dialog.h"
 #include "ui/widgets/window/colour_wiring.h"
 #include "ui/widgets/window/compact_layout.h"
+#include "ui/widgets/window/crop_wiring.h"
 #include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/window/session_keeper.h"
 #include "ui/widgets/window/settings_store.h"
@@ -118,6 +119,7 @@ void MainWindow::makeCentre() {
     host_ = new ViewportHost(session_, settings_, *actions_, centre);
     sliceWorkspace_ = new SliceWorkspace(*slices_, host_, centre);
     new SliceWiring({session_, *slices_, *sliceWorkspace_, *host_}, settings_, *actions_, this);
+    new CropWiring(session_, *slices_, *host_, this);
     layout->addWidget(recoveryBar_);
     layout->addWidget(messageBar_);
     layout->addWidget(sliceWorkspace_, 1);

@@ -192,6 +192,54 @@ TEST_F(SessionSurfacesTest, AnotherErrorAndAnotherIsovalueMakeThePictureAgain) {
     EXPECT_EQ(session_->pictureOf(idAt(0))->isovalue, -7.0);
 }
 
+// Only what slides, and only its picture: meshes, pieces and other surfaces are whole.
+TEST_F(SessionSurfacesTest, WhatIsLookedAtIsAllThatSlides) {
+    open();
+    const auto whole = session_->frame();
+    EXPECT_FALSE(whole->region);
+    session_->lookAt(CropBox{{0, 0, 0}, {7, 31, 31}});
+    EXPECT_TRUE(session_->isMoving());
+    settle();
+    const auto bounded = session_->frame();
+    EXPECT_EQ(bounded->region, (BrickBox{{0, 0, 0}, {1, 3, 3}})) << "with the bricks beside";
+    EXPECT_LT(bounded->stats.triangles, whole->stats.triangles * 3 / 4);
+    EXPECT_GT(bounded->stats.triangles, whole->stats.triangles / 4);
+    session_->lookAt(CropBox{{0, 0, 0}, {6, 31, 31}});
+    EXPECT_FALSE(session_->isMoving()) << "the same bricks";
+    session_->isovalue().request(-9.0);
+    settle();
+    EXPECT_TRUE(session_->frame()->region);
+    EXPECT_EQ(session_->frame()->isovalue, -9.0);
+
+    session_->checkMesh();
+    settle();
+    ASSERT_TRUE(session_->certificate());
+    EXPECT_GT(session_->certificate()->report.triangles, session_->frame()->stats.triangles * 5 / 4);
+    EXPECT_EQ(session_->certificate()->report.boundaryLoops, 0u);
+    session_->isovalue().request(-9.5);
+    settle();
+    EXPECT_TRUE(session_->frame()->region) << "as before the mesh";
+
+    session_->findPieces(true);
+    ASSERT_TRUE(queue_.runUntil([&] { return session_->frame()->pieces != nullptr; }));
+    EXPECT_FALSE(session_->frame()->region);
+    EXPECT_EQ(session_->frame()->pieces->pieces().size(), 1u);
+    session_->findPieces(false);
+    session_->isovalue().request(-10.0);
+    settle();
+    EXPECT_TRUE(session_->frame()->region);
+
+    addAt(-4.0);
+    EXPECT_EQ(session_->pictureOf(idAt(0))->stats.triangles, whole->stats.triangles);
+    EXPECT_FALSE(session_->pictureOf(idAt(0))->region) << "one that does not slide is whole";
+    surfaces().activate(idAt(0));
+    settle();
+    session_->lookAt(std::nullopt);
+    settle();
+    EXPECT_FALSE(session_->frame()->region);
+    EXPECT_EQ(placesOf(*session_->frame()), placesOf(*whole));
+}
+
 TEST_F(SessionSurfacesTest, SurfacesAddedBeforeThereIsAnIndexStay) {
     builder_->waits = true;
     OpenRequest request;
