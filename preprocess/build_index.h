@@ -25,6 +25,8 @@ struct BuildOptions {
     int threads = 0; ///< 0: all cores
     std::filesystem::path temporaryFolder; ///< for sort runs; empty: beside the index
     std::string sourceName;
+    /// Topology will be added behind the index (topology::storeTopology): the forecast has room for it.
+    bool withTopology = false;
     /// Goes on with an unfinished build of this index, if there is one, and leaves one if it does not come to its end
     /// (resume/RESUME.md).
     bool resumes = false;

@@ -87,6 +87,7 @@ Json jsonOf(const Built& built) {
     json["peak_rss_bytes"] = report.peakRssBytes;
     json["forecast_bytes"] = report.forecast.indexBytes;
     json["index_bytes"] = report.info.indexBytes;
+    json["forecast_topology_bytes"] = report.forecast.topologyBytes;
     json["forecast_temporary_bytes"] = report.forecast.temporaryBytes;
     json["temporary_bytes"] = report.temporaryBytes;
     json["distinct_values"] = report.info.distinctValues;
@@ -221,6 +222,7 @@ private:
         options.memoryBytes = memoryBytes_;
         returnLargeBlocksAtOnce();
         options.threads = static_cast<int>(threads_);
+        options.withTopology = withTopology_;
         options.resumes = resumes_;
         options.checkpointSeconds = checkpointSeconds_.value_or(options.checkpointSeconds);
         options.sourceName = std::filesystem::path(volumePath_).filename().string();
@@ -309,9 +311,9 @@ private:
         std::string text = fmt::format("{}: {} in {:.2f} s, peak memory {}{}\n", escapedName(indexPath_),
                                        sizeText(report.info.indexBytes), report.seconds, sizeText(report.peakRssBytes),
                                        report.isResumed ? ", of which a part was there" : "");
-        text += fmt::format("forecast: {}, and up to {} of temporary files, of which {} were used\n",
-                            sizeText(report.forecast.indexBytes), sizeText(report.forecast.temporaryBytes),
-                            sizeText(report.temporaryBytes));
+        text += fmt::format("forecast: {}, {} of topology, and up to {} of temporary files, of which {} were used\n",
+                            sizeText(report.forecast.indexBytes), sizeText(report.forecast.topologyBytes),
+                            sizeText(report.forecast.temporaryBytes), sizeText(report.temporaryBytes));
         text += fmt::format("{}, {} distinct values, {} skip levels\n", index::indexKindName(report.info.kind),
                             report.info.distinctValues, report.info.levels.size());
         if (!built.topologyProblem.empty())

@@ -19,6 +19,7 @@ Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const 
     preprocess::BuildOptions options;
     options.resumes = resumes;
     options.replacesUnfit = true;
+    options.withTopology = true; // it comes as soon as the index is there
     options.sourceName = sourceName;
     options.kind = index::IndexKind::Metacells; // as fast, far smaller, and their cells merge while sliding
     options.memoryBytes = budgetBytes();

@@ -23,6 +23,7 @@
 #include "core/topology/analysis/layer_measures.h"
 #include "core/topology/analysis/layer_window.h"
 #include "core/topology/analysis/link_collector.h"
+#include "core/topology/analysis/spread_cubes.h"
 #include "core/topology/event_assembly.h"
 
 namespace isoslider::topology {
@@ -177,46 +178,18 @@ private:
 
     // `each`: of a cell, on average.
     Status lookAt(Findings& each) {
-        constexpr std::int64_t kLevels = 8, kPlaces = 4, kSide = 48, kPlanes = 6;
-        constexpr double kStepX = 0.7548776662, kStepY = 0.5698402910; // no two places in a row or column
-        GridDims cube{std::min(dims_[0], kSide), std::min(dims_[1], kSide), std::min(dims_[2], kPlanes)};
-        std::vector<Sample> planes(static_cast<std::size_t>(dims_[0] * dims_[1] * cube[2]));
         each = {};
-        std::int64_t cells = 0, end = 0;
-        for (std::int64_t level = 0; level < kLevels; ++level) {
-            const std::int64_t z = (2 * level + 1) * (dims_[2] - cube[2]) / (2 * kLevels);
-            if (level > 0 && z < end)
-                continue; // a thin volume: planes rise
-            end = z + cube[2];
-            ISO_TRY(source_.read(z, end, std::as_writable_bytes(std::span(planes))));
-            for (std::int64_t i = 0; i < kPlaces; ++i) {
-                if (job_.isStopRequested())
-                    return cancelledError();
-                const auto spread = [&](double step, std::int64_t most) {
-                    const double at = step * static_cast<double>(kPlaces * level + i + 1);
-                    return static_cast<std::int64_t>((at - std::floor(at)) * static_cast<double>(most + 1));
-                };
-                count(cube, planes, {spread(kStepX, dims_[0] - cube[0]), spread(kStepY, dims_[1] - cube[1])}, each);
-                cells += (cube[0] - 1) * (cube[1] - 1) * (cube[2] - 1);
-            }
-        }
+        std::int64_t cells = 0;
+        ISO_TRY(visitCubes<Sample>(source_, {}, job_,
+                                   [&](const LayerWindow<Sample>& window, const std::array<std::int64_t, 3>&) {
+                                       count(window, each);
+                                       cells += (window.dims[0] - 1) * (window.dims[1] - 1) * (window.dims[2] - 1);
+                                   }));
         each = each * (1.0 / static_cast<double>(cells));
         return {};
     }
 
-    // What is in a cube of `planes`, as if it were a separate volume.
-    void count(const GridDims& cube, const std::vector<Sample>& planes, const std::array<std::int64_t, 2>& at,
-               Findings& found) const {
-        LayerWindow<Sample> window;
-        window.dims = cube;
-        window.zEnd = cube[2] - 1;
-        window.stop = job_.stop;
-        for (std::int64_t z = 0; z < cube[2]; ++z)
-            for (std::int64_t y = 0; y < cube[1]; ++y) {
-                const auto row = planes.begin() + at[0] + dims_[0] * (at[1] + y + dims_[1] * z);
-                window.samples.insert(window.samples.end(), row, row + cube[0]);
-            }
-        window.findStars();
+    static void count(const LayerWindow<Sample>& window, Findings& found) {
         LayerSide above(Side::Above), below(Side::Below);
         above.flood(window);
         below.flood(window);

@@ -14,6 +14,7 @@
 #include "core/index/index_writer.h"
 #include "preprocess/edges/block_choice.h"
 #include "preprocess/edges/edge_forecast.h"
+#include "preprocess/forecast/topology_bytes.h"
 #include "preprocess/edges/hidden_page_builder.h"
 #include "preprocess/edges/record_generator.h"
 #include "preprocess/levels/external_sort.h"
@@ -126,6 +127,8 @@ private:
         if (!forecast.isOk())
             return forecast.error();
         forecast_ = forecast.value().disk;
+        if (options_.withTopology)
+            ISO_TRY(addTopology(source_, job_.part(0.1, 0.1), forecast_));
         bytesPerEntry_ = forecast.value().bytesPerEntry;
         return {};
     }

@@ -33,15 +33,19 @@ Status checkRoom(const DiskForecast& needed, const std::filesystem::path& indexP
     const auto room = fileSystem.space(folder), temporaryRoom = fileSystem.space(temporaryFolder);
     const bool isShared =
         room.isOk() && temporaryRoom.isOk() && room.value().fileSystemId == temporaryRoom.value().fileSystemId;
-    if (isShared) {
+    // Temporary files are gone when the topology comes.
+    const std::uint64_t atTheEnd = needed.indexBytes + needed.topologyBytes;
+    if (isShared && needed.temporaryBytes > needed.topologyBytes) {
         const std::uint64_t both = needed.indexBytes + needed.temporaryBytes;
         if (both > room.value().freeBytes)
-            return noRoom(needed.temporaryBytes > 0 ? "index and temporary files need" : "the index needs", both,
-                          room.value().freeBytes, folder);
+            return noRoom("index and temporary files need", both, room.value().freeBytes, folder);
         return {};
     }
-    if (room.isOk() && needed.indexBytes > room.value().freeBytes)
-        return noRoom("the index needs", needed.indexBytes, room.value().freeBytes, folder);
+    if (room.isOk() && atTheEnd > room.value().freeBytes)
+        return noRoom(needed.topologyBytes > 0 ? "the index and its topology need" : "the index needs", atTheEnd,
+                      room.value().freeBytes, folder);
+    if (isShared)
+        return {};
     if (temporaryRoom.isOk() && needed.temporaryBytes > temporaryRoom.value().freeBytes)
         return noRoom("temporary files need", needed.temporaryBytes, temporaryRoom.value().freeBytes, temporaryFolder);
     return {};

@@ -13,11 +13,12 @@ namespace isoslider::preprocess {
 struct DiskForecast {
     std::uint64_t indexBytes = 0; ///< of the complete index; off by less than 15 % as a rule
     std::uint64_t temporaryBytes = 0; ///< beside it while it is built: an upper bound, about
+    std::uint64_t topologyBytes = 0; ///< behind it once it is built: off by a fifth as a rule; 0: none is wanted
 
     /// Of an unfinished build: what is still to come.
     DiskForecast less(const DiskForecast& there) const {
         return {indexBytes - std::min(indexBytes, there.indexBytes),
-                temporaryBytes - std::min(temporaryBytes, there.temporaryBytes)};
+                temporaryBytes - std::min(temporaryBytes, there.temporaryBytes), topologyBytes};
     }
 };
 

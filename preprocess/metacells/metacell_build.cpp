@@ -20,6 +20,7 @@
 #include "preprocess/index_builds.h"
 #include "preprocess/metacells/brick_list.h"
 #include "preprocess/metacells/chunk_scan.h"
+#include "preprocess/forecast/topology_bytes.h"
 #include "preprocess/metacells/metacell_forecast.h"
 #include "preprocess/metacells/plane_ring.h"
 #include "preprocess/resume/build_checkpoints.h"
@@ -115,6 +116,8 @@ private:
         if (!forecast.isOk())
             return forecast.error();
         forecast_ = forecast.value();
+        if (options_.withTopology)
+            ISO_TRY(addTopology(source_, job, forecast_));
         // Two checkpoints: the next one replaces the one before only when it is whole.
         constexpr std::uint64_t kCounts = (std::uint64_t{1} << 16) * 16 + 4096;
         if (!isBrief(geometry_.dims, options_))

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "core/index/format/index_format.h"
+#include "core/index/index_reader.h"
+#include "core/topology/stored_topology.h"
+#include "core/topology/topology_analysis.h"
 #include "core/volume_io/volume_reader.h"
 #include "preprocess/build_index.h"
 #include "tests/support/result_matchers.h"
@@ -38,18 +41,49 @@ TEST_P(ForecastOfRealVolume, IsNearTheTruth) {
     }
 }
 
+class ForecastOfRealTopology : public testing::TestWithParam<const char*> {};
+
+TEST_P(ForecastOfRealTopology, IsNearTheTruth) {
+    const auto path = std::filesystem::path(test::sharedFolder()) / "data" / GetParam();
+    if (!std::filesystem::exists(path))
+        GTEST_SKIP() << "further test data is not here: " << path;
+    const test::TemporaryFolder folder;
+    const auto grid = io::readVolume(path);
+    ASSERT_THAT(grid, IsOk());
+    BuildOptions options;
+    options.kind = index::IndexKind::Metacells;
+    options.withTopology = true;
+    const auto built = buildIndex(*io::openVolume(path).value(), folder / "a.isx", options);
+    ASSERT_THAT(built, IsOk());
+    const auto curve = topology::analyseTopology(topology::planesOf(*grid.value()));
+    const auto reader = index::IndexReader::open(folder / "a.isx");
+    ASSERT_THAT(topology::storeTopology(*reader.value(), curve.value()), IsOk());
+    const DiskForecast& forecast = built.value().forecast;
+    const double ratio = static_cast<double>(forecast.indexBytes + forecast.topologyBytes) /
+                         static_cast<double>(std::filesystem::file_size(folder / "a.isx"));
+    RecordProperty("ratio", std::to_string(ratio));
+    EXPECT_NEAR(ratio, 1.0, 0.15);
+    EXPECT_GT(forecast.topologyBytes, forecast.indexBytes / 3);
+}
+
+constexpr auto nameOf = [](const auto& test) {
+    std::string name(test.param);
+    for (char& c : name)
+        c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+    return name;
+};
+
+INSTANTIATE_TEST_SUITE_P(Volumes, ForecastOfRealTopology,
+                         testing::Values("nifti/mricron_ch2.nii.gz", "nrrd/tooth/tooth.nhdr",
+                                         "density/JMJD2DA-x336_event2.ccp4.gz"),
+                         nameOf);
 INSTANTIATE_TEST_SUITE_P(Volumes, ForecastOfRealVolume,
                          testing::Values("mhd/cranium.mhd", "nifti/mricron_ch2.nii.gz",
                                          "nifti/mricron_inia19-t1-brain.nii.gz", "nrrd/tooth/tooth.nhdr",
                                          "mha/hydrogenAtom.mha", "mha/neghip.mha", "mha/blob0.mha", "vti/vase.vti",
                                          "vti/isabel_02.vti", "vti/viscousfingers_001.vti",
                                          "density/JMJD2DA-x336_event2.ccp4.gz", "nrrd/pyradiomics_brain1_image.nrrd"),
-                         [](const auto& test) {
-                             std::string name(test.param);
-                             for (char& c : name)
-                                 c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-                             return name;
-                         });
+                         nameOf);
 
 } // namespace
 } // namespace isoslider::preprocess

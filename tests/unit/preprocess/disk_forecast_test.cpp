@@ -10,11 +10,15 @@
 
 #include "core/base/memory_file_system.h"
 #include "core/index/format/index_format.h"
+#include "core/index/index_reader.h"
+#include "core/topology/stored_topology.h"
+#include "core/topology/topology_analysis.h"
 #include "preprocess/build_index.h"
 #include "preprocess/forecast/metered_file_system.h"
 #include "tests/property/random_volumes.h"
 #include "tests/support/limited_file_system.h"
 #include "tests/support/result_matchers.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace isoslider::preprocess {
@@ -113,6 +117,30 @@ INSTANTIATE_TEST_SUITE_P(Volumes, ForecastOfSize,
                                     forecastCases()[std::get<1>(test.param)].name;
                          });
 
+// Events of one isovalue are one: of bytes there are far fewer than places where the topology changes.
+TEST(DiskForecast, KnowsTopology) {
+    const test::TemporaryFolder folder;
+    for (const ForecastCase& of : forecastCases()) {
+        if (test::kHasSanitizers && of.name == "NoiseOfBytes")
+            continue; // a minute there
+        SCOPED_TRACE(of.name);
+        const auto grid = of.make();
+        const auto path = folder / (of.name + ".isx");
+        BuildOptions options;
+        options.kind = index::IndexKind::Metacells;
+        options.withTopology = true;
+        const auto built = test::buildIndexOf(grid, path, options);
+        ASSERT_THAT(built, IsOk());
+        const auto curve = topology::analyseTopology(topology::planesOf(*grid));
+        const auto reader = index::IndexReader::open(path);
+        ASSERT_THAT(topology::storeTopology(*reader.value(), curve.value()), IsOk());
+        const DiskForecast& forecast = built.value().forecast;
+        const auto whole = static_cast<double>(std::filesystem::file_size(path));
+        constexpr double kCurves = 8192.0; // which are not made here
+        EXPECT_NEAR(static_cast<double>(forecast.indexBytes + forecast.topologyBytes), whole, 0.4 * whole + kCurves);
+    }
+}
+
 TEST(DiskForecast, KnowsMergedCells) {
     const test::TemporaryFolder folder;
     BuildOptions options;
@@ -183,6 +211,24 @@ TEST_P(BuildWithoutRoom, IsRefusedBeforeAnythingIsWritten) {
                   " MiB, " + std::to_string((needed - 1) >> 20) + " MiB are free");
     disk_.set(folder_.path(), 0);
     expectRefusal("0 bytes are free");
+    disk_.set(folder_.path(), needed);
+    EXPECT_THAT(build(), IsOk());
+}
+
+// Which takes the place of temporary files.
+TEST_P(BuildWithoutRoom, NeedsRoomForTopology) {
+    options_.withTopology = true;
+    const auto built = build();
+    ASSERT_THAT(built, IsOk());
+    const DiskForecast forecast = built.value().forecast;
+    EXPECT_EQ(forecast.indexBytes, forecast_.indexBytes);
+    ASSERT_GT(forecast.topologyBytes, 0u);
+    folder_.write("a.isx", "an earlier file");
+    created_ = disk_.created();
+    const std::uint64_t needed = forecast.indexBytes + std::max(forecast.topologyBytes, forecast.temporaryBytes);
+    disk_.set(folder_.path(), needed - 1);
+    expectRefusal(forecast.topologyBytes > forecast.temporaryBytes ? "the index and its topology need"
+                                                                   : "index and temporary files need");
     disk_.set(folder_.path(), needed);
     EXPECT_THAT(build(), IsOk());
 }

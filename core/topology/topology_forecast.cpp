@@ -1,0 +1,114 @@
+#include "core/topology/topology_forecast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/topology/analysis/layer_euler.h"
+#include "core/topology/analysis/spread_cubes.h"
+
+namespace isoslider::topology {
+namespace {
+
+// As encoded: measured on scans, simulations and functions.
+constexpr double kCurvesBytes = 8192.0, kBytesPerEvent = 13.3, kBytesPerPreciseEvent = 15.0;
+
+// The isovalues of an event each, in one cube. What the cube's own sides bring about is left out; where these are the
+// volume's, it counts.
+template <class Sample>
+class CubeEvents {
+public:
+    CubeEvents(const GridDims& dims, const std::array<std::int64_t, 3>& origin, const GridDims& cube) : cube_(cube) {
+        for (std::size_t a = 0; a < 3; ++a) {
+            begin_[a] = origin[a] == 0 ? 0 : 1;
+            end_[a] = origin[a] + cube[a] == dims[a] ? cube[a] : cube[a] - 1;
+        }
+    }
+    double points() const {
+        double product = 1.0;
+        for (std::size_t a = 0; a < 3; ++a)
+            product *= static_cast<double>(std::max<std::int64_t>(0, end_[a] - begin_[a]));
+        return product;
+    }
+    std::vector<double> isovalues(const LayerWindow<Sample>& window) const {
+        LayerSide above(Side::Above), below(Side::Below);
+        above.flood(window);
+        below.flood(window);
+        std::vector<double> found;
+        for (const EulerChange& change : findLayerChanges(window, above, below).euler) {
+            const auto point = static_cast<std::int64_t>(change.cause.point());
+            const std::array<std::int64_t, 3> at{point % cube_[0], point / cube_[0] % cube_[1],
+                                                 point / (cube_[0] * cube_[1])};
+            bool isOwn = true;
+            for (std::size_t a = 0; a < 3; ++a)
+                isOwn = isOwn && at[a] >= begin_[a] && at[a] < end_[a];
+            if (isOwn)
+                found.push_back(change.isovalue);
+        }
+        return found;
+    }
+
+private:
+    GridDims cube_;
+    std::array<std::int64_t, 3> begin_{}, end_{};
+};
+
+// Of some of the cubes: every `step`-th, from `first` on.
+double distinctIn(const std::vector<std::vector<double>>& cubes, std::size_t first, std::size_t step) {
+    std::vector<double> all;
+    for (std::size_t i = first; i < cubes.size(); i += step)
+        all.insert(all.end(), cubes[i].begin(), cubes[i].end());
+    std::sort(all.begin(), all.end());
+    return static_cast<double>(std::unique(all.begin(), all.end()) - all.begin());
+}
+
+double meanDistinctIn(const std::vector<std::vector<double>>& cubes, std::size_t step) {
+    double sum = 0.0;
+    for (std::size_t first = 0; first < step; ++first)
+        sum += distinctIn(cubes, first, step);
+    return sum / static_cast<double>(step);
+}
+
+// Events at one isovalue are one. So twice the volume has less than twice the events where values repeat: by how much
+// is seen where a quarter, half and all of the cubes are compared, and goes on like that.
+double extrapolated(const std::vector<std::vector<double>>& cubes, double factor) {
+    const double quarter = meanDistinctIn(cubes, 4), half = meanDistinctIn(cubes, 2), all = meanDistinctIn(cubes, 1);
+    if (!(quarter > 0.0))
+        return factor * all;
+    const double before = std::log2(half / quarter), now = std::log2(all / half);
+    const double slowing = before > 0.0 ? std::sqrt(std::clamp(now / before, 0.25, 1.0)) : 1.0;
+    double exponent = 0.0, growth = std::clamp(now, 0.0, 1.0), doublings = std::log2(std::max(1.0, factor));
+    for (; doublings > 0.0; doublings -= 1.0) {
+        growth *= slowing;
+        exponent += growth * std::min(doublings, 1.0);
+    }
+    return all * std::exp2(exponent);
+}
+
+template <class Sample>
+Result<std::uint64_t> forecast(const PlaneSource& source, const JobControl& job) {
+    const GridDims& dims = source.geometry.dims;
+    if (std::min({dims[0], dims[1], dims[2]}) < 2)
+        return std::uint64_t{0};
+    std::vector<std::vector<double>> cubes;
+    double seen = 0.0;
+    ISO_TRY(visitCubes<Sample>(source, {.levels = 8, .places = 16, .side = 18, .planes = 10}, job,
+                               [&](const LayerWindow<Sample>& window, const std::array<std::int64_t, 3>& origin) {
+                                   const CubeEvents<Sample> events(dims, origin, window.dims);
+                                   seen += events.points();
+                                   cubes.push_back(events.isovalues(window));
+                               }));
+    if (!(seen > 0.0))
+        return std::uint64_t{0};
+    const double events = extrapolated(cubes, static_cast<double>(pointCount(dims)) / seen);
+    return static_cast<std::uint64_t>(kCurvesBytes +
+                                      events * (sizeof(Sample) > 2 ? kBytesPerPreciseEvent : kBytesPerEvent));
+}
+
+} // namespace
+
+Result<std::uint64_t> forecastTopologyBytes(const PlaneSource& source, const JobControl& job) {
+    return visitScalarType(source.type, [&](auto sample) { return forecast<decltype(sample)>(source, job); });
+}
+
+} // namespace isoslider::topology
