@@ -28,8 +28,7 @@ inline BrickBox bricksAround(const std::array<std::int64_t, 3>& low, const std::
     BrickBox box;
     for (std::size_t a = 0; a < 3; ++a) {
         box.first[a] = std::max<std::int64_t>(0, low[a] / kBrickSide - 1);
-        box.last[a] =
-            std::min<std::int64_t>(grid.bricks()[static_cast<int>(a)] - 1, (high[a] - 1) / kBrickSide + 1);
+        box.last[a] = std::min<std::int64_t>(grid.bricks()[static_cast<int>(a)] - 1, (high[a] - 1) / kBrickSide + 1);
     }
     return box;
 }

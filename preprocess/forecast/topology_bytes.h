@@ -6,8 +6,8 @@
 
 namespace isoslider::preprocess {
 
-/// Sets what the volume's topology will take of the disk, see topology::forecastTopologyBytes(). Nothing for one that is
-/// not analysed. Errors: those of the source; Cancelled.
+/// Sets what the volume's topology will take of the disk, see topology::forecastTopologyBytes(). Nothing for one that
+/// is not analysed. Errors: those of the source; Cancelled.
 Status addTopology(io::VolumeSource& source, const JobControl& job, DiskForecast& forecast);
 
 } // namespace isoslider::preprocess

@@ -15,9 +15,10 @@ TEST_F(CliBuild, ReportsWhatItBuilt) {
     const auto volume = sphereVolume();
     const auto json =
         runJson({"build", volume, "-o", path("a.isx"), "--memory", "64M", "--threads", "2", "--index", "edges"});
-    EXPECT_THAT(keysOf(json), ElementsAre("seconds", "peak_rss_bytes", "forecast_bytes", "index_bytes",
-                                          "forecast_topology_bytes", "forecast_temporary_bytes", "temporary_bytes", "distinct_values", "levels",
-                                          "kind", "resumed", "topology_events", "topology_bytes", "topology_seconds"));
+    EXPECT_THAT(keysOf(json),
+                ElementsAre("seconds", "peak_rss_bytes", "forecast_bytes", "index_bytes", "forecast_topology_bytes",
+                            "forecast_temporary_bytes", "temporary_bytes", "distinct_values", "levels", "kind",
+                            "resumed", "topology_events", "topology_bytes", "topology_seconds"));
     EXPECT_NEAR(json["forecast_bytes"].get<double>(), json["index_bytes"].get<double>(),
                 0.15 * json["index_bytes"].get<double>());
     EXPECT_LE(json["temporary_bytes"], json["forecast_temporary_bytes"]);

@@ -79,8 +79,8 @@ testing::AssertionResult includes(const std::vector<PlacedTriangle>& all, const 
     std::vector<PlacedTriangle> missing;
     std::set_difference(part.begin(), part.end(), all.begin(), all.end(), std::back_inserter(missing));
     return missing.empty() ? testing::AssertionSuccess()
-                           : testing::AssertionFailure()
-                                 << missing.size() << " of " << part.size() << " triangles are not among " << all.size();
+                           : testing::AssertionFailure() << missing.size() << " of " << part.size()
+                                                         << " triangles are not among " << all.size();
 }
 
 class SlideRegion : public testing::TestWithParam<int> {};

@@ -29,9 +29,9 @@ public:
 
     explicit RunArena(std::uint64_t maxCount = std::uint64_t{1} << 32) : elements_(maxCount), limit_(maxCount) {}
 
-    /// Free runs that one thread has taken for itself, a few of each size it needs: the arena's own lists are in another
-    /// thread's cache most of the time, and a look at them costs more than making a small run. Belongs to the arena
-    /// until takeBack() or clear().
+    /// Free runs that one thread has taken for itself, a few of each size it needs: the arena's own lists are in
+    /// another thread's cache most of the time, and a look at them costs more than making a small run. Belongs to the
+    /// arena until takeBack() or clear().
     class Ahead {
     public:
         void clear() {

@@ -82,8 +82,8 @@ Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bo
     return {};
 }
 
-// What comes and goes where the region has become another one: of all that are active after the move, from whichever end
-// there are fewer, those that are not live yet; and all others that are.
+// What comes and goes where the region has become another one: of all that are active after the move, from whichever
+// end there are fewer, those that are not live yet; and all others that are.
 template <class Sample>
 Status BrickSource<Sample>::bricksOfRegion(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats,
                                            std::stop_token stop, NetBricks& net) {

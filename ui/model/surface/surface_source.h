@@ -22,9 +22,9 @@ public:
     /// Moves to `isovalue` and fills `frame`, whose buffers may hold an older picture to be
     /// overwritten, whose `marksChanges` states whether the changed triangles are wanted, and whose `mergeBound` how
     /// far merged cells may differ; a source that cannot merge sets that to none. Its `region` states where the surface
-    /// is wanted; it is none afterwards where pieces are wanted, which are of the whole, or the source has no other. With `findsPieces`, its `geometry`
-    /// and `pieces` are those of the frame before. On failure the frame's content is unspecified, and the next move
-    /// begins anew. Errors: Cancelled, IoError, Corruption, InvalidArgument, OutOfSpace.
+    /// is wanted; it is none afterwards where pieces are wanted, which are of the whole, or the source has no other.
+    /// With `findsPieces`, its `geometry` and `pieces` are those of the frame before. On failure the frame's content is
+    /// unspecified, and the next move begins anew. Errors: Cancelled, IoError, Corruption, InvalidArgument, OutOfSpace.
     virtual Status moveTo(double isovalue, const JobControl& job, extract::SurfaceFrame& frame) = 0;
     /// The whole surface at the isovalue of the last move, welded.
     virtual Result<extract::SurfaceMesh> mesh(const JobControl& job) = 0;

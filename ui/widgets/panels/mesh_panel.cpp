@@ -154,9 +154,10 @@ MeshPanel::MeshPanel(model::Session& session, const ActionRegistry& actions, QWi
 void MeshPanel::showCounts() {
     const auto frame = session_.frame();
     const QString none = QStringLiteral("–");
-    counts_->setFacts({{tr("Isovalue"), frame ? number(frame->isovalue) : none, {}},
-                       {tr("Active edges"), frame ? countText(*frame, frame->stats.activeEdges) : none, tr("One vertex on each")},
-                       {tr("Triangles"), frame ? countText(*frame, frame->stats.triangles) : none, {}}});
+    counts_->setFacts(
+        {{tr("Isovalue"), frame ? number(frame->isovalue) : none, {}},
+         {tr("Active edges"), frame ? countText(*frame, frame->stats.activeEdges) : none, tr("One vertex on each")},
+         {tr("Triangles"), frame ? countText(*frame, frame->stats.triangles) : none, {}}});
     export_->setEnabled(frame != nullptr);
     showReport();
 }
