@@ -29,7 +29,6 @@
 namespace isoslider::topology {
 namespace {
 
-constexpr std::int64_t kMostPlaneSamples = std::int64_t{1} << 27;
 // Noise of 32 bits, for each sample; there is hardly a volume with more. More memory than that is not asked after.
 constexpr Findings kMostFindings{1.25, 0.4, 0.4, 0.0};
 constexpr double kMostBytesPerSample = 768.0;

@@ -26,6 +26,9 @@ struct PlaneSource {
 /// `grid` must outlive it.
 PlaneSource planesOf(const ScalarGrid& grid);
 
+/// Volumes with planes of as many samples or more are not analysed.
+inline constexpr std::int64_t kMostPlaneSamples = std::int64_t{1} << 27;
+
 struct AnalysisOptions {
     std::uint64_t memoryBytes = std::numeric_limits<std::uint64_t>::max();
     MeasurePlan measures; ///< none: the curves stay empty

@@ -88,7 +88,7 @@ double extrapolated(const std::vector<std::vector<double>>& cubes, double factor
 template <class Sample>
 Result<std::uint64_t> forecast(const PlaneSource& source, const JobControl& job) {
     const GridDims& dims = source.geometry.dims;
-    if (std::min({dims[0], dims[1], dims[2]}) < 2)
+    if (std::min({dims[0], dims[1], dims[2]}) < 2 || dims[0] * dims[1] >= kMostPlaneSamples)
         return std::uint64_t{0};
     std::vector<std::vector<double>> cubes;
     double seen = 0.0;
