@@ -18,7 +18,6 @@
 #include "tests/property/random_volumes.h"
 #include "tests/support/limited_file_system.h"
 #include "tests/support/result_matchers.h"
-#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace isoslider::preprocess {
@@ -121,8 +120,6 @@ INSTANTIATE_TEST_SUITE_P(Volumes, ForecastOfSize,
 TEST(DiskForecast, KnowsTopology) {
     const test::TemporaryFolder folder;
     for (const ForecastCase& of : forecastCases()) {
-        if (test::kHasSanitizers && of.name == "NoiseOfBytes")
-            continue; // a minute there
         SCOPED_TRACE(of.name);
         const auto grid = of.make();
         const auto path = folder / (of.name + ".isx");
