@@ -30,6 +30,7 @@
 #include "core/topology/stored_topology.h"
 #include "preprocess/build_index.h"
 #include "preprocess/resume/build_checkpoints.h"
+#include "preprocess/volume_planes.h"
 
 namespace isoslider::cli {
 namespace {
@@ -264,10 +265,7 @@ private:
             return reader.error();
         topology::AnalysisOptions options;
         options.memoryBytes = memoryLeft();
-        topology::PlaneSource planes{source.info().geometry, source.info().type,
-                                     [&](std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
-                                         return source.readSlab(zBegin, zEnd, out);
-                                     }};
+        topology::PlaneSource planes = preprocess::planesOf(source);
         if (reader.value()->info().kind == index::IndexKind::Metacells) // decoded faster than most files are read
             planes = topology::planesOf(*reader.value());
         const index::IndexInfo& info = reader.value()->info();

@@ -128,7 +128,7 @@ private:
             return forecast.error();
         forecast_ = forecast.value().disk;
         if (options_.withTopology)
-            ISO_TRY(addTopology(source_, job_.part(0.1, 0.1), forecast_));
+            ISO_TRY(addTopology(source_, job_, forecast_));
         bytesPerEntry_ = forecast.value().bytesPerEntry;
         return {};
     }

@@ -34,19 +34,14 @@ Status checkRoom(const DiskForecast& needed, const std::filesystem::path& indexP
     const bool isShared =
         room.isOk() && temporaryRoom.isOk() && room.value().fileSystemId == temporaryRoom.value().fileSystemId;
     // Temporary files are gone when the topology comes.
-    const std::uint64_t atTheEnd = needed.indexBytes + needed.topologyBytes;
-    if (isShared && needed.temporaryBytes > needed.topologyBytes) {
-        const std::uint64_t both = needed.indexBytes + needed.temporaryBytes;
-        if (both > room.value().freeBytes)
-            return noRoom("index and temporary files need", both, room.value().freeBytes, folder);
-        return {};
-    }
-    if (room.isOk() && atTheEnd > room.value().freeBytes)
-        return noRoom(needed.topologyBytes > 0 ? "the index and its topology need" : "the index needs", atTheEnd,
-                      room.value().freeBytes, folder);
-    if (isShared)
-        return {};
-    if (temporaryRoom.isOk() && needed.temporaryBytes > temporaryRoom.value().freeBytes)
+    const std::uint64_t temporary = isShared ? needed.temporaryBytes : 0;
+    const std::uint64_t atOnce = needed.indexBytes + std::max(temporary, needed.topologyBytes);
+    if (room.isOk() && atOnce > room.value().freeBytes)
+        return noRoom(atOnce == needed.indexBytes        ? "the index needs"
+                      : temporary > needed.topologyBytes ? "index and temporary files need"
+                                                         : "the index and its topology need",
+                      atOnce, room.value().freeBytes, folder);
+    if (!isShared && temporaryRoom.isOk() && needed.temporaryBytes > temporaryRoom.value().freeBytes)
         return noRoom("temporary files need", needed.temporaryBytes, temporaryRoom.value().freeBytes, temporaryFolder);
     return {};
 }

@@ -1,15 +1,12 @@
 #include "preprocess/forecast/topology_bytes.h"
 
 #include "core/topology/topology_forecast.h"
+#include "preprocess/volume_planes.h"
 
 namespace isoslider::preprocess {
 
 Status addTopology(io::VolumeSource& source, const JobControl& job, DiskForecast& forecast) {
-    const topology::PlaneSource planes{source.info().geometry, source.info().type,
-                                       [&](std::int64_t zBegin, std::int64_t zEnd, std::span<std::byte> out) {
-                                           return source.readSlab(zBegin, zEnd, out);
-                                       }};
-    const auto bytes = topology::forecastTopologyBytes(planes, job);
+    const auto bytes = topology::forecastTopologyBytes(planesOf(source), job);
     if (!bytes.isOk())
         return bytes.error();
     forecast.topologyBytes = bytes.value();

@@ -1,8 +1,10 @@
 // The surface in a region of the volume: what the surface of the whole has there, whatever was before.
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
 #include <optional>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -163,7 +165,7 @@ TEST(SlideRegion, CostsWhatChangesThere) {
     EXPECT_GT(bounded.value().bricksRead, kBricks / 2);
     EXPECT_LE(bounded.value().bricksRead, kBricks);
     EXPECT_LE(first.value().bricksRead, kBricks);
-    EXPECT_EQ(bounded.value().walk.size(), whole.value().walk.size()) << "the list is not walked anew";
+    EXPECT_EQ(bounded.value().walk.size(), whole.value().walk.size()) << "only what lies between is walked";
     EXPECT_LT(bounded.value().activeEdges, whole.value().activeEdges / 40);
     engine->setRegion(std::nullopt);
     const auto again = engine->slideTo(103.3);
@@ -173,7 +175,7 @@ TEST(SlideRegion, CostsWhatChangesThere) {
     EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*grid, 103.3).value()));
 }
 
-// A merged cell at the region's border is made anew when there are others beside it.
+// A merged cell at the region's border is made again when there are others beside it.
 TEST(SlideRegion, HasMergedCellsThatMeetThoseThatCome) {
     const auto grid = test::hillsVolume({48, 40, 33});
     const test::TemporaryFolder folder;
@@ -191,6 +193,24 @@ TEST(SlideRegion, HasMergedCellsThatMeetThoseThatCome) {
         EXPECT_TRUE(test::isSameSurface(engine->mesh().value(),
                                         extractMerged(*grid, isovalue, bound, kMaxBrickMergeLevel).value()));
     }
+}
+
+// Bricks of the next move are read in the background, by the region that it was asked for.
+TEST(SlideRegion, ChangesWhileBricksAreReadAhead) {
+    const auto grid = test::hillsVolume({112, 112, 112}); // enough chunks to read ahead
+    const test::TemporaryFolder folder;
+    const auto engine = test::openIndex(grid, folder / "m.isx", index::IndexKind::Metacells);
+    ASSERT_TRUE(engine);
+    for (int step = 0; step < 12; ++step) {
+        const double isovalue = 250.5 + 10.0 * step;
+        ASSERT_THAT(engine->slideTo(isovalue), IsOk());
+        std::this_thread::sleep_for(std::chrono::milliseconds(2 * (step % 3))); // a hand is not faster
+        engine->setRegion(BrickBox{{step % 4, 0, 0}, {6 + step % 3, 8, 9}});
+    }
+    ASSERT_THAT(engine->slideTo(400.5), IsOk());
+    engine->setRegion(std::nullopt);
+    ASSERT_THAT(engine->slideTo(410.5), IsOk());
+    EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*grid, 410.5).value()));
 }
 
 // What could not be done leaves nothing behind: the next move has the region that was asked for.

@@ -67,14 +67,13 @@ struct BrickDraft {
         std::array<std::int64_t, kMaxMergeLevel + 1> leaves{}; ///< likewise, by level
         std::uint64_t cellsDecided = 0, cellsChanged = 0;
     } counts;
+    ShortArena::Ahead verticesAhead, indicesAhead; ///< runs of this thread's next bricks
 
     /// Fills the vertex table from the codes of a brick's active edges.
     void numberVertices(const VertexCode* first, std::uint32_t count) {
         for (std::uint32_t k = 0; k < count; ++k)
             vertices.numbers[first[k] & kCodePlaceMask] = static_cast<std::uint16_t>(k);
     }
-    ShortArena::Ahead verticesAhead, indicesAhead;
-
     void beginMove() {
         verticesAhead.clear(); // after a move that has failed they are of no arena
         indicesAhead.clear();

@@ -77,8 +77,8 @@ public:
     void putPoints(BrickSlot slot, BrickDraft<Live>& draft);
     /// Moves the vertices inside the brick's cells to `isovalue`, which crosses nothing in the brick.
     void refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
-    /// Takes over what a thread's draft has counted since beginMove(). The threads that have replaced bricks must have
-    /// called finishStreams() since.
+    /// Takes over what a thread's draft has counted since beginMove(), and takes back the runs that it has not used.
+    /// The threads that have replaced bricks must have called finishStreams() since.
     void finishMove(BrickDraft<Live>& draft);
     /// After all drafts, or a clear(): gives memory back where the surface has been much smaller for some moves. Throws
     /// std::bad_alloc.

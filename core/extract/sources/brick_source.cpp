@@ -58,7 +58,7 @@ void BrickSource<Sample>::reset() {
 template <class Sample>
 Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats,
                                       std::stop_token stop, NetBricks& net) {
-    const BrickGrid grid = reader_.grid();
+    const BrickGrid& grid = reader_.grid();
     tbb::enumerable_thread_specific<NetBricks> nets;
     const auto take = [&](const Part& part) {
         NetBricks& local = nets.local();

@@ -49,8 +49,11 @@ public:
     void setMergeBound(const MergeBound& bound) override;
     bool canBound() const override { return true; }
     void setRegion(const std::optional<BrickBox>& region) override {
-        hasNewRegion_ = hasNewRegion_ || region != region_;
+        if (region == region_)
+            return;
+        ahead_ = {}; // it reads what the other one would need
         region_ = region;
+        hasNewRegion_ = true;
     }
     /// Nothing but from an empty surface: bricks that stay are never dearer than bricks that arrive.
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {

@@ -31,7 +31,7 @@ public:
     virtual Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, const JobControl& job) = 0;
 
     virtual bool canMerge() const { return false; }
-    /// From the next move on, cells are merged within the bound; that move makes all live bricks anew.
+    /// From the next move on, cells are merged within the bound; that move makes all live bricks again.
     virtual void setMergeBound(const MergeBound&) {}
 
     virtual bool canBound() const { return false; }

@@ -17,20 +17,26 @@ namespace {
 
 using test::IsOk;
 
-class ForecastOfRealVolume : public testing::TestWithParam<const char*> {};
+class OfRealVolume : public testing::TestWithParam<const char*> {
+protected:
+    void SetUp() override {
+        if (!std::filesystem::exists(volume_))
+            GTEST_SKIP() << "further test data is not here: " << volume_;
+    }
+    const std::filesystem::path volume_ = std::filesystem::path(test::sharedFolder()) / "data" / GetParam();
+    const test::TemporaryFolder folder_;
+};
+
+class ForecastOfRealVolume : public OfRealVolume {};
 
 TEST_P(ForecastOfRealVolume, IsNearTheTruth) {
-    const auto path = std::filesystem::path(test::sharedFolder()) / "data" / GetParam();
-    if (!std::filesystem::exists(path))
-        GTEST_SKIP() << "further test data is not here: " << path;
-    const test::TemporaryFolder folder;
     for (const auto kind : {index::IndexKind::Edges, index::IndexKind::Metacells}) {
         SCOPED_TRACE(index::indexKindName(kind));
-        const auto source = io::openVolume(path);
+        const auto source = io::openVolume(volume_);
         ASSERT_THAT(source, IsOk());
         BuildOptions options;
         options.kind = kind;
-        const auto built = buildIndex(*source.value(), folder / "a.isx", options);
+        const auto built = buildIndex(*source.value(), folder_ / "a.isx", options);
         ASSERT_THAT(built, IsOk());
         const BuildReport& report = built.value();
         const double ratio =
@@ -41,26 +47,22 @@ TEST_P(ForecastOfRealVolume, IsNearTheTruth) {
     }
 }
 
-class ForecastOfRealTopology : public testing::TestWithParam<const char*> {};
+class ForecastOfRealTopology : public OfRealVolume {};
 
 TEST_P(ForecastOfRealTopology, IsNearTheTruth) {
-    const auto path = std::filesystem::path(test::sharedFolder()) / "data" / GetParam();
-    if (!std::filesystem::exists(path))
-        GTEST_SKIP() << "further test data is not here: " << path;
-    const test::TemporaryFolder folder;
-    const auto grid = io::readVolume(path);
+    const auto grid = io::readVolume(volume_);
     ASSERT_THAT(grid, IsOk());
     BuildOptions options;
     options.kind = index::IndexKind::Metacells;
     options.withTopology = true;
-    const auto built = buildIndex(*io::openVolume(path).value(), folder / "a.isx", options);
+    const auto built = buildIndex(*io::openVolume(volume_).value(), folder_ / "a.isx", options);
     ASSERT_THAT(built, IsOk());
     const auto curve = topology::analyseTopology(topology::planesOf(*grid.value()));
-    const auto reader = index::IndexReader::open(folder / "a.isx");
+    const auto reader = index::IndexReader::open(folder_ / "a.isx");
     ASSERT_THAT(topology::storeTopology(*reader.value(), curve.value()), IsOk());
     const DiskForecast& forecast = built.value().forecast;
     const double ratio = static_cast<double>(forecast.indexBytes + forecast.topologyBytes) /
-                         static_cast<double>(std::filesystem::file_size(folder / "a.isx"));
+                         static_cast<double>(std::filesystem::file_size(folder_ / "a.isx"));
     RecordProperty("ratio", std::to_string(ratio));
     EXPECT_NEAR(ratio, 1.0, 0.15);
     EXPECT_GT(forecast.topologyBytes, forecast.indexBytes / 3);

@@ -109,7 +109,7 @@ public:
     void findPieces(bool isWanted);
     /// The volume in memory, or a preview of it, see Dataset::coarseStep; null once the index is there.
     std::shared_ptr<const ScalarGrid> samples() const { return grid_; }
-    /// Where surfaces are looked at: none: everywhere. What slides is made there only, where that can be; pieces and
+    /// Where surfaces are looked at; none: everywhere. What slides is made there only, where that can be; pieces and
     /// meshes are of the whole surface all the same.
     void lookAt(const std::optional<CropBox>& box);
     /// Null until the first surface.

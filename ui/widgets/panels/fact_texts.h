@@ -26,7 +26,7 @@ QString typeText(ScalarType type);
 std::vector<Fact> resamplingFactsOf(const std::optional<io::ResampleReport>& report);
 /// Spacing, origin, size of the box and, where they are turned, axes. `unit` may be empty: not known.
 std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& unit);
-/// Of what a frame states of the surface: whether that is of all of it.
+/// "1,234", or "1,234 about the crop box" where the frame's surface was made there only.
 QString countText(const extract::SurfaceFrame& frame, std::uint64_t count);
 /// "12.5 mm²": a number in a power of the unit of length, 1 to 3; "12.5 units²" where that is not known.
 QString inLengthUnit(const QString& number, const std::string& unit, int power = 1);
