@@ -24,7 +24,8 @@ public:
     /// far merged cells may differ; a source that cannot merge sets that to none. Its `region` states where the surface
     /// is wanted; it is none afterwards where pieces are wanted, which are of the whole, or the source has no other.
     /// With `findsPieces`, its `geometry` and `pieces` are those of the frame before. On failure the frame's content is
-    /// unspecified, and the next move starts without a surface. Errors: Cancelled, IoError, Corruption, InvalidArgument, OutOfSpace.
+    /// unspecified, and the next move starts without a surface. Errors: Cancelled, IoError, Corruption,
+    /// InvalidArgument, OutOfSpace.
     virtual Status moveTo(double isovalue, const JobControl& job, extract::SurfaceFrame& frame) = 0;
     /// The whole surface at the isovalue of the last move, welded.
     virtual Result<extract::SurfaceMesh> mesh(const JobControl& job) = 0;
