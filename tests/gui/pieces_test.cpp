@@ -299,12 +299,20 @@ TEST_F(PickTest, TheSelectedOneIsMeasured) {
     };
     pick(pixelOf(0));
     ASSERT_TRUE(waitUntil([&] { return form->isVisible() && form->isEnabled(); }));
-    ASSERT_EQ(facts().size(), 8) << facts().join(QLatin1Char('|')).toStdString();
+    ASSERT_EQ(facts().size(), 10) << facts().join(QLatin1Char('|')).toStdString();
     const auto numberOf = [&](int row) { return facts()[2 * row + 1].section(QChar(QChar::Nbsp), 0, 0).toDouble(); };
     constexpr double kArea = 4.0 * 3.14159265 * 4.5 * 4.5, kVolume = kArea * 4.5 / 3.0;
     EXPECT_NEAR(numberOf(2), kArea, 0.03 * kArea) << facts()[5].toStdString();
     EXPECT_NEAR(numberOf(3), kVolume, 0.03 * kVolume) << facts()[7].toStdString();
+    const auto [least, greatest] = std::pair(session_->dataset()->min, session_->dataset()->max);
+    const auto persistence = [&] { return facts()[9]; }; // the highest peak joins no higher one
+    EXPECT_TRUE(waitUntil([&] { return std::abs(persistence().toDouble() - (greatest - least)) < 0.01; }))
+        << persistence().toStdString();
     keepPicture(*window_, "piece_measured");
+    pick(pixelOf(1)); // between both cones the greatest sample is at x = 14
+    EXPECT_TRUE(waitUntil([&] { return persistence() == QStringLiteral("5 (from -1 to 4)"); }))
+        << persistence().toStdString();
+    pick(pixelOf(0));
     slideTo(2.5);
     ASSERT_TRUE(waitUntil([&] { return form->isEnabled() && numberOf(2) < 0.7 * kArea; }));
     action("pieces.hide")->trigger();

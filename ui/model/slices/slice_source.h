@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "core/extract/slices/slice_sampler.h"
+#include "core/index/sample_blocks.h"
 #include "ui/model/session/session_services.h"
 
 namespace isoslider::model {
@@ -16,5 +17,8 @@ inline constexpr const char* kNoSamples =
 /// an index.
 Result<std::shared_ptr<extract::SliceSampler>> openSamples(const Dataset& dataset, const SessionServices& services,
                                                            const JobControl& job);
+/// The same, by place.
+Result<std::shared_ptr<index::SampleBlocks>> openBlocks(const Dataset& dataset, const SessionServices& services,
+                                                        const JobControl& job);
 
 } // namespace isoslider::model

@@ -42,7 +42,7 @@ PiecesPanel::PiecesPanel(model::Session& session, model::ViewState& viewState, c
       session_(session),
       viewState_(viewState),
       table_(new PieceTable(this)),
-      details_(new PieceDetails(session.services().postToMain, this)),
+      details_(new PieceDetails(session, this)),
       throttle_(kPiecesIntervalMs, [this] { showPieces(); }) {
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(10, 8, 10, 8);

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "core/extract/surface_frame.h"
+#include "core/topology/piece_persistence.h"
+#include "ui/model/session/session_services.h"
+
+namespace isoslider::model {
+
+/// How long pieces last, from the samples of their volume, which are kept from one piece to the next. For jobs, one at
+/// a time.
+class PersistenceFinder {
+public:
+    /// Of the frame's piece in that place of its pieces. `grid`: the samples that the frame is of, where they are in
+    /// memory; else those of the index are opened, or of the volume beside an index of edges. Errors: those of
+    /// topology::persistenceOfPiece() and openBlocks(). REQUIRES: the frame has such a piece.
+    Result<topology::PiecePersistence> find(const extract::SurfaceFrame& frame, std::size_t piece,
+                                            const Dataset& dataset, const std::shared_ptr<const ScalarGrid>& grid,
+                                            const SessionServices& services, const JobControl& job);
+
+private:
+    std::shared_ptr<index::SampleBlocks> samples_;
+    std::shared_ptr<const ScalarGrid> grid_; ///< they are of it, or else of the index there
+    std::filesystem::path index_;
+};
+
+} // namespace isoslider::model
