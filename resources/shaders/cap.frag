@@ -14,7 +14,9 @@ out vec4 colour;
 
 void main() {
     vec2 pixel = texture(samples, texturePlace).rg;
-    if (pixel.g < 0.5 || !(pixel.r >= isovalue * pixel.g))
+    // The surface's triangles are chords of the contour here: most of a pixel more, so that no gap shows between.
+    float above = pixel.r - isovalue * pixel.g;
+    if (pixel.g < 0.5 || !(above >= -0.75 * fwidth(above)))
         discard;
     float grey = clamp((pixel.r / pixel.g - greyWindow.x) / greyWindow.y, 0.0, 1.0);
     vec3 filling = scalarKind == 0 ? capColour : scalarColour(gridPosition) * capLight;
