@@ -6,6 +6,7 @@
 #include <QElapsedTimer>
 #include <QMouseEvent>
 #include <QTest>
+#include <QTimer>
 
 #include "tests/gui/gyroid_file.h"
 #include "tests/gui/window_fixture.h"
@@ -83,9 +84,14 @@ protected:
         };
         QTest::mousePress(&plot(), Qt::LeftButton, {}, QPoint(std::lround(plot().pixelOf(high)), y));
         const double begin = now();
+        QTimer timer; // a window sleeps between two events: who asks on and on takes a processor from the drawing
+        timer.setTimerType(Qt::PreciseTimer);
+        timer.setSingleShot(true);
         for (int sent = 0; sent < moves;) {
-            while (now() < begin + sent * kMoveMs)
-                QCoreApplication::processEvents(QEventLoop::AllEvents, 1);
+            while (now() < begin + sent * kMoveMs) {
+                timer.start(std::max(1, static_cast<int>(std::ceil(begin + sent * kMoveMs - now()))));
+                QCoreApplication::processEvents(QEventLoop::AllEvents | QEventLoop::WaitForMoreEvents);
+            }
             // What the pointer did meanwhile comes as one move, as from a display.
             const int last = std::min(moves - 1, static_cast<int>((now() - begin) / kMoveMs));
             QMouseEvent event(QEvent::MouseMove, place(last), plot().mapToGlobal(place(last)), Qt::NoButton,
