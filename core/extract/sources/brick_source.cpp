@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 #include <exception>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -17,6 +18,7 @@
 #include "core/base/worker_team.h"
 #include "core/extract/live/stream_copy.h"
 #include "core/extract/sources/brick_scratch.h"
+#include "core/grid/classification.h"
 
 namespace isoslider::extract {
 template <class Sample>
@@ -82,18 +84,77 @@ Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bo
     return {};
 }
 
-// What comes and goes where the region has become another one: of all that are active after the move, from whichever
-// end there are fewer, those that are not live yet; and all others that are.
+// All that are active at a threshold: from whichever end there are fewer.
 template <class Sample>
-Status BrickSource<Sample>::bricksOfRegion(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats,
-                                           std::stop_token stop, NetBricks& net) {
+Status BrickSource<Sample>::activeBricks(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net) {
     const auto cost = [&](KeyThreshold lower, KeyThreshold upper) {
         return std::pair(walk_.isBlocked(lower, upper), walk_.estimate(lower, upper));
     };
-    if (cost(lowest(), move.to) <= cost(move.to, highest()))
-        ISO_TRY(netBricks(lowest(), move.to, true, stats, stop, net));
-    else
-        ISO_TRY(netBricks(move.to, highest(), false, stats, stop, net));
+    for (;;) {
+        const bool fromBelow = cost(lowest(), at) <= cost(at, highest());
+        const std::uint64_t lost = walk_.pagesLost();
+        net = {};
+        Status found = fromBelow ? netBricks(lowest(), at, true, stats, stop, net)
+                                 : netBricks(at, highest(), false, stats, stop, net);
+        if (found.isOk() || found.isCancelled())
+            return found;
+        if (walk_.isBlocked(lowest(), at) && walk_.isBlocked(at, highest()))
+            return bricksBySamples(at, stats, stop, net);
+        if (walk_.pagesLost() == lost)
+            return found;
+    }
+}
+
+// The same without the list: what its damaged pages say of the bricks, their samples say too.
+template <class Sample>
+Status BrickSource<Sample>::bricksBySamples(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net) {
+    const BrickGrid& grid = reader_.grid();
+    std::vector<BrickIndex> bricks;
+    for (const BrickIndex brick : firstIds<BrickIndex>(grid.brickCount()))
+        if (!region_ || region_->contains(grid.brickCoords(brick)))
+            bricks.push_back(brick);
+    sortForReading(bricks, false);
+    tbb::enumerable_thread_specific<std::vector<BrickIndex>> found;
+    const auto isActive = [&](BrickIndex brick, SampleBlock<Sample>& block) {
+        readBlock(samples_.rows(brick), block);
+        Key least = std::numeric_limits<Key>::max(), greatest = 0;
+        const auto end = [&](std::size_t axis) { return std::min(kBrickSide + 1, block.end[axis]); };
+        for (int z = 0; z < end(2); ++z)
+            for (int y = 0; y < end(1); ++y)
+                for (int x = 0; x < end(0); ++x)
+                    if (const Sample sample = block.samples[static_cast<std::size_t>(block.offset(x, y, z))];
+                        !isMissing(sample)) {
+                        least = std::min(least, keyOf(sample));
+                        greatest = std::max(greatest, keyOf(sample));
+                    }
+        return least < at && greatest >= at;
+    };
+    for (std::span<const BrickIndex> rest(bricks); !rest.empty();) {
+        const auto ready = samples_.prepare(rest, stats, stop);
+        if (!ready.isOk())
+            return ready.error();
+        forRanges(ready.value(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
+            SampleBlock<Sample> block;
+            for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i)
+                if (isActive(rest[i], block))
+                    found.local().push_back(rest[i]);
+        });
+        if (stop.stop_requested())
+            return cancelledError();
+        rest = rest.subspan(ready.value());
+    }
+    net = {};
+    for (const std::vector<BrickIndex>& some : found)
+        net.arrive.insert(net.arrive.end(), some.begin(), some.end());
+    return {};
+}
+
+// What comes and goes where the region has become another one: of all that are active after the move those that are not
+// live yet; and all others that are.
+template <class Sample>
+Status BrickSource<Sample>::bricksOfRegion(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats,
+                                           std::stop_token stop, NetBricks& net) {
+    ISO_TRY(activeBricks(move.to, stats, stop, net));
     std::vector<bool> stays(watch_.size(), false);
     std::erase_if(net.arrive, [&](BrickIndex brick) {
         const std::uint32_t slot = slotOf_[brick.index()];
@@ -114,6 +175,8 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
     NetBricks net;
     if (hasNewRegion_)
         ISO_TRY(bricksOfRegion(move, surface, stats, stop, net));
+    else if (isEnd(move.from))
+        ISO_TRY(activeBricks(move.to, stats, stop, net));
     else
         ISO_TRY(netBricks(std::min(move.from, move.to), std::max(move.from, move.to), move.from < move.to, stats, stop,
                           net));

@@ -30,6 +30,8 @@ namespace isoslider::extract {
 /// of the position, so the others cost the reading of 16 bytes. A brick that changes is made from its signs, 64 points
 /// at a time: see LIVE.md.
 ///
+/// Where the list is damaged on every way to a threshold, the bricks active there are found from all samples.
+///
 /// Cost: O(log N + bricks that come, go or have a crossed sample) and 16 bytes per active brick.
 template <class Sample>
 class BrickSource final : public WalkedSource<Sample> {
@@ -55,9 +57,18 @@ public:
         region_ = region;
         hasNewRegion_ = true;
     }
-    /// Nothing but from an empty surface: bricks that stay are never dearer than bricks that arrive.
+    /// Nothing but from an empty surface: bricks that stay are never dearer than bricks that arrive. Where that way is
+    /// damaged, all samples.
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
-        return from == lowest() || from == highest() ? walk_.estimate(std::min(from, to), std::max(from, to)) : 0;
+        if (!isEnd(from))
+            return 0;
+        return WalkedSource<Sample>::isBlocked(from, to)
+                   ? reader_.grid().brickCount() * kBrickSide * kBrickSide * kBrickSide
+                   : walk_.estimate(std::min(from, to), std::max(from, to));
+    }
+    /// Never from an empty surface.
+    bool isBlocked(KeyThreshold from, KeyThreshold to) const override {
+        return !isEnd(from) && WalkedSource<Sample>::isBlocked(from, to);
     }
     /// Reads the samples of bricks that will arrive, as far as there is room.
     void prefetch(KeyThreshold from, KeyThreshold to) override;
@@ -99,7 +110,10 @@ private:
     // What a move does with a brick; false when samples are wanted that are not ready.
     using Work = bool (BrickSource::*)(const Move&, LiveSurface<Live>&, const Job&, Scratch&);
 
+    bool isEnd(KeyThreshold at) const { return at == lowest() || at == highest(); }
     void reset();
+    Status activeBricks(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net);
+    Status bricksBySamples(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net);
     Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats, std::stop_token stop,
                      NetBricks& net);
     Status bricksOfRegion(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
