@@ -301,7 +301,7 @@ TEST_F(BrickPictureTest, SendsThePointsOfABrickOnce) {
             triangles += frame->bricks->bytesOf(brick, true, false);
             points += frame->bricks->bytesOf(brick, false, true);
         }
-        constexpr std::uint64_t kTables = 64 << 10;
+        constexpr std::uint64_t kTables = 128 << 10; // and a draft's triangles, where the machine is busy
         ASSERT_GT(points, 2 * (triangles + kTables));
         EXPECT_LT(viewport_->uploadedBytes() - before, triangles + kTables) << wasAway;
         EXPECT_EQ(largestDifference(shown, grab(*makeViewport(), frame)), 0);

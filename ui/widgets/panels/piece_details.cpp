@@ -127,6 +127,7 @@ void PieceDetails::measure() {
             if (!measured.isOk())
                 return; // there was no memory for it: the other facts stand
             measures_ = measured.value();
+            persistence_.reset(); // it was of the surface before
             form_->setEnabled(true);
             showFacts();
             findPersistence();

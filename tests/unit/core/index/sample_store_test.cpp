@@ -129,7 +129,7 @@ TEST_F(SampleStoreFile, ForgedDirectoriesAreRefusedOrRead) {
 }
 
 // Only a forger writes such a list: everything has its right checksum.
-TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreRefused) {
+TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreNotBelieved) {
     const test::TemporaryFolder folder;
     const auto grid = test::hillsVolume({8, 8, 8});
     preprocess::BuildOptions options;
@@ -171,11 +171,10 @@ TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreRefused) {
         ASSERT_THAT(writer.value()->finish(meta), IsOk());
         const auto engine = extract::SlideEngine::open(folder / "forged.isx");
         ASSERT_THAT(engine, IsOk());
-        const auto moved = engine.value()->slideTo(500.0);
-        if (mask == 0b10) {
-            EXPECT_THAT(moved, IsOk()) << "one entry: as good as any";
-        } else {
-            EXPECT_THAT(moved, HasError(ErrorCode::Corruption));
+        EXPECT_THAT(engine.value()->slideTo(500.0), IsOk());
+        if (mask != 0b10) { // one entry is as good as any
+            EXPECT_TRUE(test::isSameSurface(engine.value()->mesh().value(), extract::extractFull(*grid, 500.0).value()))
+                << "found from the samples";
         }
     }
 }
