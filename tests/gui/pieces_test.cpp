@@ -343,12 +343,12 @@ TEST_F(PickTest, ASessionHidesAgainWhatWasHidden) {
         ASSERT_TRUE(waitUntilSettled());
         ASSERT_TRUE(waitUntil([this] { return session_->frame()->pieces && pieces().awaited.isEmpty(); }));
     };
-    openSession(hidden);
+    ASSERT_NO_FATAL_FAILURE(openSession(hidden));
     EXPECT_EQ(pieces().hidden, std::vector{piece(1).id});
     EXPECT_FALSE(pieces().only);
     QTest::qWait(600); // longer than steps are joined
     EXPECT_FALSE(action("edit.undo")->isEnabled()) << "nobody did it";
-    openSession(only);
+    ASSERT_NO_FATAL_FAILURE(openSession(only));
     EXPECT_EQ(pieces().hidden, std::vector<extract::PieceId>());
     EXPECT_EQ(pieces().only, piece(2).id);
     action("pieces.all")->trigger();

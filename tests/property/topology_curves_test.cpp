@@ -68,7 +68,7 @@ void expectCountsOfMesh(const ScalarGrid& grid, const TopologyCurve& curve, doub
 }
 
 TEST(CountsOfMeshes, AreThoseOfNoise) {
-    for (unsigned seed = 1; seed <= 2; ++seed) {
+    for (unsigned seed = 1; seed <= 4; ++seed) {
         const ScalarGrid grid = gridOf({16, 16, 16}, noise(seed));
         const TopologyCurve curve = analysed(grid);
         std::mt19937 random(seed);
@@ -351,6 +351,7 @@ TEST(PiecePersistence, StatesALeastOfWhatIsTooLarge) {
     const auto second = persistenceOfPiece(*samples, {{32, 10, 8}, 1}, 6.5, options);
     ASSERT_THAT(second, IsOk());
     EXPECT_TRUE(second.value().isAtLeast);
+    EXPECT_GE(second.value().persistence, 1.5); // from the peak to the isovalue
     EXPECT_LE(second.value().persistence, 3.0);
 }
 

@@ -321,6 +321,18 @@ TEST(DamagedPages, OfAnIndexWithSamplesCostTimeOnly) {
                 scans += hasReadAll;
             }
         }
+        // A region that changes looks at all active bricks, too.
+        const auto bounded = open();
+        ASSERT_THAT(bounded->slideTo(isovalues.back()), IsOk());
+        const std::uint64_t all = bounded->slideTo(isovalues.back()).value().activeEdges;
+        bounded->setRegion(BrickBox{{0, 0, 0}, {3, 41, 41}});
+        const auto part = bounded->slideTo(isovalues.back());
+        ASSERT_THAT(part, IsOk());
+        EXPECT_LT(part.value().activeEdges, all);
+        EXPECT_GT(part.value().activeEdges, all / 4);
+        bounded->setRegion(std::nullopt);
+        ASSERT_THAT(bounded->slideTo(isovalues.back()), IsOk());
+        ASSERT_TRUE(test::isSameSurface(bounded->mesh().value(), whole.back()));
     }
     EXPECT_GT(scans, 0);
 }
