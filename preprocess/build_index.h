@@ -39,7 +39,7 @@ struct BuildOptions {
 
 /// Finer levels make moves cheaper and the index larger.
 inline constexpr double kRedundancyChoices[] = {0.5, 1.0, 2.0, 4.0};
-inline constexpr double kBytesPerVoxelAim = 38.0;
+inline constexpr double kBytesPerVoxelAim = 20.0;
 
 /// Smallest accepted BuildOptions::memoryBytes.
 inline constexpr std::uint64_t kMinBuildMemoryBytes = std::uint64_t{64} << 20;

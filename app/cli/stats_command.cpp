@@ -31,7 +31,8 @@ Json jsonOf(const index::IndexInfo& info) {
         json["lod_error"] = optionText(extract::builtError(info));
     json["index_bytes"] = info.indexBytes;
     json["bytes_per_voxel"] = bytesPerPoint(info, info.indexBytes);
-    json["sample_bytes"] = info.sampleBytes;
+    json["sample_bytes"] = hasSampleChunks(info) ? info.chunkBytes : 0;
+    json["normal_bytes"] = hasNormalChunks(info) ? info.chunkBytes : 0;
     json["hidden_corners"] = info.hiddenCorners;
     json["hidden_corner_bytes"] = info.hiddenCornerBytes;
     json["levels"] = levelsJson(info);
@@ -58,9 +59,9 @@ std::string textOf(const index::IndexInfo& info) {
                                                 : "edges");
     if (isEdges)
         text += fmt::format("  hidden corners        {}, {} bytes\n", info.hiddenCorners, info.hiddenCornerBytes);
-    else
-        text += fmt::format("  samples               {} bytes, {:.2f} bytes per voxel\n", info.sampleBytes,
-                            bytesPerPoint(info, info.sampleBytes));
+    if (hasSampleChunks(info) || hasNormalChunks(info))
+        text += fmt::format("  {:<21} {} bytes, {:.2f} bytes per voxel\n", isEdges ? "normals" : "samples",
+                            info.chunkBytes, bytesPerPoint(info, info.chunkBytes));
     text += fmt::format("  index                 {} bytes, {:.2f} bytes per voxel\n\n", info.indexBytes,
                         bytesPerPoint(info, info.indexBytes));
     text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks",

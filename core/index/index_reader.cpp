@@ -31,6 +31,9 @@ Result<std::unique_ptr<IndexReader>> IndexReader::open(const std::filesystem::pa
     if (!meta.isOk())
         return std::move(meta).error();
     reader->meta_ = std::move(meta).value();
+    if (reader->meta_.info.kind == IndexKind::BrickList && reader->disk_ != nullptr)
+        return makeError(ErrorCode::Corruption, "index directory is damaged: kind of index", path.string(),
+                         preamble.value().metaOffset);
     reader->seed_ = preamble.value().seed;
     reader->metaOffset_ = preamble.value().metaOffset;
     reader->preambleBytes_ = std::move(first);

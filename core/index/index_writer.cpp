@@ -49,15 +49,15 @@ Status IndexWriter::addHiddenPage(HiddenPageEntry entry, std::span<const std::by
     return {};
 }
 
-Status IndexWriter::addChunk(std::span<const std::byte> samples) {
-    ISO_CHECK(samples.size() <= 0xffff);
+Status IndexWriter::addChunk(std::span<const std::byte> chunk) {
+    ISO_CHECK(chunk.size() <= 0xffff);
     const std::uint64_t offset = sizeBytes();
     if (groupTable_.empty())
         groupOffset_ = offset;
     putChunkPlace(groupTable_,
-                  {offset, static_cast<std::uint16_t>(samples.size()), pageChecksum(samples, seed_, offset)});
-    ISO_TRY(append(samples));
-    sampleBytes_ += samples.size();
+                  {offset, static_cast<std::uint16_t>(chunk.size()), pageChecksum(chunk, seed_, offset)});
+    ISO_TRY(append(chunk));
+    chunkBytes_ += chunk.size();
     return groupTable_.size() == kGroupChunks * kGroupEntryBytes ? endGroup() : Status();
 }
 
@@ -92,7 +92,7 @@ Result<IndexInfo> IndexWriter::finish(IndexMeta meta) {
     }
     ISO_CHECK(groupTable_.empty());
     meta.chunkGroups = std::move(groups_);
-    meta.info.sampleBytes = sampleBytes_;
+    meta.info.chunkBytes = chunkBytes_;
     meta.levels = std::move(levels_);
     meta.hiddenPages = std::move(hiddenPages_);
     countHiddenCorners(meta);
@@ -109,6 +109,7 @@ Result<IndexInfo> IndexWriter::finish(IndexMeta meta) {
     ISO_TRY(file_->writeAt(0, encodePreamble(preamble)));
     ISO_TRY(file_->publish());
     meta.info.indexBytes = preamble.fileBytes;
+    meta.info.formatMajor = preamble.major;
     return meta.info;
 }
 

@@ -31,8 +31,8 @@ public:
     Status addPage(SkipLevel level, PageEntry entry, std::span<const std::byte> bytes);
     /// Appends one encoded page of hidden corners, in the order of bricks; likewise.
     Status addHiddenPage(HiddenPageEntry entry, std::span<const std::byte> bytes);
-    /// Appends the next chunk of samples, in chunk order. `kGroupChunks` fill a group, whose table then follows.
-    Status addChunk(std::span<const std::byte> samples);
+    /// Appends the next chunk of samples or normals, in chunk order. `kGroupChunks` fill a group, whose table then follows.
+    Status addChunk(std::span<const std::byte> chunk);
     /// Ends the last group. REQUIRES: called after the last chunk, before anything else is added.
     Status endChunks() { return groupTable_.empty() ? Status() : endGroup(); }
     /// Ends a block of a level above 0: all pages added there since the last one.
@@ -61,7 +61,7 @@ private:
     std::vector<ChunkGroupEntry> groups_;
     std::vector<std::byte> groupTable_; ///< of the group that is being filled
     std::uint64_t groupOffset_ = 0;
-    std::uint64_t sampleBytes_ = 0;
+    std::uint64_t chunkBytes_ = 0;
     std::uint64_t resumedBytes_ = 0; ///< of the file, when its state was saved
 };
 

@@ -43,7 +43,7 @@ void IndexWriter::state(StateArchive& archive) {
     archive(groups_);
     archive(groupTable_);
     archive(groupOffset_);
-    archive(sampleBytes_);
+    archive(chunkBytes_);
 }
 
 } // namespace isoslider::index

@@ -20,14 +20,10 @@ PointRecord<Key> recordOf(const DecodedPage<Key>& page, std::size_t point, std::
     PointRecord<Key> record;
     record.key = page.keys[point];
     record.setId(PointId(page.ids[point]));
-    record.normal = page.normals[point];
     record.edgeMask = page.masks[point];
     record.form = page.form(point);
-    for (unsigned rest = record.edgeMask; rest != 0; rest &= rest - 1, ++entry) {
-        const int edge = std::countr_zero(rest);
-        record.farKeys[edge] = page.farKeys[entry];
-        record.farNormals[edge] = page.farNormals[entry];
-    }
+    for (unsigned rest = record.edgeMask; rest != 0; rest &= rest - 1, ++entry)
+        record.farKeys[std::countr_zero(rest)] = page.farKeys[entry];
     return record;
 }
 
@@ -87,7 +83,7 @@ private:
 
 template <class Key>
 LazyLevels<Key>::LazyLevels(const IndexReader& reader, std::uint64_t memoryBytes)
-    : reader_(reader), store_(reader, memoryBytes) {}
+    : reader_(reader), store_(reader, memoryBytes), isStopped_(needsPagesWithNormals(reader.info())) {}
 
 template <class Key>
 LazyLevels<Key>::~LazyLevels() = default;

@@ -22,12 +22,14 @@ Status decodeStated(const IndexReader& reader, std::span<const std::byte> bytes,
     const auto corrupt = [&](const char* problem) {
         return makeError(ErrorCode::Corruption, std::string("index page ") + problem, reader.pathString());
     };
+    if (needsPagesWithNormals(reader.info()) && !page.hasNormals())
+        return corrupt("has no normals");
     if (!page.forms.empty() && !(reader.info().mergeError > 0.0))
         return corrupt("is damaged: merged cells where there are none");
     if (page.pointCount() != points || page.edgeCount() != edges)
         return corrupt("disagrees with the directory");
     // A brick has one entry; whoever walks a list of bricks relies on it.
-    if (reader.info().kind == IndexKind::Metacells &&
+    if (reader.info().kind != IndexKind::Edges &&
         !std::all_of(page.masks.begin(), page.masks.end(), [](std::uint8_t mask) { return std::has_single_bit(mask); }))
         return corrupt("lists a brick without or with several entries");
     return {};

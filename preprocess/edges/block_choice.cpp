@@ -40,13 +40,9 @@ double bytesPerEntry(std::vector<index::PointRecord<Key>> sample, const BrickGri
             index::PointRecord<std::uint32_t>& out = ranked.emplace_back();
             out.key = rankOf(record.key);
             out.setId(record.id());
-            out.normal = record.normal;
             out.edgeMask = record.edgeMask;
             out.form = record.form;
-            forEachEdge(record, [&](int e) {
-                out.farKeys[e] = rankOf(record.farKeys[e]);
-                out.farNormals[e] = record.farNormals[e];
-            });
+            forEachEdge(record, [&](int e) { out.farKeys[e] = rankOf(record.farKeys[e]); });
             // As the histogram over span space counts them: an interval once for each end.
             entries += record.form == index::record_form::kPoint ? std::popcount(record.edgeMask) : 1;
         }
@@ -69,7 +65,7 @@ BlockChoice chooseBlocks(const SpanHistogram& histogram, const KeyIntervals& bin
         choice = {chooseBlockBegins(histogram, bins, skipLevels, threshold), threshold};
         const double above = static_cast<double>(countEntriesAbove(histogram, bins, choice.begins));
         const double bytes = bytesPerEntry * (static_cast<double>(entries) + kHigherLevelCost * above);
-        if (bytes <= kBytesPerVoxelAim * points)
+        if (bytes <= (kBytesPerVoxelAim - sizeof(NormalCode)) * points)
             break;
     }
     return choice;

@@ -15,6 +15,7 @@
 #include "preprocess/edges/block_choice.h"
 #include "preprocess/edges/edge_forecast.h"
 #include "preprocess/edges/hidden_page_builder.h"
+#include "preprocess/edges/normal_chunks.h"
 #include "preprocess/edges/record_generator.h"
 #include "preprocess/forecast/topology_bytes.h"
 #include "preprocess/levels/external_sort.h"
@@ -25,9 +26,9 @@
 namespace isoslider::preprocess {
 namespace {
 
-// Three passes. 1: counts by key (partitions, span bins, range). 2: records, generated brick
-// by brick, distributed by value; hidden corners, written as they come. 3: partitions sorted one after the
-// other, cut into blocks, encoded.
+// Three passes over the volume. 1: counts by key (partitions, span bins, range). 2: normals, written as they come.
+// 3: records, generated brick by brick, distributed by value; hidden corners, written as they come. Then partitions are
+// sorted one after the other, cut into blocks, encoded.
 //
 // Memory: the window of planes and what a layer makes of them, the records of kBricksAtOnce bricks, histograms over
 // span space, and the sort, which gets what is left. A budget that has no room for the least of these is refused.
@@ -112,14 +113,14 @@ public:
         std::vector<KeyCount>().swap(counts);
         beginHistogram();
         makeHistograms();
-        return collectAndSort(0);
+        return storeNormals(0);
     }
 
     bool isResumed() const { return isResumed_; }
     const DiskForecast& forecast() const { return forecast_; }
 
 private:
-    enum class Phase : std::uint8_t { Collecting, Sorting };
+    enum class Phase : std::uint8_t { Normals, Collecting, Sorting };
 
     Status makeForecast(const std::vector<KeyCount>& counts) {
         const auto forecast = forecastEdges<Sample>(source_, {counts, unequalPairs_, info_.min, info_.max}, options_,
@@ -137,6 +138,13 @@ private:
                                      fileSystemOf(options_));
     }
 
+    Result<index::IndexInfo> storeNormals(std::int64_t firstSlab) {
+        ISO_TRY(writeNormals<Sample>(source_, *writer_, firstSlab, job_.part(0.1, 0.18), [this](std::int64_t next) {
+            return checkpoints_.isDue() ? makeCheckpoint(Phase::Normals, next, {}) : Status();
+        }));
+        return collectAndSort(0);
+    }
+
     Result<index::IndexInfo> collectAndSort(std::int64_t firstLayer) {
         ISO_TRY(generateRecords(firstLayer));
         blockBegins_ = chooseBlocks(std::move(histograms_));
@@ -146,7 +154,7 @@ private:
 
     Result<index::IndexInfo> sortAndFinish(typename ExternalSort<Key>::Place begin) {
         ISO_TRY(sort_->drain([&](std::span<const Record> records) { return consume(records, *levels_); },
-                             job_.part(0.4, 1.0), begin,
+                             job_.part(0.42, 1.0), begin,
                              [&](const typename ExternalSort<Key>::Place& place) {
                                  return checkpoints_.isDue() ? makeCheckpoint(Phase::Sorting, 0, place) : Status();
                              }));
@@ -164,13 +172,14 @@ private:
 
     // ---- going on after a stop (RESUME.md)
 
-    Status makeCheckpoint(Phase phase, std::int64_t nextLayer, typename ExternalSort<Key>::Place place) {
+    // `next`: the slab of chunks or the layer to go on with.
+    Status makeCheckpoint(Phase phase, std::int64_t next, typename ExternalSort<Key>::Place place) {
         const auto begin = std::chrono::steady_clock::now();
         StateArchive archive;
         archive(phase);
         ISO_TRY(writer_->suspend(archive));
         ISO_TRY(sort_->suspend(archive));
-        state(phase, nextLayer, place, archive);
+        state(phase, next, place, archive);
         ISO_TRY(checkpoints_.save(archive.bytes(), writer_->sizeBytes(), begin));
         if (options_.resumes) { // from now on there is something to go on with
             writer_->keepUnfinished();
@@ -194,17 +203,19 @@ private:
             return std::move(sort).error();
         sort_ = std::move(sort).value();
         isResumed_ = true;
-        std::int64_t nextLayer = 0;
+        std::int64_t next = 0;
         typename ExternalSort<Key>::Place place;
-        state(phase, nextLayer, place, archive);
+        state(phase, next, place, archive);
         if (archive.hasFailed() || archive.remaining() != 0)
             return makeError(ErrorCode::Corruption, "the state of an unfinished build is damaged", path_.string());
         ISO_TRY(checkRoom({writer_->sizeBytes(), sort_->spilledBytes() + left.size()}));
         valueBins_ = ValueBins<Sample>(static_cast<Sample>(info_.min), static_cast<Sample>(info_.max));
-        return phase == Phase::Collecting ? collectAndSort(nextLayer) : sortAndFinish(place);
+        return phase == Phase::Normals      ? storeNormals(next)
+               : phase == Phase::Collecting ? collectAndSort(next)
+                                            : sortAndFinish(place);
     }
 
-    void state(Phase phase, std::int64_t& nextLayer, typename ExternalSort<Key>::Place& place, StateArchive& archive) {
+    void state(Phase phase, std::int64_t& next, typename ExternalSort<Key>::Place& place, StateArchive& archive) {
         for (double* value :
              {&info_.min, &info_.max, &info_.histogram.min, &info_.histogram.max, &redundancyThreshold_})
             archive(*value);
@@ -214,12 +225,12 @@ private:
         archive(info_.activeEdgesPerBin);
         archive(missingCells_);
         archive(withoutEdges_);
-        archive(nextLayer);
+        archive(next);
         archive(place);
-        if (phase == Phase::Collecting)
-            stateOfCollecting(archive);
-        else
+        if (phase == Phase::Sorting)
             stateOfSorting(archive);
+        else
+            stateOfCollecting(archive);
     }
 
     void stateOfCollecting(StateArchive& archive) {
@@ -270,7 +281,7 @@ private:
     Status countSamples(KeyCounter<Key>& counter) {
         const JobControl share = job_.part(0.0, 0.08);
         countsByPrefix_.assign(std::size_t{1} << 16, 0);
-        SlabWindow<Sample> window(source_);
+        SlabWindow<Sample> window(source_, kBrickSide + 1);
         double low = std::numeric_limits<double>::infinity();
         double high = -low;
         std::uint64_t finite = 0;
@@ -306,8 +317,8 @@ private:
     void makeHistograms() { histograms_.assign(histogramCount(*bins_), SpanHistogram(bins_->count())); }
 
     Status generateRecords(std::int64_t firstLayer) {
-        const JobControl share = job_.part(0.1, 0.4);
-        SlabWindow<Sample> window(source_);
+        const JobControl share = job_.part(0.18, 0.42);
+        SlabWindow<Sample> window(source_, kLayerPlanes);
         std::optional<MergedLayers<Sample>> merged;
         if (options_.mergeError.amount > 0.0)
             merged.emplace(geometry_.dims, extract::boundOf(options_.mergeError, info_.min, info_.max), job_.stop);
@@ -407,7 +418,7 @@ private:
         const auto plane = static_cast<std::uint64_t>(geometry_.dims[0] * geometry_.dims[1]);
         const auto bricks = std::min<std::uint64_t>(kBricksAtOnce, plane / (kBrickSide * kBrickSide) + 1);
         constexpr std::uint64_t kElsewhere = std::uint64_t{8} << 20; // pages of the levels
-        return plane * (12 * sizeof(Sample) + 10 * (sizeof(Key) + sizeof(NormalCode) + 1)) +
+        return plane * std::max(kLayerPlanes * (sizeof(Sample) + sizeof(Key) + 1), kNormalPlanes * sizeof(Sample)) +
                bricks * kBrickPoints * sizeof(Record) * 3 / 2 * (options_.mergeError.amount > 0.0 ? 4 : 1) +
                leafMemory() + kElsewhere;
     }

@@ -11,8 +11,10 @@
 
 #include "core/grid/classification.h"
 #include "core/grid/scalar_grid.h"
+#include "core/index/format/chunk_table.h"
 #include "preprocess/edges/block_choice.h"
 #include "preprocess/edges/hidden_page_builder.h"
+#include "preprocess/edges/normal_chunks.h"
 #include "preprocess/edges/record_generator.h"
 #include "preprocess/forecast/scaled_size.h"
 #include "preprocess/index_builds.h"
@@ -83,7 +85,7 @@ public:
             records_.clear();
             hiddenCorners_.clear();
             missingCells_.clear();
-            pairs_ = points_ = 0;
+            pairs_ = points_ = normalPoints_ = normalBytes_ = 0;
             ISO_TRY(sampleAbout(4 * wanted));
         }
         return {};
@@ -116,7 +118,7 @@ public:
         if (!bytes.isOk())
             return bytes.error();
         EdgeForecast forecast;
-        forecast.disk = {static_cast<std::uint64_t>(bytes.value()),
+        forecast.disk = {static_cast<std::uint64_t>(bytes.value() + chunkBytes()),
                          static_cast<std::uint64_t>(records * entryRatio) * sizeof(Record)};
         forecast.bytesPerEntry = bytesPerEntry_;
         return forecast;
@@ -176,7 +178,7 @@ private:
         const auto source = cut(tile);
         const GridGeometry& geometry = source->info().geometry;
         const BrickGrid tileGrid(tile.dims);
-        SlabWindow<Sample> window(*source);
+        SlabWindow<Sample> window(*source, kLayerPlanes);
         std::optional<MergedLayers<Sample>> merged;
         if (merges())
             merged.emplace(tile.dims, extract::boundOf(options_.mergeError, counts_.min, counts_.max), job_.stop);
@@ -201,7 +203,37 @@ private:
                 layer == last ? ConsumeRecords<Key>(consume) : [](const LayerRecords<Key>&) { return Status(); }));
         }
         countPairs(tile);
+        encodeNormalsOf(tile);
         return {};
+    }
+
+    // In chunks half as high: a layer has no more planes.
+    void encodeNormalsOf(const Tile& tile) {
+        const SampleView<Sample> view{planes_.data(), {geometry_.dims[0], geometry_.dims[1], planesEnd_ - planesBegin_}};
+        const std::int64_t z0 = tile.begin[2] * kBrickSide;
+        const auto countFrom = [&](int axis, std::int64_t first, std::int64_t end) {
+            return static_cast<int>(std::min<std::int64_t>({index::kChunkSide, geometry_.dims[axis] - first, end - first}));
+        };
+        const std::int64_t endX = tile.end[0] * kBrickSide, endY = tile.end[1] * kBrickSide;
+        for (std::int64_t y = tile.begin[1] * kBrickSide; y < std::min(endY, geometry_.dims[1]); y += index::kChunkSide)
+            for (std::int64_t x = tile.begin[0] * kBrickSide; x < std::min(endX, geometry_.dims[0]);
+                 x += index::kChunkSide) {
+                const index::ChunkExtent extent{countFrom(0, x, endX), countFrom(1, y, endY),
+                                                countFrom(2, z0, z0 + kBrickSide)};
+                normalPoints_ += static_cast<std::uint64_t>(extent[0] * extent[1] * extent[2]);
+                normalBytes_ += encodeNormals<Sample>(view, {x, y, z0 - planesBegin_}, extent,
+                                                      inverseSpacingOf(geometry_))
+                                    .size();
+            }
+    }
+    double chunkBytes() const {
+        constexpr std::uint64_t kGroupDirectoryBytes = 24;
+        const index::ChunkGrid chunks(geometry_.dims);
+        const double ratio =
+            static_cast<double>(pointCount(geometry_.dims)) / static_cast<double>(std::max<std::uint64_t>(1, normalPoints_));
+        return ratio * static_cast<double>(normalBytes_) +
+               static_cast<double>(chunks.chunkCount() * index::kGroupEntryBytes +
+                                   index::chunkGroupCount(chunks) * kGroupDirectoryBytes);
     }
 
     static std::array<std::int64_t, 3> inVolume(const Tile& tile, const std::array<std::int64_t, 3>& brick) {
@@ -316,6 +348,7 @@ private:
     std::vector<std::vector<index::HiddenCorner>> hiddenCorners_; ///< by brick
     std::vector<index::MissingCells> missingCells_;
     std::uint64_t pairs_ = 0, points_ = 0;
+    std::uint64_t normalPoints_ = 0, normalBytes_ = 0; ///< of which normals were encoded; the bytes they take
     double bytesPerEntry_ = 0.0;
 };
 

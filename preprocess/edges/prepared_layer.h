@@ -8,14 +8,14 @@
 #include <tbb/parallel_for.h>
 
 #include "core/grid/brick_grid.h"
+#include "core/grid/classification.h"
 #include "core/grid/edge_cells.h"
-#include "core/grid/gradient.h"
 #include "core/grid/scalar_key.h"
 #include "preprocess/edges/slab_window.h"
 
 namespace isoslider::preprocess {
 
-/// The planes of a layer of bricks and one on either side, prepared once: keys, normals, missing flags.
+/// The planes of a layer of bricks and one on either side, prepared once: keys, missing flags.
 template <class Sample>
 class PreparedLayer {
 public:
@@ -27,16 +27,8 @@ public:
         end_ = std::min(dims_[2], (layer + 1) * kBrickSide + 1);
         const std::size_t count = static_cast<std::size_t>((end_ - begin_) * plane_);
         keys_.resize(count);
-        normals_.resize(count);
         missing_.resize(count);
-        glm::vec3 inverseSpacing;
-        for (int a = 0; a < 3; ++a)
-            inverseSpacing[a] = static_cast<float>(1.0 / std::abs(geometry.spacing[a]));
-        // The window is a separate grid; at its own ends it is cut off only where the box is.
-        const SampleView<Sample> view{window.plane(window.begin()),
-                                      {dims_[0], dims_[1], window.end() - window.begin()}};
-        tbb::parallel_for(begin_, end_,
-                          [&](std::int64_t z) { preparePlane(view, z - window.begin(), z, inverseSpacing); });
+        tbb::parallel_for(begin_, end_, [&](std::int64_t z) { preparePlane(window.plane(z), z); });
         hasMissing_ = std::any_of(missing_.begin(), missing_.end(), [](std::uint8_t m) { return m != 0; });
     }
 
@@ -45,7 +37,6 @@ public:
     }
     Key key(std::size_t i) const { return keys_[i]; }
     const Key* keysFrom(std::size_t i) const { return keys_.data() + i; }
-    NormalCode normal(std::size_t i) const { return normals_[i]; }
     bool missing(std::size_t i) const { return missing_[i] != 0; }
     bool hasMissing() const { return hasMissing_; }
     const GridDims& dims() const { return dims_; }
@@ -69,18 +60,13 @@ public:
     }
 
 private:
-    void preparePlane(const SampleView<Sample>& view, std::int64_t viewZ, std::int64_t z,
-                      const glm::vec3& inverseSpacing) {
-        std::size_t i = at(0, 0, z);
-        const Sample* sample = view.samples + view.offset(0, 0, viewZ);
-        for (std::int64_t y = 0; y < dims_[1]; ++y)
-            for (std::int64_t x = 0; x < dims_[0]; ++x, ++i, ++sample) {
-                missing_[i] = isMissing(*sample);
-                if (missing_[i])
-                    continue;
+    void preparePlane(const Sample* sample, std::int64_t z) {
+        const std::size_t first = at(0, 0, z);
+        for (std::size_t i = first; i < first + static_cast<std::size_t>(plane_); ++i, ++sample) {
+            missing_[i] = isMissing(*sample);
+            if (!missing_[i])
                 keys_[i] = keyOf(*sample);
-                normals_[i] = normalOfGradient(gradientAt(view, x, y, viewZ, inverseSpacing));
-            }
+        }
     }
 
     GridDims dims_;
@@ -89,7 +75,6 @@ private:
     std::int64_t end_ = 0;
     bool hasMissing_ = false;
     std::vector<Key> keys_;
-    std::vector<NormalCode> normals_;
     std::vector<std::uint8_t> missing_;
 };
 

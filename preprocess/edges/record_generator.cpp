@@ -127,8 +127,6 @@ private:
         record.form = form::edge(axis, vertex.level);
         record.farKeys[form::kLowerEnd] = layer_.key(first);
         record.farKeys[form::kUpperEnd] = layer_.key(last);
-        record.normal = record.farNormals[form::kLowerEnd] = record.farNormals[form::kUpperEnd] = layer_.normal(first);
-        record.farNormals[form::kOtherEnd] = layer_.normal(last);
         addInterval(record, grid_.pointId(start[0], start[1], start[2]), vertex.interval, histogram, records);
     }
 
@@ -186,7 +184,6 @@ private:
             const int axis = e >> 1;
             const bool up = e & 1;
             record.farKeys[e] = 0;
-            record.farNormals[e] = 0;
             if (up ? p[axis] + 1 >= grid_.dims()[axis] : p[axis] == 0)
                 continue;
             const std::size_t far = up ? i + static_cast<std::size_t>(layer_.stride(axis))
@@ -203,14 +200,12 @@ private:
             }
             record.edgeMask |= static_cast<std::uint8_t>(1 << e);
             record.farKeys[e] = layer_.key(far);
-            record.farNormals[e] = layer_.normal(far);
         }
         if (record.edgeMask == 0) {
             if (hasUnusable)
                 withoutEdges.push_back(record.key);
             return false;
         }
-        record.normal = layer_.normal(i);
         record.setId(grid_.pointId(x, y, z));
         return true;
     }

@@ -28,8 +28,9 @@ struct LayerRecords {
     std::vector<std::uint64_t> keysWithoutEdges;
 };
 
-/// Planes below and above a layer that its records depend on: neighbours, and their gradients.
-inline constexpr std::int64_t kLayerApron = 2;
+/// Planes below and above a layer that its records depend on.
+inline constexpr std::int64_t kLayerApron = 1;
+inline constexpr std::int64_t kLayerPlanes = kBrickSide + 2 * kLayerApron;
 
 /// Bricks whose records are in memory at once.
 inline constexpr std::size_t kBricksAtOnce = 256;

@@ -13,8 +13,11 @@ namespace isoslider::preprocess {
 template <class Sample>
 class SlabWindow {
 public:
-    explicit SlabWindow(io::VolumeSource& source)
-        : source_(source), dims_(source.info().geometry.dims), plane_(static_cast<std::size_t>(dims_[0] * dims_[1])) {}
+    /// It will hold no more than so many planes.
+    SlabWindow(io::VolumeSource& source, std::int64_t mostPlanes)
+        : source_(source), dims_(source.info().geometry.dims), plane_(static_cast<std::size_t>(dims_[0] * dims_[1])) {
+        samples_.reserve(static_cast<std::size_t>(std::min(mostPlanes, dims_[2])) * plane_);
+    }
 
     /// Afterwards planes [zBegin, zEnd) are there. REQUIRES: bounds within the grid, zBegin never falls.
     Status advance(std::int64_t zBegin, std::int64_t zEnd) {

@@ -59,7 +59,6 @@ Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const 
             records[k].setId(pointIn(BrickIndex(brick), LocalPoint()));
             records[k].edgeMask = static_cast<std::uint8_t>(1 << edge);
             records[k].farKeys[edge] = k == 0 ? spans.greatest[brick] : spans.least[brick];
-            records[k].farNormals[edge] = kNoNormal;
         }
         ISO_TRY(sort.add(records));
     }
@@ -164,6 +163,7 @@ Result<std::unique_ptr<extract::SlideEngine>> makeTypedEngine(std::shared_ptr<co
         return std::move(writer).error();
     index::IndexMeta meta;
     ISO_TRY(writeBrickList(scan.spans(), grid->dims(), {}, "bricks.sort", memory, *writer.value(), meta.info.levels));
+    meta.info.kind = index::IndexKind::BrickList;
     meta.info.geometry = grid->geometry();
     meta.info.type = grid->type();
     meta.missingCells = scan.takeMissingCells();

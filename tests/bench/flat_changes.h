@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "core/base/result.h"
@@ -39,10 +40,11 @@ struct EdgeChanges {
     std::vector<DeactivatedEdge> deactivated;
 };
 
-/// Takes the net changes between two thresholds from the edge blocks of an index.
+/// Takes the net changes between two thresholds from the edge blocks of an index. `normals`: of points, by id.
 template <class Sample>
 Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGrid& grid, KeyThreshold from,
-                          KeyThreshold to, EdgeChanges<extract::LiveOf<Sample>>& changes) {
+                          KeyThreshold to, std::span<const NormalCode> normals,
+                          EdgeChanges<extract::LiveOf<Sample>>& changes) {
     using Live = extract::LiveOf<Sample>;
     changes.activated.clear();
     changes.deactivated.clear();
@@ -63,25 +65,24 @@ Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGr
                     continue; // redundant: crossed at both ends
                 const int e = std::countr_zero(mask), axis = e >> 1;
                 const bool isUpward = e & 1;
-                BrickIndex brick = brickOf(id);
-                int local = localOf(id).number();
-                if (!isUpward) { // the edge starts at the far end
-                    const bool leaves = (local / kStride[axis] & 7) == 0;
-                    brick = leaves ? brick - grid.brickStride(axis) : brick;
-                    local += (leaves ? 7 : -1) * kStride[axis];
-                }
-                const auto edge = LocalEdge(axis * kBrickPoints + local);
+                const int local = localOf(id).number();
+                const bool leaves = (local / kStride[axis] & 7) == (isUpward ? 7 : 0);
+                const std::ptrdiff_t step =
+                    leaves ? grid.brickStride(axis) * kBrickPoints - 7 * kStride[axis] : kStride[axis];
+                const PointId farId = isUpward ? id + step : id - step;
+                const PointId start = isUpward ? id : farId;
+                const BrickIndex brick = brickOf(start);
+                const auto edge = LocalEdge(axis * kBrickPoints + localOf(start).number());
                 if ((farKey > key) != (from < to)) {
                     changes.deactivated.push_back({brick, edge});
                     continue;
                 }
                 const Live far = static_cast<Live>(sampleOfKey<Sample>(farKey));
+                const NormalCode nearNormal = normals[id.index()], farNormal = normals[farId.index()];
                 if (isUpward)
-                    changes.activated.push_back(
-                        {near, far, brick, edge, part.page.normals[i], part.page.farNormals[entry]});
+                    changes.activated.push_back({near, far, brick, edge, nearNormal, farNormal});
                 else
-                    changes.activated.push_back(
-                        {far, near, brick, edge, part.page.farNormals[entry], part.page.normals[i]});
+                    changes.activated.push_back({far, near, brick, edge, farNormal, nearNormal});
             }
         }
         return entry;

@@ -2,6 +2,7 @@
 
 #include <tbb/task_arena.h>
 
+#include "core/index/sample_store.h"
 #include "tests/bench/flat_baseline.h"
 #include "tests/bench/flat_changes.h"
 #include "tests/bench/timing.h"
@@ -23,8 +24,9 @@ class Runner final : public FlatRunner {
     using Live = extract::LiveOf<Sample>;
 
 public:
-    explicit Runner(std::unique_ptr<index::IndexReader> reader)
+    Runner(std::unique_ptr<index::IndexReader> reader, std::vector<NormalCode> normals)
         : reader_(std::move(reader)),
+          normals_(std::move(normals)),
           walk_(*reader_, kCacheBytes),
           surface_(reader_->info().geometry, reader_->meta().missingCells, averageActiveEdges(reader_->info())) {}
 
@@ -49,13 +51,14 @@ public:
 
 private:
     Status move(KeyThreshold target) {
-        ISO_TRY(collectEdgeChanges<Sample>(walk_, reader_->grid(), position_, target, changes_));
+        ISO_TRY(collectEdgeChanges<Sample>(walk_, reader_->grid(), position_, target, normals_, changes_));
         surface_.apply(changes_);
         position_ = target;
         return {};
     }
 
     std::unique_ptr<index::IndexReader> reader_;
+    std::vector<NormalCode> normals_; ///< by point id
     extract::BlockWalk<KeyOf<Sample>> walk_;
     EdgeChanges<Live> changes_;
     FlatBaseline<Live> surface_;
@@ -63,15 +66,34 @@ private:
     tbb::task_arena oneThread_{1};
 };
 
+// In the order of ids.
+Result<std::vector<NormalCode>> normalsOf(const index::IndexReader& reader) {
+    const auto read = index::readNormals(reader);
+    if (!read.isOk())
+        return read.error();
+    const BrickGrid& grid = reader.grid();
+    std::vector<NormalCode> normals(grid.idCount(), kNoNormal);
+    std::size_t i = 0;
+    for (std::int64_t z = 0; z < grid.dims()[2]; ++z)
+        for (std::int64_t y = 0; y < grid.dims()[1]; ++y)
+            for (std::int64_t x = 0; x < grid.dims()[0]; ++x)
+                normals[grid.pointId(x, y, z).index()] = read.value()[i++];
+    return normals;
+}
+
 } // namespace
 
 Result<std::unique_ptr<FlatRunner>> FlatRunner::open(const std::filesystem::path& indexPath) {
     auto reader = index::IndexReader::open(indexPath);
     if (!reader.isOk())
         return std::move(reader).error();
+    auto normals = normalsOf(*reader.value());
+    if (!normals.isOk())
+        return std::move(normals).error();
     const ScalarType type = reader.value()->info().type;
     return visitScalarType(type, [&](auto sample) -> Result<std::unique_ptr<FlatRunner>> {
-        return std::unique_ptr<FlatRunner>(std::make_unique<Runner<decltype(sample)>>(std::move(reader).value()));
+        return std::unique_ptr<FlatRunner>(
+            std::make_unique<Runner<decltype(sample)>>(std::move(reader).value(), std::move(normals).value()));
     });
 }
 

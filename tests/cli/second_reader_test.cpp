@@ -24,9 +24,14 @@ std::string recordsOf(const index::IndexReader& reader, std::size_t level) {
         const auto page = pages.get(index::SkipLevel(level), p).value().page;
         std::size_t entry = 0;
         for (std::size_t i = 0; i < page->pointCount(); ++i) {
-            text += fmt::format("{} {} {} {}", page->form(i), page->ids[i], page->keys[i], page->normals[i]);
-            for (unsigned rest = page->masks[i]; rest != 0; rest &= rest - 1, ++entry)
-                text += fmt::format(" {} {} {}", std::countr_zero(rest), page->farKeys[entry], page->farNormals[entry]);
+            text += fmt::format("{} {} {}", page->form(i), page->ids[i], page->keys[i]);
+            if (page->hasNormals())
+                text += fmt::format(" {}", page->normals[i]);
+            for (unsigned rest = page->masks[i]; rest != 0; rest &= rest - 1, ++entry) {
+                text += fmt::format(" {} {}", std::countr_zero(rest), page->farKeys[entry]);
+                if (page->hasNormals())
+                    text += fmt::format(" {}", page->farNormals[entry]);
+            }
             text += '\n';
         }
     }
@@ -51,11 +56,10 @@ std::string hiddenCornersOf(const index::IndexReader& reader) {
     return text;
 }
 
-std::string samplesOf(const ScalarGrid& grid) {
+std::string rowsOf(std::span<const std::byte> bytes, std::size_t rowBytes) {
     std::string text;
-    const std::size_t rowBytes = static_cast<std::size_t>(grid.dims()[0]) * scalarTypeSizeBytes(grid.type());
-    for (std::size_t i = 0; i < grid.bytes().size(); ++i) {
-        text += fmt::format("{:02x}", std::to_integer<unsigned>(grid.bytes()[i]));
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        text += fmt::format("{:02x}", std::to_integer<unsigned>(bytes[i]));
         if ((i + 1) % rowBytes == 0)
             text += '\n';
     }
@@ -82,7 +86,7 @@ protected:
         EXPECT_EQ(result.exitCode, 0) << result.standardError;
         return result.standardOutput;
     }
-    /// Every record of every level, every hidden corner and every sample, as the program reads them.
+    /// Every record of every level, every hidden corner and every sample or normal, as the program reads them.
     void expectAllTheSame(const std::string& index) const {
         SCOPED_TRACE(index);
         const auto opened = index::IndexReader::open(index);
@@ -98,7 +102,14 @@ protected:
         if (reader.info().kind == index::IndexKind::Metacells) {
             const auto grid = index::readSamples(reader);
             ASSERT_THAT(grid, IsOk());
-            EXPECT_TRUE(textOf(index, {"samples"}) == samplesOf(*grid.value()));
+            const auto rowBytes =
+                static_cast<std::size_t>(grid.value()->dims()[0]) * scalarTypeSizeBytes(grid.value()->type());
+            EXPECT_TRUE(textOf(index, {"samples"}) == rowsOf(grid.value()->bytes(), rowBytes));
+        } else if (hasNormalChunks(reader.info())) {
+            const auto normals = index::readNormals(reader);
+            ASSERT_THAT(normals, IsOk());
+            const auto rowBytes = static_cast<std::size_t>(reader.info().geometry.dims[0]) * sizeof(NormalCode);
+            EXPECT_TRUE(textOf(index, {"normals"}) == rowsOf(std::as_bytes(std::span(normals.value())), rowBytes));
         }
     }
     void expectTheSame(const std::string& index, const std::string& volume, const std::vector<std::string>& raw,
@@ -156,7 +167,8 @@ TEST_F(SecondReader, FindsTheEdgesOfBytesAndIntegers) {
 
 TEST_F(SecondReader, ReadsIndexesOfEachVersion) {
     for (const char* name :
-         {"golden_v3", "golden_v4", "golden_v4_metacells", "golden_v4_merged", "golden_v4_1_topology", "golden_v4_2"})
+         {"golden_v3", "golden_v4", "golden_v4_metacells", "golden_v4_merged", "golden_v4_1_topology", "golden_v4_2",
+          "golden_v5", "golden_v5_metacells", "golden_v5_merged", "golden_v5_1_topology", "golden_v5_2"})
         expectAllTheSame(fmt::format("{}/tests/data/{}.isx", test::sourceFolder(), name));
 }
 

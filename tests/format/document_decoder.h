@@ -16,7 +16,7 @@ struct DocumentPoint {
     std::uint64_t key = 0;
     std::uint64_t id = 0;
     int mask = 0;
-    int normal = 0;
+    int normal = -1; ///< -1: the page has none
     std::vector<std::uint64_t> farKeys;
     std::vector<int> farNormals;
 };
@@ -37,12 +37,14 @@ public:
         const int keyBytes = static_cast<int>(number(16, 1)), idBytes = static_cast<int>(number(17, 1));
         const bool byId = number(18, 1) == 1;
         const std::uint64_t flags = number(19, 1), planes = number(20, 4);
-        if (planes != static_cast<std::uint64_t>(2 * keyBytes + idBytes + 5))
+        const int normalBytes = flags & 8 ? 0 : 2;
+        if (planes != static_cast<std::uint64_t>(2 * keyBytes + idBytes + 1 + 2 * normalBytes))
             return std::nullopt;
         tableAt_ = 32;
         dataAt_ = 32 + 4 * planes;
         const auto keys = column(points, keyBytes), ids = column(points, idBytes), masks = column(points, 1),
-                   normals = column(points, 2), farKeys = column(edges, keyBytes), farNormals = column(edges, 2);
+                   normals = column(points, normalBytes), farKeys = column(edges, keyBytes),
+                   farNormals = column(edges, normalBytes);
         if (!isGood_ || dataAt_ != page_.size())
             return std::nullopt;
 
@@ -58,12 +60,12 @@ public:
             normal = plus(normal, static_cast<int>(normals[i]));
             point.key = key;
             point.id = id;
-            point.normal = normal;
+            point.normal = normalBytes > 0 ? normal : -1;
             point.mask = static_cast<int>(masks[i]);
             // Upward edges are known before the downward ones that are predicted from them.
             const std::size_t count = static_cast<std::size_t>(std::popcount(masks[i]));
             point.farKeys.resize(count);
-            point.farNormals.resize(count);
+            point.farNormals.resize(normalBytes > 0 ? count : 0);
             for (int pass = 1; pass >= 0; --pass) {
                 std::size_t at = 0;
                 for (int e = 0; e < 6; ++e) {
@@ -77,12 +79,13 @@ public:
                     int predictedNormal = normal;
                     if (hasPair && (flags & 1))
                         predictedKey = 2 * key - point.farKeys[here + 1];
-                    if (hasPair && (flags & 2))
+                    if (normalBytes > 0 && hasPair && (flags & 2))
                         predictedNormal = minus(plus(normal, normal), point.farNormals[here + 1]);
                     const std::uint64_t code = farKeys[edge + here];
                     const std::uint64_t difference = code % 2 == 0 ? code / 2 : ~(code / 2);
                     point.farKeys[here] = (predictedKey + difference) & keyMask;
-                    point.farNormals[here] = plus(predictedNormal, static_cast<int>(farNormals[edge + here]));
+                    if (normalBytes > 0)
+                        point.farNormals[here] = plus(predictedNormal, static_cast<int>(farNormals[edge + here]));
                 }
             }
             edge += count;

@@ -9,6 +9,7 @@
 #include "core/index/format/block_codec.h"
 #include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
+#include "core/index/sample_store.h"
 #include "tests/format/document_decoder.h"
 #include "tests/property/random_volumes.h"
 #include "tests/support/result_matchers.h"
@@ -20,8 +21,9 @@ namespace {
 
 using test::IsOk;
 
-// The bytes of a ```hex block of the document, the first or the second; a '#' begins a remark.
-std::vector<std::byte> bytesOfWorkedExample(int wanted = 1) {
+// The bytes of a ```hex block of the document; a '#' begins a remark.
+constexpr int kPageExample = 1, kHiddenExample = 2, kChunkExample = 3, kEarlierPageExample = 4;
+std::vector<std::byte> bytesOfWorkedExample(int wanted = kPageExample) {
     std::istringstream text(
         test::readText(std::filesystem::path(test::sourceFolder()) / "core/index/format/FORMAT.md"));
     std::vector<std::byte> bytes;
@@ -97,7 +99,8 @@ std::vector<HiddenPageEntry> hiddenPagesByDocument(const std::string& file) {
         entry.checksum = in.next(8);
     }
     in.skip(8);
-    EXPECT_EQ(in.next(8), 0u) << "chunk groups";
+    EXPECT_EQ(in.next(8), 1u) << "chunk groups";
+    in.skip(24);
     EXPECT_EQ(in.next(8), 0u) << "bricks with missing cells";
     in.skip(in.next(8));
     in.skip(1);
@@ -115,17 +118,37 @@ void expectSame(const DecodedPage<Key>& page, const std::vector<test::DocumentPo
         ASSERT_EQ(page.keys[i], point.key) << i;
         ASSERT_EQ(page.ids[i], point.id) << i;
         ASSERT_EQ(page.masks[i], point.mask) << i;
-        ASSERT_EQ(page.normals[i], point.normal) << i;
+        ASSERT_EQ(page.hasNormals() ? int{page.normals[i]} : -1, point.normal) << i;
         for (std::size_t k = 0; k < point.farKeys.size(); ++k, ++edge) {
             ASSERT_EQ(page.farKeys[edge], point.farKeys[k]) << i << " " << k;
-            ASSERT_EQ(page.farNormals[edge], point.farNormals[k]) << i << " " << k;
+            if (page.hasNormals()) {
+                ASSERT_EQ(page.farNormals[edge], point.farNormals[k]) << i << " " << k;
+            }
         }
     }
     EXPECT_EQ(edge, page.edgeCount());
 }
 
+// As the text has it, and with normals as those of version 4 have it.
 TEST(FormatDocument, ExampleSaysWhatItsTextSays) {
     const auto bytes = bytesOfWorkedExample();
+    ASSERT_EQ(bytes.size(), 81u);
+    const auto points = test::DocumentDecoder(bytes).decode(512);
+    const auto earlier = test::DocumentDecoder(bytesOfWorkedExample(kEarlierPageExample)).decode(512);
+    ASSERT_TRUE(points.has_value() && earlier.has_value());
+    ASSERT_EQ(points->size(), earlier->size());
+    for (std::size_t i = 0; i < points->size(); ++i) {
+        EXPECT_EQ((*points)[i].key, (*earlier)[i].key);
+        EXPECT_EQ((*points)[i].id, (*earlier)[i].id);
+        EXPECT_EQ((*points)[i].mask, (*earlier)[i].mask);
+        EXPECT_EQ((*points)[i].farKeys, (*earlier)[i].farKeys);
+        EXPECT_EQ((*points)[i].normal, -1);
+        EXPECT_TRUE((*points)[i].farNormals.empty());
+    }
+}
+
+TEST(FormatDocument, ExampleOfVersion4SaysWhatItsTextSays) {
+    const auto bytes = bytesOfWorkedExample(kEarlierPageExample);
     ASSERT_EQ(bytes.size(), 117u);
     const auto points = test::DocumentDecoder(bytes).decode(512);
     ASSERT_TRUE(points.has_value());
@@ -151,12 +174,35 @@ TEST(FormatDocument, ExampleSaysWhatItsTextSays) {
 }
 
 TEST(FormatDocument, ExampleIsDecodedAlikeByTheProduct) {
-    const auto bytes = bytesOfWorkedExample();
-    DecodedPage<std::uint16_t> page;
-    ASSERT_THAT(decodePage<std::uint16_t>(bytes, BrickGrid({2, 2, 2}), page, "FORMAT.md"), IsOk());
-    const auto points = test::DocumentDecoder(bytes).decode(512);
-    ASSERT_TRUE(points.has_value());
-    expectSame(page, *points);
+    for (const int example : {kPageExample, kEarlierPageExample}) {
+        const auto bytes = bytesOfWorkedExample(example);
+        DecodedPage<std::uint16_t> page;
+        ASSERT_THAT(decodePage<std::uint16_t>(bytes, BrickGrid({2, 2, 2}), page, "FORMAT.md"), IsOk());
+        EXPECT_EQ(page.hasNormals(), example == kEarlierPageExample);
+        const auto points = test::DocumentDecoder(bytes).decode(512);
+        ASSERT_TRUE(points.has_value());
+        expectSame(page, *points);
+    }
+}
+
+// The chunk of the same volume.
+TEST(FormatDocument, ExampleOfNormalsIsWhatABuildWrites) {
+    const auto bytes = bytesOfWorkedExample(kChunkExample);
+    ASSERT_EQ(bytes.size(), 18u);
+    std::vector<NormalCode> normals(8);
+    ASSERT_TRUE(decodeChunk<NormalCode>(bytes, {2, 2, 2}, normals));
+    EXPECT_EQ(normals, (std::vector<NormalCode>{0x8080, 0x8080, 0x8080, 0x7f7f, 0x8080, 0x8100, 0x0081, 0xabab}));
+    const test::TemporaryFolder folder;
+    ASSERT_THAT(test::buildIndexOf(exampleVolume(), folder / "example.isx"), IsOk());
+    const auto reader = IndexReader::open(folder / "example.isx");
+    ASSERT_THAT(reader, IsOk());
+    const SampleStore store(*reader.value());
+    std::uint64_t bytesRead = 0;
+    const ChunkPlace place = store.find(ChunkIndex(), bytesRead).value();
+    std::vector<std::byte> written;
+    ASSERT_THAT(reader.value()->readPart(place.offset, place.bytes, place.checksum, written), IsOk());
+    EXPECT_EQ(written, bytes);
+    EXPECT_EQ(readNormals(*reader.value()).value(), normals);
 }
 
 TEST(FormatDocument, ExampleIsWhatABuildWrites) {
@@ -173,7 +219,7 @@ TEST(FormatDocument, ExampleIsWhatABuildWrites) {
 }
 
 TEST(FormatDocument, ExampleOfHiddenCornersSaysWhatItsTextSays) {
-    const auto bytes = bytesOfWorkedExample(2);
+    const auto bytes = bytesOfWorkedExample(kHiddenExample);
     ASSERT_EQ(bytes.size(), 48u);
     const auto corners = test::DocumentDecoder(bytes).decodeHidden();
     ASSERT_TRUE(corners.has_value());
@@ -189,7 +235,7 @@ TEST(FormatDocument, ExampleOfHiddenCornersIsWhatABuildWrites) {
     EXPECT_EQ(entries[0].firstBrick, BrickIndex());
     EXPECT_EQ(entries[0].lastBrick, BrickIndex());
     EXPECT_EQ(entries[0].corners, 2u);
-    const auto bytes = bytesOfWorkedExample(2);
+    const auto bytes = bytesOfWorkedExample(kHiddenExample);
     const std::string page = file.substr(entries[0].offset, entries[0].bytes);
     EXPECT_EQ(page, std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
     const std::uint64_t seed = NumberReader(file, 48).next(8);
@@ -247,17 +293,17 @@ TEST(FormatDocument, PreambleFieldsAreWhereTheTableSays) {
         return value;
     };
     EXPECT_EQ(file.substr(0, 12), std::string("ISOSLIDE\r\n\x1a\n"));
-    EXPECT_EQ(number(12, 2), 4u);
+    EXPECT_EQ(number(12, 2), 5u);
     EXPECT_EQ(number(14, 2), 0u);
-    EXPECT_EQ(number(16, 8), 64u + 117u) << "meta follows the only page";
+    const std::size_t metaAt = 64 + 18 + 10 + 81;
+    EXPECT_EQ(number(16, 8), metaAt) << "meta follows the only chunk, its group's table and the only page";
     EXPECT_EQ(number(16, 8) + number(24, 8), file.size());
     EXPECT_EQ(number(40, 8), file.size());
     // Meta: kind, scalar type, then the dims.
-    EXPECT_EQ(number(181, 1), 0u);
-    EXPECT_EQ(number(182, 1), 0u);
-    EXPECT_EQ(number(183, 8), 2u);
-    EXPECT_EQ(number(191, 8), 2u);
-    EXPECT_EQ(number(199, 8), 2u);
+    EXPECT_EQ(number(metaAt, 1), 0u);
+    EXPECT_EQ(number(metaAt + 1, 1), 0u);
+    for (const std::size_t axis : {0, 1, 2})
+        EXPECT_EQ(number(metaAt + 2 + 8 * axis, 8), 2u);
 }
 
 // Both orders, all plane modes and flags: whatever these volumes bring about.
@@ -287,7 +333,7 @@ TEST(FormatDocument, ReadsEveryPageOfRealIndices) {
     int compressed = 0, flags = 0;
     expectDocumentReadsAllPages<std::uint16_t>(test::hillsVolume({40, 33, 21}), compressed, flags);
     EXPECT_GT(compressed, 0);
-    EXPECT_EQ(flags, 3) << "no page of a smooth volume is predicted by mirroring";
+    EXPECT_EQ(flags, 1 + 8) << "no page of a smooth volume is predicted by mirroring";
     expectDocumentReadsAllPages<std::uint8_t>(test::noiseVolume({19, 17, 18}, 7), compressed, flags);
     const auto waves = test::makeVolume<double>(ScalarType::F64, test::cubeGeometry(14), [](auto x, auto y, auto z) {
         return std::sin(0.7 * static_cast<double>(x)) - 1e-3 * static_cast<double>(y * z);

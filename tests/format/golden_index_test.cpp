@@ -29,7 +29,7 @@ using test::HasError;
 using test::IsOk;
 
 const std::filesystem::path kData = std::filesystem::path(test::sourceFolder()) / "tests/data";
-const std::filesystem::path kGolden = kData / "golden_v4.isx";
+const std::filesystem::path kGolden = kData / "golden_v5.isx";
 
 struct Golden {
     const char* name;
@@ -42,11 +42,22 @@ struct Golden {
 };
 constexpr Golden kGoldenIndexes[] = {
     {.name = "golden_v3", .isOfThisVersion = false},
-    {.name = "golden_v4"},
-    {.name = "golden_v4_metacells", .kind = IndexKind::Metacells},
-    {.name = "golden_v4_merged", .mergeError = {extract::MergeBound::Measure::Scalar, 30.0}},
-    {.name = "golden_v4_1_topology", .kind = IndexKind::Metacells, .unit = "mm", .hasTopology = true},
-    {.name = "golden_v4_2", .unit = "mm", .isResampled = true},
+    {.name = "golden_v4", .isOfThisVersion = false},
+    {.name = "golden_v4_metacells", .kind = IndexKind::Metacells, .isOfThisVersion = false},
+    {.name = "golden_v4_merged",
+     .mergeError = {extract::MergeBound::Measure::Scalar, 30.0},
+     .isOfThisVersion = false},
+    {.name = "golden_v4_1_topology",
+     .kind = IndexKind::Metacells,
+     .unit = "mm",
+     .hasTopology = true,
+     .isOfThisVersion = false},
+    {.name = "golden_v4_2", .unit = "mm", .isResampled = true, .isOfThisVersion = false},
+    {.name = "golden_v5"},
+    {.name = "golden_v5_metacells", .kind = IndexKind::Metacells},
+    {.name = "golden_v5_merged", .mergeError = {extract::MergeBound::Measure::Scalar, 30.0}},
+    {.name = "golden_v5_1_topology", .kind = IndexKind::Metacells, .unit = "mm", .hasTopology = true},
+    {.name = "golden_v5_2", .unit = "mm", .isResampled = true},
 };
 
 // Never to be changed: the golden file is of this volume.

@@ -5,10 +5,12 @@ the zstd program. It shares nothing with the one in C++: where both agree, the d
     read_index.py INDEX facts            what meta states, as JSON
     read_index.py INDEX edges            each edge of level 0: x y z axis lower upper (of an index of edges)
     read_index.py INDEX bricks           each brick of level 0: x y z least greatest (of metacells)
-    read_index.py INDEX records LEVEL    all of a level's pages, a line for each record: form, id, key and normal, then of
-                                         each entry its edge number, key and normal; numbers only
+    read_index.py INDEX records LEVEL    all of a level's pages, a line for each record: form, id and key, then of each
+                                         entry its edge number and key; numbers only. In version 3 and 4 keys are
+                                         followed by normals
     read_index.py INDEX hidden           hidden corners, a line for each: place of the brick, place in it, key
     read_index.py INDEX samples          of metacells: the bytes of all samples, in hexadecimal digits, a line for each row
+    read_index.py INDEX normals          of edges: likewise those of all normals
     read_index.py INDEX planes           bytes of each level's planes by column, as JSON
     read_index.py INDEX active VALUE...  active edges at isovalues, from edges or from samples, as JSON
 
@@ -73,7 +75,7 @@ class Index:
         if self.data[:12] != MAGIC:
             fail("not an index")
         self.major, self.minor, meta_at, meta_bytes, _, self.file_bytes, _, _ = struct.unpack_from("<HHQQQQQQ", self.data, 12)
-        if self.major not in (3, 4):
+        if self.major not in (3, 4, 5):
             fail("version %d" % self.major)
         self.read_meta(Fields(self.data[meta_at : meta_at + meta_bytes]))
 
@@ -96,7 +98,7 @@ class Index:
             level["block_entries"] = [meta.get("4Q") for _ in range(blocks)]
             self.levels.append(level)
         self.hidden = [meta.get("4I") + meta.get("2Q") for _ in range(meta.get("Q"))]
-        self.sample_bytes = meta.get("Q")
+        self.chunk_bytes = meta.get("Q")
         if self.major == 3:
             if self.kind != "edges":
                 fail("metacells of version 3")
@@ -150,11 +152,14 @@ class Index:
         return iter([next(unpacked) if part is None else part for part in parts])
 
     def page(self, entry):
-        """Records of a page: (key, id, form, {edge: far key}, normal, {edge: far normal})."""
+        """Records of a page: (key, id, form, {edge: far key}, normal, {edge: far normal}), normals only of earlier versions."""
         data = self.data[entry[2] : entry[2] + entry[4]]
         points, edges, base, key_bytes, id_bytes, order, flags, planes = struct.unpack_from("<IIQBBBBI", data, 0)
         id_count = 512 * self.bricks[0] * self.bricks[1] * self.bricks[2]
-        counts = [points] * (key_bytes + id_bytes + 1 + (flags >> 2 & 1) + 2) + [edges] * (key_bytes + 2)
+        turned = 0 if flags & 8 else 2
+        if self.major >= 5 and turned:
+            fail("a page of version 5 with normals")
+        counts = [points] * (key_bytes + id_bytes + 1 + (flags >> 2 & 1) + turned) + [edges] * (key_bytes + turned)
         if len(counts) != planes:
             fail("number of planes")
         parts = self.planes(data, 32, counts)
@@ -168,25 +173,25 @@ class Index:
         def plus(a, b):
             return (a + b & 0xFF) | ((a >> 8) + (b >> 8) & 0xFF) << 8
 
-        turns = column(2, points)
-        far, bends = iter(column(key_bytes, edges)), iter(column(2, edges))
+        turns = column(turned, points)
+        far, bends = iter(column(key_bytes, edges)), iter(column(turned, edges))
         modulus, records, key, point, normal = 1 << 8 * key_bytes, [], base, 0, 0
         for i in range(points):
             key = ((key if order == 0 else base) + keys[i]) % modulus
             point = (point + ids[i]) % id_count
-            normal = plus(normal, turns[i])
+            normal = plus(normal, turns[i]) if turned else None
             numbers = [e for e in range(6) if masks[i] >> e & 1]
             differences = {e: (lambda z: z >> 1 if z % 2 == 0 else -(z >> 1) - 1)(next(far)) for e in numbers}
             ends = {e: (key + d) % modulus for e, d in differences.items()}
-            turned = {e: next(bends) for e in numbers}
-            normals = {e: plus(normal, d) for e, d in turned.items()}
+            bent = {e: next(bends) for e in numbers} if turned else {}
+            normals = {e: plus(normal, d) for e, d in bent.items()}
             for e in (0, 2, 4):
                 if e in ends and e + 1 in ends:
                     if flags & 1:
                         ends[e] = (2 * key - ends[e + 1] + differences[e]) % modulus
-                    if flags & 2:
+                    if turned and flags & 2:
                         opposite = (-(normals[e + 1] & 0xFF) & 0xFF) | (-(normals[e + 1] >> 8) & 0xFF) << 8
-                        normals[e] = plus(plus(plus(normal, normal), opposite), turned[e])
+                        normals[e] = plus(plus(plus(normal, normal), opposite), bent[e])
             records.append((key, point, forms[i], ends, normal, normals))
         return records
 
@@ -197,8 +202,8 @@ class Index:
             sums = {"heads": 0}
             for entry in level["page_entries"]:
                 key_bytes, id_bytes, _, flags, planes = struct.unpack_from("<BBBBI", self.data, entry[2] + 16)
-                names = ["keys"] * key_bytes + ["ids"] * id_bytes + ["masks"] + ["forms"] * (flags >> 2 & 1) + ["normals"] * 2
-                names += ["far keys"] * key_bytes + ["far normals"] * 2
+                names = ["keys"] * key_bytes + ["ids"] * id_bytes + ["masks"] + ["forms"] * (flags >> 2 & 1)
+                names += ["normals"] * (0 if flags & 8 else 2) + ["far keys"] * key_bytes + ["far normals"] * (0 if flags & 8 else 2)
                 table = struct.unpack_from("<%dI" % planes, self.data, entry[2] + 32)
                 for name, word in zip(names, table):
                     sums[name] = sums.get(name, 0) + (word & (1 << 30) - 1)
@@ -239,7 +244,17 @@ class Index:
                 yield (*(c // 8 for c in self.coords(point)), self.scalar(key), self.scalar(far))
 
     def samples(self):
-        """All samples of an index of metacells, x fastest."""
+        if self.kind != "metacells":
+            fail("has no samples")
+        return self.values(SAMPLE[self.type])
+
+    def normals(self):
+        if self.kind != "edges" or self.major < 5:
+            fail("has no chunks of normals")
+        return self.values("H")
+
+    def values(self, letter):
+        """What the chunks hold, x fastest."""
         nx, ny, nz = self.dims
         sides = [(n + 15) // 16 for n in self.dims]
         values = [0] * (nx * ny * nz)
@@ -251,7 +266,7 @@ class Index:
                 chunk = 256 * group + i
                 place = (chunk % sides[0], chunk // sides[0] % sides[1], chunk // (sides[0] * sides[1]))
                 extent = [min(16, n - 16 * p) for n, p in zip(self.dims, place)]
-                cube = self.chunk(self.data[at : at + length], extent)
+                cube = self.chunk(self.data[at : at + length], extent, letter)
                 at += length
                 for z in range(extent[2]):
                     for y in range(extent[1]):
@@ -260,12 +275,11 @@ class Index:
                         values[to : to + extent[0]] = cube[start : start + extent[0]]
         return values
 
-    def chunk(self, data, extent):
+    def chunk(self, data, extent, letter):
         head = struct.unpack_from("<H", data)[0]
         mode, stated = head & 15, [(head >> 4 * (a + 1) & 15) + 1 for a in range(3)]
         if stated != extent:
             fail("chunk of another extent")
-        letter = SAMPLE[self.type]
         width, count = struct.calcsize("<" + letter), extent[0] * extent[1] * extent[2]
         if mode == 0:
             return list(struct.unpack_from("<%d%s" % (count, letter), data, 2))
@@ -340,8 +354,8 @@ class Index:
 
 
 def main(words):
-    if len(words) < 2 or words[1] not in ("facts", "edges", "bricks", "records", "hidden", "samples", "planes", "active"):
-        fail("usage: read_index.py INDEX facts|edges|bricks|records|hidden|samples|planes|active [LEVEL|VALUE...]")
+    if len(words) < 2 or words[1] not in ("facts", "edges", "bricks", "records", "hidden", "samples", "normals", "planes", "active"):
+        fail("usage: read_index.py INDEX facts|edges|bricks|records|hidden|samples|normals|planes|active [LEVEL|VALUE...]")
     index = Index(words[0])
     if words[1] == "facts":
         print(json.dumps(index.facts()))
@@ -351,11 +365,13 @@ def main(words):
         print(json.dumps(index.active([float(w) for w in words[2:]])))
     elif words[1] == "records":
         for key, point, form, ends, normal, normals in index.records(int(words[2])):
-            print(form, point, key, normal, *(n for e in sorted(ends) for n in (e, ends[e], normals[e])))
-    elif words[1] == "samples":
-        values, nx = index.samples(), index.dims[0]
+            entries = ((e, ends[e]) if normal is None else (e, ends[e], normals[e]) for e in sorted(ends))
+            print(form, point, key, *([] if normal is None else [normal]), *(n for entry in entries for n in entry))
+    elif words[1] in ("samples", "normals"):
+        letter, nx = ("H" if words[1] == "normals" else SAMPLE[index.type]), index.dims[0]
+        values = index.normals() if words[1] == "normals" else index.samples()
         for row in range(0, len(values), nx):
-            print(struct.pack("<%d%s" % (nx, SAMPLE[index.type]), *values[row : row + nx]).hex())
+            print(struct.pack("<%d%s" % (nx, letter), *values[row : row + nx]).hex())
     else:
         for line in {"edges": index.edges, "bricks": index.brick_list, "hidden": index.hidden_corners}[words[1]]():
             print(*line)

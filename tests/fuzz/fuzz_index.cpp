@@ -38,10 +38,9 @@ void repairGroup(Bytes& file, index::ChunkGroupEntry& group, std::uint64_t chunk
     std::uint64_t at = group.offset;
     for (std::uint64_t i = 0; i < chunks; ++i) {
         std::byte* const entry = bytes.data() + tableAt + i * index::kGroupEntryBytes;
-        const auto sampleBytes = loadLittle<std::uint16_t>(entry), errorBytes = loadLittle<std::uint16_t>(entry + 2);
-        storeLittle<std::uint64_t>(entry + 4, sumAt(at, sampleBytes));
-        storeLittle<std::uint64_t>(entry + 12, sumAt(at + sampleBytes, errorBytes));
-        at += std::uint64_t{sampleBytes} + errorBytes;
+        const auto size = loadLittle<std::uint16_t>(entry);
+        storeLittle<std::uint64_t>(entry + 2, sumAt(at, size));
+        at += size;
     }
     group.checksum = sumAt(tableAt, chunks * index::kGroupEntryBytes);
 }
@@ -92,6 +91,16 @@ void requireGood(const Status& status) {
         requireGoodError(status.error());
 }
 
+template <class Value>
+void readChunks(const index::IndexReader& reader) {
+    const index::SampleStore store(reader);
+    std::vector<Value> values(index::SampleStore::kChunkSamples);
+    std::uint64_t bytesRead = 0;
+    for (const index::ChunkIndex chunk :
+         firstIds<index::ChunkIndex>(std::min<std::uint64_t>(store.chunks().chunkCount(), kMaxChunks)))
+        requireGood(store.read<Value>(chunk, std::span<Value, index::SampleStore::kChunkSamples>(values), bytesRead));
+}
+
 /// Every part that a page entry or a chunk names, decoded on its own.
 template <class Sample>
 void readParts(const index::IndexReader& reader) {
@@ -107,16 +116,10 @@ void readParts(const index::IndexReader& reader) {
                 status = index::decodePage<KeyOf<Sample>>(bytes, reader.grid(), decoded, "input.isx");
             requireGood(status);
         }
-    if (reader.info().kind != index::IndexKind::Metacells)
-        return;
-    const index::SampleStore store(reader);
-    std::vector<Sample> samples(index::SampleStore::kChunkSamples);
-    std::uint64_t bytesRead = 0;
-    for (const index::ChunkIndex chunk :
-         firstIds<index::ChunkIndex>(std::min<std::uint64_t>(store.chunks().chunkCount(), kMaxChunks))) {
-        requireGood(
-            store.read<Sample>(chunk, std::span<Sample, index::SampleStore::kChunkSamples>(samples), bytesRead));
-    }
+    if (hasSampleChunks(reader.info()))
+        readChunks<Sample>(reader);
+    else if (hasNormalChunks(reader.info()))
+        readChunks<NormalCode>(reader);
 }
 
 /// A few long and short moves, then the surface.

@@ -22,7 +22,8 @@ void decodePages(std::span<const std::byte> bytes, const GridDims& dims) {
     if (!status.isOk())
         return requireGoodError(status.error());
     ISO_REQUIRE(page.ids.size() == page.keys.size() && page.masks.size() == page.keys.size() &&
-                    page.normals.size() == page.keys.size() && page.farNormals.size() == page.farKeys.size(),
+                    (!page.hasNormals() ||
+                     (page.normals.size() == page.keys.size() && page.farNormals.size() == page.farKeys.size())),
                 "");
     const std::uint64_t points = grid.brickCount() * kBrickPoints;
     ISO_REQUIRE(std::ranges::all_of(page.ids, [&](std::uint64_t id) { return id < points; }), "");

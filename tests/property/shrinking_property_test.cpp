@@ -48,14 +48,12 @@ std::vector<index::PointRecord<std::uint32_t>> recordsIn(const BrickGrid& grid, 
         index::PointRecord<std::uint32_t> record;
         record.setId(id);
         record.key = *rc::gen::arbitrary<std::uint32_t>();
-        record.normal = *rc::gen::arbitrary<NormalCode>();
         for (int e = 0; e < index::kPointEdges; ++e) {
             const bool exists = e & 1 ? p[e >> 1] + 1 < grid.dims()[e >> 1] : p[e >> 1] > 0;
             if (!exists || !*rc::gen::arbitrary<bool>())
                 continue;
             record.edgeMask |= static_cast<std::uint8_t>(1 << e);
             record.farKeys[e] = *rc::gen::arbitrary<std::uint32_t>();
-            record.farNormals[e] = *rc::gen::arbitrary<NormalCode>();
         }
         if (record.edgeMask != 0)
             records.push_back(record);
@@ -79,12 +77,10 @@ RC_GTEST_PROP(BlockCodecProperty, GivesBackEveryRecord, (bool byValue)) {
         RC_ASSERT(page.keys[i] == records[i].key);
         RC_ASSERT(page.ids[i] == records[i].id().number());
         RC_ASSERT(page.masks[i] == records[i].edgeMask);
-        RC_ASSERT(page.normals[i] == records[i].normal);
         for (int e = 0; e < index::kPointEdges; ++e) {
             if (!(records[i].edgeMask >> e & 1))
                 continue;
-            RC_ASSERT(page.farKeys[edge] == records[i].farKeys[e]);
-            RC_ASSERT(page.farNormals[edge++] == records[i].farNormals[e]);
+            RC_ASSERT(page.farKeys[edge++] == records[i].farKeys[e]);
         }
     }
 }

@@ -64,6 +64,11 @@ const BrickPoints<Sample>& pointsIn(const PointLine* lines) {
     return *reinterpret_cast<const BrickPoints<Sample>*>(lines);
 }
 
+template <class Sample>
+BrickPoints<Sample>& pointsIn(PointLine* lines) {
+    return *reinterpret_cast<BrickPoints<Sample>*>(lines);
+}
+
 constexpr std::uint32_t pointLineCount(std::size_t sampleBytes) {
     return static_cast<std::uint32_t>((sampleBytes + sizeof(NormalCode)) * kPaddedPoints / sizeof(PointLine));
 }

@@ -97,8 +97,9 @@ void EdgeBlockSource<Sample>::collectMerged(const Part& part, std::size_t record
         }
         const auto scalarAt = [&](std::size_t k) { return storedOf(sampleOfKey<Sample>(page.farKeys[entry + k])); };
         lists.activated[partitionOf(brick)].push_back({brick, edge, static_cast<std::uint16_t>(form::levelOf(which)),
-                                                       page.normals[record], page.farNormals[entry], scalarAt(1),
-                                                       scalarAt(2)});
+                                                       page.hasNormals() ? page.normals[record] : kNoNormal,
+                                                       page.hasNormals() ? page.farNormals[entry] : kNoNormal,
+                                                       scalarAt(1), scalarAt(2)});
     });
 }
 

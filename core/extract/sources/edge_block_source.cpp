@@ -75,8 +75,10 @@ void EdgeBlockSource<Sample>::Lists::clear() {
 
 template <class Sample>
 EdgeBlockSource<Sample>::EdgeBlockSource(const index::IndexReader& reader, std::uint64_t cacheBytes)
-    : WalkedSource<Sample>(reader, cacheBytes),
+    : WalkedSource<Sample>(reader, hasNormalChunks(reader.info()) ? cacheBytes - cacheBytes / kNormalsShare : cacheBytes),
       merges_(reader.info().mergeError > 0.0),
+      normals_(hasNormalChunks(reader.info()) ? std::make_unique<StoredNormals>(reader, cacheBytes / kNormalsShare)
+                                              : nullptr),
       hiddenCorners_(reader),
       slotOf_(reader.grid().brickCount()),
       edges_(reader.grid().brickCount()),
@@ -142,10 +144,12 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
             }
             ++lists.edgesAdded;
             const Stored far = storedOf(sampleOfKey<Sample>(page.farKeys[entry]));
+            const NormalCode nearNormal = page.hasNormals() ? page.normals[i] : kNoNormal,
+                             farNormal = page.hasNormals() ? page.farNormals[entry] : kNoNormal;
             forEachHolder(start, axis, [&](BrickIndex brick, ClosedEdge edge) {
                 lists.activated[partitionOf(brick)].push_back(
-                    isUpward ? Activated{brick, edge, 0, page.normals[i], page.farNormals[entry], near, far}
-                             : Activated{brick, edge, 0, page.farNormals[entry], page.normals[i], far, near});
+                    isUpward ? Activated{brick, edge, 0, nearNormal, farNormal, near, far}
+                             : Activated{brick, edge, 0, farNormal, nearNormal, far, near});
             });
         }
     }
@@ -154,7 +158,8 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
 
 // Slots for bricks that have none yet. A partition's bricks are looked at by one thread.
 template <class Sample>
-Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface) {
+Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface, SlideStats& stats,
+                                                  std::stop_token stop) {
     for (Scratch& scratch : *scratches_)
         scratch.arriving.clear();
     std::atomic<bool> isConsistent{true};
@@ -171,8 +176,10 @@ Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface) {
                 if (slotOf_[change.brick.index()] == 0 && !surface.shapes().isNearMissing(change.brick))
                     isConsistent = false;
     });
+    std::vector<BrickIndex> arriving;
     for (const Scratch& scratch : *scratches_)
         for (const BrickIndex brick : scratch.arriving) {
+            arriving.push_back(brick);
             const BrickSlot added = surface.add(brick);
             edges_.grow(added.index() + 1);
             edges_[added.index()] = {};
@@ -185,7 +192,23 @@ Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface) {
     if (!isConsistent)
         return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice",
                          reader_.pathString());
-    return {};
+    return normals_ ? startPoints(surface, std::move(arriving), stats, stop) : Status();
+}
+
+// The normals of all points of bricks that arrive: later entries of theirs bring scalars only.
+template <class Sample>
+Status EdgeBlockSource<Sample>::startPoints(LiveSurface<Live>& surface, std::vector<BrickIndex> bricks,
+                                            SlideStats& stats, std::stop_token stop) {
+    std::sort(bricks.begin(), bricks.end(),
+              [&](BrickIndex a, BrickIndex b) { return normals_->orderOf(a) < normals_->orderOf(b); });
+    return normals_->read(
+        bricks,
+        [&](std::size_t i) {
+            auto& points = pointsIn<Sample>(surface.pointsToStart(BrickSlot(slotOf_[bricks[i].index()] - 1)));
+            std::memset(static_cast<void*>(points.samples), 0, sizeof points.samples);
+            return points.normals;
+        },
+        stats, stop);
 }
 
 template <class Sample>
@@ -261,7 +284,7 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
         stats.edgesRemoved += lists.edgesRemoved;
         lastCollected_ += lists.edgesAdded + lists.edgesRemoved;
     }
-    ISO_TRY(addArrivingBricks(surface));
+    ISO_TRY(addArrivingBricks(surface, stats, stop));
     const std::uint64_t hiddenBytes = hiddenCorners_.bytesRead();
 
     std::vector<BrickSlot> beside;
@@ -374,14 +397,14 @@ auto EdgeBlockSource<Sample>::pointsOf(BrickSlot slot, const LiveSurface<Live>& 
     return scratch.draft.newPoints ? scratch.points : pointsIn<Sample>(surface.points(slot));
 }
 
-// Scalars and normals at the ends of edges that came. A point that is there already gets what it has.
+// Scalars, and normals that entries bring, at the ends of edges that came. A point that is there already gets what it has.
 template <class Sample>
 void EdgeBlockSource<Sample>::fillPoints(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
     scratch.draft.newPoints = nullptr;
     const bool isNew = !surface.brick(slot).hasPoints;
     if (chains_[slot.index()].firstActivated == kEndOfChain && !isNew)
         return;
-    if (isNew)
+    if (isNew && !normals_)
         std::memset(static_cast<void*>(&scratch.points), 0, sizeof scratch.points);
     else // pictures may refer to what is there
         std::memcpy(static_cast<void*>(&scratch.points), surface.points(slot), sizeof scratch.points);
@@ -391,6 +414,8 @@ void EdgeBlockSource<Sample>::fillPoints(BrickSlot slot, const LiveSurface<Live>
         const auto [lower, upper] = endsOf(vertexCode(activated.edge, activated.level));
         scratch.points.samples[lower] = activated.scalar1;
         scratch.points.samples[upper] = activated.scalar2;
+        if (normals_)
+            continue;
         scratch.points.normals[lower] = activated.normal1;
         scratch.points.normals[upper] = activated.normal2;
     }

@@ -8,6 +8,7 @@
 
 #include "core/extract/live/brick_points.h"
 #include "core/extract/live/chunked_array.h"
+#include "core/extract/sources/stored_normals.h"
 #include "core/extract/sources/walked_source.h"
 #include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
@@ -21,7 +22,8 @@ namespace isoslider::extract {
 /// scalar: so net changes need no bookkeeping between blocks, levels or threads.
 ///
 /// Each live brick keeps its active edges as bits, and the surface its points. An entry goes to every brick that holds
-/// the edge, at most four; there it toggles a bit and fills in the points at its ends. Signs follow from the edges.
+/// the edge, at most four; there it toggles a bit and fills in the scalars at its ends. A brick that arrives has the
+/// normals of all its points read, which the index keeps by place (in earlier versions entries bring them). Signs follow from the edges.
 /// What is collected for a move is cut into partitions of brick numbers, so that threads share nothing.
 ///
 /// Where cells were merged when the index was built (PAPER 2.2), it states of each edge when it carries a vertex, and
@@ -44,6 +46,8 @@ public:
     void dropCaches() override {
         walk_.dropCaches();
         hiddenCorners_.clear();
+        if (normals_)
+            normals_->dropCaches();
     }
 
 private:
@@ -66,7 +70,8 @@ private:
         std::uint8_t number; ///< as leafBits() has it
         bool isActivated;
     };
-    /// With scalars and normals at the ends of the edge, or of the leaf edge of `level` that contains it.
+    /// With scalars, and normals where pages have them, at the ends of the edge, or of the leaf edge of `level` that
+    /// contains it.
     struct Activated {
         BrickIndex brick;
         ClosedEdge edge;
@@ -101,7 +106,9 @@ private:
     std::size_t partitionOf(BrickIndex brick) const {
         return static_cast<std::size_t>(brick.number() * partitionScale_ >> 32);
     }
-    Status addArrivingBricks(LiveSurface<Live>& surface);
+    Status addArrivingBricks(LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop);
+    Status startPoints(LiveSurface<Live>& surface, std::vector<BrickIndex> bricks, SlideStats& stats,
+                       std::stop_token stop);
     void chainChanges(std::size_t partition, Scratch& scratch);
     void changeBrick(BrickSlot slot, const Move& move, LiveSurface<Live>& surface, Scratch& scratch);
     void listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface, std::vector<BrickSlot>& crossed,
@@ -119,7 +126,9 @@ private:
     bool mergeCells(BrickSlot slot, Scratch& scratch) const;
     bool areUnmergedWhole(const Scratch& scratch) const;
 
+    static constexpr std::uint64_t kNormalsShare = 4; ///< of the cache, where normals are stored by place
     bool merges_; ///< the index has merged cells
+    std::unique_ptr<StoredNormals> normals_; ///< null: entries bring them
     GridDims cellBricks_; ///< bricks with cells along each axis
     bool allHaveCells_ = false;
     std::uint64_t partitionScale_;

@@ -36,10 +36,11 @@ void storeBricks(const std::array<Sample, Count>& chunk, Sample* out) {
 } // namespace
 
 template <class Sample>
-StoredSamples<Sample>::StoredSamples(const index::IndexReader& reader, std::uint64_t cacheBytes)
+StoredSamples<Sample>::StoredSamples(const index::IndexReader& reader, std::uint64_t cacheBytes, int apron)
     : store_(reader),
       dims_(reader.info().geometry.dims),
       bricks_(dims_),
+      apron_(apron),
       capacity_(capacityFor(cacheBytes, kSamples * sizeof(Sample), store_.chunks().chunkCount())),
       samples_(capacity_ * kSamples),
       slotOf_(store_.chunks().chunkCount()) {}
@@ -56,8 +57,8 @@ typename StoredSamples<Sample>::Neighbourhood StoredSamples<Sample>::neighbourho
     const auto b = bricks_.brickCoords(brick);
     Neighbourhood around;
     for (std::size_t a = 0; a < 3; ++a) {
-        const std::int64_t begin = std::max<std::int64_t>(0, b[a] * kBrickSide - 1);
-        const std::int64_t last = std::min(dims_[a], b[a] * kBrickSide + kBrickSide + 2) - 1;
+        const std::int64_t begin = std::max<std::int64_t>(0, b[a] * kBrickSide - apron_);
+        const std::int64_t last = std::min(dims_[a] - 1, (b[a] + 1) * kBrickSide + apron_);
         around.first[a] = begin / kSide;
         around.count[a] = static_cast<int>(last / kSide - around.first[a]) + 1;
     }

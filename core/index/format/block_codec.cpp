@@ -1,7 +1,6 @@
 #include "core/index/format/block_codec.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <limits>
 
@@ -15,8 +14,14 @@ namespace {
 
 constexpr std::size_t kPageHeaderBytes = 32;
 
-enum PageFlag : std::uint8_t { kSecondDifferences = 1, kMirroredNormals = 2, kForms = 4 };
-constexpr std::uint8_t kKnownFlags = kSecondDifferences | kMirroredNormals | kForms;
+// Normals are read, of earlier versions, and not written.
+enum PageFlag : std::uint8_t { kSecondDifferences = 1, kMirroredNormals = 2, kForms = 4, kWithoutNormals = 8 };
+constexpr std::uint8_t kKnownFlags = kSecondDifferences | kMirroredNormals | kForms | kWithoutNormals;
+constexpr int kNormalBytes = sizeof(NormalCode);
+
+int planeCount(int keyBytes, int idBytes, std::uint8_t flags) {
+    return 2 * keyBytes + idBytes + 1 + (flags & kForms ? 1 : 0) + (flags & kWithoutNormals ? 0 : 2 * kNormalBytes);
+}
 
 int bytesFor(std::uint64_t largest) { return std::max(1, (static_cast<int>(std::bit_width(largest)) + 7) / 8); }
 
@@ -43,8 +48,7 @@ struct PageColumns {
     std::vector<Key> keys, farKeys, farKeysMirrored;
     std::vector<std::uint64_t> ids;
     std::vector<std::uint8_t> masks, forms;
-    std::vector<NormalCode> normals, farNormals, farNormalsMirrored;
-    std::int64_t keyBitsSaved = 0, normalBitsSaved = 0; ///< by predicting from the opposite edge
+    std::int64_t keyBitsSaved = 0; ///< by predicting from the opposite edge
 };
 
 template <class Key>
@@ -53,15 +57,6 @@ PageColumns<Key>& pageColumns() {
     return columns;
 }
 
-// Bits of a difference of bytes modulo 256, without its sign.
-constexpr auto kByteBits = [] {
-    std::array<std::uint8_t, 256> bits{};
-    for (unsigned byte = 0; byte < 256; ++byte)
-        bits[byte] = static_cast<std::uint8_t>(std::bit_width(byte < 128 ? byte : 256 - byte));
-    return bits;
-}();
-int bitsOf(NormalCode residual) { return kByteBits[residual & 0xff] + kByteBits[residual >> 8]; }
-
 // Residuals of what stands across the edges, against the point itself, and where both edges of an axis are there also
 // the lower one's against what the upper one suggests. Upward edges have odd numbers.
 template <class Key>
@@ -69,31 +64,21 @@ void findFarResiduals(std::span<const PointRecord<Key>> records, PageColumns<Key
     const std::size_t most = records.size() * kPointEdges;
     for (auto* column : {&columns.farKeys, &columns.farKeysMirrored})
         column->resize(most);
-    for (auto* column : {&columns.farNormals, &columns.farNormalsMirrored})
-        column->resize(most);
-    columns.keyBitsSaved = columns.normalBitsSaved = 0;
+    columns.keyBitsSaved = 0;
     std::size_t n = 0;
     for (const PointRecord<Key>& r : records)
         for (unsigned mask = r.edgeMask; mask != 0; mask &= mask - 1, ++n) {
             const int e = std::countr_zero(mask);
             const Key key = zigzag(static_cast<Key>(r.farKeys[e] - r.key));
-            const NormalCode normal = subtractNormal(r.farNormals[e], r.normal);
             columns.farKeys[n] = columns.farKeysMirrored[n] = key;
-            columns.farNormals[n] = columns.farNormalsMirrored[n] = normal;
             if (e & 1 || !(mask >> (e + 1) & 1))
                 continue;
             const Key mirroredKey = zigzag(static_cast<Key>(r.farKeys[e] - mirrored(r.key, r.farKeys[e + 1])));
-            const NormalCode mirroredCode =
-                subtractNormal(r.farNormals[e], mirroredNormal(r.normal, r.farNormals[e + 1]));
             columns.farKeysMirrored[n] = mirroredKey;
-            columns.farNormalsMirrored[n] = mirroredCode;
             columns.keyBitsSaved +=
                 static_cast<int>(std::bit_width(key)) - static_cast<int>(std::bit_width(mirroredKey));
-            columns.normalBitsSaved += bitsOf(normal) - bitsOf(mirroredCode);
         }
     for (auto* column : {&columns.farKeys, &columns.farKeysMirrored})
-        column->resize(n);
-    for (auto* column : {&columns.farNormals, &columns.farNormalsMirrored})
         column->resize(n);
 }
 
@@ -112,10 +97,8 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     columns.masks.clear();
     columns.forms.clear();
     bool hasForms = false;
-    columns.normals.clear();
     Key previousKey = base;
     std::uint64_t previousId = 0;
-    NormalCode previousNormal = 0;
     for (const PointRecord<Key>& r : records) {
         columns.keys.push_back(static_cast<Key>(r.key - (order == PageOrder::Value ? previousKey : base)));
         const std::uint64_t id = r.id().number();
@@ -123,21 +106,19 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
         columns.masks.push_back(r.edgeMask);
         columns.forms.push_back(r.form);
         hasForms = hasForms || r.form != record_form::kPoint;
-        columns.normals.push_back(subtractNormal(r.normal, previousNormal));
         previousKey = r.key;
         previousId = id;
-        previousNormal = r.normal;
     }
     findFarResiduals(records, columns);
-    const bool mirrorsKeys = columns.keyBitsSaved > 0, mirrorsNormals = columns.normalBitsSaved > 0;
-    const auto flags = static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) |
-                                                 (mirrorsNormals ? kMirroredNormals : 0) | (hasForms ? kForms : 0));
+    const bool mirrorsKeys = columns.keyBitsSaved > 0;
+    const auto flags = static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) | (hasForms ? kForms : 0) |
+                                                 kWithoutNormals);
 
     constexpr int kKeyBytes = sizeof(Key);
     const int idBytes = bytesFor(idCount);
-    const int planes = kKeyBytes + idBytes + 1 + (hasForms ? 1 : 0) + 2 + kKeyBytes + 2;
+    const int planes = planeCount(kKeyBytes, idBytes, flags);
     std::vector<std::byte> bytes;
-    bytes.reserve(records.size() * 32 + 512);
+    bytes.reserve(records.size() * 20 + 512);
     ByteWriter header(bytes);
     header.put<std::uint32_t>(static_cast<std::uint32_t>(records.size()));
     header.put<std::uint32_t>(static_cast<std::uint32_t>(columns.farKeys.size()));
@@ -154,9 +135,7 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     writer.addColumn(columns.masks, 1);
     if (hasForms)
         writer.addColumn(columns.forms, 1);
-    writer.addColumn(columns.normals, 2);
     writer.addColumn(mirrorsKeys ? columns.farKeysMirrored : columns.farKeys, kKeyBytes);
-    writer.addColumn(mirrorsNormals ? columns.farNormalsMirrored : columns.farNormals, 2);
     ISO_CHECK(writer.isComplete());
     return bytes;
 }
@@ -196,14 +175,13 @@ bool enclosesIntervals(const DecodedPage<Key>& page) {
     return true;
 }
 
-// Residuals back to ids, keys and normals, checking every id and edge against the grid.
+// Residuals back to ids and keys, checking every id and edge against the grid.
 template <class Key>
 Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const BrickGrid& grid,
                      const PlaneReader& reader) {
     const std::uint64_t idCount = grid.idCount();
     Key previousKey = base;
     std::uint64_t previousId = 0;
-    NormalCode previousNormal = 0;
     std::size_t edges = 0;
     for (std::size_t i = 0; i < page.pointCount(); ++i) {
         const Key key = static_cast<Key>(page.keys[i] + (order == PageOrder::Value ? previousKey : base));
@@ -215,7 +193,6 @@ Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const Br
         std::uint64_t id = previousId + page.ids[i];
         id = id >= idCount ? id - idCount : id;
         page.ids[i] = previousId = id;
-        page.normals[i] = previousNormal = addNormal(page.normals[i], previousNormal);
         const auto p = grid.pointCoords(PointId(id));
         if (const std::uint8_t form = page.form(i); form != record_form::kPoint) {
             if (!fits(form, page.masks[i], p, grid.dims()))
@@ -238,37 +215,50 @@ Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const Br
     return {};
 }
 
-template <class Key>
-void restoreEdges(DecodedPage<Key>& page, std::uint8_t flags) {
-    const bool mirrorsKeys = flags & kSecondDifferences;
-    const bool mirrorsNormals = flags & kMirroredNormals;
+// Calls one(i, at) for each edge alone on its axis, and pair(i, at) where both of an axis are there: entry `at` is the
+// lower one, the next the upper.
+template <class Key, class One, class Pair>
+void forEachEntry(const DecodedPage<Key>& page, const One& one, const Pair& pair) {
     std::size_t at = 0;
-    for (std::size_t i = 0; i < page.pointCount(); ++i) {
-        const Key key = page.keys[i];
-        const NormalCode normal = page.normals[i];
-        unsigned mask = page.masks[i];
-        while (mask != 0) {
+    for (std::size_t i = 0; i < page.pointCount(); ++i)
+        for (unsigned mask = page.masks[i]; mask != 0; mask &= mask - 1) {
             const int e = std::countr_zero(mask);
-            const bool hasPair = !(e & 1) && (mask >> (e + 1) & 1);
-            const Key first = unzigzag(page.farKeys[at]);
-            mask &= mask - 1;
-            if (!hasPair) {
-                page.farKeys[at] = static_cast<Key>(first + key);
-                page.farNormals[at] = addNormal(page.farNormals[at], normal);
-                ++at;
+            if ((e & 1) || !(mask >> (e + 1) & 1)) {
+                one(i, at++);
                 continue;
             }
-            const Key upper = static_cast<Key>(unzigzag(page.farKeys[at + 1]) + key);
-            const NormalCode upperNormal = addNormal(page.farNormals[at + 1], normal);
-            page.farKeys[at] = static_cast<Key>(first + (mirrorsKeys ? mirrored(key, upper) : key));
-            page.farNormals[at] =
-                addNormal(page.farNormals[at], mirrorsNormals ? mirroredNormal(normal, upperNormal) : normal);
-            page.farKeys[at + 1] = upper;
-            page.farNormals[at + 1] = upperNormal;
+            pair(i, at);
             at += 2;
             mask &= mask - 1;
         }
-    }
+}
+
+template <class Key>
+void restoreFarKeys(DecodedPage<Key>& page, bool areMirrored) {
+    auto& far = page.farKeys;
+    forEachEntry(
+        page,
+        [&](std::size_t i, std::size_t at) { far[at] = static_cast<Key>(unzigzag(far[at]) + page.keys[i]); },
+        [&](std::size_t i, std::size_t at) {
+            const Key key = page.keys[i], upper = static_cast<Key>(unzigzag(far[at + 1]) + key);
+            far[at] = static_cast<Key>(unzigzag(far[at]) + (areMirrored ? mirrored(key, upper) : key));
+            far[at + 1] = upper;
+        });
+}
+
+template <class Key>
+void restoreNormals(DecodedPage<Key>& page, bool areMirrored) {
+    NormalCode previous = 0;
+    for (NormalCode& normal : page.normals)
+        normal = previous = addNormal(normal, previous);
+    auto& far = page.farNormals;
+    forEachEntry(
+        page, [&](std::size_t i, std::size_t at) { far[at] = addNormal(far[at], page.normals[i]); },
+        [&](std::size_t i, std::size_t at) {
+            const NormalCode normal = page.normals[i], upper = addNormal(far[at + 1], normal);
+            far[at] = addNormal(far[at], areMirrored ? mirroredNormal(normal, upper) : normal);
+            far[at + 1] = upper;
+        });
 }
 
 } // namespace
@@ -291,7 +281,7 @@ Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, Decod
     if (points == 0 || points > kMaxPagePoints || edges > points * kPointEdges)
         return reader.corrupt("point or edge count");
     if (keyBytes != sizeof(Key) || idBytes != bytesFor(grid.idCount()) || order > 1 || (flags & ~kKnownFlags) != 0 ||
-        planes != static_cast<std::uint32_t>(2 * keyBytes + idBytes + (flags & kForms ? 6 : 5)) ||
+        planes != static_cast<std::uint32_t>(planeCount(keyBytes, idBytes, flags)) ||
         base > std::numeric_limits<Key>::max())
         return reader.corrupt("header field");
     ISO_TRY(reader.beginPlanes(kPageHeaderBytes, planes));
@@ -301,13 +291,20 @@ Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, Decod
     page.forms.clear();
     if (flags & kForms)
         ISO_TRY(reader.readColumn(page.forms, points, 1));
-    ISO_TRY(reader.readColumn(page.normals, points, 2));
+    const bool hasNormals = (flags & kWithoutNormals) == 0;
+    page.normals.clear();
+    page.farNormals.clear();
+    if (hasNormals)
+        ISO_TRY(reader.readColumn(page.normals, points, kNormalBytes));
     ISO_TRY(reader.readColumn(page.farKeys, edges, keyBytes));
-    ISO_TRY(reader.readColumn(page.farNormals, edges, 2));
+    if (hasNormals)
+        ISO_TRY(reader.readColumn(page.farNormals, edges, kNormalBytes));
     if (!reader.isAtEnd())
         return reader.corrupt("bytes after the last plane");
     ISO_TRY(restorePoints(page, static_cast<Key>(base), static_cast<PageOrder>(order), grid, reader));
-    restoreEdges(page, flags);
+    restoreFarKeys(page, (flags & kSecondDifferences) != 0);
+    if (hasNormals)
+        restoreNormals(page, (flags & kMirroredNormals) != 0);
     if (!enclosesIntervals(page))
         return reader.corrupt("leaf edge");
     return {};

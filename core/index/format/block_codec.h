@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/grid/normal_codec.h"
 #include "core/index/format/point_record.h"
 
 namespace isoslider::index {
@@ -13,8 +14,8 @@ namespace isoslider::index {
 /// Point records of one page, decoded, as columns. `far*` hold the edges of all points one after the
 /// other, each point's in the order of its mask bits.
 ///
-/// Invariants: 1. keys, ids, masks, normals have one length; 2. the far columns have as many entries
-/// as the masks have bits; 3. every id lies in the grid and every edge's far end too; 4. in value
+/// Invariants: 1. keys, ids, masks have one length; 2. the far keys have as many entries as the masks have bits; normals
+/// and far normals, which only pages of earlier versions have, are as many; 3. every id lies in the grid and every edge's far end too; 4. in value
 /// order keys never decrease; 5. records of other forms have the entries of their form, aligned leaf edges and cells
 /// inside the grid, and leaf edges whose ends enclose the interval.
 template <class Key>
@@ -23,10 +24,10 @@ struct DecodedPage {
     std::vector<std::uint64_t> ids; ///< numbers of PointIds
     std::vector<std::uint8_t> masks;
     std::vector<std::uint8_t> forms; ///< of records (record_form); empty: all are of points
-    std::vector<NormalCode> normals;
     std::vector<Key> farKeys;
-    std::vector<NormalCode> farNormals;
+    std::vector<NormalCode> normals, farNormals; ///< empty: the page has none
 
+    bool hasNormals() const { return !normals.empty(); }
     std::size_t pointCount() const { return keys.size(); }
     std::uint8_t form(std::size_t i) const { return forms.empty() ? record_form::kPoint : forms[i]; }
     std::size_t edgeCount() const { return farKeys.size(); }

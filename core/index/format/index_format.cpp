@@ -18,8 +18,8 @@
 namespace isoslider::index {
 namespace {
 
-// Read too, of edges, never written.
-constexpr std::uint16_t kEarlierMajor = 3;
+// Read too, never written: the first of edges, the other of both kinds.
+constexpr std::uint16_t kFirstMajorOfEdges = 3, kFirstMajorOfMetacells = 4;
 
 constexpr std::size_t kMaxStringBytes = 4096;
 constexpr std::size_t kMaxHistogramBins = 1u << 16;
@@ -164,7 +164,7 @@ bool getHiddenPages(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
 }
 
 void putChunkGroups(ByteWriter& out, const IndexMeta& meta) {
-    out.put<std::uint64_t>(meta.info.sampleBytes);
+    out.put<std::uint64_t>(meta.info.chunkBytes);
     out.put<std::uint64_t>(meta.chunkGroups.size());
     for (const ChunkGroupEntry& group : meta.chunkGroups)
         for (const std::uint64_t value : {group.offset, group.chunkBytes, group.checksum})
@@ -172,14 +172,14 @@ void putChunkGroups(ByteWriter& out, const IndexMeta& meta) {
 }
 
 bool getChunkGroups(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
-    meta.info.sampleBytes = in.get<std::uint64_t>();
-    if (preamble.major == kEarlierMajor)
+    meta.info.chunkBytes = in.get<std::uint64_t>();
+    if (preamble.major == kFirstMajorOfEdges)
         in.get<std::uint64_t>(); // bytes of errors, which only metacells had
     const std::uint64_t count = in.get<std::uint64_t>();
     const ChunkGrid grid(meta.info.geometry.dims);
-    const bool hasSamples = meta.info.kind == IndexKind::Metacells;
+    const bool hasChunks = hasSampleChunks(meta.info) || hasNormalChunks(meta.info);
     if (in.hasFailed() || count > in.remaining() / kChunkGroupBytes ||
-        count != (hasSamples ? chunkGroupCount(grid) : 0))
+        count != (hasChunks ? chunkGroupCount(grid) : 0))
         return false;
     meta.chunkGroups.resize(count);
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -249,8 +249,9 @@ bool getMergeError(ByteReader& in, IndexInfo& info) {
 Error tooOld(std::uint16_t major, const char* flaw, const std::string& path) {
     return makeError(ErrorCode::UnsupportedVersion,
                      "index has format version " + std::to_string(major) + ", which " + flaw +
-                         "; this program reads version " + std::to_string(kFormatMajor) + " and, of edges, " +
-                         std::to_string(kEarlierMajor) + ": build it again from its volume",
+                         "; this program reads versions " + std::to_string(kFirstMajorOfMetacells) + " to " +
+                         std::to_string(kFormatMajor) + " and, of edges, " + std::to_string(kFirstMajorOfEdges) +
+                         ": build it again from its volume",
                      path, sizeof kIndexMagic);
 }
 
@@ -308,7 +309,7 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
                              std::to_string(preamble.major) + ", this program reads version " +
                              std::to_string(kFormatMajor) + ": open it with that version, or build it again",
                          path, sizeof kIndexMagic);
-    if (preamble.major < kEarlierMajor)
+    if (preamble.major < kFirstMajorOfEdges)
         return tooOld(preamble.major,
                       preamble.major == 1 ? "lacks the samples on which tunnels depend"
                                           : "does not state what kind of index it is",
@@ -377,10 +378,11 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
     IndexInfo& info = meta.info;
     ByteReader in(bytes);
     const std::uint8_t kind = in.get<std::uint8_t>();
-    if (kind > static_cast<std::uint8_t>(IndexKind::Metacells))
+    if (kind > static_cast<std::uint8_t>(IndexKind::BrickList))
         return corrupt("kind of index");
     info.kind = static_cast<IndexKind>(kind);
-    if (preamble.major == kEarlierMajor && info.kind == IndexKind::Metacells)
+    info.formatMajor = preamble.major;
+    if (preamble.major < kFirstMajorOfMetacells && info.kind != IndexKind::Edges)
         return tooOld(preamble.major, "keeps the samples of metacells between errors of merged cells", path);
     const std::uint8_t type = in.get<std::uint8_t>();
     if (type >= kAllScalarTypes.size())
@@ -411,13 +413,13 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
     for (std::size_t i = 0; i < levels; ++i)
         if (const char* fault = getLevel(in, i == 0, info.levels[i], meta.levels[i], preamble))
             return corrupt(fault);
-    if (!getHiddenPages(in, meta, preamble) || (info.kind == IndexKind::Metacells && !meta.hiddenPages.empty()))
+    if (!getHiddenPages(in, meta, preamble) || (info.kind != IndexKind::Edges && !meta.hiddenPages.empty()))
         return corrupt("pages of hidden corners");
     if (!getChunkGroups(in, meta, preamble))
-        return corrupt("chunk groups of samples");
+        return corrupt("chunk groups");
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
-    if (preamble.major != kEarlierMajor && !getMergeError(in, info))
+    if (preamble.major > kFirstMajorOfEdges && !getMergeError(in, info))
         return corrupt("error of merged cells");
     if (preamble.minor >= 1)
         info.lengthUnit = in.getString(kMaxLengthUnitBytes);

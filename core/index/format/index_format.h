@@ -15,8 +15,10 @@ namespace isoslider::index {
 
 /// FORMAT.md describes the bytes; this header is the one place where code knows them.
 inline constexpr char kIndexMagic[12] = {'I', 'S', 'O', 'S', 'L', 'I', 'D', 'E', '\r', '\n', '\x1a', '\n'};
-inline constexpr std::uint16_t kFormatMajor = 4;
+inline constexpr std::uint16_t kFormatMajor = 5;
 inline constexpr std::uint16_t kFormatMinor = 2;
+/// Up to the version before, normals stood in the records of pages, those of far ends too.
+inline constexpr int kFirstMajorWithNormalChunks = 5;
 inline constexpr std::size_t kPreambleBytes = 64;
 inline constexpr std::uint64_t kMaxMetaBytes = std::uint64_t{4} << 30;
 inline constexpr int kMaxSkipLevels = 8;
@@ -77,7 +79,7 @@ struct HiddenPageEntry {
     std::uint64_t checksum = 0;
 };
 
-/// Chunks of samples that lie one after the other, and the table of them that follows (chunk_table.h): a group.
+/// Chunks that lie one after the other, and the table of them that follows (chunk_table.h): a group.
 struct ChunkGroupEntry {
     std::uint64_t offset = 0;
     std::uint64_t chunkBytes = 0; ///< of its chunks; the table begins there
@@ -95,9 +97,20 @@ struct IndexMeta {
     IndexInfo info;
     std::vector<LevelDirectory> levels;
     std::vector<HiddenPageEntry> hiddenPages; ///< ascending, no brick in two
-    std::vector<ChunkGroupEntry> chunkGroups; ///< with metacells, as many as the grid needs
+    std::vector<ChunkGroupEntry> chunkGroups; ///< as many as the grid needs; none without chunks
     std::vector<MissingCells> missingCells; ///< sorted by brick
 };
+
+/// Whether chunks hold normals, of edges, or samples, of metacells. There are none of a list of bricks, nor of edges of
+/// earlier versions.
+inline bool hasNormalChunks(const IndexInfo& info) {
+    return info.kind == IndexKind::Edges && info.formatMajor >= kFirstMajorWithNormalChunks;
+}
+/// Edges of earlier versions: pages without normals, which are all that is written, are none of theirs.
+inline bool needsPagesWithNormals(const IndexInfo& info) {
+    return info.kind == IndexKind::Edges && info.formatMajor < kFirstMajorWithNormalChunks;
+}
+inline bool hasSampleChunks(const IndexInfo& info) { return info.kind == IndexKind::Metacells; }
 
 std::vector<std::byte> encodePreamble(const Preamble& preamble);
 /// Errors: InvalidArgument (not an index), UnsupportedVersion, Corruption.

@@ -12,11 +12,12 @@ namespace isoslider::index {
 
 /// What becomes active and inactive along the skip list.
 enum class IndexKind : std::uint8_t {
-    Edges, ///< grid edges, with all that the surface needs
+    Edges, ///< grid edges with the scalars of their ends; normals of all points are kept compressed
     Metacells, ///< bricks; what they hold is read from the samples, which the index keeps compressed
+    BrickList, ///< bricks alone, of a volume that is in memory; never a file
 };
 
-/// "edges", "metacells".
+/// "edges", "metacells"; the latter too of a list of bricks.
 const char* indexKindName(IndexKind kind);
 
 /// One level of the skip list, as counted when it was built. With metacells a record is a brick that becomes
@@ -33,6 +34,7 @@ struct SkipLevelInfo {
 /// What an index states of itself and of its volume; all that is read when it is opened.
 struct IndexInfo {
     IndexKind kind = IndexKind::Edges;
+    int formatMajor = 0; ///< version of the file that it was read from
     GridGeometry geometry;
     ScalarType type = ScalarType::U8;
     double min = 0.0;
@@ -42,7 +44,7 @@ struct IndexInfo {
     std::uint64_t indexBytes = 0;
     std::uint64_t hiddenCorners = 0; ///< samples stored because sliding cannot learn them from active edges
     std::uint64_t hiddenCornerBytes = 0; ///< encoded bytes of their pages
-    std::uint64_t sampleBytes = 0; ///< encoded bytes of the samples; 0 with edges
+    std::uint64_t chunkBytes = 0; ///< encoded bytes of the chunks: samples of metacells, normals of edges
     double redundancyThreshold = 0.0; ///< k of the paper, section 2.1
     /// Edges: within how much cells are merged (PAPER 2.2); 0: they are not, or are while sliding.
     double mergeError = 0.0;

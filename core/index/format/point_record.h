@@ -3,7 +3,6 @@
 #include <cstdint>
 
 #include "core/grid/brick_grid.h"
-#include "core/grid/normal_codec.h"
 
 namespace isoslider::index {
 
@@ -31,22 +30,21 @@ constexpr std::uint8_t maskOf(std::uint8_t form) {
 }
 } // namespace record_form
 
-/// What a block stores for one grid point p_j: its scalar and normal, and for each of its edges in
-/// the block the far end's scalar and normal (PAPER 2: E+, E-, S+, S-). An edge belongs to
-/// E+ when the far scalar is greater (active just above p_j), to E- when it is smaller. Edges between
-/// equal scalars are never active and appear nowhere. Key: see scalar_key.h.
+/// What a block stores for one grid point p_j: its scalar, and for each of its edges in the block the far end's scalar
+/// (PAPER 2: E+, E-, S+, S-). An edge belongs to E+ when the far scalar is greater (active just above p_j), to E- when it
+/// is smaller. Edges between equal scalars are never active and appear nowhere. Key: see scalar_key.h.
 ///
-/// Of another form (record_form): `id` is the edge's lower point, or the merged cell's first one; `normal` and the
-/// normal of kOtherEnd are those of the leaf edge's ends, the other normals repeat `normal`.
+/// DEVIATION from the paper, 2: there, records hold normals too, those of far ends with them. A point has up to six far
+/// ends and stands at several levels, so half of an index were normals; they are stored once for each point, by place.
+///
+/// Of another form (record_form): `id` is the edge's lower point, or the merged cell's first one.
 template <class Key>
 struct PointRecord {
     Key key = 0;
     std::uint32_t idLow = 0;
     std::uint16_t idHigh = 0;
-    NormalCode normal = kNoNormal;
     std::uint8_t edgeMask = 0; ///< bit e: edge e is in the block
     std::uint8_t form = record_form::kPoint;
-    NormalCode farNormals[kPointEdges] = {};
     Key farKeys[kPointEdges] = {};
 
     PointId id() const { return PointId(std::uint64_t{idLow} | std::uint64_t{idHigh} << 32); }

@@ -6,6 +6,7 @@
 #include "core/index/index_appendix.h"
 #include "core/index/validation/fault_list.h"
 #include "core/index/validation/level_checks.h"
+#include "core/index/validation/normal_checks.h"
 #include "core/index/validation/part_checks.h"
 #include "core/index/validation/sample_survey.h"
 
@@ -25,7 +26,7 @@ public:
         const bool readsMore = options_.isFull || options_.volume;
         checkAppendix(path, fileSystem);
         checkFacts();
-        ISO_TRY(checkParts(reader_, faults_, report_, job.part(0.0, readsMore ? 0.2 : 1.0)));
+        ISO_TRY(checkParts(reader_, options_.isFull, faults_, report_, job.part(0.0, readsMore ? 0.2 : 1.0)));
         if (options_.volume && !isOfTheVolume())
             return {}; // comparing more would name the same again
         const bool isEdges = reader_.info().kind == IndexKind::Edges;
@@ -40,7 +41,9 @@ public:
         if (options_.isFull && !isEdges)
             ISO_TRY(checkStoredSamples(sums, ofSamples, job.part(0.6, options_.volume ? 0.8 : 1.0)));
         if (options_.volume && isEdges)
-            ISO_TRY(surveySamples(reader_, *options_.volume, &sums, faults_, ofVolume, job.part(0.6, 1.0)));
+            ISO_TRY(surveySamples(reader_, *options_.volume, &sums, faults_, ofVolume, job.part(0.6, 0.9)));
+        if (options_.volume && hasNormalChunks(reader_.info()))
+            ISO_TRY(compareNormals(reader_, *options_.volume, faults_, job.part(0.9, 1.0)));
         if (options_.volume && !isEdges)
             ISO_TRY(compareSamples(reader_, *options_.volume, faults_, job.part(0.8, 1.0)));
         report_.areEdgesCompared = options_.volume && !(reader_.info().mergeError > 0.0);
@@ -80,11 +83,11 @@ private:
             refuse("histogram", "has another range than the samples");
         if (info.distinctValues > finite || info.distinctValues == 0)
             refuse("number of distinct values", "is not possible");
-        std::uint64_t sampleBytes = 0;
+        std::uint64_t chunkBytes = 0;
         for (const ChunkGroupEntry& group : reader_.meta().chunkGroups)
-            sampleBytes += group.chunkBytes;
-        if (sampleBytes != info.sampleBytes)
-            refuse("bytes of samples", "are not those of the chunk groups");
+            chunkBytes += group.chunkBytes;
+        if (chunkBytes != info.chunkBytes)
+            refuse("bytes of chunks", "are not those of the chunk groups");
     }
 
     bool isOfTheVolume() {

@@ -42,7 +42,7 @@ struct ComparedVolume {
 struct ValidationOptions {
     /// Besides the checksums, all that FORMAT.md demands of what they are of.
     bool isFull = false;
-    /// Compared with the index: samples bit by bit, edges by sums over all of them.
+    /// Compared with the index: samples and normals bit by bit, edges by sums over all of them.
     std::optional<ComparedVolume> volume;
     std::size_t mostFaults = 100; ///< that are described; all are counted
     std::uint64_t memoryBytes = std::uint64_t{1} << 30; ///< for counting distinct values
@@ -61,7 +61,7 @@ struct ValidationReport {
 
 /// Whether an index is what FORMAT.md states. Without `isFull` header, directory and all checksums, and that each
 /// byte belongs to one part. With it also: order and counts of records; that both ends of each edge (or brick) are
-/// there and agree; that each block of each level is the net change over its interval; histogram and curve; and of
+/// there and agree; that chunks can be decoded; that each block of each level is the net change over its interval; histogram and curve; and of
 /// metacells that the list of bricks, the range, the missing cells and the distinct values are those of the samples.
 ///
 /// Levels and both ends of edges are compared by sums of 64-bit hashes, so that memory does not grow with the index:

@@ -165,6 +165,8 @@ private:
         const auto [least, greatest] = std::minmax_element(page.keys.begin(), page.keys.end());
         if (*least != entry.firstKey || *greatest != entry.lastKey)
             refuse("has other keys than the directory states");
+        if (needsPagesWithNormals(meta_.info) && !page.hasNormals())
+            refuse("has no normals");
         if (!page.forms.empty() && !(meta_.info.mergeError > 0.0))
             refuse("has merged cells where there are none");
         if (bytes[kPageOrderByte] != std::byte{level == 0 ? std::uint8_t{0} : std::uint8_t{1}})
@@ -219,17 +221,18 @@ private:
         NormalCode normal;
         std::uint8_t mask, form;
         const Key* farKeys; // as many as the mask has bits
-        const NormalCode* farNormals;
+        const NormalCode* farNormals; // null: pages have none
+        NormalCode farNormal(int at) const { return farNormals ? farNormals[at] : kNoNormal; }
         std::uint64_t otherEnd() const { return farKeys[0]; } // of forms above 0
     };
     static Record recordAt(const DecodedPage<Key>& page, std::size_t i, std::size_t at) {
         return {page.keys[i],
                 page.ids[i],
-                page.normals[i],
+                page.hasNormals() ? page.normals[i] : kNoNormal,
                 page.masks[i],
                 page.form(i),
                 page.farKeys.data() + at,
-                page.farNormals.data() + at};
+                page.hasNormals() ? page.farNormals.data() + at : nullptr};
     }
 
     // visit(far key, hash) of each edge that the record has, or once of an interval.
@@ -238,7 +241,7 @@ private:
         if (record.form != record_form::kPoint) {
             std::uint64_t hash = mixHash(mixHash(record.id, record.form), record.key);
             for (int i = 0; i < std::popcount(record.mask); ++i)
-                hash = mixHash(mixHash(hash, record.farKeys[i]), record.farNormals[i]);
+                hash = mixHash(mixHash(hash, record.farKeys[i]), record.farNormal(i));
             visit(record.otherEnd(), mixHash(hash, record.normal));
             return;
         }
@@ -246,7 +249,7 @@ private:
         for (unsigned mask = record.mask; mask != 0; mask &= mask - 1, ++at) {
             const auto edge = static_cast<std::uint64_t>(std::countr_zero(mask));
             std::uint64_t hash = mixHash(mixHash(record.id, 16 + edge), record.key);
-            hash = mixHash(mixHash(hash, record.farKeys[at]), record.farNormals[at]);
+            hash = mixHash(mixHash(hash, record.farKeys[at]), record.farNormal(at));
             visit(record.farKeys[at], mixHash(hash, record.normal));
         }
     }
@@ -314,7 +317,7 @@ private:
             const std::uint64_t id = isUp ? record.id : grid_.pointId(lower[0], lower[1], lower[2]).number();
             const std::uint64_t far = record.farKeys[at];
             const std::uint64_t hash = intervalHash(id, axis, isUp ? record.key : far, isUp ? far : record.key);
-            const NormalCode own = record.normal, other = record.farNormals[at];
+            const NormalCode own = record.normal, other = record.farNormal(at);
             addEnd(id, isUp, hash, mixHash(isUp ? own : other, isUp ? other : own));
             addToCurve(record.key, far);
             if (far == record.key)
@@ -340,7 +343,7 @@ private:
         if (record_form::isEdge(record.form)) {
             for (int i = 1; i < 3; ++i)
                 hash = mixHash(hash, record.farKeys[i]);
-            hash = mixHash(mixHash(hash, record.normal), record.farNormals[0]);
+            hash = mixHash(mixHash(hash, record.normal), record.farNormal(0));
             addToCurve(record.key, record.otherEnd());
         }
         ends_.add(record.id / kBrickPoints, isLower ? hash : std::uint64_t{0} - hash);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "core/grid/normal_codec.h"
+#include "core/index/format/chunk_codec.h"
 #include "core/index/format/chunk_table.h"
 
 namespace isoslider::index {
@@ -21,8 +23,13 @@ struct Part {
 
 class PartChecks {
 public:
-    PartChecks(const IndexReader& reader, FaultList& faults, ValidationReport& report)
-        : reader_(reader), meta_(reader.meta()), faults_(faults), report_(report), chunks_(meta_.info.geometry.dims) {
+    PartChecks(const IndexReader& reader, bool decodes, FaultList& faults, ValidationReport& report)
+        : reader_(reader),
+          meta_(reader.meta()),
+          decodes_(decodes),
+          faults_(faults),
+          report_(report),
+          chunks_(meta_.info.geometry.dims) {
         for (std::size_t level = 0; level < meta_.levels.size(); ++level)
             for (std::size_t i = 0; i < meta_.levels[level].pages.size(); ++i) {
                 const PageEntry& page = meta_.levels[level].pages[i];
@@ -135,20 +142,48 @@ private:
             if (job.isStopRequested())
                 return cancelledError();
             const Status read = reader_.readPart(places[i].offset, places[i].bytes, places[i].checksum, bytes_);
-            if (read.isOk())
+            const std::uint64_t chunk = part.number * kGroupChunks + i;
+            const char* const problem = read.isOk() && decodes_ ? problemOfChunk(ChunkIndex(chunk)) : nullptr;
+            if (read.isOk() && problem == nullptr)
                 continue;
             IndexFault fault;
-            const std::uint64_t chunk = part.number * kGroupChunks + i;
             fault.part = "chunk " + std::to_string(chunk);
             fault.offset = places[i].offset;
             fault.box = faults_.boxOfChunks(chunk, chunk);
-            ISO_TRY(addOrPassOn(faults_, read.error(), std::move(fault)));
+            if (read.isOk()) {
+                fault.problem = problem;
+                faults_.add(std::move(fault));
+            } else {
+                ISO_TRY(addOrPassOn(faults_, read.error(), std::move(fault)));
+            }
         }
         return {};
     }
 
+    // Of bytes_; null where there is none.
+    const char* problemOfChunk(ChunkIndex chunk) {
+        const ChunkExtent extent = chunks_.extent(chunk);
+        const auto count = static_cast<std::size_t>(extent[0] * extent[1] * extent[2]);
+        if (hasNormalChunks(meta_.info)) {
+            thread_local std::vector<NormalCode> normals;
+            normals.resize(count);
+            if (!decodeChunk<NormalCode>(bytes_, extent, normals))
+                return "cannot be decoded";
+            const bool areNormals = std::all_of(normals.begin(), normals.end(), [](NormalCode code) {
+                return code == kNoNormal || ((code & 0xff) != (kNoNormal & 0xff) && code >> 8 != kNoNormal >> 8);
+            });
+            return areNormals ? nullptr : "has codes that are no normals";
+        }
+        return visitScalarType(meta_.info.type, [&](auto sample) -> const char* {
+            thread_local std::vector<decltype(sample)> samples;
+            samples.resize(count);
+            return decodeChunk<decltype(sample)>(bytes_, extent, samples) ? nullptr : "cannot be decoded";
+        });
+    }
+
     const IndexReader& reader_;
     const IndexMeta& meta_;
+    bool decodes_;
     FaultList& faults_;
     ValidationReport& report_;
     ChunkGrid chunks_;
@@ -158,8 +193,9 @@ private:
 
 } // namespace
 
-Status checkParts(const IndexReader& reader, FaultList& faults, ValidationReport& report, const JobControl& job) {
-    return PartChecks(reader, faults, report).run(job);
+Status checkParts(const IndexReader& reader, bool decodes, FaultList& faults, ValidationReport& report,
+                  const JobControl& job) {
+    return PartChecks(reader, decodes, faults, report).run(job);
 }
 
 } // namespace isoslider::index

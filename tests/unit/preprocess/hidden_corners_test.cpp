@@ -1,6 +1,7 @@
 // Which hidden corners a build lists: those of all cells that need one, and no others.
 
 #include <bit>
+#include <fstream>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -14,6 +15,7 @@
 #include "tests/property/random_volumes.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::preprocess {
 namespace {
@@ -187,6 +189,13 @@ protected:
         }
         ASSERT_THAT(builder.finish(), IsOk());
         ASSERT_THAT(writer.value()->finish(std::move(meta)), IsOk());
+        // As version 4, whose edges have no chunks.
+        std::string file = test::readText(folder_ / "a.isx");
+        auto preamble = index::decodePreamble(std::as_bytes(std::span(file)), file.size(), "a.isx").value();
+        preamble.major = 4;
+        const auto head = index::encodePreamble(preamble);
+        std::copy_n(reinterpret_cast<const char*>(head.data()), head.size(), file.begin());
+        std::ofstream(folder_ / "a.isx", std::ios::binary) << file;
         auto reader = index::IndexReader::open(folder_ / "a.isx");
         ASSERT_THAT(reader, IsOk());
         reader_ = std::move(reader).value();

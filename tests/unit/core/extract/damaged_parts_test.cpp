@@ -96,21 +96,20 @@ protected:
                                       at);
                               }});
     }
-    // Chunks and the tables of their groups, needed where a brick is active that has samples there or beside.
+    // Chunks and the tables of their groups, needed where a brick is active that has points there; of samples, or beside.
     void addChunks(const index::IndexReader& reader) {
-        if (reader.info().kind != IndexKind::Metacells)
-            return;
+        const int apron = reader.info().kind == IndexKind::Metacells ? 1 : 0;
         const index::SampleStore store(reader);
         const index::ChunkGroupEntry& group = reader.meta().chunkGroups.at(0);
         for (const index::ChunkIndex chunk : firstIds<index::ChunkIndex>(store.chunks().chunkCount())) {
             std::uint64_t read = 0;
             const auto place = store.find(chunk, read).value();
             const auto coords = store.chunks().chunkCoords(chunk);
-            parts_.push_back({"chunk", place.offset, place.bytes, [this, coords](double at) {
+            parts_.push_back({"chunk", place.offset, place.bytes, [this, coords, apron](double at) {
                                   return anyActiveBrick(
                                       [&](const std::array<std::int64_t, 3>& brick) {
                                           for (std::size_t a = 0; a < 3; ++a)
-                                              if (const std::int64_t first = 8 * brick[a] - 1, last = 8 * brick[a] + 9;
+                                              if (const std::int64_t first = 8 * brick[a] - apron, last = 8 * brick[a] + 8 + apron;
                                                   last < 16 * coords[a] || first >= 16 * (coords[a] + 1))
                                                   return false;
                                           return true;
@@ -286,7 +285,7 @@ TEST(DamagedPages, OfAnIndexWithSamplesCostTimeOnly) {
     ASSERT_THAT(reader, IsOk());
     const auto& pages = reader.value()->meta().levels.at(0).pages;
     ASSERT_GE(pages.size(), 3u);
-    const std::uint64_t sampleBytes = reader.value()->info().sampleBytes;
+    const std::uint64_t sampleBytes = reader.value()->info().chunkBytes;
     const std::vector<double> isovalues{40.0, 400.0, 120.5, 250.0, 180.0};
     std::vector<SurfaceMesh> whole;
     for (const double isovalue : isovalues)

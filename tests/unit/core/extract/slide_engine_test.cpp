@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <fstream>
 #include <map>
 #include <random>
 #include <set>
@@ -15,13 +16,16 @@
 #include "core/extract/full_extraction.h"
 #include "core/extract/live/brick_picture.h"
 #include "core/extract/merged/merged_extraction.h"
+#include "core/index/format/chunk_table.h"
 #include "core/index/index_writer.h"
 #include "core/index/page_cache.h"
 #include "preprocess/metacells/brick_list.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
+#include "tests/support/forged_index.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::extract {
 namespace {
@@ -172,7 +176,8 @@ TEST_F(SlideEngineTest, ReadsFromTheFileOnlyWhatIsNotCached) {
 TEST_F(SlideEngineTest, CountsPagesOfHiddenCornersAsReadOnce) {
     const auto engine = openOn(test::noiseVolume({20, 20, 20}, 1), 3, 1); // no block is kept, every page of corners is
     ASSERT_GT(engine->info().hiddenCornerBytes, 0u);
-    for (const std::uint64_t pages : {engine->info().hiddenCornerBytes, std::uint64_t{0}}) {
+    const std::uint64_t normals = engine->info().chunkBytes + 8 * index::kGroupEntryBytes; // eight chunks are always kept
+    for (const std::uint64_t once : {engine->info().hiddenCornerBytes + normals, std::uint64_t{0}}) {
         std::uint64_t bytesOfBlocks = 0, bytesRead = 0;
         for (int step = 0; step <= 20; ++step) {
             const auto moved = engine->slideTo(step);
@@ -181,7 +186,7 @@ TEST_F(SlideEngineTest, CountsPagesOfHiddenCornersAsReadOnce) {
                 bytesOfBlocks += walked.bytes;
             bytesRead += moved.value().bytesRead;
         }
-        EXPECT_EQ(bytesRead, bytesOfBlocks + pages);
+        EXPECT_EQ(bytesRead, bytesOfBlocks + once);
     }
 }
 
@@ -436,6 +441,26 @@ TEST_F(SlideEngineTest, PicturesDifferInTheBricksThatChange) {
     EXPECT_LT(differing(), bricks);
 }
 
+/// The group of chunks that holds one, without normals, written to an index with seed 1.
+index::ChunkGroupEntry blankGroup(const index::ChunkGrid& chunks, index::ChunkIndex of, std::uint64_t offset,
+                                  index::IndexWriter& writer) {
+    index::ChunkGroupEntry group{offset, 0, 0};
+    std::vector<std::byte> table;
+    const std::uint64_t number = of.number() / index::kGroupChunks;
+    for (std::uint64_t i = 0; i < index::chunksInGroup(chunks, number); ++i) {
+        const index::ChunkExtent extent = chunks.extent(index::ChunkIndex(number * index::kGroupChunks + i));
+        const std::vector<NormalCode> none(static_cast<std::size_t>(extent[0] * extent[1] * extent[2]), kNoNormal);
+        const auto bytes = index::encodeChunk<NormalCode>(none, extent);
+        const std::uint64_t at = offset + group.chunkBytes;
+        index::putChunkPlace(table, {at, static_cast<std::uint16_t>(bytes.size()), index::pageChecksum(bytes, 1, at)});
+        EXPECT_THAT(writer.addChunk(bytes), IsOk());
+        group.chunkBytes += bytes.size();
+    }
+    EXPECT_THAT(writer.endChunks(), IsOk());
+    group.checksum = index::pageChecksum(table, 1, offset + group.chunkBytes);
+    return group;
+}
+
 /// An index of a grid of 5 * 10^10 edges, all of whose samples are 0 but those of the last cells: there it holds what
 /// an index of `corner`, whose outermost samples are 0 too, holds at its only level.
 void writeSparseIndex(const std::filesystem::path& cornerIndex, const GridDims& dims,
@@ -452,30 +477,40 @@ void writeSparseIndex(const std::filesystem::path& cornerIndex, const GridDims& 
         for (std::size_t i = 0; i < page->pointCount(); ++i) {
             index::PointRecord<std::uint16_t> record;
             record.key = page->keys[i];
-            record.normal = page->normals[i];
             record.edgeMask = page->masks[i];
             auto at = corner.grid().pointCoords(PointId(page->ids[i]));
             for (int a = 0; a < 3; ++a)
                 at[a] += dims[a] - corner.grid().dims()[a];
             record.setId(grid.pointId(at[0], at[1], at[2]));
-            for (unsigned rest = record.edgeMask; rest != 0; rest &= rest - 1, ++entry) {
+            for (unsigned rest = record.edgeMask; rest != 0; rest &= rest - 1, ++entry)
                 record.farKeys[std::countr_zero(rest)] = page->farKeys[entry];
-                record.farNormals[std::countr_zero(rest)] = page->farNormals[entry];
-            }
             records.push_back(record);
         }
     }
     std::sort(records.begin(), records.end(),
               [](const auto& a, const auto& b) { return std::pair(a.key, a.id()) < std::pair(b.key, b.id()); });
-    index::PageEntry entry = corner.meta().levels[0].pages[0];
     auto writer = index::IndexWriter::create(path, 1);
     ASSERT_THAT(writer, IsOk());
-    ASSERT_THAT(writer.value()->addPage(index::kLevel0, entry,
-                                        index::encodePage<std::uint16_t>(records, index::PageOrder::Value, grid)),
-                IsOk());
+    // All groups but the last two, which are read, are one and the same.
+    const index::ChunkGrid chunks(dims);
+    const auto last = chunks.chunkCount() - 1;
+    const std::uint64_t inLayer = static_cast<std::uint64_t>(chunks.chunks()[0] * chunks.chunks()[1]);
     index::IndexMeta meta = corner.meta();
     meta.info.geometry.dims = dims;
-    ASSERT_THAT(writer.value()->finish(std::move(meta)), IsOk());
+    const auto write = [&](std::uint64_t chunk) {
+        return blankGroup(chunks, index::ChunkIndex(chunk), writer.value()->sizeBytes(), *writer.value());
+    };
+    meta.chunkGroups.assign(index::chunkGroupCount(chunks), write(last - inLayer));
+    meta.chunkGroups.back() = write(last);
+    const auto bytes = index::encodePage<std::uint16_t>(records, index::PageOrder::Value, grid);
+    index::PageEntry& entry = meta.levels[0].pages[0];
+    entry.offset = writer.value()->sizeBytes();
+    entry.bytes = static_cast<std::uint32_t>(bytes.size());
+    entry.checksum = index::pageChecksum(bytes, 1, entry.offset);
+    ASSERT_THAT(writer.value()->addPage(index::kLevel0, entry, bytes), IsOk());
+    ASSERT_THAT(writer.value()->finish(meta), IsOk());
+    const std::string forged = test::forgedIndex(test::readText(path), meta);
+    std::ofstream(path, std::ios::binary) << forged;
 }
 
 // Ids of points and edges have 64 bits all the way from the page to the mesh.

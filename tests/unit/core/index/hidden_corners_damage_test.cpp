@@ -192,13 +192,10 @@ TEST_F(DamagedNoise, AnIndexThatContradictsItselfIsNamed) {
         PointRecord<Key> record;
         record.key = page.keys[i];
         record.setId(PointId(page.ids[i]));
-        record.normal = page.normals[i];
         record.edgeMask = page.masks[i];
         for (int e = 0; e < kPointEdges; ++e)
-            if ((record.edgeMask >> e & 1) != 0) {
-                record.farKeys[e] = page.farKeys[far];
-                record.farNormals[e] = page.farNormals[far++];
-            }
+            if ((record.edgeMask >> e & 1) != 0)
+                record.farKeys[e] = page.farKeys[far++];
         records.push_back(record);
     }
     // An edge that its one end makes active, and its other end as well.

@@ -12,6 +12,7 @@
 #include "core/base/byte_codec.h"
 #include "core/grid/scalar_key.h"
 #include "core/index/index_writer.h"
+#include "tests/support/index_chunks.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -218,6 +219,7 @@ protected:
         IndexMeta meta;
         meta.info = infoOf(ScalarType::F32, {8 * 7, 8 * 7, 8 * 7});
         meta.info.levels.resize(1);
+        ASSERT_THAT(test::addBlankNormals(meta.info.geometry.dims, *writer.value()), IsOk());
         auto info = writer.value()->finish(std::move(meta));
         ASSERT_THAT(info, IsOk());
         EXPECT_EQ(info.value().hiddenCorners, pages_[0].size() + pages_[1].size() + pages_[2].size());

@@ -91,7 +91,8 @@ protected:
             parts_.push_back({at.offset, at.bytes, [this, chunk] {
                                   SampleStore fresh(*reader_);
                                   std::uint64_t read = 0;
-                                  return fresh.read<std::uint8_t>(chunk, samples_, read);
+                                  return GetParam() == IndexKind::Edges ? fresh.read<NormalCode>(chunk, normals_, read)
+                                                                        : fresh.read<std::uint8_t>(chunk, samples_, read);
                               }});
         }
     }
@@ -129,6 +130,7 @@ protected:
     std::vector<Part> parts_;
     std::vector<std::byte> buffer_;
     std::array<std::uint8_t, SampleStore::kChunkSamples> samples_{};
+    std::array<NormalCode, SampleStore::kChunkSamples> normals_{};
     test::TemporaryFolder folder_;
 };
 

@@ -48,8 +48,8 @@ TEST(LazyLevels, CutAnyRunOfBlocksIntoTheLargestAlignedGroups) {
         }
 }
 
-/// One edge of a record: point, its key, edge number, key and normal at the other end.
-using Entry = std::tuple<std::uint64_t, std::uint16_t, int, std::uint16_t, NormalCode>;
+/// One edge of a record: point, its key, edge number, key at the other end.
+using Entry = std::tuple<std::uint64_t, std::uint16_t, int, std::uint16_t>;
 
 template <class Keep>
 void addEntries(const Page& page, const Keep& keep, std::multiset<Entry>& entries) {
@@ -57,8 +57,7 @@ void addEntries(const Page& page, const Keep& keep, std::multiset<Entry>& entrie
     for (std::size_t i = 0; i < page.pointCount(); ++i)
         for (unsigned rest = page.masks[i]; rest != 0; rest &= rest - 1, ++at)
             if (keep(page.keys[i], page.farKeys[at]))
-                entries.insert(
-                    {page.ids[i], page.keys[i], std::countr_zero(rest), page.farKeys[at], page.farNormals[at]});
+                entries.insert({page.ids[i], page.keys[i], std::countr_zero(rest), page.farKeys[at]});
 }
 
 class LazyLevelsTest : public testing::Test {

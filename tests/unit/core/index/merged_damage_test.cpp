@@ -13,6 +13,7 @@
 #include "core/index/index_reader.h"
 #include "core/index/index_writer.h"
 #include "tests/property/test_volumes.h"
+#include "tests/support/index_chunks.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -36,8 +37,6 @@ Record edgeRecord(std::array<std::int64_t, 3> point, int axis, int level) {
     record.farKeys[form::kOtherEnd] = 30;
     record.farKeys[form::kLowerEnd] = 15;
     record.farKeys[form::kUpperEnd] = 33;
-    record.normal = record.farNormals[form::kLowerEnd] = record.farNormals[form::kUpperEnd] = 0x1122;
-    record.farNormals[form::kOtherEnd] = 0x3344;
     return record;
 }
 
@@ -70,8 +69,6 @@ TEST(MergedRecords, GiveBackWhatTheyTook) {
             continue;
         EXPECT_EQ(page.farKeys[1], 15);
         EXPECT_EQ(page.farKeys[2], 33);
-        EXPECT_EQ(page.normals[0], 0x1122);
-        EXPECT_EQ(page.farNormals[0], 0x3344);
     }
     Record point;
     point.setId(BrickGrid(kMergedDims).pointId(1, 1, 1));
@@ -115,12 +112,9 @@ std::vector<Record> recordsOf(const DecodedPage<Key>& page) {
         record.key = page.keys[i];
         record.form = page.form(i);
         record.edgeMask = page.masks[i];
-        record.normal = page.normals[i];
         for (int e = 0; e < kPointEdges; ++e)
-            if (record.edgeMask >> e & 1) {
-                record.farKeys[e] = page.farKeys[entry];
-                record.farNormals[e] = page.farNormals[entry++];
-            }
+            if (record.edgeMask >> e & 1)
+                record.farKeys[e] = page.farKeys[entry++];
     }
     return records;
 }
@@ -154,6 +148,7 @@ protected:
         ASSERT_THAT(reader, IsOk());
         auto writer = IndexWriter::create(folder_ / "forged.isx", 7);
         ASSERT_THAT(writer, IsOk());
+        ASSERT_THAT(test::copyChunks(*reader.value(), *writer.value()), IsOk());
         IndexMeta meta = reader.value()->meta();
         const std::vector<PageEntry> pages = meta.levels[0].pages;
         for (PageEntry entry : pages) {

@@ -65,7 +65,7 @@ TEST_F(SampleStoreFile, HasGroupsOneAfterTheOther) {
     EXPECT_EQ(meta_.chunkGroups[0].offset, kPreambleBytes);
     EXPECT_EQ(meta_.chunkGroups[1].offset,
               meta_.chunkGroups[0].offset + meta_.chunkGroups[0].chunkBytes + kGroupChunks * kGroupEntryBytes);
-    EXPECT_EQ(meta_.info.sampleBytes, meta_.chunkGroups[0].chunkBytes + meta_.chunkGroups[1].chunkBytes);
+    EXPECT_EQ(meta_.info.chunkBytes, meta_.chunkGroups[0].chunkBytes + meta_.chunkGroups[1].chunkBytes);
     EXPECT_THAT(readAll(folder_ / "good.isx"), IsOk());
 }
 
@@ -121,11 +121,13 @@ TEST_F(SampleStoreFile, ForgedDirectoriesAreRefusedOrRead) {
     EXPECT_THAT(IndexReader::open(write(forged(fewer))), HasError(ErrorCode::Corruption));
     IndexMeta another = meta_;
     another.info.kind = IndexKind::Edges;
-    EXPECT_THAT(IndexReader::open(write(forged(another))), HasError(ErrorCode::Corruption)) << "edges have no shelves";
-    another.chunkGroups.clear();
     EXPECT_NO_THROW(
         static_cast<void>(extract::SlideEngine::open(write(forged(another))).value()->slideTo(500.0).isOk()))
-        << "bricks taken for points";
+        << "bricks taken for points, samples for normals";
+    another.chunkGroups.clear();
+    EXPECT_THAT(IndexReader::open(write(forged(another))), HasError(ErrorCode::Corruption)) << "edges have chunks too";
+    another.info.kind = IndexKind::BrickList;
+    EXPECT_THAT(IndexReader::open(write(forged(another))), HasError(ErrorCode::Corruption)) << "is never a file";
 }
 
 // Only a forger writes such a list: everything has its right checksum.
@@ -155,8 +157,6 @@ TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreNotBelieved) {
             record.edgeMask = static_cast<std::uint8_t>(mask);
             for (auto& far : record.farKeys)
                 far = static_cast<std::uint16_t>(1000 - key);
-            for (auto& normal : record.farNormals)
-                normal = kNoNormal;
             records.push_back(record);
         }
         PageEntry entry;

@@ -29,7 +29,10 @@ IndexMeta leastMeta() {
     return meta;
 }
 
-Status statusOf(const IndexMeta& meta) {
+// Where nothing is said of chunks, as many groups as the grid needs.
+Status statusOf(IndexMeta meta) {
+    if (meta.chunkGroups.empty())
+        meta.chunkGroups.assign(chunkGroupCount(ChunkGrid(meta.info.geometry.dims)), {kPreambleBytes, 0, 0});
     const auto bytes = encodeMeta(meta);
     Preamble preamble;
     preamble.minor = minorOf(meta);
@@ -108,6 +111,7 @@ TEST(FormatLimits, OfTextsAndTables) {
 // Writers cut the line, so a longer one is put into the bytes.
 TEST(FormatLimits, OfTheLineOnResampling) {
     IndexMeta meta = leastMeta();
+    meta.chunkGroups = {{kPreambleBytes, 0, 0}};
     meta.info.resampling.assign(501, 'r');
     const auto decode = [&](const std::vector<std::byte>& bytes) {
         Preamble preamble;
@@ -199,6 +203,7 @@ TEST(FormatLimits, OfBytesOfAPage) {
     for (const std::uint64_t past : {0, 1}) {
         IndexMeta meta = leastMeta();
         meta.levels[0].pages = {pageAt(kPreambleBytes, kMost)};
+        meta.chunkGroups = {{kPreambleBytes, 0, 0}};
         Preamble preamble;
         const auto bytes = encodeMeta(meta);
         preamble.metaOffset = kPreambleBytes + kMost - past;

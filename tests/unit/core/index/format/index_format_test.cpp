@@ -1,3 +1,4 @@
+#include "core/index/format/chunk_table.h"
 #include "core/index/format/index_format.h"
 
 #include <random>
@@ -46,9 +47,10 @@ TEST(Preamble, RefusesEveryFlippedBit) {
     for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
         auto damaged = bytes;
         damaged[bit / 8] ^= std::byte(1 << (bit % 8));
-        const ErrorCode expected = bit < 8 * 12   ? ErrorCode::InvalidArgument
-                                   : bit < 8 * 14 ? ErrorCode::UnsupportedVersion
-                                                  : ErrorCode::Corruption;
+        const bool isKnownVersion = bit / 8 == 12 && damaged[12] == std::byte{kFormatMajor - 1};
+        const ErrorCode expected = bit < 8 * 12                       ? ErrorCode::InvalidArgument
+                                   : bit < 8 * 14 && !isKnownVersion ? ErrorCode::UnsupportedVersion
+                                                                      : ErrorCode::Corruption;
         ASSERT_THAT(decodePreamble(damaged, 800, "p"), HasError(expected)) << "bit " << bit;
     }
 }
@@ -65,7 +67,7 @@ TEST(Preamble, RefusesEveryTruncation) {
 
 TEST(Preamble, RefusesAnotherVersionByName) {
     Preamble preamble = somePreamble();
-    for (const std::uint16_t major : {1, 2, 5}) {
+    for (const std::uint16_t major : {1, 2, 6}) {
         preamble.major = major;
         const auto decoded = decodePreamble(encodePreamble(preamble), 800, "a.isx");
         ASSERT_THAT(decoded, HasError(ErrorCode::UnsupportedVersion));
@@ -74,9 +76,10 @@ TEST(Preamble, RefusesAnotherVersionByName) {
         EXPECT_EQ(decoded.error().message.find('\n'), std::string::npos);
         EXPECT_EQ(decoded.error().path, "a.isx");
     }
-    preamble.major = 3;
-    EXPECT_THAT(decodePreamble(encodePreamble(preamble), 800, "p"), IsOk());
-    preamble.major = 4;
+    for (const std::uint16_t major : {3, 4, 5}) {
+        preamble.major = major;
+        EXPECT_THAT(decodePreamble(encodePreamble(preamble), 800, "p"), IsOk());
+    }
     preamble.minor = 7; // states nothing that a reader must know
     EXPECT_THAT(decodePreamble(encodePreamble(preamble), 800, "p"), IsOk());
 }
@@ -118,6 +121,8 @@ IndexMeta someMeta() {
     meta.levels[1].blocks = {{1, 4, 0, 1}, {5, 9, 1, 0}};
     meta.hiddenPages = {{BrickIndex(0), BrickIndex(1), 7, 50, 164, 444},
                         {BrickIndex(3), BrickIndex(3), 1, 40, 214, 555}};
+    meta.chunkGroups = {{254, 40, 666}};
+    meta.info.chunkBytes = 40;
     meta.missingCells = {{BrickIndex(1), {1, 2, 3, 4, 5, 6, 7, 8}},
                          {BrickIndex(4), {0, 0, 0, 0, 0, 0, 0, ~std::uint64_t{0}}}};
     return meta;
@@ -147,6 +152,11 @@ TEST(IndexMeta, GivesBackWhatItTook) {
     EXPECT_EQ(back.hiddenPages[1].offset, 214u);
     EXPECT_EQ(back.hiddenPages[1].checksum, 555u);
     EXPECT_EQ(back.missingCells[1].cells[7], ~std::uint64_t{0});
+    EXPECT_EQ(back.info.formatMajor, kFormatMajor);
+    EXPECT_TRUE(hasNormalChunks(back.info));
+    EXPECT_EQ(back.info.chunkBytes, 40u);
+    ASSERT_EQ(back.chunkGroups.size(), 1u);
+    EXPECT_EQ(back.chunkGroups[0].checksum, 666u);
     // Whatever is not looked at above: equal bytes again.
     EXPECT_EQ(encodeMeta(back), encodeMeta(meta));
 }
@@ -265,23 +275,24 @@ TEST(IndexMeta, RefusesFieldsThatCannotBe) {
 TEST(IndexMeta, BoundsPagesOfHiddenCorners) {
     IndexMeta meta = someMeta();
     meta.info.geometry.dims = {kMaxDim, 1024, 1024}; // 2^31 bricks
+    Preamble preamble = somePreamble();
+    preamble.metaOffset = 4096;
+    meta.chunkGroups.assign(chunkGroupCount(ChunkGrid(meta.info.geometry.dims)), {kPreambleBytes, 0, 0});
     meta.hiddenPages = {{BrickIndex(5), BrickIndex(4 + kMaxHiddenPageBricks), kMaxHiddenPageCorners, 50, 164, 1},
                         {BrickIndex(0x7fffffff), BrickIndex(0x7fffffff), 1, 9, 64, 1}};
-    EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), IsOk());
+    EXPECT_THAT(decodeMeta(encodeMeta(meta), preamble, "p"), IsOk());
     ++meta.hiddenPages[0].lastBrick;
-    EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), HasError(ErrorCode::Corruption))
+    EXPECT_THAT(decodeMeta(encodeMeta(meta), preamble, "p"), HasError(ErrorCode::Corruption))
         << "places need more than 32 bits";
     meta.hiddenPages[0].lastBrick = BrickIndex(5);
     ++meta.hiddenPages[1].lastBrick;
-    EXPECT_THAT(decodeMeta(encodeMeta(meta), somePreamble(), "p"), HasError(ErrorCode::Corruption))
-        << "outside the grid";
-    Preamble large = somePreamble();
-    large.metaOffset = 1u << 20;
+    EXPECT_THAT(decodeMeta(encodeMeta(meta), preamble, "p"), HasError(ErrorCode::Corruption)) << "outside the grid";
+    preamble.metaOffset = 1u << 20;
     meta.hiddenPages.pop_back();
     meta.hiddenPages[0].bytes = kMaxHiddenPageBytes;
-    EXPECT_THAT(decodeMeta(encodeMeta(meta), large, "p"), IsOk());
+    EXPECT_THAT(decodeMeta(encodeMeta(meta), preamble, "p"), IsOk());
     ++meta.hiddenPages[0].bytes;
-    EXPECT_THAT(decodeMeta(encodeMeta(meta), large, "p"), HasError(ErrorCode::Corruption))
+    EXPECT_THAT(decodeMeta(encodeMeta(meta), preamble, "p"), HasError(ErrorCode::Corruption))
         << "longer than a page can be";
 }
 
