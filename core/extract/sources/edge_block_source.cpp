@@ -195,12 +195,16 @@ Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface, Sl
     return normals_ ? startPoints(surface, std::move(arriving), stats, stop) : Status();
 }
 
-// The normals of all points of bricks that arrive: later entries of theirs bring scalars only.
+// The normals of all points of bricks that arrive: entries bring scalars only.
 template <class Sample>
 Status EdgeBlockSource<Sample>::startPoints(LiveSurface<Live>& surface, std::vector<BrickIndex> bricks,
                                             SlideStats& stats, std::stop_token stop) {
-    std::sort(bricks.begin(), bricks.end(),
-              [&](BrickIndex a, BrickIndex b) { return normals_->orderOf(a) < normals_->orderOf(b); });
+    std::vector<std::pair<std::uint64_t, BrickIndex>> placed;
+    placed.reserve(bricks.size());
+    for (const BrickIndex brick : bricks)
+        placed.emplace_back(normals_->orderOf(brick), brick);
+    std::sort(placed.begin(), placed.end());
+    std::transform(placed.begin(), placed.end(), bricks.begin(), [](const auto& entry) { return entry.second; });
     return normals_->read(
         bricks,
         [&](std::size_t i) {
