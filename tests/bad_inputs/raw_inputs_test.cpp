@@ -465,8 +465,8 @@ TEST_F(BadRaw, B023_IsovalueOnSamplesEverywhere) {
 }
 
 TEST_F(BadRaw, B024_SourceThatChangesMeanwhile) {
-    // For as long as metacells take.
-    const auto volume = noiseVolume(96), larger = noiseVolume(test::kHasSanitizers ? 128 : 200, "larger.mha");
+    // Large enough for what changes to come while a build lasts.
+    const auto volume = noiseVolume(test::kHasSanitizers ? 96 : 120), larger = noiseVolume(test::kHasSanitizers ? 128 : 200, "larger.mha");
     const std::string samples = readText(volume), largerSamples = readText(larger);
     fs::remove(larger);
     struct Change {
@@ -486,7 +486,7 @@ TEST_F(BadRaw, B024_SourceThatChangesMeanwhile) {
              overwrite(1 << 20);
              fs::last_write_time(volume, time);
          }},
-        {"replaced", [&] { fs::rename(folder_.write("noise.new", std::string(fs::file_size(volume), 'x')), volume); }},
+        {"replaced", [&] { fs::rename(path("noise.new"), volume); }},
         {"shorter", [&] { fs::resize_file(volume, 4096); }},
         {"longer", [&] { fs::resize_file(volume, fs::file_size(volume) + 4096); }},
         {"deleted", [&] { fs::remove(volume); }},
@@ -497,6 +497,8 @@ TEST_F(BadRaw, B024_SourceThatChangesMeanwhile) {
             SCOPED_TRACE(fmt::format("{}, {}", change.name, kind));
             const bool isMetacells = std::string_view(kind) == "metacells";
             folder_.write("noise.mha", isMetacells ? largerSamples : samples);
+            if (std::string_view(change.name) == "replaced") // ready beforehand: the build would be done
+                folder_.write("noise.new", std::string(fs::file_size(volume), 'x'));
             ProcessOptions options;
             options.timeout = std::chrono::seconds(50);
             options.signalToSend = SIGCONT; // harmless: the moment is what is wanted

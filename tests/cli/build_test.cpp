@@ -185,7 +185,7 @@ TEST_F(CliStats, TellsOfTheIndexAndItsLevels) {
     EXPECT_THAT(keysOf(json),
                 ElementsAre("source_name", "kind", "dims", "scalar_type", "distinct_values", "average_active_edges",
                             "average_change", "redundancy", "index_bytes", "bytes_per_voxel", "sample_bytes",
-                            "hidden_corners", "hidden_corner_bytes", "levels"));
+                            "normal_bytes", "hidden_corners", "hidden_corner_bytes", "levels"));
     EXPECT_EQ(json["source_name"], "sphere.mha");
     EXPECT_THAT(keysOf(json["levels"][0]),
                 ElementsAre("level", "blocks", "points", "edges", "activated_edges", "bytes", "redundant_removed"));

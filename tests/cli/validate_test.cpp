@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/base/byte_codec.h"
 #include "tests/cli/cli_fixture.h"
 
 namespace isoslider::test {
@@ -46,13 +47,19 @@ TEST_F(CliValidate, NamesFaultsAndExitsWithOne) {
     EXPECT_THAT(result.standardOutput, AllOf(HasSubstr("fails its checksum (at byte "), HasSubstr(": damaged, ")));
     EXPECT_THAT(result.standardError, AllOf(HasSubstr("damaged.isx: "), HasSubstr("fails its checksum")));
     EXPECT_EQ(std::count(result.standardError.begin(), result.standardError.end(), '\n'), 1);
-    const auto json = run({"validate", damaged(edgesIndex()), "--json"});
-    EXPECT_EQ(json.exitCode, 1);
-    const auto object = OrderedJson::parse(json.standardOutput);
-    EXPECT_EQ(object["sound"], false);
-    EXPECT_EQ(object["fault_count"], 1);
-    EXPECT_EQ(object["faults"][0]["problem"], "fails its checksum");
-    EXPECT_EQ(keysOf(object["faults"][0]), (std::vector<std::string>{"part", "problem", "offset", "isovalues"}));
+    // Normals come first, and what ends before meta are pages.
+    const std::string edges = edgesIndex();
+    const auto metaOffset = loadLittle<std::uint64_t>(reinterpret_cast<const std::byte*>(readText(edges).data()) + 16);
+    for (const auto& [at, place] :
+         {std::pair<std::uint64_t, const char*>{200, "box"}, {metaOffset - 20, "isovalues"}}) {
+        const auto json = run({"validate", damaged(edges, at), "--json"});
+        EXPECT_EQ(json.exitCode, 1);
+        const auto object = OrderedJson::parse(json.standardOutput);
+        EXPECT_EQ(object["sound"], false);
+        EXPECT_EQ(object["fault_count"], 1);
+        EXPECT_EQ(object["faults"][0]["problem"], "fails its checksum");
+        EXPECT_EQ(keysOf(object["faults"][0]), (std::vector<std::string>{"part", "problem", "offset", place}));
+    }
 }
 
 // In reports as in errors: a name does not make a separate line.
