@@ -54,8 +54,7 @@ Status IndexWriter::addChunk(std::span<const std::byte> chunk) {
     const std::uint64_t offset = sizeBytes();
     if (groupTable_.empty())
         groupOffset_ = offset;
-    putChunkPlace(groupTable_,
-                  {offset, static_cast<std::uint16_t>(chunk.size()), pageChecksum(chunk, seed_, offset)});
+    putChunkPlace(groupTable_, {offset, static_cast<std::uint16_t>(chunk.size()), pageChecksum(chunk, seed_, offset)});
     ISO_TRY(append(chunk));
     chunkBytes_ += chunk.size();
     return groupTable_.size() == kGroupChunks * kGroupEntryBytes ? endGroup() : Status();

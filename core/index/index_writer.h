@@ -31,7 +31,8 @@ public:
     Status addPage(SkipLevel level, PageEntry entry, std::span<const std::byte> bytes);
     /// Appends one encoded page of hidden corners, in the order of bricks; likewise.
     Status addHiddenPage(HiddenPageEntry entry, std::span<const std::byte> bytes);
-    /// Appends the next chunk of samples or normals, in chunk order. `kGroupChunks` fill a group, whose table then follows.
+    /// Appends the next chunk of samples or normals, in chunk order. `kGroupChunks` fill a group, whose table then
+    /// follows.
     Status addChunk(std::span<const std::byte> chunk);
     /// Ends the last group. REQUIRES: called after the last chunk, before anything else is added.
     Status endChunks() { return groupTable_.empty() ? Status() : endGroup(); }

@@ -19,8 +19,8 @@
 
 namespace isoslider::index {
 
-/// The samples of an index of metacells, or the normals of one of edges, by chunk. Tables of chunk groups are read when first needed and kept: 8 KB
-/// for the million samples around a piece of surface. Any number of threads at once.
+/// The samples of an index of metacells, or the normals of one of edges, by chunk. Tables of chunk groups are read when
+/// first needed and kept: 8 KB for the million samples around a piece of surface. Any number of threads at once.
 class SampleStore {
 public:
     /// Decoded chunks are 16^3 whatever their extent: sample (x, y, z) at x + 16 y + 256 z.

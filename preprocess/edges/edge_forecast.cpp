@@ -209,10 +209,12 @@ private:
 
     // In chunks half as high: a layer has no more planes.
     void encodeNormalsOf(const Tile& tile) {
-        const SampleView<Sample> view{planes_.data(), {geometry_.dims[0], geometry_.dims[1], planesEnd_ - planesBegin_}};
+        const SampleView<Sample> view{planes_.data(),
+                                      {geometry_.dims[0], geometry_.dims[1], planesEnd_ - planesBegin_}};
         const std::int64_t z0 = tile.begin[2] * kBrickSide;
         const auto countFrom = [&](int axis, std::int64_t first, std::int64_t end) {
-            return static_cast<int>(std::min<std::int64_t>({index::kChunkSide, geometry_.dims[axis] - first, end - first}));
+            return static_cast<int>(
+                std::min<std::int64_t>({index::kChunkSide, geometry_.dims[axis] - first, end - first}));
         };
         const std::int64_t endX = tile.end[0] * kBrickSide, endY = tile.end[1] * kBrickSide;
         for (std::int64_t y = tile.begin[1] * kBrickSide; y < std::min(endY, geometry_.dims[1]); y += index::kChunkSide)
@@ -221,16 +223,15 @@ private:
                 const index::ChunkExtent extent{countFrom(0, x, endX), countFrom(1, y, endY),
                                                 countFrom(2, z0, z0 + kBrickSide)};
                 normalPoints_ += static_cast<std::uint64_t>(extent[0] * extent[1] * extent[2]);
-                normalBytes_ += encodeNormals<Sample>(view, {x, y, z0 - planesBegin_}, extent,
-                                                      inverseSpacingOf(geometry_))
-                                    .size();
+                normalBytes_ +=
+                    encodeNormals<Sample>(view, {x, y, z0 - planesBegin_}, extent, inverseSpacingOf(geometry_)).size();
             }
     }
     double chunkBytes() const {
         constexpr std::uint64_t kGroupDirectoryBytes = 24;
         const index::ChunkGrid chunks(geometry_.dims);
-        const double ratio =
-            static_cast<double>(pointCount(geometry_.dims)) / static_cast<double>(std::max<std::uint64_t>(1, normalPoints_));
+        const double ratio = static_cast<double>(pointCount(geometry_.dims)) /
+                             static_cast<double>(std::max<std::uint64_t>(1, normalPoints_));
         return ratio * static_cast<double>(normalBytes_) +
                static_cast<double>(chunks.chunkCount() * index::kGroupEntryBytes +
                                    index::chunkGroupCount(chunks) * kGroupDirectoryBytes);

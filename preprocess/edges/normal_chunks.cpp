@@ -61,9 +61,8 @@ Status writeNormals(io::VolumeSource& source, index::IndexWriter& writer, std::i
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
-    template std::vector<std::byte> encodeNormals<Sample>(const SampleView<Sample>&, \
-                                                          const std::array<std::int64_t, 3>&, \
-                                                          const index::ChunkExtent&, const glm::vec3&); \
+    template std::vector<std::byte> encodeNormals<Sample>( \
+        const SampleView<Sample>&, const std::array<std::int64_t, 3>&, const index::ChunkExtent&, const glm::vec3&); \
     template Status writeNormals<Sample>(io::VolumeSource&, index::IndexWriter&, std::int64_t, const JobControl&, \
                                          const std::function<Status(std::int64_t)>&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)

@@ -23,8 +23,8 @@ std::vector<std::byte> encodeNormals(const SampleView<Sample>& view, const std::
 inline constexpr std::int64_t kNormalPlanes = index::kChunkSide + 2;
 
 /// Appends the normals of all points to an index of edges: one pass over the volume, a slab of chunks after the other,
-/// from `firstSlab` on. Calls `betweenSlabs(next)` before each but the first. Errors: those of the source, of the writer
-/// and of `betweenSlabs`, Cancelled.
+/// from `firstSlab` on. Calls `betweenSlabs(next)` before each but the first. Errors: those of the source, of the
+/// writer and of `betweenSlabs`, Cancelled.
 template <class Sample>
 Status writeNormals(io::VolumeSource& source, index::IndexWriter& writer, std::int64_t firstSlab, const JobControl& job,
                     const std::function<Status(std::int64_t next)>& betweenSlabs);

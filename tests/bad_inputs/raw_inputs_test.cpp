@@ -466,7 +466,8 @@ TEST_F(BadRaw, B023_IsovalueOnSamplesEverywhere) {
 
 TEST_F(BadRaw, B024_SourceThatChangesMeanwhile) {
     // Large enough for what changes to come while a build lasts.
-    const auto volume = noiseVolume(test::kHasSanitizers ? 96 : 120), larger = noiseVolume(test::kHasSanitizers ? 128 : 200, "larger.mha");
+    const auto volume = noiseVolume(test::kHasSanitizers ? 96 : 120),
+               larger = noiseVolume(test::kHasSanitizers ? 128 : 200, "larger.mha");
     const std::string samples = readText(volume), largerSamples = readText(larger);
     fs::remove(larger);
     struct Change {

@@ -75,7 +75,8 @@ void EdgeBlockSource<Sample>::Lists::clear() {
 
 template <class Sample>
 EdgeBlockSource<Sample>::EdgeBlockSource(const index::IndexReader& reader, std::uint64_t cacheBytes)
-    : WalkedSource<Sample>(reader, hasNormalChunks(reader.info()) ? cacheBytes - cacheBytes / kNormalsShare : cacheBytes),
+    : WalkedSource<Sample>(reader,
+                           hasNormalChunks(reader.info()) ? cacheBytes - cacheBytes / kNormalsShare : cacheBytes),
       merges_(reader.info().mergeError > 0.0),
       normals_(hasNormalChunks(reader.info()) ? std::make_unique<StoredNormals>(reader, cacheBytes / kNormalsShare)
                                               : nullptr),
@@ -158,8 +159,7 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
 
 // Slots for bricks that have none yet. A partition's bricks are looked at by one thread.
 template <class Sample>
-Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface, SlideStats& stats,
-                                                  std::stop_token stop) {
+Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) {
     for (Scratch& scratch : *scratches_)
         scratch.arriving.clear();
     std::atomic<bool> isConsistent{true};
@@ -401,7 +401,8 @@ auto EdgeBlockSource<Sample>::pointsOf(BrickSlot slot, const LiveSurface<Live>& 
     return scratch.draft.newPoints ? scratch.points : pointsIn<Sample>(surface.points(slot));
 }
 
-// Scalars, and normals that entries bring, at the ends of edges that came. A point that is there already gets what it has.
+// Scalars, and normals that entries bring, at the ends of edges that came. A point that is there already gets what it
+// has.
 template <class Sample>
 void EdgeBlockSource<Sample>::fillPoints(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
     scratch.draft.newPoints = nullptr;

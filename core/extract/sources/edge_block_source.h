@@ -23,8 +23,9 @@ namespace isoslider::extract {
 ///
 /// Each live brick keeps its active edges as bits, and the surface its points. An entry goes to every brick that holds
 /// the edge, at most four; there it toggles a bit and fills in the scalars at its ends. A brick that arrives has the
-/// normals of all its points read, which the index keeps by place (in earlier versions entries bring them). Signs follow from the edges.
-/// What is collected for a move is cut into partitions of brick numbers, so that threads share nothing.
+/// normals of all its points read, which the index keeps by place (in earlier versions entries bring them). Signs
+/// follow from the edges. What is collected for a move is cut into partitions of brick numbers, so that threads share
+/// nothing.
 ///
 /// Where cells were merged when the index was built (PAPER 2.2), it states of each edge when it carries a vertex, and
 /// on a leaf edge of which level; and of each merged cell when it is a leaf. Those come and go like edges. A brick with

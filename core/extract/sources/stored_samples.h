@@ -20,8 +20,8 @@ namespace isoslider::extract {
 template <class Sample>
 class StoredSamples final : public SampleReader<Sample> {
 public:
-    /// `reader` must outlive this. At most `cacheBytes` of decoded samples are kept. `apron`: points beyond a brick's own
-    /// 9^3 that are read with it, 1 for gradients or 0.
+    /// `reader` must outlive this. At most `cacheBytes` of decoded samples are kept. `apron`: points beyond a brick's
+    /// own 9^3 that are read with it, 1 for gradients or 0.
     StoredSamples(const index::IndexReader& reader, std::uint64_t cacheBytes, int apron = 1);
 
     std::uint64_t orderOf(BrickIndex brick) const override;

@@ -111,8 +111,8 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     }
     findFarResiduals(records, columns);
     const bool mirrorsKeys = columns.keyBitsSaved > 0;
-    const auto flags = static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) | (hasForms ? kForms : 0) |
-                                                 kWithoutNormals);
+    const auto flags =
+        static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) | (hasForms ? kForms : 0) | kWithoutNormals);
 
     constexpr int kKeyBytes = sizeof(Key);
     const int idBytes = bytesFor(idCount);
@@ -237,8 +237,7 @@ template <class Key>
 void restoreFarKeys(DecodedPage<Key>& page, bool areMirrored) {
     auto& far = page.farKeys;
     forEachEntry(
-        page,
-        [&](std::size_t i, std::size_t at) { far[at] = static_cast<Key>(unzigzag(far[at]) + page.keys[i]); },
+        page, [&](std::size_t i, std::size_t at) { far[at] = static_cast<Key>(unzigzag(far[at]) + page.keys[i]); },
         [&](std::size_t i, std::size_t at) {
             const Key key = page.keys[i], upper = static_cast<Key>(unzigzag(far[at + 1]) + key);
             far[at] = static_cast<Key>(unzigzag(far[at]) + (areMirrored ? mirrored(key, upper) : key));

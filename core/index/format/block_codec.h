@@ -14,10 +14,10 @@ namespace isoslider::index {
 /// Point records of one page, decoded, as columns. `far*` hold the edges of all points one after the
 /// other, each point's in the order of its mask bits.
 ///
-/// Invariants: 1. keys, ids, masks have one length; 2. the far keys have as many entries as the masks have bits; normals
-/// and far normals, which only pages of earlier versions have, are as many; 3. every id lies in the grid and every edge's far end too; 4. in value
-/// order keys never decrease; 5. records of other forms have the entries of their form, aligned leaf edges and cells
-/// inside the grid, and leaf edges whose ends enclose the interval.
+/// Invariants: 1. keys, ids, masks have one length; 2. the far keys have as many entries as the masks have bits;
+/// normals and far normals, which only pages of earlier versions have, are as many; 3. every id lies in the grid and
+/// every edge's far end too; 4. in value order keys never decrease; 5. records of other forms have the entries of their
+/// form, aligned leaf edges and cells inside the grid, and leaf edges whose ends enclose the interval.
 template <class Key>
 struct DecodedPage {
     std::vector<Key> keys;

@@ -178,8 +178,7 @@ bool getChunkGroups(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
     const std::uint64_t count = in.get<std::uint64_t>();
     const ChunkGrid grid(meta.info.geometry.dims);
     const bool hasChunks = hasSampleChunks(meta.info) || hasNormalChunks(meta.info);
-    if (in.hasFailed() || count > in.remaining() / kChunkGroupBytes ||
-        count != (hasChunks ? chunkGroupCount(grid) : 0))
+    if (in.hasFailed() || count > in.remaining() / kChunkGroupBytes || count != (hasChunks ? chunkGroupCount(grid) : 0))
         return false;
     meta.chunkGroups.resize(count);
     for (std::uint64_t i = 0; i < count; ++i) {

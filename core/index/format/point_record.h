@@ -31,8 +31,8 @@ constexpr std::uint8_t maskOf(std::uint8_t form) {
 } // namespace record_form
 
 /// What a block stores for one grid point p_j: its scalar, and for each of its edges in the block the far end's scalar
-/// (PAPER 2: E+, E-, S+, S-). An edge belongs to E+ when the far scalar is greater (active just above p_j), to E- when it
-/// is smaller. Edges between equal scalars are never active and appear nowhere. Key: see scalar_key.h.
+/// (PAPER 2: E+, E-, S+, S-). An edge belongs to E+ when the far scalar is greater (active just above p_j), to E- when
+/// it is smaller. Edges between equal scalars are never active and appear nowhere. Key: see scalar_key.h.
 ///
 /// DEVIATION from the paper, 2: there, records hold normals too, those of far ends with them. A point has up to six far
 /// ends and stands at several levels, so half of an index were normals; they are stored once for each point, by place.

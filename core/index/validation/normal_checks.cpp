@@ -10,7 +10,8 @@ namespace isoslider::index {
 namespace {
 
 template <class Sample>
-Status compareNormalsAs(const IndexReader& reader, const ComparedVolume& volume, FaultList& faults, const JobControl& job) {
+Status compareNormalsAs(const IndexReader& reader, const ComparedVolume& volume, FaultList& faults,
+                        const JobControl& job) {
     const SampleStore store(reader);
     const GridDims& dims = reader.info().geometry.dims;
     const glm::vec3 inverseSpacing = inverseSpacingOf(reader.info().geometry);
@@ -46,9 +47,8 @@ Status compareNormalsAs(const IndexReader& reader, const ComparedVolume& volume,
                     for (int y = 0; y < extent[1] && isEqual; ++y) {
                         findNormals(view, {kChunkSide * at[0], kChunkSide * at[1] + y, z0 + z - begin},
                                     {extent[0], 1, 1}, inverseSpacing, row.data());
-                        isEqual =
-                            std::equal(row.begin(), row.begin() + extent[0],
-                                       stored.begin() + kChunkSide * (y + kChunkSide * z));
+                        isEqual = std::equal(row.begin(), row.begin() + extent[0],
+                                             stored.begin() + kChunkSide * (y + kChunkSide * z));
                     }
                 if (isEqual)
                     return;
@@ -66,8 +66,9 @@ Status compareNormalsAs(const IndexReader& reader, const ComparedVolume& volume,
 
 Status compareNormals(const IndexReader& reader, const ComparedVolume& volume, FaultList& faults,
                       const JobControl& job) {
-    return visitScalarType(reader.info().type,
-                           [&](auto sample) { return compareNormalsAs<decltype(sample)>(reader, volume, faults, job); });
+    return visitScalarType(reader.info().type, [&](auto sample) {
+        return compareNormalsAs<decltype(sample)>(reader, volume, faults, job);
+    });
 }
 
 } // namespace isoslider::index

@@ -138,7 +138,8 @@ TEST_P(BuildFailure, AnErrorOfTheSourceIsPassedOn) {
         if (!source.hasFailed()) {
             EXPECT_THAT(built, IsOk());
             if (GetParam() == index::IndexKind::Edges) {
-                EXPECT_EQ(failing, 16) << "five layers twice and for a forecast, two slabs; where the last planes are there already";
+                EXPECT_EQ(failing, 16)
+                    << "five layers twice and for a forecast, two slabs; where the last planes are there already";
             } else {
                 EXPECT_EQ(failing, 5) << "three slabs for a forecast; 17 planes, and the rest";
             }

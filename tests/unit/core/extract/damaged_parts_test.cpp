@@ -96,7 +96,8 @@ protected:
                                       at);
                               }});
     }
-    // Chunks and the tables of their groups, needed where a brick is active that has points there; of samples, or beside.
+    // Chunks and the tables of their groups, needed where a brick is active that has points there; of samples, or
+    // beside.
     void addChunks(const index::IndexReader& reader) {
         const int apron = reader.info().kind == IndexKind::Metacells ? 1 : 0;
         const index::SampleStore store(reader);
@@ -109,7 +110,8 @@ protected:
                                   return anyActiveBrick(
                                       [&](const std::array<std::int64_t, 3>& brick) {
                                           for (std::size_t a = 0; a < 3; ++a)
-                                              if (const std::int64_t first = 8 * brick[a] - apron, last = 8 * brick[a] + 8 + apron;
+                                              if (const std::int64_t first = 8 * brick[a] - apron,
+                                                  last = 8 * brick[a] + 8 + apron;
                                                   last < 16 * coords[a] || first >= 16 * (coords[a] + 1))
                                                   return false;
                                           return true;

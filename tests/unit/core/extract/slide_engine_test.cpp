@@ -176,7 +176,8 @@ TEST_F(SlideEngineTest, ReadsFromTheFileOnlyWhatIsNotCached) {
 TEST_F(SlideEngineTest, CountsPagesOfHiddenCornersAsReadOnce) {
     const auto engine = openOn(test::noiseVolume({20, 20, 20}, 1), 3, 1); // no block is kept, every page of corners is
     ASSERT_GT(engine->info().hiddenCornerBytes, 0u);
-    const std::uint64_t normals = engine->info().chunkBytes + 8 * index::kGroupEntryBytes; // eight chunks are always kept
+    const std::uint64_t normals =
+        engine->info().chunkBytes + 8 * index::kGroupEntryBytes; // eight chunks are always kept
     for (const std::uint64_t once : {engine->info().hiddenCornerBytes + normals, std::uint64_t{0}}) {
         std::uint64_t bytesOfBlocks = 0, bytesRead = 0;
         for (int step = 0; step <= 20; ++step) {

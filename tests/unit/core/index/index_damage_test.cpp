@@ -91,8 +91,9 @@ protected:
             parts_.push_back({at.offset, at.bytes, [this, chunk] {
                                   SampleStore fresh(*reader_);
                                   std::uint64_t read = 0;
-                                  return GetParam() == IndexKind::Edges ? fresh.read<NormalCode>(chunk, normals_, read)
-                                                                        : fresh.read<std::uint8_t>(chunk, samples_, read);
+                                  return GetParam() == IndexKind::Edges
+                                             ? fresh.read<NormalCode>(chunk, normals_, read)
+                                             : fresh.read<std::uint8_t>(chunk, samples_, read);
                               }});
         }
     }

@@ -48,9 +48,9 @@ TEST(Preamble, RefusesEveryFlippedBit) {
         auto damaged = bytes;
         damaged[bit / 8] ^= std::byte(1 << (bit % 8));
         const bool isKnownVersion = bit / 8 == 12 && damaged[12] == std::byte{kFormatMajor - 1};
-        const ErrorCode expected = bit < 8 * 12                       ? ErrorCode::InvalidArgument
+        const ErrorCode expected = bit < 8 * 12                      ? ErrorCode::InvalidArgument
                                    : bit < 8 * 14 && !isKnownVersion ? ErrorCode::UnsupportedVersion
-                                                                      : ErrorCode::Corruption;
+                                                                     : ErrorCode::Corruption;
         ASSERT_THAT(decodePreamble(damaged, 800, "p"), HasError(expected)) << "bit " << bit;
     }
 }
