@@ -22,8 +22,8 @@ Status decodeStated(const IndexReader& reader, std::span<const std::byte> bytes,
     const auto corrupt = [&](const char* problem) {
         return makeError(ErrorCode::Corruption, std::string("index page ") + problem, reader.pathString());
     };
-    if (needsPagesWithNormals(reader.info()) && !page.hasNormals())
-        return corrupt("has no normals");
+    if (!isPageOfVersion(reader.info(), page.hasNormals()))
+        return corrupt("is one of another format version");
     if (!page.forms.empty() && !(reader.info().mergeError > 0.0))
         return corrupt("is damaged: merged cells where there are none");
     if (page.pointCount() != points || page.edgeCount() != edges)

@@ -1,17 +1,23 @@
 // core/index/format/FORMAT.md against the code: its worked example, and every page of real indices.
 
+#include <algorithm>
 #include <bit>
+#include <fstream>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
+#include "core/extract/slide_engine.h"
 #include "core/grid/scalar_key.h"
 #include "core/index/format/block_codec.h"
 #include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
 #include "core/index/sample_store.h"
+#include "core/index/validation/index_validation.h"
 #include "tests/format/document_decoder.h"
 #include "tests/property/random_volumes.h"
+#include "tests/support/forged_index.h"
+#include "tests/support/index_chunks.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_paths.h"
@@ -216,6 +222,43 @@ TEST(FormatDocument, ExampleIsWhatABuildWrites) {
     ASSERT_THAT(reader.value()->readPage(levels[0].pages[0], bytes), IsOk());
     EXPECT_EQ(bytes, bytesOfWorkedExample());
     EXPECT_EQ(levels.size(), 1u) << "a single block over all values would hold nothing";
+}
+
+// A page with normals in an index of this version, and one without in an index whose edges need them.
+TEST(FormatDocument, PagesOfAnotherVersionAreRefused) {
+    const test::TemporaryFolder folder;
+    ASSERT_THAT(test::buildIndexOf(exampleVolume(), folder / "good.isx"), IsOk());
+    const IndexMeta good = IndexReader::open(folder / "good.isx").value()->meta();
+
+    auto writer = IndexWriter::create(folder / "earlier_page.isx", 1);
+    ASSERT_THAT(writer, IsOk());
+    ASSERT_THAT(test::addBlankNormals({2, 2, 2}, *writer.value()), IsOk());
+    ASSERT_THAT(writer.value()->addPage(kLevel0, good.levels[0].pages[0], bytesOfWorkedExample(kEarlierPageExample)),
+                IsOk());
+    ASSERT_THAT(writer.value()->finish(good), IsOk());
+
+    IndexMeta earlier = good;
+    earlier.chunkGroups.clear();
+    earlier.info.chunkBytes = 0;
+    std::ofstream(folder / "earlier_index.isx", std::ios::binary)
+        << test::forgedIndex(test::readText(folder / "good.isx"), earlier, 4);
+
+    ValidationOptions full;
+    full.isFull = true;
+    for (const char* name : {"earlier_page.isx", "earlier_index.isx"}) {
+        SCOPED_TRACE(name);
+        const auto engine = extract::SlideEngine::open(folder / name);
+        ASSERT_THAT(engine, IsOk());
+        const auto moved = engine.value()->slideTo(5.0);
+        ASSERT_THAT(moved, test::HasError(ErrorCode::Corruption));
+        EXPECT_NE(moved.error().message.find("another format version"), std::string::npos) << moved.error().line();
+        const auto report = validateIndex(folder / name, full);
+        ASSERT_THAT(report, IsOk());
+        EXPECT_TRUE(
+            std::any_of(report.value().faults.begin(), report.value().faults.end(), [](const IndexFault& fault) {
+                return fault.problem.find("another format version") != std::string::npos;
+            }));
+    }
 }
 
 TEST(FormatDocument, ExampleOfHiddenCornersSaysWhatItsTextSays) {

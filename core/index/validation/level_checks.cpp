@@ -165,8 +165,8 @@ private:
         const auto [least, greatest] = std::minmax_element(page.keys.begin(), page.keys.end());
         if (*least != entry.firstKey || *greatest != entry.lastKey)
             refuse("has other keys than the directory states");
-        if (needsPagesWithNormals(meta_.info) && !page.hasNormals())
-            refuse("has no normals");
+        if (!isPageOfVersion(meta_.info, page.hasNormals()))
+            refuse("is one of another format version");
         if (!page.forms.empty() && !(meta_.info.mergeError > 0.0))
             refuse("has merged cells where there are none");
         if (bytes[kPageOrderByte] != std::byte{level == 0 ? std::uint8_t{0} : std::uint8_t{1}})
