@@ -110,8 +110,8 @@ inline bool hasNormalChunks(const IndexInfo& info) {
 inline bool needsPagesWithNormals(const IndexInfo& info) {
     return info.kind == IndexKind::Edges && info.formatMajor < kFirstMajorWithNormalChunks;
 }
-/// Whether a page belongs to the index, by whether it has normals. Those of earlier versions may lack them where they mean
-/// nothing: levels of metacells are built later, too.
+/// Whether a page belongs to the index, by whether it has normals. Those of earlier versions may lack them where they
+/// mean nothing: levels of metacells are built later, too.
 inline bool isPageOfVersion(const IndexInfo& info, bool hasNormals) {
     return hasNormals ? info.formatMajor < kFirstMajorWithNormalChunks : !needsPagesWithNormals(info);
 }
