@@ -33,7 +33,12 @@ std::optional<SuggestedIsovalue> bestOfTopology(const Dataset& dataset) {
     const auto found = topology::suggestIsovalues(*topology.value());
     if (!found.isOk() || found.value().empty())
         return std::nullopt;
-    const auto suggested = suggestedIsovalues(found.value(), std::nullopt, dataset.suggestedRange());
+    // The values are those of some samples yet, which may lack a rare one that all samples have.
+    SuggestedRange range = dataset.suggestedRange();
+    const auto counted = distributionOf(dataset.histogram, dataset.type).body;
+    range.min = std::min(range.min, counted.min);
+    range.max = std::max(range.max, counted.max);
+    const auto suggested = suggestedIsovalues(found.value(), std::nullopt, range);
     return suggested.empty() ? std::nullopt : std::optional(suggested.front());
 }
 
