@@ -14,8 +14,8 @@
 #include "core/extract/vertex_fans.h"
 #include "core/grid/classification.h"
 #include "core/grid/edge_cells.h"
-#include "core/grid/gradient.h"
 #include "core/grid/normal_codec.h"
+#include "core/grid/point_normals.h"
 
 namespace isoslider::extract {
 namespace {
@@ -35,12 +35,13 @@ class Extractor {
 
 public:
     Extractor(const ScalarGrid& grid, double isovalue, const JobControl& job)
-        : view_{grid.values<Sample>().data(), grid.dims()}, isovalue_(isovalue), job_(job) {
+        : view_{grid.values<Sample>().data(), grid.dims()},
+          isovalue_(isovalue),
+          job_(job),
+          inverseSpacing_(inverseSpacingOf(grid.geometry())) {
         nx_ = view_.dims[0];
         ny_ = view_.dims[1];
         nz_ = view_.dims[2];
-        for (int axis = 0; axis < 3; ++axis)
-            inverseSpacing_[axis] = static_cast<float>(1.0 / std::abs(grid.geometry().spacing[axis]));
     }
 
     Status run(SurfaceMesh& mesh) {

@@ -228,13 +228,10 @@ private:
             }
     }
     double chunkBytes() const {
-        constexpr std::uint64_t kGroupDirectoryBytes = 24;
-        const index::ChunkGrid chunks(geometry_.dims);
         const double ratio = static_cast<double>(pointCount(geometry_.dims)) /
                              static_cast<double>(std::max<std::uint64_t>(1, normalPoints_));
         return ratio * static_cast<double>(normalBytes_) +
-               static_cast<double>(chunks.chunkCount() * index::kGroupEntryBytes +
-                                   index::chunkGroupCount(chunks) * kGroupDirectoryBytes);
+               static_cast<double>(index::chunkTableBytes(index::ChunkGrid(geometry_.dims)));
     }
 
     static std::array<std::int64_t, 3> inVolume(const Tile& tile, const std::array<std::int64_t, 3>& brick) {

@@ -19,7 +19,6 @@ namespace {
 constexpr std::uint64_t kMostSlabs = 16;
 constexpr std::uint64_t kLeastChunks = 256, kMostChunks = 2048; ///< one in kChunkShare between those
 constexpr std::uint64_t kChunkShare = 32;
-constexpr std::uint64_t kGroupDirectoryBytes = 24;
 
 template <class Sample>
 class ChunkSampler {
@@ -55,9 +54,7 @@ public:
     /// Of all chunks, as many as one that was looked at stands for.
     double ratio() const { return static_cast<double>(chunks_.chunkCount()) / static_cast<double>(seen_.size()); }
     double chunkBytes() const {
-        return ratio() * static_cast<double>(bytes_) +
-               static_cast<double>(chunks_.chunkCount() * index::kGroupEntryBytes +
-                                   index::chunkGroupCount(chunks_) * kGroupDirectoryBytes);
+        return ratio() * static_cast<double>(bytes_) + static_cast<double>(index::chunkTableBytes(chunks_));
     }
     std::vector<index::MissingCells> takeMissingCells() {
         std::sort(missingCells_.begin(), missingCells_.end(),

@@ -24,14 +24,17 @@ inline Status copyChunks(const index::IndexReader& from, index::IndexWriter& to)
     return to.endChunks();
 }
 
-/// Chunks of an index of edges whose points have no normals.
+/// A chunk of an index of edges whose points have no normals.
+inline std::vector<std::byte> blankNormals(const index::ChunkExtent& extent) {
+    const std::vector<NormalCode> none(static_cast<std::size_t>(extent[0] * extent[1] * extent[2]), kNoNormal);
+    return index::encodeChunk<NormalCode>(none, extent);
+}
+
+/// All chunks of such an index.
 inline Status addBlankNormals(const GridDims& dims, index::IndexWriter& writer) {
     const index::ChunkGrid chunks(dims);
-    for (const index::ChunkIndex chunk : firstIds<index::ChunkIndex>(chunks.chunkCount())) {
-        const index::ChunkExtent extent = chunks.extent(chunk);
-        const std::vector<NormalCode> none(static_cast<std::size_t>(extent[0] * extent[1] * extent[2]), kNoNormal);
-        ISO_TRY(writer.addChunk(index::encodeChunk<NormalCode>(none, extent)));
-    }
+    for (const index::ChunkIndex chunk : firstIds<index::ChunkIndex>(chunks.chunkCount()))
+        ISO_TRY(writer.addChunk(blankNormals(chunks.extent(chunk))));
     return writer.endChunks();
 }
 

@@ -15,6 +15,7 @@
 #include "core/extract/merged/merged_polygon.h"
 #include "core/extract/vertex_fans.h"
 #include "core/grid/classification.h"
+#include "core/grid/point_normals.h"
 
 namespace isoslider::extract {
 namespace {
@@ -34,10 +35,10 @@ class MergedExtractor {
 
 public:
     MergedExtractor(const ScalarGrid& grid, double isovalue, const JobControl& job)
-        : view_{grid.values<Sample>().data(), grid.dims()}, isovalue_(isovalue), job_(job) {
-        for (int axis = 0; axis < 3; ++axis)
-            inverseSpacing_[axis] = static_cast<float>(1.0 / std::abs(grid.geometry().spacing[axis]));
-    }
+        : view_{grid.values<Sample>().data(), grid.dims()},
+          isovalue_(isovalue),
+          job_(job),
+          inverseSpacing_(inverseSpacingOf(grid.geometry())) {}
 
     Status run(const MergeBound& bound, int maxLevel, SurfaceMesh& mesh) {
         if (std::any_of(view_.dims.begin(), view_.dims.end(), [](std::int64_t n) { return n < 2; }))

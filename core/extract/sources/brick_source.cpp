@@ -19,6 +19,7 @@
 #include "core/extract/live/stream_copy.h"
 #include "core/extract/sources/brick_scratch.h"
 #include "core/grid/classification.h"
+#include "core/grid/point_normals.h"
 
 namespace isoslider::extract {
 template <class Sample>
@@ -26,12 +27,11 @@ BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<
                                  std::uint64_t cacheBytes)
     : WalkedSource<Sample>(bricks, cacheBytes),
       samples_(samples),
+      inverseSpacing_(inverseSpacingOf(bricks.info().geometry)),
       slotOf_(bricks.grid().brickCount()),
       leavesOf_(bricks.grid().brickCount()),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     slotOf_.grow(bricks.grid().brickCount());
-    for (int a = 0; a < 3; ++a) // rounded as where edge blocks are made
-        inverseSpacing_[a] = static_cast<float>(1.0 / std::abs(bricks.info().geometry.spacing[a]));
 }
 
 template <class Sample>

@@ -9,6 +9,10 @@ namespace isoslider::index {
 
 std::uint64_t chunkGroupCount(const ChunkGrid& grid) { return (grid.chunkCount() + kGroupChunks - 1) / kGroupChunks; }
 
+std::uint64_t chunkTableBytes(const ChunkGrid& grid) {
+    return grid.chunkCount() * kGroupEntryBytes + chunkGroupCount(grid) * kGroupDirectoryBytes;
+}
+
 std::uint64_t chunksInGroup(const ChunkGrid& grid, std::uint64_t group) {
     return std::min<std::uint64_t>(kGroupChunks, grid.chunkCount() - group * kGroupChunks);
 }

@@ -14,6 +14,8 @@ namespace isoslider::index {
 inline constexpr std::size_t kGroupChunks = 256;
 /// Of a chunk in the table: its bytes, their checksum.
 inline constexpr std::size_t kGroupEntryBytes = 2 + 8;
+/// Of a group in the directory: where it lies, the bytes of its chunks, the checksum of its table.
+inline constexpr std::size_t kGroupDirectoryBytes = 3 * 8;
 
 /// Where a chunk lies.
 struct ChunkPlace {
@@ -23,6 +25,8 @@ struct ChunkPlace {
 };
 
 std::uint64_t chunkGroupCount(const ChunkGrid& grid);
+/// Bytes of the tables of all groups, and of the groups in the directory.
+std::uint64_t chunkTableBytes(const ChunkGrid& grid);
 /// Chunks of a group: kGroupChunks but in the last.
 std::uint64_t chunksInGroup(const ChunkGrid& grid, std::uint64_t group);
 

@@ -90,7 +90,6 @@ void putLevel(ByteWriter& out, const SkipLevelInfo& info, const LevelDirectory& 
 constexpr std::size_t kPageEntryBytes = 44;
 constexpr std::size_t kBlockEntryBytes = 32;
 constexpr std::size_t kHiddenPageEntryBytes = 32;
-constexpr std::size_t kChunkGroupBytes = 24;
 
 // Reports what is wrong, or nothing.
 const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDirectory& level,
@@ -178,7 +177,8 @@ bool getChunkGroups(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
     const std::uint64_t count = in.get<std::uint64_t>();
     const ChunkGrid grid(meta.info.geometry.dims);
     const bool hasChunks = hasSampleChunks(meta.info) || hasNormalChunks(meta.info);
-    if (in.hasFailed() || count > in.remaining() / kChunkGroupBytes || count != (hasChunks ? chunkGroupCount(grid) : 0))
+    if (in.hasFailed() || count > in.remaining() / kGroupDirectoryBytes ||
+        count != (hasChunks ? chunkGroupCount(grid) : 0))
         return false;
     meta.chunkGroups.resize(count);
     for (std::uint64_t i = 0; i < count; ++i) {

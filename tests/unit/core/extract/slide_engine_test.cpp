@@ -23,6 +23,7 @@
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/forged_index.h"
+#include "tests/support/index_chunks.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_paths.h"
@@ -449,9 +450,7 @@ index::ChunkGroupEntry blankGroup(const index::ChunkGrid& chunks, index::ChunkIn
     std::vector<std::byte> table;
     const std::uint64_t number = of.number() / index::kGroupChunks;
     for (std::uint64_t i = 0; i < index::chunksInGroup(chunks, number); ++i) {
-        const index::ChunkExtent extent = chunks.extent(index::ChunkIndex(number * index::kGroupChunks + i));
-        const std::vector<NormalCode> none(static_cast<std::size_t>(extent[0] * extent[1] * extent[2]), kNoNormal);
-        const auto bytes = index::encodeChunk<NormalCode>(none, extent);
+        const auto bytes = test::blankNormals(chunks.extent(index::ChunkIndex(number * index::kGroupChunks + i)));
         const std::uint64_t at = offset + group.chunkBytes;
         index::putChunkPlace(table, {at, static_cast<std::uint16_t>(bytes.size()), index::pageChecksum(bytes, 1, at)});
         EXPECT_THAT(writer.addChunk(bytes), IsOk());

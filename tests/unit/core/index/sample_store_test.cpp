@@ -14,6 +14,7 @@
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/forged_index.h"
+#include "tests/support/index_chunks.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -142,13 +143,7 @@ TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreNotBelieved) {
     for (const int mask : {0b10, 0, 0b1010}) {
         auto writer = IndexWriter::create(folder / "forged.isx", 7);
         ASSERT_THAT(writer, IsOk());
-        const SampleStore store(*good.value());
-        std::uint64_t bytesRead = 0;
-        std::vector<std::byte> samples;
-        const ChunkPlace place = store.find(ChunkIndex(), bytesRead).value();
-        ASSERT_THAT(good.value()->readPart(place.offset, place.bytes, place.checksum, samples), IsOk());
-        ASSERT_THAT(writer.value()->addChunk(samples), IsOk());
-        ASSERT_THAT(writer.value()->endChunks(), IsOk());
+        ASSERT_THAT(test::copyChunks(*good.value(), *writer.value()), IsOk());
         std::vector<PointRecord<std::uint16_t>> records;
         for (const std::uint16_t key : {std::uint16_t{100}, std::uint16_t{900}}) {
             PointRecord<std::uint16_t> record;
