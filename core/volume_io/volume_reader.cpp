@@ -63,13 +63,16 @@ Result<std::shared_ptr<const ScalarGrid>> unchanged(const VolumeSource& source,
     return grid;
 }
 
-Result<std::unique_ptr<VolumeSource>> openAs(const Format& format, const fs::path& path, const ReadOptions& options,
-                                             bool isIsolated, const JobControl& job) {
-    return isIsolated ? openInReaderProcess(path, options, job) : format.open(path, options);
+Result<std::unique_ptr<VolumeSource>> open(const fs::path& path, const ReadOptions& options, const JobControl& job) {
+    const OpenAs openAs = [&](const Format& format) {
+        return format.open != nullptr ? format.open(path, options) : openInReaderProcess(path, options, job);
+    };
+    return openBy(openAs, path, options);
 }
 
-Result<std::unique_ptr<VolumeSource>> open(const fs::path& path, const ReadOptions& options, bool mayIsolate,
-                                           const JobControl& job) {
+} // namespace
+
+Result<std::unique_ptr<VolumeSource>> openBy(const OpenAs& openAs, const fs::path& path, const ReadOptions& options) {
     using Opened = Result<std::unique_ptr<VolumeSource>>;
     return guarded(errorsOfOpening(path), [&]() -> Opened {
         ISO_TRY(checkInput(path, options.raw.has_value()));
@@ -78,32 +81,27 @@ Result<std::unique_ptr<VolumeSource>> open(const fs::path& path, const ReadOptio
         const auto format = findFormat(path);
         if (!format.isOk())
             return format.error();
-        return openAs(*format.value(), path, options, mayIsolate && format.value()->isIsolated, job);
+        return openAs(*format.value());
     });
 }
 
-Result<VolumeContents> list(const fs::path& path, const ReadOptions& options, bool mayIsolate, const JobControl& job) {
+Result<VolumeContents> listBy(const ListAs& listAs, const fs::path& path, const ReadOptions& options) {
     return guarded(errorsOfOpening(path), [&]() -> Result<VolumeContents> {
         ISO_TRY(checkInput(path, options.raw.has_value()));
         if (options.raw)
             return listByOpening(openRaw, path, options);
-        const auto found = findFormat(path);
-        if (!found.isOk())
-            return found.error();
-        const Format& format = *found.value();
-        if (mayIsolate && format.isIsolated)
-            return listInReaderProcess(path, options, job);
-        return format.list != nullptr ? format.list(path, options) : listByOpening(*format.open, path, options);
+        const auto format = findFormat(path);
+        if (!format.isOk())
+            return format.error();
+        return listAs(*format.value());
     });
 }
-
-} // namespace
 
 Result<std::unique_ptr<VolumeSource>> openVolume(const fs::path& path, const ReadOptions& options,
                                                  const JobControl& job) {
     FileWatch files;
     files.add(path);
-    auto source = open(path, options, true, job);
+    auto source = open(path, options, job);
     if (!source.isOk())
         return source;
     std::vector<fs::path> read = source.value()->info().dataFiles;
@@ -115,16 +113,11 @@ Result<std::unique_ptr<VolumeSource>> openVolume(const fs::path& path, const Rea
     return source;
 }
 
-Result<std::unique_ptr<VolumeSource>> openInProcess(const fs::path& path, const ReadOptions& options) {
-    return open(path, options, false, {});
-}
-
 Result<VolumeContents> listVolumes(const fs::path& path, const ReadOptions& options, const JobControl& job) {
-    return list(path, options, true, job);
-}
-
-Result<VolumeContents> listInProcess(const fs::path& path, const ReadOptions& options) {
-    return list(path, options, false, {});
+    const ListAs listAs = [&](const Format& format) {
+        return format.list != nullptr ? format.list(path, options) : listInReaderProcess(path, options, job);
+    };
+    return listBy(listAs, path, options);
 }
 
 Result<std::shared_ptr<const ScalarGrid>> readVolume(const fs::path& path, const ReadOptions& options,

@@ -206,7 +206,7 @@ check_links() {
   grep -q '^isoslider_core ' "$scratch/edges" || fail "the link graph names no isoslider_core"
   for rule in \
     'isoslider_core ^(Qt|QCustomPlot|isoslider_(preprocess|ui_|volume_|mesh))|OpenGL::' \
-    'isoslider_volume_formats ^(Qt|QCustomPlot|isoslider_(preprocess|ui_|volume_io))|^VTK::' \
+    'isoslider_volume_io ^(VTK::|gdcm|TIFF::|PkgConfig::(HDF5|NETCDF))|^isoslider_library_formats' \
     'isoslider_volume_io ^(Qt|QCustomPlot|isoslider_(preprocess|ui_))' \
     'isoslider_mesh ^(Qt|QCustomPlot|isoslider_(preprocess|ui_))' \
     'isoslider_preprocess ^(Qt|QCustomPlot|isoslider_ui_)' \

@@ -62,18 +62,18 @@ bool isNetcdf(const fs::path&, std::span<const std::byte> start) {
 bool isHdf5(const fs::path&, std::span<const std::byte> start) { return beginsWith(start, "\x89HDF\r\n\x1a\n"); }
 
 const Format kFormats[] = {
-    {"MetaImage", kMetaImage, openMetaImage, listMetaImage, isMetaImage, false},
-    {"NRRD", kNrrd, openNrrd, listNrrd, isNrrd, false},
-    {"NIfTI", kNifti, openNifti, listNifti, isNifti, false},
-    {"VTK XML", kVtkXml, openVtkXml, listVtkXml, isVtkXml, false, true},
-    {"VTK", kVtkLegacy, openVtkLegacy, listVtkLegacy, isVtkLegacy, false, true},
-    {"PLOT3D", kPlot3d, openPlot3d, listPlot3d, nullptr, false, true},
-    {"MRC", kMrc, openMrc, listMrc, isMrc, false},
-    {"Gaussian cube", kCube, openCube, listCube, nullptr, false},
-    {"DICOM", kDicom, openDicom, listDicom, isDicom, true, true},
-    {"TIFF", kTiff, openTiff, listTiff, isTiff, true, true},
-    {"NetCDF", kNetcdf, openNetcdf, listNetcdf, isNetcdf, false, true},
-    {"HDF5", kHdf5, openHdf5, listHdf5, isHdf5, false, true},
+    {"MetaImage", kMetaImage, openMetaImage, listMetaImage, isMetaImage},
+    {"NRRD", kNrrd, openNrrd, listNrrd, isNrrd},
+    {"NIfTI", kNifti, openNifti, listNifti, isNifti},
+    {"VTK XML", kVtkXml, nullptr, nullptr, isVtkXml},
+    {"VTK", kVtkLegacy, nullptr, nullptr, isVtkLegacy},
+    {"PLOT3D", kPlot3d},
+    {"MRC", kMrc, openMrc, listMrc, isMrc},
+    {"Gaussian cube", kCube, openCube, listCube},
+    {"DICOM", kDicom, nullptr, nullptr, isDicom, true},
+    {"TIFF", kTiff, nullptr, nullptr, isTiff, true},
+    {"NetCDF", kNetcdf, nullptr, nullptr, isNetcdf},
+    {"HDF5", kHdf5, nullptr, nullptr, isHdf5},
 };
 
 } // namespace

@@ -9,8 +9,8 @@
 #include "core/base/guarded.h"
 #include "core/base/machine.h"
 #include "core/base/sanitizers.h"
-#include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/parsing/reading_memory.h"
+#include "core/volume_io/reader_process/library_formats.h"
 #include "core/volume_io/reader_process/message_channel.h"
 #include "core/volume_io/reader_process/messages.h"
 

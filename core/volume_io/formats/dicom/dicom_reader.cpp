@@ -8,6 +8,7 @@
 
 #include "core/base/folders.h"
 #include "core/volume_io/formats/data_files.h"
+#include "core/volume_io/formats/dicom/dicom_folder.h"
 #include "core/volume_io/formats/dicom/dicom_pixels.h"
 #include "core/volume_io/formats/dicom/dicom_stack.h"
 #include "core/volume_io/formats/format_readers.h"
@@ -19,8 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxFiles = 65536;
-constexpr std::size_t kMaxLookedAt = 256; ///< other files in a folder before it is none of DICOM
-constexpr int kMaxFolderDepth = 8;
 
 /// What a file or folder holds.
 struct Collection {
@@ -29,17 +28,8 @@ struct Collection {
     std::vector<std::string> notes;
 };
 
-bool beginsAsDicom(const fs::path& path) {
-    const auto file = defaultFileSystem().openForReading(path);
-    if (!file.isOk())
-        return false;
-    std::array<std::byte, 512> buffer;
-    const auto count = file.value()->readAt(0, buffer);
-    return count.isOk() && looksLikeDicom(std::span(buffer).first(count.value()));
-}
-
 Result<Collection> collectFolder(const fs::path& folder, std::uint64_t memoryBytes) {
-    auto listed = listFiles(folder, {kMaxFolderDepth, kMaxFiles + 1});
+    auto listed = listFiles(folder, {kMaxDicomDepth, kMaxFiles + 1});
     if (!listed.isOk())
         return std::move(listed).error();
     const std::vector<fs::path>& files = listed.value();
@@ -299,13 +289,6 @@ std::vector<fs::path> slicesOf(const std::vector<DicomImage>& images, const Dico
 }
 
 } // namespace
-
-bool isDicom(const fs::path& path, std::span<const std::byte> start) {
-    if (!isFolder(path))
-        return looksLikeDicom(start);
-    const auto files = listFiles(path, {kMaxFolderDepth, kMaxLookedAt});
-    return files.isOk() && std::ranges::any_of(files.value(), beginsAsDicom);
-}
 
 Result<VolumeContents> listDicom(const fs::path& path, const ReadOptions& options) {
     const auto found = collect(path, options.memoryBytes);

@@ -12,6 +12,7 @@
 #include "core/volume_io/formats/data_files.h"
 #include "core/volume_io/formats/format_readers.h"
 #include "core/volume_io/formats/tiff/tiff_file.h"
+#include "core/volume_io/formats/tiff/tiff_folder.h"
 #include "core/volume_io/parsing/header_checks.h"
 #include "core/volume_io/sources/sample_source.h"
 #include "core/volume_io/volume_choice.h"
@@ -19,8 +20,6 @@
 namespace isoslider::io {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr std::size_t kMaxFiles = 65536;
 
 /// How the pages of a file make volumes: page = channel * strides[0] + z * strides[1] + frame * strides[2].
 struct PageOrder {
@@ -42,77 +41,13 @@ struct Stack {
     int components() const { return page.components * static_cast<int>(order.channels); }
 };
 
-// --- names of the folder
-// ------------------------------------------------------------------------------------
-
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
-
-/// "slice9" before "slice10"; numbers by their size, all else by its bytes.
-bool isBefore(const std::string& a, const std::string& b) {
-    std::size_t i = 0, j = 0;
-    while (i < a.size() && j < b.size()) {
-        if (!isDigit(a[i]) || !isDigit(b[j])) {
-            if (a[i] != b[j])
-                return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
-            ++i;
-            ++j;
-            continue;
-        }
-        const auto number = [](const std::string& text, std::size_t& at) {
-            while (at < text.size() && text[at] == '0')
-                ++at;
-            const std::size_t begin = at;
-            while (at < text.size() && isDigit(text[at]))
-                ++at;
-            return std::string_view(text).substr(begin, at - begin);
-        };
-        const std::string_view n = number(a, i), m = number(b, j);
-        if (n.size() != m.size())
-            return n.size() < m.size();
-        if (n != m)
-            return n < m;
-    }
-    return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
-}
-
-bool hasTiffName(const fs::path& path) {
-    const std::string name = lowerCase(path.filename().string());
-    return name.ends_with(".tif") || name.ends_with(".tiff");
-}
-
-Result<std::vector<fs::path>> filesOf(const fs::path& folder) {
-    auto listed = listFiles(folder);
-    if (!listed.isOk())
-        return std::move(listed).error();
-    std::vector<fs::path> files = std::move(listed).value();
-    std::erase_if(files, [](const fs::path& file) { return !hasTiffName(file); });
-    if (files.size() > kMaxFiles)
-        return makeError(ErrorCode::InvalidArgument, "holds more than " + std::to_string(kMaxFiles) + " files", folder);
-    std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-        return isBefore(a.filename().string(), b.filename().string());
-    });
-    return files;
-}
-
-/// The last number in a name, of 15 digits at most; -1 without one.
-std::int64_t numberOf(const fs::path& path) {
-    const std::string name = path.stem().string();
-    std::size_t end = name.size();
-    while (end > 0 && !isDigit(name[end - 1]))
-        --end;
-    std::size_t begin = end;
-    while (begin > 0 && isDigit(name[begin - 1]))
-        --begin;
-    return end - begin > 15 ? -1 : parseInteger(std::string_view(name).substr(begin, end - begin)).value_or(-1);
-}
-
 void noteOrder(Stack& stack) {
     const auto name = [](const fs::path& path) { return inQuotes(path.filename().string()); };
     const auto& files = stack.files;
     stack.info.notes.push_back(std::to_string(files.size()) + " slices in the natural order of their names, from " +
                                name(files.front()) + " to " + name(files.back()));
     for (std::size_t i = 0; i + 1 < files.size(); ++i) {
-        const std::int64_t number = numberOf(files[i]), next = numberOf(files[i + 1]);
+        const std::int64_t number = numberInName(files[i]), next = numberInName(files[i + 1]);
         if (number >= 0 && next > number + 1) {
             stack.info.notes.push_back("the numbers of the slices have a gap between " + name(files[i]) + " and " +
                                        name(files[i + 1]) + "; if a slice is missing there, the volume is too short");
@@ -275,7 +210,7 @@ Result<Stack> collectFile(const fs::path& path) {
 }
 
 Result<Stack> collectFolder(const fs::path& folder) {
-    auto files = filesOf(folder);
+    auto files = tiffFilesOf(folder);
     if (!files.isOk())
         return std::move(files).error();
     if (files.value().empty())
@@ -393,16 +328,6 @@ VolumeField fieldOf(const Stack& stack) {
 }
 
 } // namespace
-
-bool isTiff(const fs::path& path, std::span<const std::byte> start) {
-    if (isFolder(path)) {
-        const auto files = filesOf(path);
-        return files.isOk() && !files.value().empty();
-    }
-    constexpr std::string_view kMagics[] = {{"II*\0", 4}, {"MM\0*", 4}, {"II+\0", 4}, {"MM\0+", 4}};
-    const std::string_view text(reinterpret_cast<const char*>(start.data()), std::min<std::size_t>(4, start.size()));
-    return std::ranges::find(kMagics, text) != std::end(kMagics);
-}
 
 Result<VolumeContents> listTiff(const fs::path& path, const ReadOptions& /*options*/) {
     const auto found = collect(path);

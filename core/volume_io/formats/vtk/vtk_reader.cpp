@@ -20,7 +20,7 @@
 namespace isoslider::io {
 namespace {
 
-vtkSmartPointer<vtkXMLReader> readerOf(VtkKind kind) {
+vtkSmartPointer<vtkXMLReader> xmlReaderOf(VtkKind kind) {
     switch (kind) {
         case VtkKind::Image: return vtkSmartPointer<vtkXMLImageDataReader>::New();
         case VtkKind::Rectilinear: return vtkSmartPointer<vtkXMLRectilinearGridReader>::New();
@@ -77,7 +77,7 @@ Result<VolumeContents> listVtkXml(const std::filesystem::path& path, const ReadO
         return contents;
     ISO_TRY(check(*file.value(), header.value(), contents.preferred));
     const VtkSession session;
-    const auto reader = readerOf(header.value().kind);
+    const auto reader = xmlReaderOf(header.value().kind);
     reader->SetFileName(path.c_str());
     reader->UpdateInformation();
     reader->GetPointDataArraySelection()->DisableAllArrays();
@@ -118,7 +118,7 @@ Result<std::unique_ptr<VolumeSource>> openVtkXml(const std::filesystem::path& pa
     ISO_TRY(checkFitsMemory(2 * values * bytesPerValue(field), options.memoryBytes, path));
 
     const VtkSession session;
-    const auto reader = readerOf(header.kind);
+    const auto reader = xmlReaderOf(header.kind);
     reader->SetFileName(path.c_str());
     reader->UpdateInformation();
     const bool isNamed = !field.name.empty(); // other arrays may be huge, or damaged

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/volume_io/formats/format_readers.h"
+#include "core/volume_io/reader_process/library_formats.h"
 #include "core/volume_io/reader_process/messages.h"
 #include "core/volume_io/reader_process/reader_client.h"
 #include "tests/support/result_matchers.h"
