@@ -141,6 +141,62 @@ TEST_F(PiecesTest, SmallOnesAreHiddenByTheSlider) {
     EXPECT_EQ(count(), QStringLiteral("3 pieces"));
 }
 
+TEST_F(PiecesTest, ThoseThatLastShortlyAreHiddenByTheSlider) {
+    open();
+    showPanel();
+    auto* persistence = child<QSlider>("piecePersistence");
+    const auto* value = child<QLabel>("piecePersistenceValue");
+    const auto known = [this] { return view().options().pieces.shortLived; };
+    persistence->setFocus();
+    QTest::keyClick(persistence, Qt::Key_End); // the range of the volume: the highest cone alone lasts as long
+    EXPECT_GT(view().options().pieces.leastPersistence, 18.0);
+    ASSERT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces, 2 hidden"); })) << count().toStdString();
+    EXPECT_TRUE(table()->model()->index(0, 0).data(Qt::ToolTipRole).isNull());
+    EXPECT_EQ(table()->model()->index(1, 0).data(Qt::ToolTipRole).toString(), QStringLiteral("Hidden"));
+    EXPECT_TRUE(known()->isComplete);
+    keepPicture(*window_, "short_lived_pieces_hidden");
+
+    // Where cones meet, the lower one of a pair is 5.5 below its peak.
+    int steps = 0;
+    while (view().options().pieces.leastPersistence > 6.0 && ++steps < 400)
+        QTest::keyClick(persistence, Qt::Key_Left);
+    ASSERT_TRUE(waitUntil([&] { return known()->leastPersistence == view().options().pieces.leastPersistence; }));
+    EXPECT_EQ(count(), QStringLiteral("3 pieces, 2 hidden"));
+    EXPECT_FALSE(value->text().isEmpty());
+    // They stay hidden while the surface moves, and where it rests it is asked anew.
+    slideTo(1.25);
+    EXPECT_EQ(count(), QStringLiteral("3 pieces, 2 hidden"));
+    ASSERT_TRUE(waitUntil([&] { return known()->isovalue == 1.25; }));
+    slideTo(4.0);
+    ASSERT_TRUE(waitUntil([&] { return known()->isovalue == 4.0; }));
+    EXPECT_TRUE(waitUntil([this] { return count() == QStringLiteral("2 pieces, 1 hidden"); }));
+    slideTo(1.25);
+    EXPECT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces, 2 hidden"); }));
+
+    steps = 0;
+    while (view().options().pieces.leastPersistence > 4.0 && ++steps < 400)
+        QTest::keyClick(persistence, Qt::Key_Left);
+    EXPECT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces"); })) << count().toStdString();
+    QTest::keyClick(persistence, Qt::Key_Home);
+    EXPECT_EQ(view().options().pieces.leastPersistence, 0.0);
+    EXPECT_EQ(value->text(), QStringLiteral("show all"));
+    EXPECT_FALSE(view().options().pieces.hidesAny());
+
+    // What is found is no step of its own, and is not undone.
+    QTest::keyClick(persistence, Qt::Key_End);
+    ASSERT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces, 2 hidden"); }));
+    auto* undo = window_->actions().action("edit.undo");
+    undo->trigger();
+    EXPECT_EQ(view().options().pieces.leastPersistence, 0.0);
+    EXPECT_EQ(count(), QStringLiteral("3 pieces"));
+    window_->actions().action("edit.redo")->trigger();
+    EXPECT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces, 2 hidden"); }));
+    QTest::qWait(600);
+    EXPECT_FALSE(window_->actions().action("edit.redo")->isEnabled());
+    undo->trigger();
+    EXPECT_EQ(view().options().pieces.leastPersistence, 0.0) << "finding made a step";
+}
+
 TEST_F(PiecesTest, AreColouredByKeyAndTheListShowsTheColours) {
     open();
     QTest::keyClick(window_.get(), Qt::Key_P, Qt::ShiftModifier);

@@ -363,6 +363,83 @@ TEST(PiecePersistence, OfAnEdgeOfAMergedCellIsThatOfTheEdgeThatIsCrossed) {
     EXPECT_FALSE(persistenceOfPiece(*samples, {{0, 0, 0}, 0}, 6.5, {0.0, 8.0}).isOk());
 }
 
+// All edges that the surface crosses stand for its pieces, each many times over.
+std::vector<PieceVertex> crossedEdges(const ScalarGrid& grid, double isovalue) {
+    std::vector<PieceVertex> crossed;
+    const GridDims& dims = grid.dims();
+    for (std::int64_t z = 0; z < dims[2]; ++z)
+        for (std::int64_t y = 0; y < dims[1]; ++y)
+            for (std::int64_t x = 0; x < dims[0]; ++x)
+                for (int axis = 0; axis < 3; ++axis) {
+                    const std::int64_t end[3] = {x + (axis == 0), y + (axis == 1), z + (axis == 2)};
+                    if (end[0] < dims[0] && end[1] < dims[1] && end[2] < dims[2] &&
+                        (grid.valueAt(x, y, z) >= isovalue) != (grid.valueAt(end[0], end[1], end[2]) >= isovalue))
+                        crossed.push_back(
+                            {{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)},
+                             axis});
+                }
+    return crossed;
+}
+
+TEST(BriefPieces, AreThoseOfLessPersistence) {
+    constexpr std::size_t kCompared = 19; // every so many: walks to the ends take long
+    std::size_t brief = 0, lasting = 0;
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+        // Samples of few values, so that persistences are equal to what is asked.
+        const auto base = noise(seed);
+        const auto grid = std::make_shared<const ScalarGrid>(gridOf({9, 8, 10}, [&](double x, double y, double z) {
+            return seed == 3 ? std::round(4.0 * base(x, y, z)) / 4.0 : base(x, y, z);
+        }));
+        const auto samples = index::makeSampleBlocks(grid);
+        const PersistenceOptions options = wholeOf(*grid);
+        for (const double isovalue : {-0.4, 0.2}) {
+            std::vector<PieceVertex> pieces = crossedEdges(*grid, isovalue);
+            std::shuffle(pieces.begin(), pieces.end(), std::minstd_rand(seed)); // known regions are met in any order
+            std::vector<double> persistences;
+            for (std::size_t i = 0; i < pieces.size(); i += kCompared)
+                persistences.push_back(persistenceOfPiece(*samples, pieces[i], isovalue, options).value().persistence);
+            for (const double least : {0.0, 0.25, 0.5, 1.0, options.greatest - options.least, 9.0}) {
+                const auto found = findBriefPieces(*samples, pieces, isovalue, least, options);
+                ASSERT_THAT(found, IsOk());
+                EXPECT_TRUE(found.value().isComplete);
+                ASSERT_EQ(found.value().isBrief.size(), pieces.size());
+                for (std::size_t i = 0; i < persistences.size(); ++i) {
+                    EXPECT_EQ(found.value().isBrief[kCompared * i], persistences[i] < least)
+                        << persistences[i] << ' ' << least << ' ' << isovalue << ' ' << seed;
+                    ++(persistences[i] < least ? brief : lasting);
+                }
+            }
+        }
+    }
+    EXPECT_GT(brief, 100u);
+    EXPECT_GT(lasting, 100u);
+}
+
+TEST(BriefPieces, AreNotWalkedOnForEver) {
+    const auto grid = std::make_shared<const ScalarGrid>(gridOf({20, 20, 20}, noise(7)));
+    const auto samples = index::makeSampleBlocks(grid);
+    PersistenceOptions options = wholeOf(*grid);
+    const std::vector<PieceVertex> pieces = crossedEdges(*grid, 0.0);
+    const double least = options.greatest - options.least;
+    const auto exact = findBriefPieces(*samples, pieces, 0.0, least, options);
+    options.mostPoints = 40;
+    const auto bounded = findBriefPieces(*samples, pieces, 0.0, least, options);
+    options.mostPoints = std::uint64_t{1} << 19;
+    options.mostPointsInAll = 1000;
+    const auto boundedInAll = findBriefPieces(*samples, pieces, 0.0, least, options);
+    for (const auto* found : {&bounded, &boundedInAll}) {
+        ASSERT_THAT(*found, IsOk());
+        EXPECT_FALSE(found->value().isComplete);
+        for (std::size_t i = 0; i < pieces.size(); ++i)
+            EXPECT_TRUE(exact.value().isBrief[i] || !found->value().isBrief[i]) << "hides what lasts";
+    }
+    std::stop_source stop;
+    stop.request_stop();
+    JobControl job;
+    job.stop = stop.get_token();
+    EXPECT_THAT(findBriefPieces(*samples, pieces, 0.0, least, options, job), test::HasError(ErrorCode::Cancelled));
+}
+
 // ---- curves
 
 // Of surfaces that are closed: of others the mesh encloses nothing.

@@ -5,6 +5,7 @@
 
 #include "core/extract/surface_frame.h"
 #include "core/topology/piece_persistence.h"
+#include "ui/model/pieces/piece_tints.h"
 #include "ui/model/session/session_services.h"
 
 namespace isoslider::model {
@@ -19,8 +20,15 @@ public:
     Result<topology::PiecePersistence> find(const extract::SurfaceFrame& frame, std::size_t piece,
                                             const Dataset& dataset, const std::shared_ptr<const ScalarGrid>& grid,
                                             const SessionServices& services, const JobControl& job);
+    /// Which of the frame's pieces last less than that. Else as find().
+    Result<ShortLivedPieces> findShortLived(const extract::SurfaceFrame& frame, double leastPersistence,
+                                            const Dataset& dataset, const std::shared_ptr<const ScalarGrid>& grid,
+                                            const SessionServices& services, const JobControl& job);
 
 private:
+    Status open(const extract::SurfaceFrame& frame, const Dataset& dataset,
+                const std::shared_ptr<const ScalarGrid>& grid, const SessionServices& services, const JobControl& job);
+
     std::shared_ptr<index::SampleBlocks> samples_;
     std::shared_ptr<const ScalarGrid> grid_; ///< they are of it, or else of the index there
     std::filesystem::path index_;

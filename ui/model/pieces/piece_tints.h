@@ -3,7 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -29,15 +31,31 @@ struct PiecePlaces {
     bool operator==(const PiecePlaces&) const = default;
 };
 
+/// Which pieces of a picture last less than asked, as the samples say.
+struct ShortLivedPieces {
+    double isovalue = 0.0; ///< of the picture
+    double leastPersistence = 0.0; ///< that was asked for
+    std::vector<extract::PieceId> ids; ///< ascending
+    bool isComplete = true; ///< false: some pieces are so large that it was not found out; they are not among these
+    std::string error; ///< why nothing was found; else empty
+};
+
 /// Which pieces of one surface are not shown. Pieces are named by the number they keep while the surface slides.
 struct HiddenPieces {
     double leastSize = 0.0; ///< smaller ones are hidden, see sizeOf(); 0: none is
+    double leastPersistence = 0.0; ///< those that last less are hidden, in scalars; 0: none is
     std::uint32_t largest = 0; ///< so many are shown at most, those of most triangles; 0: all
     std::vector<extract::PieceId> hidden; ///< these, too
     std::optional<extract::PieceId> only; ///< all but this are hidden, as long as it is there
     PiecePlaces awaited; ///< of a session: hidden or shown alone as soon as pieces are known
+    /// Found for `leastPersistence`, of the latest picture that rested; those that have come since are shown. Null: not
+    /// yet.
+    std::shared_ptr<const ShortLivedPieces> shortLived;
 
-    bool hidesAny() const { return leastSize > 0.0 || largest > 0 || !hidden.empty() || only || !awaited.isEmpty(); }
+    bool hidesAny() const {
+        return leastSize > 0.0 || leastPersistence > 0.0 || largest > 0 || !hidden.empty() || only ||
+               !awaited.isEmpty();
+    }
     bool operator==(const HiddenPieces&) const = default;
 };
 

@@ -47,10 +47,18 @@ PiecePlaces placesFrom(Members& members) {
     return places;
 }
 
+void takeLeast(Members& members, const char* name, double& least) {
+    if (members.number(name, least) && !(std::isfinite(least) && least >= 0.0)) {
+        members.reportOf(name, "cannot be used; no piece is hidden");
+        least = 0.0;
+    }
+}
+
 } // namespace
 
 void addHiddenPieces(Json& json, const HiddenPieces& hidden) {
     json["leastPieceSize"] = hidden.leastSize;
+    json["leastPiecePersistence"] = hidden.leastPersistence;
     json["largestPieces"] = hidden.largest;
     const PiecePlaces& places = hidden.awaited;
     if (!places.hidden.empty())
@@ -63,11 +71,8 @@ void addHiddenPieces(Json& json, const HiddenPieces& hidden) {
 
 HiddenPieces hiddenPiecesFrom(Members& members) {
     HiddenPieces hidden;
-    if (members.number("leastPieceSize", hidden.leastSize) &&
-        !(std::isfinite(hidden.leastSize) && hidden.leastSize >= 0.0)) {
-        members.reportOf("leastPieceSize", "cannot be used; no piece is hidden");
-        hidden.leastSize = 0.0;
-    }
+    takeLeast(members, "leastPieceSize", hidden.leastSize);
+    takeLeast(members, "leastPiecePersistence", hidden.leastPersistence);
     members.integer("largestPieces", hidden.largest, 0, kMostLargestPieces);
     hidden.awaited = placesFrom(members);
     return hidden;

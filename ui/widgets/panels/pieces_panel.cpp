@@ -31,8 +31,19 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kSteps = 400;
-constexpr double kDecades = 4.0; // of the slider, down from the whole volume
+constexpr double kDecades = 4.0; // of the sliders, down from the whole volume or the range of its scalars
 constexpr int kPiecesIntervalMs = 60;
+
+double amountAt(int step, double greatest) {
+    return step == 0 ? 0.0 : greatest * std::pow(10.0, kDecades * (static_cast<double>(step) / kSteps - 1.0));
+}
+
+int stepOf(double amount, double greatest) {
+    if (!(amount > 0.0))
+        return 0;
+    const double step = kSteps * (1.0 + std::log10(amount / greatest) / kDecades);
+    return static_cast<int>(std::lround(std::clamp(step, 1.0, static_cast<double>(kSteps))));
+}
 
 } // namespace
 
@@ -74,6 +85,15 @@ void PiecesPanel::addControls(const ActionRegistry& actions) {
     sizeValue_->setObjectName(QStringLiteral("pieceSizeValue"));
     auto* rows = static_cast<QVBoxLayout*>(layout());
     rows->addLayout(size.row);
+    const SliderRow persistence = makeSliderRow(tr("Hide persistence below"), QStringLiteral("0.0000 mm"), this);
+    persistence_ = persistence.slider;
+    persistenceValue_ = persistence.value;
+    persistence_->setObjectName(QStringLiteral("piecePersistence"));
+    persistence_->setRange(0, kSteps);
+    persistence_->setPageStep(kSteps / 20);
+    persistence_->setAccessibleName(tr("Hide pieces of persistence below"));
+    persistenceValue_->setObjectName(QStringLiteral("piecePersistenceValue"));
+    rows->addLayout(persistence.row);
     auto* second = new QHBoxLayout;
     auto* keep = new QLabel(tr("Show the largest"), this);
     largest_ = new QSpinBox(this);
@@ -94,7 +114,12 @@ void PiecesPanel::addControls(const ActionRegistry& actions) {
     });
     connect(size_, &QSlider::valueChanged, this, [this](int step) {
         auto options = viewState_.options();
-        options.pieces.leastSize = sizeAt(step);
+        options.pieces.leastSize = amountAt(step, largestSize());
+        viewState_.setOptions(options);
+    });
+    connect(persistence_, &QSlider::valueChanged, this, [this](int step) {
+        auto options = viewState_.options();
+        options.pieces.leastPersistence = amountAt(step, rangeOfScalars());
         viewState_.setOptions(options);
     });
 }
@@ -140,15 +165,28 @@ double PiecesPanel::largestSize() const {
     return largest > 0.0 ? largest : 1.0;
 }
 
-double PiecesPanel::sizeAt(int step) const {
-    return step == 0 ? 0.0 : largestSize() * std::pow(10.0, kDecades * (static_cast<double>(step) / kSteps - 1.0));
+double PiecesPanel::rangeOfScalars() const {
+    const auto* dataset = session_.dataset();
+    const double range = dataset != nullptr ? dataset->max - dataset->min : 1.0;
+    return range > 0.0 && std::isfinite(range) ? range : 1.0;
 }
 
-int PiecesPanel::stepOf(double size) const {
-    if (!(size > 0.0))
-        return 0;
-    const double step = kSteps * (1.0 + std::log10(size / largestSize()) / kDecades);
-    return std::clamp(static_cast<int>(std::lround(step)), 1, kSteps);
+void PiecesPanel::showPersistence(const model::PieceOptions& options) {
+    const model::ShortLivedPieces* found = options.leastPersistence > 0.0 ? options.shortLived.get() : nullptr;
+    const bool isRefused = found != nullptr && !found->error.empty();
+    setReadout(persistenceValue_, isRefused ? QStringLiteral("–")
+                                  : options.leastPersistence > 0.0
+                                      ? fromStd(model::valueText(options.leastPersistence, 3))
+                                      : tr("show all"));
+    QString tip =
+        tr("Pieces that come and go within a smaller change of the isovalue are not drawn: those of noise. Found "
+           "where the surface rests, from the samples. The scale is logarithmic");
+    if (isRefused)
+        tip = tr("No piece is hidden by persistence: %1").arg(fromStd(found->error));
+    else if (found != nullptr && !found->isComplete)
+        tip += tr(". Of some pieces it was not found out how long they last, they are so large; these are drawn");
+    for (QWidget* widget : {static_cast<QWidget*>(persistence_), static_cast<QWidget*>(persistenceValue_)})
+        widget->setToolTip(plainTip(tip));
 }
 
 // The row of the selected piece, which may have moved.
@@ -168,7 +206,9 @@ void PiecesPanel::showPieces() {
     const std::string unit = dataset != nullptr ? dataset->lengthUnit : std::string();
     {
         const QSignalBlocker blocker(size_);
-        size_->setValue(stepOf(options.leastSize));
+        size_->setValue(stepOf(options.leastSize, largestSize()));
+        const QSignalBlocker persistenceBlocker(persistence_);
+        persistence_->setValue(stepOf(options.leastPersistence, rangeOfScalars()));
         const QSignalBlocker largestBlocker(largest_);
         if (const int largest = static_cast<int>(options.largest); largest != largest_->value())
             largest_->setValue(largest); // otherwise left alone: somebody may be typing
@@ -177,6 +217,8 @@ void PiecesPanel::showPieces() {
                                ? inLengthUnit(QString::fromStdString(model::valueText(options.leastSize, 3)), unit)
                                : tr("show all"));
     size_->setEnabled(dataset != nullptr);
+    persistence_->setEnabled(dataset != nullptr);
+    showPersistence(options);
     if (!isSeen_)
         return details_->show(nullptr, std::nullopt, unit);
     const auto frame = session_.frame();

@@ -16,6 +16,7 @@ class QTableView;
 namespace isoslider::model {
 class Session;
 class ViewState;
+struct PieceOptions;
 } // namespace isoslider::model
 
 namespace isoslider::widgets {
@@ -43,15 +44,17 @@ private:
     void makeTable(const ActionRegistry& actions);
     void selectRow();
     void showPieces();
-    double sizeAt(int step) const;
-    int stepOf(double size) const;
     double largestSize() const;
+    double rangeOfScalars() const;
+    void showPersistence(const model::PieceOptions& options);
 
     model::Session& session_;
     model::ViewState& viewState_;
     QSlider* size_;
     QSpinBox* largest_;
     QLabel* sizeValue_;
+    QSlider* persistence_;
+    QLabel* persistenceValue_;
     ElidedLabel* count_;
     PieceTable* table_;
     QTableView* view_;

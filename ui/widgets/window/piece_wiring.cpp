@@ -28,7 +28,10 @@ PieceWiring::PieceWiring(model::Session& session, const ActionRegistry& actions,
       actions_(actions),
       host_(host),
       parts_(parts),
-      note_(new ViewNote(host, ViewNote::Place::Centre)) {
+      note_(new ViewNote(host, ViewNote::Place::Centre)),
+      shortLived_(session, [this](model::SurfaceId surface, std::shared_ptr<const model::ShortLivedPieces> found) {
+          takeShortLived(surface, std::move(found));
+      }) {
     note_->setObjectName(QStringLiteral("hiddenPiecesNote"));
     connectActions();
     connect(&parts_.dock, &QDockWidget::visibilityChanged, this, [this](bool isSeen) {
@@ -43,6 +46,7 @@ PieceWiring::PieceWiring(model::Session& session, const ActionRegistry& actions,
     }
     frameSubscription_ = session_.frameChanged().observe([this] {
         findAwaited();
+        shortLived_.update();
         takePick();
         dropLostSelection();
         showWhatIsHidden();
@@ -52,7 +56,10 @@ PieceWiring::PieceWiring(model::Session& session, const ActionRegistry& actions,
     datasetSubscription_ = session_.datasetChanged().observe([this] { followDataset(); });
     optionsSubscription_ = host_.viewState().observe([this] { showOptions(); });
     surfacesSubscription_ = session_.surfaces().observe([this] { followSurfaces(); });
-    inactiveSubscription_ = session_.inactiveChanged().observe([this] { findAwaitedOfOthers(); });
+    inactiveSubscription_ = session_.inactiveChanged().observe([this] {
+        findAwaitedOfOthers();
+        shortLived_.update();
+    });
     showOptions();
 }
 
@@ -193,6 +200,14 @@ void PieceWiring::findAwaitedOfOthers() {
     }
 }
 
+void PieceWiring::takeShortLived(model::SurfaceId surface, std::shared_ptr<const model::ShortLivedPieces> found) {
+    if (surface == followed_)
+        change([&](model::PieceOptions& pieces) { pieces.shortLived = std::move(found); });
+    else
+        session_.surfaces().change(
+            surface, [&](model::ListedSurface& changed) { changed.hiddenPieces.shortLived = std::move(found); });
+}
+
 void PieceWiring::followSurfaces() {
     const auto* active = session_.surfaces().active();
     if (active == nullptr)
@@ -250,6 +265,7 @@ void PieceWiring::showOptions() {
     tellSurfaces();
     ask();
     findAwaited(); // undone steps may bring back what was awaited
+    shortLived_.update();
     const auto& pieces = host_.viewState().options().pieces;
     actions_.action("pieces.colour")->setChecked(pieces.isColoured);
     for (const char* action : {"pieces.hide", "pieces.only", "pieces.hideSmaller", "pieces.deselect"})

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -11,6 +12,7 @@
 
 #include "core/extract/pieces/surface_pieces.h"
 #include "ui/model/observers.h"
+#include "ui/model/pieces/short_lived_search.h"
 #include "ui/model/session/dataset.h"
 #include "ui/model/surface/surface_list.h"
 
@@ -74,6 +76,7 @@ private:
     void followSurfaces();
     void tellSurfaces();
     void findAwaitedOfOthers();
+    void takeShortLived(model::SurfaceId surface, std::shared_ptr<const model::ShortLivedPieces> found);
     /// Says why nothing is to be seen where everything is hidden.
     void showWhatIsHidden();
     void followDataset();
@@ -87,6 +90,7 @@ private:
     bool hasHidden_ = false; ///< of this volume, by number; a step back may hide it again
     model::SurfaceId followed_{}; ///< whose pieces the view's options hide
     std::optional<Pick> pick_;
+    model::ShortLivedSearch shortLived_;
     model::DatasetGeneration dataset_{};
     model::Subscription frameSubscription_;
     model::Subscription datasetSubscription_;

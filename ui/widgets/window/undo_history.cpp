@@ -25,6 +25,14 @@ bool hideSame(const model::SurfaceList& before, const model::SurfaceList& after)
                       [](const auto& a, const auto& b) { return a.hiddenPieces == b.hiddenPieces; });
 }
 
+/// The list with what has been found out about the same surfaces since: until it is found again, that hides most.
+model::SurfaceList withFound(model::SurfaceList list, const model::SurfaceList& now) {
+    for (model::ListedSurface& surface : list.surfaces)
+        if (const auto* same = now.find(surface.id))
+            surface.hiddenPieces.shortLived = same->hiddenPieces.shortLived;
+    return list;
+}
+
 /// What a step is called; after "Undo" and "Redo".
 QString nameOf(const model::SceneState& before, const model::SceneState& after) {
     if (before.surfaces.surfaces.size() != after.surfaces.surfaces.size())
@@ -116,6 +124,8 @@ model::SceneState UndoHistory::capture() const {
     auto& session = models_.session;
     state.isovalue = session.isovalue().requested();
     state.surfaces = session.surfaces().list();
+    for (model::ListedSurface& surface : state.surfaces.surfaces)
+        surface.hiddenPieces.shortLived.reset(); // found, not set
     state.second = session.secondVolume().state();
     state.reference = session.isovalue().reference();
     state.error = session.detail().error();
@@ -140,7 +150,7 @@ void UndoHistory::apply(const model::SceneState& state) {
     models_.slices.setOptions(state.slices);
     session.detail().setError(state.error);
     session.isovalue().setReference(state.reference);
-    session.surfaces().setList(state.surfaces);
+    session.surfaces().setList(withFound(state.surfaces, session.surfaces().list()));
     session.secondVolume().setState(state.second);
     session.isovalue().request(state.isovalue);
     timer_.stop();
@@ -167,6 +177,7 @@ void UndoHistory::noteChange() {
         const auto* now = models_.session.surfaces().list().find(surface.id);
         if (now != nullptr && !surface.hiddenPieces.awaited.isEmpty() && now->hiddenPieces.awaited.isEmpty())
             surface.hiddenPieces = now->hiddenPieces;
+        surface.hiddenPieces.shortLived.reset();
     }
     if (capture() == last_)
         return;

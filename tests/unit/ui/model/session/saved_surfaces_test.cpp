@@ -32,6 +32,7 @@ TEST(SavedSurfaces, ThoseThatDoNotSlideStateWhatTheyHide) {
     SurfaceList list = skinAndBone();
     HiddenPieces& hidden = list.surfaces[0].hiddenPieces;
     hidden.leastSize = 2.5;
+    hidden.leastPersistence = 12.5;
     hidden.largest = 3;
     hidden.awaited.hidden = {{{1, 2, 3}, 0}, {{4, 5, 6}, 2}};
     hidden.awaited.only = PiecePlace{{7, 8, 9}, 1};
@@ -43,6 +44,10 @@ TEST(SavedSurfaces, ThoseThatDoNotSlideStateWhatTheyHide) {
     EXPECT_EQ(read.surfaces[1].hiddenPieces, HiddenPieces()) << "of the active one the view states it";
     surfacesFromJson(Json::parse(R"({"list": [{"isovalue": 4, "pieces": {"hiddenPieces": [[1, 2]]}}]})"), problems);
     EXPECT_EQ(problems.size(), 1u);
+    const auto negative = surfacesFromJson(
+        Json::parse(R"({"list": [{"isovalue": 4, "pieces": {"leastPiecePersistence": -1}}]})"), problems);
+    EXPECT_EQ(problems.size(), 2u);
+    EXPECT_EQ(negative.surfaces[0].hiddenPieces.leastPersistence, 0.0);
 }
 
 TEST(SavedSurfaces, SessionsOfBeforeHaveNone) {

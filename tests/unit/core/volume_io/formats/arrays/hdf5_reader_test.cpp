@@ -359,7 +359,7 @@ TEST_F(Hdf5Reader, RefusesEveryShorterFile) {
     Writer writer(at("a.h5"));
     writer.ramp("v", {5, 3, 4}, {2, 2, 3}, true);
     const std::string whole = test::readText(writer.close());
-    for (std::size_t size = 1; size < whole.size(); size += test::kSparser * 37)
+    for (std::size_t size = 1; size < whole.size(); size += test::kSparser * 97)
         ASSERT_FALSE(read(folder.write("b.h5", whole.substr(0, size))).isOk()) << size;
 }
 

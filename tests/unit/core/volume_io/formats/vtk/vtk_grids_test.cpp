@@ -398,7 +398,7 @@ TEST_P(VtkGrids, WithCornersThatAreNoPointsAreRefused) {
 TEST_P(VtkGrids, SurviveDamage) {
     for (const auto& path : {file(cells()), file(sheared()), file(rectilinear(false))}) {
         const std::string whole = test::readText(path);
-        for (std::size_t i = 0; i < whole.size(); i += 1 + whole.size() * test::kSparser / 40) {
+        for (std::size_t i = 0; i < whole.size(); i += 1 + whole.size() * test::kSparser / 16) {
             std::string damaged = whole;
             damaged[i] = static_cast<char>(damaged[i] ^ 0x15);
             static_cast<void>(readVolume(folder.write(path.filename().string(), damaged)));
