@@ -140,7 +140,6 @@ TEST_P(CliResume, B089_GoesOnAfterAKillAtAnyMoment) {
     expectOnly(done_);
 }
 
-// A sort that is larger than its budget, in many partitions: killed while it is written out, and while it is read.
 TEST_F(CliTest, ReplacesAnUnfinishedBuildOfTheOtherKind) {
     const auto volume = noiseVolume(28);
     for (const auto& [first, second] :
@@ -160,6 +159,7 @@ TEST_F(CliTest, ReplacesAnUnfinishedBuildOfTheOtherKind) {
     }
 }
 
+// A sort that is larger than its budget, in many partitions: killed while it is written out, and while it is read.
 TEST_F(CliTest, GoesOnWithASortOnDisk) {
 #ifndef ISOSLIDER_HAS_FAILING_CALLS
     GTEST_SKIP() << "sanitizers want to come first themselves";
@@ -176,7 +176,7 @@ TEST_F(CliTest, GoesOnWithASortOnDisk) {
         ASSERT_EQ(run(building("whole.isx", "-0")).exitCode, 0);
         const std::string bytes = readText(path("whole.isx"));
         int resumed = 0, kills = 0;
-        for (int at = 25;; at += at) {
+        for (int at = 25;; at *= 3) {
             ProcessOptions killed;
             killed.environment = {{"LD_PRELOAD", test::builtFile("libisoslider_failing_calls.so")},
                                   {"ISO_FAIL_BELOW", folder_.path().string()},

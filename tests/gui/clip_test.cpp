@@ -48,7 +48,7 @@ protected:
     widgets::ClipHandles& handles() { return *child<widgets::ClipHandles>("clipHandles"); }
     QAction& action(const char* id) { return *window_->actions().action(id); }
     const model::Clipping& clipping() { return window_->viewportHost().viewState().options().clipping; }
-    model::CapModel& cap() { return window_->viewportHost().clipTool()->cap(); }
+    model::CapModel& cap() { return window_->viewportHost().clipTool()->cap(0); }
     void press(Qt::Key key, Qt::KeyboardModifiers modifiers = {}) { QTest::keyClick(window_.get(), key, modifiers); }
     static void letStepEnd() { QTest::qWait(600); }
     QPoint pointOf(const ClipHandle& handle) { return handles().pointOf(handle)->toPoint(); }
@@ -195,7 +195,7 @@ TEST_F(ClipTest, ThePanelShowsAndTakesNumbers) {
     trigger("clip.acrossX");
     EXPECT_TRUE(offset->isEnabled());
     offset->setValue(3.5);
-    EXPECT_EQ(clipping().plane.offset, 3.5);
+    EXPECT_EQ(clipping().plane().offset, 3.5);
     EXPECT_EQ(offset->maximum(), kMiddle);
     auto* filled = child<QComboBox>("clipCap");
     EXPECT_EQ(filled->currentIndex(), static_cast<int>(model::Cap::Colour));
@@ -208,34 +208,71 @@ TEST_F(ClipTest, ThePanelShowsAndTakesNumbers) {
     for (const auto* button : child<QDockWidget>("clipDock")->findChildren<QToolButton*>())
         if (button->defaultAction() != nullptr)
             buttons << button->text();
-    EXPECT_EQ(buttons.join(QLatin1Char(' ')).toStdString(), "Crop Reset Clip Flip X Y Z the View") << "short";
+    EXPECT_EQ(buttons.join(QLatin1Char(' ')).toStdString(), "Crop Reset Clip Flip Second X Y Z the View") << "short";
     child<QDockWidget>("clipDock")->raise();
     keepPicture(*window_, "clip_panel");
 }
 
 TEST_F(ClipTest, ThePlaneIsMovedAndTurnedByItsHandles) {
     press(Qt::Key_V);
-    ASSERT_TRUE(clipping().plane.isOn);
-    EXPECT_EQ(clipping().plane.normal, glm::dvec3(1.0, 0.0, 0.0));
-    EXPECT_EQ(clipping().plane.offset, 0.0);
+    ASSERT_TRUE(clipping().plane().isOn);
+    EXPECT_EQ(clipping().plane().normal, glm::dvec3(1.0, 0.0, 0.0));
+    EXPECT_EQ(clipping().plane().offset, 0.0);
     ASSERT_EQ(handles().handles().size(), 2u);
     drag(pointOf(ClipHandle{Kind::Plane}), seenAt(glm::dvec3(kMiddle + 4.0, kMiddle, kMiddle)));
-    EXPECT_NEAR(clipping().plane.offset, 4.0, 0.15);
+    EXPECT_NEAR(clipping().plane().offset, 4.0, 0.15);
     const glm::dvec3 pivot = handles().placeOf({Kind::Plane});
     const QPoint middle = pointOf(ClipHandle{Kind::Plane});
     drag(pointOf(ClipHandle{Kind::Normal}), middle + QPoint(0, -400));
-    EXPECT_NEAR(clipping().plane.normal.z, 1.0, 0.01) << "upwards";
-    EXPECT_NEAR(glm::length(clipping().plane.normal), 1.0, 1e-12);
-    EXPECT_NEAR(glm::dot(clipping().plane.normal, pivot), clipping().plane.offset, 1e-9);
-    const auto before = clipping().plane;
+    EXPECT_NEAR(clipping().plane().normal.z, 1.0, 0.01) << "upwards";
+    EXPECT_NEAR(glm::length(clipping().plane().normal), 1.0, 1e-12);
+    EXPECT_NEAR(glm::dot(clipping().plane().normal, pivot), clipping().plane().offset, 1e-9);
+    const auto before = clipping().plane();
     press(Qt::Key_V, Qt::ShiftModifier);
-    EXPECT_EQ(clipping().plane.normal, -before.normal);
-    EXPECT_EQ(clipping().plane.offset, -before.offset);
+    EXPECT_EQ(clipping().plane().normal, -before.normal);
+    EXPECT_EQ(clipping().plane().offset, -before.offset);
     press(Qt::Key_V, Qt::ControlModifier | Qt::ShiftModifier);
-    EXPECT_NEAR(glm::dot(clipping().plane.normal, viewport().camera().backward()), 1.0, 1e-9);
-    EXPECT_NEAR(clipping().plane.offset, 0.0, 1e-12);
+    EXPECT_NEAR(glm::dot(clipping().plane().normal, viewport().camera().backward()), 1.0, 1e-9);
+    EXPECT_NEAR(clipping().plane().offset, 0.0, 1e-12);
     press(Qt::Key_V);
-    EXPECT_FALSE(clipping().plane.isOn);
+    EXPECT_FALSE(clipping().plane().isOn);
+}
+
+TEST_F(ClipTest, ASecondPlaneHasHandlesKeysAndFieldsOfItsOwn) {
+    press(Qt::Key_V);
+    auto* dock = child<QDockWidget>("clipDock");
+    dock->raise();
+    press(Qt::Key_V, Qt::ControlModifier | Qt::AltModifier);
+    EXPECT_TRUE(action("clip.second").isChecked());
+    ASSERT_EQ(clipping().active, 1u);
+    EXPECT_TRUE(clipping().plane().isOn) << "chosen, it cuts";
+    EXPECT_EQ(clipping().plane().normal, glm::dvec3(0.0, 1.0, 0.0));
+    ASSERT_EQ(handles().handles().size(), 2u) << "those of one plane";
+    const auto first = clipping().planes[0];
+    action("clip.acrossZ").trigger();
+    EXPECT_EQ(clipping().plane().normal, glm::dvec3(0.0, 0.0, 1.0));
+    child<QDoubleSpinBox>("clipOffset")->setValue(2.5);
+    EXPECT_EQ(clipping().planes[1].offset, 2.5);
+    press(Qt::Key_V, Qt::ShiftModifier);
+    EXPECT_EQ(clipping().planes[1].normal, glm::dvec3(0.0, 0.0, -1.0));
+    drag(pointOf(ClipHandle{Kind::Plane}), seenAt(glm::dvec3(kMiddle, kMiddle, kMiddle + 6.0)), 6);
+    EXPECT_NEAR(clipping().planes[1].offset, -6.0, 0.3);
+    EXPECT_EQ(clipping().planes[0], first);
+    for (const std::size_t place : {0u, 1u})
+        EXPECT_TRUE(waitUntil([&] {
+            auto& of = window_->viewportHost().clipTool()->cap(place);
+            return of.isSettled() && of.samples() != nullptr;
+        })) << place;
+    keepPicture(*window_, "two_clip_planes");
+    // Back at the first one, the second still cuts.
+    press(Qt::Key_V, Qt::ControlModifier | Qt::AltModifier);
+    EXPECT_EQ(clipping().active, 0u);
+    EXPECT_FALSE(action("clip.second").isChecked());
+    EXPECT_TRUE(clipping().planes[1].isOn);
+    press(Qt::Key_V);
+    EXPECT_FALSE(clipping().planes[0].isOn);
+    EXPECT_TRUE(clipping().hasPlane());
+    EXPECT_TRUE(action("pieces.exportShown").isEnabled()) << "what the second one leaves";
 }
 
 // As for a box of degrees by metres: handles stay apart and are dragged to where they are seen.
@@ -244,8 +281,8 @@ TEST_F(ClipTest, ThePlaneIsMovedWhereLengthsAreStretched) {
     for (const double by : {0.01, 100.0}) {
         options = window_->viewportHost().viewState().options();
         options.stage.stretch = {by, 1.0, 1.0};
-        options.clipping.plane = {};
-        options.clipping.plane.isOn = true; // across X
+        options.clipping.plane() = {};
+        options.clipping.plane().isOn = true; // across X
         window_->viewportHost().viewState().setOptions(options);
         press(Qt::Key_R);
         QTest::keyClick(window_.get(), Qt::Key_1);
@@ -253,12 +290,12 @@ TEST_F(ClipTest, ThePlaneIsMovedWhereLengthsAreStretched) {
         const QPoint plane = pointOf(ClipHandle{Kind::Plane}), normal = pointOf(ClipHandle{Kind::Normal});
         EXPECT_GT((normal - plane).manhattanLength(), 30) << by;
         EXPECT_LT((normal - plane).manhattanLength(), viewport().width() / 2) << by;
-        const double offset = clipping().plane.offset;
+        const double offset = clipping().plane().offset;
         drag(plane, seenAt(glm::dvec3(kMiddle + 4.0, kMiddle, kMiddle)), by < 1.0 ? 1 : 6);
         if (by > 1.0) { // otherwise 4 cells are less than a pixel
-            EXPECT_NEAR(clipping().plane.offset, offset + 4.0, 0.15) << by;
+            EXPECT_NEAR(clipping().plane().offset, offset + 4.0, 0.15) << by;
         } else {
-            EXPECT_EQ(clipping().plane.normal, glm::dvec3(1.0, 0.0, 0.0)) << "the plane's handle, not the normal's";
+            EXPECT_EQ(clipping().plane().normal, glm::dvec3(1.0, 0.0, 0.0)) << "the plane's handle, not the normal's";
         }
     }
 }
@@ -302,11 +339,11 @@ TEST_F(ClipTest, ABoxOfASessionIsBroughtWithinTheVolume) {
     auto options = window_->viewportHost().viewState().options();
     options.clipping.isCropped = true;
     options.clipping.crop = model::CropBox{{5, 900, 7}, {900, 901, 7}};
-    options.clipping.plane = {true, {0.0, 0.0, 7.0}, 1e6, model::Cap::Colour};
+    options.clipping.plane() = {true, {0.0, 0.0, 7.0}, 1e6, model::Cap::Colour};
     window_->viewportHost().viewState().setOptions(options);
     EXPECT_EQ(clipping().crop, (model::CropBox{{5, 22, 7}, {23, 23, 8}}));
-    EXPECT_EQ(clipping().plane.normal, glm::dvec3(0.0, 0.0, 1.0));
-    EXPECT_EQ(clipping().plane.offset, kMiddle);
+    EXPECT_EQ(clipping().plane().normal, glm::dvec3(0.0, 0.0, 1.0));
+    EXPECT_EQ(clipping().plane().offset, kMiddle);
 }
 
 TEST_F(ClipTest, TheCapFollowsPlaneAndIsovalueAndIsInSavedPictures) {

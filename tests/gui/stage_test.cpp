@@ -118,7 +118,7 @@ TEST_F(StageTest, BackgroundsAreChosenKeptAndUndone) {
 TEST_F(StageTest, AmbientOcclusionIsChosenKeptAndUndone) {
     EXPECT_TRUE(stage().hasOcclusion) << "unless the settings say otherwise";
     auto options = window_->viewportHost().viewState().options();
-    options.clipping.plane = {true, {0.0, 0.0, 1.0}, 10.0, model::Cap::None}; // the ball is open: it has an inside
+    options.clipping.plane() = {true, {0.0, 0.0, 1.0}, 10.0, model::Cap::None}; // the ball is open: it has an inside
     window_->viewportHost().viewState().setOptions(options);
     QTest::qWait(600); // a separate step
     const QImage with = viewport().grabFramebuffer();

@@ -1,6 +1,7 @@
 // Crop box, clip plane and its cap as they are drawn, against what geometry states they must be.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 
 #include <QImage>
@@ -90,10 +91,10 @@ protected:
         return frame;
     }
     QImage grab(const std::shared_ptr<const SurfaceFrame>& frame, const model::Clipping& clipping,
-                const render::CapScene& cap = {}) {
+                const render::CapScenes& caps = {}) {
         options_.clipping = clipping;
         viewport_->setOptions(options_);
-        viewport_->setCap(cap);
+        viewport_->setCaps(caps);
         viewport_->changeCamera([&](model::Camera& camera) { camera.reset(render::sceneRadius(frame->geometry)); });
         viewport_->setFrame(frame);
         return viewport_->grabFramebuffer().convertToFormat(QImage::Format_RGB32);
@@ -202,7 +203,7 @@ TEST_F(ClipImageTest, APlaneShowsWhatLiesBehindIt) {
     const auto grid = roughWaves(0.0f);
     const auto whole = bricksOf(grid);
     model::Clipping clipping;
-    clipping.plane = {true, {0.0, 1.0, 0.0}, 0.0, model::Cap::None}; // through grid points 16 and 17
+    clipping.plane() = {true, {0.0, 1.0, 0.0}, 0.0, model::Cap::None}; // through grid points 16 and 17
     const auto half = arraysOf(*grid, [](const glm::vec3& place) { return place.y <= 16.5f; });
     const auto more = arraysOf(*grid, [](const glm::vec3& place) { return place.y <= 17.0f; });
     const QImage image = grab(whole, clipping);
@@ -218,10 +219,45 @@ TEST_F(ClipImageTest, APlaneShowsWhatLiesBehindIt) {
     EXPECT_LE(surface(grab(half, {})) * 9, surface(image) * 10);
 }
 
+TEST_F(ClipImageTest, TheCapOfAPlaneEndsAtTheOtherOne) {
+    const auto grid = roughWaves(0.0f);
+    const auto frame = bricksOf(grid);
+    const model::ClipPlane front{true, {0.0, -1.0, 0.0}, 0.0, model::Cap::Colour},
+        side{true, {1.0, 0.0, 0.0}, 0.0, model::Cap::None};
+    viewport_->setSurfaces({glm::vec3(0.8f, 0.02f, 0.02f)}, {});
+    // The cap is lit evenly: its colour is that of most red pixels.
+    const auto capped = [&](const model::Clipping& clipping, const render::CapScenes& caps) {
+        const QImage image = grab(frame, clipping, caps);
+        std::map<QRgb, std::size_t> counts;
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x)
+                if (qRed(image.pixel(x, y)) > 100 && qRed(image.pixel(x, y)) > 3 * qGreen(image.pixel(x, y)))
+                    ++counts[image.pixel(x, y)];
+        std::size_t most = 0;
+        for (const auto& [colour, count] : counts)
+            most = std::max(most, count);
+        return most;
+    };
+    model::Clipping one;
+    one.planes[0] = front;
+    const std::size_t whole = capped(one, {capOf(*grid, front)});
+    EXPECT_GT(whole, 5000u);
+    for (const std::size_t place : {0u, 1u}) {
+        model::Clipping both;
+        both.planes[place] = front;
+        both.planes[1 - place] = side;
+        render::CapScenes caps;
+        caps[place] = capOf(*grid, front);
+        const std::size_t half = capped(both, caps);
+        EXPECT_LT(half, whole * 7 / 10) << place;
+        EXPECT_GT(half, whole * 3 / 10) << place;
+    }
+}
+
 TEST_F(ClipImageTest, TheCapHasTheColourOfTheInnermostSurfaceThatIsShown) {
     const auto grid = roughWaves(0.0f);
     model::Clipping clipping;
-    clipping.plane = {true, {0.0, -1.0, 0.0}, -0.8, model::Cap::Colour};
+    clipping.plane() = {true, {0.0, -1.0, 0.0}, -0.8, model::Cap::Colour};
     const auto frame = bricksOf(grid);
     const render::SurfaceLook red{glm::vec3(0.8f, 0.02f, 0.02f)}, green{glm::vec3(0.02f, 0.8f, 0.02f)};
     auto inner = std::make_shared<SurfaceFrame>();
@@ -235,7 +271,7 @@ TEST_F(ClipImageTest, TheCapHasTheColourOfTheInnermostSurfaceThatIsShown) {
     };
     const auto count = [&](const render::SurfaceLook& look, std::vector<render::InactiveSurface> others) {
         viewport_->setSurfaces(look, std::move(others));
-        const QImage image = grab(frame, clipping, capOf(*grid, clipping.plane));
+        const QImage image = grab(frame, clipping, {capOf(*grid, clipping.plane())});
         Count found; // the cap alone is lit evenly: most of it has one colour
         for (int y = 0; y < image.height(); ++y)
             for (int x = 0; x < image.width(); ++x) {
@@ -267,9 +303,9 @@ TEST_F(ClipImageTest, TheCapIsWhereTheInterpolantReachesTheIsovalue) {
         for (const glm::dvec3& direction : {glm::dvec3(0.0, -1.0, 0.0), glm::dvec3(0.5, -1.0, 0.6)}) {
             const auto grid = roughWaves(0.25f, hasHole);
             model::Clipping clipping;
-            clipping.plane = {true, glm::normalize(direction), -0.8, model::Cap::Colour};
+            clipping.plane() = {true, glm::normalize(direction), -0.8, model::Cap::Colour};
             const auto frame = bricksOf(grid);
-            const QImage image = grab(frame, clipping, capOf(*grid, clipping.plane));
+            const QImage image = grab(frame, clipping, {capOf(*grid, clipping.plane())});
             const auto cuts = model::cutsOf(clipping, frame->geometry, frame->geometry);
             const float* const values = grid->values<float>().data();
             const auto sampleAt = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -311,10 +347,10 @@ TEST_F(ClipImageTest, TheCapIsWhereTheInterpolantReachesTheIsovalue) {
 TEST_F(ClipImageTest, TheCapShowsSamplesInGrey) {
     const auto grid = roughWaves(0.0f);
     model::Clipping clipping;
-    clipping.plane = {true, {0.0, -1.0, 0.0}, 0.0, model::Cap::Values};
-    auto cap = capOf(*grid, clipping.plane);
+    clipping.plane() = {true, {0.0, -1.0, 0.0}, 0.0, model::Cap::Values};
+    auto cap = capOf(*grid, clipping.plane());
     cap.window = {kIsovalue, 1.0};
-    const QImage image = grab(bricksOf(grid), clipping, cap);
+    const QImage image = grab(bricksOf(grid), clipping, {cap});
     std::size_t grey = 0, bright = 0;
     for (int y = 0; y < image.height(); ++y)
         for (int x = 0; x < image.width(); ++x) {

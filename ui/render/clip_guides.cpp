@@ -1,10 +1,13 @@
 #include "ui/render/clip_guides.h"
 
 #include <array>
+#include <cmath>
 
 #include <QVector2D>
 #include <QVector3D>
 #include <QVector4D>
+
+#include <glm/geometric.hpp>
 
 #include "ui/render/plane_points.h"
 #include "ui/render/slice_planes.h"
@@ -15,6 +18,7 @@ namespace {
 constexpr int kBoxPoints = 24;
 const QVector4D kCropColour(0.98f, 0.66f, 0.30f, 0.95f); // as seen; apart from the volume's box
 const QVector4D kPlaneColour(0.45f, 0.80f, 0.98f, 0.95f);
+const QVector4D kOtherPlaneColour(0.45f, 0.80f, 0.98f, 0.45f); // of the plane that is not moved
 const QVector3D kCapColour(0.66f, 0.33f, 0.17f); // linear light: the surface's hue, darker and warmer
 constexpr float kCapShare = 0.6f; // of the colour of any other surface: darker than its outside
 constexpr float kCapLight = 0.75f; // as a surface that faces the light
@@ -49,18 +53,23 @@ int addBorder(std::vector<float>& data, const model::ClipPlane& plane, const mod
     return static_cast<int>(border.size());
 }
 
+bool isCapped(const model::ClipPlane& plane, const CapScene& cap) {
+    return plane.isOn && plane.cap != model::Cap::None && cap.samples != nullptr;
+}
+
 model::CropBox drawnBox(const model::Clipping& clipping, const GridGeometry& volume) {
     return clipping.isCropped ? model::cropWithin(clipping.crop, volume.dims) : model::wholeBox(volume.dims);
 }
 
 } // namespace
 
-model::Clipping drawnClipping(const model::Clipping& wanted, const CapScene& cap) {
+model::Clipping drawnClipping(const model::Clipping& wanted, const CapScenes& caps) {
     model::Clipping drawn = wanted;
-    if (wanted.plane.isOn && wanted.plane.cap != model::Cap::None && cap.samples) {
-        drawn.plane.normal = cap.samples->of.normal;
-        drawn.plane.offset = cap.samples->of.offset;
-    }
+    for (std::size_t place = 0; place < caps.size(); ++place)
+        if (isCapped(drawn.planes[place], caps[place])) {
+            drawn.planes[place].normal = caps[place].samples->of.normal;
+            drawn.planes[place].offset = caps[place].samples->of.offset;
+        }
     return drawn;
 }
 
@@ -90,7 +99,8 @@ ClipGuides::~ClipGuides() {
         return;
     driver_.freeBuffer(gl_, buffer_);
     gl_.glDeleteVertexArrays(1, &array_);
-    gl_.glDeleteTextures(1, &texture_);
+    for (const Texture& texture : textures_)
+        gl_.glDeleteTextures(1, &texture.name);
 }
 
 void ClipGuides::abandon() { array_ = 0; }
@@ -105,7 +115,8 @@ bool ClipGuides::initialize() {
     if (!isReady_)
         return false;
     gl_.glGenVertexArrays(1, &array_);
-    gl_.glGenTextures(1, &texture_);
+    for (Texture& texture : textures_)
+        gl_.glGenTextures(1, &texture.name);
     buffer_ = driver_.makeBuffer(gl_);
     return true;
 }
@@ -124,8 +135,8 @@ bool ClipGuides::fill(const std::vector<float>& data) {
     return true;
 }
 
-bool ClipGuides::uploadCap(const model::CapSamples& samples) {
-    gl_.glBindTexture(GL_TEXTURE_2D, texture_);
+bool ClipGuides::uploadCap(GLuint texture, const model::CapSamples& samples) {
+    gl_.glBindTexture(GL_TEXTURE_2D, texture);
     gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -136,47 +147,53 @@ bool ClipGuides::uploadCap(const model::CapSamples& samples) {
     return gl_.glGetError() == GL_NO_ERROR;
 }
 
-void ClipGuides::draw(const model::Clipping& clipping, const CapScene& cap, const View& view) {
-    if ((!clipping.isCropped && !clipping.plane.isOn) || !initialize()) {
-        inTexture_.reset();
+void ClipGuides::draw(const model::Clipping& clipping, const CapScenes& caps, const View& view) {
+    if (!clipping.clipsAnything() || !initialize()) {
+        for (Texture& texture : textures_)
+            texture.content.reset();
         return;
     }
-    if (clipping.plane.isOn && clipping.plane.cap != model::Cap::None && cap.samples)
-        drawCap(clipping, cap, view);
+    for (std::size_t place = 0; place < caps.size(); ++place)
+        if (isCapped(clipping.planes[place], caps[place]))
+            drawCap(clipping, place, caps[place], view);
     drawLines(clipping, view);
     gl_.glBindVertexArray(0);
 }
 
-void ClipGuides::drawCap(const model::Clipping& clipping, const CapScene& cap, const View& view) {
+void ClipGuides::drawCap(const model::Clipping& clipping, std::size_t place, const CapScene& cap, const View& view) {
+    Texture& texture = textures_[place];
+    const glm::dvec3 facing = glm::normalize(view.camera.normalMatrix() * clipping.planes[place].normal);
+    const float light = 0.6f + 0.4f * static_cast<float>(std::abs(facing.z)); // the more the plane faces the viewer
     gl_.glActiveTexture(GL_TEXTURE0);
-    gl_.glBindTexture(GL_TEXTURE_2D, texture_);
-    if (inTexture_ != cap.samples) {
-        inTexture_ = cap.samples; // also where it is refused: not at every picture again
-        isRefused_ = !uploadCap(*cap.samples);
+    gl_.glBindTexture(GL_TEXTURE_2D, texture.name);
+    if (texture.content != cap.samples) {
+        texture.content = cap.samples; // also where it is refused: not at every picture again
+        texture.isRefused = !uploadCap(texture.name, *cap.samples);
     }
     std::vector<float> quad;
     addQuad(quad, cap.samples->plane);
-    if (!isRefused_ && fill(quad)) {
+    if (!texture.isRefused && fill(quad)) {
         QOpenGLShaderProgram& program = *capProgram_;
         program.bind();
         program.setUniformValue("modelToView", view.modelToView);
         program.setUniformValue("viewToClip", view.viewToClip);
         program.setUniformValue("samples", 0);
-        program.setUniformValue("capLight", kCapLight * (0.6f + 0.4f * view.facing));
+        program.setUniformValue("capLight", kCapLight * light);
         view.uniforms.set(program, view.colours, view.volume, view.volume);
         program.setUniformValue("greyWindow",
                                 QVector2D(static_cast<float>(cap.window.low), static_cast<float>(cap.window.width())));
-        program.setUniformValue("valueShare", clipping.plane.cap == model::Cap::Values ? 1.0f : 0.0f);
-        // Values continue beyond the volume's sides, the cap does not.
-        model::Clipping box;
-        box.isCropped = true;
-        box.crop = drawnBox(clipping, view.volume);
-        setCuts(gl_, program, model::cutsOf(box, view.volume, view.volume));
+        program.setUniformValue("valueShare", clipping.planes[place].cap == model::Cap::Values ? 1.0f : 0.0f);
+        // Values continue beyond the volume's sides and the other plane, the cap does not.
+        model::Clipping others = clipping;
+        others.isCropped = true;
+        others.crop = drawnBox(clipping, view.volume);
+        others.planes[place].isOn = false;
+        setCuts(gl_, program, model::cutsOf(others, view.volume, view.volume));
         for (const Fill& fill : view.fills) {
             const QVector3D colour =
                 fill.colour ? kCapShare * QVector3D(fill.colour->r, fill.colour->g, fill.colour->b) : kCapColour;
             program.setUniformValue("isovalue", fill.isovalue);
-            program.setUniformValue("capColour", colour * (0.6f + 0.4f * view.facing));
+            program.setUniformValue("capColour", colour * light);
             gl_.glDrawArrays(GL_TRIANGLE_STRIP, 0, kQuadPoints);
         }
         clearCuts(gl_);
@@ -190,7 +207,10 @@ void ClipGuides::drawLines(const model::Clipping& clipping, const View& view) {
     std::vector<float> data;
     const model::CropBox box = drawnBox(clipping, view.volume);
     addBox(data, box);
-    const int border = clipping.plane.isOn ? addBorder(data, clipping.plane, box, view.volume) : 0;
+    std::array<int, model::kClipPlanes> borders{};
+    for (std::size_t place = 0; place < borders.size(); ++place)
+        if (clipping.planes[place].isOn)
+            borders[place] = addBorder(data, clipping.planes[place], box, view.volume);
     if (!fill(data))
         return;
     lineProgram_->bind();
@@ -200,9 +220,11 @@ void ClipGuides::drawLines(const model::Clipping& clipping, const View& view) {
         lineProgram_->setUniformValue("lineColour", kCropColour);
         gl_.glDrawArrays(GL_LINES, 0, kBoxPoints);
     }
-    if (border > 0) {
-        lineProgram_->setUniformValue("lineColour", kPlaneColour);
-        gl_.glDrawArrays(GL_LINE_LOOP, kBoxPoints, border);
+    int first = kBoxPoints;
+    for (std::size_t place = 0; place < borders.size(); ++place) {
+        lineProgram_->setUniformValue("lineColour", place == clipping.active ? kPlaneColour : kOtherPlaneColour);
+        gl_.glDrawArrays(GL_LINE_LOOP, first, borders[place]);
+        first += borders[place];
     }
     lineProgram_->release();
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <span>
@@ -13,13 +15,14 @@
 #include "core/grid/grid_geometry.h"
 #include "ui/model/slices/cap_samples.h"
 #include "ui/model/slices/slice_options.h"
+#include "ui/model/surface/camera.h"
 #include "ui/model/surface/clipping.h"
 #include "ui/render/colour_uniforms.h"
 #include "ui/render/gl_driver.h"
 
 namespace isoslider::render {
 
-/// What closes the surface on the clip plane.
+/// What closes the surface on a clip plane.
 struct CapScene {
     std::shared_ptr<const model::CapSamples> samples; ///< null: nothing
     model::ValueWindow window; ///< of its greys
@@ -27,19 +30,22 @@ struct CapScene {
     bool operator==(const CapScene&) const = default;
 };
 
-/// The clipping of a picture: that of the options, on the plane whose samples there are.
-model::Clipping drawnClipping(const model::Clipping& wanted, const CapScene& cap);
+/// By place of the plane.
+using CapScenes = std::array<CapScene, model::kClipPlanes>;
+
+/// The clipping of a picture: that of the options, on the planes whose samples there are.
+model::Clipping drawnClipping(const model::Clipping& wanted, const CapScenes& caps);
 
 /// Has the bound program draw only what lies within `cuts`, until the next call. REQUIRES: at most kMostCuts.
 void setCuts(Gl& gl, QOpenGLShaderProgram& program, std::span<const glm::dvec4> cuts);
 /// No more clipping, whatever is drawn.
 void clearCuts(Gl& gl);
 
-/// Crop box and clip plane in the scene: the edges of the box, the border of the plane, and its cap. Made, drawn and
-/// destroyed with one context current; nothing is on the card before the first is drawn.
+/// Crop box and clip planes in the scene: the edges of the box, the borders of the planes, and their caps. Made, drawn
+/// and destroyed with one context current; nothing is on the card before the first is drawn.
 class ClipGuides {
 public:
-    /// A surface that the cap closes.
+    /// A surface that caps close.
     struct Fill {
         float isovalue = 0.0f;
         std::optional<glm::vec3> colour; ///< linear light; none: that of the first of all colours
@@ -49,9 +55,9 @@ public:
         const QMatrix4x4& viewToClip;
         const GridGeometry& volume;
         std::span<const Fill> fills; ///< ascending by isovalue: what lies within another one is drawn over it
-        float facing = 1.0f; ///< how much the plane faces the viewer, 0 to 1
+        const model::Camera& camera;
         ColourUniforms& uniforms;
-        const model::SurfaceColours& colours; ///< of the cap too, where there are any
+        const model::SurfaceColours& colours; ///< of the caps too, where there are any
     };
     ClipGuides(Gl& gl, GlDriver& driver);
     ~ClipGuides();
@@ -60,23 +66,27 @@ public:
 
     /// Forgets everything on the GPU without a call to it: the context is gone.
     void abandon();
-    void draw(const model::Clipping& clipping, const CapScene& cap, const View& view);
+    void draw(const model::Clipping& clipping, const CapScenes& caps, const View& view);
 
 private:
     bool initialize();
     bool fill(const std::vector<float>& data);
-    void drawCap(const model::Clipping& clipping, const CapScene& cap, const View& view);
+    void drawCap(const model::Clipping& clipping, std::size_t place, const CapScene& cap, const View& view);
     void drawLines(const model::Clipping& clipping, const View& view);
-    bool uploadCap(const model::CapSamples& samples);
+    bool uploadCap(GLuint texture, const model::CapSamples& samples);
 
     Gl& gl_;
     GlDriver& driver_;
     bool isReady_ = false, isBroken_ = false;
     std::unique_ptr<QOpenGLShaderProgram> capProgram_;
     std::unique_ptr<QOpenGLShaderProgram> lineProgram_;
-    GLuint array_ = 0, buffer_ = 0, texture_ = 0;
-    std::shared_ptr<const model::CapSamples> inTexture_; ///< sent to the card last
-    bool isRefused_ = false; ///< the card has no memory for it
+    GLuint array_ = 0, buffer_ = 0;
+    struct Texture {
+        GLuint name = 0;
+        std::shared_ptr<const model::CapSamples> content; ///< sent to the card last
+        bool isRefused = false; ///< the card has no memory for it
+    };
+    std::array<Texture, model::kClipPlanes> textures_; ///< of the caps
 };
 
 } // namespace isoslider::render

@@ -320,7 +320,7 @@ SceneRenderer::Matrices SceneRenderer::matricesOf(const GridGeometry& grid, cons
         matrices.spotInClip = projection * view * matrices.spotInWorld;
         matrices.spot = glm::dvec3(glm::inverse(indexToCentredWorld(grid, volume_)) * matrices.spotInWorld);
     }
-    matrices.cuts = model::cutsOf(drawnClipping(sceneView.options.clipping, sceneView.cap), grid, volume_);
+    matrices.cuts = model::cutsOf(drawnClipping(sceneView.options.clipping, sceneView.caps), grid, volume_);
     return matrices;
 }
 
@@ -402,8 +402,7 @@ void SceneRenderer::drawBoxLines(QOpenGLShaderProgram& program, const Matrices& 
 }
 
 void SceneRenderer::drawClipGuides(const Matrices& ofVolume, const SceneView& view) {
-    const model::Clipping clipping = drawnClipping(view.options.clipping, view.cap);
-    const auto facing = std::abs(glm::normalize(view.camera.normalMatrix() * clipping.plane.normal).z);
+    const model::Clipping clipping = drawnClipping(view.options.clipping, view.caps);
     std::vector<ClipGuides::Fill> fills;
     if (view.look.isVisible)
         fills.push_back({static_cast<float>(frame_->isovalue), view.look.colour});
@@ -411,9 +410,9 @@ void SceneRenderer::drawClipGuides(const Matrices& ofVolume, const SceneView& vi
         if (surface.isOfVolume && surface.look.isVisible)
             fills.push_back({static_cast<float>(surface.frame->isovalue), surface.look.colour});
     std::stable_sort(fills.begin(), fills.end(), [](const auto& a, const auto& b) { return a.isovalue < b.isovalue; });
-    resources_->clipGuides.draw(clipping, view.cap,
-                                {ofVolume.boxToView, ofVolume.viewToClip, volume_, fills, static_cast<float>(facing),
-                                 resources_->colours, view.colours});
+    resources_->clipGuides.draw(
+        clipping, view.caps,
+        {ofVolume.boxToView, ofVolume.viewToClip, volume_, fills, view.camera, resources_->colours, view.colours});
 }
 
 void SceneRenderer::drawMarker(const Spot& spot, const glm::dvec4& place, glm::ivec2 pixels) {

@@ -37,7 +37,7 @@ struct SceneView {
     model::Camera camera;
     model::ViewOptions options;
     glm::ivec2 pixels{0};
-    CapScene cap;
+    CapScenes caps;
     SurfaceLook look; ///< of the frame
     std::vector<InactiveSurface> inactive; ///< in any order: the picture is the same
     model::SurfaceColours colours; ///< of all of them

@@ -27,14 +27,31 @@ constexpr std::array<OptionName, 10> kOptionNames{{{"changed", &ViewOptions::sho
 
 constexpr std::array<const char*, 3> kCapNames{"none", "colour", "values"}; // by Cap
 
+constexpr std::array<const char*, kClipPlanes> kPlaneNames{"plane", "secondPlane"};
+
+Json toJson(const ClipPlane& plane) {
+    return {{"on", plane.isOn},
+            {"normal", arrayOf(plane.normal, 3)},
+            {"offset", plane.offset},
+            {"cap", kCapNames[static_cast<std::size_t>(plane.cap)]}};
+}
+
+void takePlane(const Json& json, const char* name, ClipPlane& plane, std::vector<std::string>& problems) {
+    Members members(json, std::string("view, clipping, ") + name, problems);
+    const glm::dvec3 normal = plane.normal;
+    members.flag("on", plane.isOn);
+    if (members.numbers("normal", plane.normal, 3) && !(glm::length(plane.normal) > 0.0)) {
+        members.reportOf("normal", "has no direction and is ignored");
+        plane.normal = normal;
+    }
+    members.number("offset", plane.offset);
+    choose(members, "cap", kCapNames, plane.cap);
+}
+
 Json toJson(const Clipping& clipping) {
-    const ClipPlane& plane = clipping.plane;
-    Json json{{"cropped", clipping.isCropped},
-              {"plane",
-               {{"on", plane.isOn},
-                {"normal", arrayOf(plane.normal, 3)},
-                {"offset", plane.offset},
-                {"cap", kCapNames[static_cast<std::size_t>(plane.cap)]}}}};
+    Json json{{"cropped", clipping.isCropped}, {"activePlane", clipping.active}};
+    for (std::size_t place = 0; place < kClipPlanes; ++place)
+        json[kPlaneNames[place]] = toJson(clipping.planes[place]);
     if (clipping.crop) {
         json["low"] = arrayOf(clipping.crop->low, 3);
         json["high"] = arrayOf(clipping.crop->high, 3);
@@ -57,16 +74,10 @@ Clipping clippingFrom(const Json& json, std::vector<std::string>& problems) {
     const bool hasLow = members.dims("low", box.low, 0), hasHigh = members.dims("high", box.high, 1);
     if (hasLow && hasHigh)
         clipping.crop = box; // brought within the volume once that is open
-    if (const Json* planeJson = members.find("plane")) {
-        Members plane(*planeJson, "view, clipping, plane", problems);
-        plane.flag("on", clipping.plane.isOn);
-        if (plane.numbers("normal", clipping.plane.normal, 3) && !(glm::length(clipping.plane.normal) > 0.0)) {
-            plane.reportOf("normal", "has no direction and is ignored");
-            clipping.plane.normal = ClipPlane().normal;
-        }
-        plane.number("offset", clipping.plane.offset);
-        choose(plane, "cap", kCapNames, clipping.plane.cap);
-    }
+    for (std::size_t place = 0; place < kClipPlanes; ++place)
+        if (const Json* plane = members.find(kPlaneNames[place]))
+            takePlane(*plane, kPlaneNames[place], clipping.planes[place], problems);
+    members.integer("activePlane", clipping.active, 0, static_cast<int>(kClipPlanes) - 1);
     return clipping;
 }
 

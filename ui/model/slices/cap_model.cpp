@@ -14,25 +14,24 @@ bool isSamePlane(const ClipPlane& a, const ClipPlane& b) { return a.normal == b.
 
 } // namespace
 
-CapModel::CapModel(Session& session, const ViewState& view)
-    : session_(session), view_(view), jobs_(std::make_shared<BackgroundJobs>(session.services().postToMain)) {}
+CapModel::CapModel(Session& session, const ViewState& view, std::size_t place)
+    : session_(session),
+      view_(view),
+      place_(place),
+      jobs_(std::make_shared<BackgroundJobs>(session.services().postToMain)) {}
 
 ValueWindow CapModel::window() const {
     const auto* dataset = session_.dataset();
     return dataset != nullptr && dataset->values ? automaticWindow(*dataset->values) : ValueWindow{};
 }
 
-bool CapModel::isWanted() const {
-    const ClipPlane& plane = view_.options().clipping.plane;
-    return session_.dataset() != nullptr && plane.isOn && plane.cap != Cap::None;
-}
+bool CapModel::isWanted() const { return session_.dataset() != nullptr && plane().isOn && plane().cap != Cap::None; }
 
 bool CapModel::isSettled() const {
     if (!isWanted())
         return true;
-    const ClipPlane& plane = view_.options().clipping.plane;
     return !isOpening_ && !isSampling_ &&
-           ((samples_ && isSamePlane(samples_->of, plane)) || failed_ || !problem_.empty());
+           ((samples_ && isSamePlane(samples_->of, plane())) || failed_ || !problem_.empty());
 }
 
 void CapModel::setProblem(std::string problem) {
@@ -96,7 +95,7 @@ void CapModel::openSource() {
 }
 
 void CapModel::sample() {
-    const ClipPlane plane = view_.options().clipping.plane;
+    const ClipPlane plane = this->plane();
     if (isSampling_ || !sampler_ || (failed_ && isSamePlane(*failed_, plane)) ||
         (samples_ && sampled_ == source_ && isSamePlane(samples_->of, plane)))
         return;

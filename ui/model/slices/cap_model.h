@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,12 +16,12 @@
 
 namespace isoslider::model {
 
-/// Samples on the clip plane, while it has a cap. They are taken by background jobs, one at a time, for the plane that
-/// is wanted when the job begins; so a fast drag shows caps on its way and ends at the newest. Window thread only;
-/// everything it is given must outlive it.
+/// Samples on one of the clip planes, while it has a cap. They are taken by background jobs, one at a time, for the
+/// plane that is wanted when the job begins; so a fast drag shows caps on its way and ends at the newest. Window thread
+/// only; everything it is given must outlive it.
 class CapModel {
 public:
-    CapModel(Session& session, const ViewState& view);
+    CapModel(Session& session, const ViewState& view, std::size_t place);
     CapModel(const CapModel&) = delete;
     CapModel& operator=(const CapModel&) = delete;
 
@@ -46,6 +47,7 @@ private:
         bool operator==(const Source&) const = default;
     };
 
+    const ClipPlane& plane() const { return view_.options().clipping.planes[place_]; }
     bool isWanted() const;
     void chooseSource();
     void openSource();
@@ -55,6 +57,7 @@ private:
 
     Session& session_;
     const ViewState& view_;
+    std::size_t place_; ///< of the plane
     std::optional<Source> source_, sampled_; ///< the second of samples_
     std::shared_ptr<extract::SliceSampler> sampler_;
     std::shared_ptr<const CapSamples> samples_;

@@ -16,7 +16,7 @@ bool isCroppedByCells(const extract::SurfaceMesh& mesh, const Clipping& clipping
 
 bool cutsTriangles(const extract::SurfaceMesh& mesh, const Clipping& clipping, CropSides sides) {
     return sides == CropSides::Open &&
-           (clipping.plane.isOn || (clipping.isCropped && !isCroppedByCells(mesh, clipping, sides)));
+           (clipping.hasPlane() || (clipping.isCropped && !isCroppedByCells(mesh, clipping, sides)));
 }
 
 Result<extract::SurfaceMesh> clippedMesh(extract::SurfaceMesh mesh, const Clipping& clipping, CropSides sides,

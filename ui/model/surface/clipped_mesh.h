@@ -9,7 +9,7 @@ namespace isoslider::model {
 /// Whether a mesh of what is in the crop box ends there or is closed, see extract::cropMesh().
 enum class CropSides { Open, Closed };
 
-/// What of a volume's whole surface the clipping leaves. Closed: all in the crop box, whatever the clip plane leaves of
+/// What of a volume's whole surface the clipping leaves. Closed: all in the crop box, whatever the clip planes leave of
 /// it. Errors: Cancelled; those of extract::cropMesh() where it is to be closed.
 Result<extract::SurfaceMesh> clippedMesh(extract::SurfaceMesh mesh, const Clipping& clipping, CropSides sides,
                                          const JobControl& job = {});

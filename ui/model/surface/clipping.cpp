@@ -77,11 +77,12 @@ std::vector<glm::dvec4> cutsOf(const Clipping& clipping, const GridGeometry& gri
             cuts.push_back(glm::dvec4(0.0, 0.0, 0.0, static_cast<double>(box.high[a])) - along);
         }
     }
-    if (clipping.plane.isOn) {
-        const glm::dvec3 normal = clipping.plane.normal;
+    for (const ClipPlane& plane : clipping.planes) {
+        if (!plane.isOn)
+            continue;
         const glm::dmat3 toWorld(grid.indexToWorld());
-        cuts.emplace_back(-(glm::transpose(toWorld) * normal),
-                          clipping.plane.offset - glm::dot(normal, offsetOf(grid, volume)));
+        cuts.emplace_back(-(glm::transpose(toWorld) * plane.normal),
+                          plane.offset - glm::dot(plane.normal, offsetOf(grid, volume)));
     }
     return cuts;
 }

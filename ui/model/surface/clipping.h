@@ -21,7 +21,7 @@ struct CropBox {
     bool operator==(const CropBox&) const = default;
 };
 
-/// What closes a surface on the clip plane: nothing, one colour, or the samples in grey.
+/// What closes a surface on a clip plane: nothing, one colour, or the samples in grey.
 enum class Cap { None, Colour, Values };
 
 /// A plane in world units about the volume's centre; what lies on the side of its normal is not drawn.
@@ -34,11 +34,20 @@ struct ClipPlane {
     bool operator==(const ClipPlane&) const = default;
 };
 
+/// As many as every graphics card clips by, beside the crop box's faces.
+inline constexpr std::size_t kClipPlanes = 2;
+
 /// What of a surface is not drawn because of where it lies.
 struct Clipping {
     bool isCropped = false;
     std::optional<CropBox> crop; ///< none: the whole volume
-    ClipPlane plane;
+    std::array<ClipPlane, kClipPlanes> planes{ClipPlane(), ClipPlane{false, {0.0, 1.0, 0.0}}};
+    std::size_t active = 0; ///< of the planes: that which handles, keys and fields move
+
+    ClipPlane& plane() { return planes[active]; }
+    const ClipPlane& plane() const { return planes[active]; }
+    bool hasPlane() const { return planes[0].isOn || planes[1].isOn; }
+    bool clipsAnything() const { return isCropped || hasPlane(); }
 
     bool operator==(const Clipping&) const = default;
 };
@@ -52,9 +61,9 @@ CropBox withFace(CropBox box, int axis, bool isHigh, double at, const GridDims& 
 
 /// Half-spaces, all of which a place must lie in to be drawn: dot(xyz, place) + w >= 0, in index units of `grid`, which
 /// is `volume`, every n-th of its points, or that of another volume in the same space. The six of the crop box come
-/// first, then that of the plane.
+/// first, then those of the planes.
 std::vector<glm::dvec4> cutsOf(const Clipping& clipping, const GridGeometry& grid, const GridGeometry& volume);
-inline constexpr std::size_t kMostCuts = 7;
+inline constexpr std::size_t kMostCuts = 6 + kClipPlanes;
 
 bool isWithin(std::span<const glm::dvec4> cuts, const glm::dvec3& place);
 /// What of a segment lies in all half-spaces; none if nothing does.

@@ -58,7 +58,8 @@ ClipPanel::ClipPanel(model::Session& session, ViewportHost& host, const ActionRe
     subscriptions_.push_back(host_.viewState().observe([this] { showClipping(); }));
     subscriptions_.push_back(session_.datasetChanged().observe([this] { showClipping(); }));
     if (host_.clipTool() != nullptr)
-        subscriptions_.push_back(host_.clipTool()->cap().observe([this] { showClipping(); }));
+        for (std::size_t place = 0; place < model::kClipPlanes; ++place)
+            subscriptions_.push_back(host_.clipTool()->cap(place).observe([this] { showClipping(); }));
     showClipping();
 }
 
@@ -106,10 +107,12 @@ void ClipPanel::addCrop(QVBoxLayout* rows, const ActionRegistry& actions) {
 
 void ClipPanel::addPlane(QVBoxLayout* rows, const ActionRegistry& actions) {
     auto* row = new QHBoxLayout;
-    row->addWidget(makeHeading(tr("Clip plane"), this));
+    planeHeading_ = makeHeading(tr("Clip plane"), this);
+    row->addWidget(planeHeading_);
     row->addStretch(1);
     addButton(row, actions.action("clip.plane"), tr("Clip"), this);
     addButton(row, actions.action("clip.flip"), tr("Flip"), this);
+    addButton(row, actions.action("clip.second"), tr("Second"), this);
     rows->addLayout(row);
     auto* directions = new QHBoxLayout;
     directions->addWidget(new QLabel(tr("Across"), this));
@@ -151,12 +154,12 @@ void ClipPanel::addPlane(QVBoxLayout* rows, const ActionRegistry& actions) {
     rows->addWidget(problem_);
     connect(offset_, &QDoubleSpinBox::valueChanged, this, [this](double offset) {
         change([&](model::Clipping& clipping) {
-            clipping.plane.offset = offset;
-            clipping.plane.isOn = true;
+            clipping.plane().offset = offset;
+            clipping.plane().isOn = true;
         });
     });
     connect(cap_, &QComboBox::activated, this, [this](int cap) {
-        change([&](model::Clipping& clipping) { clipping.plane.cap = static_cast<model::Cap>(cap); });
+        change([&](model::Clipping& clipping) { clipping.plane().cap = static_cast<model::Cap>(cap); });
     });
 }
 
@@ -183,11 +186,15 @@ void ClipPanel::showClipping() {
         showValue(low_[axis], 0, last - 1, static_cast<int>(box.low[axis]));
         showValue(high_[axis], 1, last, static_cast<int>(box.high[axis]));
     }
-    offset_->setEnabled(isPossible && clipping.plane.isOn);
-    cap_->setEnabled(isPossible && clipping.plane.isOn);
-    cap_->setCurrentIndex(static_cast<int>(clipping.plane.cap));
+    // Named apart as soon as there are two.
+    planeHeading_->setText(!clipping.planes[1].isOn && clipping.active == 0
+                               ? tr("Clip plane")
+                               : tr("Clip plane %1").arg(clipping.active + 1));
+    offset_->setEnabled(isPossible && clipping.plane().isOn);
+    cap_->setEnabled(isPossible && clipping.plane().isOn);
+    cap_->setCurrentIndex(static_cast<int>(clipping.plane().cap));
     if (dataset != nullptr) {
-        const double reach = model::reachAlong(clipping.plane.normal, dataset->geometry);
+        const double reach = model::reachAlong(clipping.plane().normal, dataset->geometry);
         const int decimals = reach > 0.0 ? std::clamp(3 - static_cast<int>(std::floor(std::log10(reach))), 0, 12) : 3;
         const QSignalBlocker blocker(offset_);
         if (offset_->decimals() != decimals)
@@ -198,10 +205,10 @@ void ClipPanel::showClipping() {
         offset_->setRange(-reach, reach);
         // Rounded, so that a distance with more digits is no other one.
         const double scale = std::pow(10.0, decimals);
-        if (std::abs(offset_->value() - clipping.plane.offset) > 0.5 / scale)
-            offset_->setValue(clipping.plane.offset);
+        if (std::abs(offset_->value() - clipping.plane().offset) > 0.5 / scale)
+            offset_->setValue(clipping.plane().offset);
     }
-    const std::string problem = isPossible ? host_.clipTool()->cap().problem() : std::string();
+    const std::string problem = isPossible ? host_.clipTool()->cap(clipping.active).problem() : std::string();
     problem_->setText(fromStd(problem));
     problem_->setVisible(!problem.empty());
 }

@@ -41,6 +41,7 @@ private:
     std::array<QSpinBox*, 3> low_{}, high_{};
     QDoubleSpinBox* offset_ = nullptr;
     QComboBox* cap_ = nullptr;
+    QLabel* planeHeading_ = nullptr;
     QLabel* problem_ = nullptr;
     std::vector<model::Subscription> subscriptions_;
 };

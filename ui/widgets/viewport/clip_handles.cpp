@@ -39,15 +39,15 @@ void ClipHandles::show(const model::Clipping& clipping, const std::optional<Grid
         for (int axis = 0; axis < 3; ++axis)
             for (const bool isHigh : {false, true})
                 handles_.push_back({ClipHandle::Kind::Face, axis, isHigh});
-    if (volume_ && clipping.plane.isOn) {
+    if (volume_ && clipping.plane().isOn) {
         handles_.push_back({ClipHandle::Kind::Plane});
         handles_.push_back({ClipHandle::Kind::Normal});
         // The middle of what is seen of the plane; near its edge-on end at least near the volume.
-        const auto border = render::borderOf(model::capPlaneOf(clipping.plane, *volume_, 1), volume_->dims);
+        const auto border = render::borderOf(model::capPlaneOf(clipping.plane(), *volume_, 1), volume_->dims);
         glm::dvec3 middle(0.0);
         for (const glm::vec3& corner : border)
             middle += glm::dvec3(corner) / static_cast<double>(border.size());
-        planeMiddle_ = border.empty() ? clipping.plane.normal * clipping.plane.offset
+        planeMiddle_ = border.empty() ? clipping.plane().normal * clipping.plane().offset
                                       : model::centredWorldOf(middle, *volume_, *volume_);
     }
     setGeometry(viewport_.rect());
@@ -66,14 +66,14 @@ void ClipHandles::highlight(const std::optional<ClipHandle>& handle, const QStri
 // As long on screen however lengths are stretched.
 double ClipHandles::normalLength() const {
     const model::Camera& camera = viewport_.camera();
-    return kNormalShare * camera.sceneRadius() / glm::length(camera.stretch() * clipping_.plane.normal);
+    return kNormalShare * camera.sceneRadius() / glm::length(camera.stretch() * clipping_.plane().normal);
 }
 
 glm::dvec3 ClipHandles::placeOf(const ClipHandle& handle) const {
     if (handle.kind == ClipHandle::Kind::Plane)
         return planeMiddle_;
     if (handle.kind == ClipHandle::Kind::Normal)
-        return planeMiddle_ + normalLength() * clipping_.plane.normal;
+        return planeMiddle_ + normalLength() * clipping_.plane().normal;
     const model::CropBox box = model::cropWithin(clipping_.crop, volume_->dims);
     glm::dvec3 place(0.0);
     for (int axis = 0; axis < 3; ++axis) {
@@ -126,8 +126,8 @@ void ClipHandles::paintEvent(QPaintEvent*) {
     painter.setRenderHint(QPainter::Antialiasing);
     paintBox(painter);
     const auto middle = pointOf(planeMiddle_);
-    const auto tip = pointOf(planeMiddle_ + normalLength() * clipping_.plane.normal);
-    if (volume_ && clipping_.plane.isOn && middle && tip)
+    const auto tip = pointOf(planeMiddle_ + normalLength() * clipping_.plane().normal);
+    if (volume_ && clipping_.plane().isOn && middle && tip)
         for (const auto& [colour, width] : {std::pair(kShadow, 4.5), std::pair(kPlaneInk, 2.0)}) {
             painter.setPen(QPen(colour, width, Qt::SolidLine, Qt::RoundCap));
             painter.drawLine(*middle, *tip);

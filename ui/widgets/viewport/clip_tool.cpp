@@ -57,7 +57,7 @@ ClipTool::ClipTool(model::Session& session, model::ViewState& options, ViewportW
       viewport_(viewport),
       actions_(actions),
       handles_(new ClipHandles(viewport)),
-      cap_(session, options) {
+      caps_{model::CapModel(session, options, 0), model::CapModel(session, options, 1)} {
     connectActions(actions);
     connect(&viewport_, &ViewportWidget::cameraChanged, handles_, qOverload<>(&QWidget::update));
     viewport_.installEventFilter(this);
@@ -65,9 +65,8 @@ ClipTool::ClipTool(model::Session& session, model::ViewState& options, ViewportW
     viewport_.view().setMouseTracking(true);
     subscriptions_.push_back(options_.observe([this] { showOptions(); }));
     subscriptions_.push_back(session_.datasetChanged().observe([this] { followDataset(); }));
-    subscriptions_.push_back(cap_.observe([this] {
-        viewport_.setCap({cap_.samples(), cap_.samples() ? cap_.window() : model::ValueWindow{}});
-    }));
+    for (model::CapModel& cap : caps_)
+        subscriptions_.push_back(cap.observe([this] { showCaps(); }));
     followDataset();
 }
 
@@ -77,22 +76,27 @@ void ClipTool::connectActions(const ActionRegistry& actions) {
     };
     on("clip.crop", [](model::Clipping& clipping) { clipping.isCropped = !clipping.isCropped; });
     on("clip.resetCrop", [](model::Clipping& clipping) { clipping.crop.reset(); });
-    on("clip.plane", [](model::Clipping& clipping) { clipping.plane.isOn = !clipping.plane.isOn; });
-    on("clip.flip", [](model::Clipping& clipping) { clipping.plane = model::flipped(clipping.plane); });
+    on("clip.plane", [](model::Clipping& clipping) { clipping.plane().isOn = !clipping.plane().isOn; });
+    on("clip.second", [](model::Clipping& clipping) {
+        clipping.active = 1 - clipping.active;
+        if (clipping.active == 1)
+            clipping.plane().isOn = true;
+    });
+    on("clip.flip", [](model::Clipping& clipping) { clipping.plane() = model::flipped(clipping.plane()); });
     on("clip.facing", [this](model::Clipping& clipping) {
-        clipping.plane = model::turnedTo(clipping.plane, viewport_.camera().facingNormal(), glm::dvec3(0.0));
-        clipping.plane.isOn = true;
+        clipping.plane() = model::turnedTo(clipping.plane(), viewport_.camera().facingNormal(), glm::dvec3(0.0));
+        clipping.plane().isOn = true;
     });
     for (const auto& entry : kAxisActions)
         on(entry.id, [this, axis = entry.axis](model::Clipping& clipping) {
             // Along grid lines: where samples lie, also in a turned volume.
             const glm::dmat3 toWorld(session_.dataset()->geometry.indexToWorld());
             const glm::dvec3 across = glm::cross(toWorld[(axis + 1) % 3], toWorld[(axis + 2) % 3]);
-            clipping.plane = model::turnedTo(clipping.plane, across, glm::dvec3(0.0));
-            clipping.plane.isOn = true;
+            clipping.plane() = model::turnedTo(clipping.plane(), across, glm::dvec3(0.0));
+            clipping.plane().isOn = true;
         });
     for (const auto& entry : kCapActions)
-        on(entry.id, [cap = entry.cap](model::Clipping& clipping) { clipping.plane.cap = cap; });
+        on(entry.id, [cap = entry.cap](model::Clipping& clipping) { clipping.plane().cap = cap; });
 }
 
 void ClipTool::change(const std::function<void(model::Clipping&)>& change) {
@@ -112,25 +116,36 @@ void ClipTool::showOptions() {
             clipping.crop = model::cropWithin(clipping.crop, dataset->geometry.dims);
         if (clipping.crop == model::wholeBox(dataset->geometry.dims))
             clipping.crop.reset();
-        clipping.plane = model::planeWithin(clipping.plane, dataset->geometry);
+        for (model::ClipPlane& plane : clipping.planes)
+            plane = model::planeWithin(plane, dataset->geometry);
         if (options != options_.options())
             return options_.setOptions(options);
     }
     const bool hasVolume = dataset != nullptr;
-    for (const char* id : {"clip.crop", "clip.plane", "clip.facing"})
+    for (const char* id : {"clip.crop", "clip.plane", "clip.second", "clip.facing"})
         actions_.action(id)->setEnabled(hasVolume);
     actions_.action("clip.crop")->setChecked(clipping.isCropped);
     actions_.action("clip.resetCrop")->setEnabled(hasVolume && clipping.crop.has_value());
-    actions_.action("clip.plane")->setChecked(clipping.plane.isOn);
-    actions_.action("clip.flip")->setEnabled(hasVolume && clipping.plane.isOn);
+    actions_.action("clip.plane")->setChecked(clipping.plane().isOn);
+    actions_.action("clip.second")->setChecked(clipping.active == 1);
+    actions_.action("clip.flip")->setEnabled(hasVolume && clipping.plane().isOn);
     for (const auto& entry : kAxisActions)
         actions_.action(entry.id)->setEnabled(hasVolume);
     for (const auto& entry : kCapActions) {
-        actions_.action(entry.id)->setEnabled(hasVolume && clipping.plane.isOn);
-        actions_.action(entry.id)->setChecked(clipping.plane.cap == entry.cap);
+        actions_.action(entry.id)->setEnabled(hasVolume && clipping.plane().isOn);
+        actions_.action(entry.id)->setChecked(clipping.plane().cap == entry.cap);
     }
     handles_->show(clipping, hasVolume ? std::optional(dataset->geometry) : std::nullopt);
-    cap_.refresh();
+    for (model::CapModel& cap : caps_)
+        cap.refresh();
+}
+
+void ClipTool::showCaps() {
+    render::CapScenes scenes;
+    for (std::size_t place = 0; place < caps_.size(); ++place)
+        if (auto samples = caps_[place].samples())
+            scenes[place] = {std::move(samples), caps_[place].window()};
+    viewport_.setCaps(std::move(scenes));
 }
 
 // Boxes and planes are of one volume.
@@ -214,7 +229,7 @@ std::optional<double> ClipTool::placeAlongWay(const glm::dvec3& from, const glm:
 /// What moves a handle by one: a cell, or a unit of length.
 glm::dvec3 ClipTool::wayOf(const ClipHandle& handle) const {
     return handle.kind == Kind::Face ? glm::dmat3(session_.dataset()->geometry.indexToWorld())[handle.axis]
-                                     : options_.options().clipping.plane.normal;
+                                     : options_.options().clipping.plane().normal;
 }
 
 void ClipTool::begin(const ClipHandle& handle, QPointF point) {
@@ -222,7 +237,7 @@ void ClipTool::begin(const ClipHandle& handle, QPointF point) {
               0.0,    handles_->placeOf({Kind::Plane}), false};
     drag.at = placeAlongWay(drag.from, wayOf(handle), point).value_or(0.0);
     drag.isFar =
-        handle.kind == Kind::Normal && glm::dot(drag.before.plane.normal, viewport_.camera().facingNormal()) < 0.0;
+        handle.kind == Kind::Normal && glm::dot(drag.before.plane().normal, viewport_.camera().facingNormal()) < 0.0;
     drag_ = drag;
 }
 
@@ -232,10 +247,10 @@ void ClipTool::drag(QPointF point) {
         return;
     model::Clipping clipping = drag_->before;
     if (drag_->handle.kind == Kind::Normal) {
-        clipping.plane = model::turnedTo(clipping.plane, turnedNormal(point), drag_->pivot);
+        clipping.plane() = model::turnedTo(clipping.plane(), turnedNormal(point), drag_->pivot);
     } else {
         const bool isFace = drag_->handle.kind == Kind::Face;
-        const glm::dvec3 way = isFace ? wayOf(drag_->handle) : clipping.plane.normal;
+        const glm::dvec3 way = isFace ? wayOf(drag_->handle) : clipping.plane().normal;
         const auto at = placeAlongWay(drag_->from, way, point);
         if (!at)
             return;
@@ -247,7 +262,7 @@ void ClipTool::drag(QPointF point) {
             clipping.crop = model::withFace(box, drag_->handle.axis, drag_->handle.isHigh,
                                             static_cast<double>(before) + moved, dataset->geometry.dims);
         } else {
-            clipping.plane.offset += moved;
+            clipping.plane().offset += moved;
         }
     }
     change([&](model::Clipping& changed) { changed = clipping; });
@@ -275,7 +290,7 @@ QString ClipTool::textOf(const ClipHandle& handle) const {
         return {};
     const model::Clipping& clipping = options_.options().clipping;
     if (handle.kind == Kind::Plane)
-        return inLengthUnit(fromStd(model::valueText(clipping.plane.offset, 4)), dataset->lengthUnit);
+        return inLengthUnit(fromStd(model::valueText(clipping.plane().offset, 4)), dataset->lengthUnit);
     const model::CropBox box = model::cropWithin(clipping.crop, dataset->geometry.dims);
     const auto axis = static_cast<std::size_t>(handle.axis);
     return (handle.isHigh ? tr("%1 to %2") : tr("%1 from %2"))

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -24,7 +26,7 @@ namespace isoslider::widgets {
 class ActionRegistry;
 class ViewportWidget;
 
-/// Crop box and clip plane by menu, keys and handles in the view. Both are part of the view's options, so they are
+/// Crop box and clip planes by menu, keys and handles in the view. Both are part of the view's options, so they are
 /// saved and undone with them; those of another volume are forgotten. Everything it is given must outlive it.
 class ClipTool : public QObject {
     Q_OBJECT
@@ -33,7 +35,8 @@ public:
              const ActionRegistry& actions, QObject* parent);
 
     ClipHandles& handles() { return *handles_; }
-    model::CapModel& cap() { return cap_; }
+    /// Of a clip plane, by its place.
+    model::CapModel& cap(std::size_t place) { return caps_[place]; }
 
 protected:
     bool eventFilter(QObject* watched, QEvent* event) override;
@@ -51,6 +54,7 @@ private:
     void connectActions(const ActionRegistry& actions);
     void change(const std::function<void(model::Clipping&)>& change);
     void showOptions();
+    void showCaps();
     void followDataset();
     bool press(QMouseEvent* event);
     void hover(const std::optional<ClipHandle>& handle);
@@ -66,7 +70,7 @@ private:
     ViewportWidget& viewport_;
     const ActionRegistry& actions_;
     ClipHandles* handles_; // the viewport's
-    model::CapModel cap_;
+    std::array<model::CapModel, model::kClipPlanes> caps_; ///< of the planes
     std::optional<Drag> drag_;
     std::optional<ClipHandle> hovered_;
     std::optional<QCursor> cursorBefore_;

@@ -53,9 +53,9 @@ constexpr std::array<OptionAction, 10> kOptionActions{
      {"view.ticks", "view/showsTicks", &model::ViewOptions::showsTicks},
      {"colour.bar", "view/showsColourBar", &model::ViewOptions::showsColourBar}}};
 
-constexpr std::array<const char*, 11> kClipActions{{"clip.crop", "clip.resetCrop", "clip.plane", "clip.flip",
-                                                    "clip.facing", "clip.acrossX", "clip.acrossY", "clip.acrossZ",
-                                                    "clip.noCap", "clip.colourCap", "clip.valueCap"}};
+constexpr std::array<const char*, 12> kClipActions{{"clip.crop", "clip.resetCrop", "clip.plane", "clip.second",
+                                                    "clip.flip", "clip.facing", "clip.acrossX", "clip.acrossY",
+                                                    "clip.acrossZ", "clip.noCap", "clip.colourCap", "clip.valueCap"}};
 
 struct ViewAction {
     const char* action;

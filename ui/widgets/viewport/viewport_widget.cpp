@@ -158,8 +158,8 @@ void ViewportWidget::setSlices(render::SliceScene slices) {
     setStale();
 }
 
-void ViewportWidget::setCap(render::CapScene cap) {
-    cap_ = std::move(cap);
+void ViewportWidget::setCaps(render::CapScenes caps) {
+    caps_ = std::move(caps);
     setStale();
 }
 
@@ -212,7 +212,7 @@ void ViewportWidget::ask(render::PictureUse use) {
         return;
     isStale_ = false;
     render::SceneView view{frame_,       volume_, {},    slices_,   camera_, options_,
-                           askedPixels_, cap_,    look_, inactive_, colours_};
+                           askedPixels_, caps_,   look_, inactive_, colours_};
     if (spot_)
         view.spot = render::Spot{*spot_, spotStrength_, static_cast<float>(devicePixelRatioF())};
     asked_ = scene_->ask(std::move(view), use);

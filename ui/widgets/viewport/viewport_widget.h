@@ -37,7 +37,7 @@ public:
     void setSpot(const std::optional<glm::dvec3>& place, float strength = 1.0f);
     void setOptions(const model::ViewOptions& options);
     void setSlices(render::SliceScene slices);
-    void setCap(render::CapScene cap);
+    void setCaps(render::CapScenes caps);
     void setColours(const model::SurfaceColours& colours);
     /// How the frame is drawn, and the surfaces beside it.
     void setSurfaces(const render::SurfaceLook& look, std::vector<render::InactiveSurface> inactive);
@@ -137,7 +137,7 @@ private:
     model::Camera camera_;
     model::ViewOptions options_;
     render::SliceScene slices_;
-    render::CapScene cap_;
+    render::CapScenes caps_;
     model::SurfaceColours colours_;
     render::SurfaceLook look_;
     std::vector<render::InactiveSurface> inactive_;

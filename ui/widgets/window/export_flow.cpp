@@ -169,7 +169,7 @@ void ExportFlow::showWhatIsPossible() {
     const auto& surfaces = session_.surfaces().list().surfaces;
     const bool areSeveral = std::count_if(surfaces.begin(), surfaces.end(),
                                           [](const model::ListedSurface& surface) { return surface.isVisible; }) > 1;
-    const bool isClipped = clipping.isCropped || clipping.plane.isOn;
+    const bool isClipped = clipping.clipsAnything();
     parts_.actions.action("pieces.exportSelected")->setEnabled(isKnown && options.pieces.selected);
     parts_.actions.action("pieces.exportShown")
         ->setEnabled(frame != nullptr && (areSeveral || (options.pieces.hidesAny() ? isKnown : isClipped)));

@@ -59,7 +59,8 @@ void MainWindow::makeMenus() {
     QMenu* clipping = view->addMenu(tr("Cl&ipping"));
     add(clipping, {"clip.crop", "clip.resetCrop"});
     clipping->addSeparator();
-    add(clipping, {"clip.plane", "clip.acrossX", "clip.acrossY", "clip.acrossZ", "clip.facing", "clip.flip"});
+    add(clipping,
+        {"clip.plane", "clip.second", "clip.acrossX", "clip.acrossY", "clip.acrossZ", "clip.facing", "clip.flip"});
     clipping->addSeparator();
     add(clipping, {"clip.noCap", "clip.colourCap", "clip.valueCap"});
     clipping->addSeparator();

@@ -48,7 +48,9 @@ SavedSession fullSession(const fs::path& volume) {
     session.view->stage = {Background::White, Light::Raking, true, {1.0, 2.5, 0.125}};
     session.view->clipping.isCropped = true;
     session.view->clipping.crop = CropBox{{1, 2, 3}, {40, 50, 60}};
-    session.view->clipping.plane = {true, {0.0, 0.6, -0.8}, -12.625, Cap::Values};
+    session.view->clipping.plane() = {true, {0.0, 0.6, -0.8}, -12.625, Cap::Values};
+    session.view->clipping.planes[1] = {true, {0.8, 0.0, 0.6}, 3.5, Cap::None};
+    session.view->clipping.active = 1;
     session.view->measured = {{1.5, -2.0, 1e-30}, {0.1, 0.2, 0.3}};
     session.view->pieces.awaited = {{{{1, 2, 3}, 0}, {{40, 0, 7}, 2}}, PiecePlace{{5, 6, 7}, 1}};
     session.second.volume = {volume.parent_path() / "b.nrrd", {}, {}};
