@@ -176,7 +176,7 @@ TEST_F(CliTest, GoesOnWithASortOnDisk) {
         ASSERT_EQ(run(building("whole.isx", "-0")).exitCode, 0);
         const std::string bytes = readText(path("whole.isx"));
         int resumed = 0, kills = 0;
-        for (int at = 25;; at *= 3) {
+        for (int at = 25;; at += at) {
             ProcessOptions killed;
             killed.environment = {{"LD_PRELOAD", test::builtFile("libisoslider_failing_calls.so")},
                                   {"ISO_FAIL_BELOW", folder_.path().string()},
