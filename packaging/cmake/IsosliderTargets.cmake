@@ -51,6 +51,8 @@ function(isoslider_join_files target)
     list(APPEND joined ${name})
   endforeach()
   target_sources(${target} PRIVATE ${joined})
+  # Of a class with members of a type in an unnamed namespace: GCC takes each file that is included for a header.
+  set_source_files_properties(${joined} PROPERTIES COMPILE_OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
 # isoslider_library(NAME SOURCES ... [HEADERS ...] [APART ...])

@@ -56,8 +56,9 @@ protected:
         EXPECT_LT(result.peakRssBytes, kLimitBytes);
         const auto json = OrderedJson::parse(result.standardOutput, nullptr, false);
         EXPECT_TRUE(json.is_object());
-        if (json.is_object())
+        if (json.is_object()) {
             EXPECT_LT(json["peak_rss_bytes"].get<std::uint64_t>(), kLimitBytes);
+        }
         return json;
     }
 

@@ -115,8 +115,8 @@ private:
 
     /// Adds what chunks the pixels of a tile lie in.
     void collect(const SlicePlane& plane, const Tile& tile, Numbers& chunks) const {
-        constexpr std::uint64_t kNone = ~std::uint64_t{0};
-        std::pair<std::uint64_t, std::uint64_t> last{kNone, kNone};
+        constexpr std::uint64_t kNoChunk = ~std::uint64_t{0};
+        std::pair<std::uint64_t, std::uint64_t> last{kNoChunk, kNoChunk};
         forEachPixel(plane, tile, [&](const PlaceInCell& cell, std::size_t) {
             const auto& low = cell.low;
             const auto step = [&](std::size_t a) { return cell.part[a] > 0.0 ? 1 : 0; };

@@ -155,11 +155,11 @@ private:
         });
         const auto& links = graph_.links;
         std::size_t c = 0, r = 0, l = 0;
-        constexpr double kNever = std::numeric_limits<double>::infinity();
+        constexpr double kAfterAll = std::numeric_limits<double>::infinity();
         while (c < coming.size() || r < reaching.size() || l < links.size()) {
-            const double now = std::min({c < coming.size() ? seeds[coming[c]].isovalue : kNever,
-                                         r < reaching.size() ? seeds[reaching[r]].reachesBoundary : kNever,
-                                         l < links.size() ? links[l].isovalue : kNever});
+            const double now = std::min({c < coming.size() ? seeds[coming[c]].isovalue : kAfterAll,
+                                         r < reaching.size() ? seeds[reaching[r]].reachesBoundary : kAfterAll,
+                                         l < links.size() ? links[l].isovalue : kAfterAll});
             const std::int64_t before = closed_;
             Cause cause;
             for (; c < coming.size() && seeds[coming[c]].isovalue == now; ++c) {

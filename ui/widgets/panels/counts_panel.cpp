@@ -129,7 +129,7 @@ void CountsPanel::show() {
     const auto frame = session_.frame();
     const auto counts = frame ? session_.topology().countsAt(frame->isovalue) : std::nullopt;
     const bool areExact = session_.topology().areCountsExact();
-    counts_->setFacts(counts ? countFacts(*counts, areExact) : std::vector<Fact>{});
+    counts_->setFacts(counts ? countFacts(counts.value_or(topology::SurfaceCounts()), areExact) : std::vector<Fact>{});
     const auto measures = counts ? measureFacts(session_, frame->isovalue) : std::vector<Fact>{};
     measures_->setFacts(measures);
     measuresHeading_->setVisible(!measures.empty());

@@ -210,9 +210,9 @@ public:
     }
 
     const DicomValue& operator[](DicomTag tag) const {
-        static const DicomValue kNone;
+        static const DicomValue kEmptyValue;
         const auto found = values_.find(tag);
-        return found == values_.end() ? kNone : found->second;
+        return found == values_.end() ? kEmptyValue : found->second;
     }
     std::string text(DicomTag tag) const { return (*this)[tag].text; }
     double number(DicomTag tag, double otherwise) const { return firstOf((*this)[tag].numbers).value_or(otherwise); }

@@ -163,17 +163,17 @@ void addSwitches(const DecodedPage<Key>& page, const BrickGrid& grid, std::uint6
 
 template <class Sample>
 int expectDefinition(const ScalarGrid& grid, const MergeError& error, const IndexReader& reader) {
-    using Key = KeyOf<Sample>;
+    using SampleKey = KeyOf<Sample>;
     const IndexMeta& meta = reader.meta();
     Definition<Sample> definition(grid, extract::boundOf(error, meta.info.min, meta.info.max));
     EXPECT_EQ(meta.info.distinctValues, definition.keys().size());
     std::set<std::uint8_t> forms;
     for (std::size_t l = 0; l < meta.levels.size() && !testing::Test::HasFailure(); ++l) {
-        std::vector<DecodedPage<Key>> pages(meta.levels[l].pages.size());
+        std::vector<DecodedPage<SampleKey>> pages(meta.levels[l].pages.size());
         for (std::size_t p = 0; p < pages.size(); ++p) {
             std::vector<std::byte> bytes;
             EXPECT_THAT(reader.readPage(meta.levels[l].pages[p], bytes), IsOk());
-            EXPECT_THAT(decodePage<Key>(bytes, reader.grid(), pages[p], "a.isx"), IsOk());
+            EXPECT_THAT(decodePage<SampleKey>(bytes, reader.grid(), pages[p], "a.isx"), IsOk());
             forms.insert(pages[p].forms.begin(), pages[p].forms.end());
         }
         if (l == 0)

@@ -49,8 +49,9 @@ TEST(ScaleBar, ThereIsNoneWhereLengthsMeanNothing) {
     const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
     for (const double bad : {0.0, -1.0, nan, infinite, 1e-310, 1e300}) {
         EXPECT_FALSE(scaleBarOf(bad, 92.0)) << bad;
-        if (bad != 1e300 && bad != 1e-310)
+        if (bad != 1e300 && bad != 1e-310) {
             EXPECT_FALSE(scaleBarOf(1.0, bad)) << bad;
+        }
     }
     EXPECT_FALSE(scaleBarOf(infinite, 0.0));
 }
