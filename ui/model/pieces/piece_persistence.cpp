@@ -60,7 +60,7 @@ Result<ShortLivedPieces> PersistenceFinder::findShortLived(const extract::Surfac
         topology::findBriefPieces(*samples_, vertices, frame.isovalue, leastPersistence, optionsOf(dataset), job);
     if (!brief.isOk())
         return brief.error();
-    ShortLivedPieces found{frame.isovalue, leastPersistence, {}, brief.value().isComplete, {}};
+    ShortLivedPieces found{frame.isovalue, frame.geometry.dims, leastPersistence, {}, brief.value().isComplete, {}};
     for (std::size_t piece = 0; piece < pieces.size(); ++piece)
         if (brief.value().isBrief[piece])
             found.ids.push_back(pieces[piece].id);

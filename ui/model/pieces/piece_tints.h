@@ -34,6 +34,7 @@ struct PiecePlaces {
 /// Which pieces of a picture last less than asked, as the samples say.
 struct ShortLivedPieces {
     double isovalue = 0.0; ///< of the picture
+    GridDims dims{}; ///< of its grid: that of a preview is coarser
     double leastPersistence = 0.0; ///< that was asked for
     std::vector<extract::PieceId> ids; ///< ascending
     bool isComplete = true; ///< false: some pieces are so large that it was not found out; they are not among these

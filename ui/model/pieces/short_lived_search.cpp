@@ -35,10 +35,10 @@ std::optional<ShortLivedSearch::Question> ShortLivedSearch::nextQuestion() const
         if (!(hidden.leastPersistence > 0.0) || !picture || !picture->pieces || picture->isovalue != surface.isovalue ||
             (isActive && session_.isMoving()))
             continue;
-        const Question question{surface.id, picture->isovalue, hidden.leastPersistence};
+        const Question question{surface.id, picture->isovalue, hidden.leastPersistence, picture->geometry.dims};
         const ShortLivedPieces* known = hidden.shortLived.get();
         if (known == nullptr || known->isovalue != question.isovalue ||
-            known->leastPersistence != question.leastPersistence)
+            known->leastPersistence != question.leastPersistence || known->dims != question.dims)
             return question;
     }
     return std::nullopt;
@@ -61,11 +61,12 @@ void ShortLivedSearch::ask(const Question& question) {
         },
         [this, question](const Result<ShortLivedPieces>& result) {
             asked_.reset();
-            auto pieces = result.isOk()
-                              ? std::make_shared<ShortLivedPieces>(result.value())
-                              : std::make_shared<ShortLivedPieces>(ShortLivedPieces{
-                                    question.isovalue, question.leastPersistence, {}, false, result.error().message});
-            found_(question.surface, std::move(pieces));
+            ShortLivedPieces pieces{question.isovalue, question.dims, question.leastPersistence, {}, false, {}};
+            if (result.isOk())
+                pieces = result.value();
+            else
+                pieces.error = result.error().message;
+            found_(question.surface, std::make_shared<const ShortLivedPieces>(std::move(pieces)));
             update();
         });
 }

@@ -28,6 +28,7 @@ private:
     struct Question {
         SurfaceId surface{};
         double isovalue = 0.0, leastPersistence = 0.0;
+        GridDims dims{}; ///< of the picture's grid
 
         bool operator==(const Question&) const = default;
     };

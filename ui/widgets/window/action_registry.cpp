@@ -122,7 +122,7 @@ const std::vector<SectionSpec>& specs() {
           {"clip.resetCrop", TR("&Reset Crop Box"), "", TR("Let the crop box hold the whole volume"), ""},
           {"clip.plane", TR("Clip &Plane"), "V", TR("Cut the surface open; the plane is moved and turned in the view"),
            "", true},
-          {"clip.second", TR("Secon&d Plane"), "Ctrl+Alt+V",
+          {"clip.second", TR("Seco&nd Plane"), "Ctrl+Alt+V",
            TR("Cut by a second plane, too; keys, fields and handles are its own while this is checked"), "", true},
           {"clip.acrossX", TR("Across &X"), "", TR("Put the clip plane across X, in the middle"), ""},
           {"clip.acrossY", TR("Across &Y"), "", TR("Put the clip plane across Y, in the middle"), ""},
