@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <span>
@@ -28,6 +29,14 @@ bool hasAnyCell(const BitString& cells, ClosedPoint first, int level) {
                 if (cells.test(first + x + kPointStride[1] * y + kPointStride[2] * z))
                     return true;
     return false;
+}
+
+// All but the one that is not known; -1: all.
+bool areFinite(const cell::CornerScalars& scalars, int unknown) {
+    for (int corner = 0; corner < 8; ++corner)
+        if (corner != unknown && !std::isfinite(scalars[static_cast<std::size_t>(corner)]))
+            return false;
+    return true;
 }
 
 } // namespace
@@ -393,7 +402,10 @@ cell::StateId LiveSurface<Live>::stateOfAmbiguous(BrickDraft<Live>& draft, Close
     }
     cell::CornerScalars scalars;
     const bool knowsHidden = corners.cornerScalars(cell, signs, scalars);
-    const cell::ResolvedCell resolved = cell::resolveCell(signs, scalars, knowsHidden, isovalue);
+    // A forged index may call a cell whole that has missing corners: nothing is decided there.
+    const cell::ResolvedCell resolved = areFinite(scalars, knowsHidden ? -1 : cell::hiddenCorner(signs))
+                                            ? cell::resolveCell(signs, scalars, knowsHidden, isovalue)
+                                            : cell::ResolvedCell{signs, {}};
     draft.ambiguous.push_back({resolved.interval, cell, resolved.state});
     ++draft.counts.cellsDecided;
     // It may have changed though its signs have not.
