@@ -219,6 +219,12 @@ check_links() {
     found=$(reaches "$scratch/edges" "$target" "$pattern")
     [[ -z $found ]] || fail "$target links what it must not" "$found"
   done
+  # What takes long to load is loaded by the reader's process only.
+  for target in isoslider isoslider-cli; do
+    [[ -x $build/bin/$target ]] || continue
+    found=$(ldd "$build/bin/$target" | grep -E 'lib(vtk|gdcm|netcdf|hdf5)' || true)
+    [[ -z $found ]] || fail "$target loads libraries that only isoslider-reader needs" "$found"
+  done
   # Each program alone is built with the reader's process, without which it cannot read every format.
   for target in isoslider isoslider-cli; do
     ninja -C "$build" -t inputs "$target" | grep 'bin/isoslider-reader$' >/dev/null || fail "$target is built without isoslider-reader"

@@ -238,7 +238,7 @@ TEST_F(ClipTest, ThePlaneIsMovedAndTurnedByItsHandles) {
     EXPECT_FALSE(clipping().plane().isOn);
 }
 
-TEST_F(ClipTest, ASecondPlaneHasHandlesKeysAndFieldsOfItsOwn) {
+TEST_F(ClipTest, ASecondPlaneHasSeparateHandlesKeysAndFields) {
     press(Qt::Key_V);
     auto* dock = child<QDockWidget>("clipDock");
     dock->raise();

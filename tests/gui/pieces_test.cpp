@@ -163,7 +163,7 @@ TEST_F(PiecesTest, ThoseThatLastShortlyAreHiddenByTheSlider) {
     ASSERT_TRUE(waitUntil([&] { return known()->leastPersistence == view().options().pieces.leastPersistence; }));
     EXPECT_EQ(count(), QStringLiteral("3 pieces, 2 hidden"));
     EXPECT_FALSE(value->text().isEmpty());
-    // They stay hidden while the surface moves, and where it rests it is asked anew.
+    // They stay hidden while the surface moves; where it rests, the search runs again.
     slideTo(1.25);
     EXPECT_EQ(count(), QStringLiteral("3 pieces, 2 hidden"));
     ASSERT_TRUE(waitUntil([&] { return known()->isovalue == 1.25; }));
@@ -182,7 +182,7 @@ TEST_F(PiecesTest, ThoseThatLastShortlyAreHiddenByTheSlider) {
     EXPECT_EQ(value->text(), QStringLiteral("show all"));
     EXPECT_FALSE(view().options().pieces.hidesAny());
 
-    // What is found is no step of its own, and is not undone.
+    // What is found is no separate step, and is not undone.
     QTest::keyClick(persistence, Qt::Key_End);
     ASSERT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces, 2 hidden"); }));
     auto* undo = window_->actions().action("edit.undo");

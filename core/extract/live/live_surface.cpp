@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <span>
@@ -13,6 +12,7 @@
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/stream_copy.h"
 #include "core/extract/live/vertex_kernels.h"
+#include "core/grid/classification.h"
 
 namespace isoslider::extract {
 namespace {
@@ -31,10 +31,10 @@ bool hasAnyCell(const BitString& cells, ClosedPoint first, int level) {
     return false;
 }
 
-// All but the one that is not known; -1: all.
-bool areFinite(const cell::CornerScalars& scalars, int unknown) {
+// But for the one that is not known; -1: all count.
+bool arePresent(const cell::CornerScalars& scalars, int unknown) {
     for (int corner = 0; corner < 8; ++corner)
-        if (corner != unknown && !std::isfinite(scalars[static_cast<std::size_t>(corner)]))
+        if (corner != unknown && isMissing(scalars[static_cast<std::size_t>(corner)]))
             return false;
     return true;
 }
@@ -402,8 +402,8 @@ cell::StateId LiveSurface<Live>::stateOfAmbiguous(BrickDraft<Live>& draft, Close
     }
     cell::CornerScalars scalars;
     const bool knowsHidden = corners.cornerScalars(cell, signs, scalars);
-    // A forged index may call a cell whole that has missing corners: nothing is decided there.
-    const cell::ResolvedCell resolved = areFinite(scalars, knowsHidden ? -1 : cell::hiddenCorner(signs))
+    // A forged index may state that a cell with missing corners is valid: nothing is decided there.
+    const cell::ResolvedCell resolved = arePresent(scalars, knowsHidden ? -1 : cell::hiddenCorner(signs))
                                             ? cell::resolveCell(signs, scalars, knowsHidden, isovalue)
                                             : cell::ResolvedCell{signs, {}};
     draft.ambiguous.push_back({resolved.interval, cell, resolved.state});

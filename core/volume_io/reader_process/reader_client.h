@@ -10,7 +10,7 @@ namespace isoslider::io {
 
 // Libraries parse in a separate process, `isoslider-reader`, which may die of a file without harm: it lies
 // beside the program, or in ../libexec/isoslider, or where ISOSLIDER_READER states. One process per volume; it
-// ends with its source. Costs some 30 ms to start, and one copy of the samples through a socket.
+// ends with its source. Costs some 0.1 s to start, and one copy of the samples through a socket.
 
 // A reader that sends nothing for kReaderSilence, not even that it is alive, is ended. ISOSLIDER_READER_SILENCE is that
 // time in seconds for tests.

@@ -123,7 +123,7 @@ const std::vector<SectionSpec>& specs() {
           {"clip.plane", TR("Clip &Plane"), "V", TR("Cut the surface open; the plane is moved and turned in the view"),
            "", true},
           {"clip.second", TR("Seco&nd Plane"), "Ctrl+Alt+V",
-           TR("Cut by a second plane, too; keys, fields and handles are its own while this is checked"), "", true},
+           TR("Cut by a second plane, too; while this is checked, keys, fields and handles move that one"), "", true},
           {"clip.acrossX", TR("Across &X"), "", TR("Put the clip plane across X, in the middle"), ""},
           {"clip.acrossY", TR("Across &Y"), "", TR("Put the clip plane across Y, in the middle"), ""},
           {"clip.acrossZ", TR("Across &Z"), "", TR("Put the clip plane across Z, in the middle"), ""},
