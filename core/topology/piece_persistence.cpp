@@ -49,10 +49,10 @@ PiecePersistence resultOf(const RegionWalk& walk, Side side, const PersistenceOp
 }
 
 /// Whether regions on both sides of pieces last long enough, one piece after the other.
-class BriefPieceSearch {
+class ShortLivedPieceSearch {
 public:
-    BriefPieceSearch(index::SampleBlocks& samples, double isovalue, double least, const PersistenceOptions& options,
-                     const JobControl& job)
+    ShortLivedPieceSearch(index::SampleBlocks& samples, double isovalue, double least,
+                          const PersistenceOptions& options, const JobControl& job)
         : samples_(samples),
           isovalue_(isovalue),
           least_(least),
@@ -62,7 +62,7 @@ public:
                  KnownRegions{PointSet(samples.dims()), PointSet(samples.dims())}},
           pointsLeft_(options.mostPointsInAll) {}
 
-    bool isBrief(const PieceVertex& vertex) {
+    bool isShortLived(const PieceVertex& vertex) {
         const auto ends = endsOf(samples_, vertex, isovalue_);
         if (!ends)
             return false;
@@ -101,17 +101,18 @@ private:
 
 } // namespace
 
-Result<BriefPieces> findBriefPieces(index::SampleBlocks& samples, std::span<const PieceVertex> pieces, double isovalue,
-                                    double least, const PersistenceOptions& options, const JobControl& job) {
-    BriefPieceSearch search(samples, isovalue, least, options, job);
-    BriefPieces found;
-    found.isBrief.reserve(pieces.size());
+Result<PieceLifetimes> findShortLivedPieces(index::SampleBlocks& samples, std::span<const PieceVertex> pieces,
+                                            double isovalue, double least, const PersistenceOptions& options,
+                                            const JobControl& job) {
+    ShortLivedPieceSearch search(samples, isovalue, least, options, job);
+    PieceLifetimes found;
+    found.isShortLived.reserve(pieces.size());
     for (const PieceVertex& vertex : pieces) {
         if (job.isStopRequested())
             return cancelledError();
-        found.isBrief.push_back(search.isBrief(vertex));
+        found.isShortLived.push_back(search.isShortLived(vertex));
         ISO_TRY(samples.status());
-        job.report(static_cast<double>(found.isBrief.size()) / static_cast<double>(pieces.size()), "pieces");
+        job.report(static_cast<double>(found.isShortLived.size()) / static_cast<double>(pieces.size()), "pieces");
     }
     if (job.isStopRequested())
         return cancelledError();

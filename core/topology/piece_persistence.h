@@ -34,7 +34,7 @@ struct PersistenceOptions {
     double least = 0.0, greatest = 0.0; ///< of the volume: what never joins has lasted from end to end
     /// That are walked to on each side; one microsecond each, ten in noise.
     std::uint64_t mostPoints = std::uint64_t{1} << 19;
-    /// The same of all walks of findBriefPieces() together.
+    /// The same of all walks of findShortLivedPieces() together.
     std::uint64_t mostPointsInAll = std::uint64_t{1} << 24;
 };
 
@@ -46,15 +46,16 @@ Result<PiecePersistence> persistenceOfPiece(index::SampleBlocks& samples, const 
                                             const PersistenceOptions& options, const JobControl& job = {});
 
 /// Which of several pieces last for less than asked.
-struct BriefPieces {
-    std::vector<bool> isBrief; ///< by place among the pieces; false where it was not found out
+struct PieceLifetimes {
+    std::vector<bool> isShortLived; ///< by place among the pieces; false where it was not found out
     bool isComplete = true; ///< false: for some the walks grew too long, and they count as lasting
 };
 
 /// Whether persistenceOfPiece() is below `least`, for pieces of one surface. A walk ends where its region is known to
 /// last, most of them after some hundred points, and no region is walked through twice: the number of pieces may be
 /// large. A vertex that the surface does not cross is of a lasting piece. Errors: Cancelled, those of `samples`.
-Result<BriefPieces> findBriefPieces(index::SampleBlocks& samples, std::span<const PieceVertex> pieces, double isovalue,
-                                    double least, const PersistenceOptions& options, const JobControl& job = {});
+Result<PieceLifetimes> findShortLivedPieces(index::SampleBlocks& samples, std::span<const PieceVertex> pieces,
+                                            double isovalue, double least, const PersistenceOptions& options,
+                                            const JobControl& job = {});
 
 } // namespace isoslider::topology

@@ -25,7 +25,7 @@ void RegionWalk::endWhenKnown(double least, double span, KnownRegions& known) {
     least_ = least;
     span_ = span;
     known_ = &known;
-    if (known.lasting.has(first_.at) || known.brief.has(first_.at)) {
+    if (known.lasting.has(first_.at) || known.shortLived.has(first_.at)) {
         isDone_ = true;
         isLasting_ = known.lasting.has(first_.at);
         return;
@@ -75,7 +75,7 @@ void RegionWalk::reach(const GridPlace& p, double height) {
         return;
     if (known_->lasting.has(p))
         end(true);
-    else if (known_->brief.has(p))
+    else if (known_->shortLived.has(p))
         end(false);
 }
 
@@ -114,7 +114,7 @@ void RegionWalk::endIfLongEnough() {
 void RegionWalk::end(bool isLasting) {
     isDone_ = true;
     isLasting_ = isLasting;
-    (isLasting ? known_->lasting : known_->brief).add(region_ ? *region_ : reached_);
+    (isLasting ? known_->lasting : known_->shortLived).add(region_ ? *region_ : reached_);
 }
 
 void RegionWalk::expand(const GridPlace& at) {

@@ -71,7 +71,7 @@ private:
 
 /// What is known of the regions on one side of an isovalue: whether they last long enough.
 struct KnownRegions {
-    PointSet lasting, brief;
+    PointSet lasting, shortLived;
 };
 
 /// A walk from one grid point through what its side's region is, then through what that joins, in the order of

@@ -381,9 +381,9 @@ std::vector<PieceVertex> crossedEdges(const ScalarGrid& grid, double isovalue) {
     return crossed;
 }
 
-TEST(BriefPieces, AreThoseOfLessPersistence) {
+TEST(ShortLivedPieces, AreThoseOfLessPersistence) {
     constexpr std::size_t kCompared = 19; // every so many: walks to the ends take long
-    std::size_t brief = 0, lasting = 0;
+    std::size_t shortLived = 0, lasting = 0;
     for (unsigned seed = 1; seed <= 3; ++seed) {
         // Samples of few values, so that persistences are equal to what is asked.
         const auto base = noise(seed);
@@ -399,45 +399,45 @@ TEST(BriefPieces, AreThoseOfLessPersistence) {
             for (std::size_t i = 0; i < pieces.size(); i += kCompared)
                 persistences.push_back(persistenceOfPiece(*samples, pieces[i], isovalue, options).value().persistence);
             for (const double least : {0.0, 0.25, 0.5, 1.0, options.greatest - options.least, 9.0}) {
-                const auto found = findBriefPieces(*samples, pieces, isovalue, least, options);
+                const auto found = findShortLivedPieces(*samples, pieces, isovalue, least, options);
                 ASSERT_THAT(found, IsOk());
                 EXPECT_TRUE(found.value().isComplete);
-                ASSERT_EQ(found.value().isBrief.size(), pieces.size());
+                ASSERT_EQ(found.value().isShortLived.size(), pieces.size());
                 for (std::size_t i = 0; i < persistences.size(); ++i) {
-                    EXPECT_EQ(found.value().isBrief[kCompared * i], persistences[i] < least)
+                    EXPECT_EQ(found.value().isShortLived[kCompared * i], persistences[i] < least)
                         << persistences[i] << ' ' << least << ' ' << isovalue << ' ' << seed;
-                    ++(persistences[i] < least ? brief : lasting);
+                    ++(persistences[i] < least ? shortLived : lasting);
                 }
             }
         }
     }
-    EXPECT_GT(brief, 100u);
+    EXPECT_GT(shortLived, 100u);
     EXPECT_GT(lasting, 100u);
 }
 
-TEST(BriefPieces, AreNotWalkedOnForEver) {
+TEST(ShortLivedPieces, AreNotWalkedOnForEver) {
     const auto grid = std::make_shared<const ScalarGrid>(gridOf({20, 20, 20}, noise(7)));
     const auto samples = index::makeSampleBlocks(grid);
     PersistenceOptions options = wholeOf(*grid);
     const std::vector<PieceVertex> pieces = crossedEdges(*grid, 0.0);
     const double least = options.greatest - options.least;
-    const auto exact = findBriefPieces(*samples, pieces, 0.0, least, options);
+    const auto exact = findShortLivedPieces(*samples, pieces, 0.0, least, options);
     options.mostPoints = 40;
-    const auto bounded = findBriefPieces(*samples, pieces, 0.0, least, options);
+    const auto bounded = findShortLivedPieces(*samples, pieces, 0.0, least, options);
     options.mostPoints = std::uint64_t{1} << 19;
     options.mostPointsInAll = 1000;
-    const auto boundedInAll = findBriefPieces(*samples, pieces, 0.0, least, options);
+    const auto boundedInAll = findShortLivedPieces(*samples, pieces, 0.0, least, options);
     for (const auto* found : {&bounded, &boundedInAll}) {
         ASSERT_THAT(*found, IsOk());
         EXPECT_FALSE(found->value().isComplete);
         for (std::size_t i = 0; i < pieces.size(); ++i)
-            EXPECT_TRUE(exact.value().isBrief[i] || !found->value().isBrief[i]) << "hides what lasts";
+            EXPECT_TRUE(exact.value().isShortLived[i] || !found->value().isShortLived[i]) << "hides what lasts";
     }
     std::stop_source stop;
     stop.request_stop();
     JobControl job;
     job.stop = stop.get_token();
-    EXPECT_THAT(findBriefPieces(*samples, pieces, 0.0, least, options, job), test::HasError(ErrorCode::Cancelled));
+    EXPECT_THAT(findShortLivedPieces(*samples, pieces, 0.0, least, options, job), test::HasError(ErrorCode::Cancelled));
 }
 
 // ---- curves

@@ -56,13 +56,13 @@ Result<ShortLivedPieces> PersistenceFinder::findShortLived(const extract::Surfac
     vertices.reserve(pieces.size());
     for (const extract::Piece& piece : pieces)
         vertices.push_back({piece.edgeStart, piece.edgeAxis});
-    const auto brief =
-        topology::findBriefPieces(*samples_, vertices, frame.isovalue, leastPersistence, optionsOf(dataset), job);
-    if (!brief.isOk())
-        return brief.error();
-    ShortLivedPieces found{frame.isovalue, frame.geometry.dims, leastPersistence, {}, brief.value().isComplete, {}};
+    const auto lifetimes =
+        topology::findShortLivedPieces(*samples_, vertices, frame.isovalue, leastPersistence, optionsOf(dataset), job);
+    if (!lifetimes.isOk())
+        return lifetimes.error();
+    ShortLivedPieces found{frame.isovalue, frame.geometry.dims, leastPersistence, {}, lifetimes.value().isComplete, {}};
     for (std::size_t piece = 0; piece < pieces.size(); ++piece)
-        if (brief.value().isBrief[piece])
+        if (lifetimes.value().isShortLived[piece])
             found.ids.push_back(pieces[piece].id);
     std::sort(found.ids.begin(), found.ids.end());
     return found;

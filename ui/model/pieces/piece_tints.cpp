@@ -64,8 +64,8 @@ bool PieceDisplay::isShown(std::size_t piece) const {
     const extract::Piece& shown = pieces_.pieces()[piece];
     if (only_)
         return piece == *only_;
-    const auto* brief = options_.leastPersistence > 0.0 ? options_.shortLived.get() : nullptr;
-    if (brief != nullptr && std::binary_search(brief->ids.begin(), brief->ids.end(), shown.id))
+    const auto* found = options_.leastPersistence > 0.0 ? options_.shortLived.get() : nullptr;
+    if (found != nullptr && std::binary_search(found->ids.begin(), found->ids.end(), shown.id))
         return false;
     return !(options_.largest > 0 && piece >= options_.largest) && sizeOf(shown, geometry_) >= options_.leastSize &&
            std::find(options_.hidden.begin(), options_.hidden.end(), shown.id) == options_.hidden.end();

@@ -74,26 +74,22 @@ PiecesPanel::PiecesPanel(model::Session& session, model::ViewState& viewState, c
 }
 
 void PiecesPanel::addControls(const ActionRegistry& actions) {
-    const SliderRow size = makeSliderRow(tr("Hide smaller than"), QStringLiteral("0.0000 mm"), this);
-    size_ = size.slider;
-    sizeValue_ = size.value;
-    size_->setObjectName(QStringLiteral("pieceSize"));
-    size_->setRange(0, kSteps);
-    size_->setPageStep(kSteps / 20);
-    size_->setAccessibleName(tr("Hide pieces smaller than"));
+    const auto addSlider = [this](QSlider*& slider, QLabel*& value, const QString& caption, const char* name,
+                                  const QString& accessibleName) {
+        const SliderRow row = makeSliderRow(caption, QStringLiteral("0.0000 mm"), this);
+        slider = row.slider;
+        value = row.value;
+        slider->setObjectName(QLatin1String(name));
+        slider->setRange(0, kSteps);
+        slider->setPageStep(kSteps / 20);
+        slider->setAccessibleName(accessibleName);
+        value->setObjectName(QLatin1String(name) + QLatin1String("Value"));
+        static_cast<QVBoxLayout*>(layout())->addLayout(row.row);
+    };
+    addSlider(size_, sizeValue_, tr("Hide smaller than"), "pieceSize", tr("Hide pieces smaller than"));
     size_->setToolTip(tr("Pieces whose longest side is shorter are not drawn. The scale is logarithmic"));
-    sizeValue_->setObjectName(QStringLiteral("pieceSizeValue"));
-    auto* rows = static_cast<QVBoxLayout*>(layout());
-    rows->addLayout(size.row);
-    const SliderRow persistence = makeSliderRow(tr("Hide persistence below"), QStringLiteral("0.0000 mm"), this);
-    persistence_ = persistence.slider;
-    persistenceValue_ = persistence.value;
-    persistence_->setObjectName(QStringLiteral("piecePersistence"));
-    persistence_->setRange(0, kSteps);
-    persistence_->setPageStep(kSteps / 20);
-    persistence_->setAccessibleName(tr("Hide pieces of persistence below"));
-    persistenceValue_->setObjectName(QStringLiteral("piecePersistenceValue"));
-    rows->addLayout(persistence.row);
+    addSlider(persistence_, persistenceValue_, tr("Hide persistence below"), "piecePersistence",
+              tr("Hide pieces of persistence below"));
     auto* second = new QHBoxLayout;
     auto* keep = new QLabel(tr("Show the largest"), this);
     largest_ = new QSpinBox(this);
@@ -106,7 +102,7 @@ void PiecesPanel::addControls(const ActionRegistry& actions) {
     second->addWidget(largest_);
     second->addStretch(1);
     second->addWidget(makeToolButton(actions.action("pieces.colour"), Qt::ToolButtonTextOnly, this));
-    rows->addLayout(second);
+    static_cast<QVBoxLayout*>(layout())->addLayout(second);
     connect(largest_, &QSpinBox::valueChanged, this, [this](int count) {
         auto options = viewState_.options();
         options.pieces.largest = static_cast<std::uint32_t>(count);
