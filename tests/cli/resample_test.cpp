@@ -44,13 +44,13 @@ TEST_F(CliResample, WritesAUniformVolumeAndTellsWhatWasLost) {
     const auto coarse = runJson({"resample", rectilinear(), "-o", path("b.mha"), "--size", "2,2,2"});
     EXPECT_EQ(coarse["dims"], OrderedJson({2, 2, 2}));
     EXPECT_THAT(run({"resample", rectilinear(), "-o", path("c.mha")}).standardOutput, HasSubstr("largest difference"));
-    EXPECT_EQ(runJson({"info", path("c.mha")})["dims"], OrderedJson({5, 4, 3}));
+    EXPECT_EQ(runJson({"info", path("c.mha")})["dims"], OrderedJson({11, 4, 3}));
 }
 
 TEST_F(CliResample, IsReportedByEveryCommandThatResamples) {
     // A spike at a point that the uniform grid has none near.
     std::string text = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 4 2 2\n"
-                       "X_COORDINATES 4 double\n0 0.1 2 3\nY_COORDINATES 2 double\n0 1\n"
+                       "X_COORDINATES 4 double\n0 0.01 2 3\nY_COORDINATES 2 double\n0 1\n"
                        "Z_COORDINATES 2 double\n0 1\nPOINT_DATA 16\nSCALARS spike double 1\nLOOKUP_TABLE default\n";
     for (int i = 0; i < 4; ++i)
         text += "0 100 0 0\n";

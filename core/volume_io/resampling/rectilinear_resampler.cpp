@@ -15,6 +15,25 @@ namespace {
 
 constexpr std::size_t kChunkSamples = std::size_t{1} << 22;
 
+constexpr std::int64_t kMostRefinement = 32;
+constexpr std::int64_t kMostDefaultPoints = std::int64_t{1} << 26;
+
+/// Cells as wide as the narrowest of `axis`, over its whole length; whole if that is a multiple but for rounding.
+std::int64_t finestCells(const GridAxis& axis) {
+    const auto own = static_cast<std::int64_t>(axis.at.size()) - 1;
+    if (axis.isEven || own < 1)
+        return own;
+    double narrowest = axis.at[1] - axis.at[0];
+    for (std::size_t i = 2; i < axis.at.size(); ++i)
+        narrowest = std::min(narrowest, axis.at[i] - axis.at[i - 1]);
+    const double cells = (axis.at.back() - axis.at.front()) / narrowest;
+    const std::int64_t most = std::min<std::int64_t>((own + 1) * kMostRefinement, kMaxDim) - 1;
+    if (!(cells < static_cast<double>(most)))
+        return std::max(own, most);
+    const double nearest = std::round(cells);
+    return static_cast<std::int64_t>(std::abs(cells - nearest) < kEvenTolerance * cells ? nearest : std::ceil(cells));
+}
+
 /// Where an output point lies on an axis: between `first` and `second`, which are one where it is on a point.
 struct Between {
     std::size_t first, second;
@@ -156,6 +175,34 @@ GridGeometry axesGeometry(const std::array<GridAxis, 3>& axes, const GridDims& d
     return geometry;
 }
 
+GridDims defaultDims(const std::array<GridAxis, 3>& axes, std::uint64_t memoryBytes) {
+    const auto dimsAt = [&](double share) {
+        GridDims dims{1, 1, 1};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto own = static_cast<std::int64_t>(axes[axis].at.size());
+            const auto cells = static_cast<std::int64_t>(share * static_cast<double>(finestCells(axes[axis])));
+            dims[axis] = std::max(own, cells + 1);
+        }
+        return dims;
+    };
+    // Half, for the file's own samples are in memory too; each point twice while they are made.
+    const std::uint64_t room = memoryBytes / 2 / (2 * sizeof(float));
+    const double most =
+        std::min(static_cast<double>(kMostDefaultPoints), memoryBytes == 0 ? HUGE_VAL : static_cast<double>(room));
+    const auto isTooLarge = [&](const GridDims& dims) { // three factors of 2^20: too many for 64 bits
+        return static_cast<double>(dims[0]) * static_cast<double>(dims[1]) * static_cast<double>(dims[2]) > most;
+    };
+    const GridDims finest = dimsAt(1.0);
+    if (!isTooLarge(finest))
+        return finest;
+    double fits = 0.0, exceeds = 1.0; // at 0 they have their own
+    for (int step = 0; step < 40; ++step) {
+        const double middle = 0.5 * (fits + exceeds);
+        (isTooLarge(dimsAt(middle)) ? exceeds : fits) = middle;
+    }
+    return dimsAt(fits);
+}
+
 Result<ScalarGrid> resampleRectilinear(const std::array<GridAxis, 3>& axes, std::span<const float> values,
                                        const GridGeometry& geometry, const JobControl& job) {
     const std::size_t nx = axes[0].at.size(), ny = axes[1].at.size();
@@ -203,7 +250,7 @@ Result<std::unique_ptr<VolumeSource>> placeOnAxes(std::unique_ptr<VolumeSource> 
         ISO_TRY(checkGeometry(geometry, "coordinates", path));
         return std::unique_ptr<VolumeSource>(std::make_unique<PlacedSource>(std::move(source), geometry));
     }
-    auto dims = resampledDims(options, own, path);
+    auto dims = resampledDims(options, defaultDims(axes, options.memoryBytes), path);
     if (!dims.isOk())
         return dims.error();
     for (std::size_t axis = 0; axis < 3; ++axis) // a plane stays one, and a box is no plane

@@ -34,6 +34,11 @@ GridAxis indexAxis(std::int64_t count);
 /// The uniform grid of `dims` points over the same box.
 GridGeometry axesGeometry(const std::array<GridAxis, 3>& axes, const GridDims& dims);
 
+/// Points per axis of the uniform grid that uneven axes are taken to unless a size is asked for. Even axes keep their
+/// points; uneven ones get points as near as their nearest two, so that nothing between those is lost, but no more
+/// than 32 times their own, 2^26 in all, and half of `memoryBytes`. Never fewer than their own.
+GridDims defaultDims(const std::array<GridAxis, 3>& axes, std::uint64_t memoryBytes);
+
 /// Samples of `values` along x, y and z, which lie unevenly, at the points of `geometry`: trilinear, f32. A missing
 /// value leaves missing what depends on it. REQUIRES: as many values as the axes have points.
 /// O(output points). Errors: Cancelled.
@@ -41,7 +46,7 @@ Result<ScalarGrid> resampleRectilinear(const std::array<GridAxis, 3>& axes, std:
                                        const GridGeometry& geometry, const JobControl& job = {});
 
 /// The samples of `source`, whose points lie where the axes state. If all are even, that is `source` placed there; else
-/// they are resampled to the size that the options ask for, or as many points. `source` is of the axes' size,
+/// they are resampled to the size that the options ask for, or to defaultDims(). `source` is of the axes' size,
 /// ascending. Errors: InvalidArgument, OutOfSpace.
 Result<std::unique_ptr<VolumeSource>> placeOnAxes(std::unique_ptr<VolumeSource> source, std::array<GridAxis, 3> axes,
                                                   const ReadOptions& options, const std::filesystem::path& path);

@@ -31,6 +31,21 @@ std::int64_t clampedProduct(std::int64_t count, std::uint64_t extent) {
     return static_cast<std::int64_t>(factor != 0 && extent > kMost / factor ? kMost : factor * extent);
 }
 
+bool isPressureUnit(const std::string& unit) {
+    constexpr const char* kUnits[] = {"pa",        "pascal", "pascals", "hpa", "mb",  "mbar",      "millibar",
+                                      "millibars", "dbar",   "decibar", "bar", "atm", "atmosphere"};
+    return std::find(std::begin(kUnits), std::end(kUnits), unit) != std::end(kUnits);
+}
+
+/// Of an axis of role Z. CF, 4.3: `positive` states it; a pressure grows downwards without it.
+bool growsDownwards(const NetcdfAxis& axis) {
+    const auto text = [&](const char* key) { return lowerCase(netcdfText(axis.group, axis.variable, key)); };
+    if (const std::string positive = text("positive"); positive == "down" || positive == "up")
+        return positive == "down";
+    const std::string standard = text("standard_name");
+    return standard == "depth" || standard == "air_pressure" || isPressureUnit(text("units"));
+}
+
 /// By the names and units that CF defines for coordinates, then by what people call them.
 NetcdfRole roleOf(const NetcdfAxis& axis) {
     const std::string name = lowerCase(axis.name);
@@ -50,7 +65,7 @@ NetcdfRole roleOf(const NetcdfAxis& axis) {
             units == "degrees_north" || units == "degree_north")
             return NetcdfRole::Y;
         if (!text("positive").empty() || standard == "height" || standard == "depth" || standard == "altitude" ||
-            standard == "air_pressure")
+            standard == "air_pressure" || isPressureUnit(units))
             return NetcdfRole::Z;
     }
     const std::map<std::string, NetcdfRole> names{
@@ -146,6 +161,7 @@ private:
             }
         }
         axis.role = roleOf(axis);
+        axis.isDownwards = axis.variable >= 0 && axis.role == NetcdfRole::Z && growsDownwards(axis);
         return axis;
     }
 
@@ -168,6 +184,8 @@ private:
             for (std::size_t i = 0; i < spatial.size(); ++i)
                 variable.axisOf[i] = static_cast<int>(spatial[spatial.size() - 1 - i]);
         }
+        for (std::size_t i = 0; i < variable.axes.size(); ++i) // by order it may stand elsewhere
+            variable.axes[i].isDownwards &= variable.axisOf[2] == static_cast<int>(i);
         for (std::size_t i = 0; i < variable.axes.size(); ++i)
             if (std::find(spatial.begin(), spatial.end(), i) == spatial.end())
                 variable.others.push_back(i);

@@ -21,6 +21,7 @@ struct NetcdfAxis {
     std::uint64_t extent = 0;
     int group = -1, variable = -1; ///< its coordinate variable; -1: none
     NetcdfRole role = NetcdfRole::Unknown;
+    bool isDownwards = false; ///< a depth or a pressure, by `positive`, or else by what CF says of its name or unit
 };
 
 /// A variable of two or more dimensions.

@@ -206,11 +206,16 @@ GridAxis coordinatesOf(const NetcdfAxis& axis, std::vector<std::string>& notes, 
         notes.push_back("the coordinates of " + inQuotes(axis.name) + " cannot be read: spacing 1 is taken");
         return indexAxis(count);
     }
+    if (axis.isDownwards)
+        for (double& place : places)
+            place = -place;
     auto made = makeAxis(std::move(places), axis.name, path);
     if (!made.isOk()) {
         notes.push_back(made.error().message + ": spacing 1 is taken");
         return indexAxis(count);
     }
+    if (axis.isDownwards)
+        notes.push_back(inQuotes(axis.name) + " grows downwards: its negative is taken, so that up is up");
     return std::move(made).value();
 }
 
@@ -351,22 +356,29 @@ Result<VolumeContents> listNetcdf(const fs::path& path, const ReadOptions& optio
         return variables.error();
     VolumeContents contents = contentsOf(variables.value());
     ISO_TRY(checkAnyField(contents, path));
-    std::map<std::pair<int, int>, bool> known; // coordinate variables that are even, each read once
+    std::map<std::pair<int, int>, GridAxis> known; // by coordinate variable, each read once
     for (std::size_t i = 0; i < contents.fields.size(); ++i) {
         VolumeField& field = contents.fields[i];
-        for (const int own : variables.value()[i].axisOf) {
-            const NetcdfAxis none;
-            const NetcdfAxis& axis = own < 0 ? none : variables.value()[i].axes[static_cast<std::size_t>(own)];
-            if (axis.variable < 0 || axis.extent < 1 || axis.extent > static_cast<std::uint64_t>(kMaxDim))
+        const NetcdfVariable& variable = variables.value()[i];
+        std::array<GridAxis, 3> axes;
+        for (std::size_t place = 0; place < 3; ++place) {
+            axes[place] = indexAxis(1);
+            if (variable.axisOf[place] < 0)
                 continue;
-            const auto [at, isNew] = known.try_emplace({axis.group, axis.variable}, true);
+            const NetcdfAxis& axis = variable.axes[static_cast<std::size_t>(variable.axisOf[place])];
+            if (axis.extent < 1 || axis.extent > static_cast<std::uint64_t>(kMaxDim))
+                continue;
             std::vector<std::string> ignored;
-            if (isNew)
-                at->second = coordinatesOf(axis, ignored, path).isEven;
-            field.isResampled = field.isResampled || !at->second;
+            axes[place] = axis.variable < 0 ? indexAxis(static_cast<std::int64_t>(axis.extent))
+                                            : known.try_emplace({axis.group, axis.variable}).first->second;
+            if (axes[place].at.empty())
+                axes[place] = known[{axis.group, axis.variable}] = coordinatesOf(axis, ignored, path);
+            field.isResampled = field.isResampled || !axes[place].isEven;
         }
-        if (field.isResampled && options.resampleDims != GridDims{0, 0, 0})
-            field.dims = options.resampleDims;
+        if (!field.isResampled)
+            continue;
+        field.dims =
+            options.resampleDims == GridDims{0, 0, 0} ? defaultDims(axes, options.memoryBytes) : options.resampleDims;
     }
     return contents;
 }

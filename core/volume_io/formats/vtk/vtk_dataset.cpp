@@ -182,7 +182,7 @@ Result<VtkOutlook> outlookOf(vtkDataSet& data, const ReadOptions& options, const
         if (!axes.isOk())
             return axes.error();
         if (!(axes.value()[0].isEven && axes.value()[1].isEven && axes.value()[2].isEven)) {
-            const auto dims = resampledDims(options, {sizes[0], sizes[1], sizes[2]}, path);
+            const auto dims = resampledDims(options, defaultDims(axes.value(), options.memoryBytes), path);
             return dims.isOk() ? Result<VtkOutlook>(VtkOutlook{dims.value(), true}) : dims.error();
         }
     }

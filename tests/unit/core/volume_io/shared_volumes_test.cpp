@@ -197,8 +197,10 @@ TEST(SharedFiles, OfOtherGridsAreResampled) {
         EXPECT_EQ(source.value()->info().format, mesh.format);
         VolumeSource* whole = source.value().get();
         const GridDims dims = whole->info().geometry.dims;
-        EXPECT_NEAR(static_cast<double>(pointCount(dims)), static_cast<double>(mesh.points),
-                    0.15 * static_cast<double>(mesh.points));
+        EXPECT_GT(static_cast<double>(pointCount(dims)), 0.85 * static_cast<double>(mesh.points));
+        if (std::string_view(mesh.format) != "VTK rectilinear grid") { // those are as fine as their nearest points
+            EXPECT_LT(static_cast<double>(pointCount(dims)), 1.15 * static_cast<double>(mesh.points));
+        }
         std::vector<float> samples(static_cast<std::size_t>(pointCount(dims)));
         ASSERT_THAT(whole->readSlab(0, dims[2], std::as_writable_bytes(std::span(samples))), test::IsOk());
         const auto report = whole->info().resampling;

@@ -95,11 +95,31 @@ TEST(PlaceOnAxes, ResamplesUnevenAxes) {
     EXPECT_NEAR(report->maxDifference, 0.0, 1e-5);
 }
 
-TEST(PlaceOnAxes, KeepsTheNumberOfPointsByDefault) {
+TEST(PlaceOnAxes, HasPointsAsNearAsTheNearestTwoByDefault) {
     const auto source = unevenLinear({});
-    EXPECT_EQ(source->info().geometry.dims, (GridDims{3, 3, 4}));
-    EXPECT_EQ(source->info().geometry.spacing, glm::dvec3(2, 1, 8.0 / 3));
+    const GridGeometry geometry = source->info().geometry;
+    EXPECT_EQ(geometry.dims, (GridDims{5, 3, 9})) << "y is even";
+    EXPECT_EQ(geometry.spacing, glm::dvec3(1));
     EXPECT_FALSE(source->info().resampling.has_value()) << "before anything is read";
+}
+
+TEST(DefaultDims, HaveAPointAtEachPlaceWhereTheStepsAreMultiples) {
+    const GridAxis depth = axisOf({0, 10, 20, 30, 50, 100, 500, 1500});
+    EXPECT_EQ(defaultDims({axisOf({0, 1, 2}), indexAxis(1), depth}, 0), (GridDims{3, 1, 151}));
+    EXPECT_EQ(defaultDims({axisOf({0, 0.3, 1}), depth, indexAxis(5)}, 0), (GridDims{5, 151, 5}))
+        << "rounded up where they are none";
+}
+
+TEST(DefaultDims, AreBounded) {
+    const GridAxis even = indexAxis(1000), close = axisOf({0, 1e-9, 1, 2});
+    EXPECT_EQ(defaultDims({close, close, close}, 0), (GridDims{128, 128, 128})) << "32 times their own points";
+    const GridDims dims = defaultDims({even, even, close}, 0); // 128 million
+    EXPECT_EQ(dims, (GridDims{1000, 1000, 67}));
+    EXPECT_EQ(defaultDims({even, even, close}, std::uint64_t{1} << 28), (GridDims{1000, 1000, 16}));
+    EXPECT_EQ(defaultDims({even, even, close}, std::uint64_t{1} << 20), (GridDims{1000, 1000, 4})) << "their own";
+    const GridDims both = defaultDims({even, axisOf({0, 0.001, 3, 5}), axisOf({0, 0.001, 3, 5, 9, 10, 20, 22})}, 0);
+    EXPECT_LE(pointCount(both), std::int64_t{1} << 26);
+    EXPECT_GT(pointCount(both), std::int64_t{1} << 24);
 }
 
 TEST(PlaceOnAxes, LeavesMissingWhatDependsOnMissingValues) {
@@ -139,7 +159,10 @@ TEST(PlaceOnAxes, StopsOnRequest) {
 TEST(ResampleReport, MeasuresWhatIsLost) {
     // x^2 at 0, 1, 4 on a grid of three points, 0, 2, 4: there 0, 6, 16; back at 1 that gives 3 instead of 1.
     const std::array axes{axisOf({0, 1, 4}), indexAxis(2), indexAxis(2)};
-    const auto source = placeOnAxes(sourceOf({3, 2, 2}, {0, 1, 16, 0, 1, 16, 0, 1, 16, 0, 1, 16}), axes, {}, "file");
+    ReadOptions options;
+    options.resampleDims = {3, 2, 2};
+    const auto source =
+        placeOnAxes(sourceOf({3, 2, 2}, {0, 1, 16, 0, 1, 16, 0, 1, 16, 0, 1, 16}), axes, options, "file");
     ASSERT_THAT(source, test::IsOk());
     EXPECT_EQ(slabOf(*source.value())[1], 6.0f);
     const auto report = *source.value()->info().resampling;

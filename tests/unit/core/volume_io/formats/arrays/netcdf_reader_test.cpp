@@ -215,6 +215,66 @@ TEST_P(NetcdfReader, ResamplesUnevenAxes) {
     EXPECT_EQ(source.value()->info().resampling->maxDifference, 0.0);
 }
 
+TEST_P(NetcdfReader, KeepsThinLayersOfUnevenAxes) {
+    auto w = writer();
+    const int z = w.axis("lev", {0, 1, 2, 12}), y = w.axis("lat", {0, 1}), x = w.axis("lon", {0, 1});
+    const int v = w.define("v", NC_DOUBLE, {z, y, x});
+    w.put(v, {0, 0, 0, 0, 10, 10, 10, 10, 5, 5, 5, 5, 0, 0, 0, 0});
+    const auto path = w.finish();
+    const auto grid = read(path);
+    ASSERT_THAT(grid, test::IsOk());
+    EXPECT_EQ(grid.value()->dims(), (GridDims{2, 2, 13}));
+    EXPECT_EQ(listVolumes(path).value().fields[0].dims, grid.value()->dims()) << "what is listed is what is made";
+    EXPECT_EQ(grid.value()->valueAt(0, 0, 1), 10.0);
+    EXPECT_EQ(grid.value()->valueAt(0, 0, 2), 5.0);
+}
+
+TEST_P(NetcdfReader, TurnsDepthsRoundSoThatUpIsUp) {
+    struct Case {
+        const char *positive, *standard, *units;
+        bool isDown;
+    };
+    const Case cases[] = {{"down", "", "m", true},        {"Down", "", "1", true},    {"up", "depth", "m", false},
+                          {"", "depth", "m", true},       {"", "", "hPa", true},      {"up", "", "hPa", false},
+                          {"", "air_pressure", "", true}, {"", "height", "m", false}, {"", "", "m", false}};
+    for (const Case& c : cases) {
+        SCOPED_TRACE(std::string(c.positive) + ", " + c.standard + ", " + c.units);
+        auto w = writer();
+        const int z = w.axis("lev", {10, 20, 30}, c.units), y = w.axis("lat", {0, 1}), x = w.axis("lon", {0, 1});
+        int variable = -1;
+        ASSERT_EQ(nc_inq_varid(w.file(), "lev", &variable), NC_NOERR);
+        if (*c.positive != '\0')
+            w.text(variable, "positive", c.positive);
+        if (*c.standard != '\0')
+            w.text(variable, "standard_name", c.standard);
+        w.putRamp(w.define("v", NC_SHORT, {z, y, x}), 12);
+        const auto path = w.finish();
+        const auto grid = read(path);
+        ASSERT_THAT(grid, test::IsOk());
+        EXPECT_EQ(grid.value()->geometry().origin.z, c.isDown ? -30.0 : 10.0);
+        EXPECT_EQ(grid.value()->geometry().spacing.z, 10.0);
+        EXPECT_EQ(grid.value()->valueAt(0, 0, 0), c.isDown ? 8.0 : 0.0);
+        EXPECT_EQ(grid.value()->valueAt(0, 0, 2), c.isDown ? 0.0 : 8.0);
+        EXPECT_EQ(
+            std::ranges::count_if(notesOf(path), [](const auto& n) { return n.find("grows downwards") != n.npos; }),
+            c.isDown ? 1 : 0);
+    }
+}
+
+TEST_P(NetcdfReader, TurnsNoDepthRoundThatIsNotUp) {
+    auto w = writer();
+    const int z = w.axis("a", {0, 1}), y = w.axis("depth", {0, 5}), x = w.axis("b", {0, 1, 2});
+    w.putRamp(w.define("v", NC_SHORT, {z, y, x}), 12);
+    int variable = -1;
+    ASSERT_EQ(nc_inq_varid(w.file(), "depth", &variable), NC_NOERR);
+    w.text(variable, "positive", "down");
+    const auto grid = read(w.finish());
+    ASSERT_THAT(grid, test::IsOk());
+    EXPECT_EQ(grid.value()->dims(), (GridDims{3, 2, 2}));
+    EXPECT_EQ(grid.value()->geometry().origin, glm::dvec3(0));
+    EXPECT_EQ(grid.value()->valueAt(0, 0, 0), 0.0);
+}
+
 TEST_P(NetcdfReader, LeavesMissingValuesOut) {
     auto w = writer();
     const int v = w.define("v", NC_SHORT, evenAxes(w));
