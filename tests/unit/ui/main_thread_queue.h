@@ -30,9 +30,9 @@ public:
             function();
     }
 
-    /// Runs what arrives until `isDone`; false after ten seconds.
-    bool runUntil(const std::function<bool()>& isDone) {
-        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    /// Runs what arrives until `isDone`; false if that takes longer than `most`.
+    bool runUntil(const std::function<bool()>& isDone, std::chrono::milliseconds most = std::chrono::seconds(60)) {
+        const auto end = std::chrono::steady_clock::now() + most;
         while (!isDone()) {
             if (std::chrono::steady_clock::now() > end)
                 return false;

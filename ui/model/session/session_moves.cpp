@@ -19,11 +19,17 @@ SlideWorker::Callbacks Session::workerCallbacks() {
             if (std::exchange(slot->isPosted, true))
                 return;
         }
-        post([this, weakSlot] {
-            if (weakSlot.lock())
-                takeFrame();
+        post([this, weakSlot, post] {
+            if (!weakSlot.lock())
+                return;
+            takeFrame();
+            post([this, weakSlot] { // after what the frame's observers post in turn: pictures are asked for so
+                if (weakSlot.lock())
+                    worker_->frameReceived();
+            });
         });
     };
+    callbacks.waitsForReceipt = true;
     callbacks.onProgress = [this, weakSlot, post = services_.postToMain](double fraction, SourceGeneration generation) {
         post([this, weakSlot, fraction, generation] {
             if (weakSlot.lock() && generation == generation_ && isMoving())

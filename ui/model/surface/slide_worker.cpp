@@ -110,7 +110,8 @@ void SlideWorker::loop(std::stop_token stop) {
 
 bool SlideWorker::waitForWork(std::stop_token stop, Work& work) {
     std::unique_lock lock(mutex_);
-    if (!wake_.wait(lock, stop, [this] { return (mailbox_ && source_ && !isHeld_) || order_ || !retired_.empty(); }))
+    const auto mayMove = [this] { return mailbox_ && source_ && !isHeld_ && !isUnreceived_; };
+    if (!wake_.wait(lock, stop, [&] { return mayMove() || order_ || !retired_.empty(); }))
         return false;
     work.retired = std::exchange(retired_, {});
     work.source = source_;
@@ -171,6 +172,10 @@ void SlideWorker::move(const Work& work) {
     moved_ = status.isOk() ? work.generation : SourceGeneration{};
     if (!isCurrent(work.generation))
         return;
+    if (status.isOk() && callbacks_.waitsForReceipt) {
+        const std::lock_guard lock(mutex_);
+        isUnreceived_ = true;
+    }
     if (status.isOk())
         callbacks_.onFrame(std::move(frame), work.generation);
     else if (!status.isCancelled())

@@ -32,6 +32,9 @@ public:
         std::function<void(Error, double, SourceGeneration)> onError;
         /// How far the running move is, 0 to 1; on any thread, every 100 ms at most. May be empty.
         std::function<void(double, SourceGeneration)> onProgress;
+        /// After a frame no move begins until frameReceived(): else the next would be made before it is known whether
+        /// what shows the frames keeps up, and be old when it is shown.
+        bool waitsForReceipt = false;
     };
 
     explicit SlideWorker(Callbacks callbacks);
@@ -56,6 +59,15 @@ public:
     void markChanges(bool isWanted) { marksChanges_ = isWanted; }
     /// Whether frames from the next move on state which triangles are connected.
     void findPieces(bool isWanted) { findsPieces_ = isWanted; }
+
+    /// The frame that came last is where it is shown.
+    void frameReceived() {
+        {
+            const std::lock_guard lock(mutex_);
+            isUnreceived_ = false;
+        }
+        wake_.notify_all();
+    }
 
     /// No move begins while held: what shows the frames has not caught up. A mesh that is asked for is made all the
     /// same.
@@ -127,6 +139,7 @@ private:
     SourceGeneration moved_{}; ///< whose last move succeeded; of the worker's thread
     std::optional<double> mailbox_;
     bool isHeld_ = false;
+    bool isUnreceived_ = false; ///< a frame is on its way
     extract::MergeBound mergeBound_;
     std::optional<BrickBox> region_;
     std::unique_ptr<MeshOrder> order_;

@@ -152,6 +152,22 @@ TEST_F(SessionTest, B106_ALimitedPictureIsCoarserAndTheMeshIsWhole) {
     EXPECT_EQ(session_->frame()->mergedCells, 1);
 }
 
+TEST_F(SessionTest, WhoeverShowsAFrameCanHoldTheNextMoveBeforeItBegins) {
+    openBall();
+    const auto subscription = session_->frameChanged().observe([&, post = queue_.poster()] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20)); // time for a move that would not wait
+        post([&] { session_->holdMoves(true); }); // as a view that asks for its picture first
+    });
+    session_->isovalue().request(-6.0);
+    ASSERT_TRUE(queue_.runUntil([&] {
+        session_->isovalue().request(session_->frame()->isovalue == -5.0 ? -6.0 : -7.0);
+        return session_->frame()->isovalue == -6.0;
+    }));
+    EXPECT_FALSE(queue_.runUntil([&] { return session_->frame()->isovalue != -6.0; }, std::chrono::milliseconds(100)));
+    session_->holdMoves(false);
+    EXPECT_TRUE(queue_.runUntil([&] { return session_->frame()->isovalue == -7.0; }));
+}
+
 TEST_F(SessionTest, TheHandleDrivesWholeExtractionMeanwhile) {
     builder_->waits = true;
     openBall();

@@ -60,8 +60,11 @@ protected:
             post([this, frame, generation] {
                 shown_.push_back(frame->isovalue);
                 lastGeneration_ = generation;
+                if (sendsReceipts_)
+                    worker_->frameReceived();
             });
         };
+        callbacks.waitsForReceipt = true;
         callbacks.onError = [this, post = queue_.poster()](const Error& error, double isovalue, SourceGeneration) {
             post([this, error, isovalue] {
                 errors_.push_back(error.code);
@@ -80,6 +83,7 @@ protected:
     test::MainThreadQueue queue_;
     std::shared_ptr<GatedSource> source_ = std::make_shared<GatedSource>();
     std::vector<double> shown_;
+    bool sendsReceipts_ = true;
     std::vector<ErrorCode> errors_;
     std::vector<double> failed_;
     std::vector<double> progress_;
@@ -98,6 +102,31 @@ TEST_F(SlideWorkerTest, NewestRequestWinsAndTheOnesBetweenAreDropped) {
     EXPECT_EQ(shown_, (std::vector<double>{1.0, 5.0}));
     EXPECT_EQ(source_->moves(), (std::vector<double>{1.0, 5.0}));
     EXPECT_EQ(lastGeneration_, generation_);
+}
+
+TEST_F(SlideWorkerTest, BeginsNoMoveUntilTheFrameBeforeIsReceived) {
+    sendsReceipts_ = false;
+    source_->gate.release(2);
+    worker_->request(1.0);
+    ASSERT_TRUE(queue_.runUntil([&] { return shown_.size() == 1; }));
+    worker_->request(2.0);
+    worker_->request(3.0);
+    EXPECT_FALSE(queue_.runUntil([&] { return source_->moves().size() == 2; }, std::chrono::milliseconds(50)));
+    worker_->hold(true);
+    worker_->frameReceived();
+    EXPECT_FALSE(queue_.runUntil([&] { return source_->moves().size() == 2; }, std::chrono::milliseconds(50)));
+    worker_->hold(false);
+    ASSERT_TRUE(queue_.runUntil([&] { return shown_.size() == 2; }));
+    EXPECT_EQ(shown_.back(), 3.0) << "the newest, not the one that was asked for first";
+}
+
+TEST_F(SlideWorkerTest, WaitsForNoReceiptOfAMoveThatFailed) {
+    sendsReceipts_ = false;
+    source_->gate.release(2);
+    worker_->request(-1.0);
+    ASSERT_TRUE(queue_.runUntil([&] { return !failed_.empty(); }));
+    worker_->request(2.0);
+    EXPECT_TRUE(queue_.runUntil([&] { return shown_.size() == 1; }));
 }
 
 TEST_F(SlideWorkerTest, ReportsErrorsAndGoesOn) {
