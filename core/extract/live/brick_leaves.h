@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -42,17 +43,14 @@ struct BrickLeaves {
     friend bool operator==(const BrickLeaves&, const BrickLeaves&) = default;
 };
 
-/// The cells of a brick whose leaf has another level.
-inline BitString cellsOfOtherLevel(const BrickLeaves& before, const BrickLeaves& now) {
-    BitString cells;
-    for (int z = 0; z < kCellSide; ++z)
-        for (int y = 0; y < kCellSide; ++y)
-            for (std::uint64_t other = before.levelsOfRow(y, z) ^ now.levelsOfRow(y, z), x = 0; other != 0;
-                 other >>= 8, ++x)
-                if ((other & 0xff) != 0)
-                    cells.set(closedPoint(static_cast<int>(x), y, z));
-    return cells;
-}
+/// Of a row of four bits each twice.
+inline constexpr std::array<std::uint8_t, 16> kDoubledBits = [] {
+    std::array<std::uint8_t, 16> doubled{};
+    for (unsigned four = 0; four < 16; ++four)
+        doubled[four] =
+            static_cast<std::uint8_t>((four & 1) * 3 | (four >> 1 & 1) * 12 | (four >> 2 & 1) * 48 | (four >> 3) * 192);
+    return doubled;
+}();
 
 /// One merged cell with all its halves; `number` as its bit in BrickLeaves, 0 at level 3.
 inline BrickLeaves leafBits(int level, unsigned number) {
@@ -63,6 +61,31 @@ inline BrickLeaves leafBits(int level, unsigned number) {
         return {kHalvesOfFirst << (2 * (number & 1) + 8 * (number >> 1 & 1) + 32 * (number >> 2)),
                 static_cast<std::uint8_t>(1u << number), false};
     return {~std::uint64_t{0}, 0xff, true};
+}
+
+/// The cells of a brick whose leaf has another level.
+inline BitString cellsOfOtherLevel(const BrickLeaves& before, const BrickLeaves& now) {
+    std::uint64_t others = before.level1 ^ now.level1; // cells of side 2
+    for (unsigned i = 0; i < 8; ++i)
+        if ((before.level2 ^ now.level2) >> i & 1)
+            others |= leafBits(2, i).level1;
+    if (before.level3 != now.level3)
+        others = ~std::uint64_t{0};
+    BitString cells;
+    auto* const bytes = reinterpret_cast<std::byte*>(cells.words.data());
+    for (int row = 0; row < 16; ++row) {
+        const std::uint64_t eight = kDoubledBits[others >> (4 * row) & 15];
+        if (eight == 0)
+            continue;
+        for (int k = 0; k < 4; ++k) {
+            const ClosedPoint first = closedPoint(0, 2 * (row % 4) + k % 2, 2 * (row / 4) + k / 2);
+            std::uint64_t word;
+            std::memcpy(&word, bytes + first.index() / 8, sizeof word);
+            word |= eight << first.number() % 8;
+            std::memcpy(bytes + first.index() / 8, &word, sizeof word);
+        }
+    }
+    return cells;
 }
 
 /// A step to a brick beside, along one axis or two: -1, 0 or 1 each.

@@ -42,6 +42,7 @@ public:
         const auto c = coordsOf(point);
         return static_cast<std::int64_t>(placeOf(c[0], c[1], c[2]));
     }
+    const BitString& above() const { return *above_; }
     bool isAboveAt(std::int64_t point) const { return above_->test(ClosedPoint(static_cast<int>(point))); }
     int levelAt(std::int64_t cell) const { return levels_[static_cast<std::size_t>(cell)]; }
 

@@ -14,7 +14,9 @@ std::uint64_t takeOut(std::uint64_t squares, BitString& cells) {
     auto* const bytes = reinterpret_cast<std::byte*>(cells.words.data());
     for (int row = 0; row < 16; ++row) {
         const std::uint64_t four = squares >> (4 * row) & 15;
-        const std::uint64_t eight = (four & 1) * 3 | (four >> 1 & 1) * 12 | (four >> 2 & 1) * 48 | (four >> 3) * 192;
+        if (four == 0)
+            continue;
+        const std::uint64_t eight = kDoubledBits[four];
         std::uint64_t any = 0;
         for (int k = 0; k < 4; ++k) {
             const ClosedPoint first = closedPoint(0, 2 * (row % 4) + k % 2, 2 * (row / 4) + k / 2);
@@ -84,7 +86,11 @@ void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, Ac
     for (; crossed != 0; crossed &= crossed - 1) {
         const int i = std::countr_zero(crossed), x = 2 * (i % 4), y = 2 * (i / 4 % 4), z = 2 * (i / 16);
         const std::int64_t first = closedPoint(x, y, z).number();
-        add({first, LeavesAround::cellAt(first), leaves.levelOf(x, y, z)}, around);
+        const LeafCell leaf{first, LeavesAround::cellAt(first), leaves.levelOf(x, y, z)};
+        if (leaf.level == 1)
+            addSmall(leaf, around);
+        else
+            addLarger(leaf, around);
     }
     std::array<BitString, 3> vertices;
     edgesOfCells(active.cells, vertices);
@@ -95,25 +101,47 @@ void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, Ac
         active.edges[static_cast<std::size_t>(axisOf(corner.edge))].set(startOf(corner.edge));
 }
 
-void MergedCells::add(const LeafCell& leaf, const LeavesAround& around) {
+void MergedCells::addSmall(const LeafCell& leaf, const LeavesAround& around) {
+    const SmallLeafPolygons::Polygon& polygon = smallPolygons_.find(around, leaf);
+    const std::size_t firstCorner = corners_.size(), firstTriangle = triangles_.size();
+    corners_.resize(firstCorner + polygon.cornerCount);
+    for (std::size_t i = 0; i < polygon.cornerCount; ++i) {
+        const std::uint16_t edge = polygon.edges[i];
+        const int place = edge & SmallLeafPolygons::kEdgeMask;
+        corners_[firstCorner + i] = {closedEdge(place & 3, ClosedPoint(static_cast<int>(leaf.point) + (place >> 2))),
+                                     static_cast<std::uint16_t>(SmallLeafPolygons::levelOf(edge, around, leaf))};
+    }
+    triangles_.resize(firstTriangle + 3 * std::size_t{polygon.triangleCount});
+    for (std::size_t i = 0; i < polygon.triangleCount; ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+            triangles_[firstTriangle + 3 * i + k] = static_cast<std::uint32_t>(firstCorner) + polygon.triangles[i][k];
+    finishLeaf(leaf, firstCorner, firstTriangle);
+}
+
+void MergedCells::addLarger(const LeafCell& leaf, const LeavesAround& around) {
     polygon_.make(around, leaf);
-    const auto first = static_cast<std::uint32_t>(corners_.size());
+    const std::size_t firstCorner = corners_.size(), firstTriangle = triangles_.size();
     for (const std::int64_t edge : polygon_.corners())
         corners_.push_back({closedEdge(static_cast<int>(edge & 3), ClosedPoint(static_cast<int>(edge >> 2))),
                             static_cast<std::uint16_t>(smallestLevelAt(around, edge))});
-    const std::size_t before = triangles_.size();
     for (const auto& triangle : polygon_.triangles())
         for (const std::uint32_t corner : triangle)
-            triangles_.push_back(first + corner);
-    const bool hasCentre = polygon_.triangles().empty();
+            triangles_.push_back(static_cast<std::uint32_t>(firstCorner) + corner);
+    finishLeaf(leaf, firstCorner, firstTriangle);
+}
+
+// A polygon without triangles gets those to its centre.
+void MergedCells::finishLeaf(const LeafCell& leaf, std::size_t firstCorner, std::size_t firstTriangle) {
+    const bool hasCentre = triangles_.size() == firstTriangle;
     if (hasCentre) {
-        const auto count = static_cast<std::uint32_t>(polygon_.corners().size());
+        const auto first = static_cast<std::uint32_t>(firstCorner),
+                   count = static_cast<std::uint32_t>(corners_.size() - firstCorner);
         for (std::uint32_t i = 0; i < count; ++i)
             triangles_.insert(triangles_.end(), {first + i, first + (i + 1) % count, kCentre + centres_});
         ++centres_;
     }
     leaves_.push_back({ClosedPoint(static_cast<int>(leaf.point)), static_cast<std::uint8_t>(leaf.level), hasCentre,
-                       static_cast<std::uint16_t>(triangles_.size() - before)});
+                       static_cast<std::uint16_t>(triangles_.size() - firstTriangle)});
 }
 
 } // namespace isoslider::extract

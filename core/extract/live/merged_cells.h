@@ -7,6 +7,7 @@
 
 #include "core/extract/live/active_bits.h"
 #include "core/extract/live/leaves_around.h"
+#include "core/extract/live/small_leaf_polygons.h"
 #include "core/extract/merged/merged_polygon.h"
 
 namespace isoslider::extract {
@@ -48,8 +49,11 @@ public:
     bool hasCentres() const { return centres_ > 0; }
 
 private:
-    void add(const LeafCell& leaf, const LeavesAround& around);
+    void addSmall(const LeafCell& leaf, const LeavesAround& around);
+    void addLarger(const LeafCell& leaf, const LeavesAround& around);
+    void finishLeaf(const LeafCell& leaf, std::size_t firstCorner, std::size_t firstTriangle);
 
+    SmallLeafPolygons smallPolygons_;
     MergedPolygon<LeavesAround> polygon_;
     std::vector<MergedLeaf> leaves_;
     std::vector<Corner> corners_;
