@@ -43,7 +43,7 @@ void LeafIntervals<Key>::find(const extract::StoredSample<Sample>* samples, cons
     extract::BitString before;
     extract::BrickLeaves usable;
     CellBits open{extract::BrickLeaves()};
-    const extract::BrickLeaves surely = extract::findSurelyWithin<Sample>(samples, bound);
+    const extract::SureCells sure = extract::findSureCells<Sample>(samples, masks.cells, bound);
     const auto keyAt = [&](std::size_t i) { return keyOf(extract::sampleOf<Sample>(values[i])); };
     const auto close = [&](const CellBits& now, Key until) {
         open.forEachNotIn(now, [&](std::size_t cell) { found[cell].push_back({openSince[cell], until}); });
@@ -51,9 +51,9 @@ void LeafIntervals<Key>::find(const extract::StoredSample<Sample>* samples, cons
     for (std::size_t i = 1; i < values.size(); ++i) {
         extract::classify(samples, values[i], masks, i == 1 ? nullptr : &before, classified);
         usable = i == 1 ? extract::findBrickLeaves<Sample>(samples, classified.above, classified.active, masks.cells,
-                                                           bound, surely)
+                                                           bound, sure)
                         : extract::updateBrickLeaves<Sample>(usable, classified.changed, samples, classified.above,
-                                                             classified.active, masks.cells, bound, surely);
+                                                             classified.active, masks.cells, bound, sure);
         before = classified.above;
         const CellBits now(extract::crossedLeaves(usable, classified.active.cells));
         const Key passed = keyAt(i - 1);

@@ -32,13 +32,16 @@ struct BrickLeaves {
     }
     /// Of the leaves that hold the cells (0, y, z) to (7, y, z), a byte each, the first in the lowest.
     std::uint64_t levelsOfRow(int y, int z) const {
+        if (level3)
+            return 0x0303'0303'0303'0303;
+        if (level1 == 0)
+            return 0;
         const auto pairs = level1 >> (4 * (y / 2) + 16 * (z / 2)) & 15,
                    fours = std::uint64_t{level2} >> (2 * (y / 4) + 4 * (z / 4)) & 3;
         // Each larger leaf adds one to its halves' level.
         std::uint64_t levels = (pairs & 1) * 0x0101 + (pairs >> 1 & 1) * 0x0101'0000 +
                                (pairs >> 2 & 1) * 0x0101'0000'0000 + (pairs >> 3) * 0x0101'0000'0000'0000;
-        levels += (fours & 1) * 0x0101'0101 + (fours >> 1) * 0x0101'0101'0000'0000;
-        return levels + std::uint64_t{level3} * 0x0101'0101'0101'0101;
+        return levels + (fours & 1) * 0x0101'0101 + (fours >> 1) * 0x0101'0101'0000'0000;
     }
     friend bool operator==(const BrickLeaves&, const BrickLeaves&) = default;
 };

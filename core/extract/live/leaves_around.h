@@ -102,4 +102,50 @@ private:
     std::array<std::int8_t, kSide * kSide * kSide> levels_{};
 };
 
+/// A brick that is one leaf, where all around it that matters is as large: as MergedPolygon asks for it.
+class OneLeafAlone {
+public:
+    explicit OneLeafAlone(const BitString& above) : above_(above) {}
+
+    static std::int64_t pointStride(std::size_t axis) { return kPointStride[axis]; }
+    static std::int64_t cellStride(std::size_t) { return 0; }
+    static std::array<std::int32_t, 3> coordsOf(std::int64_t point) { return LeavesAround::coordsOf(point); }
+    static std::int64_t cellAt(std::int64_t) { return 0; }
+    bool isAboveAt(std::int64_t point) const { return above_.test(ClosedPoint(static_cast<int>(point))); }
+    static int levelAt(std::int64_t) { return 3; }
+
+private:
+    const BitString& above_;
+};
+
+/// Whether OneLeafAlone is what lies around a brick that is one leaf: wherever one of its faces or edges is crossed,
+/// the bricks beside are one leaf each or outside the volume. `leavesAt` as LeavesAround::fill() takes it.
+template <class LeavesAt>
+bool isAloneAsOneLeaf(const BitString& above, const LeavesAt& leavesAt) {
+    unsigned signs = 0;
+    for (int c = 0; c < 8; ++c)
+        signs |= unsigned{above.test(closedPoint(c & 1 ? kCellSide : 0, c & 2 ? kCellSide : 0, c & 4 ? kCellSide : 0))}
+                 << c;
+    const auto isLarge = [&](const BrickStep& step) {
+        const BrickLeaves* const leaves = leavesAt(step);
+        return leaves == nullptr || leaves->level3;
+    };
+    for (unsigned mask = cell::activeEdges(static_cast<std::uint8_t>(signs)); mask != 0; mask &= mask - 1) {
+        const cell::CellEdge& edge = cell::kCellEdges[static_cast<std::size_t>(std::countr_zero(mask))];
+        BrickStep across{};
+        for (std::size_t a = 0; a < 3; ++a)
+            if (a != static_cast<std::size_t>(edge.axis))
+                across[a] = edge.lowerCorner >> a & 1 ? 1 : -1;
+        for (std::size_t a = 0; a < 3; ++a) { // the two faces, both crossed
+            BrickStep beside{};
+            beside[a] = across[a];
+            if (across[a] != 0 && !isLarge(beside))
+                return false;
+        }
+        if (!isLarge(across))
+            return false;
+    }
+    return true;
+}
+
 } // namespace isoslider::extract

@@ -90,13 +90,21 @@ void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, Ac
         if (leaf.level == 1)
             addSmall(leaf, around);
         else
-            addLarger(leaf, around);
+            addLarger(leaf, around, polygon_);
     }
     std::array<BitString, 3> vertices;
     edgesOfCells(active.cells, vertices);
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t w = 0; w < kBitWords; ++w)
             active.edges[a].words[w] &= vertices[a].words[w];
+    for (const Corner& corner : corners_)
+        active.edges[static_cast<std::size_t>(axisOf(corner.edge))].set(startOf(corner.edge));
+}
+
+void MergedCells::findOneLeaf(const BitString& above, ActiveBits& active) {
+    clear();
+    active = {};
+    addLarger({0, OneLeafAlone::cellAt(0), 3}, OneLeafAlone(above), polygonAlone_);
     for (const Corner& corner : corners_)
         active.edges[static_cast<std::size_t>(axisOf(corner.edge))].set(startOf(corner.edge));
 }
@@ -118,13 +126,14 @@ void MergedCells::addSmall(const LeafCell& leaf, const LeavesAround& around) {
     finishLeaf(leaf, firstCorner, firstTriangle);
 }
 
-void MergedCells::addLarger(const LeafCell& leaf, const LeavesAround& around) {
-    polygon_.make(around, leaf);
+template <class Leaves>
+void MergedCells::addLarger(const LeafCell& leaf, const Leaves& leaves, MergedPolygon<Leaves>& polygon) {
+    polygon.make(leaves, leaf);
     const std::size_t firstCorner = corners_.size(), firstTriangle = triangles_.size();
-    for (const std::int64_t edge : polygon_.corners())
+    for (const std::int64_t edge : polygon.corners())
         corners_.push_back({closedEdge(static_cast<int>(edge & 3), ClosedPoint(static_cast<int>(edge >> 2))),
-                            static_cast<std::uint16_t>(smallestLevelAt(around, edge))});
-    for (const auto& triangle : polygon_.triangles())
+                            static_cast<std::uint16_t>(smallestLevelAt(leaves, edge))});
+    for (const auto& triangle : polygon.triangles())
         for (const std::uint32_t corner : triangle)
             triangles_.push_back(static_cast<std::uint32_t>(firstCorner) + corner);
     finishLeaf(leaf, firstCorner, firstTriangle);

@@ -52,7 +52,7 @@ void BrickSource<Sample>::reset() {
     watch_.clear();
     brickOf_.clear();
     usableLeaves_.clear();
-    surelyWithin_.clear();
+    sureCells_.clear();
     shownLeaves_.clear();
 }
 
@@ -214,7 +214,7 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
             watch_.resize(slot.index() + 1);
             brickOf_.resize(slot.index() + 1);
             usableLeaves_.resize(slot.index() + 1);
-            surelyWithin_.resize(slot.index() + 1);
+            sureCells_.resize(slot.index() + 1);
             shownLeaves_.resize(slot.index() + 1);
         }
         watch_[slot.index()] = {};

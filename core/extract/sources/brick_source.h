@@ -9,6 +9,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "core/extract/live/chunked_array.h"
+#include "core/extract/sources/leaf_finding.h"
 #include "core/extract/sources/point_kernels.h"
 #include "core/extract/sources/sample_kernels.h"
 #include "core/extract/sources/sample_reader.h"
@@ -155,7 +156,8 @@ private:
     /// By brick, while cells are merged: leavesOfSurface(); those of a brick that is not live are none. So what lies
     /// around a brick is found without a look at slots.
     VirtualArray<BrickLeaves> leavesOf_;
-    std::vector<BrickLeaves> usableLeaves_, surelyWithin_; ///< by slot, likewise
+    std::vector<BrickLeaves> usableLeaves_; ///< by slot, likewise
+    std::vector<SureCells> sureCells_; ///< by slot, likewise
     std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;

@@ -28,18 +28,27 @@ template <class Sample>
 bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
     if (!begin(surface, job, scratch))
         return false;
-    classifyFor(move, surface, job, scratch);
     const Stored* const samples = pointsOf(surface, job, scratch).samples;
-    BrickLeaves &usable = usableLeaves_[job.slot.index()], &surely = surelyWithin_[job.slot.index()];
+    BrickLeaves& usable = usableLeaves_[job.slot.index()];
+    SureCells& sure = sureCells_[job.slot.index()];
     const BitString& validCells = surface.masks(job.slot).cells;
-    if (job.isNew || hasNewBound_) {
-        surely = findSurelyWithin<Sample>(samples, bound_);
-        usable =
-            findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, surely);
-    } else {
-        usable = updateBrickLeaves<Sample>(usable, scratch.found.changed, samples, scratch.found.above,
-                                           scratch.found.active, validCells, bound_, surely);
+    const bool isDecidedAnew = job.isNew || hasNewBound_;
+    if (isDecidedAnew)
+        sure = findSureCells<Sample>(samples, validCells, bound_);
+    if (sure.isOneLeaf) { // a brick that is live is crossed
+        usable = leafBits(3, 0);
+        const BrickLeaves before = std::exchange(leavesOf(job.slot), usable);
+        if (!job.isNew && before != usable)
+            scratch.otherLeaves.emplace_back(job.slot, before);
+        surface.putPoints(job.slot, scratch.draft);
+        return true;
     }
+    classifyFor(move, surface, job, scratch);
+    if (isDecidedAnew)
+        usable = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, sure);
+    else
+        usable = updateBrickLeaves<Sample>(usable, scratch.found.changed, samples, scratch.found.above,
+                                           scratch.found.active, validCells, bound_, sure);
     BrickLeaves& leaves = leavesOf(job.slot);
     const BrickLeaves found = leavesOfSurface(usable, scratch.found.active.cells);
     if (!job.isNew && found != leaves)
@@ -118,14 +127,19 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
                     return nullptr;
             return &leaves + step[0] + grid.bricks()[0] * (step[1] + grid.bricks()[1] * step[2]);
         };
-        scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brickOf_[job.slot.index()]),
-                            scratch.found.above, leavesAt);
-        draft.merged.find(leaves, scratch.around, draft.active);
+        if (leaves.level3 && isAloneAsOneLeaf(scratch.found.above, leavesAt)) {
+            draft.merged.findOneLeaf(scratch.found.above, draft.active);
+        } else {
+            scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brickOf_[job.slot.index()]),
+                                scratch.found.above, leavesAt);
+            draft.merged.find(leaves, scratch.around, draft.active);
+        }
+        const std::array<BitString, 3>& owned = surface.masks(job.slot).owned;
         draft.ownedEdges = 0;
         for (std::size_t a = 0; a < 3; ++a)
             for (std::size_t w = 0; w < kBitWords; ++w)
-                draft.ownedEdges += static_cast<std::uint32_t>(
-                    std::popcount(draft.active.edges[a].words[w] & surface.masks(job.slot).owned[a].words[w]));
+                draft.ownedEdges +=
+                    static_cast<std::uint32_t>(std::popcount(draft.active.edges[a].words[w] & owned[a].words[w]));
     }
     finish(move, surface, job, scratch);
     return true;

@@ -275,8 +275,10 @@ private:
 
 } // namespace
 
+namespace {
+
 template <class Sample>
-BrickLeaves findSurelyWithin(const StoredSample<Sample>* samples, const MergeBound& bound) {
+BrickLeaves findWithin(const StoredSample<Sample>* samples, const MergeBound& bound) {
     BrickErrors errors(std::type_identity<Sample>(), samples);
     BrickLeaves within;
     if (!errors.areOfUsualSize())
@@ -285,6 +287,71 @@ BrickLeaves findSurelyWithin(const StoredSample<Sample>* samples, const MergeBou
     errors.check<4>(bound, [&](int i, bool is) { within.level2 = static_cast<std::uint8_t>(within.level2 | is << i); });
     errors.check<8>(bound, [&](int, bool is) { within.level3 = is; });
     return within;
+}
+
+// A byte for each point: bits 2 a and 2 a + 1 state whether along axis a the samples ascend, and descend, throughout
+// the cell of side 2 that starts there. A missing sample does neither.
+using Directions = std::array<std::uint8_t, kClosedPoints>;
+
+template <class Stored>
+void findDirections(const Stored* samples, Directions& directions) {
+    directions.fill(0);
+    Directions edges{}, along{}, across{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto stride = static_cast<std::size_t>(kPointStride[axis]),
+                   u = static_cast<std::size_t>(kPointStride[(axis + 1) % 3]),
+                   v = static_cast<std::size_t>(kPointStride[(axis + 2) % 3]);
+        // Points behind the last cell of a row take part in nothing that is looked at.
+        const std::size_t count = kClosedPoints - stride;
+        for (std::size_t p = 0; p < count; ++p)
+            edges[p] = static_cast<std::uint8_t>((samples[p] <= samples[p + stride] ? 1 : 0) |
+                                                 (samples[p] >= samples[p + stride] ? 2 : 0));
+        const std::size_t countAlong = count - stride;
+        for (std::size_t p = 0; p < countAlong; ++p)
+            along[p] = edges[p] & edges[p + stride];
+        const std::size_t countU = countAlong - 2 * u;
+        for (std::size_t p = 0; p < countU; ++p)
+            across[p] = along[p] & along[p + u] & along[p + 2 * u];
+        const std::size_t countV = countU - 2 * v;
+        for (std::size_t p = 0; p < countV; ++p)
+            directions[p] = static_cast<std::uint8_t>(directions[p] | (across[p] & across[p + v] & across[p + 2 * v])
+                                                                          << (2 * axis));
+    }
+}
+
+constexpr bool isMonotone(unsigned directions) {
+    return (directions & 3) != 0 && (directions >> 2 & 3) != 0 && (directions >> 4 & 3) != 0;
+}
+
+template <class Stored>
+BrickLeaves findMonotone(const Stored* samples) {
+    Directions directions;
+    findDirections(samples, directions);
+    BrickLeaves monotone;
+    std::array<unsigned, 8> ofHalves;
+    ofHalves.fill(~0u);
+    unsigned ofAll = ~0u;
+    for (unsigned i = 0; i < 64; ++i) {
+        const unsigned x = i % 4, y = i / 4 % 4, z = i / 16;
+        const unsigned cell =
+            directions[closedPoint(static_cast<int>(2 * x), static_cast<int>(2 * y), static_cast<int>(2 * z)).index()];
+        monotone.level1 |= std::uint64_t{isMonotone(cell)} << i;
+        ofHalves[x / 2 + 2 * (y / 2) + 4 * (z / 2)] &= cell;
+        ofAll &= cell;
+    }
+    for (unsigned i = 0; i < 8; ++i)
+        monotone.level2 = static_cast<std::uint8_t>(monotone.level2 | unsigned{isMonotone(ofHalves[i])} << i);
+    monotone.level3 = isMonotone(ofAll);
+    return monotone;
+}
+
+} // namespace
+
+template <class Sample>
+SureCells findSureCells(const StoredSample<Sample>* samples, const BitString& validCells, const MergeBound& bound) {
+    SureCells sure{findWithin<Sample>(samples, bound), findMonotone(samples), false};
+    sure.isOneLeaf = sure.within.level3 && sure.monotone.level3 && allOfEight(validCells) == ~std::uint64_t{0};
+    return sure;
 }
 
 // Bits x + 4 y + 16 z of the eight parts of a cell of side 4.
@@ -320,29 +387,31 @@ BrickLeaves leavesOfSurface(const BrickLeaves& leaves, const BitString& activeCe
 
 template <class Sample>
 BrickLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
-                            const BitString& validCells, const MergeBound& bound, const BrickLeaves& surelyWithin) {
+                            const BitString& validCells, const MergeBound& bound, const SureCells& sure) {
     BitString all;
     all.words.fill(~std::uint64_t{0});
-    return updateBrickLeaves<Sample>({}, all, samples, above, active, validCells, bound, surelyWithin);
+    return updateBrickLeaves<Sample>({}, all, samples, above, active, validCells, bound, sure);
 }
 
 template <class Sample>
 BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& changed, const StoredSample<Sample>* samples,
                               const BitString& above, const ActiveBits& active, const BitString& validCells,
-                              const MergeBound& bound, const BrickLeaves& surelyWithin) {
+                              const MergeBound& bound, const SureCells& sure) {
     const std::uint64_t touched = anyOfEight(changed);
     if (touched == 0)
         return before;
     const std::uint64_t valid = allOfEight(validCells), crossed = anyOfEight(active.cells);
-    SignWords signs;
-    gatherSigns(above, signs);
+    const std::uint64_t asked = touched & valid & crossed;
     const BoundCheck<Sample> check(samples, active, bound);
 
     BrickLeaves leaves;
+    SignWords signs;
+    std::uint64_t keptSmaller = sure.monotone.level1, keptLarger = 0;
+    const bool decidesSmaller = (asked & ~keptSmaller) != 0;
     // Where cells were large they mostly stay so: then all sizes are decided at once.
-    const bool decidesAll = before.level2 != 0;
-    std::uint64_t keptSmaller = 0, keptLarger = 0;
+    const bool decidesAll = decidesSmaller && before.level2 != 0;
     if (decidesAll) {
+        gatherSigns(above, signs);
         SignWords larger;
         gatherSignsOfLarger(above, larger);
         std::array<cell::TwoWords, 27> both;
@@ -351,12 +420,13 @@ BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& change
         const cell::TwoWords kept = cell::keepsTopologyOf128(both);
         keptSmaller = kept[0];
         keptLarger = kept[1];
-    } else {
+    } else if (decidesSmaller) {
+        gatherSigns(above, signs);
         keptSmaller = cell::keepsTopologyOf64(signs);
     }
-    const std::uint64_t kept = touched & valid & crossed & keptSmaller;
-    leaves.level1 = (before.level1 & ~touched) | (touched & valid & ~crossed) | (kept & surelyWithin.level1);
-    for (std::uint64_t open = kept & ~surelyWithin.level1; open != 0; open &= open - 1) {
+    const std::uint64_t kept = asked & keptSmaller;
+    leaves.level1 = (before.level1 & ~touched) | (touched & valid & ~crossed) | (kept & sure.within.level1);
+    for (std::uint64_t open = kept & ~sure.within.level1; open != 0; open &= open - 1) {
         const int i = std::countr_zero(open);
         if (check.isWithin({{2 * (i % 4), 2 * (i / 4 % 4), 2 * (i / 16)}, 1}))
             leaves.level1 |= std::uint64_t{1} << i;
@@ -366,15 +436,21 @@ BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& change
         return leaves;
     const unsigned crossedHalves = halvesWhere([&](std::uint64_t parts) { return (crossed & parts) != 0; }),
                    touchedHalves = halvesWhere([&](std::uint64_t parts) { return (touched & parts) != 0; });
-    if (!decidesAll && (whole & crossedHalves) != 0) {
-        gatherSignsOfLarger(above, signs);
-        keptLarger = cell::keepsTopologyOf64(signs);
+    if (!decidesAll) {
+        const unsigned monotone = sure.monotone.level2 | (sure.monotone.level3 ? 1u << 8 : 0u);
+        const unsigned undecided =
+            (whole & crossedHalves & touchedHalves) | (whole == 0xff && crossed != 0 ? 1u << 8 : 0u);
+        keptLarger = monotone;
+        if ((undecided & ~monotone) != 0) {
+            gatherSignsOfLarger(above, signs);
+            keptLarger = cell::keepsTopologyOf64(signs);
+        }
     }
     const auto isUsable = [&](int i) {
         if ((touchedHalves >> i & 1) == 0)
             return (before.level2 >> i & 1) != 0;
         return (crossedHalves >> i & 1) == 0 ||
-               ((keptLarger >> i & 1) != 0 && ((surelyWithin.level2 >> i & 1) != 0 ||
+               ((keptLarger >> i & 1) != 0 && ((sure.within.level2 >> i & 1) != 0 ||
                                                check.isWithin({{4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2)}, 2})));
     };
     for (unsigned open = whole; open != 0; open &= open - 1)
@@ -382,17 +458,17 @@ BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& change
                                                                       << std::countr_zero(open));
     leaves.level3 =
         leaves.level2 == 0xff &&
-        (crossed == 0 || ((keptLarger >> 8 & 1) != 0 && (surelyWithin.level3 || check.isWithin({{0, 0, 0}, 3}))));
+        (crossed == 0 || ((keptLarger >> 8 & 1) != 0 && (sure.within.level3 || check.isWithin({{0, 0, 0}, 3}))));
     return leaves;
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
     template BrickLeaves findBrickLeaves<Sample>(const StoredSample<Sample>*, const BitString&, const ActiveBits&, \
-                                                 const BitString&, const MergeBound&, const BrickLeaves&); \
+                                                 const BitString&, const MergeBound&, const SureCells&); \
     template BrickLeaves updateBrickLeaves<Sample>(const BrickLeaves&, const BitString&, const StoredSample<Sample>*, \
                                                    const BitString&, const ActiveBits&, const BitString&, \
-                                                   const MergeBound&, const BrickLeaves&); \
-    template BrickLeaves findSurelyWithin<Sample>(const StoredSample<Sample>*, const MergeBound&);
+                                                   const MergeBound&, const SureCells&); \
+    template SureCells findSureCells<Sample>(const StoredSample<Sample>*, const BitString&, const MergeBound&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

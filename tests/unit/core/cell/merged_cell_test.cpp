@@ -187,5 +187,34 @@ TEST(MergedCell, RefusesWhatAMergerWouldLose) {
     EXPECT_TRUE(keepsTopology(0x1ff)) << "a plane";
 }
 
+// All patterns in which, from each point above, the next one along each axis is above too: 3 x 3 stacks that do not
+// fall along either axis. Turned round along any axes they are those in which samples ascend or descend.
+TEST(MergedCell, KeepsTopologyWhereverSamplesAscendOrDescendAlongEachAxis) {
+    int patterns = 0;
+    for (unsigned code = 0; code < 1u << 18; ++code) {
+        const auto height = [code](int x, int y) { return code >> (2 * (x + 3 * y)) & 3; };
+        bool rises = true;
+        for (int y = 0; y < 3; ++y)
+            for (int x = 0; x < 3; ++x)
+                rises = rises && (x == 0 || height(x, y) >= height(x - 1, y)) &&
+                        (y == 0 || height(x, y) >= height(x, y - 1));
+        if (!rises)
+            continue;
+        ++patterns;
+        for (unsigned turned = 0; turned < 8; ++turned) {
+            MergedSigns signs = 0;
+            for (int z = 0; z < 3; ++z)
+                for (int y = 0; y < 3; ++y)
+                    for (int x = 0; x < 3; ++x)
+                        if (height(x, y) + static_cast<unsigned>(z) >= 3)
+                            signs |= 1u << ((turned & 1 ? 2 - x : x) + 3 * (turned & 2 ? 2 - y : y) +
+                                            9 * (turned & 4 ? 2 - z : z));
+            if (signs != 0 && signs != kAllAbove)
+                ASSERT_TRUE(keepsTopology(signs)) << signs;
+        }
+    }
+    EXPECT_EQ(patterns, 980) << "the plane partitions in a box of side 3";
+}
+
 } // namespace
 } // namespace isoslider::cell

@@ -11,6 +11,7 @@
 #include "core/cell/cell_numbering.h"
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
+#include "core/grid/scalar_key.h"
 #include "core/index/sample_store.h"
 #include "core/index/validation/index_validation.h"
 #include "tests/property/surface_comparison.h"

@@ -1,0 +1,146 @@
+#include "core/extract/sources/leaf_finding.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/extract/live/brick_shapes.h"
+#include "core/extract/sources/sample_kernels.h"
+
+namespace isoslider::extract {
+namespace {
+
+struct alignas(64) FieldSamples {
+    float values[kPaddedPoints];
+};
+
+/// A plane with waves and noise on it.
+FieldSamples fieldOf(std::mt19937& random, float waves, float noise) {
+    std::uniform_real_distribution<float> around(-1.0f, 1.0f);
+    const float a = around(random), b = around(random), c = around(random), phase = 3.0f * around(random);
+    FieldSamples samples{};
+    for (int p = 0; p < kClosedPoints; ++p) {
+        const auto at = coordsOf(ClosedPoint(p));
+        const auto x = static_cast<float>(at[0]), y = static_cast<float>(at[1]), z = static_cast<float>(at[2]);
+        samples.values[p] =
+            a * x + b * y + c * z + waves * std::sin(0.9f * x + 0.7f * y - z + phase) + noise * around(random);
+    }
+    std::fill(samples.values + kClosedPoints, samples.values + kPaddedPoints, samples.values[0]);
+    return samples;
+}
+
+const BrickMasks& masksOfInnerBrick() {
+    static const std::vector<index::MissingCells> none;
+    static const BrickShapes shapes({40, 40, 40}, none);
+    return shapes.masks(shapes.grid().brickAt(1, 2, 1));
+}
+
+bool isMonotoneByDefinition(const FieldSamples& samples, int x0, int y0, int z0, int side) {
+    for (int axis = 0; axis < 3; ++axis) {
+        bool ascends = true, descends = true;
+        for (int z = z0; z <= z0 + side - (axis == 2); ++z)
+            for (int y = y0; y <= y0 + side - (axis == 1); ++y)
+                for (int x = x0; x <= x0 + side - (axis == 0); ++x) {
+                    const float here = samples.values[closedPoint(x, y, z).index()],
+                                next =
+                                    samples
+                                        .values[closedPoint(x + (axis == 0), y + (axis == 1), z + (axis == 2)).index()];
+                    ascends = ascends && here <= next;
+                    descends = descends && here >= next;
+                }
+        if (!ascends && !descends)
+            return false;
+    }
+    return true;
+}
+
+struct FieldKind {
+    float waves, noise;
+};
+constexpr FieldKind kFieldKinds[] = {{0.0f, 0.0f}, {0.3f, 0.0f}, {1.0f, 0.0f},
+                                     {0.0f, 0.1f}, {0.3f, 0.3f}, {0.0f, 3.0f}};
+
+TEST(SureCells, AreMonotoneByDefinition) {
+    std::mt19937 random(3);
+    int counts[3] = {};
+    for (const FieldKind& kind : kFieldKinds)
+        for (int round = 0; round < 20; ++round) {
+            const FieldSamples samples = fieldOf(random, kind.waves, kind.noise);
+            const BrickLeaves found =
+                findSureCells<float>(samples.values, masksOfInnerBrick().cells, {MergeBound::Measure::Scalar, 0.1})
+                    .monotone;
+            for (int i = 0; i < 64; ++i) {
+                const bool is = isMonotoneByDefinition(samples, 2 * (i % 4), 2 * (i / 4 % 4), 2 * (i / 16), 2);
+                ASSERT_EQ(found.level1 >> i & 1, std::uint64_t{is});
+                counts[0] += is;
+            }
+            for (int i = 0; i < 8; ++i) {
+                const bool is = isMonotoneByDefinition(samples, 4 * (i % 2), 4 * (i / 2 % 2), 4 * (i / 4), 4);
+                ASSERT_EQ(found.level2 >> i & 1, int{is});
+                counts[1] += is;
+            }
+            ASSERT_EQ(found.level3, isMonotoneByDefinition(samples, 0, 0, 0, 8));
+            counts[2] += found.level3;
+        }
+    EXPECT_GT(counts[0], 2000);
+    EXPECT_LT(counts[0], 7000);
+    EXPECT_GT(counts[1], 200);
+    EXPECT_GT(counts[2], 20);
+}
+
+TEST(SureCells, AreNoneBesideMissingSamples) {
+    std::mt19937 random(4);
+    FieldSamples samples = fieldOf(random, 0.0f, 0.0f);
+    samples.values[closedPoint(4, 4, 4).index()] = std::numeric_limits<float>::quiet_NaN();
+    const auto sure =
+        findSureCells<float>(samples.values, masksOfInnerBrick().cells, {MergeBound::Measure::Scalar, 100.0});
+    EXPECT_FALSE(sure.monotone.level3);
+    EXPECT_EQ(sure.monotone.level2, 0) << "all eight touch the middle";
+    EXPECT_EQ(std::popcount(sure.monotone.level1), 64 - 8);
+    EXPECT_FALSE(sure.isOneLeaf);
+}
+
+// What is known for sure spares work and changes nothing.
+TEST(BrickLeaves, AreTheSameWithAndWithoutSureCells) {
+    std::mt19937 random(5);
+    int merged[4] = {}, oneLeaf = 0;
+    for (const FieldKind& kind : kFieldKinds)
+        for (const MergeBound bound :
+             {MergeBound{MergeBound::Measure::Scalar, 0.3}, MergeBound{MergeBound::Measure::Distance, 0.25}})
+            for (int round = 0; round < 30; ++round) {
+                const FieldSamples samples = fieldOf(random, kind.waves, kind.noise);
+                const BrickMasks& masks = masksOfInnerBrick();
+                const SureCells sure = findSureCells<float>(samples.values, masks.cells, bound);
+                BitString before;
+                BrickLeaves step;
+                for (int at = 0; at < 12; ++at) {
+                    ClassifiedBrick<float> found;
+                    classify(samples.values, samples.values[random() % kClosedPoints], masks,
+                             at == 0 ? nullptr : &before, found);
+                    before = found.above;
+                    const BrickLeaves plain =
+                        findBrickLeaves<float>(samples.values, found.above, found.active, masks.cells, bound, {});
+                    ASSERT_EQ(
+                        findBrickLeaves<float>(samples.values, found.above, found.active, masks.cells, bound, sure),
+                        plain);
+                    step = at == 0 ? plain
+                                   : updateBrickLeaves<float>(step, found.changed, samples.values, found.above,
+                                                              found.active, masks.cells, bound, sure);
+                    ASSERT_EQ(step, plain);
+                    ASSERT_TRUE(plain.level3 || !sure.isOneLeaf || found.active.cells.isEmpty());
+                    oneLeaf += sure.isOneLeaf;
+                    ++merged[plain.level3 ? 3 : plain.level2 != 0 ? 2 : plain.level1 != 0 ? 1 : 0];
+                }
+            }
+    EXPECT_GT(oneLeaf, 100);
+    for (const int count : merged)
+        EXPECT_GT(count, 20);
+}
+
+} // namespace
+} // namespace isoslider::extract
