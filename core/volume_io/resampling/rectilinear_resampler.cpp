@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kChunkSamples = std::size_t{1} << 22;
 
-constexpr std::int64_t kMostRefinement = 32;
+constexpr int kMostRefinement = 32; ///< in points, along an axis and in all
 constexpr std::int64_t kMostDefaultPoints = std::int64_t{1} << 26;
 
 /// Cells as wide as the narrowest of `axis`, over its whole length; whole if that is a multiple but for rounding.
@@ -187,11 +187,12 @@ GridDims defaultDims(const std::array<GridAxis, 3>& axes, std::uint64_t memoryBy
     };
     // Half, for the file's own samples are in memory too; each point twice while they are made.
     const std::uint64_t room = memoryBytes / 2 / (2 * sizeof(float));
-    const double most =
-        std::min(static_cast<double>(kMostDefaultPoints), memoryBytes == 0 ? HUGE_VAL : static_cast<double>(room));
-    const auto isTooLarge = [&](const GridDims& dims) { // three factors of 2^20: too many for 64 bits
-        return static_cast<double>(dims[0]) * static_cast<double>(dims[1]) * static_cast<double>(dims[2]) > most;
+    const auto countOf = [](const GridDims& dims) { // three factors of 2^20: too many for 64 bits
+        return static_cast<double>(dims[0]) * static_cast<double>(dims[1]) * static_cast<double>(dims[2]);
     };
+    const double most = std::min({static_cast<double>(kMostDefaultPoints), kMostRefinement * countOf(dimsAt(0.0)),
+                                  memoryBytes == 0 ? HUGE_VAL : static_cast<double>(room)});
+    const auto isTooLarge = [&](const GridDims& dims) { return countOf(dims) > most; };
     const GridDims finest = dimsAt(1.0);
     if (!isTooLarge(finest))
         return finest;

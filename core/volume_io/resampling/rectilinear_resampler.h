@@ -36,7 +36,7 @@ GridGeometry axesGeometry(const std::array<GridAxis, 3>& axes, const GridDims& d
 
 /// Points per axis of the uniform grid that uneven axes are taken to unless a size is asked for. Even axes keep their
 /// points; uneven ones get points as near as their nearest two, so that nothing between those is lost, but no more
-/// than 32 times their own, 2^26 in all, and half of `memoryBytes`. Never fewer than their own.
+/// than 32 times as many in all, 2^26, and half of `memoryBytes`. Never fewer than their own.
 GridDims defaultDims(const std::array<GridAxis, 3>& axes, std::uint64_t memoryBytes);
 
 /// Samples of `values` along x, y and z, which lie unevenly, at the points of `geometry`: trilinear, f32. A missing
