@@ -65,7 +65,7 @@ TEST_F(CliResample, IsReportedByEveryCommandThatResamples) {
     expectLoss(runJson({"info", grid}));
     expectLoss(runJson({"build", grid, "-o", path("a.isx")}));
     expectLoss(runJson({"extract", grid, "--isovalue", "20", "-o", path("a.ply")}));
-    constexpr const char* kLine = "onto 4 x 2 x 2 points, off by up to ";
+    constexpr const char* kLine = "onto 128 x 2 x 2 points, off by up to ";
     EXPECT_THAT(run({"info", grid}).standardOutput, HasSubstr(std::string("resampled        ") + kLine));
     EXPECT_THAT(run({"build", grid, "-o", path("b.isx")}).standardOutput, HasSubstr(std::string("resampled ") + kLine));
     EXPECT_THAT(run({"extract", grid, "--isovalue", "20"}).standardOutput, HasSubstr(kLine));
