@@ -21,7 +21,7 @@ struct Options {
     RowOptions row;
     std::filesystem::path folder = std::filesystem::temp_directory_path() / "isoslider_bench";
     std::filesystem::path csv;
-    index::IndexKind kind = index::IndexKind::Edges;
+    index::IndexKind kind = index::IndexKind::Metacells; // what builds make unless told otherwise
     bool reusesIndex = false;
     bool withoutPeer = false;
 };

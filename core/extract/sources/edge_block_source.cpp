@@ -159,7 +159,8 @@ std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lowe
 
 // Slots for bricks that have none yet. A partition's bricks are looked at by one thread.
 template <class Sample>
-Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop) {
+Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface, SlideStats& stats,
+                                                  const JobControl& job) {
     for (Scratch& scratch : *scratches_)
         scratch.arriving.clear();
     std::atomic<bool> isConsistent{true};
@@ -192,13 +193,13 @@ Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface, Sl
     if (!isConsistent)
         return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice",
                          reader_.pathString());
-    return normals_ ? startPoints(surface, std::move(arriving), stats, stop) : Status();
+    return normals_ ? startPoints(surface, std::move(arriving), stats, job) : Status();
 }
 
 // The normals of all points of bricks that arrive: entries bring scalars only.
 template <class Sample>
 Status EdgeBlockSource<Sample>::startPoints(LiveSurface<Live>& surface, std::vector<BrickIndex> bricks,
-                                            SlideStats& stats, std::stop_token stop) {
+                                            SlideStats& stats, const JobControl& job) {
     std::vector<std::pair<std::uint64_t, BrickIndex>> placed;
     placed.reserve(bricks.size());
     for (const BrickIndex brick : bricks)
@@ -212,7 +213,7 @@ Status EdgeBlockSource<Sample>::startPoints(LiveSurface<Live>& surface, std::vec
             std::memset(static_cast<void*>(points.samples), 0, sizeof points.samples);
             return points.normals;
         },
-        stats, stop);
+        stats, job);
 }
 
 template <class Sample>
@@ -288,7 +289,7 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
         stats.edgesRemoved += lists.edgesRemoved;
         lastCollected_ += lists.edgesAdded + lists.edgesRemoved;
     }
-    ISO_TRY(addArrivingBricks(surface, stats, stop));
+    ISO_TRY(addArrivingBricks(surface, stats, job.part(0.0, 0.5)));
     const std::uint64_t hiddenBytes = hiddenCorners_.bytesRead();
 
     std::vector<BrickSlot> beside;
@@ -303,7 +304,8 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
     // All chains first: which bricks change must be known before the others are looked through.
     std::vector<BrickSlot> crossed, refreshed;
     std::array<std::vector<BrickSlot>, kPartitions> changedBy;
-    SharedProgress progress(job, kPartitions, "extracting");
+    const JobControl making = job.part(normals_ ? 0.5 : 0.0, 1.0);
+    SharedProgress progress(making, kPartitions, "extracting");
     forEachIndex(kPartitions, 1, [&](std::size_t partition) {
         Scratch& scratch = scratches_->local();
         chainChanges(partition, scratch);

@@ -107,9 +107,9 @@ private:
     std::size_t partitionOf(BrickIndex brick) const {
         return static_cast<std::size_t>(brick.number() * partitionScale_ >> 32);
     }
-    Status addArrivingBricks(LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop);
+    Status addArrivingBricks(LiveSurface<Live>& surface, SlideStats& stats, const JobControl& job);
     Status startPoints(LiveSurface<Live>& surface, std::vector<BrickIndex> bricks, SlideStats& stats,
-                       std::stop_token stop);
+                       const JobControl& job);
     void chainChanges(std::size_t partition, Scratch& scratch);
     void changeBrick(BrickSlot slot, const Move& move, LiveSurface<Live>& surface, Scratch& scratch);
     void listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface, std::vector<BrickSlot>& crossed,

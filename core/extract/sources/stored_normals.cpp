@@ -34,9 +34,9 @@ StoredNormals::StoredNormals(const index::IndexReader& reader, std::uint64_t cac
 }
 
 Status StoredNormals::read(std::span<const BrickIndex> bricks, const Place& placeOf, SlideStats& stats,
-                           std::stop_token stop) {
+                           const JobControl& job) {
     for (std::size_t done = 0; done < bricks.size();) {
-        const auto ready = chunks_.prepare(bricks.subspan(done), stats, stop);
+        const auto ready = chunks_.prepare(bricks.subspan(done), stats, job.stop);
         if (!ready.isOk())
             return ready.error();
         forRanges(ready.value(), kBricksAtOnce, [&](std::size_t begin, std::size_t end) {
@@ -44,6 +44,7 @@ Status StoredNormals::read(std::span<const BrickIndex> bricks, const Place& plac
                 copyNormals(chunks_.rows(bricks[i]), placeOf(i));
         });
         done += ready.value();
+        job.report(static_cast<double>(done) / static_cast<double>(bricks.size()), "reading normals");
     }
     return {};
 }

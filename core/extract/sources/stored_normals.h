@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <stop_token>
 
+#include "core/base/job_control.h"
 #include "core/extract/live/brick_points.h"
 #include "core/extract/sources/stored_samples.h"
 #include "core/grid/normal_codec.h"
@@ -24,7 +24,7 @@ public:
     using Place = std::function<NormalCode*(std::size_t i)>;
     /// Normals of the points of each brick, those outside the box "no normal". On several threads; `placeOf` is called
     /// once for each brick. Cheapest in order. Adds to `stats` what was read. Errors: IoError, Corruption, Cancelled.
-    Status read(std::span<const BrickIndex> bricks, const Place& placeOf, SlideStats& stats, std::stop_token stop);
+    Status read(std::span<const BrickIndex> bricks, const Place& placeOf, SlideStats& stats, const JobControl& job);
     void dropCaches() { chunks_.dropCaches(); }
 
 private:

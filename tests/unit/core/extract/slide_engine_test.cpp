@@ -94,6 +94,23 @@ TEST_F(SlideEngineTest, ACancelledMoveLeavesNoSurfaceAndTheNextIsRight) {
     EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*hills_, 350.0).value()));
 }
 
+TEST_F(SlideEngineTest, AJumpReportsTheNormalsThatItReads) {
+    const auto engine = openOn(hills_, 5, 1u << 16); // room for a few chunks: they are read in turns
+    std::vector<double> normals, others;
+    double last = 0.0;
+    ASSERT_THAT(engine->slideTo(300.0, {{},
+                                        [&](double fraction, std::string_view stage) {
+                                            EXPECT_GE(fraction, last) << stage;
+                                            last = fraction;
+                                            (stage == "reading normals" ? normals : others).push_back(fraction);
+                                        }}),
+                IsOk());
+    ASSERT_GT(normals.size(), 2u);
+    EXPECT_LT(normals.front(), 0.4);
+    EXPECT_EQ(normals.back(), 0.5);
+    EXPECT_EQ(others.back(), 1.0);
+}
+
 // Every other grid point lies above all isovalues, the others at random below. The bricks grow in step until all edges
 // are active: each run is outgrown everywhere at once, and the surface's arrays are in pieces long before that. They
 // hold no more than the largest bricks there can be, which these are not.
