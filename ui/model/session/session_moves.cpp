@@ -19,11 +19,12 @@ SlideWorker::Callbacks Session::workerCallbacks() {
             if (std::exchange(slot->isPosted, true))
                 return;
         }
-        post([this, weakSlot, post] {
+        post([this, weakSlot] {
             if (!weakSlot.lock())
                 return;
             takeFrame();
-            post([this, weakSlot] { // after what the frame's observers post in turn: pictures are asked for so
+            // After what the frame's observers post in turn: pictures are asked for so.
+            services_.postToMain([this, weakSlot] {
                 if (weakSlot.lock())
                     worker_->frameReceived();
             });
