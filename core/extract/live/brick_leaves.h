@@ -46,14 +46,26 @@ struct BrickLeaves {
     friend bool operator==(const BrickLeaves&, const BrickLeaves&) = default;
 };
 
-/// Of a row of four bits each twice.
-inline constexpr std::array<std::uint8_t, 16> kDoubledBits = [] {
-    std::array<std::uint8_t, 16> doubled{};
-    for (unsigned four = 0; four < 16; ++four)
-        doubled[four] =
-            static_cast<std::uint8_t>((four & 1) * 3 | (four >> 1 & 1) * 12 | (four >> 2 & 1) * 48 | (four >> 3) * 192);
-    return doubled;
-}();
+/// Calls change(word, mask, shift, row) for each row of cells of the brick that lie in the given cells of side 2, which
+/// are bits x + 4 y + 16 z: `mask << shift` are their bits in `word`, which holds the row; `row` is y + 4 z of the
+/// cells of side 2.
+template <class Change>
+void changeRows(std::uint64_t squares, BitString& cells, const Change& change) {
+    auto* const bytes = reinterpret_cast<std::byte*>(cells.words.data());
+    for (int row = 0; row < 16; ++row) {
+        const std::uint64_t four = squares >> (4 * row) & 15;
+        if (four == 0)
+            continue;
+        const std::uint64_t mask = (four & 1) * 3 | (four >> 1 & 1) * 12 | (four >> 2 & 1) * 48 | (four >> 3) * 192;
+        for (int k = 0; k < 4; ++k) {
+            const ClosedPoint first = closedPoint(0, 2 * (row % 4) + k % 2, 2 * (row / 4) + k / 2);
+            std::uint64_t word;
+            std::memcpy(&word, bytes + first.index() / 8, sizeof word);
+            change(word, mask, first.number() % 8, row);
+            std::memcpy(bytes + first.index() / 8, &word, sizeof word);
+        }
+    }
+}
 
 /// One merged cell with all its halves; `number` as its bit in BrickLeaves, 0 at level 3.
 inline BrickLeaves leafBits(int level, unsigned number) {
@@ -75,19 +87,8 @@ inline BitString cellsOfOtherLevel(const BrickLeaves& before, const BrickLeaves&
     if (before.level3 != now.level3)
         others = ~std::uint64_t{0};
     BitString cells;
-    auto* const bytes = reinterpret_cast<std::byte*>(cells.words.data());
-    for (int row = 0; row < 16; ++row) {
-        const std::uint64_t eight = kDoubledBits[others >> (4 * row) & 15];
-        if (eight == 0)
-            continue;
-        for (int k = 0; k < 4; ++k) {
-            const ClosedPoint first = closedPoint(0, 2 * (row % 4) + k % 2, 2 * (row / 4) + k / 2);
-            std::uint64_t word;
-            std::memcpy(&word, bytes + first.index() / 8, sizeof word);
-            word |= eight << first.number() % 8;
-            std::memcpy(bytes + first.index() / 8, &word, sizeof word);
-        }
-    }
+    changeRows(others, cells,
+               [](std::uint64_t& word, std::uint64_t mask, int shift, int /*row*/) { word |= mask << shift; });
     return cells;
 }
 

@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <cstddef>
-#include <cstring>
 #include <utility>
 
 namespace isoslider::extract {
@@ -10,25 +9,17 @@ namespace {
 
 // Takes the cells of side 2 given by bits x + 4 y + 16 z out of a string of cells; returns which had some in it.
 std::uint64_t takeOut(std::uint64_t squares, BitString& cells) {
+    std::array<std::uint64_t, 16> any{};
+    changeRows(squares, cells, [&](std::uint64_t& word, std::uint64_t mask, int shift, int row) {
+        const std::uint64_t taken = word & mask << shift;
+        any[static_cast<std::size_t>(row)] |= taken >> shift;
+        word ^= taken;
+    });
     std::uint64_t found = 0;
-    auto* const bytes = reinterpret_cast<std::byte*>(cells.words.data());
     for (int row = 0; row < 16; ++row) {
-        const std::uint64_t four = squares >> (4 * row) & 15;
-        if (four == 0)
-            continue;
-        const std::uint64_t eight = kDoubledBits[four];
-        std::uint64_t any = 0;
-        for (int k = 0; k < 4; ++k) {
-            const ClosedPoint first = closedPoint(0, 2 * (row % 4) + k % 2, 2 * (row / 4) + k / 2);
-            std::uint64_t word;
-            std::memcpy(&word, bytes + first.index() / 8, sizeof word);
-            const std::uint64_t taken = word & eight << first.number() % 8;
-            any |= taken >> first.number() % 8;
-            word ^= taken;
-            std::memcpy(bytes + first.index() / 8, &word, sizeof word);
-        }
-        any |= any >> 1;
-        found |= ((any & 1) | (any >> 1 & 2) | (any >> 2 & 4) | (any >> 3 & 8)) << (4 * row);
+        std::uint64_t eight = any[static_cast<std::size_t>(row)];
+        eight |= eight >> 1;
+        found |= ((eight & 1) | (eight >> 1 & 2) | (eight >> 2 & 4) | (eight >> 3 & 8)) << (4 * row);
     }
     return found;
 }

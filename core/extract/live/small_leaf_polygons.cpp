@@ -8,9 +8,8 @@ namespace {
 constexpr int kPatternPoints = 27;
 constexpr std::uint32_t kMiddle = 1u << 13;
 
-/// Faces in the order of MergedPolygon: 2 * axis + whether it is the upper one.
+/// Faces in the order of kCornersOfFaces: 2 * axis + whether it is the upper one.
 constexpr std::size_t kFaces = 6;
-constexpr std::array<std::uint8_t, kFaces> kFaceCorners{0x55, 0xaa, 0x33, 0xcc, 0x0f, 0xf0};
 constexpr std::array<std::uint32_t, kFaces> kFaceMiddles{1u << 12, 1u << 14, 1u << 10, 1u << 16, 1u << 4, 1u << 22};
 
 /// By the signs of the corners, the faces whose corners differ.
@@ -18,7 +17,7 @@ constexpr auto kCrossedFaces = [] {
     std::array<std::uint8_t, 256> crossed{};
     for (unsigned signs = 0; signs < crossed.size(); ++signs)
         for (std::size_t face = 0; face < kFaces; ++face)
-            if (const unsigned above = signs & kFaceCorners[face]; above != 0 && above != kFaceCorners[face])
+            if (isFaceCrossed(signs, face))
                 crossed[signs] = static_cast<std::uint8_t>(crossed[signs] | 1u << face);
     return crossed;
 }();

@@ -28,6 +28,14 @@ namespace isoslider::extract {
 /// The level that stands for "no cell is there".
 inline constexpr int kNoLevel = -1;
 
+/// By face, lower and upper along x, y, z: which of a cell's corners are on it.
+inline constexpr std::array<std::uint8_t, 6> kCornersOfFaces{0x55, 0xaa, 0x33, 0xcc, 0x0f, 0xf0};
+/// Whether the corners of a face differ.
+constexpr bool isFaceCrossed(unsigned signs, std::size_t face) {
+    const unsigned above = signs & kCornersOfFaces[face];
+    return above != 0 && above != kCornersOfFaces[face];
+}
+
 /// A cell of side 2^level, aligned at multiples of its side.
 struct LeafCell {
     std::int64_t point = 0, cell = 0; ///< its first
@@ -102,10 +110,8 @@ private:
     // A leaf beside a face either covers it or is smaller, as all others beside this face are then. A face whose
     // corners have one sign is not crossed (keepsTopology()).
     bool hasFinerNeighbour(std::uint8_t signs) const {
-        static constexpr std::array<std::uint8_t, 6> kCorners{0x55, 0xaa, 0x33, 0xcc, 0x0f, 0xf0};
         for (std::size_t face = 0; face < 6; ++face) {
-            const unsigned above = signs & kCorners[face];
-            if (above == 0 || above == kCorners[face])
+            if (!isFaceCrossed(signs, face))
                 continue;
             if (const int level = leaves_->levelAt(cellAcross(face / 2, face % 2 == 1));
                 level != kNoLevel && level < leaf_.level)

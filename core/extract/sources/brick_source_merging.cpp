@@ -32,8 +32,8 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
     BrickLeaves& usable = usableLeaves_[job.slot.index()];
     SureCells& sure = sureCells_[job.slot.index()];
     const BitString& validCells = surface.masks(job.slot).cells;
-    const bool isDecidedAnew = job.isNew || hasNewBound_;
-    if (isDecidedAnew)
+    const bool startsAgain = job.isNew || hasNewBound_;
+    if (startsAgain)
         sure = findSureCells<Sample>(samples, validCells, bound_);
     if (sure.isOneLeaf) { // a brick that is live is crossed
         usable = leafBits(3, 0);
@@ -44,7 +44,7 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
         return true;
     }
     classifyFor(move, surface, job, scratch);
-    if (isDecidedAnew)
+    if (startsAgain)
         usable = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, sure);
     else
         usable = updateBrickLeaves<Sample>(usable, scratch.found.changed, samples, scratch.found.above,

@@ -176,11 +176,14 @@ GridGeometry axesGeometry(const std::array<GridAxis, 3>& axes, const GridDims& d
 }
 
 GridDims defaultDims(const std::array<GridAxis, 3>& axes, std::uint64_t memoryBytes) {
+    std::array<double, 3> finestOf{};
+    std::transform(axes.begin(), axes.end(), finestOf.begin(),
+                   [](const GridAxis& axis) { return static_cast<double>(finestCells(axis)); });
     const auto dimsAt = [&](double share) {
         GridDims dims{1, 1, 1};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto own = static_cast<std::int64_t>(axes[axis].at.size());
-            const auto cells = static_cast<std::int64_t>(share * static_cast<double>(finestCells(axes[axis])));
+            const auto cells = static_cast<std::int64_t>(share * finestOf[axis]);
             dims[axis] = std::max(own, cells + 1);
         }
         return dims;

@@ -101,7 +101,7 @@ void ColourModel::choose(ColourBy by, const std::optional<FieldFile>& field) {
     colouring.field = field;
     options.pieces.isColoured = false; // which would hide it
     if (field)
-        drop(); // the file may have been written anew
+        drop(); // the file may have been written again
     view_.setOptions(options);
     refresh();
 }

@@ -47,8 +47,8 @@ public:
     SourceGeneration setSource(std::shared_ptr<SurfaceSource> source, DatasetGeneration dataset,
                                std::optional<double> isovalue);
     void request(double isovalue);
-    /// Breaks off the running move, and no other is pending: neither callback is called for them. The next one begins
-    /// anew.
+    /// Breaks off the running move, and no other is pending: neither callback is called for them. The next one starts
+    /// from nothing.
     void cancelMove();
     /// As request(), for another surface of the same source: frames of moves that have begun are of an earlier
     /// generation. `pieces`: of a picture of that surface, whose numbers are kept; null for none.

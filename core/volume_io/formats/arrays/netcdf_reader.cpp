@@ -357,6 +357,15 @@ Result<VolumeContents> listNetcdf(const fs::path& path, const ReadOptions& optio
     VolumeContents contents = contentsOf(variables.value());
     ISO_TRY(checkAnyField(contents, path));
     std::map<std::pair<int, int>, GridAxis> known; // by coordinate variable, each read once
+    const auto gridAxis = [&](const NetcdfAxis& axis) {
+        if (axis.variable < 0)
+            return indexAxis(static_cast<std::int64_t>(axis.extent));
+        const auto [at, isNew] = known.try_emplace({axis.group, axis.variable});
+        std::vector<std::string> ignored;
+        if (isNew)
+            at->second = coordinatesOf(axis, ignored, path);
+        return at->second;
+    };
     for (std::size_t i = 0; i < contents.fields.size(); ++i) {
         VolumeField& field = contents.fields[i];
         const NetcdfVariable& variable = variables.value()[i];
@@ -368,11 +377,7 @@ Result<VolumeContents> listNetcdf(const fs::path& path, const ReadOptions& optio
             const NetcdfAxis& axis = variable.axes[static_cast<std::size_t>(variable.axisOf[place])];
             if (axis.extent < 1 || axis.extent > static_cast<std::uint64_t>(kMaxDim))
                 continue;
-            std::vector<std::string> ignored;
-            axes[place] = axis.variable < 0 ? indexAxis(static_cast<std::int64_t>(axis.extent))
-                                            : known.try_emplace({axis.group, axis.variable}).first->second;
-            if (axes[place].at.empty())
-                axes[place] = known[{axis.group, axis.variable}] = coordinatesOf(axis, ignored, path);
+            axes[place] = gridAxis(axis);
             field.isResampled = field.isResampled || !axes[place].isEven;
         }
         if (!field.isResampled)

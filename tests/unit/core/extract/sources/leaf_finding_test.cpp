@@ -105,6 +105,34 @@ TEST(SureCells, AreNoneBesideMissingSamples) {
     EXPECT_FALSE(sure.isOneLeaf);
 }
 
+BrickLeaves someLeaves(std::mt19937& random) {
+    BrickLeaves leaves;
+    for (unsigned i = 0; i < 64; ++i)
+        leaves.level1 |= std::uint64_t{random() % 4 != 0} << i;
+    for (unsigned i = 0; i < 8; ++i)
+        if (const BrickLeaves larger = leafBits(2, i); random() % 3 == 0) {
+            leaves.level1 |= larger.level1;
+            leaves.level2 = static_cast<std::uint8_t>(leaves.level2 | larger.level2);
+        }
+    return random() % 8 == 0 ? leafBits(3, 0) : random() % 8 == 0 ? BrickLeaves() : leaves;
+}
+
+// Cells that merge or split are highlighted, and count as changed.
+TEST(BrickLeaves, ThatDifferInACellAreThoseOfAnotherLevel) {
+    std::mt19937 random(6);
+    for (int round = 0; round < 300; ++round) {
+        const BrickLeaves before = someLeaves(random), now = random() % 8 == 0 ? before : someLeaves(random);
+        BitString expected;
+        for (int i = 0; i < 512; ++i) {
+            const int x = i % 8, y = i / 8 % 8, z = i / 64;
+            ASSERT_EQ(now.levelsOfRow(y, z) >> (8 * x) & 0xff, static_cast<std::uint64_t>(now.levelOf(x, y, z)));
+            if (before.levelOf(x, y, z) != now.levelOf(x, y, z))
+                expected.set(closedPoint(x, y, z));
+        }
+        ASSERT_EQ(cellsOfOtherLevel(before, now), expected);
+    }
+}
+
 // What is known for sure spares work and changes nothing.
 TEST(BrickLeaves, AreTheSameWithAndWithoutSureCells) {
     std::mt19937 random(5);
