@@ -5,9 +5,11 @@
 #                                               (10000)
 #   packaging/ci/endurance.sh flips [COUNT]     COUNT flipped bits of indexes (1000000), every bit of their headers and every
 #                                               length, under the address sanitizer
+#   packaging/ci/endurance.sh window [FILTER]   the tests of the window under the address sanitizer; FILTER as GoogleTest's
+#                                               (all but those that measure time)
 #   packaging/ci/endurance.sh soak [MINUTES]    opens, slides, jumps, exports and closes three volumes in turn (60)
 #
-# Uses build/release, and build/asan-ubsan for what runs under the sanitizer. ISOSLIDER_SEED chooses the moments.
+# Uses build/release, and build/asan-ubsan and build/asan-window for what runs under the sanitizer. ISOSLIDER_SEED chooses the moments.
 # What differs is printed with its round; the exit code is 1 then.
 set -euo pipefail
 
@@ -41,6 +43,20 @@ flips() {
   build/asan-ubsan/bin/core_index_tests --gtest_brief=1 --gtest_filter='*IndexDamage*:LazyLevels*Damaged*'
 }
 
+# What libraries leak that are not built here is left out by their names, nothing else.
+window() {
+  build asan-window isoslider isoslider_gui_test isoslider_gui_inputs_test
+  export ASAN_OPTIONS=strict_string_checks=1:quarantine_size_mb=64
+  export LSAN_OPTIONS=suppressions=$ROOT/packaging/ci/leaks_of_libraries.txt:print_suppressions=0
+  export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 QT_QPA_PLATFORM=xcb
+  local program failed=0
+  for program in isoslider_gui_test isoslider_gui_inputs_test; do
+    xvfb-run -a -s '-screen 0 1600x1200x24' "build/asan-window/bin/$program" --gtest_brief=1 \
+      --gtest_filter="${1:--Fluency*}" || failed=1
+  done
+  return "$failed"
+}
+
 soak() {
   build release session_soak
   build/release/bin/session_soak --minutes "${1:-60}"
@@ -49,7 +65,7 @@ soak() {
 main() {
   cd "$ROOT"
   case "${1:-}" in
-    kills | flips | soak) "$@" ;;
+    kills | flips | window | soak) "$@" ;;
     *) sed -n '2,/^$/s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 2 ;;
   esac
 }

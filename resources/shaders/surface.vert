@@ -4,6 +4,7 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 
 layout(location = 2) in vec4 tint; // linear light; a: 0 hidden, half plain, 1 in this colour; (0, 0, 0, 1) without tints
+layout(location = 3) in float level; // of the leaf edge it lies on; 0 where arrays have none
 
 uniform mat4 modelToView;
 uniform mat4 viewToClip;
@@ -23,7 +24,7 @@ void main() {
     viewPosition = place.xyz;
     viewNormal = normalToView * normal;
     gridPosition = position;
-    leafLevel = 0.0;
+    leafLevel = level;
     tintColour = vec4(tint.rgb, tint.a > 0.75 ? 1.0 : 0.0);
     for (int i = 0; i < cutCount; ++i)
         gl_ClipDistance[i] = dot(cuts[i].xyz, gridPosition) + cuts[i].w;

@@ -23,9 +23,9 @@
 namespace isoslider::test {
 namespace {
 
-// Of arrays: positions, normals, indices, changed, tints; of bricks: codes, indices, inner, places, changed, tints,
-// coarse indices, a page of points; box.
-constexpr std::size_t kBuffers = 14;
+// Of arrays: positions, normals, indices, changed, tints; of bricks: codes, indices, inner, places, changed, tints, a
+// page of points; of drafts: vertices, indices; box.
+constexpr std::size_t kBuffers = 15;
 
 /// The surface, and nothing of the grey background, is warm: clearly more red than blue.
 std::size_t surfacePixels(const QImage& image) {

@@ -178,9 +178,9 @@ TEST_F(ClipImageTest, BricksOutsideTheBoxAreNotDrawnAtAll) {
     program->bind();
     bricks.setUniforms(*program);
     const auto trianglesDrawn = [&](const model::Clipping& clipping) {
-        bricks.setCuts(model::cutsOf(clipping, frame->geometry, frame->geometry));
+        const auto cuts = model::cutsOf(clipping, frame->geometry, frame->geometry);
         gl->glBeginQuery(GL_PRIMITIVES_GENERATED, query);
-        bricks.drawSurface(toView, {});
+        bricks.drawSurface(toView, cuts, {});
         gl->glEndQuery(GL_PRIMITIVES_GENERATED);
         GLuint count = 0;
         gl->glGetQueryObjectuiv(query, GL_QUERY_RESULT, &count);

@@ -5,11 +5,6 @@
 #include <cstring>
 #include <utility>
 
-#include <glm/geometric.hpp>
-#include <glm/vec4.hpp>
-
-#include "core/base/worker_team.h"
-#include "ui/render/brick_draft.h"
 #include "ui/render/draw_parts.h"
 #include "ui/render/tint_arrays.h"
 
@@ -22,25 +17,6 @@ using extract::VertexCode;
 constexpr std::size_t kPage = 512; // places that are sent together
 constexpr std::size_t kMostTogether = std::size_t{4} << 20; // bytes of a fresh buffer that are sent together
 
-/// The planes of the view: what is in it is on the positive side of each.
-std::vector<glm::dvec4> viewPlanes(const glm::dmat4& modelToClip) {
-    const auto row = [&](int i) {
-        return glm::dvec4(modelToClip[0][i], modelToClip[1][i], modelToClip[2][i], modelToClip[3][i]);
-    };
-    return {row(3) + row(0), row(3) - row(0), row(3) + row(1), row(3) - row(1), row(3) + row(2), row(3) - row(2)};
-}
-
-bool isInView(const PictureBrick& brick, const std::vector<glm::dvec4>& planes) {
-    const auto origin = brick.origin();
-    const glm::dvec3 low(origin[0], origin[1], origin[2]);
-    return std::all_of(planes.begin(), planes.end(), [&](const glm::dvec4& plane) {
-        // The corner that lies farthest along the plane's normal.
-        const glm::dvec3 corner =
-            low + glm::dvec3(extract::kCellSide) * glm::dvec3(plane.x > 0.0, plane.y > 0.0, plane.z > 0.0);
-        return glm::dot(glm::dvec3(plane), corner) + plane.w >= 0.0;
-    });
-}
-
 } // namespace
 
 BrickBuffers::BrickBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) {
@@ -50,7 +26,7 @@ BrickBuffers::BrickBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) 
     gl_.glGenVertexArrays(1, &vertexArray_);
     gl_.glGenTextures(1, &placesTexture_);
     gl_.glGenTextures(1, &innerTexture_);
-    for (Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_, &coarseIndices_})
+    for (Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_})
         buffer->name = driver_.makeBuffer(gl_);
     gl_.glBindVertexArray(vertexArray_);
     gl_.glBindBuffer(GL_ARRAY_BUFFER, codes_.name);
@@ -63,7 +39,7 @@ BrickBuffers::~BrickBuffers() {
     if (vertexArray_ == 0)
         return;
     freePages(0);
-    for (const Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_, &coarseIndices_})
+    for (const Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_})
         driver_.freeBuffer(gl_, buffer->name);
     gl_.glDeleteTextures(1, &placesTexture_);
     gl_.glDeleteTextures(1, &innerTexture_);
@@ -71,9 +47,6 @@ BrickBuffers::~BrickBuffers() {
 }
 
 void BrickBuffers::clear() {
-    coarse_.clear();
-    coarseParts_.clear();
-    coarseView_.reset();
     sentTints_.clear();
     bricks_.clear();
     changed_.clear();
@@ -92,7 +65,7 @@ void BrickBuffers::freePages(std::size_t first) {
 void BrickBuffers::freeMemory() {
     clear();
     freePages(0);
-    for (Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_, &coarseIndices_})
+    for (Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_})
         if (std::exchange(buffer->capacityBytes, 0) > 0)
             driver_.allocate(gl_, GL_COPY_WRITE_BUFFER, buffer->name, 0);
 }
@@ -259,9 +232,11 @@ bool BrickBuffers::isMostlyNew(std::span<const extract::PictureBrick> now) const
 bool BrickBuffers::makeRoom(const Picture& picture) {
     const std::size_t places = (picture.vertexEnd() + kVerticesPerPlace - 1) / kVerticesPerPlace;
     const std::size_t pagedPlaces = (places + kPage - 1) / kPage * kPage;
+    // Never none: some drivers compile a program again, in 0.2 s, where a texture had no storage and gets some.
+    const auto innerPlaces = std::max<std::size_t>(kPage, picture.innerEnd());
     return makeRoom(GL_COPY_WRITE_BUFFER, codes_, picture.vertexEnd() * sizeof(VertexCode)) &&
            makeRoom(GL_COPY_WRITE_BUFFER, indices_, picture.indexEnd() * sizeof(std::uint16_t)) &&
-           makeRoom(GL_COPY_WRITE_BUFFER, inner_, picture.innerEnd() * sizeof(extract::InnerRecord)) &&
+           makeRoom(GL_COPY_WRITE_BUFFER, inner_, innerPlaces * sizeof(extract::InnerRecord)) &&
            makeRoom(GL_COPY_WRITE_BUFFER, places_, pagedPlaces * sizeof(Place));
 }
 
@@ -384,10 +359,11 @@ bool BrickBuffers::sendChanged(const Picture& picture) {
     return true;
 }
 
-bool BrickBuffers::drawSurface(const glm::dmat4& modelToClip, const std::function<bool()>& isStopped) {
-    listInView(modelToClip);
+bool BrickBuffers::drawSurface(const glm::dmat4& modelToClip, std::span<const glm::dvec4> cuts,
+                               const std::function<bool()>& isStopped) {
+    listInView(modelToClip, cuts);
     clearCalls();
-    for (const InView& seen : inView_)
+    for (const BrickInView& seen : inView_)
         addCall(bricks_[seen.slot], bricks_[seen.slot].firstIndex, bricks_[seen.slot].indexCount);
     if (!isStopped) {
         drawRange(indices_.name, 0, counts_.size());
@@ -404,94 +380,12 @@ bool BrickBuffers::drawSurface(const glm::dmat4& modelToClip, const std::functio
     return true;
 }
 
-// In one call for each page of points: a call for each brick would take longer than its few triangles.
-void BrickBuffers::drawCoarse(const Picture& picture, int blockCells, const glm::dmat4& modelToClip) {
-    if (coarsen(picture, blockCells) || coarseView_ != modelToClip) { // else for another layer of what is transparent
-        coarseView_ = modelToClip;
-        listInView(modelToClip);
-        sendCoarse();
-    }
-    bindAll(coarseIndices_.name);
-    for (const CoarsePart& part : coarseParts_) {
-        bindPage(part.page);
-        gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.indexCount), GL_UNSIGNED_INT,
-                           reinterpret_cast<const void*>(part.firstIndex * sizeof(std::uint32_t)));
-    }
-    unbindAll();
-}
-
-// Whether any brick is another now.
-bool BrickBuffers::coarsen(const Picture& picture, int blockCells) {
-    if (std::exchange(coarseBlockCells_, blockCells) != blockCells)
-        coarse_.clear();
-    bool isOther = coarse_.size() != bricks_.size();
-    coarse_.resize(bricks_.size());
-    std::vector<std::size_t> others;
-    for (std::size_t slot = 0; slot < bricks_.size(); ++slot)
-        if (coarse_[slot].of != bricks_[slot])
-            others.push_back(slot);
-    constexpr std::size_t kTogether = 64;
-    forRanges(others.size(), kTogether, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const PictureBrick& brick = bricks_[others[i]];
-            CoarseBrick& coarse = coarse_[others[i]];
-            coarse.of = brick;
-            coarse.indices.clear();
-            if (brick.indexCount > 0)
-                coarsenBrick({{picture.codes(brick), brick.vertexCount},
-                              picture.inner(brick),
-                              {picture.indices(brick), brick.indexCount}},
-                             blockCells, coarse.indices);
-        }
+// Nearest first, as far as pages allow: what is hidden fails the depth test before it is shaded.
+void BrickBuffers::listInView(const glm::dmat4& modelToClip, std::span<const glm::dvec4> cuts) {
+    listBricksInView(bricks_, modelToClip, cuts, inView_);
+    std::sort(inView_.begin(), inView_.end(), [this](const BrickInView& a, const BrickInView& b) {
+        return std::pair(pageOf(bricks_[a.slot]), a) < std::pair(pageOf(bricks_[b.slot]), b);
     });
-    return isOther || !others.empty();
-}
-
-// Those of the bricks in view, in their order.
-void BrickBuffers::sendCoarse() {
-    coarseParts_.clear();
-    std::vector<std::uint32_t> indices;
-    std::size_t count = 0;
-    for (const InView& seen : inView_)
-        count += coarse_[seen.slot].indices.size();
-    indices.reserve(count);
-    for (const InView& seen : inView_) {
-        if (coarseParts_.empty() || coarseParts_.back().page != seen.page)
-            coarseParts_.push_back({seen.page, indices.size(), 0});
-        const std::uint32_t first = bricks_[seen.slot].firstVertex;
-        for (const std::uint16_t index : coarse_[seen.slot].indices)
-            indices.push_back(first + index);
-        coarseParts_.back().indexCount += coarse_[seen.slot].indices.size();
-    }
-    const std::size_t bytes = count * sizeof(std::uint32_t);
-    if (bytes == 0)
-        return;
-    // Fresh storage each time: the driver need not wait for the draw that reads the old one.
-    coarseIndices_.capacityBytes = std::max(coarseIndices_.capacityBytes, bytes);
-    if (driver_.allocate(gl_, GL_COPY_WRITE_BUFFER, coarseIndices_.name, coarseIndices_.capacityBytes))
-        return sendBytes(GL_COPY_WRITE_BUFFER, 0, bytes, indices.data());
-    coarseIndices_.capacityBytes = 0; // then nothing of the draft is drawn
-    coarseParts_.clear();
-    coarseView_.reset();
-}
-
-// Nearest first: what is hidden fails the depth test before it is shaded.
-void BrickBuffers::listInView(const glm::dmat4& modelToClip) {
-    auto planes = viewPlanes(modelToClip);
-    planes.insert(planes.end(), cuts_.begin(), cuts_.end());
-    const glm::vec4 depth(modelToClip[0][3], modelToClip[1][3], modelToClip[2][3], 0.0); // w of a place
-    const glm::vec4 along(modelToClip[0][2], modelToClip[1][2], modelToClip[2][2], 0.0); // z, for a parallel projection
-    const bool isPerspective = glm::dot(depth, depth) > 0.0f;
-    inView_.clear();
-    for (std::size_t slot = 0; slot < bricks_.size(); ++slot) {
-        const PictureBrick& brick = bricks_[slot];
-        if (brick.indexCount == 0 || !isInView(brick, planes))
-            continue;
-        const glm::vec4 place(brick.place[0], brick.place[1], brick.place[2], 0.0);
-        inView_.push_back(
-            {pageOf(brick), glm::dot(isPerspective ? depth : along, place), static_cast<std::uint32_t>(slot)});
-    }
-    std::sort(inView_.begin(), inView_.end());
 }
 
 void BrickBuffers::clearCalls() {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,6 +13,7 @@
 
 #include "core/extract/live/brick_picture.h"
 #include "ui/model/pieces/piece_tints.h"
+#include "ui/render/bricks_in_view.h"
 #include "ui/render/gl_driver.h"
 
 namespace isoslider::render {
@@ -54,18 +54,12 @@ public:
     /// Sets what the vertex shader of bricks must know of them; texture units 0 and kBrickUnit to kBrickUnit + 2 are
     /// its.
     void setUniforms(QOpenGLShaderProgram& program) const;
-    /// Draws the bricks that `modelToClip` brings into view, with a program that has these uniforms. `isStopped` is
-    /// asked between parts: false if it answered true.
-    bool drawSurface(const glm::dmat4& modelToClip, const std::function<bool()>& isStopped);
-    /// Draws a coarser surface, see coarsenBrick. REQUIRES: `picture` is the one uploaded last.
-    void drawCoarse(const Picture& picture, int blockCells, const glm::dmat4& modelToClip);
+    /// Draws the bricks that `modelToClip` brings into view, but for those wholly outside of one of `cuts`, with a
+    /// program that has these uniforms: what is drawn of the others is left to the shader. `isStopped` is asked between
+    /// parts: false if it answered true.
+    bool drawSurface(const glm::dmat4& modelToClip, std::span<const glm::dvec4> cuts,
+                     const std::function<bool()>& isStopped);
     void drawChanged();
-    /// From now on bricks wholly outside of one of these half-spaces are not drawn: dot(xyz, place) + w >= 0, in index
-    /// units. What is drawn of the others is left to the shader.
-    void setCuts(std::vector<glm::dvec4> cuts) {
-        cuts_ = std::move(cuts);
-        coarseView_.reset();
-    }
 
 private:
     static constexpr std::uint32_t kVerticesPerPlace = 32;
@@ -103,9 +97,7 @@ private:
     void sendBytes(GLenum target, std::uint64_t at, std::size_t bytes, const void* data);
     void sendPlaces(std::vector<std::uint64_t>& pages);
     bool sendChanged(const Picture& picture);
-    bool coarsen(const Picture& picture, int blockCells);
-    void sendCoarse();
-    void listInView(const glm::dmat4& modelToClip);
+    void listInView(const glm::dmat4& modelToClip, std::span<const glm::dvec4> cuts);
     void clearCalls();
     void addCall(const extract::PictureBrick& brick, std::size_t firstIndex, std::size_t count);
     void drawRange(GLuint indices, std::size_t begin, std::size_t end);
@@ -120,7 +112,7 @@ private:
     GLuint vertexArray_ = 0;
     GLuint placesTexture_ = 0;
     GLuint innerTexture_ = 0;
-    Buffer codes_, indices_, inner_, places_, changedIndices_, tints_, coarseIndices_;
+    Buffer codes_, indices_, inner_, places_, changedIndices_, tints_;
     std::vector<Page> pages_;
     ScalarType type_ = ScalarType::F32; ///< of the samples in the pages
     std::uint64_t series_ = 0; ///< of the picture that is there; 0 for none
@@ -132,31 +124,11 @@ private:
         friend bool operator==(const SentTints&, const SentTints&) = default;
     };
     std::vector<SentTints> sentTints_;
-    /// By slot, the coarser surface of the brick in the version that it was made from.
-    struct CoarseBrick {
-        extract::PictureBrick of;
-        std::vector<std::uint16_t> indices;
-    };
-    std::vector<CoarseBrick> coarse_;
-    int coarseBlockCells_ = 0;
-    /// What is drawn of it with the points of one page: numbers of vertices in the arena, for the bricks in this view.
-    struct CoarsePart {
-        std::size_t page, firstIndex, indexCount;
-    };
-    std::vector<CoarsePart> coarseParts_;
-    std::optional<glm::dmat4> coarseView_;
     std::vector<Place> placeTable_;
     std::vector<extract::ChangedTriangles> changed_;
     std::uint64_t uploadedBytes_ = 0;
     bool isFresh_ = false; ///< the buffers hold nothing that must be kept
-    std::vector<glm::dvec4> cuts_;
-    struct InView {
-        std::size_t page;
-        float depth;
-        std::uint32_t slot;
-        friend auto operator<=>(const InView&, const InView&) = default;
-    };
-    std::vector<InView> inView_;
+    std::vector<BrickInView> inView_;
     // Arguments of the draw calls, and the page of each.
     std::vector<std::size_t> callPages_;
     std::vector<GLsizei> counts_;

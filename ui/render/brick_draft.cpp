@@ -53,37 +53,39 @@ GroupTable groupTable(int blockCells) {
 
 } // namespace
 
-void coarsenBrick(const BrickSurface& surface, int blockCells, std::vector<std::uint16_t>& coarse) {
+void coarsenBrick(const BrickSurface& surface, int blockCells, CoarseSurface& coarse) {
     static const std::array<GroupTable, 3> tables{groupTable(2), groupTable(4), groupTable(8)};
     const GroupTable& table = tables[static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(blockCells)) - 1)];
     // Of a group the vertex on the first edge stays, which comes first. Edges in a common side come in the same order
     // in both bricks, for the coordinate across it is the same for all of them.
     const Groups rule{blockCells};
-    std::array<std::uint16_t, 216> kept;
+    std::array<std::uint16_t, 216> kept; // by group, its place among the vertices that stay
     std::fill_n(kept.begin(), rule.count(), kNone);
     static thread_local std::vector<std::uint16_t> standIns;
     standIns.resize(surface.codes.size());
+    coarse.vertices.clear();
     for (std::size_t i = 0; i < surface.codes.size(); ++i) {
         const extract::VertexCode code = surface.codes[i];
         const bool isInside = (code & extract::kInsideAxis) == extract::kInsideAxis;
         const int group = isInside ? rule.ofInner(surface.inner[code >> 2]) : table[code & extract::kCodePlaceMask];
-        std::uint16_t& first = kept[static_cast<std::size_t>(group)];
-        if (first == kNone)
-            first = static_cast<std::uint16_t>(i);
-        standIns[i] = first;
+        std::uint16_t& place = kept[static_cast<std::size_t>(group)];
+        if (place == kNone) {
+            place = static_cast<std::uint16_t>(coarse.vertices.size());
+            coarse.vertices.push_back(static_cast<std::uint16_t>(i));
+        }
+        standIns[i] = place;
     }
-    coarse.resize(surface.indices.size());
+    coarse.indices.resize(surface.indices.size());
     std::size_t count = 0;
     for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) { // written in any case: cheaper than a branch
         const std::uint16_t a = standIns[surface.indices[i]], b = standIns[surface.indices[i + 1]],
                             c = standIns[surface.indices[i + 2]];
-        coarse[count] = a;
-        coarse[count + 1] = b;
-        coarse[count + 2] = c;
+        coarse.indices[count] = a;
+        coarse.indices[count + 1] = b;
+        coarse.indices[count + 2] = c;
         count += a != b && b != c && c != a ? 3 : 0;
     }
-    coarse.resize(count);
-    coarse.shrink_to_fit();
+    coarse.indices.resize(count);
 }
 
 } // namespace isoslider::render

@@ -17,10 +17,16 @@ struct BrickSurface {
     std::span<const std::uint16_t> indices; ///< in range, three a triangle
 };
 
-/// Makes `coarse` the indices of a coarser surface over the same vertices: those of each block of `blockCells` cells a
-/// side become one of them, and triangles that lose a corner go; of blocks of 2 a third is left, of blocks of 4 an
-/// eighth, of blocks of 8 a twentieth. What lies on the sides of the brick is only merged along them, by a rule that
-/// both bricks beside it follow alike, so no cracks open. O(codes + indices). REQUIRES: blocks of 2, 4 or 8.
-void coarsenBrick(const BrickSurface& surface, int blockCells, std::vector<std::uint16_t>& coarse);
+/// A coarser surface over some of the brick's vertices.
+struct CoarseSurface {
+    std::vector<std::uint16_t> vertices; ///< the numbers of those that stay, ascending
+    std::vector<std::uint16_t> indices; ///< places in `vertices`, three a triangle
+};
+
+/// Makes `coarse` a coarser surface of the brick: the vertices of each block of `blockCells` cells a side become one of
+/// them, and triangles that lose a corner go; of blocks of 2 a third is left, of blocks of 4 an eighth, of blocks of 8
+/// a twentieth. What lies on the sides of the brick is only merged along them, by a rule that both bricks beside it
+/// follow alike, so no cracks open. O(codes + indices). REQUIRES: blocks of 2, 4 or 8.
+void coarsenBrick(const BrickSurface& surface, int blockCells, CoarseSurface& coarse);
 
 } // namespace isoslider::render

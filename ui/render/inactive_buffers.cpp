@@ -5,10 +5,6 @@
 #include <tuple>
 #include <utility>
 
-#include <glm/vec4.hpp>
-
-#include "core/extract/live/brick_picture.h"
-
 namespace isoslider::render {
 namespace {
 
@@ -38,71 +34,35 @@ void InactiveBuffers::show(std::span<const InactiveSurface> surfaces) {
             return entry != nullptr && entry->surface.id == surface.id;
         });
         auto entry = found != entries_.end() ? std::move(*found) : std::make_unique<Entry>(gl_, driver_);
-        const bool isNew = entry->surface.frame != surface.frame;
-        const bool isTintNew = isNew || entry->surface.hiddenPieces != surface.hiddenPieces;
         entry->surface = surface;
-        if (isNew)
-            upload(*entry);
-        if (isTintNew)
-            tint(*entry);
+        entry->buffers.show(surface.frame, model::PieceOptions(surface.hiddenPieces));
         entries.push_back(std::move(entry));
     }
     for (const auto& entry : entries_)
         if (entry != nullptr)
-            uploadedBefore_ += entry->arrays.uploadedBytes() + entry->bricks.uploadedBytes();
+            uploadedBefore_ += entry->buffers.uploadedBytes();
     entries_ = std::move(entries);
     std::stable_sort(entries_.begin(), entries_.end(),
                      [](const auto& a, const auto& b) { return orderOf(*a) < orderOf(*b); });
 }
 
-void InactiveBuffers::upload(Entry& entry) {
-    const extract::SurfaceFrame& frame = *entry.surface.frame;
-    bool isThere = false;
-    entry.arrays.clear();
-    if (frame.bricks && entry.bricks.canHold(*frame.bricks)) {
-        entry.arrays.freeMemory();
-        isThere = entry.bricks.upload(*frame.bricks);
-    } else {
-        entry.bricks.freeMemory();
-        extract::SurfaceFrame arrays = frame; // an old card with small tables, or a surface that has no bricks
-        expandPicture(arrays);
-        isThere = entry.arrays.upload(arrays);
-    }
-    entry.refusedBytes = isThere ? 0 : extract::pictureBytes(frame);
-}
-
-void InactiveBuffers::tint(Entry& entry) {
-    entry.bricks.untint();
-    entry.arrays.untint();
-    entry.isTinted = false;
-    const extract::SurfaceFrame& frame = *entry.surface.frame;
-    if (!frame.pieces || !entry.surface.hiddenPieces.hidesAny())
-        return;
-    const model::PieceOptions options(entry.surface.hiddenPieces);
-    const auto tints = model::PieceDisplay(*frame.pieces, frame.geometry, options).tints();
-    entry.isTinted = (!entry.bricks.isEmpty() && entry.bricks.tint(*frame.pieces, tints)) ||
-                     (!entry.arrays.isEmpty() && entry.arrays.tint(*frame.pieces, tints));
-}
-
 void InactiveBuffers::abandon() {
-    for (const auto& entry : entries_) {
-        entry->arrays.abandon();
-        entry->bricks.abandon();
-    }
+    for (const auto& entry : entries_)
+        entry->buffers.abandon();
     entries_.clear();
 }
 
 std::uint64_t InactiveBuffers::uploadedBytes() const {
     std::uint64_t bytes = uploadedBefore_;
     for (const auto& entry : entries_)
-        bytes += entry->arrays.uploadedBytes() + entry->bricks.uploadedBytes();
+        bytes += entry->buffers.uploadedBytes();
     return bytes;
 }
 
 std::uint64_t InactiveBuffers::refusedBytes() const {
     std::uint64_t most = 0;
     for (const auto& entry : entries_)
-        most = std::max(most, entry->refusedBytes);
+        most = std::max(most, entry->buffers.refusedBytes());
     return most;
 }
 

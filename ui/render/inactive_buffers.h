@@ -5,23 +5,19 @@
 #include <span>
 #include <vector>
 
-#include "ui/render/array_buffers.h"
-#include "ui/render/brick_buffers.h"
+#include "ui/render/surface_buffers.h"
 #include "ui/render/surface_look.h"
 
 namespace isoslider::render {
 
-/// The surfaces that do not slide, on the GPU: each is sent once, and again where the context was lost.
+/// The surfaces that do not slide, on the GPU.
 /// REQUIRES for every call but abandon() and the destructor after it: the context it was made in is current.
 class InactiveBuffers {
 public:
     struct Entry {
-        Entry(Gl& gl, GlDriver& driver) : arrays(gl, driver), bricks(gl, driver) {}
+        Entry(Gl& gl, GlDriver& driver) : buffers(gl, driver) {}
         InactiveSurface surface;
-        ArrayBuffers arrays;
-        BrickBuffers bricks;
-        bool isTinted = false; ///< with hidden pieces
-        std::uint64_t refusedBytes = 0; ///< if the card has no memory for it
+        SurfaceBuffers buffers;
     };
 
     InactiveBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) {}
@@ -36,9 +32,6 @@ public:
     std::uint64_t refusedBytes() const;
 
 private:
-    void upload(Entry& entry);
-    void tint(Entry& entry);
-
     Gl& gl_;
     GlDriver& driver_;
     std::vector<std::unique_ptr<Entry>> entries_;

@@ -19,7 +19,6 @@
 #include "ui/render/inactive_buffers.h"
 #include "ui/render/slice_planes.h"
 #include "ui/render/stage_colours.h"
-#include "ui/render/tint_arrays.h"
 #include "ui/render/transparent_layers.h"
 
 namespace isoslider::render {
@@ -28,6 +27,7 @@ namespace {
 constexpr int kBoxVertices = 24;
 /// Drafts of larger surfaces are coarser, in blocks of so many cells.
 constexpr std::array<std::pair<std::uint64_t, int>, 3> kDraftBlocks{{{1'500'000, 8}, {600'000, 4}, {120'000, 2}}};
+constexpr double kLargestHighlight = 0.95; // of the surface: where all of it is new, red on it would state nothing
 constexpr float kSpotCells = 1.5f; // around the middle
 constexpr float kSpotShare = 0.9f; // of the surface's colour at full strength
 constexpr float kMarkerPixels = 24.0f; // half the side of its square
@@ -56,9 +56,11 @@ glm::dvec3 lastPoint(const GridGeometry& geometry) {
     return glm::dvec3(geometry.dims[0], geometry.dims[1], geometry.dims[2]) - 1.0;
 }
 
-int draftBlockCells(std::uint64_t triangles) {
+/// 1: it is drawn whole. What is transparent is drawn several times.
+int draftBlockCells(const extract::SurfaceFrame& frame, const SurfaceLook& look) {
+    const std::uint64_t drawn = frame.stats.triangles * (look.isOpaque() ? 1 : TransparentLayers::kMostDraftLayers);
     for (const auto& [more, cells] : kDraftBlocks)
-        if (triangles > more)
+        if (frame.bricks && drawn > more)
             return cells;
     return 1;
 }
@@ -89,12 +91,11 @@ std::array<glm::vec3, kBoxVertices> boxLines(glm::vec3 last) {
 } // namespace
 
 struct SceneRenderer::Matrices {
-    glm::dmat4 modelToClip;
+    SurfaceView surface;
     QMatrix4x4 modelToView;
     QMatrix4x4 boxToView;
     QMatrix4x4 viewToClip;
     QMatrix3x3 normalToView;
-    std::vector<glm::dvec4> cuts; ///< what of the frame is drawn
     glm::vec3 spot; ///< index units of the grid
     glm::dvec4 spotInWorld, spotInClip;
 };
@@ -102,27 +103,17 @@ struct SceneRenderer::Matrices {
 /// A surface, and how it is drawn.
 struct SceneRenderer::OnCard {
     const extract::SurfaceFrame& frame;
-    BrickBuffers& bricks; ///< one of these two is empty
-    ArrayBuffers& arrays;
+    SurfaceBuffers& buffers; ///< with something to draw
     SurfaceLook look;
     bool isActive;
-    bool isTinted; ///< by pieces
     Matrices matrices;
-
-    bool isOfBricks() const { return !bricks.isEmpty(); }
-    /// 1: it is drawn whole. What is transparent is drawn several times.
-    int draftBlockCells(Detail detail) const {
-        const std::uint64_t drawn = frame.stats.triangles * (look.isOpaque() ? 1 : TransparentLayers::kMostDraftLayers);
-        return detail == Detail::Coarse && isOfBricks() ? render::draftBlockCells(drawn) : 1;
-    }
 };
 
 struct SceneRenderer::Resources {
     Resources(Gl& functions, GlDriver& usedDriver)
         : gl(functions),
           driver(usedDriver),
-          arrays(functions, usedDriver),
-          bricks(functions, usedDriver),
+          active(functions, usedDriver),
           inactive(functions, usedDriver),
           occlusion(functions),
           layers(functions),
@@ -147,8 +138,7 @@ struct SceneRenderer::Resources {
 
     Gl& gl;
     GlDriver& driver;
-    ArrayBuffers arrays; ///< of a frame with arrays
-    BrickBuffers bricks; ///< of one with bricks
+    SurfaceBuffers active;
     InactiveBuffers inactive;
     AmbientOcclusion occlusion;
     TransparentLayers layers;
@@ -199,7 +189,7 @@ bool SceneRenderer::initialize() {
     resources_->arraysPeelingProgram = loadProgram("surface", "surface", "PEELING");
     resources_->linesPeelingProgram = loadProgram("line", "line", "PEELING");
     resources_->bricksPeelingProgram = loadProgram("surface_bricks", "surface", "PEELING");
-    isFrameNew_ = true;
+    isBoxNew_ = true;
     if (resources_->backgroundProgram && resources_->lineProgram && resources_->markerProgram &&
         resources_->arraysProgram && resources_->bricksProgram)
         return true;
@@ -213,8 +203,7 @@ void SceneRenderer::abandon() {
     if (!resources_)
         return;
     resources_->isAbandoned = true;
-    resources_->arrays.abandon();
-    resources_->bricks.abandon();
+    resources_->active.abandon();
     resources_->inactive.abandon();
     resources_->occlusion.abandon();
     resources_->layers.abandon();
@@ -226,69 +215,21 @@ void SceneRenderer::abandon() {
 
 void SceneRenderer::setFrame(const SceneView& view) {
     const GridGeometry volume = view.volume.value_or(view.frame ? view.frame->geometry : volume_);
-    if (view.frame == frame_ && volume == volume_)
-        return;
+    isBoxNew_ = isBoxNew_ || volume != volume_;
     frame_ = view.frame;
     volume_ = volume;
-    isFrameNew_ = true;
-}
-
-void SceneRenderer::uploadIfNew() {
-    if (!std::exchange(isFrameNew_, false))
-        return;
-    isTintNew_ = true;
-    refusedBytes_ = 0;
-    resources_->arrays.clear();
-    uploadBox();
-    if (!frame_)
-        return resources_->bricks.clear();
-    if (!uploadSurface())
-        refusedBytes_ = extract::pictureBytes(*frame_);
-}
-
-void SceneRenderer::tintIfNew(const model::PieceOptions& pieces) {
-    std::optional<model::PieceOptions> wanted;
-    if (frame_ && frame_->pieces && pieces.isWanted())
-        wanted = pieces;
-    if (!std::exchange(isTintNew_, false) && wanted == wantedTints_)
-        return;
-    wantedTints_ = wanted;
-    isTinted_ = false;
-    auto& bricks = resources_->bricks;
-    auto& arrays = resources_->arrays;
-    if (wanted) {
-        const auto tints = model::PieceDisplay(*frame_->pieces, frame_->geometry, pieces).tints();
-        isTinted_ = (!bricks.isEmpty() && bricks.tint(*frame_->pieces, tints)) ||
-                    (!arrays.isEmpty() && arrays.tint(*frame_->pieces, tints));
-    }
-    if (!isTinted_) {
-        bricks.untint();
-        arrays.untint();
-    }
-}
-
-bool SceneRenderer::uploadSurface() {
-    // One kind at a time: the other's memory may be wanted.
-    if (frame_->bricks && resources_->bricks.canHold(*frame_->bricks)) {
-        resources_->arrays.freeMemory();
-        return resources_->bricks.upload(*frame_->bricks);
-    }
-    resources_->bricks.freeMemory();
-    if (!frame_->bricks)
-        return resources_->arrays.upload(*frame_);
-    extract::SurfaceFrame frame = *frame_; // an old card with small tables
-    expandPicture(frame);
-    return resources_->arrays.upload(frame);
+    resources_->active.show(frame_, view.options.pieces);
+    resources_->inactive.show(view.inactive);
+    if (std::exchange(isBoxNew_, false))
+        uploadBox();
 }
 
 std::uint64_t SceneRenderer::refusedBytes() const {
-    return refusedBytes_ > 0 || !resources_ ? refusedBytes_ : resources_->inactive.refusedBytes();
+    return resources_ ? std::max(resources_->active.refusedBytes(), resources_->inactive.refusedBytes()) : 0;
 }
 
 std::uint64_t SceneRenderer::uploadedBytes() const {
-    return resources_ ? resources_->arrays.uploadedBytes() + resources_->bricks.uploadedBytes() +
-                            resources_->inactive.uploadedBytes()
-                      : 0;
+    return resources_ ? resources_->active.uploadedBytes() + resources_->inactive.uploadedBytes() : 0;
 }
 
 void SceneRenderer::uploadBox() {
@@ -310,7 +251,7 @@ SceneRenderer::Matrices SceneRenderer::matricesOf(const GridGeometry& grid, cons
     Matrices matrices{};
     const glm::dmat4 projection = sceneView.camera.projectionMatrix(static_cast<double>(pixels.x) / pixels.y);
     const glm::dmat4 modelToView = view * indexToCentredWorld(grid, volume_);
-    matrices.modelToClip = projection * modelToView;
+    matrices.surface.modelToClip = projection * modelToView;
     matrices.modelToView = toQt(modelToView);
     matrices.boxToView = toQt(view * indexToCentredWorld(volume_, volume_));
     matrices.viewToClip = toQt(projection);
@@ -320,7 +261,7 @@ SceneRenderer::Matrices SceneRenderer::matricesOf(const GridGeometry& grid, cons
         matrices.spotInClip = projection * view * matrices.spotInWorld;
         matrices.spot = glm::dvec3(glm::inverse(indexToCentredWorld(grid, volume_)) * matrices.spotInWorld);
     }
-    matrices.cuts = model::cutsOf(drawnClipping(sceneView.options.clipping, sceneView.caps), grid, volume_);
+    matrices.surface.cuts = model::cutsOf(drawnClipping(sceneView.options.clipping, sceneView.caps), grid, volume_);
     return matrices;
 }
 
@@ -328,9 +269,6 @@ bool SceneRenderer::draw(const SceneView& view, Detail detail, const std::functi
     if (!resources_ || view.pixels.x <= 0 || view.pixels.y <= 0)
         return true;
     setFrame(view);
-    uploadIfNew();
-    tintIfNew(view.options.pieces);
-    resources_->inactive.show(view.inactive);
     resources_->colours.upload(view.colours);
     auto& gl = resources_->gl;
     gl.glViewport(0, 0, view.pixels.x, view.pixels.y);
@@ -341,11 +279,11 @@ bool SceneRenderer::draw(const SceneView& view, Detail detail, const std::functi
     if (!frame_ && view.inactive.empty())
         return true;
     const Matrices ofVolume = matricesOf(volume_, view);
-    const std::vector<OnCard> surfaces = surfacesOf(view);
+    const std::vector<OnCard> surfaces = surfacesOf(view, detail);
     gl.glEnable(GL_DEPTH_TEST);
     gl.glDepthFunc(GL_LEQUAL);
     for (const OnCard& surface : surfaces)
-        if (!drawOpaque(surface, view, detail, isStopped))
+        if (!drawOpaque(surface, view, isStopped))
             return false;
     if (view.options.stage.hasOcclusion && detail == Detail::Whole)
         resources_->occlusion.draw(view.pixels, view.camera);
@@ -437,19 +375,22 @@ void SceneRenderer::drawMarker(const Spot& spot, const glm::dvec4& place, glm::i
     gl.glDisable(GL_BLEND);
 }
 
-std::vector<SceneRenderer::OnCard> SceneRenderer::surfacesOf(const SceneView& view) const {
+std::vector<SceneRenderer::OnCard> SceneRenderer::surfacesOf(const SceneView& view, Detail detail) {
     std::vector<OnCard> surfaces;
-    const auto add = [&](const extract::SurfaceFrame& frame, BrickBuffers& bricks, ArrayBuffers& arrays,
-                         const SurfaceLook& look, bool isActive, bool isTinted) {
-        if (look.isVisible && !(bricks.isEmpty() && arrays.isEmpty()))
-            surfaces.push_back({frame, bricks, arrays, look, isActive, isTinted, matricesOf(frame.geometry, view)});
-        if (!resources_->canPeel() && !surfaces.empty())
-            surfaces.back().look.opacity = 1.0f; // better than not at all
+    const auto add = [&](const extract::SurfaceFrame& frame, SurfaceBuffers& buffers, SurfaceLook look, bool isActive) {
+        if (!look.isVisible)
+            return;
+        if (!resources_->canPeel())
+            look.opacity = 1.0f; // better than not at all
+        Matrices matrices = matricesOf(frame.geometry, view);
+        const int blockCells = detail == Detail::Coarse ? draftBlockCells(frame, look) : 1;
+        if (buffers.prepare(blockCells, matrices.surface))
+            surfaces.push_back({frame, buffers, look, isActive, std::move(matrices)});
     };
     for (const auto& entry : resources_->inactive.entries())
-        add(*entry->surface.frame, entry->bricks, entry->arrays, entry->surface.look, false, entry->isTinted);
+        add(*entry->surface.frame, entry->buffers, entry->surface.look, false);
     if (frame_)
-        add(*frame_, resources_->bricks, resources_->arrays, view.look, true, isTinted_);
+        add(*frame_, resources_->active, view.look, true);
     return surfaces;
 }
 
@@ -462,10 +403,7 @@ void SceneRenderer::useProgram(QOpenGLShaderProgram& program, const OnCard& surf
     // Triangles are counter-clockwise from outside in index space; a mirroring map turns them.
     resources_->gl.glFrontFace(surface.frame.geometry.isLeftHanded() ? GL_CW : GL_CCW);
     program.bind();
-    if (surface.isOfBricks()) {
-        surface.bricks.setUniforms(program);
-        program.setUniformValue("isovalue", static_cast<float>(surface.frame.isovalue));
-    }
+    surface.buffers.setUniforms(program);
     program.setUniformValue("modelToView", matrices.modelToView);
     program.setUniformValue("viewToClip", matrices.viewToClip);
     program.setUniformValue("normalToView", matrices.normalToView);
@@ -480,14 +418,13 @@ void SceneRenderer::useProgram(QOpenGLShaderProgram& program, const OnCard& surf
     std::transform(colours_.levels.begin(), colours_.levels.end(), levels.begin(),
                    [](const glm::vec3& colour) { return toQt(colour); });
     program.setUniformValueArray("levelColours", levels.data(), static_cast<int>(levels.size()));
-    program.setUniformValue("tintShare", surface.isTinted ? 1.0f : 0.0f);
+    program.setUniformValue("tintShare", surface.buffers.isTinted() ? 1.0f : 0.0f);
     program.setUniformValue("levelShare", options.showsLevels && isActive ? 1.0f : 0.0f);
     const StageLights lights = lightsOf(options.stage.light);
     program.setUniformValue("keyDirection", toQt(lights.key));
     program.setUniformValue("lightShares", toQt(lights.shares));
     program.setUniformValue("perspective", view.camera.isPerspective() ? 1.0f : 0.0f);
-    setCuts(resources_->gl, program, matrices.cuts);
-    surface.bricks.setCuts(matrices.cuts);
+    setCuts(resources_->gl, program, matrices.surface.cuts);
 }
 
 void SceneRenderer::endProgram(QOpenGLShaderProgram& program) {
@@ -496,23 +433,12 @@ void SceneRenderer::endProgram(QOpenGLShaderProgram& program) {
     resources_->gl.glFrontFace(GL_CCW);
 }
 
-bool SceneRenderer::drawTriangles(const OnCard& surface, Detail detail, const std::function<bool()>& isStopped) {
-    if (!surface.isOfBricks())
-        return surface.arrays.drawSurface(isStopped);
-    const int blockCells = surface.draftBlockCells(detail);
-    if (blockCells == 1)
-        return surface.bricks.drawSurface(surface.matrices.modelToClip, isStopped);
-    surface.bricks.drawCoarse(*surface.frame.bricks, blockCells, surface.matrices.modelToClip);
-    return true;
-}
-
-bool SceneRenderer::drawOpaque(const OnCard& surface, const SceneView& view, Detail detail,
-                               const std::function<bool()>& isStopped) {
+bool SceneRenderer::drawOpaque(const OnCard& surface, const SceneView& view, const std::function<bool()>& isStopped) {
     const bool hasMarks = surface.isActive && (view.options.showsEdges || view.options.showsChanged);
     if (!surface.look.isOpaque() && !hasMarks)
         return true;
     auto& gl = resources_->gl;
-    auto& program = surface.isOfBricks() ? *resources_->bricksProgram : *resources_->arraysProgram;
+    auto& program = surface.buffers.isOfBricks() ? *resources_->bricksProgram : *resources_->arraysProgram;
     useProgram(program, surface, view);
     bool isWhole = true;
     if (surface.look.isOpaque()) {
@@ -520,23 +446,24 @@ bool SceneRenderer::drawOpaque(const OnCard& surface, const SceneView& view, Det
             gl.glEnable(GL_POLYGON_OFFSET_FILL);
             gl.glPolygonOffset(1.0f, 1.0f);
         }
-        isWhole = drawTriangles(surface, detail, isStopped);
+        isWhole = surface.buffers.draw(surface.matrices.surface, isStopped);
         gl.glDisable(GL_POLYGON_OFFSET_FILL);
     }
     if (isWhole && hasMarks)
-        isWhole = drawMarks(program, surface, view.options, detail, isStopped);
+        isWhole = drawMarks(program, surface, view.options, isStopped);
     endProgram(program);
     return isWhole;
 }
 
 bool SceneRenderer::drawMarks(QOpenGLShaderProgram& program, const OnCard& surface, const model::ViewOptions& options,
-                              Detail detail, const std::function<bool()>& isStopped) {
+                              const std::function<bool()>& isStopped) {
     auto& gl = resources_->gl;
-    if (surface.draftBlockCells(detail) == 1 && options.showsChanged && hasFewChanges()) {
+    const double changed = surface.buffers.changedShare();
+    if (options.showsChanged && changed > 0.0 && changed < kLargestHighlight) {
         program.setUniformValue("highlightColour", toQt(colours_.highlight));
         gl.glEnable(GL_POLYGON_OFFSET_FILL);
         gl.glPolygonOffset(-1.0f, -1.0f);
-        surface.isOfBricks() ? surface.bricks.drawChanged() : surface.arrays.drawChanged();
+        surface.buffers.drawChanged();
         gl.glDisable(GL_POLYGON_OFFSET_FILL);
     }
     if (!options.showsEdges)
@@ -546,7 +473,7 @@ bool SceneRenderer::drawMarks(QOpenGLShaderProgram& program, const OnCard& surfa
     gl.glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     gl.glEnable(GL_POLYGON_OFFSET_LINE);
     gl.glPolygonOffset(-1.0f, -1.0f);
-    const bool isWhole = drawTriangles(surface, detail, isStopped);
+    const bool isWhole = surface.buffers.draw(surface.matrices.surface, isStopped);
     gl.glDisable(GL_POLYGON_OFFSET_LINE);
     gl.glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     return isWhole;
@@ -568,11 +495,11 @@ bool SceneRenderer::drawTransparent(const std::vector<OnCard>& surfaces, const M
             if (surface.look.isOpaque())
                 continue;
             auto& program =
-                surface.isOfBricks() ? *resources_->bricksPeelingProgram : *resources_->arraysPeelingProgram;
+                surface.buffers.isOfBricks() ? *resources_->bricksPeelingProgram : *resources_->arraysPeelingProgram;
             useProgram(program, surface, view);
             setPeeling(program);
             program.setUniformValue("opacity", surface.look.opacity);
-            const bool isWhole = drawTriangles(surface, detail, isStopped);
+            const bool isWhole = surface.buffers.draw(surface.matrices.surface, isStopped);
             endProgram(program);
             if (!isWhole)
                 return false;
@@ -583,16 +510,6 @@ bool SceneRenderer::drawTransparent(const std::vector<OnCard>& surfaces, const M
     };
     const int layers = TransparentLayers::layersFor(leastOpacity, detail == Detail::Coarse);
     return resources_->layers.draw(view.pixels, layers, drawAll);
-}
-
-// Where all of the surface is new, red on all of it would state nothing.
-bool SceneRenderer::hasFewChanges() const {
-    constexpr double kLargestHighlight = 0.95;
-    const auto& [changed, all] =
-        resources_->bricks.isEmpty()
-            ? std::pair(resources_->arrays.changedIndices(), resources_->arrays.surfaceIndices())
-            : std::pair(frame_->bricks->changedIndices().size(), 3 * frame_->stats.triangles);
-    return changed > 0 && static_cast<double>(changed) < kLargestHighlight * static_cast<double>(all);
 }
 
 } // namespace isoslider::render

@@ -67,42 +67,32 @@ private:
     struct OnCard;
 
     void setFrame(const SceneView& view);
-    void uploadIfNew();
-    void tintIfNew(const model::PieceOptions& pieces);
     void drawBackground(model::Background background);
     void drawBox(const Matrices& matrices, model::Background background);
     void drawBoxLines(QOpenGLShaderProgram& program, const Matrices& matrices, model::Background background);
     void drawClipGuides(const Matrices& ofVolume, const SceneView& view);
     void drawMarker(const Spot& spot, const glm::dvec4& place, glm::ivec2 pixels);
     Matrices matricesOf(const GridGeometry& grid, const SceneView& view) const;
-    /// All visible surfaces that are on the card, the active one last.
-    std::vector<OnCard> surfacesOf(const SceneView& view) const;
+    /// All visible surfaces that the card has memory for, sent to it; the active one last.
+    std::vector<OnCard> surfacesOf(const SceneView& view, Detail detail);
     void useProgram(QOpenGLShaderProgram& program, const OnCard& surface, const SceneView& view);
     void endProgram(QOpenGLShaderProgram& program);
-    bool drawTriangles(const OnCard& surface, Detail detail, const std::function<bool()>& isStopped);
-    bool drawOpaque(const OnCard& surface, const SceneView& view, Detail detail,
-                    const std::function<bool()>& isStopped);
+    bool drawOpaque(const OnCard& surface, const SceneView& view, const std::function<bool()>& isStopped);
     /// What is drawn on the active surface.
     bool drawMarks(QOpenGLShaderProgram& program, const OnCard& surface, const model::ViewOptions& options,
-                   Detail detail, const std::function<bool()>& isStopped);
+                   const std::function<bool()>& isStopped);
     bool isAnyTransparent(const std::vector<OnCard>& surfaces) const;
     bool drawTransparent(const std::vector<OnCard>& surfaces, const Matrices& ofVolume, const SceneView& view,
                          Detail detail, const std::function<bool()>& isStopped);
 
-    bool uploadSurface();
     void uploadBox();
-    bool hasFewChanges() const;
 
     std::shared_ptr<GlDriver> driver_; // before the resources, which use it to the last
     std::unique_ptr<Resources> resources_;
     std::shared_ptr<const extract::SurfaceFrame> frame_;
     GridGeometry volume_;
     SceneColours colours_;
-    bool isFrameNew_ = false;
-    std::optional<model::PieceOptions> wantedTints_; ///< what was tried last for the surface on the card
-    bool isTinted_ = false;
-    bool isTintNew_ = false;
-    std::uint64_t refusedBytes_ = 0;
+    bool isBoxNew_ = false;
 };
 
 } // namespace isoslider::render

@@ -13,6 +13,15 @@ namespace {
 
 constexpr std::uint32_t kRecordsTogether = 256; // as many as stay in the nearest cache
 
+/// Of the brick's k-th vertex inside cells.
+template <class Live>
+void expandInner(const BrickPicture<Live>& picture, const PictureBrick& brick, std::uint32_t k, Live isovalue,
+                 glm::vec3& position, glm::vec3& normal) {
+    const MeshVertex vertex = vertexOf(EdgeRecord<Live>::inside(picture.inner(brick)[k]), brick.origin(), isovalue);
+    position = vertex.position;
+    normal = vertex.normal;
+}
+
 template <class Live>
 void expandBrick(const BrickPicture<Live>& picture, const PictureBrick& brick, Live isovalue, glm::vec3* positions,
                  glm::vec3* normals) {
@@ -26,11 +35,8 @@ void expandBrick(const BrickPicture<Live>& picture, const PictureBrick& brick, L
         readRecords(picture.type(), picture.points(brick), codes + k, count, records.data());
         interpolateVertices(records.data(), count, origin, isovalue, positions + k, normals + k);
     }
-    for (std::uint32_t k = 0; k < brick.innerCount; ++k) {
-        const MeshVertex vertex = vertexOf(EdgeRecord<Live>::inside(picture.inner(brick)[k]), origin, isovalue);
-        positions[onEdges + k] = vertex.position;
-        normals[onEdges + k] = vertex.normal;
-    }
+    for (std::uint32_t k = 0; k < brick.innerCount; ++k)
+        expandInner(picture, brick, k, isovalue, positions[onEdges + k], normals[onEdges + k]);
 }
 
 // Where each brick's vertices begin, and at the end how many there are.
@@ -128,6 +134,43 @@ void placesOf(const BrickPicture<float>& picture, const PictureBrick& brick, dou
     places.resize(brick.vertexCount);
     normals.resize(brick.vertexCount);
     expandBrick(picture, brick, static_cast<float>(isovalue), places.data(), normals.data());
+}
+
+void expandSome(const BrickPicture<float>& picture, const PictureBrick& brick, std::span<const std::uint16_t> which,
+                double isovalue, glm::vec3* positions, glm::vec3* normals) {
+    const auto value = static_cast<float>(isovalue);
+    const std::uint32_t onEdges = brick.vertexCount - std::uint32_t{brick.innerCount};
+    const VertexCode* const codes = picture.codes(brick);
+    std::array<VertexCode, kRecordsTogether> some;
+    std::array<EdgeRecord<float>, kRecordsTogether> records;
+    std::size_t at = 0;
+    while (at < which.size() && which[at] < onEdges) {
+        std::uint32_t count = 0;
+        for (; count < kRecordsTogether && at + count < which.size() && which[at + count] < onEdges; ++count)
+            some[count] = codes[which[at + count]];
+        for (std::uint32_t k = count; k % kCodesTogether != 0; ++k)
+            some[k] = some[0];
+        readRecords(picture.type(), picture.points(brick), some.data(), count, records.data());
+        interpolateVertices(records.data(), count, brick.origin(), value, positions + at, normals + at);
+        at += count;
+    }
+    for (; at < which.size(); ++at)
+        expandInner(picture, brick, which[at] - onEdges, value, positions[at], normals[at]);
+}
+
+void prefetchSome(const BrickPicture<float>& picture, const PictureBrick& brick, std::span<const std::uint16_t> which) {
+    const std::uint32_t onEdges = brick.vertexCount - std::uint32_t{brick.innerCount};
+    const VertexCode* const codes = picture.codes(brick);
+    const auto* const samples = reinterpret_cast<const char*>(picture.points(brick));
+    const std::size_t sampleBytes = scalarTypeSizeBytes(picture.type());
+    const auto* const normals = samples + kPaddedPoints * sampleBytes;
+    for (std::size_t at = 0; at < which.size() && which[at] < onEdges; ++at) {
+        const auto [lower, upper] = endsOf(codes[which[at]]);
+        for (const std::size_t point : {lower, upper}) {
+            __builtin_prefetch(samples + point * sampleBytes);
+            __builtin_prefetch(normals + point * sizeof(NormalCode));
+        }
+    }
 }
 
 template <class Live>

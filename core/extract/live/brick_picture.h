@@ -197,6 +197,12 @@ std::shared_ptr<const BrickPicture<Live>> separateCopy(const BrickPicture<Live>&
 /// Positions of a brick's vertices, grid index units.
 void placesOf(const BrickPicture<float>& picture, const PictureBrick& brick, double isovalue,
               std::vector<glm::vec3>& places);
+/// Positions and normals of some of a brick's vertices, as expandVertices() makes them: of those with the numbers
+/// `which`, which ascend. REQUIRES: `positions` and `normals` have room for as many.
+void expandSome(const BrickPicture<float>& picture, const PictureBrick& brick, std::span<const std::uint16_t> which,
+                double isovalue, glm::vec3* positions, glm::vec3* normals);
+/// Asks for what expandSome() will read.
+void prefetchSome(const BrickPicture<float>& picture, const PictureBrick& brick, std::span<const std::uint16_t> which);
 /// Positions and normals of all vertices as floats, brick by brick in the order of the table (those without triangles
 /// left out): a brick's indices count from its first. O(vertices), several threads.
 template <class Live>
