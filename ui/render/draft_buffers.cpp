@@ -177,6 +177,15 @@ bool DraftBuffers::send(GLenum target, GLuint buffer, std::size_t& capacityBytes
     return true;
 }
 
+void DraftBuffers::clear() {
+    bricks_ = {};
+    vertices_ = {};
+    indices_ = {};
+    shown_.reset();
+    series_ = 0;
+    indexCount_ = 0;
+}
+
 void DraftBuffers::draw() {
     gl_.glBindVertexArray(vertexArray_);
     // glDrawElements counts in int.

@@ -37,6 +37,8 @@ public:
                 std::span<const glm::dvec4> cuts, std::span<const model::PieceTint> tints);
     /// With the program of arrays.
     void draw();
+    /// Forgets the surface; its room on the card stays.
+    void clear();
     /// Forgets everything on the GPU without a call to it: the context is gone.
     void abandon() { vertexArray_ = 0; }
     std::uint64_t uploadedBytes() const { return uploadedBytes_; }

@@ -15,6 +15,7 @@ void SurfaceBuffers::show(std::shared_ptr<const extract::SurfaceFrame> frame, co
         if (frame_ == nullptr) {
             arrays_.clear();
             bricks_.clear();
+            draft_.clear();
         }
     }
     std::optional<model::PieceOptions> wanted;
