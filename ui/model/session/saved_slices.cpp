@@ -1,6 +1,7 @@
 #include "ui/model/session/saved_slices.h"
 
 #include <array>
+#include <limits>
 
 #include "ui/model/session/session_members.h"
 
@@ -37,7 +38,8 @@ SliceOptions slicesFromJson(const Json& json, std::vector<std::string>& problems
     SliceOptions slices;
     choose(members, "layout", kLayoutNames, slices.layout);
     choose(members, "pane", kSliceNames, slices.onePane);
-    members.numbers("position", slices.position, 3);
+    if (!members.numbers("position", slices.position, 3))
+        slices.position = glm::dvec3(std::numeric_limits<double>::quiet_NaN()); // none: the middle
     std::array<double, 4> turn{1.0, 0.0, 0.0, 0.0};
     members.numbers("orientation", turn, 4);
     slices.orientation = glm::dquat(turn[0], turn[1], turn[2], turn[3]);

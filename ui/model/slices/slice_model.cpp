@@ -16,9 +16,15 @@ namespace {
 
 bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
+glm::dvec3 middleOf(const Dataset& dataset) {
+    const GridDims& dims = dataset.geometry.dims;
+    return snappedPlace(0.5 * (glm::dvec3(dims[0], dims[1], dims[2]) - 1.0), dataset.geometry);
+}
+
+/// Without a place that is one, the slices meet in the middle.
 SliceOptions within(SliceOptions options, const Dataset* dataset) {
     if (!isFinite(options.position))
-        options.position = glm::dvec3(0.0);
+        options.position = dataset != nullptr ? middleOf(*dataset) : glm::dvec3(0.0);
     if (dataset != nullptr)
         options.position = clampedPlace(options.position, dataset->geometry);
     for (PaneView& view : options.views) {
@@ -73,10 +79,7 @@ void SliceModel::followDataset() {
         options.window.reset(); // of other values
         options.views = {};
         if (dataset() != nullptr)
-            options.position = snappedPlace(0.5 * (glm::dvec3(dataset()->geometry.dims[0], dataset()->geometry.dims[1],
-                                                              dataset()->geometry.dims[2]) -
-                                                   1.0),
-                                            dataset()->geometry);
+            options.position = middleOf(*dataset());
         options_ = within(options, dataset());
         changed_.notify();
         pictures_.notify();
@@ -113,8 +116,7 @@ void SliceModel::moveTo(const glm::dvec3& place, bool snaps) {
 void SliceModel::resetPosition() {
     if (dataset() == nullptr)
         return;
-    const GridDims& dims = dataset()->geometry.dims;
-    moveTo(0.5 * (glm::dvec3(dims[0], dims[1], dims[2]) - 1.0));
+    moveTo(middleOf(*dataset()));
 }
 
 bool SliceModel::isInPane(SliceKind kind) const {

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <fstream>
 #include <limits>
@@ -282,6 +283,9 @@ TEST_F(SavedSessionTest, SlicesThatCannotBeAreToldAndLeaveTheDefault) {
     auto found = read(changed("\"layout\": \"three\"", "\"layout\": \"nine\""));
     EXPECT_THAT(found.problems, ElementsAre("slices, layout is not known and ignored"));
     EXPECT_EQ(found.session.slices->layout, SliceLayout::None);
+    found = read(changed("\"position\"", "\"elsewhere\""));
+    EXPECT_THAT(found.problems, ElementsAre("slices, 'elsewhere' is not known and ignored"));
+    EXPECT_TRUE(std::isnan(found.session.slices->position.x)) << "the middle, which is known once the volume is open";
     found = read(changed("-1000.0", "9000.0"));
     EXPECT_THAT(found.problems, ElementsAre("slices, window does not ascend and is ignored"));
     EXPECT_FALSE(found.session.slices->window);

@@ -100,7 +100,10 @@ TEST_F(SliceModelTest, StaysWithinTheVolumeAndRefusesNumbersThatAreNone) {
     wild.onePane = SliceKind::Oblique;
     slices_->setOptions(wild);
     const SliceOptions& options = slices_->options();
-    EXPECT_EQ(options.position, glm::dvec3(0.0));
+    const glm::dvec3 middle = options.position;
+    slices_->resetPosition();
+    EXPECT_EQ(options.position, middle) << "no place is none";
+    EXPECT_GT(middle.x, 5.0);
     EXPECT_EQ(options.orientation, glm::dquat(1.0, 0.0, 0.0, 0.0));
     EXPECT_FALSE(options.window);
     EXPECT_EQ(options.views[2], (PaneView{1.0, {0.0, 0.5}}));
