@@ -83,7 +83,7 @@ void coarsenBrick(const BrickSurface& surface, int blockCells, CoarseSurface& co
         coarse.indices[count] = a;
         coarse.indices[count + 1] = b;
         coarse.indices[count + 2] = c;
-        count += a != b && b != c && c != a ? 3 : 0;
+        count += 3 * static_cast<std::size_t>((a != b) & (b != c) & (c != a));
     }
     coarse.indices.resize(count);
 }
