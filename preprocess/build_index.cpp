@@ -9,6 +9,7 @@
 #include <tbb/task_arena.h>
 
 #include "core/base/file_system.h"
+#include "core/base/helper_priority.h"
 #include "core/base/machine.h"
 #include "core/index/format/index_format.h"
 #include "core/index/level_store.h"
@@ -61,6 +62,7 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
     // More threads than cores would only make TBB complain.
     const int cores = tbb::this_task_arena::max_concurrency();
     tbb::task_arena arena(options.threads == 0 ? cores : std::min(options.threads, cores));
+    const HelperPriority priority(arena);
     ISO_TRY(arena.execute([&] { return build(source, indexPath, actual, job, report); }));
     if (fileSystemOf(options).keepsFiles())
         index::LevelStore::discard(indexPath, fileSystemOf(options)); // of the index that was there before

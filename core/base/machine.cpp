@@ -27,11 +27,16 @@ std::uint64_t peakRssBytes() {
     return 0;
 }
 
-// Of a thread on Linux. Not SCHED_IDLE: on a busy machine such a thread would not even come to its end.
+// Not SCHED_IDLE: on a busy machine such a thread would not even come to its end.
 void lowerThreadPriority() {
     constexpr int kLow = 10;
-    static_cast<void>(::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLow));
+    if (threadNice() < kLow)
+        setThreadNice(kLow);
 }
+
+// Of a thread on Linux.
+int threadNice() { return ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid())); }
+void setThreadNice(int nice) { static_cast<void>(::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), nice)); }
 
 void returnLargeBlocksAtOnce() { ::mallopt(M_MMAP_THRESHOLD, 4 << 20); }
 

@@ -42,6 +42,11 @@ private:
 
 class FluencyTest : public WindowTest {
 protected:
+    FluencyTest() {
+        jobPriority_ = model::JobPriority::Low; // as in the program: topology is analysed during the first drag
+        makeWindow();
+    }
+
     widgets::HistogramPlot& plot() { return window_->isovaluePanel().plot(); }
 
     struct Report {

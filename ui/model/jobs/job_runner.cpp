@@ -1,10 +1,12 @@
 #include "ui/model/jobs/job_runner.h"
-#include "core/base/guarded.h"
 
 #include <chrono>
-#include <exception>
-#include <mutex>
-#include <new>
+
+#include <tbb/task_arena.h>
+
+#include "core/base/guarded.h"
+#include "core/base/helper_priority.h"
+#include "core/base/machine.h"
 
 namespace isoslider::model {
 namespace {
@@ -28,8 +30,8 @@ struct JobRunner::Job {
     std::jthread thread; // last: joins before anything above goes
 };
 
-JobRunner::JobRunner(JobModel& model, MainThread postToMain)
-    : model_(model), postToMain_(std::move(postToMain)), isAlive_(std::make_shared<bool>(true)) {}
+JobRunner::JobRunner(JobModel& model, MainThread postToMain, JobPriority priority)
+    : model_(model), postToMain_(std::move(postToMain)), priority_(priority), isAlive_(std::make_shared<bool>(true)) {}
 
 JobRunner::~JobRunner() {
     isAlive_.reset();
@@ -55,11 +57,15 @@ JobId JobRunner::start(const std::string& title, Work work, Done done) {
         });
     };
     job->thread = std::jthread([this, id, alive, post = postToMain_, work = std::move(work), done = std::move(done),
-                                reportProgress](std::stop_token stop) {
+                                reportProgress, priority = priority_](std::stop_token stop) {
+        if (priority == JobPriority::Low)
+            lowerThreadPriority();
+        tbb::task_arena arena;
+        const HelperPriority ofHelpers(arena);
         JobControl control;
         control.stop = stop;
         control.progress = reportProgress;
-        Status status = runGuarded(work, control);
+        Status status = arena.execute([&] { return runGuarded(work, control); });
         post([this, id, alive, done, status = std::move(status)] {
             if (alive.lock())
                 finish(id, status, done);

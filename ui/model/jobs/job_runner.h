@@ -12,11 +12,14 @@
 
 namespace isoslider::model {
 
+/// How much jobs give way to what the user does meanwhile.
+enum class JobPriority { Usual, Low };
+
 /// Runs long work on separate threads, and keeps the JobModel up to date. Used from the window's thread.
 /// Destruction asks every job to stop and waits for it; no completion runs after that.
 class JobRunner {
 public:
-    JobRunner(JobModel& model, MainThread postToMain);
+    JobRunner(JobModel& model, MainThread postToMain, JobPriority priority = JobPriority::Usual);
     ~JobRunner();
 
     /// `work` runs on a worker thread; exceptions become errors. `done` runs on the window's thread
@@ -51,6 +54,7 @@ private:
 
     JobModel& model_;
     MainThread postToMain_;
+    JobPriority priority_; ///< of the threads that help in a job, too
     std::shared_ptr<bool> isAlive_;
     std::map<JobId, std::unique_ptr<Job>> jobs_;
 };

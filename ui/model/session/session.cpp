@@ -58,7 +58,7 @@ Session::Session(SessionServices services)
       cache_(services_.cacheFolder),
       slot_(std::make_shared<FrameSlot>()),
       worker_(std::make_unique<SlideWorker>(workerCallbacks())),
-      runner_(std::make_unique<JobRunner>(jobs_, services_.postToMain)) {
+      runner_(std::make_unique<JobRunner>(jobs_, services_.postToMain, services_.jobPriority)) {
     requestSubscription_ = isovalue_.observeRequest([this](double isovalue) {
         firstIsovalue_.noteRequest(isovalue);
         requestMove(isovalue);

@@ -1,7 +1,13 @@
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 
 #include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
 
+#include "core/base/machine.h"
 #include "tests/unit/ui/main_thread_queue.h"
 #include "ui/model/jobs/job_model.h"
 #include "ui/model/jobs/job_runner.h"
@@ -89,6 +95,38 @@ TEST_F(JobRunnerTest, AnExceptionBecomesAnError) {
     ASSERT_TRUE(queue_.runUntil([&] { return isDone; }));
     EXPECT_EQ(model_.find(id)->state, JobState::Failed);
     EXPECT_NE(model_.find(id)->errorText.find("broken"), std::string::npos);
+}
+
+TEST(JobRunner, AllThreadsOfAJobGiveWay) {
+    test::MainThreadQueue queue;
+    JobModel model;
+    JobRunner runner(model, queue.poster(), JobPriority::Low);
+    const int usual = threadNice();
+    std::atomic<int> highest = 0, loops = 0, helped = 0;
+    bool isDone = false;
+    runner.run<int>(
+        "work",
+        [&](const JobControl&) -> Result<int> {
+            const auto its = std::this_thread::get_id();
+            highest = threadNice();
+            tbb::parallel_for(0, 200, [&](int) {
+                const auto begin = std::chrono::steady_clock::now();
+                while (std::chrono::steady_clock::now() < begin + std::chrono::milliseconds(1)) // until others help
+                    continue;
+                helped += std::this_thread::get_id() != its ? 1 : 0;
+                ++loops;
+                highest = std::min(highest.load(), threadNice());
+            });
+            return 1;
+        },
+        [&](Result<int>) { isDone = true; });
+    ASSERT_TRUE(queue.runUntil([&] { return isDone; }));
+    EXPECT_EQ(loops, 200);
+    EXPECT_GE(highest, std::max(usual, 10));
+    EXPECT_EQ(threadNice(), usual);
+    if (std::thread::hardware_concurrency() > 1) {
+        EXPECT_GT(helped, 0);
+    }
 }
 
 TEST(JobRunner, AfterItsEndNothingIsDelivered) {
