@@ -73,7 +73,7 @@ model::SessionServices makeServices(const CommandLine& line) {
     services.sampleLoader = makeSampleLoader(line.isSelfTest ? GridDims{48, 48, 48} : GridDims{0, 0, 0});
     const QString cache = QStandardPaths::writableLocation(QStandardPaths::GenericCacheLocation);
     services.cacheFolder = std::filesystem::path(cache.toStdU16String()) / "isoslider" / "indexes";
-    services.jobPriority = model::JobPriority::Low; // what the user does comes first
+    services.backgroundPriority = model::JobPriority::Low; // what the user does comes first
     services.wholeVolumeBytes = physicalMemoryBytes() / 2;
     return services;
 }

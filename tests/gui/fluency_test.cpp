@@ -43,7 +43,7 @@ private:
 class FluencyTest : public WindowTest {
 protected:
     FluencyTest() {
-        jobPriority_ = model::JobPriority::Low; // as in the program: topology is analysed during the first drag
+        backgroundPriority_ = model::JobPriority::Low; // as in the program: topology is analysed during the first drag
         makeWindow();
     }
 

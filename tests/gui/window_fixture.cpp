@@ -110,7 +110,7 @@ void WindowTest::makeWindow() {
     services.volumes = volumes_;
     services.cacheFolder = folder_ / "indexes";
     services.wholeVolumeBytes = wholeVolumeBytes_;
-    services.jobPriority = jobPriority_;
+    services.backgroundPriority = backgroundPriority_;
     services.sampleLoader = [](const std::string& name,
                                const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
         return makeError(ErrorCode::NotFound, "no such sample", name);

@@ -30,8 +30,8 @@ struct JobRunner::Job {
     std::jthread thread; // last: joins before anything above goes
 };
 
-JobRunner::JobRunner(JobModel& model, MainThread postToMain, JobPriority priority)
-    : model_(model), postToMain_(std::move(postToMain)), priority_(priority), isAlive_(std::make_shared<bool>(true)) {}
+JobRunner::JobRunner(JobModel& model, MainThread postToMain)
+    : model_(model), postToMain_(std::move(postToMain)), isAlive_(std::make_shared<bool>(true)) {}
 
 JobRunner::~JobRunner() {
     isAlive_.reset();
@@ -39,7 +39,7 @@ JobRunner::~JobRunner() {
         job->thread.request_stop();
 }
 
-JobId JobRunner::start(const std::string& title, Work work, Done done) {
+JobId JobRunner::start(const std::string& title, Work work, Done done, JobPriority priority) {
     const JobId id = model_.add(title);
     auto job = std::make_unique<Job>();
     const auto begin = job->begin;
@@ -57,7 +57,7 @@ JobId JobRunner::start(const std::string& title, Work work, Done done) {
         });
     };
     job->thread = std::jthread([this, id, alive, post = postToMain_, work = std::move(work), done = std::move(done),
-                                reportProgress, priority = priority_](std::stop_token stop) {
+                                reportProgress, priority](std::stop_token stop) {
         if (priority == JobPriority::Low)
             lowerThreadPriority();
         tbb::task_arena arena;

@@ -12,21 +12,21 @@
 
 namespace isoslider::model {
 
-/// How much jobs give way to what the user does meanwhile.
+/// Low: gives way to what the user does meanwhile.
 enum class JobPriority { Usual, Low };
 
 /// Runs long work on separate threads, and keeps the JobModel up to date. Used from the window's thread.
 /// Destruction asks every job to stop and waits for it; no completion runs after that.
 class JobRunner {
 public:
-    JobRunner(JobModel& model, MainThread postToMain, JobPriority priority = JobPriority::Usual);
+    JobRunner(JobModel& model, MainThread postToMain);
     ~JobRunner();
 
     /// `work` runs on a worker thread; exceptions become errors. `done` runs on the window's thread
-    /// with its result, after the model shows the job's end.
+    /// with its result, after the model shows the job's end. Threads that help have the same priority.
     template <class T>
     JobId run(const std::string& title, std::function<Result<T>(const JobControl&)> work,
-              std::function<void(Result<T>)> done) {
+              std::function<void(Result<T>)> done, JobPriority priority = JobPriority::Usual) {
         auto outcome = std::make_shared<std::optional<Result<T>>>();
         return start(
             title,
@@ -38,7 +38,8 @@ public:
                 if (!status.isOk())
                     return done(Result<T>{status.error()});
                 done(std::move(**outcome));
-            });
+            },
+            priority);
     }
 
     void cancel(JobId id);
@@ -49,12 +50,11 @@ private:
     using Work = std::function<Status(const JobControl&)>;
     using Done = std::function<void(Status)>;
 
-    JobId start(const std::string& title, Work work, Done done);
+    JobId start(const std::string& title, Work work, Done done, JobPriority priority);
     void finish(JobId id, const Status& status, const Done& done);
 
     JobModel& model_;
     MainThread postToMain_;
-    JobPriority priority_; ///< of the threads that help in a job, too
     std::shared_ptr<bool> isAlive_;
     std::map<JobId, std::unique_ptr<Job>> jobs_;
 };

@@ -58,7 +58,7 @@ Session::Session(SessionServices services)
       cache_(services_.cacheFolder),
       slot_(std::make_shared<FrameSlot>()),
       worker_(std::make_unique<SlideWorker>(workerCallbacks())),
-      runner_(std::make_unique<JobRunner>(jobs_, services_.postToMain, services_.jobPriority)) {
+      runner_(std::make_unique<JobRunner>(jobs_, services_.postToMain)) {
     requestSubscription_ = isovalue_.observeRequest([this](double isovalue) {
         firstIsovalue_.noteRequest(isovalue);
         requestMove(isovalue);
@@ -194,7 +194,8 @@ void Session::startIndexBuild() {
                                    [this, ticket = datasetGeneration_](const Status& status) {
                                        if (ticket == datasetGeneration_)
                                            onIndexBuilt(status);
-                                   });
+                                   },
+                                   services_.backgroundPriority);
     datasetChanged_.notify();
 }
 
@@ -320,7 +321,8 @@ void Session::startTopology(const std::string& name, const FindTopology& find,
                 return;
             topologyJob_.reset();
             use(std::move(found));
-        });
+        },
+        services_.backgroundPriority);
 }
 
 // Of an index, what is shown at first is of some of its samples.
@@ -342,7 +344,8 @@ void Session::countValues() {
                 return;
             dataset_->values = std::make_shared<ValueDistribution>(std::move(values).value());
             datasetChanged_.notify();
-        });
+        },
+        services_.backgroundPriority);
 }
 
 bool Session::isPreview() const { return dataset_ && dataset_->coarseStep > 1 && indexState_ != IndexState::Ready; }

@@ -18,7 +18,7 @@ struct SessionServices {
     SampleLoader sampleLoader;
     VolumeAccess volumes;
     std::filesystem::path cacheFolder;
-    JobPriority jobPriority = JobPriority::Usual;
+    JobPriority backgroundPriority = JobPriority::Usual; ///< of what nobody waits for: indexes, topology, counts
     /// A file with more bytes of samples is shown as a preview until its index is there.
     std::uint64_t wholeVolumeBytes = std::numeric_limits<std::uint64_t>::max();
 };

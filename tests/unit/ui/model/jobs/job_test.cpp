@@ -120,11 +120,11 @@ TEST(JobRunner, AllThreadsOfAJobGiveWay) {
     EXPECT_EQ(helpersAndTheirNice().second, usual) << "threads that are made by a job give way from the start";
     test::MainThreadQueue queue;
     JobModel model;
-    JobRunner runner(model, queue.poster(), JobPriority::Low);
+    JobRunner runner(model, queue.poster());
     std::optional<std::pair<int, int>> found;
     runner.run<std::pair<int, int>>(
         "work", [](const JobControl&) -> Result<std::pair<int, int>> { return helpersAndTheirNice(); },
-        [&](Result<std::pair<int, int>> result) { found = result.value(); });
+        [&](Result<std::pair<int, int>> result) { found = result.value(); }, JobPriority::Low);
     ASSERT_TRUE(queue.runUntil([&] { return found.has_value(); }));
     EXPECT_GE(found->second, std::max(usual, 10));
     EXPECT_EQ(threadNice(), usual);
