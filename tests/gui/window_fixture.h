@@ -114,7 +114,8 @@ protected:
     AnsweringDialogs dialogs_;
     std::shared_ptr<HoldableBuilder> builder_ = std::make_shared<HoldableBuilder>();
     model::VolumeAccess volumes_; ///< for the next makeWindow()
-    model::JobPriority backgroundPriority_ = model::JobPriority::Usual; ///< likewise; other tests run beside, which is no user
+    model::JobPriority backgroundPriority_ =
+        model::JobPriority::Usual; ///< likewise; other tests run beside, which is no user
     std::uint64_t wholeVolumeBytes_ = std::numeric_limits<std::uint64_t>::max(); ///< for the next makeWindow()
     std::unique_ptr<widgets::SettingsStore> settings_;
     std::unique_ptr<model::Session> session_;
