@@ -118,9 +118,9 @@ TEST_F(PickTest, TheSelectedOneIsMeasured) {
     constexpr double kArea = 4.0 * 3.14159265 * 4.5 * 4.5, kVolume = kArea * 4.5 / 3.0;
     EXPECT_NEAR(numberOf(2), kArea, 0.03 * kArea) << facts()[5].toStdString();
     EXPECT_NEAR(numberOf(3), kVolume, 0.03 * kVolume) << facts()[7].toStdString();
-    const auto [least, greatest] = std::pair(session_->dataset()->min, session_->dataset()->max);
+    const double range = session_->dataset()->max - session_->dataset()->min;
     const auto persistence = [&] { return facts()[9]; }; // the highest peak joins no higher one
-    EXPECT_TRUE(waitUntil([&] { return std::abs(persistence().toDouble() - (greatest - least)) < 0.01; }))
+    EXPECT_TRUE(waitUntil([&] { return std::abs(persistence().toDouble() - range) < 0.01; }))
         << persistence().toStdString();
     keepPicture(*window_, "piece_measured");
     pick(pixelOf(1)); // between both cones the greatest sample is at x = 14
