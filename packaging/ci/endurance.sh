@@ -5,11 +5,12 @@
 #                                               (10000)
 #   packaging/ci/endurance.sh flips [COUNT]     COUNT flipped bits of indexes (1000000), every bit of their headers and every
 #                                               length, under the address sanitizer
-#   packaging/ci/endurance.sh window [FILTER]   the tests of the window under the address sanitizer; FILTER as GoogleTest's
-#                                               (all but those that measure time)
+#   packaging/ci/endurance.sh window [FILTER]   the tests of the window under the address sanitizer; FILTER as
+#                                               GoogleTest's (all but those that measure time)
 #   packaging/ci/endurance.sh soak [MINUTES]    opens, slides, jumps, exports and closes three volumes in turn (60)
 #
-# Uses build/release, and build/asan-ubsan and build/asan-window for what runs under the sanitizer. ISOSLIDER_SEED chooses the moments.
+# Uses build/release, and build/asan-ubsan and build/asan-window for what runs under the sanitizer. ISOSLIDER_SEED
+# chooses the moments.
 # What differs is printed with its round; the exit code is 1 then.
 set -euo pipefail
 

@@ -1,7 +1,6 @@
 #include "ui/render/array_buffers.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -12,11 +11,11 @@ namespace isoslider::render {
 
 ArrayBuffers::ArrayBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) {
     gl_.glGenVertexArrays(1, &vertexArray_);
-    for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_, &tints_})
+    for (SizedBuffer* buffer : {&positions_, &normals_, &indices_, &changed_, &tints_})
         buffer->name = driver_.makeBuffer(gl_);
     gl_.glBindVertexArray(vertexArray_);
     GLuint location = 0;
-    for (const Buffer* buffer : {&positions_, &normals_}) {
+    for (const SizedBuffer* buffer : {&positions_, &normals_}) {
         gl_.glBindBuffer(GL_ARRAY_BUFFER, buffer->name);
         gl_.glEnableVertexAttribArray(location);
         gl_.glVertexAttribPointer(location++, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
@@ -27,7 +26,7 @@ ArrayBuffers::ArrayBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) 
 ArrayBuffers::~ArrayBuffers() {
     if (vertexArray_ == 0)
         return;
-    for (const Buffer* buffer : {&positions_, &normals_, &indices_, &changed_, &tints_})
+    for (const SizedBuffer* buffer : {&positions_, &normals_, &indices_, &changed_, &tints_})
         driver_.freeBuffer(gl_, buffer->name);
     gl_.glDeleteVertexArrays(1, &vertexArray_);
 }
@@ -87,24 +86,14 @@ void ArrayBuffers::clear() { vertices_ = surfaceIndices_ = changedIndices_ = 0; 
 
 void ArrayBuffers::freeMemory() {
     clear();
-    for (Buffer* buffer : {&positions_, &normals_, &indices_, &changed_, &tints_})
+    for (SizedBuffer* buffer : {&positions_, &normals_, &indices_, &changed_, &tints_})
         if (std::exchange(buffer->capacityBytes, 0) > 0)
             driver_.allocate(gl_, GL_COPY_WRITE_BUFFER, buffer->name, 0);
 }
 
-bool ArrayBuffers::fill(GLenum target, Buffer& buffer, const void* data, std::size_t bytes) {
-    if (bytes > buffer.capacityBytes) // room to grow, so that a slide seldom allocates
-        buffer.capacityBytes = bytes + bytes / 4;
-    // A fresh store each time: the driver need not wait for the draw that reads the old one.
-    if (!driver_.allocate(gl_, target, buffer.name, buffer.capacityBytes)) {
-        if (buffer.capacityBytes == bytes)
-            return false;
-        buffer.capacityBytes = bytes; // there may be room for it, if not to grow
-        if (!driver_.allocate(gl_, target, buffer.name, bytes))
-            return false;
-    }
-    if (bytes > 0)
-        gl_.glBufferSubData(target, 0, static_cast<GLsizeiptr>(bytes), data);
+bool ArrayBuffers::fill(GLenum target, SizedBuffer& buffer, const void* data, std::size_t bytes) {
+    if (!refill(gl_, driver_, target, buffer, data, bytes))
+        return false;
     uploadedBytes_ += bytes;
     return true;
 }
@@ -121,16 +110,10 @@ bool ArrayBuffers::drawSurface(const std::function<bool()>& isStopped) {
 
 void ArrayBuffers::drawChanged() { draw(changed_, 0, changedIndices_); }
 
-void ArrayBuffers::draw(const Buffer& indices, std::size_t first, std::size_t count) {
+void ArrayBuffers::draw(const SizedBuffer& indices, std::size_t first, std::size_t count) {
     gl_.glBindVertexArray(vertexArray_);
     gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.name);
-    // glDrawElements counts in int; larger surfaces go in parts of whole triangles.
-    constexpr std::size_t kMostPerCall = std::size_t{std::numeric_limits<GLsizei>::max()} / 3 * 3;
-    for (std::size_t begin = first; begin < first + count; begin += kMostPerCall) {
-        const auto part = static_cast<GLsizei>(std::min(kMostPerCall, first + count - begin));
-        gl_.glDrawElements(GL_TRIANGLES, part, GL_UNSIGNED_INT,
-                           reinterpret_cast<const void*>(begin * sizeof(std::uint32_t)));
-    }
+    drawTriangles(gl_, first, count);
     gl_.glBindVertexArray(0);
 }
 

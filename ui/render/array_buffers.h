@@ -6,7 +6,7 @@
 
 #include "core/extract/surface_frame.h"
 #include "ui/model/pieces/piece_tints.h"
-#include "ui/render/gl_driver.h"
+#include "ui/render/sized_buffer.h"
 
 namespace isoslider::render {
 
@@ -41,22 +41,18 @@ public:
     void drawChanged();
 
 private:
-    struct Buffer {
-        GLuint name = 0;
-        std::size_t capacityBytes = 0;
-    };
     bool uploadArrays(const extract::SurfaceFrame& frame);
-    bool fill(GLenum target, Buffer& buffer, const void* data, std::size_t bytes);
-    void draw(const Buffer& indices, std::size_t first, std::size_t count);
+    bool fill(GLenum target, SizedBuffer& buffer, const void* data, std::size_t bytes);
+    void draw(const SizedBuffer& indices, std::size_t first, std::size_t count);
 
     Gl& gl_;
     GlDriver& driver_;
     GLuint vertexArray_ = 0;
-    Buffer positions_;
-    Buffer normals_;
-    Buffer indices_;
-    Buffer changed_;
-    Buffer tints_;
+    SizedBuffer positions_;
+    SizedBuffer normals_;
+    SizedBuffer indices_;
+    SizedBuffer changed_;
+    SizedBuffer tints_;
     std::size_t vertices_ = 0;
     std::size_t surfaceIndices_ = 0;
     std::size_t changedIndices_ = 0;

@@ -26,7 +26,7 @@ BrickBuffers::BrickBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) 
     gl_.glGenVertexArrays(1, &vertexArray_);
     gl_.glGenTextures(1, &placesTexture_);
     gl_.glGenTextures(1, &innerTexture_);
-    for (Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_})
+    for (SizedBuffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_})
         buffer->name = driver_.makeBuffer(gl_);
     gl_.glBindVertexArray(vertexArray_);
     gl_.glBindBuffer(GL_ARRAY_BUFFER, codes_.name);
@@ -39,7 +39,7 @@ BrickBuffers::~BrickBuffers() {
     if (vertexArray_ == 0)
         return;
     freePages(0);
-    for (const Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_})
+    for (const SizedBuffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_})
         driver_.freeBuffer(gl_, buffer->name);
     gl_.glDeleteTextures(1, &placesTexture_);
     gl_.glDeleteTextures(1, &innerTexture_);
@@ -65,7 +65,7 @@ void BrickBuffers::freePages(std::size_t first) {
 void BrickBuffers::freeMemory() {
     clear();
     freePages(0);
-    for (Buffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_})
+    for (SizedBuffer* buffer : {&codes_, &indices_, &inner_, &places_, &changedIndices_, &tints_})
         if (std::exchange(buffer->capacityBytes, 0) > 0)
             driver_.allocate(gl_, GL_COPY_WRITE_BUFFER, buffer->name, 0);
 }
@@ -277,7 +277,7 @@ bool BrickBuffers::makeRoomForPoints(const Picture& picture) {
 }
 
 // What was in a buffer that grows is lost and sent again: that happens a few times in the life of a surface.
-bool BrickBuffers::makeRoom(GLenum target, Buffer& buffer, std::size_t bytes) {
+bool BrickBuffers::makeRoom(GLenum target, SizedBuffer& buffer, std::size_t bytes) {
     if (bytes <= buffer.capacityBytes)
         return true;
     isFresh_ = true;
@@ -297,7 +297,7 @@ void BrickBuffers::sendBytes(GLenum target, std::uint64_t at, std::size_t bytes,
 }
 
 // Into a buffer that holds nothing yet many stretches go at once, with what lies between them.
-void BrickBuffers::send(GLenum target, const Buffer& buffer, std::size_t elementBytes, bool isFresh,
+void BrickBuffers::send(GLenum target, const SizedBuffer& buffer, std::size_t elementBytes, bool isFresh,
                         std::vector<Stretch>& stretches) {
     gl_.glBindBuffer(target, buffer.name);
     if (!isFresh) {
@@ -349,13 +349,9 @@ bool BrickBuffers::sendChanged(const Picture& picture) {
     changed_.assign(triangles.begin(), triangles.end());
     if (changed_.empty())
         return true;
-    // Fresh storage each time: the driver need not wait for the draw that reads the old one.
-    changedIndices_.capacityBytes = std::max(changedIndices_.capacityBytes, indices.size_bytes());
-    if (!driver_.allocate(gl_, GL_COPY_WRITE_BUFFER, changedIndices_.name, changedIndices_.capacityBytes)) {
-        changedIndices_.capacityBytes = 0;
+    if (!refill(gl_, driver_, GL_COPY_WRITE_BUFFER, changedIndices_, indices.data(), indices.size_bytes()))
         return false;
-    }
-    sendBytes(GL_COPY_WRITE_BUFFER, 0, indices.size_bytes(), indices.data());
+    uploadedBytes_ += indices.size_bytes();
     return true;
 }
 

@@ -14,7 +14,7 @@
 #include "core/extract/live/brick_picture.h"
 #include "ui/model/pieces/piece_tints.h"
 #include "ui/render/bricks_in_view.h"
-#include "ui/render/gl_driver.h"
+#include "ui/render/sized_buffer.h"
 
 namespace isoslider::render {
 
@@ -67,12 +67,8 @@ private:
     /// Of a brick: x and y of its place, 16 bits each; z; its first line of points, in its page; its first vertex
     /// inside cells.
     using Place = std::array<std::uint32_t, 4>;
-    struct Buffer {
-        GLuint name = 0;
-        std::size_t capacityBytes = 0;
-    };
     struct Page { ///< of points
-        Buffer lines;
+        SizedBuffer lines;
         GLuint scalars = 0, normals = 0; ///< textures of it
         bool isFresh = false; ///< holds nothing of what it should
         std::vector<std::uint32_t> versions; ///< by run of points: of those that are there; 0 for none
@@ -91,8 +87,8 @@ private:
     void freePages(std::size_t first);
     static std::size_t pageOf(const extract::PictureBrick& brick) { return brick.firstPointLine / kLinesPerPage; }
     void sendPoints(const Picture& picture);
-    bool makeRoom(GLenum target, Buffer& buffer, std::size_t bytes);
-    void send(GLenum target, const Buffer& buffer, std::size_t elementBytes, bool isFresh,
+    bool makeRoom(GLenum target, SizedBuffer& buffer, std::size_t bytes);
+    void send(GLenum target, const SizedBuffer& buffer, std::size_t elementBytes, bool isFresh,
               std::vector<Stretch>& stretches);
     void sendBytes(GLenum target, std::uint64_t at, std::size_t bytes, const void* data);
     void sendPlaces(std::vector<std::uint64_t>& pages);
@@ -112,7 +108,7 @@ private:
     GLuint vertexArray_ = 0;
     GLuint placesTexture_ = 0;
     GLuint innerTexture_ = 0;
-    Buffer codes_, indices_, inner_, places_, changedIndices_, tints_;
+    SizedBuffer codes_, indices_, inner_, places_, changedIndices_, tints_;
     std::vector<Page> pages_;
     ScalarType type_ = ScalarType::F32; ///< of the samples in the pages
     std::uint64_t series_ = 0; ///< of the picture that is there; 0 for none

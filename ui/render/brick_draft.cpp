@@ -45,9 +45,8 @@ GroupTable groupTable(int blockCells) {
     const Groups rule{blockCells};
     GroupTable table{};
     for (unsigned code = 0; code < extract::kClosedPoints * 4u; ++code)
-        if ((code & extract::kInsideAxis) != extract::kInsideAxis)
-            table[code] =
-                static_cast<std::uint8_t>(rule.ofEdge(extract::edgeOf(static_cast<extract::VertexCode>(code))));
+        if (const auto vertex = static_cast<extract::VertexCode>(code); !extract::isInside(vertex))
+            table[code] = static_cast<std::uint8_t>(rule.ofEdge(extract::edgeOf(vertex)));
     return table;
 }
 
@@ -66,8 +65,8 @@ void coarsenBrick(const BrickSurface& surface, int blockCells, CoarseSurface& co
     coarse.vertices.clear();
     for (std::size_t i = 0; i < surface.codes.size(); ++i) {
         const extract::VertexCode code = surface.codes[i];
-        const bool isInside = (code & extract::kInsideAxis) == extract::kInsideAxis;
-        const int group = isInside ? rule.ofInner(surface.inner[code >> 2]) : table[code & extract::kCodePlaceMask];
+        const int group =
+            extract::isInside(code) ? rule.ofInner(surface.inner[code >> 2]) : table[code & extract::kCodePlaceMask];
         std::uint16_t& place = kept[static_cast<std::size_t>(group)];
         if (place == kNone) {
             place = static_cast<std::uint16_t>(coarse.vertices.size());

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 #include <utility>
 
 #include "core/base/worker_team.h"
 #include "core/extract/live/brick_picture.h"
 #include "core/extract/pieces/surface_pieces.h"
+#include "ui/render/draw_parts.h"
 #include "ui/render/tint_arrays.h"
 
 namespace isoslider::render {
@@ -23,18 +23,17 @@ constexpr model::PieceTint kUntinted{0, 0, 0, 255};
 
 float levelAt(const extract::BrickPicture<float>& picture, const PictureBrick& brick, std::uint16_t vertex) {
     const VertexCode code = picture.codes(brick)[vertex];
-    const bool isInside = (code & extract::kInsideAxis) == extract::kInsideAxis;
-    return static_cast<float>(isInside ? picture.inner(brick)[code >> 2].level : extract::levelOf(code));
+    return static_cast<float>(extract::isInside(code) ? picture.inner(brick)[code >> 2].level : extract::levelOf(code));
 }
 
 } // namespace
 
 DraftBuffers::DraftBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) {
     gl_.glGenVertexArrays(1, &vertexArray_);
-    verticesBuffer_ = driver_.makeBuffer(gl_);
-    indicesBuffer_ = driver_.makeBuffer(gl_);
+    verticesBuffer_.name = driver_.makeBuffer(gl_);
+    indicesBuffer_.name = driver_.makeBuffer(gl_);
     gl_.glBindVertexArray(vertexArray_);
-    gl_.glBindBuffer(GL_ARRAY_BUFFER, verticesBuffer_);
+    gl_.glBindBuffer(GL_ARRAY_BUFFER, verticesBuffer_.name);
     const auto attribute = [&](GLuint location, GLint count, GLenum type, std::size_t offset) {
         gl_.glEnableVertexAttribArray(location);
         gl_.glVertexAttribPointer(location, count, type, type == GL_UNSIGNED_BYTE, sizeof(Vertex),
@@ -50,8 +49,8 @@ DraftBuffers::DraftBuffers(Gl& gl, GlDriver& driver) : gl_(gl), driver_(driver) 
 DraftBuffers::~DraftBuffers() {
     if (vertexArray_ == 0)
         return;
-    driver_.freeBuffer(gl_, indicesBuffer_);
-    driver_.freeBuffer(gl_, verticesBuffer_);
+    driver_.freeBuffer(gl_, indicesBuffer_.name);
+    driver_.freeBuffer(gl_, verticesBuffer_.name);
     gl_.glDeleteVertexArrays(1, &vertexArray_);
 }
 
@@ -75,9 +74,8 @@ bool DraftBuffers::update(const extract::SurfaceFrame& frame, int blockCells, co
     indexCount_ = 0;
     gl_.glBindVertexArray(vertexArray_);
     const bool isThere =
-        send(GL_ARRAY_BUFFER, verticesBuffer_, verticesBytes_, vertices_.size() * sizeof(Vertex), vertices_.data()) &&
-        send(GL_ELEMENT_ARRAY_BUFFER, indicesBuffer_, indicesBytes_, indices_.size() * sizeof(std::uint32_t),
-             indices_.data());
+        send(GL_ARRAY_BUFFER, verticesBuffer_, vertices_.data(), vertices_.size() * sizeof(Vertex)) &&
+        send(GL_ELEMENT_ARRAY_BUFFER, indicesBuffer_, indices_.data(), indices_.size() * sizeof(std::uint32_t));
     gl_.glBindVertexArray(0);
     if (!isThere)
         return false;
@@ -164,15 +162,9 @@ void DraftBuffers::fillTints(const extract::SurfacePieces& pieces, std::span<con
     });
 }
 
-// Fresh storage each time: the driver need not wait for the draw that reads the old one.
-bool DraftBuffers::send(GLenum target, GLuint buffer, std::size_t& capacityBytes, std::size_t bytes, const void* data) {
-    capacityBytes = std::max(capacityBytes, bytes);
-    if (!driver_.allocate(gl_, target, buffer, capacityBytes)) {
-        capacityBytes = 0;
+bool DraftBuffers::send(GLenum target, SizedBuffer& buffer, const void* data, std::size_t bytes) {
+    if (!refill(gl_, driver_, target, buffer, data, bytes))
         return false;
-    }
-    if (bytes > 0)
-        gl_.glBufferSubData(target, 0, static_cast<GLsizeiptr>(bytes), data);
     uploadedBytes_ += bytes;
     return true;
 }
@@ -188,11 +180,7 @@ void DraftBuffers::clear() {
 
 void DraftBuffers::draw() {
     gl_.glBindVertexArray(vertexArray_);
-    // glDrawElements counts in int.
-    constexpr std::size_t kMostPerCall = std::size_t{std::numeric_limits<GLsizei>::max()} / 3 * 3;
-    for (std::size_t first = 0; first < indexCount_; first += kMostPerCall)
-        gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(std::min(kMostPerCall, indexCount_ - first)),
-                           GL_UNSIGNED_INT, reinterpret_cast<const void*>(first * sizeof(std::uint32_t)));
+    drawTriangles(gl_, 0, indexCount_);
     gl_.glBindVertexArray(0);
 }
 

@@ -14,7 +14,7 @@
 #include "ui/model/pieces/piece_tints.h"
 #include "ui/render/brick_draft.h"
 #include "ui/render/bricks_in_view.h"
-#include "ui/render/gl_driver.h"
+#include "ui/render/sized_buffer.h"
 
 namespace isoslider::render {
 
@@ -72,12 +72,12 @@ private:
     bool coarsen(const Picture& picture, int blockCells);
     void fill(const Picture& picture, double isovalue);
     void fillTints(const extract::SurfacePieces& pieces, std::span<const model::PieceTint> tints);
-    bool send(GLenum target, GLuint buffer, std::size_t& capacityBytes, std::size_t bytes, const void* data);
+    bool send(GLenum target, SizedBuffer& buffer, const void* data, std::size_t bytes);
 
     Gl& gl_;
     GlDriver& driver_;
-    GLuint vertexArray_ = 0, verticesBuffer_ = 0, indicesBuffer_ = 0;
-    std::size_t verticesBytes_ = 0, indicesBytes_ = 0; ///< room on the card
+    GLuint vertexArray_ = 0;
+    SizedBuffer verticesBuffer_, indicesBuffer_;
     std::uint64_t uploadedBytes_ = 0;
     std::uint64_t series_ = 0; ///< of the picture that the bricks are of; 0 for none
     int blockCells_ = 0;

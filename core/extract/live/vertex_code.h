@@ -23,6 +23,8 @@ constexpr VertexCode vertexCode(ClosedEdge edge, int level = 0) {
 }
 constexpr VertexCode insideCode(std::size_t number) { return static_cast<VertexCode>(number << 2 | kInsideAxis); }
 
+constexpr bool isInside(VertexCode code) { return (code & kInsideAxis) == kInsideAxis; }
+
 /// REQUIRES for this and what follows: not inside.
 constexpr ClosedEdge edgeOf(VertexCode code) {
     return closedEdge(static_cast<int>(code & 3u), ClosedPoint((code & kCodePlaceMask) >> 2));

@@ -1,11 +1,20 @@
 #include "preprocess/build_index.h"
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <thread>
 
 #include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
 
+#include "core/base/machine.h"
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
 #include "core/grid/volume_statistics.h"
@@ -53,6 +62,42 @@ protected:
 
 INSTANTIATE_TEST_SUITE_P(Kinds, BuildIndexKind, testing::Values(index::IndexKind::Edges, index::IndexKind::Metacells),
                          [](const auto& kind) { return std::string(index::indexKindName(kind.param)); });
+
+/// How many threads of this process give way so much at least.
+std::size_t threadsThatGiveWay(int nice) {
+    std::size_t count = 0;
+    std::error_code error;
+    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task", error))
+        count += ::getpriority(PRIO_PROCESS, static_cast<id_t>(std::stoul(task.path().filename()))) >= nice ? 1 : 0;
+    return count;
+}
+
+TEST_P(BuildIndexKind, HasHelpersThatGiveWayAsItsCallerDoes) {
+    constexpr int kLow = 10;
+    if (std::thread::hardware_concurrency() < 2)
+        GTEST_SKIP() << "there are no helpers on one processor";
+    if (threadsThatGiveWay(kLow) > 0)
+        GTEST_SKIP() << "the whole process gives way";
+    // Helpers that the build itself makes would give way from the start.
+    tbb::parallel_for(0, 100, [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+    const test::TemporaryFolder folder;
+    const auto grid = test::noiseVolume({64, 64, 64}, 6, 250);
+    std::atomic<bool> isEnough{false};
+    std::thread builder([&] {
+        lowerThreadPriority();
+        for (int build = 0; build < 100 && !isEnough; ++build)
+            EXPECT_THAT(test::buildIndexOf(grid, folder / "a.isx", options()), IsOk());
+        isEnough = true;
+    });
+    std::size_t most = 0;
+    while (!isEnough) {
+        most = std::max(most, threadsThatGiveWay(kLow));
+        isEnough = isEnough || most > 1;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    builder.join();
+    EXPECT_GT(most, 1u) << "the builder's thread alone";
+}
 
 TEST_P(BuildIndexKind, GivesTheSameBytesForAnyNumberOfThreads) {
     const test::TemporaryFolder folder;

@@ -1,10 +1,9 @@
 #include <algorithm>
-#include <atomic>
 #include <chrono>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <thread>
-#include <utility>
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
@@ -99,37 +98,39 @@ TEST_F(JobRunnerTest, AnExceptionBecomesAnError) {
     EXPECT_NE(model_.find(id)->errorText.find("broken"), std::string::npos);
 }
 
-/// Keeps all threads of TBB busy for some 100 ms; how many loops others than this thread have run, and the least that
-/// one of them gave way.
-std::pair<int, int> helpersAndTheirNice() {
-    const auto its = std::this_thread::get_id();
-    std::atomic<int> helped = 0, least = threadNice();
+struct Helpers {
+    int loops = 0; ///< that others than the caller have run
+    int leastNice = 0; ///< of all threads, the caller among them
+};
+/// Keeps all threads of TBB busy for some 100 ms.
+Helpers helpersAndTheirNice() {
+    const auto caller = std::this_thread::get_id();
+    std::mutex mutex;
+    Helpers found{0, threadNice()};
     tbb::parallel_for(0, 200, [&](int) {
-        const auto begin = std::chrono::steady_clock::now();
-        while (std::chrono::steady_clock::now() < begin + std::chrono::milliseconds(1))
-            continue;
-        helped += std::this_thread::get_id() != its ? 1 : 0;
-        for (int before = least; threadNice() < before && !least.compare_exchange_weak(before, threadNice());)
-            continue;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        const std::lock_guard lock(mutex);
+        found.loops += std::this_thread::get_id() != caller ? 1 : 0;
+        found.leastNice = std::min(found.leastNice, threadNice());
     });
-    return {helped, least};
+    return found;
 }
 
 TEST(JobRunner, AllThreadsOfAJobGiveWay) {
     const int usual = threadNice();
-    EXPECT_EQ(helpersAndTheirNice().second, usual) << "threads that are made by a job give way from the start";
+    EXPECT_EQ(helpersAndTheirNice().leastNice, usual) << "threads that are made by a job give way from the start";
     test::MainThreadQueue queue;
     JobModel model;
     JobRunner runner(model, queue.poster());
-    std::optional<std::pair<int, int>> found;
-    runner.run<std::pair<int, int>>(
-        "work", [](const JobControl&) -> Result<std::pair<int, int>> { return helpersAndTheirNice(); },
-        [&](Result<std::pair<int, int>> result) { found = result.value(); }, JobPriority::Low);
+    std::optional<Helpers> found;
+    runner.run<Helpers>(
+        "work", [](const JobControl&) -> Result<Helpers> { return helpersAndTheirNice(); },
+        [&](Result<Helpers> result) { found = result.value(); }, JobPriority::Low);
     ASSERT_TRUE(queue.runUntil([&] { return found.has_value(); }));
-    EXPECT_GE(found->second, std::max(usual, 10));
+    EXPECT_GE(found->leastNice, std::max(usual, 10));
     EXPECT_EQ(threadNice(), usual);
     if (std::thread::hardware_concurrency() > 1) {
-        EXPECT_GT(found->first, 0);
+        EXPECT_GT(found->loops, 0);
     }
 }
 

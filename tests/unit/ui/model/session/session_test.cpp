@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/machine.h"
 #include "core/index/index_reader.h"
 #include "core/topology/stored_topology.h"
 #include "core/topology/topology_curve.h"
@@ -32,6 +33,7 @@ class FakeBuilder final : public IndexBuilder {
 public:
     Status build(const std::shared_ptr<const ScalarGrid>&, const std::string&, const io::VolumeInfo&,
                  const std::filesystem::path&, const JobControl& job) override {
+        nice = threadNice();
         ++builds;
         while (waits && !job.isStopRequested())
             std::this_thread::yield();
@@ -53,6 +55,7 @@ public:
     }
     std::atomic<bool> holdsEngine{false};
     std::atomic<int> builds{0};
+    std::atomic<int> nice{0}; ///< of the last build
     std::atomic<bool> waits{false};
 };
 
@@ -63,8 +66,10 @@ protected:
         services.postToMain = queue_.poster();
         services.indexBuilder = builder_;
         services.cacheFolder = folder_ / "cache";
-        services.sampleLoader = [](const std::string& name,
-                                   const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
+        services.backgroundPriority = JobPriority::Low;
+        services.sampleLoader = [this](const std::string& name,
+                                       const JobControl&) -> Result<std::shared_ptr<const ScalarGrid>> {
+            loadingNice_ = threadNice();
             if (name == "ball")
                 return ballGrid();
             if (name == "tiny") // areas too small for a number: every triangle counts as degenerate
@@ -85,6 +90,7 @@ protected:
 
     test::TemporaryFolder folder_;
     test::MainThreadQueue queue_;
+    std::atomic<int> loadingNice_{0};
     std::shared_ptr<FakeBuilder> builder_ = std::make_shared<FakeBuilder>();
     std::vector<Notice> notices_;
     std::unique_ptr<Session> session_;
@@ -99,6 +105,13 @@ TEST_F(SessionTest, ShowsASurfaceBeforeThereIsAnIndex) {
     EXPECT_GT(session_->frame()->stats.triangles, 100u);
     EXPECT_EQ(session_->indexState(), IndexState::Building);
     EXPECT_FALSE(session_->isSettled());
+}
+
+TEST_F(SessionTest, TheIndexGivesWayAndTheVolumeDoesNot) {
+    openBall();
+    ASSERT_TRUE(queue_.runUntil([&] { return builder_->builds == 1; }));
+    EXPECT_EQ(loadingNice_, threadNice()) << "it is waited for";
+    EXPECT_GE(builder_->nice, 10);
 }
 
 TEST_F(SessionTest, TheFirstSurfaceShowsProgressCanBeStoppedAndAskedForAgain) {

@@ -102,7 +102,7 @@ TEST_F(SliceModelTest, StaysWithinTheVolumeAndRefusesNumbersThatAreNone) {
     const SliceOptions& options = slices_->options();
     const glm::dvec3 middle = options.position;
     slices_->resetPosition();
-    EXPECT_EQ(options.position, middle) << "no place is none";
+    EXPECT_EQ(options.position, middle) << "where the slices meet if no place is given";
     EXPECT_GT(middle.x, 5.0);
     EXPECT_EQ(options.orientation, glm::dquat(1.0, 0.0, 0.0, 0.0));
     EXPECT_FALSE(options.window);
