@@ -106,7 +106,8 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     showDataset();
 }
 
-MainWindow::~MainWindow() = default;
+// A field that loses the keyboard applies what was typed: while there is still all that this changes.
+MainWindow::~MainWindow() { hide(); }
 
 void MainWindow::makeCentre() {
     auto* centre = new QWidget(this);
