@@ -123,6 +123,7 @@ TEST_F(PiecesTest, ThoseThatLastShortlyAreHiddenByTheSlider) {
     EXPECT_FALSE(view().options().pieces.hidesAny());
 
     // What is found is no separate step, and is not undone.
+    QTest::qWait(600); // all before is one
     QTest::keyClick(persistence, Qt::Key_End);
     ASSERT_TRUE(waitUntil([this] { return count() == QStringLiteral("3 pieces, 2 hidden"); }));
     auto* undo = window_->actions().action("edit.undo");

@@ -15,6 +15,7 @@
 #include "core/volume_io/sources/volume_source.h"
 #include "preprocess/build_index.h"
 #include "preprocess/metacells/brick_list.h"
+#include "tests/support/sanitizers.h"
 #include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::test {
@@ -127,8 +128,9 @@ void WindowTest::makeWindow() {
 bool WindowTest::waitUntil(const std::function<bool()>& isDone, std::chrono::milliseconds longest) {
     QElapsedTimer clock;
     clock.start();
+    constexpr int kSlower = kHasSanitizers ? 5 : 1;
     while (!isDone()) {
-        if (clock.elapsed() > longest.count())
+        if (clock.elapsed() > kSlower * longest.count())
             return false;
         QTest::qWait(5);
     }
