@@ -6,7 +6,8 @@
 #
 # The sanitizer takes what a library does for races unless that library is built for it too: with the distribution's TBB
 # each loop is reported. So TBB is built from the distribution's source first (half a minute), where apt-get can get that;
-# ISOSLIDER_TSAN_TBB names a folder with such a libtbb.so.12 instead. Nothing is suppressed.
+# ISOSLIDER_TSAN_TBB names a folder with such a libtbb.so.12 instead. Nothing is suppressed. VTK has parts of TBB compiled
+# into it, so its loops run on one thread.
 set -euo pipefail
 
 ROOT=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -47,6 +48,7 @@ main() {
   # Tests are listed by running them, also while they are built.
   export LD_LIBRARY_PATH=$tbb${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
   cmake --build --preset tsan
+  export VTK_SMP_BACKEND_IN_USE=Sequential
   ctest --preset tsan -L '^(unit|property)$' -E "$LEFT_OUT" --parallel "$(nproc)" "$@"
 }
 
