@@ -461,6 +461,21 @@ TEST_F(MainWindowTest, TypingDigitsInTheIsovalueFieldLeavesTheCameraAlone) {
     EXPECT_EQ(viewport->camera().backward(), before);
 }
 
+// What is applied may change all that undo records: later, of the window only a QWidget is left.
+TEST_F(MainWindowTest, ADigitTypedAndNotConfirmedIsAppliedWhileTheWindowIsWhole) {
+    openBall();
+    trigger("isovalue.edit");
+    QTest::keyClicks(window_->focusWidget(), QStringLiteral("-7.1"));
+    const QObject* const window = window_.get();
+    std::vector<double> whole, late;
+    const auto requests = session_->isovalue().observeRequest([&](double isovalue) {
+        (qobject_cast<const widgets::MainWindow*>(window) != nullptr ? whole : late).push_back(isovalue);
+    });
+    window_.reset();
+    EXPECT_FALSE(whole.empty());
+    EXPECT_TRUE(late.empty());
+}
+
 TEST_F(MainWindowTest, B104_WithoutOpenGlThePanelsStillWork) {
     if (window_->viewportHost().viewport() != nullptr)
         GTEST_SKIP() << "OpenGL 3.3 is there";
