@@ -23,7 +23,7 @@ struct MeasureSums {
     MeasureCurves curves(const MeasurePlan& plan, const GridGeometry& geometry) const;
 };
 
-/// Measures the triangles that the surface has in each cell. O(cells), and a tenth of a microsecond for each triangle.
+/// Measures the triangles that the surface has in cells. O(cells), and what CellBatches takes.
 template <class Sample>
 MeasureSums measureLayer(const LayerWindow<Sample>& window, const MeasurePlan& plan, const GridGeometry& geometry);
 

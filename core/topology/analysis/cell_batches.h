@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/cell/cell_states.h"
+#include "core/grid/grid_geometry.h"
+#include "core/topology/analysis/cell_measure.h"
+#include "core/topology/measuring.h"
+
+namespace isoslider::topology {
+
+/// A cell to be measured at isovalues `first` to `end` - 1 of a plan, where its rank is among those looked at. The
+/// surface passes through it at all of them.
+struct MeasuredCell {
+    cell::CornerScalars scalars;
+    std::uint32_t rank = 0;
+    std::uint32_t first = 0, end = 0;
+    bool isUsual = true; ///< all scalars within the plan's usual values
+};
+
+/// Sums at one isovalue, of cells of one kind.
+struct BatchSum {
+    double area = 0.0, volume = 0.0, gradient = 0.0, triangles = 0.0;
+};
+
+/// Measures many cells quickly. Cells of one state have the same triangles: they wait until there are kTogether of
+/// them, which are then measured together, a cell to a lane, in single precision. What is added up, and in which order,
+/// depends on the cells alone, not on the width of vectors.
+class CellBatches {
+public:
+    static constexpr std::size_t kTogether = 16;
+
+    CellBatches(const MeasurePlan& plan, const GridGeometry& geometry);
+
+    /// O(isovalues of the cells), some ten nanoseconds for each that is looked at.
+    void add(std::span<const MeasuredCell> cells);
+    /// Measures what is waiting. Element 2 i + 1: of usual cells at isovalue i; 2 i: of others.
+    const std::vector<BatchSum>& finish();
+
+    /// A rank is looked at if it is not beyond this; of one isovalue.
+    static std::uint32_t lastRank(double share);
+
+    /// What waits of one state. Scalars less the isovalue, in units of `scale`, of four corners each.
+    struct Batch {
+        alignas(64) std::array<float, 4 * kTogether> lower, upper;
+        std::array<std::uint32_t, kTogether> into; ///< place in the sums
+        std::uint32_t count = 0;
+    };
+    /// What the kernels work on.
+    struct Parts {
+        std::vector<double> isovalues;
+        std::vector<std::uint32_t> lastRanks; ///< and kTogether more
+        double scale = 1.0;
+        std::array<float, 9> areaToWorld{}, gradientToWorld{}; ///< by columns, none greater than 1
+        std::array<bool, 256> isAmbiguous{};
+        std::vector<Batch> batches; ///< by state
+        std::vector<BatchSum> sums;
+        /// Of the vertices of a batch: those on edges differ along one axis only.
+        alignas(64) std::array<std::array<std::array<float, kTogether>, 3>,
+                               cell::kInnerVertex + cell::kMaxInnerVertices> places{};
+        CellMeasure single;
+        double areaUnit = 1.0, gradientUnit = 1.0;
+    };
+
+private:
+    Parts parts_;
+};
+
+} // namespace isoslider::topology
