@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <limits>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include <tbb/parallel_sort.h>
@@ -14,7 +15,6 @@ namespace {
 // What tells changes of one isovalue and cause apart: sorted by it as well, they lead to the same events in every run.
 int restOf(const EulerChange& change) { return change.euler; }
 double restOf(const ComponentChange& change) { return change.persistence; }
-std::int64_t restOf(const ClosedChange& change) { return change.closed; }
 
 // Takes changes of one kind in the order of isovalues that rise.
 template <class Change>
@@ -22,9 +22,13 @@ class Ascending {
 public:
     explicit Ascending(std::vector<Change>& changes) : changes_(changes) {
         tbb::parallel_sort(changes_.begin(), changes_.end(), [](const Change& a, const Change& b) {
-            if (a.isovalue != b.isovalue)
+            if constexpr (std::is_same_v<Change, ClosedChange>) {
                 return a.isovalue < b.isovalue;
-            return a.cause != b.cause ? a.cause < b.cause : restOf(a) < restOf(b);
+            } else {
+                if (a.isovalue != b.isovalue)
+                    return a.isovalue < b.isovalue;
+                return a.cause != b.cause ? a.cause < b.cause : restOf(a) < restOf(b);
+            }
         });
     }
     double isovalue() const {
@@ -87,7 +91,7 @@ public:
         : euler_(parts.euler),
           above_(parts.above),
           below_(parts.below),
-          closed_(parts.below.closed),
+          reached_(parts.below.reached),
           aboveOuter_(parts.aboveOnBoundary),
           belowOuter_(parts.belowOnBoundary) {}
 
@@ -105,10 +109,7 @@ public:
             Place place;
             takeEuler(event, counts, place);
             takePieces(event, counts, place);
-            closed_.takeAt(next, [&](const ClosedChange& change) {
-                counts.voids += change.closed;
-                place.offer(change.cause, 0.0, 0);
-            });
+            reached_.takeAt(next, [&](const ClosedChange& change) { counts.voids -= change.count; });
             takeLoops(event, counts, place);
             event.above = counts;
             if (!(event.above == event.below && event.pieces == PieceChanges()))
@@ -125,14 +126,14 @@ private:
 
     void rewind() {
         euler_.rewind();
-        closed_.rewind();
+        reached_.rewind();
         for (OneSide* side : {&above_, &below_, &aboveOuter_, &belowOuter_}) {
             side->births.rewind();
             side->joins.rewind();
         }
     }
     double nextIsovalue() const {
-        return std::min({euler_.isovalue(), above_.isovalue(), below_.isovalue(), closed_.isovalue(),
+        return std::min({euler_.isovalue(), above_.isovalue(), below_.isovalue(), reached_.isovalue(),
                          aboveOuter_.isovalue(), belowOuter_.isovalue()});
     }
 
@@ -149,24 +150,30 @@ private:
 
     // What is above shrinks: its components go where they come when the isovalue falls, and are parted where they join.
     void takePieces(TopologyEvent& event, SurfaceCounts& counts, Place& place) {
-        const auto takeAt = [&](Ascending<ComponentChange>& changes, std::uint32_t& pieces, int components) {
+        const auto takeAt = [&](Ascending<ComponentChange>& changes, std::uint32_t& pieces, int components,
+                                const auto& countVoids) {
             changes.takeAt(event.isovalue, [&](const ComponentChange& change) {
-                ++pieces;
-                counts.components += components;
+                pieces += change.count;
+                counts.components += components * static_cast<std::int64_t>(change.count);
                 event.persistence = std::max(event.persistence, change.persistence);
+                countVoids(change);
                 place.offer(change.cause, change.persistence, 1);
             });
         };
-        takeAt(above_.joins, event.pieces.splits, 1);
-        takeAt(above_.births, event.pieces.deaths, -1);
-        takeAt(below_.joins, event.pieces.joins, -1);
-        takeAt(below_.births, event.pieces.births, 1);
+        const auto noVoids = [](const ComponentChange&) {};
+        takeAt(above_.joins, event.pieces.splits, 1, noVoids);
+        takeAt(above_.births, event.pieces.deaths, -1, noVoids);
+        // A component below is a void until it reaches the boundary, itself or as a part of one that does.
+        takeAt(below_.joins, event.pieces.joins, -1,
+               [&](const ComponentChange& change) { counts.voids -= change.closed; });
+        takeAt(below_.births, event.pieces.births, 1,
+               [&](const ComponentChange& change) { counts.voids += change.count; });
     }
 
     void takeLoops(const TopologyEvent& event, SurfaceCounts& counts, Place& place) {
         const auto takeAt = [&](Ascending<ComponentChange>& changes, int loops) {
             changes.takeAt(event.isovalue, [&](const ComponentChange& change) {
-                counts.loops += loops;
+                counts.loops += loops * static_cast<std::int64_t>(change.count);
                 place.offer(change.cause, 0.0, 1);
             });
         };
@@ -178,7 +185,7 @@ private:
 
     Ascending<EulerChange> euler_;
     OneSide above_, below_;
-    Ascending<ClosedChange> closed_;
+    Ascending<ClosedChange> reached_;
     OneSide aboveOuter_, belowOuter_;
 };
 

@@ -7,7 +7,7 @@
 namespace isoslider::topology {
 namespace {
 
-// Of equal ones that with the lower number is the elder, as in followComponents().
+// Of equal ones that with the lower number is the elder, as in settleComponents().
 bool isEarlier(double height, const GridPlace& at, double otherHeight, const GridPlace& other) {
     return height != otherHeight ? height > otherHeight
                                  : std::tie(at[2], at[1], at[0]) < std::tie(other[2], other[1], other[0]);

@@ -30,7 +30,7 @@ namespace isoslider::topology {
 namespace {
 
 // Noise of 32 bits, for each sample; there is hardly a volume with more. More memory than that is not asked after.
-constexpr Findings kMostFindings{1.25, 0.4, 0.4, 0.0};
+constexpr Findings kMostFindings{1.25, 0.8, 0.4, 1.6, 0.0};
 constexpr double kMostBytesPerSample = 768.0;
 constexpr double kBoundaryBytesPerPoint = 80.0;
 
@@ -43,11 +43,11 @@ public:
     template <class Sample>
     Status add(LayerComponents& layer, const LayerWindow<Sample>& window) {
         const std::size_t base = graph_.seeds.size();
-        if (base + layer.seeds.size() >= kNoSeed)
+        if (base + layer.graph.seeds.size() >= kNoSeed)
             return makeError(ErrorCode::OutOfSpace, "the volume has too many extremes for its topology to be analysed");
-        graph_.seeds.insert(graph_.seeds.end(), layer.seeds.begin(), layer.seeds.end());
+        graph_.seeds.insert(graph_.seeds.end(), layer.graph.seeds.begin(), layer.graph.seeds.end());
         const auto first = static_cast<std::uint32_t>(base);
-        for (Link link : layer.links) {
+        for (Link link : layer.graph.links) {
             link.a += first;
             link.b += first;
             graph_.links.push_back(link);
@@ -59,23 +59,31 @@ public:
                             layer.bottom[i] + first);
         const std::vector<Link> links = between.take();
         graph_.links.insert(graph_.links.end(), links.begin(), links.end());
+        // What no longer touches anything that is to come is settled: the rest is about as much as a plane has.
+        std::vector<double> opens(base, std::numeric_limits<double>::quiet_NaN());
+        opens.insert(opens.end(), layer.opens.begin(), layer.opens.end());
+        history_.add(layer.settled);
+        const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, history_);
         top_ = std::move(layer.top);
         for (std::uint32_t& seed : top_)
-            seed += seed != kNoSeed ? first : 0;
+            seed = seed != kNoSeed ? parts[seed + first] : kNoSeed;
         return {};
     }
-    void reserve(double seeds, double links) {
-        graph_.seeds.reserve(static_cast<std::size_t>(seeds));
-        graph_.links.reserve(static_cast<std::size_t>(links));
+    void reserve(double changes) {
+        history_.births.reserve(static_cast<std::size_t>(0.5 * changes));
+        history_.joins.reserve(static_cast<std::size_t>(0.5 * changes));
     }
     void countInto(Findings& found) const {
-        found.seeds += static_cast<double>(graph_.seeds.size());
-        found.links += static_cast<double>(graph_.links.size());
+        found.changes += static_cast<double>(history_.births.size() + history_.joins.size());
     }
-    ComponentGraph take() { return std::move(graph_); }
+    ComponentHistory finish(double span) {
+        finishComponents(std::move(graph_), span, history_);
+        return std::move(history_);
+    }
 
 private:
     ComponentGraph graph_;
+    ComponentHistory history_;
     std::vector<std::uint32_t> top_;
 };
 
@@ -150,6 +158,7 @@ private:
         const bool isTight = memory < kMostBytesPerSample * points;
         if (isTight)
             ISO_TRY(lookAt(each));
+        each.changes *= coarse_ ? 0.0 : 1.0;
         expected_ = each * (coarse_ ? 0.0 : points);
         const auto sides = static_cast<double>(dims_[0] * dims_[1] + dims_[1] * dims_[2] + dims_[2] * dims_[0]);
         expected_.boundaryBytes = coarse_ ? 0.0 : 2.0 * sides * kBoundaryBytesPerPoint;
@@ -166,8 +175,8 @@ private:
             return tooLarge(neededBytes_);
         if (isTight) { // grown step by step they would be held twice
             euler_.reserve(static_cast<std::size_t>(1.1 * expected_.euler));
-            above_.reserve(0.55 * expected_.seeds, 0.55 * expected_.links);
-            below_.reserve(0.55 * expected_.seeds, 0.55 * expected_.links);
+            above_.reserve(0.55 * expected_.changes);
+            below_.reserve(0.55 * expected_.changes);
         }
         // A layer for each thread, and one that is read or put together; fewer where memory is scarce.
         const double most = 1.0 + tbb::this_task_arena::max_concurrency();
@@ -194,9 +203,10 @@ private:
         below.flood(window);
         found.euler += static_cast<double>(findLayerChanges(window, above, below).euler.size());
         for (LayerSide* each : {&above, &below}) {
-            const LayerComponents side = each->take(window.planeStep());
-            found.seeds += static_cast<double>(side.seeds.size());
-            found.links += static_cast<double>(side.links.size());
+            found.seeds += static_cast<double>(each->seedCount());
+            found.links += static_cast<double>(each->linkCount());
+            const ComponentHistory settled = each->takeSettled(window).settled;
+            found.changes += static_cast<double>(settled.births.size() + settled.joins.size());
         }
     }
 
@@ -251,12 +261,14 @@ private:
     // ---- at once: layers
 
     void analyse(Layer& layer) {
-        layer.window.findStars();
+        layer.window.prepare();
         LayerSide above(Side::Above), below(Side::Below);
         tbb::parallel_invoke([&] { above.flood(layer.window); }, [&] { below.flood(layer.window); });
         layer.changes = findLayerChanges(layer.window, above, below);
-        tbb::parallel_invoke([&] { layer.above = above.take(layer.window.planeStep()); },
-                             [&] { layer.below = below.take(layer.window.planeStep()); });
+        const auto take = [&](LayerSide& side) {
+            return coarse_ ? side.takeForest(layer.window) : side.takeSettled(layer.window);
+        };
+        tbb::parallel_invoke([&] { layer.above = take(above); }, [&] { layer.below = take(below); });
         layer.boundary = DomainBoundary::partOf(layer.window, layer.changes);
         layer.measures = measureLayer(layer.window, options_.measures, source_.geometry);
     }
@@ -277,9 +289,11 @@ private:
     void addWhole(Layer& layer) {
         euler_.insert(euler_.end(), layer.changes.euler.begin(), layer.changes.euler.end());
         boundary_.add(layer.boundary);
-        Status status = above_.add(layer.above, layer.window);
+        Status status, statusBelow;
+        tbb::parallel_invoke([&] { status = above_.add(layer.above, layer.window); },
+                             [&] { statusBelow = below_.add(layer.below, layer.window); });
         if (status.isOk())
-            status = below_.add(layer.below, layer.window);
+            status = std::move(statusBelow);
         Findings found;
         found.euler = static_cast<double>(euler_.size());
         above_.countInto(found);
@@ -332,15 +346,7 @@ private:
     Result<TopologyCurve> assemble() {
         EventParts parts;
         const double span = std::min(greatest_ - least_, std::numeric_limits<double>::max());
-        tbb::parallel_invoke(
-            [&] {
-                ComponentGraph graph = above_.take();
-                parts.above = followComponents(graph, span);
-            },
-            [&] {
-                ComponentGraph graph = below_.take();
-                parts.below = followComponents(graph, span);
-            });
+        tbb::parallel_invoke([&] { parts.above = above_.finish(span); }, [&] { parts.below = below_.finish(span); });
         job_.report(0.9, "analysing topology");
         parts.aboveOnBoundary = boundary_.follow(Side::Above, span);
         parts.belowOnBoundary = boundary_.follow(Side::Below, span);

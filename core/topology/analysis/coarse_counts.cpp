@@ -32,12 +32,12 @@ CoarseCounts::Components::Components(Side side, const std::vector<double>& isova
 void CoarseCounts::Components::add(const LayerComponents& layer, const std::vector<double>& bottom,
                                    const std::vector<double>& top) {
     const ForestStream::Node first = forest.nodes();
-    for (const Seed& seed : layer.seeds) {
+    for (const Seed& seed : layer.graph.seeds) {
         const ForestStream::Node node = forest.addNode(seed.isovalue);
         if (outside_ != ForestStream::kNone && !std::isnan(seed.reachesBoundary))
             forest.addLink(seed.reachesBoundary, node, outside_);
     }
-    for (const Link& link : layer.links)
+    for (const Link& link : layer.graph.links)
         forest.addLink(link.isovalue, link.a + first, link.b + first);
     // Grid points between two layers belong to both: what they lead to above and below is one from their scalars on.
     LinkCollector between(side_);

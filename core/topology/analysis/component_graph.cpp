@@ -3,195 +3,179 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <tuple>
 #include <utility>
 
-#include <tbb/parallel_sort.h>
-
 #include "core/base/disjoint_sets.h"
+#include "core/topology/analysis/isovalue_order.h"
 
 namespace isoslider::topology {
+namespace {
 
-void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
-    using Element = DisjointSets<>::Element;
-    struct Left { // a link that may still be kept, by the sets of its ends
-        double order; // the greater the earlier
-        Element a, b;
-        std::uint32_t link;
-    };
-    struct Best { // of a set, by its root
-        double order;
-        std::uint32_t left;
-    };
-    constexpr Best kNone{-std::numeric_limits<double>::infinity(), std::numeric_limits<std::uint32_t>::max()};
-    DisjointSets<> sets(seeds);
-    std::vector<Left> left(links.size());
-    for (std::size_t i = 0; i < links.size(); ++i)
-        left[i] = {side == Side::Above ? links[i].isovalue : -links[i].isovalue, links[i].a, links[i].b,
-                   static_cast<std::uint32_t>(i)};
-    std::vector<char> isKept(links.size(), 0);
-    std::vector<Best> best(seeds, kNone);
-    while (!left.empty()) {
-        // Links have an order of their isovalues, then of their places: so no ring of bests can come about.
-        std::uint32_t count = 0;
-        for (Left each : left) {
-            each.a = sets.rootOf(each.a);
-            each.b = sets.rootOf(each.b);
-            if (each.a == each.b)
-                continue;
-            left[count] = each;
-            for (const Element end : {each.a, each.b})
-                if (each.order > best[end].order)
-                    best[end] = {each.order, count};
-            ++count;
-        }
-        left.resize(count);
-        for (const Left& each : left)
-            for (const Element end : {each.a, each.b}) {
-                const Best chosen = std::exchange(best[end], kNone);
-                if (chosen.left == kNone.left)
-                    continue;
-                const Element a = sets.rootOf(left[chosen.left].a), b = sets.rootOf(left[chosen.left].b);
-                if (a == b)
-                    continue;
-                sets.attach(std::max(a, b), std::min(a, b));
-                isKept[left[chosen.left].link] = 1;
+constexpr double kNoIsovalue = std::numeric_limits<double>::quiet_NaN();
+
+// The earlier of two isovalues; either may be kNoIsovalue.
+double earlier(Side side, double a, double b) { return std::isnan(a) || comesEarlier(side, b, a) ? b : a; }
+bool hasCome(Side side, double isovalue, double now) {
+    return !std::isnan(isovalue) && !comesEarlier(side, now, isovalue);
+}
+
+// Those of one isovalue become one or two: of grid points and of saddles. REQUIRES: in the order of isovalues,
+// whichever.
+void sumUp(std::vector<ComponentChange>& changes) {
+    std::size_t kept = 0;
+    for (std::size_t first = 0, next = 0; first < changes.size(); first = next) {
+        std::array<ComponentChange, 2> sums{};
+        for (; next < changes.size() && changes[next].isovalue == changes[first].isovalue; ++next) {
+            const ComponentChange& change = changes[next];
+            ComponentChange& sum = sums[change.cause.isVertex() ? 1 : 0];
+            const bool isLonger =
+                change.persistence != sum.persistence ? change.persistence > sum.persistence : change.cause < sum.cause;
+            if (sum.count == 0 || isLonger) {
+                sum.isovalue = change.isovalue;
+                sum.persistence = change.persistence;
+                sum.cause = change.cause;
             }
+            sum.count += change.count;
+            sum.closed += change.closed;
+        }
+        for (const ComponentChange& sum : sums)
+            if (sum.count > 0)
+                changes[kept++] = sum;
     }
-    // In their order, so that the same ones are left when only some of them are looked at first.
+    changes.resize(kept);
+}
+
+} // namespace
+
+// Kruskal's algorithm.
+void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
+    if (side == Side::Above)
+        std::reverse(links.begin(), links.end()); // of equal isovalues the first is met first
+    const std::vector<std::uint32_t> order = orderByIsovalue(links);
+    DisjointSets<> sets(seeds);
+    std::vector<char> isKept(links.size(), 0);
+    const auto meet = [&](std::uint32_t place) {
+        const auto a = sets.rootOf(links[place].a), b = sets.rootOf(links[place].b);
+        if (a == b)
+            return;
+        sets.attach(std::max(a, b), std::min(a, b));
+        isKept[place] = 1;
+    };
+    if (side == Side::Above)
+        std::for_each(order.rbegin(), order.rend(), meet);
+    else
+        std::for_each(order.begin(), order.end(), meet);
     std::size_t count = 0;
     for (std::size_t i = 0; i < links.size(); ++i)
         if (isKept[i] != 0)
             links[count++] = links[i];
     links.resize(count);
+    if (side == Side::Above)
+        std::reverse(links.begin(), links.end());
 }
 
-namespace {
-
-// Steps of one kind, in the order of isovalues met. REQUIRES: a total order, or each run would give something else.
-template <class Step, class Earlier>
-void order(std::vector<Step>& steps, const Earlier& isEarlier) {
-    tbb::parallel_sort(steps.begin(), steps.end(), isEarlier);
+void ComponentHistory::add(const ComponentHistory& other) {
+    births.insert(births.end(), other.births.begin(), other.births.end());
+    joins.insert(joins.end(), other.joins.begin(), other.joins.end());
+    reached.insert(reached.end(), other.reached.begin(), other.reached.end());
+    lasting += other.lasting;
 }
 
-class Follower {
-public:
-    Follower(ComponentGraph& graph, double span) : graph_(graph), span_(span), sets_(graph.seeds.size()) {
-        if (graph.side == Side::Below)
-            isClosed_.assign(graph.seeds.size(), true);
-    }
-
-    ComponentHistory run() {
-        const Side side = graph_.side;
-        const auto& seeds = graph_.seeds;
-        order(graph_.links, [side](const Link& a, const Link& b) {
-            if (a.isovalue != b.isovalue)
-                return comesEarlier(side, a.isovalue, b.isovalue);
-            return std::tie(a.cause, a.a, a.b) < std::tie(b.cause, b.a, b.b);
-        });
-        if (side == Side::Above) {
-            for (const Link& link : graph_.links)
-                join(link);
-        } else {
-            followClosed();
+std::vector<std::uint32_t> settleComponents(ComponentGraph& graph, std::vector<double>& opens,
+                                            ComponentHistory& history) {
+    const Side side = graph.side;
+    auto& seeds = graph.seeds;
+    auto& links = graph.links;
+    const auto isElder = [&](std::uint32_t a, std::uint32_t b) {
+        return seeds[a].isovalue != seeds[b].isovalue ? comesEarlier(side, seeds[a].isovalue, seeds[b].isovalue)
+                                                      : seeds[a].point < seeds[b].point;
+    };
+    ComponentHistory found;
+    // `younger` has come and gone.
+    const auto settle = [&](const Link& link, std::uint32_t younger, std::uint32_t elder) {
+        const Seed& of = seeds[younger];
+        const double persistence = std::min(std::abs(of.isovalue - link.isovalue),
+                                            std::numeric_limits<double>::max()); // of doubles from end to end
+        const bool isClosed = !hasCome(side, of.reachesBoundary, link.isovalue);
+        if (persistence > 0.0) {
+            found.births.push_back({of.isovalue, persistence, Cause::vertex(of.point), 1, 0});
+            found.joins.push_back({link.isovalue, persistence, link.cause, 1, isClosed ? 1u : 0u});
+            if (!isClosed)
+                found.reached.push_back({of.reachesBoundary, 1});
         }
-        for (std::uint32_t seed = 0; seed < seeds.size(); ++seed)
-            if (sets_.rootOf(seed) == seed) {
-                if (span_ > 0.0) // else all samples are equal
-                    addBirth(seed, span_);
-                ++history_.lasting;
-            }
-        return std::move(history_);
-    }
+        seeds[elder].reachesBoundary =
+            earlier(side, seeds[elder].reachesBoundary, isClosed ? of.reachesBoundary : link.isovalue);
+    };
 
-private:
-    void addBirth(std::uint32_t seed, double persistence) {
-        const Seed& of = graph_.seeds[seed];
-        history_.births.push_back({of.isovalue, persistence, Cause::vertex(of.point)});
-    }
-
-    // Whether two sets have become one; whether one of them, or the whole, was closed.
-    bool join(const Link& link) {
-        std::uint32_t elder = sets_.rootOf(link.a), younger = sets_.rootOf(link.b);
+    sortByIsovalue(links, side == Side::Above);
+    DisjointSets<> sets(seeds.size()); // the root is the eldest
+    constexpr std::uint32_t kStays = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> into(seeds.size(), kStays);
+    std::size_t left = 0;
+    for (const Link link : links) {
+        std::uint32_t elder = sets.rootOf(link.a), younger = sets.rootOf(link.b);
         if (elder == younger)
-            return false;
-        const auto& seeds = graph_.seeds;
-        const auto isElder = [&](std::uint32_t a, std::uint32_t b) {
-            return seeds[a].isovalue != seeds[b].isovalue
-                       ? comesEarlier(graph_.side, seeds[a].isovalue, seeds[b].isovalue)
-                       : seeds[a].point < seeds[b].point;
-        };
+            continue;
         if (isElder(younger, elder))
             std::swap(elder, younger);
-        sets_.attach(younger, elder);
-        const double persistence = std::min(std::abs(seeds[younger].isovalue - link.isovalue),
-                                            std::numeric_limits<double>::max()); // of doubles from end to end
-        if (persistence > 0.0) {
-            addBirth(younger, persistence);
-            history_.joins.push_back({link.isovalue, persistence, link.cause});
+        sets.attach(younger, elder);
+        if (hasCome(side, opens[younger], link.isovalue)) { // an elder one may be in it
+            links[left++] = {link.isovalue, link.cause, elder, younger};
+        } else {
+            settle(link, younger, elder);
+            into[younger] = elder;
         }
-        if (!isClosed_.empty()) {
-            if (isClosed_[elder] || isClosed_[younger])
-                --closed_; // two closed ones are one, or a closed one is open
-            isClosed_[elder] = isClosed_[elder] && isClosed_[younger];
-        }
-        return true;
+        opens[elder] = earlier(side, opens[elder], opens[younger]);
     }
+    links.resize(left);
 
-    // Seeds come, components reach the boundary and join: all in one order.
-    void followClosed() {
-        const auto& seeds = graph_.seeds;
-        std::vector<std::uint32_t> coming(seeds.size()), reaching;
-        std::iota(coming.begin(), coming.end(), 0u);
-        order(coming, [&](std::uint32_t a, std::uint32_t b) {
-            return std::tie(seeds[a].isovalue, a) < std::tie(seeds[b].isovalue, b);
-        });
-        for (std::uint32_t seed = 0; seed < seeds.size(); ++seed)
-            if (!std::isnan(seeds[seed].reachesBoundary))
-                reaching.push_back(seed);
-        order(reaching, [&](std::uint32_t a, std::uint32_t b) {
-            return std::tie(seeds[a].reachesBoundary, a) < std::tie(seeds[b].reachesBoundary, b);
-        });
-        const auto& links = graph_.links;
-        std::size_t c = 0, r = 0, l = 0;
-        constexpr double kAfterAll = std::numeric_limits<double>::infinity();
-        while (c < coming.size() || r < reaching.size() || l < links.size()) {
-            const double now = std::min({c < coming.size() ? seeds[coming[c]].isovalue : kAfterAll,
-                                         r < reaching.size() ? seeds[reaching[r]].reachesBoundary : kAfterAll,
-                                         l < links.size() ? links[l].isovalue : kAfterAll});
-            const std::int64_t before = closed_;
-            Cause cause;
-            for (; c < coming.size() && seeds[coming[c]].isovalue == now; ++c) {
-                ++closed_;
-                cause = Cause::vertex(seeds[coming[c]].point);
-            }
-            for (; r < reaching.size() && seeds[reaching[r]].reachesBoundary == now; ++r) {
-                const std::uint32_t root = sets_.rootOf(reaching[r]);
-                if (isClosed_[root])
-                    --closed_;
-                isClosed_[root] = false;
-                cause = Cause::vertex(seeds[reaching[r]].point);
-            }
-            for (; l < links.size() && links[l].isovalue == now; ++l) {
-                join(links[l]);
-                cause = links[l].cause;
-            }
-            if (closed_ != before)
-                history_.closed.push_back({now, closed_ - before, cause});
+    // Seeds that stay are numbered again. A seed that is settled became part of an elder one.
+    std::vector<std::uint32_t> numbers(seeds.size());
+    std::uint32_t count = 0;
+    for (std::uint32_t seed = 0; seed < seeds.size(); ++seed)
+        if (into[seed] == kStays)
+            numbers[seed] = count++;
+    const auto staying = [&](std::uint32_t seed) {
+        while (into[seed] != kStays) {
+            if (into[into[seed]] != kStays)
+                into[seed] = into[into[seed]];
+            seed = into[seed];
         }
+        return seed;
+    };
+    for (std::uint32_t seed = 0; seed < seeds.size(); ++seed)
+        if (into[seed] != kStays)
+            numbers[seed] = numbers[staying(seed)];
+    for (Link& link : links) {
+        link.a = numbers[link.a];
+        link.b = numbers[link.b];
     }
+    for (std::uint32_t seed = 0; seed < seeds.size(); ++seed)
+        if (into[seed] == kStays) {
+            seeds[numbers[seed]] = seeds[seed];
+            opens[numbers[seed]] = opens[seed];
+        }
+    seeds.resize(count);
+    opens.resize(count);
 
-    ComponentGraph& graph_;
-    double span_;
-    DisjointSets<> sets_;
-    std::vector<bool> isClosed_; ///< of roots; the side below only
-    std::int64_t closed_ = 0;
-    ComponentHistory history_;
-};
+    sortByIsovalue(found.births);
+    sumUp(found.births);
+    sumUp(found.joins);
+    history.add(found);
+    return numbers;
+}
 
-} // namespace
-
-ComponentHistory followComponents(ComponentGraph& graph, double span) { return Follower(graph, span).run(); }
+void finishComponents(ComponentGraph graph, double span, ComponentHistory& history) {
+    std::vector<double> opens(graph.seeds.size(), kNoIsovalue);
+    settleComponents(graph, opens, history);
+    for (const Seed& seed : graph.seeds) {
+        ++history.lasting;
+        if (!(span > 0.0))
+            continue; // all samples are equal
+        history.births.push_back({seed.isovalue, span, Cause::vertex(seed.point), 1, 0});
+        if (!std::isnan(seed.reachesBoundary))
+            history.reached.push_back({seed.reachesBoundary, 1});
+    }
+}
 
 } // namespace isoslider::topology

@@ -33,30 +33,43 @@ struct ComponentGraph {
     std::vector<Link> links;
 };
 
-/// Leaves out links whose ends are joined no later without them (Borůvka's rounds); of equal isovalues the first.
-/// Those left keep their order. O(links log seeds) at most.
+/// Leaves out links whose ends are joined no later without them; of equal isovalues the first. Those left keep their
+/// order. O(links), nearly.
 void keepForest(Side side, std::size_t seeds, std::vector<Link>& links);
 
-/// A component that comes, or joins an elder one, having lasted for a while.
+/// Components that come, or join elder ones, at one isovalue: at a grid point, or at saddles.
 struct ComponentChange {
     double isovalue;
-    double persistence;
-    Cause cause;
+    double persistence; ///< how long they last as separate ones: the longest
+    Cause cause; ///< of that one
+    std::uint32_t count;
+    std::uint32_t closed; ///< of those that join: how many do not reach the boundary by then
 };
-/// A change of the number of components that do not reach the boundary.
+/// Components of the side below that come to reach the boundary.
 struct ClosedChange {
     double isovalue;
-    std::int64_t closed;
-    Cause cause;
+    std::uint32_t count;
 };
+/// Components that lasted no while are not in it.
 struct ComponentHistory {
-    std::vector<ComponentChange> births, joins; ///< not in order; equally many, but for the components that last
-    std::vector<ClosedChange> closed; ///< in the order of isovalues met; of the side below only
+    std::vector<ComponentChange> births, joins; ///< in no order
+    std::vector<ClosedChange> reached;
     std::uint64_t lasting = 0; ///< components in the end
+
+    void add(const ComponentHistory& other);
+    std::uint64_t sizeBytes() const {
+        return (births.size() + joins.size()) * sizeof(ComponentChange) + reached.size() * sizeof(ClosedChange);
+    }
 };
 
-/// Joins components by the elder rule: the one that came earlier lasts. `span`: how long the one that lasts has lasted.
-/// O(n log n); the links are sorted in place.
-ComponentHistory followComponents(ComponentGraph& graph, double span);
+/// Joins components by the elder rule: the one that came earlier lasts. What is certain by then goes into `history`:
+/// that a component joins an elder one, while it is known whole. `opens[s]`: the earliest isovalue at which points that
+/// lead to seed s touch what is not in the graph yet; NaN: never. Seeds and links that may still matter stay in the
+/// graph, which has the same components as before among these; returns what each seed is then part of. O(n), nearly.
+std::vector<std::uint32_t> settleComponents(ComponentGraph& graph, std::vector<double>& opens,
+                                            ComponentHistory& history);
+
+/// What is left of a graph that is whole. `span`: how long a component that lasts has lasted.
+void finishComponents(ComponentGraph graph, double span, ComponentHistory& history);
 
 } // namespace isoslider::topology

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <utility>
 
 #include "core/grid/scalar_type.h"
 
@@ -96,7 +97,9 @@ ComponentHistory DomainBoundary::follow(Side side, double span) const {
     }
     for (const BoundaryJoin& join : side == Side::Above ? all_.above : all_.below)
         graph.links.push_back({join.isovalue, join.cause, seedOf(join.points[0]), seedOf(join.points[1])});
-    return followComponents(graph, span);
+    ComponentHistory history;
+    finishComponents(std::move(graph), span, history);
+    return history;
 }
 
 std::uint64_t DomainBoundary::sizeBytes() const {

@@ -29,7 +29,7 @@ public:
     /// In the order of layers.
     void add(const Part& part);
 
-    /// Its components on one side at every isovalue; `span` as in followComponents. O(n log n) in its points.
+    /// Its components on one side at every isovalue; `span` as in finishComponents. O(n log n) in its points.
     ComponentHistory follow(Side side, double span) const;
     /// Whether it is nothing but spheres, `components` of them; then the cells have no tunnel, and every surface in
     /// them parts them in two.

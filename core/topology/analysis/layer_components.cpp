@@ -1,6 +1,7 @@
 #include "core/topology/analysis/layer_components.h"
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -8,6 +9,73 @@
 
 namespace isoslider::topology {
 namespace {
+
+constexpr Neighbours kEdgesOnly = (1u << kEdgeNeighbours) - 1;
+
+/// What follows from which of a point's neighbours are there and come earlier.
+struct NeighbourTables {
+    std::array<Neighbours, 256> existing{}; ///< by star
+    Neighbours below = 0, above = 0; ///< those in the planes below and above
+    std::array<std::uint8_t, 64> first{}; ///< by those along edges: the one that the point leads to; 6: none
+    /// Those along edges are joined before the point where the corner between two of them, across a face, comes
+    /// earlier too. Bits of one of each component that is left, but for that of `first`.
+    std::vector<std::uint8_t> apart;
+};
+
+std::uint8_t apartOf(Neighbours earlier, unsigned first) {
+    std::array<std::uint8_t, kEdgeNeighbours> joined{}; // by neighbour
+    for (unsigned n = 0; n < kEdgeNeighbours; ++n)
+        joined[n] = static_cast<std::uint8_t>(earlier & 1u << n);
+    for (std::size_t f = 0; f < kFacePairs.size(); ++f) {
+        const auto [a, b] = kFacePairs[f];
+        if ((earlier >> (kEdgeNeighbours + f) & 1u) == 0 || joined[a] == 0 || joined[b] == 0)
+            continue;
+        const auto both = static_cast<std::uint8_t>(joined[a] | joined[b]);
+        for (unsigned n = 0; n < kEdgeNeighbours; ++n)
+            if ((both >> n & 1u) != 0)
+                joined[n] = both;
+    }
+    unsigned apart = 0, seen = first < kEdgeNeighbours ? joined[first] : 0u;
+    for (unsigned n = 0; n < kEdgeNeighbours; ++n)
+        if (joined[n] != 0 && (seen >> n & 1u) == 0) {
+            apart |= 1u << n;
+            seen |= joined[n];
+        }
+    return static_cast<std::uint8_t>(apart);
+}
+
+const NeighbourTables& neighbourTables() {
+    static const NeighbourTables tables = [] {
+        NeighbourTables made;
+        for (std::size_t star = 0; star < 256; ++star) {
+            for (unsigned n = 0; n < kEdgeNeighbours; ++n)
+                made.existing[star] |= (star & kStarSides[n]) != 0 ? 1u << n : 0u;
+            for (std::size_t f = 0; f < kFacePairs.size(); ++f)
+                if ((star & kStarSides[kFacePairs[f][0]] & kStarSides[kFacePairs[f][1]]) != 0)
+                    made.existing[star] |= 1u << (kEdgeNeighbours + f);
+        }
+        const auto with = [](unsigned neighbour) {
+            Neighbours all = 1u << neighbour;
+            for (std::size_t f = 0; f < kFacePairs.size(); ++f)
+                if (kFacePairs[f][0] == neighbour || kFacePairs[f][1] == neighbour)
+                    all |= 1u << (kEdgeNeighbours + f);
+            return all;
+        };
+        made.below = with(4);
+        made.above = with(5);
+        for (unsigned edges = 0; edges < made.first.size(); ++edges) {
+            unsigned way = kEdgeNeighbours;
+            for (const unsigned n : {5u, 3u, 1u, 4u, 2u, 0u})
+                way = (edges >> n & 1u) != 0 ? n : way;
+            made.first[edges] = static_cast<std::uint8_t>(way);
+        }
+        made.apart.resize(kAllNeighbours + 1);
+        for (Neighbours earlier = 0; earlier <= kAllNeighbours; ++earlier)
+            made.apart[earlier] = apartOf(earlier, made.first[earlier & kEdgesOnly]);
+        return made;
+    }();
+    return tables;
+}
 
 template <class Sample, Side kSide>
 class LayerFlood {
@@ -33,43 +101,32 @@ public:
     }
 
 private:
-    static bool isEarlier(Sample a, Sample b) { return kSide == Side::Above ? a > b : a < b; }
     std::uint32_t leadsTo(std::int64_t at) const { return leadsTo_[static_cast<std::size_t>(at)]; }
 
     // The first neighbour found that comes earlier, or the point itself; those before it first: where they lead to is
-    // known then. Of equal scalars the one with the lesser place counts as earlier.
+    // known then, as far as it was. Of equal scalars that come earlier to the side above has the greater place.
     void findNeighbours() {
-        const CellStar* const stars = window_.stars.data();
-        const auto top = window_.points() - plane_;
-        const std::int64_t count = window_.points();
-        for (std::int64_t at = 0; at < count; ++at) {
-            const CellStar star = stars[at];
-            const Sample own = samples_[at];
-            auto& to = leadsTo_[static_cast<std::size_t>(at)];
-            const auto isBefore = [&](std::size_t way, std::int64_t other) {
-                return (star & kStarSides[way]) != 0 && !isEarlier(own, samples_[other]);
-            };
-            const auto isAfter = [&](std::size_t way, std::int64_t other) {
-                return (star & kStarSides[way]) != 0 && isEarlier(samples_[other], own);
-            };
-            if (isBefore(0, at - 1))
-                to = root(at - 1);
-            else if (isBefore(2, at - row_))
-                to = root(at - row_);
-            else if (at >= plane_ && isBefore(4, at - plane_))
-                to = root(at - plane_);
-            else if (isAfter(1, at + 1))
-                to = static_cast<std::uint32_t>(at + 1);
-            else if (isAfter(3, at + row_))
-                to = static_cast<std::uint32_t>(at + row_);
-            else if (at < top && isAfter(5, at + plane_))
-                to = static_cast<std::uint32_t>(at + plane_);
-            else
-                to = static_cast<std::uint32_t>(at);
+        const NeighbourTables& tables = neighbourTables();
+        const std::array<std::int64_t, 7> steps{-1, 1, -row_, row_, -plane_, plane_, 0};
+        std::size_t count = 0;
+        for (std::int64_t first = 0; first < window_.points(); first += row_) {
+            if (meetings_.size() < count + static_cast<std::size_t>(row_))
+                meetings_.resize(2 * count + static_cast<std::size_t>(row_));
+            const Neighbours inLayer = (first < plane_ ? ~tables.below : kAllNeighbours) &
+                                       (first + plane_ >= window_.points() ? ~tables.above : kAllNeighbours);
+            for (std::int64_t at = first; at < first + row_; ++at) {
+                const Neighbours higher = window_.higher.at(window_.inPlanes(at));
+                const Neighbours earlier = (kSide == Side::Above ? higher : ~higher) & inLayer &
+                                           tables.existing[window_.stars[static_cast<std::size_t>(at)]];
+                const unsigned way = tables.first[earlier & kEdgesOnly];
+                const std::int64_t to = at + steps[way];
+                leadsTo_[static_cast<std::size_t>(at)] = to < at ? leadsTo(to) : static_cast<std::uint32_t>(to);
+                meetings_[count] = {static_cast<std::uint32_t>(at), tables.apart[earlier]};
+                count += tables.apart[earlier] != 0 ? 1 : 0;
+            }
         }
+        meetings_.resize(count);
     }
-    // Of a point before the present one: where it leads to as far as is known.
-    std::uint32_t root(std::int64_t before) const { return leadsTo_[static_cast<std::size_t>(before)]; }
 
     std::uint32_t rootOf(std::uint32_t at) {
         while (leadsTo_[at] != at) {
@@ -102,24 +159,23 @@ private:
             seed.reachesBoundary = isovalue;
     }
 
+    // Where a point's neighbours have not come together before it they do so here.
     void linkNeighbours() {
-        const std::array<std::int64_t, 3> steps{1, row_, plane_};
-        const std::int64_t count = window_.points(), top = count - plane_;
-        for (std::int64_t at = 0; at < count; ++at) {
-            const std::uint32_t seed = leadsTo(at);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                if ((window_.stars[static_cast<std::size_t>(at)] & kStarSides[2 * axis + 1]) == 0 ||
-                    (axis == 2 && at >= top))
-                    continue;
-                const std::int64_t next = at + steps[axis];
-                if (leadsTo(next) == seed)
-                    continue;
-                const std::int64_t later = isEarlier(samples_[at], samples_[next]) ? next : at;
-                links_.add(static_cast<double>(samples_[later]),
-                           Cause::vertex(window_.firstPoint() + static_cast<Point>(later)), seed, leadsTo(next));
+        const std::array<std::int64_t, 6> steps{-1, 1, -row_, row_, -plane_, plane_};
+        for (const Meeting& meeting : meetings_) {
+            const std::uint32_t seed = leadsTo_[meeting.at];
+            for (unsigned apart = meeting.apart; apart != 0; apart &= apart - 1) {
+                const auto way = static_cast<std::size_t>(std::countr_zero(apart));
+                links_.add(static_cast<double>(samples_[meeting.at]), Cause::vertex(window_.firstPoint() + meeting.at),
+                           seed, leadsTo(meeting.at + steps[way]));
             }
         }
     }
+
+    struct Meeting {
+        std::uint32_t at;
+        std::uint8_t apart; ///< neighbours along edges: one of each component but that which the point leads to
+    };
 
     const LayerWindow<Sample>& window_;
     const Sample* samples_;
@@ -127,6 +183,7 @@ private:
     std::vector<std::uint32_t>& leadsTo_; ///< a point; in the end a seed
     std::vector<Seed>& seeds_;
     LinkCollector& links_;
+    std::vector<Meeting> meetings_;
 };
 
 } // namespace
@@ -139,19 +196,60 @@ void LayerSide::flood(const LayerWindow<Sample>& window) {
         LayerFlood<Sample, Side::Below>(window, leadsTo_, seeds_, links_).run();
 }
 
-LayerComponents LayerSide::take(std::int64_t planePoints) {
+template <class Sample>
+LayerComponents LayerSide::takeAll(const LayerWindow<Sample>& window) {
     LayerComponents found;
-    found.links = links_.take();
-    keepForest(side_, seeds_.size(), found.links);
-    found.links.shrink_to_fit(); // a layer may wait for others
-    found.seeds = std::move(seeds_);
-    const auto plane = static_cast<std::ptrdiff_t>(planePoints);
+    found.graph = {side_, std::move(seeds_), links_.take()};
+    const auto plane = static_cast<std::ptrdiff_t>(window.planeStep());
     found.bottom.assign(leadsTo_.begin(), leadsTo_.begin() + plane);
     found.top.assign(leadsTo_.end() - plane, leadsTo_.end());
     return found;
 }
 
-#define ISO_INSTANTIATE(Sample, Name) template void LayerSide::flood(const LayerWindow<Sample>&);
+template <class Sample>
+LayerComponents LayerSide::takeForest(const LayerWindow<Sample>& window) {
+    LayerComponents found = takeAll(window);
+    keepForest(side_, found.graph.seeds.size(), found.graph.links);
+    found.graph.links.shrink_to_fit(); // a layer may wait for others
+    return found;
+}
+
+template <class Sample>
+LayerComponents LayerSide::takeSettled(const LayerWindow<Sample>& window) {
+    LayerComponents found = takeAll(window);
+    const Sample *const bottom = window.layer(), *const top = bottom + window.points() - window.planeStep();
+    const auto open = [this](const std::vector<std::uint32_t>& seeds, const Sample* samples,
+                             std::vector<double>& opens) {
+        for (std::size_t i = 0; i < seeds.size(); ++i)
+            if (seeds[i] != kNoSeed) {
+                double& first = opens[seeds[i]];
+                const auto isovalue = static_cast<double>(samples[i]);
+                if (std::isnan(first) || comesEarlier(side_, isovalue, first))
+                    first = isovalue;
+            }
+    };
+    constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> opens(found.graph.seeds.size(), kNever);
+    if (window.zBegin > 0)
+        open(found.bottom, bottom, opens);
+    if (!window.isLast())
+        open(found.top, top, opens);
+    const std::vector<std::uint32_t> parts = settleComponents(found.graph, opens, found.settled);
+    for (auto* plane : {&found.bottom, &found.top})
+        for (std::uint32_t& seed : *plane)
+            seed = seed != kNoSeed ? parts[seed] : kNoSeed;
+    found.opens.assign(found.graph.seeds.size(), kNever);
+    if (!window.isLast())
+        open(found.top, top, found.opens);
+    found.graph.seeds.shrink_to_fit(); // a layer may wait for others
+    found.graph.links.shrink_to_fit();
+    return found;
+}
+
+#define ISO_INSTANTIATE(Sample, Name) \
+    template void LayerSide::flood(const LayerWindow<Sample>&); \
+    template LayerComponents LayerSide::takeForest(const LayerWindow<Sample>&); \
+    template LayerComponents LayerSide::takeSettled(const LayerWindow<Sample>&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

@@ -15,9 +15,10 @@ inline constexpr std::uint32_t kNoSeed = std::numeric_limits<std::uint32_t>::max
 
 /// The components of one side within one layer, and what ties them to the layers around it.
 struct LayerComponents {
-    std::vector<Seed> seeds;
-    std::vector<Link> links;
+    ComponentGraph graph; ///< what may still matter
     std::vector<std::uint32_t> bottom, top; ///< the seed that each grid point of the outer planes leads to
+    std::vector<double> opens; ///< by seed: the earliest isovalue of those of the upper plane; NaN: none
+    ComponentHistory settled; ///< what came and went within the layer
 };
 
 /// One side of a layer while it is worked on. Every grid point leads to a seed along neighbours that come ever earlier:
@@ -36,10 +37,19 @@ public:
     void join(double isovalue, Cause cause, std::int64_t a, std::int64_t b) {
         links_.add(isovalue, cause, leadsTo_[static_cast<std::size_t>(a)], leadsTo_[static_cast<std::size_t>(b)]);
     }
-    /// Links that matter only, with all there is in `planePoints` grid points of each outer plane.
-    LayerComponents take(std::int64_t planePoints);
+    std::size_t seedCount() const { return seeds_.size(); }
+    std::size_t linkCount() const { return links_.count(); }
+    /// All seeds, and the links between them that matter; nothing settled, no `opens`.
+    template <class Sample>
+    LayerComponents takeForest(const LayerWindow<Sample>& window);
+    /// What other layers may have a part in, and the rest as settled.
+    template <class Sample>
+    LayerComponents takeSettled(const LayerWindow<Sample>& window);
 
 private:
+    template <class Sample>
+    LayerComponents takeAll(const LayerWindow<Sample>& window);
+
     Side side_;
     std::vector<std::uint32_t> leadsTo_; ///< by grid point: a seed
     std::vector<Seed> seeds_;

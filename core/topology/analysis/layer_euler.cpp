@@ -62,7 +62,6 @@ public:
           passedZ_(static_cast<std::size_t>(plane_)) {}
 
     LayerChanges run() {
-        findEdges();
         if (window_.zBegin > window_.firstPlane)
             passCellsBelow();
         for (std::int64_t z = window_.zBegin; z <= window_.zEnd && !window_.stop.stop_requested(); ++z) {
@@ -78,16 +77,12 @@ public:
     }
 
 private:
-    /// Bits of a grid point: which of its next neighbours along x, y and z are higher; of equal ones the later is.
-    enum : std::uint8_t { kUpX = 1, kUpY = 2, kUpZ = 4 };
     /// Bits of a cell: CellSaddles::find, `faces` and `mayHaveInner`.
     static constexpr unsigned kFaces = 63, kInner = 64;
 
     std::int64_t placeOf(std::int64_t y, std::int64_t z) const { return row_ * y + plane_ * (z - window_.zBegin); }
     // Places count from the layer's first grid point; one plane before it is there, too.
-    const std::uint8_t* edgesAt(std::int64_t place) const {
-        return edges_.data() + place + plane_ * (window_.zBegin - window_.firstPlane);
-    }
+    const std::uint8_t* edgesAt(std::int64_t place) const { return window_.higher.edges() + window_.inPlanes(place); }
     std::int64_t offsetOf(unsigned corner) const {
         return static_cast<std::int64_t>(corner & 1) + row_ * static_cast<std::int64_t>(corner >> 1 & 1) +
                plane_ * static_cast<std::int64_t>(corner >> 2);
@@ -100,22 +95,6 @@ private:
         return a > b || (a == b && other > than);
     }
 
-    // At the ends of the grid bits mean nothing.
-    void findEdges() {
-        const auto count = static_cast<std::int64_t>(window_.samples.size());
-        edges_.resize(static_cast<std::size_t>(std::min(count, plane_ * (window_.zEnd + 1 - window_.firstPlane))));
-        const auto compare = [&](std::int64_t step, std::uint8_t bit) {
-            const auto last = std::min(count - step, static_cast<std::int64_t>(edges_.size()));
-            const Sample* const samples = window_.samples.data();
-            for (std::int64_t i = 0; i < last; ++i)
-                edges_[along(i)] =
-                    static_cast<std::uint8_t>(edges_[along(i)] | (samples[i + step] >= samples[i] ? bit : 0));
-        };
-        compare(1, kUpX);
-        compare(row_, kUpY);
-        compare(plane_, kUpZ);
-    }
-
     // ---- grid points
 
     void scanPoints(std::int64_t y, std::int64_t z) {
@@ -123,24 +102,12 @@ private:
         const CellStar* const stars = window_.stars.data() + start;
         const Sample* const samples = window_.layer() + start;
         const std::uint8_t* const edges = edgesAt(start);
-        const auto higherOf = [&](std::int64_t x, CellStar star) {
-            unsigned higher = 0;
-            const std::array<std::int64_t, 3> steps{1, row_, plane_};
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                if ((star & kStarSides[2 * axis]) != 0) // cells before it
-                    higher |= (~static_cast<unsigned>(edges[x - steps[axis]]) >> axis & 1u) << 2 * axis;
-                if ((star & kStarSides[2 * axis + 1]) != 0)
-                    higher |= (static_cast<unsigned>(edges[x]) >> axis & 1u) << (2 * axis + 1);
-            }
-            return higher;
-        };
         const auto& table = wholeStarChanges();
         for (std::int64_t x = 0; x < nx_; ++x) {
             if (stars[x] == 0)
                 continue;
-            const unsigned higher = higherOf(x, stars[x]);
             sums_.addSample(samples[x], pointAt(start + x),
-                            stars[x] == kWholeStar ? table[higher] : pointChange(stars[x], higher));
+                            stars[x] == kWholeStar ? table[edges[x]] : pointChange(stars[x], edges[x]));
         }
     }
 
@@ -149,6 +116,7 @@ private:
     // From the edges of a row of cells: on which faces opposite corners come together, and whether all four edges of an
     // axis point the same way.
     void findCodes(const std::uint8_t* edges) {
+        constexpr int kUpX = 1, kUpY = 3, kUpZ = 5; // bits: the next point along an axis is higher
         for (std::int64_t x = 0; x + 1 < nx_; ++x) {
             const unsigned p = edges[x], px = edges[x + 1], py = edges[x + row_], pz = edges[x + plane_],
                            pxy = edges[x + row_ + 1], pxz = edges[x + plane_ + 1], pyz = edges[x + plane_ + row_];
@@ -156,13 +124,15 @@ private:
             const auto isSaddle = [](unsigned a0, unsigned a1, unsigned b0, unsigned b1) {
                 return (a0 ^ a1) & (b0 ^ b1) & ~(a0 ^ b0) & 1u;
             };
-            const unsigned faces = isSaddle(p >> 1, pz >> 1, p >> 2, py >> 2) |
-                                   isSaddle(px >> 1, pxz >> 1, px >> 2, pxy >> 2) << 1 |
-                                   isSaddle(p, pz, p >> 2, px >> 2) << 2 | isSaddle(py, pyz, py >> 2, pxy >> 2) << 3 |
-                                   isSaddle(p, py, p >> 1, px >> 1) << 4 | isSaddle(pz, pyz, pz >> 1, pxz >> 1) << 5;
+            const unsigned faces = isSaddle(p >> kUpY, pz >> kUpY, p >> kUpZ, py >> kUpZ) |
+                                   isSaddle(px >> kUpY, pxz >> kUpY, px >> kUpZ, pxy >> kUpZ) << 1 |
+                                   isSaddle(p >> kUpX, pz >> kUpX, p >> kUpZ, px >> kUpZ) << 2 |
+                                   isSaddle(py >> kUpX, pyz >> kUpX, py >> kUpZ, pxy >> kUpZ) << 3 |
+                                   isSaddle(p >> kUpX, py >> kUpX, p >> kUpY, px >> kUpY) << 4 |
+                                   isSaddle(pz >> kUpX, pyz >> kUpX, pz >> kUpY, pxz >> kUpY) << 5;
             const unsigned differX = (p ^ py) | (p ^ pz) | (p ^ pyz), differY = (p ^ px) | (p ^ pz) | (p ^ pxz),
                            differZ = (p ^ px) | (p ^ py) | (p ^ pxy);
-            const unsigned inner = differX & differY >> 1 & differZ >> 2 & 1u;
+            const unsigned inner = differX >> kUpX & differY >> kUpY & differZ >> kUpZ & 1u;
             codes_[along(x)] = static_cast<std::uint8_t>(faces | inner << 6);
         }
     }
@@ -314,7 +284,6 @@ private:
     const LayerWindow<Sample>& window_;
     LayerSide &above_, &below_;
     std::int64_t nx_, row_, plane_;
-    std::vector<std::uint8_t> edges_; ///< of grid points from the window's first plane on
     std::vector<std::uint8_t> codes_; ///< of a row of cells
     // What cells add to the changes at their far faces, until the next cell takes it.
     std::int8_t passedX_;

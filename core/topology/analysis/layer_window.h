@@ -8,6 +8,7 @@
 
 #include "core/grid/classification.h"
 #include "core/grid/grid_geometry.h"
+#include "core/topology/analysis/higher_neighbours.h"
 #include "core/topology/analysis/packed_cause.h"
 
 namespace isoslider::topology {
@@ -28,6 +29,7 @@ public:
     std::int64_t firstPlane = 0, zBegin = 0, zEnd = 0;
     std::vector<Sample> samples; ///< from plane `firstPlane` on
     std::vector<CellStar> stars; ///< of the layer's grid points
+    HigherNeighbours higher; ///< of the planes from `firstPlane` to zEnd
     std::stop_token stop; ///< once asked for, what is found in the layer no longer matters
 
     std::int64_t rowStep() const { return dims[0]; }
@@ -39,12 +41,20 @@ public:
     /// Of the whole grid.
     Point firstPoint() const { return static_cast<Point>(planeStep() * zBegin); }
     /// The layer's samples: element 0 is its first grid point. Planes before and after it are there too.
-    const Sample* layer() const { return samples.data() + planeStep() * (zBegin - firstPlane); }
+    const Sample* layer() const { return samples.data() + inPlanes(0); }
 
-    /// Fills `stars`. O(points).
-    void findStars();
+    /// Fills `stars` and `higher`. O(points).
+    void prepare() {
+        findStars();
+        const std::int64_t planes = zEnd + 1 - firstPlane;
+        higher.find(samples.data(), dims, planes, false,
+                    static_cast<std::int64_t>(samples.size()) > planes * planeStep());
+    }
+    /// The same point's place in `samples` and `higher`.
+    std::int64_t inPlanes(std::int64_t place) const { return place + planeStep() * (zBegin - firstPlane); }
 
 private:
+    void findStars();
     void findStarsOfBox();
     void findStarsWithMissing();
 };

@@ -30,7 +30,7 @@ public:
         }
         if (recent.a != recent.b) {
             if (links_.size() >= most_)
-                keepForest(side_, seeds_, links_); // a third of them at most
+                keepForest(side_, seeds_, links_); // a quarter of them at most
             links_.push_back(recent);
         }
         recent = {isovalue, cause, a, b};
@@ -40,6 +40,7 @@ public:
         seeds_ = seeds;
         most_ = kMostPerSeed * seeds + kRecent;
     }
+    std::size_t count() const { return links_.size(); }
     std::vector<Link> take() {
         for (Link& link : recent_)
             if (link.a != link.b)
@@ -50,7 +51,7 @@ public:
 private:
     static constexpr unsigned kRecentBits = 12;
     static constexpr std::size_t kRecent = std::size_t{1} << kRecentBits;
-    static constexpr std::size_t kMostPerSeed = 3;
+    static constexpr std::size_t kMostPerSeed = 4; // hardly any noise has as many
     Side side_;
     std::size_t seeds_ = 0, most_ = std::numeric_limits<std::size_t>::max();
     std::vector<Link> recent_; ///< by a hash of both seeds

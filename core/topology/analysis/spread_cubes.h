@@ -20,7 +20,7 @@ struct SpreadCubes {
     std::int64_t side = 48, planes = 6; ///< grid points
 };
 
-/// Calls visit(window, origin) with each as if it were a separate volume; `window` has its stars. Planes are read in
+/// Calls visit(window, origin) with each as if it were a separate volume; `window` is prepared. Planes are read in
 /// ascending order, once. O(cubes). Errors: those of the source; Cancelled.
 template <class Sample, class Visit>
 Status visitCubes(const PlaneSource& source, const SpreadCubes& cubes, const JobControl& job, const Visit& visit) {
@@ -53,7 +53,7 @@ Status visitCubes(const PlaneSource& source, const SpreadCubes& cubes, const Job
                     const auto row = planes.begin() + origin[0] + dims[0] * (origin[1] + dy + dims[1] * dz);
                     window.samples.insert(window.samples.end(), row, row + cube[0]);
                 }
-            window.findStars();
+            window.prepare();
             visit(window, origin);
         }
     }
