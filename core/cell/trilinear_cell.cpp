@@ -244,6 +244,10 @@ void narrowTo(StateInterval& interval, double isovalue, double critical, double 
         interval = {kInfinity, -kInfinity}; // too near to decide, or NaN
 }
 
+// Of up to 25 bits, as samples of 8 and 16 bits are: products of two of them, or of their differences, and sums of two
+// such products fit into a double.
+bool isSmallInteger(double x) { return std::abs(x) <= 0x1p24 && x == std::nearbyint(x); }
+
 // Underflow would leave nothing of products of this size; overflow and NaN make the comparison false.
 bool isPlainSize(double size) { return size > 1e-280 && size < 1e300; }
 
@@ -253,7 +257,7 @@ bool isPlainSize(double size) { return size > 1e-280 && size < 1e300; }
 struct LeadingInDoubles {
     std::array<double, 3> value{};
     std::array<double, 3> size{}; ///< sum of the products' magnitudes
-    int product = 1;
+    int product = 1; ///< of their signs
 };
 
 LeadingInDoubles leadingInDoubles(const CornerScalars& v) {
@@ -267,7 +271,7 @@ LeadingInDoubles leadingInDoubles(const CornerScalars& v) {
         const double joining = slope(0) * slope(3), parting = slope(1) * slope(2), difference = joining - parting;
         const double size = std::abs(joining) + std::abs(parting);
         if (!(isPlainSize(size) && std::abs(difference) > 1e-14 * size)) {
-            leading.product = kUnknown;
+            leading.product = isLeadingZero(v, axis) ? 0 : kUnknown;
             return leading;
         }
         leading.value[static_cast<std::size_t>(axis)] = difference;
@@ -333,7 +337,7 @@ bool isRuledOutInDoubles(const CornerScalars& v, const LeadingInDoubles& leading
 // A tunnel in a cell whose faces leave room for one, and the body saddles that may change it.
 TunnelDecision resolveInside(const CornerScalars& scalars, unsigned allowed, double isovalue, StateInterval& interval) {
     const LeadingInDoubles leading = leadingInDoubles(scalars);
-    if (leading.product == 1) // at every isovalue: most cells are settled here for good
+    if (leading.product == 1 || leading.product == 0) // at every isovalue: most cells are settled here for good
         return {};
     if (leading.product == -1 && isRuledOutInDoubles(scalars, leading, isovalue, interval))
         return {};
@@ -353,6 +357,18 @@ TunnelDecision resolveInside(const CornerScalars& scalars, unsigned allowed, dou
 }
 
 } // namespace
+
+bool isLeadingZero(const CornerScalars& v, int axis) {
+    using Slices = CellPolynomials<double>;
+    std::array<double, 4> slope;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const auto lower = static_cast<std::size_t>(Slices::kSlice[axis][k]);
+        slope[k] = v[lower + static_cast<std::size_t>(Slices::step(axis))] - v[lower];
+    }
+    if ((slope[0] == 0.0 || slope[3] == 0.0) && (slope[1] == 0.0 || slope[2] == 0.0))
+        return true;
+    return slope[0] * slope[3] == slope[1] * slope[2] && std::all_of(v.begin(), v.end(), isSmallInteger);
+}
 
 TunnelDecision decideTunnel(const CornerScalars& scalars, double isovalue) {
     const TunnelTest test = testTunnel(boundedCell(scalars, isovalue));
@@ -396,9 +412,7 @@ struct SaddleQuotient {
 SaddleQuotient saddleQuotient(double a, double b, double c, double d) {
     const double joining = a * c, parting = b * d, numerator = joining - parting;
     const double first = a - b, second = c - d, denominator = first + second;
-    // Integers of up to 25 bits, as samples of 8 and 16 bits are: products and sums of them fit into a double.
-    const auto isSmall = [](double x) { return std::abs(x) <= 0x1p25 && x == std::nearbyint(x); };
-    return {numerator, denominator, isSmall(a) && isSmall(b) && isSmall(c) && isSmall(d)};
+    return {numerator, denominator, isSmallInteger(a) && isSmallInteger(b) && isSmallInteger(c) && isSmallInteger(d)};
 }
 
 } // namespace

@@ -50,6 +50,11 @@ struct TunnelDecision {
 };
 TunnelDecision decideTunnel(const CornerScalars& scalars, double isovalue);
 
+/// Whether the leading coefficient of the quadratic across `axis` is zero, which rules out tunnels at every isovalue.
+/// Shown where one factor of each product is zero and where scalars are integers of up to 25 bits, as samples of 8 and
+/// 16 bits are; elsewhere false.
+bool isLeadingZero(const CornerScalars& scalars, int axis);
+
 /// Isovalues between which a cell with unchanged signs keeps its state: (below, above]. Cut short by the
 /// error of the arithmetic, never too wide; empty when that error is all there is.
 struct StateInterval {

@@ -222,6 +222,7 @@ private:
         LayerComponents above, below;
         DomainBoundary::Part boundary;
         MeasureSums measures;
+        std::pair<double, double> range; ///< of samples with cells
     };
 
     // ---- in turn: reading
@@ -270,7 +271,19 @@ private:
         };
         tbb::parallel_invoke([&] { layer.above = take(above); }, [&] { layer.below = take(below); });
         layer.boundary = DomainBoundary::partOf(layer.window, layer.changes);
+        layer.range = rangeOf(layer.window);
         layer.measures = measureLayer(layer.window, options_.measures, source_.geometry);
+    }
+
+    static std::pair<double, double> rangeOf(const LayerWindow<Sample>& window) {
+        constexpr double kInfinity = std::numeric_limits<double>::infinity();
+        std::pair range(kInfinity, -kInfinity);
+        for (std::int64_t at = 0; at < window.points(); ++at)
+            if (window.stars[static_cast<std::size_t>(at)] != 0) {
+                const auto scalar = static_cast<double>(window.layer()[at]);
+                range = {std::min(range.first, scalar), std::max(range.second, scalar)};
+            }
+        return range;
     }
 
     // ---- in turn: putting together
@@ -305,12 +318,8 @@ private:
                                                          static_cast<double>(layer.window.zEnd)));
         if (!status.isOk())
             fail(std::move(status));
-        for (std::int64_t at = 0; at < layer.window.planeStep() * (layer.window.ownedEnd() - layer.window.zBegin); ++at)
-            if (layer.window.stars[static_cast<std::size_t>(at)] != 0) {
-                const auto scalar = static_cast<double>(layer.window.layer()[at]);
-                least_ = std::min(least_, scalar);
-                greatest_ = std::max(greatest_, scalar);
-            }
+        least_ = std::min(least_, layer.range.first);
+        greatest_ = std::max(greatest_, layer.range.second);
     }
 
     void addCoarsely(const Layer& layer) {
@@ -348,8 +357,8 @@ private:
         const double span = std::min(greatest_ - least_, std::numeric_limits<double>::max());
         tbb::parallel_invoke([&] { parts.above = above_.finish(span); }, [&] { parts.below = below_.finish(span); });
         job_.report(0.9, "analysing topology");
-        parts.aboveOnBoundary = boundary_.follow(Side::Above, span);
-        parts.belowOnBoundary = boundary_.follow(Side::Below, span);
+        tbb::parallel_invoke([&] { parts.aboveOnBoundary = boundary_.follow(Side::Above, span); },
+                             [&] { parts.belowOnBoundary = boundary_.follow(Side::Below, span); });
         parts.euler = std::move(euler_);
         if (job_.isStopRequested())
             return cancelledError();

@@ -61,6 +61,9 @@ struct Shape {
     }
 };
 
+// Of up to 17 bits: a sum of four products of three differences is exact.
+bool isShortInteger(double x) { return std::abs(x) <= 0x1p16 && x == std::nearbyint(x); }
+
 int signOf(double value) { return value < 0.0 ? -1 : 1; }
 
 // A double below or at a number, as long as no other lies between.
@@ -110,6 +113,7 @@ double valueAt(const CornerScalars& scalars, const Shape<long double>& shape, co
 
 bool CellSaddles::find(const CornerScalars& scalars, unsigned faces, bool mayHaveInner) {
     innerCount_ = 0;
+    flatFaces_ = 0;
     for (; faces != 0; faces &= faces - 1)
         if (!findFace(scalars, static_cast<std::size_t>(std::countr_zero(faces))))
             return false;
@@ -139,8 +143,26 @@ bool CellSaddles::findFace(const CornerScalars& scalars, std::size_t face) {
     const double sum = (terms[0] + terms[1]) + (terms[2] + terms[3]);
     const double size = std::abs(terms[0]) + std::abs(terms[1]) + std::abs(terms[2]) + std::abs(terms[3]);
     if (!isPlainSize(size) || !(std::abs(sum) > kCertain * size))
-        return false;
+        return sum == 0.0 && std::all_of(scalars.begin(), scalars.end(), isShortInteger) &&
+               findFlatFace(at, inwards, face);
     euler_[face] = sum > 0.0 ? -1 : 1;
+    return true;
+}
+
+// The derivative is zero: a critical point of the cell lies on the face. Off its isovalue nothing depends on whether it
+// is moved a little; moved out of the cell it is none of its critical points, and the face's saddle has the derivative
+// that goes with that. Of the saddles of slices into the cell, (AC - BD) / (A + C - B - D) with A and C above, this one
+// is the least where the leading coefficient of AC - BD is positive: then scalars grow into the cell.
+bool CellSaddles::findFlatFace(const std::array<double, 4>& at, const std::array<double, 4>& inwards,
+                               std::size_t face) {
+    const bool isFirstAbove = std::min(at[0], at[2]) > std::max(at[1], at[3]);
+    if (!isFirstAbove && !(std::min(at[1], at[3]) > std::max(at[0], at[2])))
+        return false; // the saddle is on the face's edge
+    const double first = inwards[0] * inwards[2], second = inwards[1] * inwards[3];
+    if (first == second)
+        return false;
+    euler_[face] = (first > second) == isFirstAbove ? -1 : 1;
+    flatFaces_ |= 1u << face;
     return true;
 }
 
@@ -150,7 +172,7 @@ bool CellSaddles::findInner(const CornerScalars& scalars) {
     std::array<int, 3> signs{};
     for (std::size_t i = 0; i < 3; ++i) {
         if (!isPlainSize(shape.leadingSize[i]) || !(std::abs(shape.leading[i]) > kCertain * shape.leadingSize[i]))
-            return false;
+            return cell::isLeadingZero(scalars, static_cast<int>(i)); // then none at any isovalue, as below
         signs[i] = signOf(shape.leading[i]);
     }
     if (signs[0] * signs[1] * signs[2] > 0)
@@ -159,17 +181,25 @@ bool CellSaddles::findInner(const CornerScalars& scalars) {
         return false;
     const std::array<double, 3> mixed = shape.mixed(signs);
     const double relative = shape.mixedError(kUnit);
+    unsigned onFaces = 0;
     for (const double side : {1.0, -1.0}) {
         bool isOutside = false, isInside = true;
+        unsigned on = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             const auto [low, high] = std::minmax(shape.rate[i][0], shape.rate[i][1]);
             const double here = side * mixed[i];
             const double margin = std::abs(here) * 2.0 * relative + 1e-14 * (std::abs(here) + shape.rateSize[i]);
             isOutside = isOutside || here < low - margin || here > high + margin;
             isInside = isInside && here > low + margin && here < high - margin;
+            for (std::size_t end = 0; end < 2; ++end)
+                on |= (std::abs(here - shape.rate[i][end]) <= margin ? 1u : 0u) << (2 * i + end);
         }
         if (isOutside)
             continue;
+        if (std::has_single_bit(on) && (on & flatFaces_ & ~onFaces) != 0) { // see findFlatFace()
+            onFaces |= on;
+            continue;
+        }
         if (!isInside)
             return false;
         const Shape<long double> fine(scalars);

@@ -37,9 +37,11 @@ public:
 
 private:
     bool findFace(const cell::CornerScalars& scalars, std::size_t face);
+    bool findFlatFace(const std::array<double, 4>& at, const std::array<double, 4>& inwards, std::size_t face);
     bool findInner(const cell::CornerScalars& scalars);
 
     std::array<std::int8_t, 6> euler_{};
+    unsigned flatFaces_ = 0; ///< bit f: a critical point lies on face f, and is taken for one outside
     std::array<BodySaddle, 2> inner_{};
     std::size_t innerCount_ = 0;
 };

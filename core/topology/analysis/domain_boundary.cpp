@@ -57,7 +57,7 @@ DomainBoundary::Part DomainBoundary::partOf(const LayerWindow<Sample>& window, c
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const unsigned round = star & kStarSides[2 * axis + 1];
             if (round != 0 && round != kStarSides[2 * axis + 1]) {
-                part.edges.push_back({point, point + static_cast<Point>(steps[axis])});
+                part.edges.push_back({point, point + static_cast<Point>(steps[axis]), static_cast<std::uint8_t>(axis)});
                 --part.euler;
             }
             const unsigned beside = star & kStarSides[(2 * axis + 3) % 6] & kStarSides[(2 * axis + 5) % 6];
@@ -90,8 +90,17 @@ ComponentHistory DomainBoundary::follow(Side side, double span) const {
         const auto at = std::lower_bound(all_.points.begin(), all_.points.end(), point);
         return static_cast<std::uint32_t>(at - all_.points.begin());
     };
-    for (const auto& edge : all_.edges) {
-        const std::uint32_t a = seedOf(edge[0]), b = seedOf(edge[1]);
+    // Edges come in the order of their first points; so do those along one axis in that of their second ones.
+    graph.links.reserve(all_.edges.size());
+    std::uint32_t first = 0;
+    std::array<std::uint32_t, 3> second{};
+    for (const Edge& edge : all_.edges) {
+        const auto advance = [this](std::uint32_t& at, Point to) {
+            while (all_.points[at] < to)
+                ++at;
+            return at;
+        };
+        const std::uint32_t a = advance(first, edge.start), b = advance(second[edge.axis], edge.end);
         const std::uint32_t later = comesEarlier(side, all_.scalars[a], all_.scalars[b]) ? b : a;
         graph.links.push_back({all_.scalars[later], Cause::vertex(all_.points[later]), a, b});
     }

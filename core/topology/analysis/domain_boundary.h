@@ -14,11 +14,16 @@ namespace isoslider::topology {
 /// samples are missing more. Its components on each side of the isovalue give the boundary loops.
 class DomainBoundary {
 public:
+    /// Between grid points next to each other.
+    struct Edge {
+        Point start, end;
+        std::uint8_t axis;
+    };
     /// What one layer has of it.
     struct Part {
         std::vector<Point> points; ///< ascending
         std::vector<double> scalars;
-        std::vector<std::array<Point, 2>> edges;
+        std::vector<Edge> edges; ///< in the order of their starts, then axes
         std::vector<BoundaryJoin> above, below;
         std::int64_t euler = 0; ///< of the boundary: points less edges plus faces
         bool isManifold = true; ///< no edge or point at which it only touches itself

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
-#include <tuple>
 #include <vector>
 
 #include "core/grid/scalar_type.h"
+#include "core/topology/analysis/isovalue_order.h"
 #include "core/topology/analysis/packed_cause.h"
 
 namespace isoslider::topology {
@@ -17,13 +17,14 @@ namespace isoslider::topology {
 template <class Sample>
 class EulerSums {
 public:
-    EulerSums() { bins_.resize(kIsNarrow ? std::size_t{1} << (8 * sizeof(Sample) % 32) : 0); }
+    /// Of about so many samples: a bin for each value must be worth it.
+    explicit EulerSums(std::int64_t samples) { bins_.resize(kIsNarrow && samples >= kValues / 2 ? kValues : 0); }
 
     void addSample(Sample sample, Point point, int euler) {
         if (euler == 0)
             return;
-        if constexpr (kIsNarrow) {
-            Bin& bin = bins_[static_cast<std::size_t>(static_cast<std::int64_t>(sample) - kLeast)];
+        if (!bins_.empty()) {
+            Bin& bin = bins_[binOf(sample)];
             if (std::abs(euler) > bin.largest) {
                 bin.largest = std::abs(euler);
                 bin.point = point;
@@ -44,19 +45,25 @@ public:
             if (bins_[i].euler != 0)
                 changes_.push_back({static_cast<double>(static_cast<std::int64_t>(i) + kLeast),
                                     Cause::vertex(bins_[i].point), static_cast<std::int32_t>(bins_[i].euler)});
-        std::sort(changes_.begin(), changes_.end(), [](const EulerChange& a, const EulerChange& b) {
-            return std::tuple(a.isovalue, a.cause.isVertex(), -std::abs(a.euler), a.cause) <
-                   std::tuple(b.isovalue, b.cause.isVertex(), -std::abs(b.euler), b.cause);
-        });
+        sortByIsovalue(changes_);
         std::size_t kept = 0;
         for (std::size_t first = 0, next = 0; first < changes_.size(); first = next) {
-            EulerChange sum = changes_[first];
-            for (next = first + 1; next < changes_.size() && changes_[next].isovalue == sum.isovalue &&
-                                   changes_[next].cause.isVertex() == sum.cause.isVertex();
-                 ++next)
-                sum.euler += changes_[next].euler;
-            if (sum.euler != 0)
-                changes_[kept++] = sum;
+            std::array<EulerChange, 2> sums{}; // of saddles, of samples; causes of the largest, of equal ones the first
+            std::array<std::int32_t, 2> largest{};
+            const double isovalue = changes_[first].isovalue;
+            for (; next < changes_.size() && changes_[next].isovalue == isovalue; ++next) {
+                const EulerChange& change = changes_[next];
+                const std::size_t kind = change.cause.isVertex() ? 1 : 0;
+                const std::int32_t size = std::abs(change.euler);
+                if (size > largest[kind] || (size == largest[kind] && change.cause < sums[kind].cause)) {
+                    largest[kind] = size;
+                    sums[kind].cause = change.cause;
+                }
+                sums[kind].euler += change.euler;
+            }
+            for (const EulerChange& sum : sums)
+                if (sum.euler != 0)
+                    changes_[kept++] = {isovalue, sum.cause, sum.euler};
         }
         changes_.resize(kept);
         changes_.shrink_to_fit();
@@ -64,9 +71,15 @@ public:
     }
 
 private:
-    static constexpr bool kIsNarrow = sizeof(Sample) <= 2; // then there is a bin for each value
+    static constexpr bool kIsNarrow = sizeof(Sample) <= 2; // then there may be a bin for each value
+    static constexpr std::int64_t kValues = std::int64_t{1} << (8 * sizeof(Sample) % 32);
     static constexpr std::int64_t kLeast =
         kIsNarrow ? static_cast<std::int64_t>(std::numeric_limits<Sample>::lowest()) : 0;
+    static std::size_t binOf(Sample sample) {
+        if constexpr (kIsNarrow)
+            return static_cast<std::size_t>(static_cast<std::int64_t>(sample) - kLeast);
+        return 0;
+    }
     struct Bin {
         Point point = 0;
         std::int64_t euler = 0;

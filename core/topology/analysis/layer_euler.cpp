@@ -59,7 +59,8 @@ public:
           codes_(static_cast<std::size_t>(nx_)),
           passedX_(0),
           passedY_(codes_.size()),
-          passedZ_(static_cast<std::size_t>(plane_)) {}
+          passedZ_(static_cast<std::size_t>(plane_)),
+          sums_(window.points()) {}
 
     LayerChanges run() {
         if (window_.zBegin > window_.firstPlane)
