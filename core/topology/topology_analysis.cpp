@@ -37,7 +37,7 @@ constexpr double kBoundaryBytesPerPoint = 80.0;
 // One side of all layers, put together as they come.
 class SideGraph {
 public:
-    explicit SideGraph(Side side) { graph_.side = side; }
+    explicit SideGraph(Side side) : between_(side) { graph_.side = side; }
 
     // Grid points between two layers belong to both: what they lead to above and below is one from their scalars on.
     template <class Sample>
@@ -52,18 +52,18 @@ public:
             link.b += first;
             graph_.links.push_back(link);
         }
-        LinkCollector between(graph_.side);
         for (std::size_t i = 0; i < top_.size(); ++i)
             if (top_[i] != kNoSeed && layer.bottom[i] != kNoSeed)
-                between.add(static_cast<double>(window.layer()[i]), Cause::vertex(window.firstPoint() + i), top_[i],
-                            layer.bottom[i] + first);
-        const std::vector<Link> links = between.take();
+                between_.add(static_cast<double>(window.layer()[i]), Cause::vertex(window.firstPoint() + i), top_[i],
+                             layer.bottom[i] + first);
+        std::vector<Link> links = between_.take();
         graph_.links.insert(graph_.links.end(), links.begin(), links.end());
+        between_.giveMemory(links);
         // What no longer touches anything that is to come is settled: the rest is about as much as a plane has.
         std::vector<double> opens(base, std::numeric_limits<double>::quiet_NaN());
         opens.insert(opens.end(), layer.opens.begin(), layer.opens.end());
         history_.add(layer.settled);
-        const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, history_);
+        const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, history_, between_.order());
         top_ = std::move(layer.top);
         for (std::uint32_t& seed : top_)
             seed = seed != kNoSeed ? parts[seed + first] : kNoSeed;
@@ -84,6 +84,7 @@ public:
 private:
     ComponentGraph graph_;
     ComponentHistory history_;
+    LinkCollector between_;
     std::vector<std::uint32_t> top_;
 };
 
@@ -134,6 +135,7 @@ public:
                                                                                  }) &
                 tbb::make_filter<std::shared_ptr<Layer>, void>(
                     tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Layer>& layer) { add(*layer); }));
+        spare_.clear();
         if (job_.isStopRequested())
             return cancelledError();
         ISO_TRY(problem_);
@@ -225,6 +227,23 @@ private:
         std::pair<double, double> range; ///< of samples with cells
     };
 
+    // What a layer is worked on with, and the memory of it, serves others after it.
+    struct Workspace {
+        LayerSide above{Side::Above}, below{Side::Below};
+    };
+    std::unique_ptr<Workspace> takeWorkspace() {
+        const std::lock_guard lock(spareMutex_);
+        if (spare_.empty())
+            return std::make_unique<Workspace>();
+        auto workspace = std::move(spare_.back());
+        spare_.pop_back();
+        return workspace;
+    }
+    void giveBack(std::unique_ptr<Workspace> workspace) {
+        const std::lock_guard lock(spareMutex_);
+        spare_.push_back(std::move(workspace));
+    }
+
     // ---- in turn: reading
 
     std::shared_ptr<Layer> next(tbb::flow_control& flow) {
@@ -242,8 +261,8 @@ private:
         window.zBegin = zBegin_;
         window.zEnd = read == dims_[2] ? read - 1 : read - 2;
         window.firstPlane = std::max<std::int64_t>(0, zBegin_ - 1);
-        window.samples = std::move(kept_);
         window.samples.resize(static_cast<std::size_t>(step * (read - window.firstPlane)));
+        std::copy(kept_.begin(), kept_.end(), window.samples.begin());
         const auto fresh =
             std::span(window.samples).subspan(static_cast<std::size_t>(step * (readEnd_ - window.firstPlane)));
         if (Status status = source_.read(readEnd_, read, std::as_writable_bytes(fresh)); !status.isOk()) {
@@ -263,13 +282,15 @@ private:
 
     void analyse(Layer& layer) {
         layer.window.prepare();
-        LayerSide above(Side::Above), below(Side::Below);
+        std::unique_ptr<Workspace> workspace = takeWorkspace();
+        LayerSide &above = workspace->above, &below = workspace->below;
         tbb::parallel_invoke([&] { above.flood(layer.window); }, [&] { below.flood(layer.window); });
         layer.changes = findLayerChanges(layer.window, above, below);
         const auto take = [&](LayerSide& side) {
             return coarse_ ? side.takeForest(layer.window) : side.takeSettled(layer.window);
         };
         tbb::parallel_invoke([&] { layer.above = take(above); }, [&] { layer.below = take(below); });
+        giveBack(std::move(workspace));
         layer.boundary = DomainBoundary::partOf(layer.window, layer.changes);
         layer.range = rangeOf(layer.window);
         layer.measures = measureLayer(layer.window, options_.measures, source_.geometry);
@@ -377,7 +398,8 @@ private:
     std::size_t layersAtOnce_ = 1;
     std::int64_t zBegin_ = 0, readEnd_ = 0; ///< of the next layer; planes read so far
     std::vector<Sample> kept_; ///< planes read that the next layer needs, too
-    std::mutex problemMutex_;
+    std::mutex problemMutex_, spareMutex_;
+    std::vector<std::unique_ptr<Workspace>> spare_;
     Status problem_;
     std::atomic<bool> hasFailed_ = false;
     std::unique_ptr<CoarseCounts> coarse_; ///< then nothing goes into what follows but the measures

@@ -99,7 +99,7 @@ void CoarseCounts::OnBoundary::add(const DomainBoundary::Part& part) {
     std::vector<Waiting> links = std::move(waiting_);
     waiting_.clear();
     for (const auto& edge : part.edges)
-        links.push_back({find(edge.start).scalar, {edge.start, edge.end}, true});
+        links.push_back({find(edge.start()).scalar, {edge.start(), edge.start() + part.steps[edge.axis()]}, true});
     for (const BoundaryJoin& join : side_ == Side::Above ? part.above : part.below)
         links.push_back({join.isovalue, join.points, false});
     std::vector<double> opens(forest.nodes(), kNever);

@@ -1,12 +1,13 @@
 #include "core/topology/analysis/component_graph.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "core/base/disjoint_sets.h"
-#include "core/topology/analysis/isovalue_order.h"
 
 namespace isoslider::topology {
 namespace {
@@ -48,10 +49,10 @@ void sumUp(std::vector<ComponentChange>& changes) {
 } // namespace
 
 // Kruskal's algorithm.
-void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
+void keepForest(Side side, std::size_t seeds, std::vector<Link>& links, IsovalueOrder& order) {
     if (side == Side::Above)
         std::reverse(links.begin(), links.end()); // of equal isovalues the first is met first
-    const std::vector<std::uint32_t> order = orderByIsovalue(links);
+    const std::span<const std::uint32_t> places = order.of(links);
     DisjointSets<> sets(seeds);
     std::vector<char> isKept(links.size(), 0);
     const auto meet = [&](std::uint32_t place) {
@@ -62,9 +63,9 @@ void keepForest(Side side, std::size_t seeds, std::vector<Link>& links) {
         isKept[place] = 1;
     };
     if (side == Side::Above)
-        std::for_each(order.rbegin(), order.rend(), meet);
+        std::for_each(places.rbegin(), places.rend(), meet);
     else
-        std::for_each(order.begin(), order.end(), meet);
+        std::for_each(places.begin(), places.end(), meet);
     std::size_t count = 0;
     for (std::size_t i = 0; i < links.size(); ++i)
         if (isKept[i] != 0)
@@ -82,7 +83,7 @@ void ComponentHistory::add(const ComponentHistory& other) {
 }
 
 std::vector<std::uint32_t> settleComponents(ComponentGraph& graph, std::vector<double>& opens,
-                                            ComponentHistory& history) {
+                                            ComponentHistory& history, IsovalueOrder& order) {
     const Side side = graph.side;
     auto& seeds = graph.seeds;
     auto& links = graph.links;
@@ -107,27 +108,32 @@ std::vector<std::uint32_t> settleComponents(ComponentGraph& graph, std::vector<d
             earlier(side, seeds[elder].reachesBoundary, isClosed ? of.reachesBoundary : link.isovalue);
     };
 
-    sortByIsovalue(links, side == Side::Above);
     DisjointSets<> sets(seeds.size()); // the root is the eldest
     constexpr std::uint32_t kStays = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> into(seeds.size(), kStays);
-    std::size_t left = 0;
-    for (const Link link : links) {
+    std::vector<Link> left;
+    const auto meet = [&](std::uint32_t place) {
+        const Link& link = links[place];
         std::uint32_t elder = sets.rootOf(link.a), younger = sets.rootOf(link.b);
         if (elder == younger)
-            continue;
+            return;
         if (isElder(younger, elder))
             std::swap(elder, younger);
         sets.attach(younger, elder);
         if (hasCome(side, opens[younger], link.isovalue)) { // an elder one may be in it
-            links[left++] = {link.isovalue, link.cause, elder, younger};
+            left.push_back({link.isovalue, link.cause, elder, younger});
         } else {
             settle(link, younger, elder);
             into[younger] = elder;
         }
         opens[elder] = earlier(side, opens[elder], opens[younger]);
-    }
-    links.resize(left);
+    };
+    const std::span<const std::uint32_t> places = order.of(links);
+    if (side == Side::Above)
+        std::for_each(places.rbegin(), places.rend(), meet);
+    else
+        std::for_each(places.begin(), places.end(), meet);
+    links.assign(left.begin(), left.end());
 
     // Seeds that stay are numbered again. A seed that is settled became part of an elder one.
     std::vector<std::uint32_t> numbers(seeds.size());
@@ -158,7 +164,7 @@ std::vector<std::uint32_t> settleComponents(ComponentGraph& graph, std::vector<d
     seeds.resize(count);
     opens.resize(count);
 
-    sortByIsovalue(found.births);
+    order.sort(found.births);
     sumUp(found.births);
     sumUp(found.joins);
     history.add(found);
@@ -167,7 +173,8 @@ std::vector<std::uint32_t> settleComponents(ComponentGraph& graph, std::vector<d
 
 void finishComponents(ComponentGraph graph, double span, ComponentHistory& history) {
     std::vector<double> opens(graph.seeds.size(), kNoIsovalue);
-    settleComponents(graph, opens, history);
+    IsovalueOrder order;
+    settleComponents(graph, opens, history, order);
     for (const Seed& seed : graph.seeds) {
         ++history.lasting;
         if (!(span > 0.0))

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/topology/analysis/isovalue_order.h"
 #include "core/topology/analysis/packed_cause.h"
 
 namespace isoslider::topology {
@@ -35,7 +36,7 @@ struct ComponentGraph {
 
 /// Leaves out links whose ends are joined no later without them; of equal isovalues the first. Those left keep their
 /// order. O(links), nearly.
-void keepForest(Side side, std::size_t seeds, std::vector<Link>& links);
+void keepForest(Side side, std::size_t seeds, std::vector<Link>& links, IsovalueOrder& order);
 
 /// Components that come, or join elder ones, at one isovalue: at a grid point, or at saddles.
 struct ComponentChange {
@@ -67,7 +68,7 @@ struct ComponentHistory {
 /// lead to seed s touch what is not in the graph yet; NaN: never. Seeds and links that may still matter stay in the
 /// graph, which has the same components as before among these; returns what each seed is then part of. O(n), nearly.
 std::vector<std::uint32_t> settleComponents(ComponentGraph& graph, std::vector<double>& opens,
-                                            ComponentHistory& history);
+                                            ComponentHistory& history, IsovalueOrder& order);
 
 /// What is left of a graph that is whole. `span`: how long a component that lasts has lasted.
 void finishComponents(ComponentGraph graph, double span, ComponentHistory& history);

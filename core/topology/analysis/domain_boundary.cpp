@@ -42,6 +42,8 @@ template <class Sample>
 DomainBoundary::Part DomainBoundary::partOf(const LayerWindow<Sample>& window, const LayerChanges& changes) {
     Part part;
     const std::array<std::int64_t, 3> steps{1, window.rowStep(), window.planeStep()};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        part.steps[axis] = static_cast<Point>(steps[axis]);
     const std::int64_t owned = window.planeStep() * (window.ownedEnd() - window.zBegin);
     const Sample* const samples = window.layer();
     for (std::int64_t at = 0; at < owned; ++at) {
@@ -57,7 +59,7 @@ DomainBoundary::Part DomainBoundary::partOf(const LayerWindow<Sample>& window, c
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const unsigned round = star & kStarSides[2 * axis + 1];
             if (round != 0 && round != kStarSides[2 * axis + 1]) {
-                part.edges.push_back({point, point + static_cast<Point>(steps[axis]), static_cast<std::uint8_t>(axis)});
+                part.edges.emplace_back(point, axis);
                 --part.euler;
             }
             const unsigned beside = star & kStarSides[(2 * axis + 3) % 6] & kStarSides[(2 * axis + 5) % 6];
@@ -76,6 +78,7 @@ void DomainBoundary::add(const Part& part) {
     append(all_.edges, part.edges);
     append(all_.above, part.above);
     append(all_.below, part.below);
+    all_.steps = part.steps;
     all_.euler += part.euler;
     all_.isManifold = all_.isManifold && part.isManifold;
 }
@@ -94,13 +97,14 @@ ComponentHistory DomainBoundary::follow(Side side, double span) const {
     graph.links.reserve(all_.edges.size());
     std::uint32_t first = 0;
     std::array<std::uint32_t, 3> second{};
-    for (const Edge& edge : all_.edges) {
+    for (const Edge edge : all_.edges) {
         const auto advance = [this](std::uint32_t& at, Point to) {
             while (all_.points[at] < to)
                 ++at;
             return at;
         };
-        const std::uint32_t a = advance(first, edge.start), b = advance(second[edge.axis], edge.end);
+        const std::uint32_t a = advance(first, edge.start()),
+                            b = advance(second[edge.axis()], edge.start() + all_.steps[edge.axis()]);
         const std::uint32_t later = comesEarlier(side, all_.scalars[a], all_.scalars[b]) ? b : a;
         graph.links.push_back({all_.scalars[later], Cause::vertex(all_.points[later]), a, b});
     }

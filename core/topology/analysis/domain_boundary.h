@@ -14,16 +14,22 @@ namespace isoslider::topology {
 /// samples are missing more. Its components on each side of the isovalue give the boundary loops.
 class DomainBoundary {
 public:
-    /// Between grid points next to each other.
-    struct Edge {
-        Point start, end;
-        std::uint8_t axis;
+    /// Between grid points next to each other: up along an axis.
+    class Edge {
+    public:
+        Edge(Point start, std::size_t axis) : bits_(start << 2 | axis) {}
+        Point start() const { return bits_ >> 2; }
+        std::size_t axis() const { return bits_ & 3; }
+
+    private:
+        std::uint64_t bits_;
     };
     /// What one layer has of it.
     struct Part {
         std::vector<Point> points; ///< ascending
         std::vector<double> scalars;
         std::vector<Edge> edges; ///< in the order of their starts, then axes
+        std::array<Point, 3> steps{}; ///< from a grid point to the next along each axis
         std::vector<BoundaryJoin> above, below;
         std::int64_t euler = 0; ///< of the boundary: points less edges plus faces
         bool isManifold = true; ///< no edge or point at which it only touches itself

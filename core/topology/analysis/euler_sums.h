@@ -45,7 +45,7 @@ public:
             if (bins_[i].euler != 0)
                 changes_.push_back({static_cast<double>(static_cast<std::int64_t>(i) + kLeast),
                                     Cause::vertex(bins_[i].point), static_cast<std::int32_t>(bins_[i].euler)});
-        sortByIsovalue(changes_);
+        IsovalueOrder().sort(changes_);
         std::size_t kept = 0;
         for (std::size_t first = 0, next = 0; first < changes_.size(); first = next) {
             std::array<EulerChange, 2> sums{}; // of saddles, of samples; causes of the largest, of equal ones the first

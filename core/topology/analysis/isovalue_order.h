@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,56 +13,69 @@
 
 namespace isoslider::topology {
 
-/// Places of items in the order of their isovalues, ascending; of equal ones the first comes first. A radix sort: O(n).
-/// REQUIRES: less than 2^32 items; isovalues are no NaN.
-template <class Item>
-std::vector<std::uint32_t> orderByIsovalue(const std::vector<Item>& items) {
+/// Orders items by their isovalues; keeps the memory that this takes for the next time. A radix sort: O(n).
+class IsovalueOrder {
+public:
+    /// Places of items, isovalues ascending; of equal ones the first comes first. Until the next call.
+    /// REQUIRES: less than 2^32 items; isovalues are no NaN.
+    template <class Item>
+    std::span<const std::uint32_t> of(const std::vector<Item>& items) {
+        places_.resize(items.size());
+        if (items.size() < kFew) {
+            std::iota(places_.begin(), places_.end(), 0u);
+            std::stable_sort(places_.begin(), places_.end(),
+                             [&](std::uint32_t a, std::uint32_t b) { return items[a].isovalue < items[b].isovalue; });
+            return places_;
+        }
+        entries_.resize(items.size());
+        counts_.assign(kDigits, {});
+        for (std::size_t i = 0; i < items.size(); ++i) {
+            const std::uint64_t key = keyOf(static_cast<double>(items[i].isovalue));
+            entries_[i] = {key, static_cast<std::uint32_t>(i)};
+            for (unsigned digit = 0; digit < kDigits; ++digit)
+                ++counts_[digit][key >> (kBits * digit) & (kValues - 1)];
+        }
+        sortEntries();
+        std::transform(entries_.begin(), entries_.end(), places_.begin(),
+                       [](const Entry& entry) { return entry.place; });
+        return places_;
+    }
+
+    /// Brings items into that order.
+    template <class Item>
+    void sort(std::vector<Item>& items) {
+        const std::span<const std::uint32_t> places = of(items);
+        std::vector<Item> sorted(items.size());
+        for (std::size_t i = 0; i < items.size(); ++i)
+            sorted[i] = items[places[i]];
+        items = std::move(sorted);
+    }
+
+private:
     struct Entry {
         std::uint64_t key;
         std::uint32_t place;
     };
-    constexpr std::size_t kFew = 256; // for which passes over all digits would not pay
-    if (items.size() < kFew) {
-        std::vector<std::uint32_t> places(items.size());
-        std::iota(places.begin(), places.end(), 0u);
-        std::stable_sort(places.begin(), places.end(),
-                         [&](std::uint32_t a, std::uint32_t b) { return items[a].isovalue < items[b].isovalue; });
-        return places;
-    }
-    constexpr unsigned kBits = 11, kDigits = 6;
-    constexpr std::size_t kValues = std::size_t{1} << kBits;
-    std::vector<Entry> entries(items.size()), sorted(items.size());
-    std::vector<std::array<std::uint32_t, kValues>> counts(kDigits);
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        const std::uint64_t key = keyOf(items[i].isovalue);
-        entries[i] = {key, static_cast<std::uint32_t>(i)};
-        for (unsigned digit = 0; digit < kDigits; ++digit)
-            ++counts[digit][key >> (kBits * digit) & (kValues - 1)];
-    }
-    for (unsigned digit = 0; digit < kDigits; ++digit) {
-        auto& starts = counts[digit];
-        if (starts[entries[0].key >> (kBits * digit) & (kValues - 1)] == items.size())
-            continue; // all the same
-        std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), 0u);
-        for (const Entry& entry : entries)
-            sorted[starts[entry.key >> (kBits * digit) & (kValues - 1)]++] = entry;
-        entries.swap(sorted);
-    }
-    std::vector<std::uint32_t> places(items.size());
-    std::transform(entries.begin(), entries.end(), places.begin(), [](const Entry& entry) { return entry.place; });
-    return places;
-}
+    static constexpr std::size_t kFew = 256; // for which passes over all digits would not pay
+    static constexpr unsigned kBits = 11, kDigits = 6;
+    static constexpr std::size_t kValues = std::size_t{1} << kBits;
 
-/// Brings items into that order, or from the greatest to the least.
-template <class Item>
-void sortByIsovalue(std::vector<Item>& items, bool isDescending = false) {
-    if (isDescending)
-        std::reverse(items.begin(), items.end()); // so that of equal ones the first comes first
-    const std::vector<std::uint32_t> places = orderByIsovalue(items);
-    std::vector<Item> sorted(items.size());
-    for (std::size_t i = 0; i < items.size(); ++i)
-        sorted[isDescending ? items.size() - 1 - i : i] = items[places[i]];
-    items = std::move(sorted);
-}
+    void sortEntries() {
+        sorted_.resize(entries_.size());
+        for (unsigned digit = 0; digit < kDigits; ++digit) {
+            auto& starts = counts_[digit];
+            if (starts[entries_[0].key >> (kBits * digit) & (kValues - 1)] == entries_.size())
+                continue; // all the same
+            std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), 0u);
+            for (const Entry& entry : entries_)
+                sorted_[starts[entry.key >> (kBits * digit) & (kValues - 1)]++] = entry;
+            entries_.swap(sorted_);
+        }
+    }
+
+    std::vector<Entry> entries_, sorted_;
+    std::vector<std::array<std::uint32_t, kValues>> counts_; ///< of each digit: how many have a value
+    std::vector<std::uint32_t> places_;
+};
 
 } // namespace isoslider::topology

@@ -81,14 +81,15 @@ template <class Sample, Side kSide>
 class LayerFlood {
 public:
     LayerFlood(const LayerWindow<Sample>& window, std::vector<std::uint32_t>& leadsTo, std::vector<Seed>& seeds,
-               LinkCollector& links)
+               LinkCollector& links, std::vector<PointMeeting>& meetings)
         : window_(window),
           samples_(window.layer()),
           row_(window.rowStep()),
           plane_(window.planeStep()),
           leadsTo_(leadsTo),
           seeds_(seeds),
-          links_(links) {
+          links_(links),
+          meetings_(meetings) {
         leadsTo_.resize(static_cast<std::size_t>(window.points()));
     }
 
@@ -140,17 +141,25 @@ private:
         const auto count = static_cast<std::uint32_t>(leadsTo_.size());
         for (std::uint32_t at = 0; at < count; ++at)
             leadsTo_[at] = rootOf(at);
-        // Seeds first, by their own places; they then stand for numbers.
-        std::vector<std::uint32_t> numbers(count);
+        // Seeds first, by their own places; they then stand for numbers, which are told from places by a bit.
+        constexpr std::uint32_t kIsNumber = std::uint32_t{1} << 31;
+        seeds_.clear();
         for (std::uint32_t at = 0; at < count; ++at)
-            if (leadsTo_[at] == at && window_.stars[at] != 0) {
-                numbers[at] = static_cast<std::uint32_t>(seeds_.size());
+            if (window_.stars[at] == 0) {
+                leadsTo_[at] = kNoSeed;
+            } else if (leadsTo_[at] == at) {
+                leadsTo_[at] = static_cast<std::uint32_t>(seeds_.size()) | kIsNumber;
                 seeds_.push_back({static_cast<double>(samples_[at]), std::numeric_limits<double>::quiet_NaN(),
                                   window_.firstPoint() + at});
             }
+        for (std::uint32_t at = 0; at < count; ++at)
+            if ((leadsTo_[at] & kIsNumber) == 0)
+                leadsTo_[at] = leadsTo_[leadsTo_[at]];
         for (std::uint32_t at = 0; at < count; ++at) {
-            leadsTo_[at] = window_.stars[at] != 0 ? numbers[leadsTo_[at]] : kNoSeed;
-            if (kSide == Side::Below && window_.stars[at] != 0 && window_.stars[at] != kWholeStar)
+            if (leadsTo_[at] == kNoSeed)
+                continue;
+            leadsTo_[at] &= ~kIsNumber;
+            if (kSide == Side::Below && window_.stars[at] != kWholeStar)
                 reachBoundary(seeds_[leadsTo_[at]], static_cast<double>(samples_[at]));
         }
     }
@@ -162,7 +171,7 @@ private:
     // Where a point's neighbours have not come together before it they do so here.
     void linkNeighbours() {
         const std::array<std::int64_t, 6> steps{-1, 1, -row_, row_, -plane_, plane_};
-        for (const Meeting& meeting : meetings_) {
+        for (const PointMeeting& meeting : meetings_) {
             const std::uint32_t seed = leadsTo_[meeting.at];
             for (unsigned apart = meeting.apart; apart != 0; apart &= apart - 1) {
                 const auto way = static_cast<std::size_t>(std::countr_zero(apart));
@@ -172,18 +181,13 @@ private:
         }
     }
 
-    struct Meeting {
-        std::uint32_t at;
-        std::uint8_t apart; ///< neighbours along edges: one of each component but that which the point leads to
-    };
-
     const LayerWindow<Sample>& window_;
     const Sample* samples_;
     std::int64_t row_, plane_;
     std::vector<std::uint32_t>& leadsTo_; ///< a point; in the end a seed
     std::vector<Seed>& seeds_;
     LinkCollector& links_;
-    std::vector<Meeting> meetings_;
+    std::vector<PointMeeting>& meetings_;
 };
 
 } // namespace
@@ -191,15 +195,14 @@ private:
 template <class Sample>
 void LayerSide::flood(const LayerWindow<Sample>& window) {
     if (side_ == Side::Above)
-        LayerFlood<Sample, Side::Above>(window, leadsTo_, seeds_, links_).run();
+        LayerFlood<Sample, Side::Above>(window, leadsTo_, seeds_, links_, meetings_).run();
     else
-        LayerFlood<Sample, Side::Below>(window, leadsTo_, seeds_, links_).run();
+        LayerFlood<Sample, Side::Below>(window, leadsTo_, seeds_, links_, meetings_).run();
 }
 
 template <class Sample>
-LayerComponents LayerSide::takeAll(const LayerWindow<Sample>& window) {
+LayerComponents LayerSide::planesOf(const LayerWindow<Sample>& window) const {
     LayerComponents found;
-    found.graph = {side_, std::move(seeds_), links_.take()};
     const auto plane = static_cast<std::ptrdiff_t>(window.planeStep());
     found.bottom.assign(leadsTo_.begin(), leadsTo_.begin() + plane);
     found.top.assign(leadsTo_.end() - plane, leadsTo_.end());
@@ -208,15 +211,20 @@ LayerComponents LayerSide::takeAll(const LayerWindow<Sample>& window) {
 
 template <class Sample>
 LayerComponents LayerSide::takeForest(const LayerWindow<Sample>& window) {
-    LayerComponents found = takeAll(window);
-    keepForest(side_, found.graph.seeds.size(), found.graph.links);
-    found.graph.links.shrink_to_fit(); // a layer may wait for others
+    LayerComponents found = planesOf(window);
+    graph_.links = links_.take();
+    keepForest(side_, seeds_.size(), graph_.links, links_.order());
+    found.graph = {side_, seeds_, graph_.links};
+    links_.giveMemory(graph_.links);
     return found;
 }
 
 template <class Sample>
 LayerComponents LayerSide::takeSettled(const LayerWindow<Sample>& window) {
-    LayerComponents found = takeAll(window);
+    LayerComponents found = planesOf(window);
+    graph_.side = side_;
+    graph_.seeds.swap(seeds_);
+    graph_.links = links_.take();
     const Sample *const bottom = window.layer(), *const top = bottom + window.points() - window.planeStep();
     const auto open = [this](const std::vector<std::uint32_t>& seeds, const Sample* samples,
                              std::vector<double>& opens) {
@@ -229,20 +237,21 @@ LayerComponents LayerSide::takeSettled(const LayerWindow<Sample>& window) {
             }
     };
     constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
-    std::vector<double> opens(found.graph.seeds.size(), kNever);
+    std::vector<double> opens(graph_.seeds.size(), kNever);
     if (window.zBegin > 0)
         open(found.bottom, bottom, opens);
     if (!window.isLast())
         open(found.top, top, opens);
-    const std::vector<std::uint32_t> parts = settleComponents(found.graph, opens, found.settled);
+    const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, found.settled, links_.order());
     for (auto* plane : {&found.bottom, &found.top})
         for (std::uint32_t& seed : *plane)
             seed = seed != kNoSeed ? parts[seed] : kNoSeed;
+    found.graph = {side_, graph_.seeds, graph_.links};
+    links_.giveMemory(graph_.links);
+    seeds_.swap(graph_.seeds);
     found.opens.assign(found.graph.seeds.size(), kNever);
     if (!window.isLast())
         open(found.top, top, found.opens);
-    found.graph.seeds.shrink_to_fit(); // a layer may wait for others
-    found.graph.links.shrink_to_fit();
     return found;
 }
 

@@ -13,6 +13,12 @@ namespace isoslider::topology {
 /// Of a grid point without a cell.
 inline constexpr std::uint32_t kNoSeed = std::numeric_limits<std::uint32_t>::max();
 
+/// A grid point at which components meet.
+struct PointMeeting {
+    std::uint32_t at; ///< from the layer's first grid point
+    std::uint8_t apart; ///< neighbours along edges: one of each component but that which the point leads to
+};
+
 /// The components of one side within one layer, and what ties them to the layers around it.
 struct LayerComponents {
     ComponentGraph graph; ///< what may still matter
@@ -21,8 +27,9 @@ struct LayerComponents {
     ComponentHistory settled; ///< what came and went within the layer
 };
 
-/// One side of a layer while it is worked on. Every grid point leads to a seed along neighbours that come ever earlier:
-/// what it joins first, so that no other of its links matters until then. Links between seeds follow.
+/// One side of a layer while it is worked on; after that of the next one, which finds what memory it takes. Every grid
+/// point leads to a seed along neighbours that come ever earlier: what it joins first, so that no other of its links
+/// matters until then. Links between seeds follow.
 class LayerSide {
 public:
     explicit LayerSide(Side side) : side_(side), links_(side) {}
@@ -48,12 +55,14 @@ public:
 
 private:
     template <class Sample>
-    LayerComponents takeAll(const LayerWindow<Sample>& window);
+    LayerComponents planesOf(const LayerWindow<Sample>& window) const;
 
     Side side_;
     std::vector<std::uint32_t> leadsTo_; ///< by grid point: a seed
+    std::vector<PointMeeting> meetings_;
     std::vector<Seed> seeds_;
     LinkCollector links_;
+    ComponentGraph graph_; ///< while it is settled
 };
 
 } // namespace isoslider::topology

@@ -30,7 +30,7 @@ public:
         }
         if (recent.a != recent.b) {
             if (links_.size() >= most_)
-                keepForest(side_, seeds_, links_); // a quarter of them at most
+                keepForest(side_, seeds_, links_, order_); // a sixth of them at most
             links_.push_back(recent);
         }
         recent = {isovalue, cause, a, b};
@@ -39,23 +39,33 @@ public:
     void setSeeds(std::size_t seeds) {
         seeds_ = seeds;
         most_ = kMostPerSeed * seeds + kRecent;
+        links_.reserve(kUsualPerSeed * seeds);
     }
     std::size_t count() const { return links_.size(); }
+    /// Gives away all links, and begins again without any.
     std::vector<Link> take() {
         for (Link& link : recent_)
             if (link.a != link.b)
                 links_.push_back(std::exchange(link, Link{}));
-        return std::move(links_);
+        most_ = std::numeric_limits<std::size_t>::max();
+        return std::exchange(links_, {});
     }
+    /// Memory of links that are done with serves those to come. REQUIRES: none came since take().
+    void giveMemory(std::vector<Link>& links) {
+        links.clear();
+        links_.swap(links);
+    }
+    IsovalueOrder& order() { return order_; }
 
 private:
     static constexpr unsigned kRecentBits = 12;
     static constexpr std::size_t kRecent = std::size_t{1} << kRecentBits;
-    static constexpr std::size_t kMostPerSeed = 4; // hardly any noise has as many
+    static constexpr std::size_t kUsualPerSeed = 4, kMostPerSeed = 6; // the latter: hardly any noise has as many
     Side side_;
     std::size_t seeds_ = 0, most_ = std::numeric_limits<std::size_t>::max();
     std::vector<Link> recent_; ///< by a hash of both seeds
     std::vector<Link> links_;
+    IsovalueOrder order_;
 };
 
 } // namespace isoslider::topology
