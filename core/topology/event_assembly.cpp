@@ -34,7 +34,6 @@ public:
     double isovalue() const {
         return at_ < changes_.size() ? changes_[at_].isovalue : std::numeric_limits<double>::infinity();
     }
-    void rewind() { at_ = 0; }
     template <class Function>
     void takeAt(double isovalue, const Function& function) {
         for (; at_ < changes_.size() && changes_[at_].isovalue == isovalue; ++at_)
@@ -95,10 +94,9 @@ public:
           aboveOuter_(parts.aboveOnBoundary),
           belowOuter_(parts.belowOnBoundary) {}
 
-    /// Calls `take(event, place)` for all events, ascending. May be done again.
+    /// Calls `take(event, place)` for all events, ascending. Once.
     template <class Take>
     void walk(const Take& take) {
-        rewind();
         // Below all isovalues everything is above. Each component of the cells, and of their boundary, counts as above,
         // as below, or twice where the surface parts it.
         SurfaceCounts counts;
@@ -124,14 +122,6 @@ private:
         double isovalue() const { return std::min(births.isovalue(), joins.isovalue()); }
     };
 
-    void rewind() {
-        euler_.rewind();
-        reached_.rewind();
-        for (OneSide* side : {&above_, &below_, &aboveOuter_, &belowOuter_}) {
-            side->births.rewind();
-            side->joins.rewind();
-        }
-    }
     double nextIsovalue() const {
         return std::min({euler_.isovalue(), above_.isovalue(), below_.isovalue(), reached_.isovalue(),
                          aboveOuter_.isovalue(), belowOuter_.isovalue()});
@@ -191,17 +181,13 @@ private:
 
 } // namespace
 
-std::vector<TopologyEvent> assembleEvents(EventParts parts, const GridDims& dims) {
-    Assembly assembly(parts);
-    // Counted first: a vector that grows step by step is held twice, and nothing else takes as much memory.
-    std::size_t count = 0;
-    assembly.walk([&](const TopologyEvent&, const Place&) { ++count; });
-    std::vector<TopologyEvent> events;
-    events.reserve(count);
-    assembly.walk([&](TopologyEvent& event, const Place& place) {
+EventPages assembleEvents(EventParts parts, const GridDims& dims) {
+    EventPages events;
+    Assembly(parts).walk([&](TopologyEvent& event, const Place& place) {
         place.describe(dims, event);
-        events.push_back(event);
+        events.add(event);
     });
+    events.finish();
     return events;
 }
 

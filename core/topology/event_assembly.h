@@ -5,7 +5,7 @@
 #include "core/grid/grid_geometry.h"
 #include "core/topology/analysis/component_graph.h"
 #include "core/topology/analysis/packed_cause.h"
-#include "core/topology/topology_event.h"
+#include "core/topology/event_pages.h"
 
 namespace isoslider::topology {
 
@@ -16,6 +16,6 @@ struct EventParts {
 };
 
 /// One event for each isovalue at which the counts change, ascending. O(n log n).
-std::vector<TopologyEvent> assembleEvents(EventParts parts, const GridDims& dims);
+EventPages assembleEvents(EventParts parts, const GridDims& dims);
 
 } // namespace isoslider::topology

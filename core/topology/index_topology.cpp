@@ -105,8 +105,9 @@ Result<IndexTopology> analyseAndStore(const std::filesystem::path& index, const 
     auto curve = analyseIndex(*reader.value(), options, job);
     if (!curve.isOk())
         return std::move(curve).error();
-    IndexTopology found{std::make_shared<TopologyCurve>(std::move(curve).value()), {}, true};
-    found.storing = storeTopology(*reader.value(), *found.summary, replaces);
+    const auto analysed = std::make_shared<TopologyCurve>(std::move(curve).value());
+    IndexTopology found{analysed, {}, true};
+    found.storing = storeTopology(*reader.value(), *analysed, replaces);
     // Read from the disk from now on: what was analysed need not stay in memory.
     if (found.storing.isOk())
         if (auto again = openTopology(index); again.isOk() && again.value())

@@ -369,8 +369,7 @@ private:
             if (!(step.below == step.above))
                 steps.push_back(step);
         }
-        return TopologyCurve(std::move(steps), measures_.curves(options_.measures, source_.geometry),
-                             coarse_->areExact(), false);
+        return TopologyCurve(steps, measures_.curves(options_.measures, source_.geometry), coarse_->areExact(), false);
     }
 
     Result<TopologyCurve> assemble() {

@@ -1,30 +1,49 @@
 #include "core/topology/topology_curve.h"
 
-#include <algorithm>
+#include <utility>
+
+#include "core/base/check.h"
 
 namespace isoslider::topology {
+namespace {
 
-SurfaceCounts TopologyCurve::countsAt(double isovalue) const {
-    const auto next = std::lower_bound(events_.begin(), events_.end(), isovalue,
-                                       [](const TopologyEvent& event, double at) { return event.isovalue < at; });
-    if (next != events_.end())
-        return next->below;
-    return events_.empty() ? SurfaceCounts() : events_.back().above;
+EventPages pagesOf(const std::vector<TopologyEvent>& events) {
+    EventPages pages;
+    for (const TopologyEvent& event : events)
+        pages.add(event);
+    pages.finish();
+    return pages;
 }
 
-Status TopologyCurve::visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const {
-    for (const TopologyEvent& event : events_)
-        if (!visit(event))
-            break;
-    return {};
+} // namespace
+
+TopologyCurve::TopologyCurve(EventPages events, MeasureCurves curves, bool areCountsExact, bool hasEvents)
+    : body_(events.body()) {
+    areCountsExact_ = areCountsExact;
+    hasEvents_ = hasEvents;
+    pages_ = events.pages();
+    curves_ = std::move(curves);
 }
 
-Status TopologyCurve::visitEventsFrom(double isovalue, const std::function<bool(const TopologyEvent&)>& visit) const {
-    auto event = std::lower_bound(events_.begin(), events_.end(), isovalue,
-                                  [](const TopologyEvent& one, double at) { return one.isovalue < at; });
-    while (event != events_.end() && visit(*event))
-        ++event;
-    return {};
+TopologyCurve::TopologyCurve(const std::vector<TopologyEvent>& events, MeasureCurves curves, bool areCountsExact,
+                             bool hasEvents)
+    : TopologyCurve(pagesOf(events), std::move(curves), areCountsExact, hasEvents) {}
+
+std::vector<TopologyEvent> TopologyCurve::events() const {
+    std::vector<TopologyEvent> all;
+    const Status status = visitEvents([&](const TopologyEvent& event) {
+        all.push_back(event);
+        return true;
+    });
+    ISO_CHECK(status.isOk()); // it was coded here
+    return all;
+}
+
+SurfaceCounts TopologyCurve::countsAt(double isovalue) const { return at(isovalue).value(); }
+
+Result<std::vector<std::byte>> TopologyCurve::bytesOf(const EventPage& page) const {
+    const auto begin = body_.begin() + static_cast<std::ptrdiff_t>(page.offset);
+    return std::vector<std::byte>(begin, begin + static_cast<std::ptrdiff_t>(page.bytes));
 }
 
 } // namespace isoslider::topology

@@ -127,9 +127,10 @@ protected:
 /// Events from an isovalue on: at events, beside them and beyond them all.
 void expectSameFrom(const TopologySummary& stored, const TopologyCurve& curve) {
     std::vector<double> starts{-1e9, 1e9};
-    for (std::size_t i = 0; i < curve.events().size(); i += 31) {
-        starts.push_back(curve.events()[i].isovalue);
-        starts.push_back(std::nextafter(curve.events()[i].isovalue, 1e9));
+    const std::vector<TopologyEvent> events = curve.events();
+    for (std::size_t i = 0; i < events.size(); i += 31) {
+        starts.push_back(events[i].isovalue);
+        starts.push_back(std::nextafter(events[i].isovalue, 1e9));
     }
     for (const double start : starts) {
         std::vector<double> expected, found;
@@ -265,6 +266,7 @@ TEST_F(StoredTopologyTest, DamagedIsNeverTakenForAnother) {
     const auto grid = noise({16, 16, 16}, ScalarType::F32, 5);
     build(grid);
     const TopologyCurve curve = analysed(*grid);
+    const std::vector<TopologyEvent> events = curve.events();
     ASSERT_THAT(storeTopology(*reader(), curve), IsOk());
     const Bytes whole = readFile(path_);
     const std::size_t size = bare_.size();
@@ -285,7 +287,7 @@ TEST_F(StoredTopologyTest, DamagedIsNeverTakenForAnother) {
         }
         std::size_t seen = 0;
         const Status status = stored.value()->visitEvents([&](const TopologyEvent& event) {
-            EXPECT_EQ(event.isovalue, curve.events()[seen++].isovalue);
+            EXPECT_EQ(event.isovalue, events[seen++].isovalue);
             return true;
         });
         EXPECT_THAT(status, HasError(ErrorCode::Corruption)) << "byte " << at;

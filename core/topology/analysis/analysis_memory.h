@@ -1,10 +1,7 @@
 #pragma once
 
-#include <algorithm>
-
 #include "core/topology/analysis/component_graph.h"
 #include "core/topology/analysis/layer_euler.h"
-#include "core/topology/topology_event.h"
 
 namespace isoslider::topology {
 
@@ -35,13 +32,11 @@ inline double coarseBytes(double planeSamples, const Findings& found) {
     return kOfSeed * found.seeds + kOfPlanePoint * planeSamples;
 }
 
-/// Bytes at most from when all layers are put together until their events are stored: events made, then written. An
-/// upper bound where every change is an event, as in noise.
+/// Bytes at most from when all layers are put together until their events are stored. An upper bound where every change
+/// is an event, as in noise.
 inline double assemblyBytes(const Findings& found) {
-    const double events = sizeof(TopologyEvent) * found.euler;
-    constexpr double kStored = 100.0; // of an event, coded, in a vector that grows
-    return std::max(1.25 * found.keptBytes() + 3.0 * found.boundaryBytes + events,
-                    (sizeof(TopologyEvent) + kStored) * found.euler);
+    constexpr double kCoded = 60.0; // of an event, in vectors that grow
+    return 1.25 * found.keptBytes() + 3.0 * found.boundaryBytes + kCoded * found.euler;
 }
 
 } // namespace isoslider::topology

@@ -28,9 +28,10 @@ TopologyCurve curveOf(const test::TopologyGrid& grid, const AnalysisOptions& opt
 }
 
 void expectSameEvents(const TopologyCurve& a, const TopologyCurve& b) {
-    ASSERT_EQ(a.events().size(), b.events().size());
-    for (std::size_t i = 0; i < a.events().size(); ++i) {
-        const TopologyEvent &one = a.events()[i], &other = b.events()[i];
+    const std::vector<TopologyEvent> all = a.events(), others = b.events();
+    ASSERT_EQ(all.size(), others.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const TopologyEvent &one = all[i], &other = others[i];
         ASSERT_EQ(one.isovalue, other.isovalue);
         ASSERT_EQ(one.kind, other.kind);
         ASSERT_EQ(one.below, other.below);
@@ -176,7 +177,7 @@ TEST(EventPlaces, OfASphereAreItsCentreAndWhereItMeetsTheBox) {
     const auto curve = curveOfField({21, 21, 23}, [&](double x, double y, double z) {
         return 10.0 - std::hypot(x - centre[0], y - centre[1], z - centre[2]);
     });
-    const TopologyEvent& last = curve.events().back();
+    const TopologyEvent last = curve.events().back();
     EXPECT_NEAR(last.isovalue, 10.0 - std::hypot(0.15, 0.1, 0.2), 1e-5) << "of the nearest grid point";
     EXPECT_EQ(last.kind, EventKind::Vertex);
     EXPECT_EQ(last.position, (std::array<float, 3>{10, 10, 11}));

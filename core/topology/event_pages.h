@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/topology/topology_event.h"
+
+namespace isoslider::topology {
+
+/// Some events in a row, coded.
+struct EventPage {
+    static constexpr std::size_t kMostEvents = 1024;
+
+    double firstIsovalue = 0.0;
+    std::uint64_t offset = 0; ///< from the first page on
+    std::uint32_t bytes = 0, events = 0;
+    SurfaceCounts before;
+};
+
+/// Events in pages of a thousand, by columns of bytes: some 13 bytes each, a tenth of what they take otherwise.
+/// FORMAT.md, "Topology".
+class EventPages {
+public:
+    /// REQUIRES: isovalues ascend; each begins with the counts that the one before it ends with. Positions are kept to
+    /// half a grid step.
+    void add(const TopologyEvent& event);
+    /// After the last.
+    void finish();
+
+    const std::vector<EventPage>& pages() const { return pages_; }
+    const std::vector<std::byte>& body() const { return body_; }
+
+private:
+    std::vector<TopologyEvent> events_; ///< of the page to come
+    std::vector<EventPage> pages_;
+    std::vector<std::byte> body_;
+};
+
+/// The events of a page. `path` is named in errors. Errors: Corruption.
+Result<std::vector<TopologyEvent>> decodeEvents(const EventPage& page, std::span<const std::byte> bytes,
+                                                const std::string& path);
+
+} // namespace isoslider::topology
