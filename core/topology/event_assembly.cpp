@@ -4,32 +4,21 @@
 #include <cstdlib>
 #include <limits>
 #include <tuple>
-#include <type_traits>
 #include <utility>
 
-#include <tbb/parallel_sort.h>
+#include "core/topology/analysis/isovalue_order.h"
 
 namespace isoslider::topology {
 namespace {
-
-// What tells changes of one isovalue and cause apart: sorted by it as well, they lead to the same events in every run.
-int restOf(const EulerChange& change) { return change.euler; }
-double restOf(const ComponentChange& change) { return change.persistence; }
 
 // Takes changes of one kind in the order of isovalues that rise.
 template <class Change>
 class Ascending {
 public:
     explicit Ascending(std::vector<Change>& changes) : changes_(changes) {
-        tbb::parallel_sort(changes_.begin(), changes_.end(), [](const Change& a, const Change& b) {
-            if constexpr (std::is_same_v<Change, ClosedChange>) {
-                return a.isovalue < b.isovalue;
-            } else {
-                if (a.isovalue != b.isovalue)
-                    return a.isovalue < b.isovalue;
-                return a.cause != b.cause ? a.cause < b.cause : restOf(a) < restOf(b);
-            }
-        });
+        const auto isLess = [](const Change& a, const Change& b) { return a.isovalue < b.isovalue; };
+        if (!std::is_sorted(changes_.begin(), changes_.end(), isLess))
+            IsovalueOrder().sort(changes_);
     }
     double isovalue() const {
         return at_ < changes_.size() ? changes_[at_].isovalue : std::numeric_limits<double>::infinity();
@@ -78,9 +67,9 @@ struct EulerSum {
     std::int64_t euler = 0;
     EulerChange largest{};
     void add(const EulerChange& change) {
-        if (euler == 0 || std::abs(change.euler) > std::abs(largest.euler))
+        if (euler == 0 || std::abs(change.euler()) > std::abs(largest.euler()))
             largest = change;
-        euler += change.euler;
+        euler += change.euler();
     }
 };
 
@@ -130,11 +119,11 @@ private:
     void takeEuler(const TopologyEvent& event, SurfaceCounts& counts, Place& place) {
         std::array<EulerSum, 2> sums; // at grid points, at saddles
         euler_.takeAt(event.isovalue,
-                      [&](const EulerChange& change) { sums[change.cause.isVertex() ? 0 : 1].add(change); });
+                      [&](const EulerChange& change) { sums[change.cause().isVertex() ? 0 : 1].add(change); });
         for (const EulerSum& sum : sums) {
             counts.euler += sum.euler;
             if (sum.euler != 0)
-                place.offer(sum.largest.cause, 0.0, sum.largest.euler);
+                place.offer(sum.largest.cause(), 0.0, static_cast<int>(sum.largest.euler()));
         }
     }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -32,7 +33,8 @@ public:
     void finish();
 
     const std::vector<EventPage>& pages() const { return pages_; }
-    const std::vector<std::byte>& body() const { return body_; }
+    /// All pages one after the other.
+    std::vector<std::byte> takeBody() && { return std::move(body_); }
 
 private:
     std::vector<TopologyEvent> events_; ///< of the page to come

@@ -1,6 +1,7 @@
 #include "core/topology/stored_topology.h"
 
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -102,27 +103,18 @@ private:
 
 } // namespace
 
-Status storeTopology(const index::IndexReader& index, const PagedTopology& summary, bool replaces,
+Status storeTopology(const index::IndexReader& index, const TopologyCurve& summary, bool replaces,
                      FileSystem& fileSystem) {
-    std::vector<std::byte> body;
-    std::vector<std::uint64_t> checksums;
-    for (const EventPage& page : summary.pages()) {
-        const auto bytes = summary.bytesOf(page);
-        if (!bytes.isOk())
-            return bytes.error();
-        checksums.push_back(index::pageChecksum(bytes.value(), 0, page.offset));
-        body.insert(body.end(), bytes.value().begin(), bytes.value().end());
-    }
     std::vector<std::byte> directory;
     ByteWriter out(directory);
     out.put<std::uint32_t>(summary.hasEvents() ? kKindOfEvents : kKindOfCounts);
     out.put<std::uint8_t>(summary.areCountsExact() ? 1 : 0);
     out.put<std::uint64_t>(summary.pages().size());
-    for (std::size_t i = 0; i < summary.pages().size(); ++i) {
-        const EventPage& page = summary.pages()[i];
+    for (const EventPage& page : summary.pages()) {
         out.put<double>(page.firstIsovalue);
         out.put<std::uint64_t>(page.offset);
-        out.put<std::uint64_t>(checksums[i]);
+        out.put<std::uint64_t>(
+            index::pageChecksum(std::span(summary.body()).subspan(page.offset, page.bytes), 0, page.offset));
         out.put<std::uint32_t>(page.bytes);
         out.put<std::uint32_t>(page.events);
         put(out, page.before);
@@ -135,7 +127,7 @@ Status storeTopology(const index::IndexReader& index, const PagedTopology& summa
         for (const double measure : {at.area, at.volume, at.triangles, at.gradient})
             out.put<double>(measure);
     }
-    return index::writeAppendix(index, body, directory, replaces, fileSystem);
+    return index::writeAppendix(index, summary.body(), directory, replaces, fileSystem);
 }
 
 Result<std::shared_ptr<const TopologySummary>> openTopology(const std::filesystem::path& index,

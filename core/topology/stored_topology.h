@@ -6,13 +6,13 @@
 
 #include "core/base/file_system.h"
 #include "core/index/index_reader.h"
-#include "core/topology/paged_topology.h"
+#include "core/topology/topology_curve.h"
 
 namespace isoslider::topology {
 
 /// Adds the topology of the volume of `index`, behind it in its file: the index stays as it is. One that is there
 /// stays, unless `replaces`. Errors: those of index::writeAppendix.
-Status storeTopology(const index::IndexReader& index, const PagedTopology& summary, bool replaces = false,
+Status storeTopology(const index::IndexReader& index, const TopologyCurve& summary, bool replaces = false,
                      FileSystem& fileSystem = defaultFileSystem());
 
 /// What was added to an index; null where nothing was, or not to its end. Reads a directory: pages of events are read

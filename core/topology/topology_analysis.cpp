@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
@@ -17,7 +18,9 @@
 #include "core/topology/analysis/analysis_memory.h"
 #include "core/topology/analysis/coarse_counts.h"
 #include "core/topology/analysis/component_graph.h"
+#include "core/topology/analysis/distinct_growth.h"
 #include "core/topology/analysis/domain_boundary.h"
+#include "core/topology/analysis/isovalue_sums.h"
 #include "core/topology/analysis/layer_components.h"
 #include "core/topology/analysis/layer_euler.h"
 #include "core/topology/analysis/layer_measures.h"
@@ -62,28 +65,36 @@ public:
         // What no longer touches anything that is to come is settled: the rest is about as much as a plane has.
         std::vector<double> opens(base, std::numeric_limits<double>::quiet_NaN());
         opens.insert(opens.end(), layer.opens.begin(), layer.opens.end());
-        history_.add(layer.settled);
-        const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, history_, between_.order());
+        ComponentHistory settled;
+        const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, settled, between_.order());
+        add(layer.settled);
+        add(settled);
         top_ = std::move(layer.top);
         for (std::uint32_t& seed : top_)
             seed = seed != kNoSeed ? parts[seed + first] : kNoSeed;
         return {};
     }
-    void reserve(double changes) {
-        history_.births.reserve(static_cast<std::size_t>(0.5 * changes));
-        history_.joins.reserve(static_cast<std::size_t>(0.5 * changes));
-    }
-    void countInto(Findings& found) const {
-        found.changes += static_cast<double>(history_.births.size() + history_.joins.size());
-    }
+    void countInto(Findings& found) const { found.changes += static_cast<double>(births_.count() + joins_.count()); }
     ComponentHistory finish(double span) {
-        finishComponents(std::move(graph_), span, history_);
-        return std::move(history_);
+        ComponentHistory history;
+        finishComponents(std::move(graph_), span, history);
+        add(history);
+        history.births = births_.take();
+        history.joins = joins_.take();
+        history.reached = std::move(reached_);
+        return history;
     }
 
 private:
+    void add(const ComponentHistory& history) {
+        births_.add(history.births);
+        joins_.add(history.joins);
+        reached_.insert(reached_.end(), history.reached.begin(), history.reached.end());
+    }
+
     ComponentGraph graph_;
-    ComponentHistory history_;
+    IsovalueSums<ComponentChange> births_, joins_;
+    std::vector<ClosedChange> reached_;
     LinkCollector between_;
     std::vector<std::uint32_t> top_;
 };
@@ -158,10 +169,13 @@ private:
         const auto plane = static_cast<double>(dims_[0] * dims_[1]);
         Findings each = kMostFindings;
         const bool isTight = memory < kMostBytesPerSample * points;
+        expected_ = each * points;
         if (isTight)
-            ISO_TRY(lookAt(each));
-        each.changes *= coarse_ ? 0.0 : 1.0;
-        expected_ = each * (coarse_ ? 0.0 : points);
+            ISO_TRY(lookAt(each, expected_));
+        if (coarse_) {
+            each.changes = 0.0;
+            expected_ = {};
+        }
         const auto sides = static_cast<double>(dims_[0] * dims_[1] + dims_[1] * dims_[2] + dims_[2] * dims_[0]);
         expected_.boundaryBytes = coarse_ ? 0.0 : 2.0 * sides * kBoundaryBytesPerPoint;
         const auto bytesOfLayer = [&](std::int64_t planes) {
@@ -175,40 +189,53 @@ private:
         constexpr double kUncertainty = 1.25;
         if (isTight && (neededBytes_ > kUncertainty * memory || bytesOfLayer(planesAtOnce_) > memory))
             return tooLarge(neededBytes_);
-        if (isTight) { // grown step by step they would be held twice
-            euler_.reserve(static_cast<std::size_t>(1.1 * expected_.euler));
-            above_.reserve(0.55 * expected_.changes);
-            below_.reserve(0.55 * expected_.changes);
-        }
         // A layer for each thread, and one that is read or put together; fewer where memory is scarce.
         const double most = 1.0 + tbb::this_task_arena::max_concurrency();
         layersAtOnce_ = static_cast<std::size_t>(std::clamp(room / bytesOfLayer(planesAtOnce_), 1.0, most));
         return {};
     }
 
-    // `each`: of a cell, on average.
-    Status lookAt(Findings& each) {
+    // `each`: of a cell, on average; `all`: of all layers, where changes of one isovalue are summed up.
+    Status lookAt(Findings& each, Findings& all) {
         each = {};
         std::int64_t cells = 0;
+        std::array<std::vector<std::vector<double>>, 5> isovalues; // of each kind of changes, of each cube
         ISO_TRY(visitCubes<Sample>(source_, {}, job_,
                                    [&](const LayerWindow<Sample>& window, const std::array<std::int64_t, 3>&) {
-                                       count(window, each);
+                                       count(window, each, isovalues);
                                        cells += (window.dims[0] - 1) * (window.dims[1] - 1) * (window.dims[2] - 1);
                                    }));
         each = each * (1.0 / static_cast<double>(cells));
+        const double points = static_cast<double>(pointCount(dims_));
+        std::array<double, 5> distinct{};
+        tbb::parallel_for(std::size_t{0}, distinct.size(), [&](std::size_t kind) {
+            distinct[kind] = distinctInAll(isovalues[kind], points / static_cast<double>(cells));
+        });
+        all = each * points;
+        all.euler = distinct[0];
+        all.changes = distinct[1] + distinct[2] + distinct[3] + distinct[4];
         return {};
     }
 
-    static void count(const LayerWindow<Sample>& window, Findings& found) {
+    template <class Isovalues>
+    static void count(const LayerWindow<Sample>& window, Findings& found, Isovalues& isovalues) {
+        const auto note = [&](std::size_t kind, const auto& changes) {
+            auto& cube = isovalues[kind].emplace_back();
+            for (const auto& change : changes)
+                cube.push_back(change.isovalue);
+            return static_cast<double>(changes.size());
+        };
         LayerSide above(Side::Above), below(Side::Below);
         above.flood(window);
         below.flood(window);
-        found.euler += static_cast<double>(findLayerChanges(window, above, below).euler.size());
+        found.euler += note(0, findLayerChanges(window, above, below).euler);
+        std::size_t kind = 1;
         for (LayerSide* each : {&above, &below}) {
             found.seeds += static_cast<double>(each->seedCount());
             found.links += static_cast<double>(each->linkCount());
             const ComponentHistory settled = each->takeSettled(window).settled;
-            found.changes += static_cast<double>(settled.births.size() + settled.joins.size());
+            found.changes += note(kind++, settled.births);
+            found.changes += note(kind++, settled.joins);
         }
     }
 
@@ -321,7 +348,7 @@ private:
     }
 
     void addWhole(Layer& layer) {
-        euler_.insert(euler_.end(), layer.changes.euler.begin(), layer.changes.euler.end());
+        euler_.add(layer.changes.euler);
         boundary_.add(layer.boundary);
         Status status, statusBelow;
         tbb::parallel_invoke([&] { status = above_.add(layer.above, layer.window); },
@@ -329,7 +356,7 @@ private:
         if (status.isOk())
             status = std::move(statusBelow);
         Findings found;
-        found.euler = static_cast<double>(euler_.size());
+        found.euler = static_cast<double>(euler_.count());
         above_.countInto(found);
         below_.countInto(found);
         found.boundaryBytes = static_cast<double>(boundary_.sizeBytes());
@@ -379,7 +406,7 @@ private:
         job_.report(0.9, "analysing topology");
         tbb::parallel_invoke([&] { parts.aboveOnBoundary = boundary_.follow(Side::Above, span); },
                              [&] { parts.belowOnBoundary = boundary_.follow(Side::Below, span); });
-        parts.euler = std::move(euler_);
+        parts.euler = euler_.take();
         if (job_.isStopRequested())
             return cancelledError();
         const bool areExact = boundary_.isOfSpheres(parts.aboveOnBoundary.lasting);
@@ -402,7 +429,7 @@ private:
     Status problem_;
     std::atomic<bool> hasFailed_ = false;
     std::unique_ptr<CoarseCounts> coarse_; ///< then nothing goes into what follows but the measures
-    std::vector<EulerChange> euler_;
+    IsovalueSums<EulerChange> euler_;
     SideGraph above_{Side::Above}, below_{Side::Below};
     DomainBoundary boundary_;
     MeasureSums measures_;

@@ -18,7 +18,7 @@ EventPages pagesOf(const std::vector<TopologyEvent>& events) {
 } // namespace
 
 TopologyCurve::TopologyCurve(EventPages events, MeasureCurves curves, bool areCountsExact, bool hasEvents)
-    : body_(events.body()) {
+    : body_(std::move(events).takeBody()) {
     areCountsExact_ = areCountsExact;
     hasEvents_ = hasEvents;
     pages_ = events.pages();

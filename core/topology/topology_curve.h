@@ -22,6 +22,8 @@ public:
     /// Microseconds.
     SurfaceCounts countsAt(double isovalue) const;
 
+    /// All pages one after the other.
+    const std::vector<std::byte>& body() const { return body_; }
     Result<std::vector<std::byte>> bytesOf(const EventPage& page) const override;
 
 private:

@@ -1,9 +1,9 @@
 #include "core/topology/topology_forecast.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
+#include "core/topology/analysis/distinct_growth.h"
 #include "core/topology/analysis/layer_euler.h"
 #include "core/topology/analysis/spread_cubes.h"
 
@@ -36,7 +36,7 @@ public:
         below.flood(window);
         std::vector<double> found;
         for (const EulerChange& change : findLayerChanges(window, above, below).euler) {
-            const auto point = static_cast<std::int64_t>(change.cause.point());
+            const auto point = static_cast<std::int64_t>(change.cause().point());
             const std::array<std::int64_t, 3> at{point % cube_[0], point / cube_[0] % cube_[1],
                                                  point / (cube_[0] * cube_[1])};
             bool isOwn = true;
@@ -53,38 +53,6 @@ private:
     std::array<std::int64_t, 3> begin_{}, end_{};
 };
 
-// Of some of the cubes: every `step`-th, from `first` on.
-double distinctIn(const std::vector<std::vector<double>>& cubes, std::size_t first, std::size_t step) {
-    std::vector<double> all;
-    for (std::size_t i = first; i < cubes.size(); i += step)
-        all.insert(all.end(), cubes[i].begin(), cubes[i].end());
-    std::sort(all.begin(), all.end());
-    return static_cast<double>(std::unique(all.begin(), all.end()) - all.begin());
-}
-
-double meanDistinctIn(const std::vector<std::vector<double>>& cubes, std::size_t step) {
-    double sum = 0.0;
-    for (std::size_t first = 0; first < step; ++first)
-        sum += distinctIn(cubes, first, step);
-    return sum / static_cast<double>(step);
-}
-
-// Events at one isovalue are one. So twice the volume has less than twice the events where values repeat: by how much
-// is seen where a quarter, half and all of the cubes are compared, and goes on like that.
-double extrapolated(const std::vector<std::vector<double>>& cubes, double factor) {
-    const double quarter = meanDistinctIn(cubes, 4), half = meanDistinctIn(cubes, 2), all = meanDistinctIn(cubes, 1);
-    if (!(quarter > 0.0))
-        return factor * all;
-    const double before = std::log2(half / quarter), now = std::log2(all / half);
-    const double slowing = before > 0.0 ? std::sqrt(std::clamp(now / before, 0.25, 1.0)) : 1.0;
-    double exponent = 0.0, growth = std::clamp(now, 0.0, 1.0), doublings = std::log2(std::max(1.0, factor));
-    for (; doublings > 0.0; doublings -= 1.0) {
-        growth *= slowing;
-        exponent += growth * std::min(doublings, 1.0);
-    }
-    return all * std::exp2(exponent);
-}
-
 template <class Sample>
 Result<std::uint64_t> forecast(const PlaneSource& source, const JobControl& job) {
     const GridDims& dims = source.geometry.dims;
@@ -100,7 +68,7 @@ Result<std::uint64_t> forecast(const PlaneSource& source, const JobControl& job)
                                }));
     if (!(seen > 0.0))
         return std::uint64_t{0};
-    const double events = extrapolated(cubes, static_cast<double>(pointCount(dims)) / seen);
+    const double events = distinctInAll(cubes, static_cast<double>(pointCount(dims)) / seen);
     return static_cast<std::uint64_t>(kCurvesBytes +
                                       events * (sizeof(Sample) > 2 ? kBytesPerPreciseEvent : kBytesPerEvent));
 }

@@ -379,7 +379,7 @@ TEST_F(StoredTopologyTest, DamagedIsMadeAgain) {
 
 // Counts without events were stored where memory was scarce.
 TEST_F(StoredTopologyTest, EventsAreAddedWhereThereIsMemory) {
-    const auto grid = noise({20, 20, 20}, ScalarType::U8, 5);
+    const auto grid = noise({20, 20, 60}, ScalarType::F32, 5);
     build(grid);
     AnalysisOptions little;
     little.memoryBytes = 9 << 17;

@@ -145,7 +145,7 @@ void CoarseCounts::add(const LayerComponents& above, const LayerComponents& belo
     isManifold_ = isManifold_ && boundary.isManifold;
     for (const EulerChange& change : changes.euler) {
         const auto next = std::upper_bound(isovalues_.begin(), isovalues_.end(), change.isovalue);
-        euler_[static_cast<std::size_t>(next - isovalues_.begin())] += change.euler;
+        euler_[static_cast<std::size_t>(next - isovalues_.begin())] += change.euler();
     }
 }
 

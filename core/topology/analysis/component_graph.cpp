@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/disjoint_sets.h"
+#include "core/topology/analysis/isovalue_sums.h"
 
 namespace isoslider::topology {
 namespace {
@@ -18,32 +19,6 @@ constexpr double kNoIsovalue = std::numeric_limits<double>::quiet_NaN();
 double earlier(Side side, double a, double b) { return std::isnan(a) || comesEarlier(side, b, a) ? b : a; }
 bool hasCome(Side side, double isovalue, double now) {
     return !std::isnan(isovalue) && !comesEarlier(side, now, isovalue);
-}
-
-// Those of one isovalue become one or two: of grid points and of saddles. REQUIRES: in the order of isovalues,
-// whichever.
-void sumUp(std::vector<ComponentChange>& changes) {
-    std::size_t kept = 0;
-    for (std::size_t first = 0, next = 0; first < changes.size(); first = next) {
-        std::array<ComponentChange, 2> sums{};
-        for (; next < changes.size() && changes[next].isovalue == changes[first].isovalue; ++next) {
-            const ComponentChange& change = changes[next];
-            ComponentChange& sum = sums[change.cause.isVertex() ? 1 : 0];
-            const bool isLonger =
-                change.persistence != sum.persistence ? change.persistence > sum.persistence : change.cause < sum.cause;
-            if (sum.count == 0 || isLonger) {
-                sum.isovalue = change.isovalue;
-                sum.persistence = change.persistence;
-                sum.cause = change.cause;
-            }
-            sum.count += change.count;
-            sum.closed += change.closed;
-        }
-        for (const ComponentChange& sum : sums)
-            if (sum.count > 0)
-                changes[kept++] = sum;
-    }
-    changes.resize(kept);
 }
 
 } // namespace
@@ -183,6 +158,7 @@ void finishComponents(ComponentGraph graph, double span, ComponentHistory& histo
         if (!std::isnan(seed.reachesBoundary))
             history.reached.push_back({seed.reachesBoundary, 1});
     }
+    order.sort(history.births);
 }
 
 } // namespace isoslider::topology

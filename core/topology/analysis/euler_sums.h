@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -8,6 +8,7 @@
 
 #include "core/grid/scalar_type.h"
 #include "core/topology/analysis/isovalue_order.h"
+#include "core/topology/analysis/isovalue_sums.h"
 #include "core/topology/analysis/packed_cause.h"
 
 namespace isoslider::topology {
@@ -42,30 +43,14 @@ public:
     /// Ascending; of one isovalue at most one of samples and one of saddles.
     std::vector<EulerChange> take() {
         for (std::size_t i = 0; i < bins_.size(); ++i)
-            if (bins_[i].euler != 0)
-                changes_.push_back({static_cast<double>(static_cast<std::int64_t>(i) + kLeast),
-                                    Cause::vertex(bins_[i].point), static_cast<std::int32_t>(bins_[i].euler)});
-        IsovalueOrder().sort(changes_);
-        std::size_t kept = 0;
-        for (std::size_t first = 0, next = 0; first < changes_.size(); first = next) {
-            std::array<EulerChange, 2> sums{}; // of saddles, of samples; causes of the largest, of equal ones the first
-            std::array<std::int32_t, 2> largest{};
-            const double isovalue = changes_[first].isovalue;
-            for (; next < changes_.size() && changes_[next].isovalue == isovalue; ++next) {
-                const EulerChange& change = changes_[next];
-                const std::size_t kind = change.cause.isVertex() ? 1 : 0;
-                const std::int32_t size = std::abs(change.euler);
-                if (size > largest[kind] || (size == largest[kind] && change.cause < sums[kind].cause)) {
-                    largest[kind] = size;
-                    sums[kind].cause = change.cause;
-                }
-                sums[kind].euler += change.euler;
+            for (std::int64_t rest = bins_[i].euler; rest != 0;) {
+                const std::int64_t part = std::clamp(rest, -EulerChange::kMost, EulerChange::kMost);
+                changes_.push_back(
+                    {static_cast<double>(static_cast<std::int64_t>(i) + kLeast), Cause::vertex(bins_[i].point), part});
+                rest -= part;
             }
-            for (const EulerChange& sum : sums)
-                if (sum.euler != 0)
-                    changes_[kept++] = {isovalue, sum.cause, sum.euler};
-        }
-        changes_.resize(kept);
+        IsovalueOrder().sort(changes_);
+        sumUp(changes_);
         changes_.shrink_to_fit();
         return std::move(changes_);
     }

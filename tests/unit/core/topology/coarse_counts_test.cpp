@@ -17,7 +17,7 @@ namespace {
 using test::HasError;
 using test::IsOk;
 
-constexpr std::uint64_t kLittleMemory = 9 << 20;
+constexpr std::uint64_t kLittleMemory = 7 << 20;
 
 template <class Sample, class Draw>
 ScalarGrid gridOf(const GridDims& dims, ScalarType type, const Draw& draw) {

@@ -1,0 +1,63 @@
+#include "core/topology/analysis/isovalue_sums.h"
+
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+
+namespace isoslider::topology {
+
+void sumUp(std::vector<ComponentChange>& changes) {
+    std::size_t kept = 0;
+    for (std::size_t first = 0, next = 0; first < changes.size(); first = next) {
+        std::array<ComponentChange, 2> sums{};
+        for (; next < changes.size() && changes[next].isovalue == changes[first].isovalue; ++next) {
+            const ComponentChange& change = changes[next];
+            ComponentChange& sum = sums[change.cause.isVertex() ? 1 : 0];
+            const bool isLonger =
+                change.persistence != sum.persistence ? change.persistence > sum.persistence : change.cause < sum.cause;
+            if (sum.count == 0 || isLonger) {
+                sum.isovalue = change.isovalue;
+                sum.persistence = change.persistence;
+                sum.cause = change.cause;
+            }
+            sum.count += change.count;
+            sum.closed += change.closed;
+        }
+        for (const ComponentChange& sum : sums)
+            if (sum.count > 0)
+                changes[kept++] = sum;
+    }
+    changes.resize(kept);
+}
+
+void sumUp(std::vector<EulerChange>& changes) {
+    struct Sum {
+        std::int64_t euler = 0, largest = 0;
+        Cause cause; // of the largest, of equal ones the first
+    };
+    std::size_t kept = 0;
+    for (std::size_t first = 0, next = 0; first < changes.size(); first = next) {
+        std::array<Sum, 2> sums{}; // of saddles, of grid points
+        const double isovalue = changes[first].isovalue;
+        for (; next < changes.size() && changes[next].isovalue == isovalue; ++next) {
+            const std::int64_t euler = changes[next].euler(), size = std::abs(euler);
+            const Cause cause = changes[next].cause();
+            Sum& sum = sums[cause.isVertex() ? 1 : 0];
+            if (size > sum.largest || (size == sum.largest && cause < sum.cause)) {
+                sum.largest = size;
+                sum.cause = cause;
+            }
+            sum.euler += euler;
+        }
+        // Parts of a large one are as many at most as came: none of these was larger than a part.
+        for (Sum& sum : sums)
+            while (sum.euler != 0) {
+                const std::int64_t part = std::clamp(sum.euler, -EulerChange::kMost, EulerChange::kMost);
+                changes[kept++] = {isovalue, sum.cause, part};
+                sum.euler -= part;
+            }
+    }
+    changes.resize(kept);
+}
+
+} // namespace isoslider::topology

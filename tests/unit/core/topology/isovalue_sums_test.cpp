@@ -1,0 +1,113 @@
+// Changes in the order of isovalues, and summed up while they come.
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/topology/analysis/isovalue_order.h"
+#include "core/topology/analysis/isovalue_sums.h"
+
+namespace isoslider::topology {
+namespace {
+
+struct Item {
+    double isovalue;
+    int number;
+};
+
+TEST(IsovalueOrder, IsThatOfAStableSort) {
+    std::mt19937_64 random(1);
+    IsovalueOrder order;
+    for (const std::size_t count : {0u, 1u, 17u, 255u, 256u, 5000u, 1000u}) // the memory of a longer one is used again
+        for (const int kind : {0, 1, 2, 3}) {
+            std::vector<Item> items;
+            for (std::size_t i = 0; i < count; ++i) {
+                const double any = std::bit_cast<double>(random());
+                const double value = kind == 0            ? 7.5
+                                     : kind == 1          ? static_cast<double>(random() % 20) - 10.0
+                                     : kind == 2          ? static_cast<double>(static_cast<std::int64_t>(random()))
+                                     : std::isfinite(any) ? any
+                                                          : std::numeric_limits<double>::lowest();
+                items.push_back({i % 9 == 8 ? -0.0 * value : value, static_cast<int>(i)});
+            }
+            std::vector<Item> expected = items;
+            std::stable_sort(expected.begin(), expected.end(),
+                             [](const Item& a, const Item& b) { return a.isovalue < b.isovalue; });
+            const auto places = order.of(items);
+            ASSERT_EQ(places.size(), items.size());
+            for (std::size_t i = 0; i < count; ++i)
+                ASSERT_EQ(items[places[i]].number, expected[i].number) << kind << ", " << i << " of " << count;
+            order.sort(items);
+            for (std::size_t i = 0; i < count; ++i)
+                ASSERT_EQ(items[i].number, expected[i].number);
+        }
+}
+
+TEST(IsovalueSums, AddUpChangesOfTheEulerNumberPartByPart) {
+    std::mt19937 random(2);
+    IsovalueSums<EulerChange> sums;
+    std::map<std::pair<double, bool>, std::int64_t> expected;
+    for (int part = 0; part < 50; ++part) {
+        std::vector<EulerChange> changes;
+        for (int i = 0; i < 3000; ++i) {
+            const double isovalue = static_cast<double>(random() % 4000) / 8.0 - 100.0;
+            const bool isVertex = random() % 2 == 0;
+            const Point point = random();
+            const auto euler = static_cast<std::int64_t>(random() % 5) - 2;
+            if (euler == 0)
+                continue;
+            changes.emplace_back(isovalue, isVertex ? Cause::vertex(point) : Cause::saddle(point, 3), euler);
+            expected[{isovalue, isVertex}] += euler;
+        }
+        sums.add(changes);
+        EXPECT_LE(sums.count(), 8000u + 8000u / 3 + (1u << 15) + 3000u) << "not all that came";
+    }
+    std::vector<EulerChange> found = sums.take();
+    std::erase_if(expected, [](const auto& each) { return each.second == 0; });
+    ASSERT_EQ(found.size(), expected.size());
+    EXPECT_TRUE(std::is_sorted(found.begin(), found.end(),
+                               [](const EulerChange& a, const EulerChange& b) { return a.isovalue < b.isovalue; }));
+    for (const EulerChange& change : found)
+        EXPECT_EQ(change.euler(), (expected[{change.isovalue, change.cause().isVertex()}])) << change.isovalue;
+}
+
+TEST(IsovalueSums, KeepLargeChangesInParts) {
+    std::vector<EulerChange> changes(5, EulerChange(1.0, Cause::vertex(77), -EulerChange::kMost));
+    changes.emplace_back(1.0, Cause::saddle(5, 1), 3);
+    changes.emplace_back(2.0, Cause::vertex(77), EulerChange::kMost);
+    sumUp(changes);
+    std::map<std::pair<double, bool>, std::int64_t> found;
+    for (const EulerChange& change : changes)
+        found[{change.isovalue, change.cause().isVertex()}] += change.euler();
+    EXPECT_EQ(found,
+              (std::map<std::pair<double, bool>, std::int64_t>{
+                  {{1.0, true}, -5 * EulerChange::kMost}, {{1.0, false}, 3}, {{2.0, true}, EulerChange::kMost}}));
+    EXPECT_EQ(changes.front().cause(), Cause::saddle(5, 1));
+    EXPECT_EQ(changes.back().cause(), Cause::vertex(77));
+}
+
+TEST(IsovalueSums, NameThePieceThatLastsLongest) {
+    std::vector<ComponentChange> changes{{1.0, 2.0, Cause::vertex(4), 1, 0},
+                                         {1.0, 5.0, Cause::vertex(9), 2, 1},
+                                         {1.0, 9.0, Cause::saddle(1, 2), 1, 1},
+                                         {1.0, 5.0, Cause::vertex(3), 1, 1},
+                                         {3.0, 1.0, Cause::vertex(2), 1, 0}};
+    sumUp(changes);
+    ASSERT_EQ(changes.size(), 3u);
+    EXPECT_EQ(changes[0].cause, Cause::saddle(1, 2));
+    EXPECT_EQ(changes[1].cause, Cause::vertex(3)) << "of two that last as long the first";
+    EXPECT_EQ(changes[1].persistence, 5.0);
+    EXPECT_EQ(changes[1].count, 4u);
+    EXPECT_EQ(changes[1].closed, 2u);
+    EXPECT_EQ(changes[2].isovalue, 3.0);
+}
+
+} // namespace
+} // namespace isoslider::topology
