@@ -13,6 +13,7 @@ struct BodySaddle {
     double isovalue = 0.0; ///< the last double up to its value
     bool isOfAbove = false; ///< up to it a tunnel joins what is above; else beyond it one joins what is below
     std::array<std::uint8_t, 2> corners{}; ///< that are joined
+    bool isOnFace = false; ///< then what it joins is joined across the face, and it only counts
 
     /// Where the isovalue rises beyond it a tube is parted in two, or two sheets become a tube.
     int euler() const { return isOfAbove ? 2 : -2; }
@@ -37,11 +38,14 @@ public:
 
 private:
     bool findFace(const cell::CornerScalars& scalars, std::size_t face);
-    bool findFlatFace(const std::array<double, 4>& at, const std::array<double, 4>& inwards, std::size_t face);
+    bool findFlatFace(const cell::CornerScalars& scalars, std::size_t face);
     bool findInner(const cell::CornerScalars& scalars);
+    bool findOnlyInner(const cell::CornerScalars& scalars);
+    /// `mixed`: along each axis the mixed derivative of the two others.
+    void addInner(const cell::CornerScalars& scalars, BodySaddle saddle, const std::array<double, 3>& mixed);
 
     std::array<std::int8_t, 6> euler_{};
-    unsigned flatFaces_ = 0; ///< bit f: a critical point lies on face f, and is taken for one outside
+    bool isMoved_ = false; ///< a critical point lies on a face
     std::array<BodySaddle, 2> inner_{};
     std::size_t innerCount_ = 0;
 };

@@ -221,7 +221,7 @@ private:
         addEuler(saddle.isovalue, -1, saddle.euler());
         LayerSide& side = saddle.isOfAbove ? above_ : below_;
         const std::int64_t a = corners_[saddle.corners[0]], b = corners_[saddle.corners[1]];
-        if (side.areApart(a, b))
+        if (!saddle.isOnFace && side.areApart(a, b))
             side.join(saddle.isovalue, causeAt(saddle.isovalue, -1), a, b);
     }
 
