@@ -103,11 +103,15 @@ std::vector<std::uint32_t> settleComponents(ComponentGraph& graph, std::vector<d
         }
         opens[elder] = earlier(side, opens[elder], opens[younger]);
     };
+    // Links lie far apart in this order.
     const std::span<const std::uint32_t> places = order.of(links);
-    if (side == Side::Above)
-        std::for_each(places.rbegin(), places.rend(), meet);
-    else
-        std::for_each(places.begin(), places.end(), meet);
+    constexpr std::size_t kAhead = 12;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const auto at = [&](std::size_t k) { return side == Side::Above ? places[places.size() - 1 - k] : places[k]; };
+        if (i + kAhead < places.size())
+            __builtin_prefetch(&links[at(i + kAhead)]);
+        meet(at(i));
+    }
     links.assign(left.begin(), left.end());
 
     // Seeds that stay are numbered again. A seed that is settled became part of an elder one.
