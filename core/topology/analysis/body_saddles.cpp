@@ -302,7 +302,7 @@ bool CellSaddles::findInner(const CornerScalars& scalars) {
         for (long double& each : at)
             each *= side;
         BodySaddle saddle;
-        saddle.isOnFace = on != 0;
+        saddle.face = static_cast<std::int8_t>(on != 0 ? std::countr_zero(on) : -1);
         saddle.isovalue = on == 0 ? valueAt(scalars, fine, at) : valueOnFaces(scalars, fine, at, on);
         if (std::isnan(saddle.isovalue))
             return false;

@@ -13,7 +13,7 @@ struct BodySaddle {
     double isovalue = 0.0; ///< the last double up to its value
     bool isOfAbove = false; ///< up to it a tunnel joins what is above; else beyond it one joins what is below
     std::array<std::uint8_t, 2> corners{}; ///< that are joined
-    bool isOnFace = false; ///< then what it joins is joined across the face, and it only counts
+    std::int8_t face = -1; ///< that it lies on: then what it joins is joined across the face, and it only counts
 
     /// Where the isovalue rises beyond it a tube is parted in two, or two sheets become a tube.
     int euler() const { return isOfAbove ? 2 : -2; }

@@ -218,10 +218,10 @@ private:
     }
 
     void addInner(const BodySaddle& saddle) {
-        addEuler(saddle.isovalue, -1, saddle.euler());
+        addEuler(saddle.isovalue, saddle.face, saddle.euler());
         LayerSide& side = saddle.isOfAbove ? above_ : below_;
         const std::int64_t a = corners_[saddle.corners[0]], b = corners_[saddle.corners[1]];
-        if (!saddle.isOnFace && side.areApart(a, b))
+        if (saddle.face < 0 && side.areApart(a, b))
             side.join(saddle.isovalue, causeAt(saddle.isovalue, -1), a, b);
     }
 

@@ -98,7 +98,7 @@ Changes byDerivatives(const cell::CornerScalars& scalars, const CellSaddles& sad
     }
     for (const BodySaddle& saddle : saddles.inner()) {
         add(changes.euler, saddle.isovalue, saddle.euler());
-        if (!saddle.isOnFace)
+        if (saddle.face < 0)
             changes.inner.insert({saddle.isovalue, saddle.isOfAbove, {saddle.corners[0], saddle.corners[1]}});
     }
     return changes;
