@@ -51,8 +51,8 @@ TEST_P(CurvesShared, AreWithinHalfAPercent) {
 INSTANTIATE_TEST_SUITE_P(Volumes, CurvesShared,
                          testing::Values("mhd/cranium.mhd", "density/JMJD2DA-x336_event2.ccp4.gz",
                                          "plot3d/bluntfinxyz.bin"),
-                         [](const auto& info) {
-                             const std::string name = std::filesystem::path(info.param).stem().string();
+                         [](const auto& parameter) {
+                             const std::string name = std::filesystem::path(parameter.param).stem().string();
                              return name.substr(0, name.find_first_of("-."));
                          });
 

@@ -140,17 +140,17 @@ TEST(CellSaddles, AreThoseOfTheStates) {
     EXPECT_GT(floats.certain, 58000);
     std::normal_distribution<double> noise(-1000.0, 20.0);
     const auto scan = expectTheSame("a scan's noise", 60000, [&] { return std::round(noise(random)); });
-    EXPECT_GT(scan.certain, 55000);
+    EXPECT_GT(scan.certain, 59900);
     EXPECT_GT(scan.inner, 5000);
 }
 
-// Equal corners, and critical points that lie on faces: much is left to the states, the rest must be as they are.
+// Equal corners, and critical points that lie on faces: little is left to the states, the rest must be as they are.
 TEST(CellSaddles, AreThoseOfTheStatesAmongTies) {
     std::mt19937_64 random(12);
     for (const int most : {1, 2, 3, 5, 9}) {
         std::uniform_int_distribution<int> integers(0, most);
         const auto tally = expectTheSame("integers", 40000, [&] { return integers(random); });
-        EXPECT_GT(tally.certain, most == 1 ? 2000 : 8000) << most;
+        EXPECT_GT(tally.certain, most == 1 ? 30000 : 34000) << most;
         EXPECT_LT(tally.certain, 40000) << most;
     }
 }
