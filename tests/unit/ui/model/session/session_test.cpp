@@ -271,7 +271,8 @@ TEST_F(SessionTest, EventsAreAddedToAnIndexThatHasCountsOnly) {
     {
         const auto reader = index::IndexReader::open(request.path);
         ASSERT_TRUE(reader.isOk());
-        const topology::TopologyCurve counts(topology::EventPages(), {}, true, false); // as a build with little memory leaves it
+        const topology::TopologyCurve counts(topology::EventPages(), {}, true,
+                                             false); // as a build with little memory leaves it
         ASSERT_TRUE(topology::storeTopology(*reader.value(), counts).isOk());
     }
     session_->open(request);
