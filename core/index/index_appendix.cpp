@@ -130,8 +130,8 @@ Result<AppendixState> appendixState(const std::filesystem::path& path, FileSyste
     return isUnfinished ? AppendixState::Unfinished : AppendixState::Damaged;
 }
 
-Status writeAppendix(const IndexReader& reader, std::span<const std::byte> body, std::span<const std::byte> directory,
-                     bool replaces, FileSystem& fileSystem) {
+Status writeAppendix(const IndexReader& reader, std::span<const std::vector<std::byte>> parts,
+                     std::span<const std::byte> directory, bool replaces, FileSystem& fileSystem) {
     const std::filesystem::path path = reader.pathString();
     const std::uint64_t start = reader.info().indexBytes;
     auto file = fileSystem.extend(path, reader.preambleBytes(), start);
@@ -145,11 +145,15 @@ Status writeAppendix(const IndexReader& reader, std::span<const std::byte> body,
         ISO_TRY(out.cut(start));
         // The header comes last: without it there is no appendix.
         ISO_TRY(out.writeAll(std::vector<std::byte>(kHeaderBytes)));
-        ISO_TRY(out.writeAll(body));
+        std::uint64_t bodyBytes = 0;
+        for (const std::vector<std::byte>& part : parts) {
+            ISO_TRY(out.writeAll(part));
+            bodyBytes += part.size();
+        }
         ISO_TRY(out.writeAll(directory));
         ISO_TRY(out.sync());
         const auto checksum = loadLittle<std::uint64_t>(reader.preambleBytes().data() + kPreambleBytes - 8);
-        ISO_TRY(out.writeAt(start, encode({checksum, body.size(), directory.size(), metaChecksum(directory)})));
+        ISO_TRY(out.writeAt(start, encode({checksum, bodyBytes, directory.size(), metaChecksum(directory)})));
         return out.sync();
     };
     Status status = write();

@@ -38,11 +38,12 @@ enum class AppendixState {
 /// Errors: those of readAppendix.
 Result<AppendixState> appendixState(const std::filesystem::path& index, FileSystem& fileSystem = defaultFileSystem());
 
-/// Adds one to the index that `reader` has open, and to no other: by then another may have its name. It counts once all
+/// Adds one to the index that `reader` has open, and to no other: by then another may have its name. Its body is in
+/// `parts`, one after the other. It counts once all
 /// is on the disk; a whole one that is there already stays, unless `replaces`. On failure the file is as it was before
 /// anything was added. Errors: OutOfSpace, IoError, InvalidArgument (another program writes the index, or has replaced
 /// it).
-Status writeAppendix(const IndexReader& reader, std::span<const std::byte> body, std::span<const std::byte> directory,
-                     bool replaces, FileSystem& fileSystem = defaultFileSystem());
+Status writeAppendix(const IndexReader& reader, std::span<const std::vector<std::byte>> parts,
+                     std::span<const std::byte> directory, bool replaces, FileSystem& fileSystem = defaultFileSystem());
 
 } // namespace isoslider::index

@@ -171,13 +171,12 @@ private:
 } // namespace
 
 EventPages assembleEvents(EventParts parts, const GridDims& dims) {
-    EventPages events;
+    EventCoder coder;
     Assembly(parts).walk([&](TopologyEvent& event, const Place& place) {
         place.describe(dims, event);
-        events.add(event);
+        coder.add(event);
     });
-    events.finish();
-    return events;
+    return coder.take();
 }
 
 } // namespace isoslider::topology

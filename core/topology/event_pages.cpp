@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "core/grid/scalar_key.h"
 #include "core/index/format/byte_planes.h"
@@ -99,24 +100,31 @@ Result<std::vector<TopologyEvent>> decodeEvents(const EventPage& page, std::span
     return events;
 }
 
-void EventPages::add(const TopologyEvent& event) {
+void EventCoder::add(const TopologyEvent& event) {
     events_.push_back(event);
     if (events_.size() == EventPage::kMostEvents)
-        finish();
+        endPage();
 }
 
-void EventPages::finish() {
+EventPages EventCoder::take() {
+    endPage();
+    offset_ = 0;
+    return std::exchange(found_, {});
+}
+
+void EventCoder::endPage() {
     if (events_.empty())
         return;
     EventPage page;
     page.firstIsovalue = events_.front().isovalue;
     page.before = events_.front().below;
     page.events = static_cast<std::uint32_t>(events_.size());
-    const std::vector<std::byte> bytes = encodePage(events_);
-    page.offset = body_.size();
-    page.bytes = static_cast<std::uint32_t>(bytes.size());
-    body_.insert(body_.end(), bytes.begin(), bytes.end());
-    pages_.push_back(page);
+    found_.bytes.push_back(encodePage(events_));
+    found_.bytes.back().shrink_to_fit();
+    page.offset = offset_;
+    page.bytes = static_cast<std::uint32_t>(found_.bytes.back().size());
+    offset_ += page.bytes;
+    found_.pages.push_back(page);
     events_.clear();
 }
 

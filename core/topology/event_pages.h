@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -24,22 +23,25 @@ struct EventPage {
 
 /// Events in pages of a thousand, by columns of bytes: some 13 bytes each, a tenth of what they take otherwise.
 /// FORMAT.md, "Topology".
-class EventPages {
+struct EventPages {
+    std::vector<EventPage> pages;
+    std::vector<std::vector<std::byte>> bytes; ///< of each page: in one piece they would be held twice when it grows
+};
+
+class EventCoder {
 public:
     /// REQUIRES: isovalues ascend; each begins with the counts that the one before it ends with. Positions are kept to
     /// half a grid step.
     void add(const TopologyEvent& event);
-    /// After the last.
-    void finish();
-
-    const std::vector<EventPage>& pages() const { return pages_; }
-    /// All pages one after the other.
-    std::vector<std::byte> takeBody() && { return std::move(body_); }
+    /// All that were added.
+    EventPages take();
 
 private:
+    void endPage();
+
     std::vector<TopologyEvent> events_; ///< of the page to come
-    std::vector<EventPage> pages_;
-    std::vector<std::byte> body_;
+    EventPages found_;
+    std::uint64_t offset_ = 0; ///< of the page to come
 };
 
 /// The events of a page. `path` is named in errors. Errors: Corruption.

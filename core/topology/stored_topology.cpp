@@ -110,11 +110,11 @@ Status storeTopology(const index::IndexReader& index, const TopologyCurve& summa
     out.put<std::uint32_t>(summary.hasEvents() ? kKindOfEvents : kKindOfCounts);
     out.put<std::uint8_t>(summary.areCountsExact() ? 1 : 0);
     out.put<std::uint64_t>(summary.pages().size());
-    for (const EventPage& page : summary.pages()) {
+    for (std::size_t i = 0; i < summary.pages().size(); ++i) {
+        const EventPage& page = summary.pages()[i];
         out.put<double>(page.firstIsovalue);
         out.put<std::uint64_t>(page.offset);
-        out.put<std::uint64_t>(
-            index::pageChecksum(std::span(summary.body()).subspan(page.offset, page.bytes), 0, page.offset));
+        out.put<std::uint64_t>(index::pageChecksum(summary.bytes()[i], 0, page.offset));
         out.put<std::uint32_t>(page.bytes);
         out.put<std::uint32_t>(page.events);
         put(out, page.before);
@@ -127,7 +127,7 @@ Status storeTopology(const index::IndexReader& index, const TopologyCurve& summa
         for (const double measure : {at.area, at.volume, at.triangles, at.gradient})
             out.put<double>(measure);
     }
-    return index::writeAppendix(index, summary.body(), directory, replaces, fileSystem);
+    return index::writeAppendix(index, summary.bytes(), directory, replaces, fileSystem);
 }
 
 Result<std::shared_ptr<const TopologySummary>> openTopology(const std::filesystem::path& index,

@@ -74,6 +74,10 @@ public:
             seed = seed != kNoSeed ? parts[seed + first] : kNoSeed;
         return {};
     }
+    void reserve(double births, double joins) {
+        births_.reserve(births);
+        joins_.reserve(joins);
+    }
     void countInto(Findings& found) const { found.changes += static_cast<double>(births_.count() + joins_.count()); }
     ComponentHistory finish(double span) {
         ComponentHistory history;
@@ -189,6 +193,12 @@ private:
         constexpr double kUncertainty = 1.25;
         if (isTight && (neededBytes_ > kUncertainty * memory || bytesOfLayer(planesAtOnce_) > memory))
             return tooLarge(neededBytes_);
+        if (isTight && !coarse_) { // grown step by step they would be held twice for a while
+            constexpr double kMore = 1.25; // than expected; those that come and are not summed up yet
+            euler_.reserve(kMore * distinct_[0]);
+            above_.reserve(kMore * distinct_[1], kMore * distinct_[2]);
+            below_.reserve(kMore * distinct_[3], kMore * distinct_[4]);
+        }
         // A layer for each thread, and one that is read or put together; fewer where memory is scarce.
         const double most = 1.0 + tbb::this_task_arena::max_concurrency();
         layersAtOnce_ = static_cast<std::size_t>(std::clamp(room / bytesOfLayer(planesAtOnce_), 1.0, most));
@@ -207,13 +217,12 @@ private:
                                    }));
         each = each * (1.0 / static_cast<double>(cells));
         const double points = static_cast<double>(pointCount(dims_));
-        std::array<double, 5> distinct{};
-        tbb::parallel_for(std::size_t{0}, distinct.size(), [&](std::size_t kind) {
-            distinct[kind] = distinctInAll(isovalues[kind], points / static_cast<double>(cells));
+        tbb::parallel_for(std::size_t{0}, distinct_.size(), [&](std::size_t kind) {
+            distinct_[kind] = distinctInAll(isovalues[kind], points / static_cast<double>(cells));
         });
         all = each * points;
-        all.euler = distinct[0];
-        all.changes = distinct[1] + distinct[2] + distinct[3] + distinct[4];
+        all.euler = distinct_[0];
+        all.changes = distinct_[1] + distinct_[2] + distinct_[3] + distinct_[4];
         return {};
     }
 
@@ -420,6 +429,7 @@ private:
     GridDims dims_;
     std::int64_t planesAtOnce_ = 0;
     Findings expected_; ///< of the whole volume, about
+    std::array<double, 5> distinct_{}; ///< of it: isovalues of each kind of changes
     double neededBytes_ = 0.0; ///< likewise
     std::size_t layersAtOnce_ = 1;
     std::int64_t zBegin_ = 0, readEnd_ = 0; ///< of the next layer; planes read so far

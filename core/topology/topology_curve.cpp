@@ -8,20 +8,19 @@ namespace isoslider::topology {
 namespace {
 
 EventPages pagesOf(const std::vector<TopologyEvent>& events) {
-    EventPages pages;
+    EventCoder coder;
     for (const TopologyEvent& event : events)
-        pages.add(event);
-    pages.finish();
-    return pages;
+        coder.add(event);
+    return coder.take();
 }
 
 } // namespace
 
 TopologyCurve::TopologyCurve(EventPages events, MeasureCurves curves, bool areCountsExact, bool hasEvents)
-    : body_(std::move(events).takeBody()) {
+    : bytes_(std::move(events.bytes)) {
     areCountsExact_ = areCountsExact;
     hasEvents_ = hasEvents;
-    pages_ = events.pages();
+    pages_ = std::move(events.pages);
     curves_ = std::move(curves);
 }
 
@@ -42,8 +41,7 @@ std::vector<TopologyEvent> TopologyCurve::events() const {
 SurfaceCounts TopologyCurve::countsAt(double isovalue) const { return at(isovalue).value(); }
 
 Result<std::vector<std::byte>> TopologyCurve::bytesOf(const EventPage& page) const {
-    const auto begin = body_.begin() + static_cast<std::ptrdiff_t>(page.offset);
-    return std::vector<std::byte>(begin, begin + static_cast<std::ptrdiff_t>(page.bytes));
+    return bytes_[static_cast<std::size_t>(&page - pages_.data())];
 }
 
 } // namespace isoslider::topology

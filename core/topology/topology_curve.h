@@ -11,9 +11,8 @@ namespace isoslider::topology {
 class TopologyCurve final : public PagedTopology {
 public:
     TopologyCurve() = default;
-    /// REQUIRES: finish() was called.
     TopologyCurve(EventPages events, MeasureCurves curves, bool areCountsExact, bool hasEvents = true);
-    /// REQUIRES: what EventPages::add does.
+    /// REQUIRES: what EventCoder::add does.
     TopologyCurve(const std::vector<TopologyEvent>& events, MeasureCurves curves, bool areCountsExact,
                   bool hasEvents = true);
 
@@ -22,12 +21,12 @@ public:
     /// Microseconds.
     SurfaceCounts countsAt(double isovalue) const;
 
-    /// All pages one after the other.
-    const std::vector<std::byte>& body() const { return body_; }
+    /// The bytes of each page.
+    const std::vector<std::vector<std::byte>>& bytes() const { return bytes_; }
     Result<std::vector<std::byte>> bytesOf(const EventPage& page) const override;
 
 private:
-    std::vector<std::byte> body_;
+    std::vector<std::vector<std::byte>> bytes_; ///< of each page
 };
 
 } // namespace isoslider::topology

@@ -198,7 +198,7 @@ TEST_F(StoredTopologyTest, OfCountsWithoutEventsHasNone) {
 TEST_F(StoredTopologyTest, IsRefusedOnePastItsLimits) {
     build(noise({5, 5, 5}, ScalarType::U8, 1));
     constexpr std::uint32_t kMostBytes = 1u << 20, kMostEvents = 1024;
-    const std::vector<std::byte> body(kMostBytes + 1);
+    const std::vector<std::vector<std::byte>> body{std::vector<std::byte>(kMostBytes + 1)};
     const auto open = [&](std::uint32_t pageBytes, std::uint32_t events) {
         EXPECT_THAT(index::writeAppendix(*reader(), body, directoryOf(pageBytes, events), true), IsOk());
         return openTopology(path_);

@@ -35,7 +35,7 @@ inline double coarseBytes(double planeSamples, const Findings& found) {
 /// Bytes at most from when all layers are put together until their events are stored. An upper bound where every change
 /// is an event, as in noise.
 inline double assemblyBytes(const Findings& found) {
-    constexpr double kCoded = 60.0; // of an event, in vectors that grow
+    constexpr double kCoded = 30.0; // of an event, at most
     return 1.25 * found.keptBytes() + 3.0 * found.boundaryBytes + kCoded * found.euler;
 }
 

@@ -22,6 +22,8 @@ void sumUp(std::vector<EulerChange>& changes); // more where they are large
 template <class Change>
 class IsovalueSums {
 public:
+    /// Room for so many isovalues: a vector that grows is held twice for a while.
+    void reserve(double count) { sorted_.reserve(static_cast<std::size_t>(count)); }
     /// In any order.
     void add(const std::vector<Change>& changes) {
         recent_.insert(recent_.end(), changes.begin(), changes.end());
