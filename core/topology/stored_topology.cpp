@@ -13,7 +13,7 @@
 namespace isoslider::topology {
 namespace {
 
-// Pages of events; a directory tells where each begins, and the counts there. FORMAT.md, "Topology".
+// Pages of events; a directory states where each begins, and the counts there. FORMAT.md, "Topology".
 constexpr std::uint32_t kKindOfEvents = 1, kKindOfCounts = 2; // of appendix; of the latter pages hold steps of counts
 constexpr std::size_t kMostPageBytes = std::size_t{1} << 20;
 

@@ -23,12 +23,11 @@ inline constexpr Neighbours kAllNeighbours = (1u << 18) - 1;
 /// is said of neighbours outside the planes or the grid means nothing.
 class HigherNeighbours {
 public:
-    /// `planes` of the grid, with `planesBefore` and `planesAfter` them in memory (0 or more). O(points).
+    /// `samples`: of `planes` planes of the grid; whether one more lies before and behind them in memory. O(points).
     template <class Sample>
     void find(const Sample* samples, const GridDims& dims, std::int64_t planes, bool hasPlaneBefore,
               bool hasPlaneAfter);
 
-    std::uint8_t edgesAt(std::int64_t place) const { return parts_[0][static_cast<std::size_t>(place)]; }
     const std::uint8_t* edges() const { return parts_[0].data(); }
     Neighbours at(std::int64_t place) const {
         const auto i = static_cast<std::size_t>(place);

@@ -141,7 +141,7 @@ private:
         const auto count = static_cast<std::uint32_t>(leadsTo_.size());
         for (std::uint32_t at = 0; at < count; ++at)
             leadsTo_[at] = rootOf(at);
-        // Seeds first, by their own places; they then stand for numbers, which are told from places by a bit.
+        // Seeds first, by their own places; then numbers stand there, which have a bit that places have not.
         constexpr std::uint32_t kIsNumber = std::uint32_t{1} << 31;
         seeds_.clear();
         for (std::uint32_t at = 0; at < count; ++at)

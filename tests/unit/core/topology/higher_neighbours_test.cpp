@@ -59,7 +59,7 @@ void expectAll(const GridDims& dims, bool hasBefore, bool hasAfter, int values) 
             for (std::int64_t x = 0; x < dims[0]; ++x) {
                 const std::int64_t at = x + dims[0] * y + plane * z;
                 const Neighbours found = higher.at(at - plane * first);
-                ASSERT_EQ(found & 63, higher.edgesAt(at - plane * first));
+                ASSERT_EQ(found & 63, higher.edges()[at - plane * first]);
                 ASSERT_EQ(found & ~kAllNeighbours, 0u);
                 for (std::size_t n = 0; n < steps.size(); ++n) {
                     const std::array<std::int64_t, 3> to{x + steps[n][0], y + steps[n][1], z + steps[n][2]};
