@@ -157,18 +157,16 @@ double distanceTo(const TopologyEvent& event, const std::array<double, 3>& place
 
 // The only event near an isovalue at which a count changes.
 template <class Change>
-const TopologyEvent& onlyEventNear(const TopologyCurve& curve, double isovalue, double tolerance,
-                                   const Change& change) {
-    static const TopologyEvent kNone;
-    const TopologyEvent* found = &kNone;
+TopologyEvent onlyEventNear(const TopologyCurve& curve, double isovalue, double tolerance, const Change& change) {
+    TopologyEvent found;
     int count = 0;
     for (const TopologyEvent& event : curve.events())
         if (std::abs(event.isovalue - isovalue) < tolerance && change(event)) {
-            found = &event;
+            found = event;
             ++count;
         }
     EXPECT_EQ(count, 1) << "near " << isovalue;
-    return *found;
+    return found;
 }
 bool changesTunnels(const TopologyEvent& event) { return event.below.handles() != event.above.handles(); }
 
