@@ -277,10 +277,15 @@ CellBatches::CellBatches(const MeasurePlan& plan, const GridGeometry& geometry)
             parts_.places[e][axis].fill(static_cast<float>(cell::kCellEdges[e].lowerCorner >> axis & 1));
 }
 
+namespace {
+constexpr double kRanks = 4294967296.0;
+} // namespace
+
 std::uint32_t CellBatches::lastRank(double share) {
-    constexpr double kRanks = 4294967296.0;
     return static_cast<std::uint32_t>(std::min(kRanks - 1.0, share * kRanks));
 }
+
+double CellBatches::weight(double share) { return kRanks / (static_cast<double>(lastRank(share)) + 1.0); }
 
 void CellBatches::add(std::span<const MeasuredCell> cells) { HWY_DYNAMIC_DISPATCH(addCellsHere)(parts_, cells); }
 

@@ -43,6 +43,8 @@ public:
 
     /// A rank is looked at if it is not beyond this; of one isovalue.
     static std::uint32_t lastRank(double share);
+    /// How many cells each of these stands for.
+    static double weight(double share);
 
     /// What waits of one state. Scalars less the isovalue, in units of `scale`, of four corners each.
     struct Batch {

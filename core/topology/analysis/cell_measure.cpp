@@ -10,11 +10,11 @@
 
 namespace isoslider::topology {
 
-CellMeasure::CellMeasure(const GridGeometry& geometry)
-    : toWorld_(geometry.direction *
-               glm::dmat3(geometry.spacing.x, 0, 0, 0, geometry.spacing.y, 0, 0, 0, geometry.spacing.z)),
-      gradientToWorld_(glm::transpose(glm::inverse(toWorld_))),
-      areaToWorld_(glm::determinant(toWorld_) * gradientToWorld_) {
+CellMeasure::CellMeasure(const GridGeometry& geometry) {
+    const glm::dmat3 toWorld =
+        geometry.direction * glm::dmat3(geometry.spacing.x, 0, 0, 0, geometry.spacing.y, 0, 0, 0, geometry.spacing.z);
+    gradientToWorld_ = glm::transpose(glm::inverse(toWorld));
+    areaToWorld_ = glm::determinant(toWorld) * gradientToWorld_;
     for (std::size_t e = 0; e < cell::kCellEdges.size(); ++e) {
         const unsigned corner = cell::kCellEdges[e].lowerCorner;
         places_[e] = {corner & 1, corner >> 1 & 1, corner >> 2 & 1};

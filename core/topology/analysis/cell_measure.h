@@ -27,8 +27,7 @@ public:
     /// O(triangles). REQUIRES: `state` is that of the cell at this isovalue; the surface passes through the cell.
     CellSum at(const cell::CornerScalars& scalars, const cell::CellState& state, double isovalue);
 
-    /// From steps along the grid's axes to lengths; of gradients; of what is normal to an area.
-    const glm::dmat3& toWorld() const { return toWorld_; }
+    /// From steps along the grid's axes to lengths: of gradients; of what is normal to an area.
     const glm::dmat3& gradientToWorld() const { return gradientToWorld_; }
     const glm::dmat3& areaToWorld() const { return areaToWorld_; }
 
@@ -36,7 +35,7 @@ private:
     double areaAboveOnFace(const cell::CellState& state) const;
     void placeInner(const cell::CornerScalars& scalars, const cell::CellState& state, double isovalue);
 
-    glm::dmat3 toWorld_, gradientToWorld_, areaToWorld_;
+    glm::dmat3 gradientToWorld_, areaToWorld_;
     std::array<glm::dvec3, cell::kInnerVertex + cell::kMaxInnerVertices> places_{};
 };
 

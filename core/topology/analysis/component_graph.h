@@ -58,9 +58,6 @@ struct ComponentHistory {
     std::uint64_t lasting = 0; ///< components in the end
 
     void add(const ComponentHistory& other);
-    std::uint64_t sizeBytes() const {
-        return (births.size() + joins.size()) * sizeof(ComponentChange) + reached.size() * sizeof(ClosedChange);
-    }
 };
 
 /// Joins components by the elder rule: the one that came earlier lasts. What is certain by then goes into `history`:

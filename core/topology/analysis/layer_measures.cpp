@@ -154,7 +154,7 @@ MeasureSums measureLayer(const LayerWindow<Sample>& window, const MeasurePlan& p
         }
     const std::vector<BatchSum>& sums = batches.finish();
     for (std::size_t i = 0; i < plan.isovalues.size(); ++i) {
-        const double weight = 4294967296.0 / (static_cast<double>(CellBatches::lastRank(plan.shares[i])) + 1.0);
+        const double weight = CellBatches::weight(plan.shares[i]);
         const BatchSum &rest = sums[2 * i], &usual = sums[2 * i + 1];
         found.sums.push_back({weight * (usual.area + rest.area), weight * (usual.volume + rest.volume),
                               weight * (usual.triangles + rest.triangles), weight * (usual.gradient + rest.gradient),
