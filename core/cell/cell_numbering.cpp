@@ -17,9 +17,6 @@ const std::array<CellEdge, 12> kCellEdges{{{0, 1, 0},
                                            {2, 6, 2},
                                            {3, 7, 2}}};
 
-const std::array<std::array<std::uint8_t, 4>, 6> kFaceCorners{
-    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-
 int edgeBetween(int cornerA, int cornerB) {
     for (int e = 0; e < 12; ++e)
         if ((kCellEdges[e].lowerCorner == cornerA && kCellEdges[e].upperCorner == cornerB) ||

@@ -18,7 +18,8 @@ struct CellEdge {
 extern const std::array<CellEdge, 12> kCellEdges;
 
 /// Faces: x0 x1 y0 y1 z0 z1. Their corners counter-clockwise seen from outside the cell.
-extern const std::array<std::array<std::uint8_t, 4>, 6> kFaceCorners;
+inline constexpr std::array<std::array<std::uint8_t, 4>, 6> kFaceCorners{
+    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
 
 /// The edge between two neighbouring corners.
 int edgeBetween(int cornerA, int cornerB);

@@ -317,6 +317,9 @@ private:
 class StateTable {
 public:
     StateTable() {
+        for (unsigned mask = 0; mask < faces_.packed.size(); ++mask)
+            for (unsigned joined = 0; joined < faces_.packed[mask].size(); ++joined)
+                faces_.packed[mask][joined] = static_cast<std::uint8_t>(packed(mask, joined));
         for (int signs = 0; signs < 256; ++signs)
             addPlain(signs);
         for (int signs = 0; signs < 256; ++signs)
@@ -328,13 +331,7 @@ public:
         }
     }
 
-    struct Faces {
-        std::uint16_t state = 0; ///< without a tunnel; those with one follow it
-        std::uint8_t tunnels = 0; ///< bit 0 Above, bit 1 Below
-    };
-    const Faces& faces(std::uint8_t signs, std::uint8_t joined) const {
-        return faces_[first_[signs] + packed(ambiguous_[signs], joined)];
-    }
+    const FacesStates& faces() const { return faces_; }
     bool isAmbiguous(std::uint8_t signs) const { return isAmbiguous_[signs]; }
     const std::vector<CellState>& states() const { return states_; }
 
@@ -348,11 +345,11 @@ private:
     }
 
     void addPlain(int signs) {
-        ambiguous_[static_cast<std::size_t>(signs)] = ambiguousFaces(static_cast<std::uint8_t>(signs));
+        faces_.ambiguous[static_cast<std::size_t>(signs)] = ambiguousFaces(static_cast<std::uint8_t>(signs));
         const unsigned open = openDiagonals(signs, 0);
         const std::vector<Loop> loops = loopsOf(signs, 0);
         isAmbiguous_[static_cast<std::size_t>(signs)] =
-            ambiguous_[static_cast<std::size_t>(signs)] != 0 ||
+            faces_.ambiguous[static_cast<std::size_t>(signs)] != 0 ||
             (open != 0 && (tunnelLoops(signs, 0, loops, Tunnel::Above).first >= 0 ||
                            tunnelLoops(signs, 0, loops, Tunnel::Below).first >= 0));
         addState(signs, 0, loops, Tunnel::None, 0);
@@ -360,8 +357,8 @@ private:
 
     void addAmbiguous(int signs) {
         const auto at = static_cast<std::size_t>(signs);
-        first_[at] = static_cast<std::uint16_t>(faces_.size());
-        const unsigned mask = ambiguous_[at];
+        faces_.first[at] = static_cast<std::uint16_t>(faces_.states.size());
+        const unsigned mask = faces_.ambiguous[at];
         for (unsigned i = 0; i < 1u << std::popcount(mask); ++i) {
             int joined = 0;
             for (unsigned rest = mask, bit = 0; rest != 0; rest &= rest - 1, ++bit)
@@ -369,13 +366,13 @@ private:
             if (isAmbiguous_[at])
                 addFaces(signs, joined);
             else
-                faces_.push_back({static_cast<std::uint16_t>(signs), 0});
+                faces_.states.push_back({static_cast<StateId>(signs), 0});
         }
     }
 
     void addFaces(int signs, int joined) {
         const std::vector<Loop> loops = loopsOf(signs, joined);
-        Faces faces{static_cast<std::uint16_t>(states_.size()), 0};
+        FacesState faces{static_cast<StateId>(states_.size()), 0}; // those with a tunnel follow
         addState(signs, joined, loops, Tunnel::None, 0);
         const unsigned open = openDiagonals(signs, joined);
         for (const Tunnel tunnel : {Tunnel::Above, Tunnel::Below}) {
@@ -386,7 +383,7 @@ private:
                 if (open >> diagonal & 1)
                     addState(signs, joined, loops, tunnel, diagonal);
         }
-        faces_.push_back(faces);
+        faces_.states.push_back(faces);
     }
 
     void addState(int signs, int joined, const std::vector<Loop>& loops, Tunnel tunnel, int diagonal) {
@@ -449,10 +446,8 @@ private:
         Band(second, ring, state.ring).append(triangles);
     }
 
-    std::array<std::uint8_t, 256> ambiguous_{};
     std::array<bool, 256> isAmbiguous_{};
-    std::array<std::uint16_t, 256> first_{};
-    std::vector<Faces> faces_;
+    FacesStates faces_;
     std::vector<CellState> states_;
     std::vector<std::vector<std::uint8_t>> triangles_;
     std::vector<std::vector<CellCentre>> centres_;
@@ -467,14 +462,16 @@ const StateTable& table() {
 
 std::span<const CellState> cellStates() { return table().states(); }
 
+const FacesStates& facesStates() { return table().faces(); }
+
 unsigned mayHaveTunnel(std::uint8_t signs, std::uint8_t joinedFaces) {
-    return table().faces(signs, joinedFaces).tunnels;
+    return facesStates().of(signs, joinedFaces).tunnels;
 }
 
 bool isAmbiguous(std::uint8_t signs) { return table().isAmbiguous(signs); }
 
 StateId stateOf(std::uint8_t signs, std::uint8_t joinedFaces, Tunnel tunnel, std::uint8_t diagonal) {
-    StateId id = table().faces(signs, joinedFaces).state;
+    StateId id = facesStates().of(signs, joinedFaces).state;
     if (tunnel == Tunnel::None)
         return id;
     const std::vector<CellState>& states = table().states();

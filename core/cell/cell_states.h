@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/cell/trilinear_cell.h"
 
@@ -49,6 +50,25 @@ inline constexpr std::size_t kMaxInnerVertices = 12;
 /// The state of given decisions. REQUIRES: `joinedFaces` within ambiguousFaces(signs); a tunnel only
 /// where mayHaveTunnel() reports it.
 StateId stateOf(std::uint8_t signs, std::uint8_t joinedFaces, Tunnel tunnel = Tunnel::None, std::uint8_t diagonal = 0);
+
+/// What given faces leave: the state without a tunnel, and the tunnels there is room for: bit 0 Above, bit 1 Below.
+struct FacesState {
+    StateId state = 0;
+    std::uint8_t tunnels = 0;
+};
+struct FacesStates {
+    std::array<std::uint8_t, 256> ambiguous{}; ///< ambiguousFaces(), by signs
+    std::array<std::uint16_t, 256> first{}; ///< in `states`, by signs
+    /// Bits of joined faces that are ambiguous, moved together; by both.
+    std::array<std::array<std::uint8_t, 64>, 64> packed{};
+    std::vector<FacesState> states;
+
+    /// REQUIRES: `joinedFaces` within ambiguousFaces(signs).
+    const FacesState& of(std::uint8_t signs, std::uint8_t joinedFaces) const {
+        return states[first[signs] + packed[ambiguous[signs]][joinedFaces]];
+    }
+};
+const FacesStates& facesStates();
 
 /// The tunnels that given faces leave room for: bit 0 Above, bit 1 Below.
 unsigned mayHaveTunnel(std::uint8_t signs, std::uint8_t joinedFaces);

@@ -10,6 +10,7 @@
 #include "core/cell/cell_polynomials.h"
 #include "core/cell/cell_states.h"
 #include "core/cell/exact_sign.h"
+#include "core/cell/plain_decisions.h"
 #include "core/grid/scalar_key.h"
 
 namespace isoslider::cell {
@@ -24,8 +25,6 @@ using WideInteger = __int128; // NOLINT: an extension that GCC and Clang share
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Signs: -1, 0, 1, or kUnknown where the error bound is larger than the value.
-constexpr int kUnknown = 2;
-
 int signOf(const Bounded& x) { return x.isCertainlyPositive() ? 1 : x.isCertainlyNegative() ? -1 : kUnknown; }
 int signOf(WideInteger x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 template <class Integer>
@@ -94,14 +93,15 @@ FaceSaddle saddleOfFace(double a, double b, double c, double d, double isovalue)
     const double up1 = a - isovalue, up2 = c - isovalue, down1 = isovalue - b, down2 = isovalue - d;
     const double joining = up1 * up2, parting = down1 * down2;
     const double difference = joining - parting, size = joining + parting;
-    const double rate = up1 + up2 + down1 + down2;
-    // Underflow would leave nothing of the products; overflow makes the comparisons false.
-    const bool isSafe = size > 1e-280 && size < 1e300;
-    const bool isCertain = isSafe && std::abs(difference) > 1e-15 * size;
+    const double rate = (up1 + up2) + (down1 + down2);
+    const bool isSafe = isPlainSize(size);
+    const bool isCertain = isSafe && std::abs(difference) > kFaceCertain * size;
     FaceSaddle saddle;
     saddle.isJoined = isCertain ? difference > 0.0 : isJoinedExactly(a, b, c, d, isovalue);
     saddle.value = isovalue + difference / rate;
-    saddle.margin = isSafe ? 4e-15 * (rate + std::abs(isovalue)) : rate < 1e150 ? rate + std::abs(isovalue) : kInfinity;
+    saddle.margin = isSafe         ? kSaddleError * (rate + std::abs(isovalue))
+                    : rate < 1e150 ? rate + std::abs(isovalue)
+                                   : kInfinity;
     return saddle;
 }
 
@@ -235,111 +235,13 @@ BodySaddles bodySaddles(const CellPolynomials<Bounded>::Discriminant& d) {
     return near.value < far.value ? BodySaddles{2, {near, far}} : BodySaddles{2, {far, near}};
 }
 
-void narrowTo(StateInterval& interval, double isovalue, double critical, double margin) {
-    if (critical - margin > isovalue)
-        interval.above = std::min(interval.above, critical - margin);
-    else if (critical + margin < isovalue)
-        interval.below = std::max(interval.below, critical + margin);
-    else
-        interval = {kInfinity, -kInfinity}; // too near to decide, or NaN
-}
-
-// Of up to 25 bits, as samples of 8 and 16 bits are: products of two of them, or of their differences, and sums of two
-// such products fit into a double.
-bool isSmallInteger(double x) { return std::abs(x) <= 0x1p24 && x == std::nearbyint(x); }
-
-// Underflow would leave nothing of products of this size; overflow and NaN make the comparison false.
-bool isPlainSize(double size) { return size > 1e-280 && size < 1e300; }
-
-// The leading coefficients of the three quadratics in plain arithmetic, and the product of their signs; kUnknown where
-// that is not certain. A difference of two scalars is off by at most a unit in its last place, a product of two by
-// three: far less than what is asked for here.
-struct LeadingInDoubles {
-    std::array<double, 3> value{};
-    std::array<double, 3> size{}; ///< sum of the products' magnitudes
-    int product = 1; ///< of their signs
-};
-
-LeadingInDoubles leadingInDoubles(const CornerScalars& v) {
-    using Slices = CellPolynomials<double>;
-    LeadingInDoubles leading;
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto slope = [&](int k) {
-            const auto lower = static_cast<std::size_t>(Slices::kSlice[axis][k]);
-            return v[lower + static_cast<std::size_t>(Slices::step(axis))] - v[lower];
-        };
-        const double joining = slope(0) * slope(3), parting = slope(1) * slope(2), difference = joining - parting;
-        const double size = std::abs(joining) + std::abs(parting);
-        if (!(isPlainSize(size) && std::abs(difference) > 1e-14 * size)) {
-            leading.product = isLeadingZero(v, axis) ? 0 : kUnknown;
-            return leading;
-        }
-        leading.value[static_cast<std::size_t>(axis)] = difference;
-        leading.size[static_cast<std::size_t>(axis)] = size;
-        leading.product = difference > 0.0 ? leading.product : -leading.product;
-    }
-    return leading;
-}
-
-// What must be positive for something to hold, linear in the isovalue: at isovalue + h it is slack - rate h, with sums
-// of this size behind the rate. Narrows the interval to where it holds, a little less.
-void narrowWhile(StateInterval& interval, double isovalue, double slack, double rate, double rateSize) {
-    constexpr double kRateError = 1e-14, kLess = 0.999;
-    const double error = kRateError * rateSize, distance = kLess * slack / (std::abs(rate) + error);
-    const double margin = 4e-16 * (std::abs(isovalue) + distance);
-    if (rate > -error)
-        narrowTo(interval, isovalue, isovalue + distance, margin);
-    if (rate < error)
-        narrowTo(interval, isovalue, isovalue - distance, margin);
-}
-
-// Whether a quadratic certainly has a root outside the cell, for a reason that plain arithmetic shows: a face at which
-// it has not the sign of its leading coefficient, or a vertex beyond the faces (condition 1; see testTunnel). The
-// reason is linear in the isovalue, and lasts while the interval does. This settles nearly all cells without a tunnel,
-// for a tenth of the cost of body saddles. Values are off by some units in the last place of the products behind them;
-// a million times as much is asked for.
-bool isRuledOutInDoubles(const CornerScalars& v, const LeadingInDoubles& leading, double isovalue,
-                         StateInterval& interval) {
-    constexpr double kCertain = 1e-9;
-    CellPolynomials<double> cell;
-    for (std::size_t i = 0; i < 8; ++i)
-        cell.g[i] = v[i] - isovalue;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double lead = leading.value[static_cast<std::size_t>(axis)];
-        std::array<double, 2> q, size, rate, rateSize;
-        for (int side = 0; side < 2; ++side) {
-            const auto s = static_cast<std::size_t>(side);
-            const double a = cell.at(axis, side, 0), b = cell.at(axis, side, 1), d = cell.at(axis, side, 2),
-                         c = cell.at(axis, side, 3);
-            const double joining = a * c, parting = b * d;
-            q[s] = joining - parting;
-            size[s] = std::abs(joining) + std::abs(parting);
-            rate[s] = (a + c) - (b + d);
-            rateSize[s] = std::abs(a) + std::abs(b) + std::abs(c) + std::abs(d);
-            if (!isPlainSize(size[s]))
-                return false;
-            const double wrong = lead > 0.0 ? -q[s] : q[s];
-            if (wrong > kCertain * size[s]) {
-                narrowWhile(interval, isovalue, wrong, lead > 0.0 ? -rate[s] : rate[s], rateSize[s]);
-                return true;
-            }
-        }
-        const double difference = q[1] - q[0], slack = std::abs(difference) - std::abs(lead);
-        if (slack > kCertain * (size[0] + size[1] + leading.size[static_cast<std::size_t>(axis)])) {
-            const double change = rate[1] - rate[0];
-            narrowWhile(interval, isovalue, slack, difference > 0.0 ? change : -change, rateSize[0] + rateSize[1]);
-            return true;
-        }
-    }
-    return false;
-}
-
 // A tunnel in a cell whose faces leave room for one, and the body saddles that may change it.
 TunnelDecision resolveInside(const CornerScalars& scalars, unsigned allowed, double isovalue, StateInterval& interval) {
-    const LeadingInDoubles leading = leadingInDoubles(scalars);
+    const PlainLeading leading = plainLeading(scalars);
     if (leading.product == 1 || leading.product == 0) // at every isovalue: most cells are settled here for good
         return {};
-    if (leading.product == -1 && isRuledOutInDoubles(scalars, leading, isovalue, interval))
+    if (leading.product == -1 &&
+        (hasRootOutside(scalars, leading, isovalue, interval) || hasNoHexagon(scalars, leading, isovalue, interval)))
         return {};
     const CellPolynomials<Bounded> cell = boundedCell(scalars, isovalue);
     if (leading.product == kUnknown && excludesTunnel(leadingSigns(cell)))
@@ -357,18 +259,6 @@ TunnelDecision resolveInside(const CornerScalars& scalars, unsigned allowed, dou
 }
 
 } // namespace
-
-bool isLeadingZero(const CornerScalars& v, int axis) {
-    using Slices = CellPolynomials<double>;
-    std::array<double, 4> slope;
-    for (std::size_t k = 0; k < 4; ++k) {
-        const auto lower = static_cast<std::size_t>(Slices::kSlice[axis][k]);
-        slope[k] = v[lower + static_cast<std::size_t>(Slices::step(axis))] - v[lower];
-    }
-    if ((slope[0] == 0.0 || slope[3] == 0.0) && (slope[1] == 0.0 || slope[2] == 0.0))
-        return true;
-    return slope[0] * slope[3] == slope[1] * slope[2] && std::all_of(v.begin(), v.end(), isSmallInteger);
-}
 
 TunnelDecision decideTunnel(const CornerScalars& scalars, double isovalue) {
     const TunnelTest test = testTunnel(boundedCell(scalars, isovalue));

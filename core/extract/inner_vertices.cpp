@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/grid/gradient.h"
 
@@ -58,6 +59,22 @@ InnerVertex placeCentre(const InnerVertexCell& c, const cell::CellCentre& centre
 }
 
 } // namespace
+
+std::span<const std::uint16_t> edgesOfInnerVertices() {
+    static const std::vector<std::uint16_t> edges = [] {
+        std::vector<std::uint16_t> made;
+        for (const cell::CellState& state : cell::cellStates()) {
+            unsigned its = 0;
+            if (state.tunnel != cell::Tunnel::None) // see placeWaist()
+                its = 1u << std::countr_zero(cell::activeEdges(state.signs));
+            for (const cell::CellCentre& centre : state.centres)
+                its |= centre.loopEdges;
+            made.push_back(static_cast<std::uint16_t>(its));
+        }
+        return made;
+    }();
+    return edges;
+}
 
 InnerVertex placeLoopCentre(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                             const std::array<std::int64_t, 3>& origin, std::int32_t side) {

@@ -16,7 +16,7 @@ namespace isoslider::extract {
 struct InnerVertexCell {
     const cell::CellState* state = nullptr;
     std::array<std::int64_t, 3> origin{}; ///< grid coordinates of corner 0
-    std::array<glm::vec3, 12> edgePositions{}; ///< of the active edges' vertices
+    std::array<glm::vec3, 12> edgePositions{}; ///< of the vertices on edgesOfInnerVertices()
     std::array<glm::vec3, 12> edgeNormals{};
     cell::CornerScalars scalars{}; ///< needed for a tunnel only
 };
@@ -41,6 +41,9 @@ inline glm::vec3 positionOf(const InnerVertex& vertex, const std::array<std::int
 /// more where coordinates are too large for that. `vertices` has room for state->innerVertices.
 void placeInnerVertices(const InnerVertexCell& cell, double isovalue, const glm::vec3& inverseSpacing,
                         InnerVertex* vertices);
+
+/// By state, bit e: its inner vertices depend on edgePositions[e] or edgeNormals[e].
+std::span<const std::uint16_t> edgesOfInnerVertices();
 
 /// A vertex in the mean of a loop around a cell of `side` cells of the grid from `origin` on: strictly inside it.
 /// `positions` in grid index units. REQUIRES: not empty, as many normals.

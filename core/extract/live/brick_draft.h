@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/cell/cell_states.h"
+#include "core/cell/undecided_cells.h"
 #include "core/extract/live/active_bits.h"
 #include "core/extract/live/brick_bits.h"
 #include "core/extract/live/brick_points.h"
@@ -32,6 +34,17 @@ public:
     virtual ~CornerScalarsOfBrick() = default;
     /// Fills `scalars`; returns whether that of the hidden corner (cell::hiddenCorner) is among them.
     virtual bool cornerScalars(ClosedPoint cell, std::uint8_t signs, cell::CornerScalars& scalars) = 0;
+    /// The same of the first cells of `undecided`, whose signs are there.
+    virtual void cornerScalars(std::span<const ClosedPoint> cells, cell::UndecidedCells& undecided) = 0;
+};
+
+/// Ambiguous cells of a brick that have not kept their states.
+struct UndecidedOfBrick {
+    cell::UndecidedCells cells;
+    std::array<ClosedPoint, cell::UndecidedCells::kMost> places;
+    std::array<std::uint16_t, cell::UndecidedCells::kMost> numbers; ///< in the brick's list of ambiguous cells
+    std::array<std::int32_t, cell::UndecidedCells::kMost> before; ///< their last states; -1: none
+    std::array<cell::ResolvedCell, cell::UndecidedCells::kMost> resolved;
 };
 
 /// What a brick has had of the arenas.
@@ -58,8 +71,14 @@ struct BrickDraft {
     std::vector<std::uint16_t> indices;
     std::uint32_t indexCount = 0;
     std::vector<AmbiguousCell> ambiguous;
-    std::array<EdgeRecord<Live>, kMaxBrickEdges> records; ///< where there are vertices inside cells
+    UndecidedOfBrick undecided;
+    std::array<EdgeRecord<Live>, kMaxBrickEdges> records; ///< where there are vertices inside merged cells
     std::vector<InnerRecord> inner;
+    struct { ///< vertices on edges that those inside cells depend on
+        std::vector<VertexCode> codes;
+        std::vector<EdgeRecord<Live>> records;
+        std::vector<glm::vec3> positions, normals;
+    } innerEdges;
     std::vector<BrickSlot> replaced; ///< slots, since the move began
     std::vector<RetiredRuns> retired; ///< likewise: what pictures still refer to
     struct Counts { ///< since the move began
@@ -69,11 +88,6 @@ struct BrickDraft {
     } counts;
     ShortArena::Ahead verticesAhead, indicesAhead; ///< runs of this thread's next bricks
 
-    /// Fills the vertex table from the codes of a brick's active edges.
-    void numberVertices(const VertexCode* first, std::uint32_t count) {
-        for (std::uint32_t k = 0; k < count; ++k)
-            vertices.numbers[first[k] & kCodePlaceMask] = static_cast<std::uint16_t>(k);
-    }
     void beginMove() {
         verticesAhead.clear(); // after a move that has failed they are of no arena
         indicesAhead.clear();

@@ -12,7 +12,6 @@
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/stream_copy.h"
 #include "core/extract/live/vertex_kernels.h"
-#include "core/grid/classification.h"
 
 namespace isoslider::extract {
 namespace {
@@ -29,14 +28,6 @@ bool hasAnyCell(const BitString& cells, ClosedPoint first, int level) {
                 if (cells.test(first + x + kPointStride[1] * y + kPointStride[2] * z))
                     return true;
     return false;
-}
-
-// But for the one that is not known; -1: all count.
-bool arePresent(const cell::CornerScalars& scalars, int unknown) {
-    for (int corner = 0; corner < 8; ++corner)
-        if (corner != unknown && isMissing(scalars[static_cast<std::size_t>(corner)]))
-            return false;
-    return true;
 }
 
 } // namespace
@@ -272,10 +263,11 @@ void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerS
         draft.counts.cellsChanged += hasAnyCell(draft.changed, leaf.cell, leaf.level);
     triangulate(slot, draft, corners, isovalue);
     draft.inner.clear();
-    if (hasInner_[slot.index()] != 0 || draft.merged.hasCentres())
-        readRecords(draft.newPoints ? draft.newPoints : points(slot), draft.codes.data(), draft.edgeVertices, draft);
+    const PointLine* const its = draft.newPoints ? draft.newPoints : points(slot);
     if (hasInner_[slot.index()] != 0)
-        placeInner(shapes_.origin(brick.index), draft.records.data(), draft.ambiguous, draft, corners, isovalue);
+        placeInner(shapes_.origin(brick.index), its, draft.ambiguous, draft, corners, isovalue);
+    if (draft.merged.hasCentres())
+        readRecords(its, draft.codes.data(), draft.edgeVertices, draft);
     if (!draft.merged.leaves().empty())
         triangulateMerged(slot, draft, isovalue);
 
@@ -387,35 +379,6 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     show(slot);
 }
 
-// The state of an ambiguous cell: as it was while the isovalue stays in its interval and its signs are the same, else
-// decided by its corner scalars. `known` runs along the brick's list of before, which is in cell order too.
-template <class Live>
-cell::StateId LiveSurface<Live>::stateOfAmbiguous(BrickDraft<Live>& draft, ClosedPoint cell, std::uint8_t signs,
-                                                  const AmbiguousCell*& known, const AmbiguousCell* knownEnd,
-                                                  CornerScalarsOfBrick& corners, double isovalue) const {
-    while (known != knownEnd && known->cell < cell)
-        ++known;
-    if (known != knownEnd && known->cell == cell && known->interval.contains(isovalue) &&
-        states_[known->state].signs == signs) {
-        draft.ambiguous.push_back(*known);
-        return known->state;
-    }
-    cell::CornerScalars scalars;
-    const bool knowsHidden = corners.cornerScalars(cell, signs, scalars);
-    // A forged index may state that a cell with missing corners is valid: nothing is decided there.
-    const cell::ResolvedCell resolved = arePresent(scalars, knowsHidden ? -1 : cell::hiddenCorner(signs))
-                                            ? cell::resolveCell(signs, scalars, knowsHidden, isovalue)
-                                            : cell::ResolvedCell{signs, {}};
-    draft.ambiguous.push_back({resolved.interval, cell, resolved.state});
-    ++draft.counts.cellsDecided;
-    // It may have changed though its signs have not.
-    if ((known == knownEnd || known->cell != cell || known->state != resolved.state) && !draft.changed.test(cell)) {
-        draft.changed.set(cell);
-        ++draft.counts.cellsChanged;
-    }
-    return resolved.state;
-}
-
 // Indices of the active cells' triangles, in cell order; states of ambiguous cells first.
 template <class Live>
 void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
@@ -423,19 +386,12 @@ void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, Cor
     const Brick& brick = bricks_[slot.index()];
     CellList& list = draft.cells;
     listCells(draft.active.cells, draft.above, list);
-    draft.ambiguous.clear();
+    findStates(brick, draft, corners, isovalue);
     cell::StateInterval interval = kAlways;
     std::uint32_t innerVertices = 0;
-    const AmbiguousCell* known = brick.ambiguousCells > 0 ? ambiguous_.at(brick.ambiguous.begin) : nullptr;
-    const AmbiguousCell* const knownEnd = known + brick.ambiguousCells;
-    for (std::uint32_t k = 0; k < list.ambiguousCount; ++k) {
-        const std::uint16_t at = list.ambiguous[k];
-        const cell::StateId state =
-            stateOfAmbiguous(draft, list.cells[at], list.signs[at], known, knownEnd, corners, isovalue);
-        const cell::StateInterval& its = draft.ambiguous.back().interval;
-        interval = {std::max(interval.below, its.below), std::min(interval.above, its.above)};
-        innerVertices += states_[state].innerVertices;
-        list.states[at] = state;
+    for (const AmbiguousCell& each : draft.ambiguous) {
+        interval = {std::max(interval.below, each.interval.below), std::min(interval.above, each.interval.above)};
+        innerVertices += states_[each.state].innerVertices;
     }
     // Plain cells have at most five triangles.
     const std::size_t room = 15 * std::size_t{list.count} + kMaxCellIndices * list.ambiguousCount + kIndexOverrun;
@@ -463,90 +419,6 @@ void LiveSurface<Live>::triangulateMerged(BrickSlot slot, BrickDraft<Live>& draf
     placeCentres(shapes_.origin(bricks_[slot.index()].index), draft.records.data(), draft.merged.leaves(),
                  draft.indices.data() + first, draft, isovalue);
     hasInner_[slot.index()] = !draft.inner.empty();
-}
-
-// Appends the vertices inside merged cells to draft.inner. `indices`: of their triangles; those round a centre are in
-// the order of the polygon's corners.
-template <class Live>
-void LiveSurface<Live>::placeCentres(const std::array<std::int32_t, 3>& origin, const Record* records,
-                                     std::span<const MergedLeaf> merged, const std::uint16_t* indices,
-                                     BrickDraft<Live>& draft, double isovalue) const {
-    std::vector<glm::vec3> positions, normals;
-    for (const MergedLeaf& leaf : merged) {
-        if (leaf.hasCentre) {
-            positions.clear();
-            normals.clear();
-            for (std::uint32_t k = 0; k < leaf.indexCount; k += 3) {
-                const MeshVertex vertex = vertexOf(records[indices[k]], origin, static_cast<Live>(isovalue));
-                positions.push_back(vertex.position);
-                normals.push_back(vertex.normal);
-            }
-            const auto local = coordsOf(leaf.cell);
-            const InnerVertex centre =
-                placeLoopCentre(positions, normals, {origin[0] + local[0], origin[1] + local[1], origin[2] + local[2]},
-                                1 << leaf.level);
-            draft.inner.push_back({centre.place, centre.normal, leaf.level});
-        }
-        indices += leaf.indexCount;
-    }
-}
-
-// Appends the vertices inside the listed cells to draft.inner. REQUIRES: draft.vertices is that of `records`.
-template <class Live>
-void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, const Record* records,
-                                   std::span<const AmbiguousCell> ambiguous, BrickDraft<Live>& draft,
-                                   CornerScalarsOfBrick& corners, double isovalue) const {
-    InnerVertexCell placed;
-    std::array<InnerVertex, cell::kMaxInnerVertices> inside;
-    for (const AmbiguousCell& listed : ambiguous) {
-        const cell::CellState& state = states_[listed.state];
-        if (state.innerVertices == 0)
-            continue;
-        placed.state = &state;
-        const auto local = coordsOf(listed.cell);
-        for (std::size_t a = 0; a < 3; ++a)
-            placed.origin[a] = origin[a] + local[a];
-        for (unsigned mask = cell::activeEdges(state.signs); mask != 0; mask &= mask - 1) {
-            const auto e = static_cast<std::size_t>(std::countr_zero(mask));
-            const std::uint16_t vertex = draft.vertices.numbers[4 * listed.cell.index() + kPlaceOfCellEdge[e]];
-            const MeshVertex at = vertexOf(records[vertex], origin, static_cast<Live>(isovalue));
-            placed.edgePositions[e] = at.position;
-            placed.edgeNormals[e] = at.normal;
-        }
-        if (state.tunnel != cell::Tunnel::None)
-            (void)corners.cornerScalars(listed.cell, state.signs, placed.scalars);
-        placeInnerVertices(placed, isovalue, inverseSpacing_, inside.data());
-        for (std::size_t k = 0; k < state.innerVertices; ++k)
-            draft.inner.push_back({inside[k].place, inside[k].normal, 0});
-    }
-}
-
-template <class Live>
-void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
-                                             double isovalue) {
-    Brick& brick = bricks_[slot.index()];
-    if (brick.innerVertices == 0)
-        return;
-    draft.numberVertices(codes(slot), brick.edgeVertices);
-    readRecords(points(slot), codes(slot), brick.edgeVertices, draft);
-    const Record* const records = draft.records.data();
-    draft.inner.clear();
-    const auto origin = shapes_.origin(brick.index);
-    if (brick.ambiguousCells > 0)
-        placeInner(origin, records, {ambiguous_.at(brick.ambiguous.begin), brick.ambiguousCells}, draft, corners,
-                   isovalue);
-    if (const auto merged = mergedLeaves(brick); !merged.empty()) {
-        std::uint32_t ofMerged = 0;
-        for (const MergedLeaf& leaf : merged)
-            ofMerged += leaf.indexCount;
-        placeCentres(origin, records, merged, arenas_->indices.at(brick.indices.begin) + brick.indexCount - ofMerged,
-                     draft, isovalue);
-    }
-    if (isWatched_)
-        draft.retired.push_back({{}, {}, std::exchange(brick.inner, {}), {}});
-    arenas_->inner.resize(brick.inner, brick.innerVertices);
-    std::copy(draft.inner.begin(), draft.inner.end(), arenas_->inner.at(brick.inner.begin));
-    show(slot);
 }
 
 template <class Live>

@@ -122,10 +122,8 @@ public:
 
 private:
     void triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
-    cell::StateId stateOfAmbiguous(BrickDraft<Live>& draft, ClosedPoint cell, std::uint8_t signs,
-                                   const AmbiguousCell*& known, const AmbiguousCell* knownEnd,
-                                   CornerScalarsOfBrick& corners, double isovalue) const;
-    void placeInner(const std::array<std::int32_t, 3>& origin, const Record* records,
+    void findStates(const Brick& brick, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) const;
+    void placeInner(const std::array<std::int32_t, 3>& origin, const PointLine* points,
                     std::span<const AmbiguousCell> ambiguous, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
                     double isovalue) const;
     void triangulateMerged(BrickSlot slot, BrickDraft<Live>& draft, double isovalue);
@@ -167,6 +165,7 @@ private:
     GridGeometry geometry_;
     std::uint32_t pointLines_; ///< of a brick
     std::span<const cell::CellState> states_ = cell::cellStates();
+    std::span<const std::uint16_t> edgesOfInner_ = edgesOfInnerVertices();
     glm::vec3 inverseSpacing_;
     BrickShapes shapes_;
     bool hasMissing_;

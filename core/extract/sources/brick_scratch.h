@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -36,12 +38,22 @@ public:
     explicit Corners(const Points& points) : points_(points) {}
     bool cornerScalars(ClosedPoint cell, std::uint8_t /*signs*/, cell::CornerScalars& scalars) override {
         for (unsigned c = 0; c < 8; ++c)
-            scalars[c] = static_cast<double>(
-                sampleOf<Sample>(points_.samples[cell.index() + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
+            scalars[c] = scalarAt(cell, c);
         return true;
+    }
+    void cornerScalars(std::span<const ClosedPoint> cells, cell::UndecidedCells& undecided) override {
+        for (std::size_t i = 0; i < cells.size(); ++i)
+            for (unsigned c = 0; c < 8; ++c)
+                undecided.scalars[c][i] = scalarAt(cells[i], c);
+        std::fill_n(undecided.knowsHidden.begin(), cells.size(), true);
     }
 
 private:
+    double scalarAt(ClosedPoint cell, unsigned c) const {
+        return static_cast<double>(
+            sampleOf<Sample>(points_.samples[cell.index() + (c & 1) + 9 * (c >> 1 & 1) + 81 * (c >> 2)]));
+    }
+
     const Points& points_;
 };
 
