@@ -76,7 +76,6 @@ struct BrickDraft {
     std::vector<InnerRecord> inner;
     struct { ///< vertices on edges that those inside cells depend on
         std::vector<VertexCode> codes;
-        std::vector<EdgeRecord<Live>> records;
         std::vector<glm::vec3> positions, normals;
     } innerEdges;
     std::vector<BrickSlot> replaced; ///< slots, since the move began

@@ -11,7 +11,8 @@
 namespace isoslider::extract {
 namespace {
 
-constexpr std::uint32_t kRecordsTogether = 256; // as many as stay in the nearest cache
+constexpr std::uint32_t kCodesOfSome = 256;
+static_assert(kCodesOfSome % kCodesTogether == 0);
 
 /// Of the brick's k-th vertex inside cells.
 template <class Live>
@@ -28,13 +29,7 @@ void expandBrick(const BrickPicture<Live>& picture, const PictureBrick& brick, L
     const auto origin = brick.origin();
     const std::uint32_t onEdges = brick.vertexCount - std::uint32_t{brick.innerCount};
     const VertexCode* const codes = picture.codes(brick);
-    std::array<EdgeRecord<Live>, kRecordsTogether> records;
-    static_assert(kRecordsTogether % kCodesTogether == 0);
-    for (std::uint32_t k = 0; k < onEdges; k += kRecordsTogether) {
-        const std::uint32_t count = std::min(kRecordsTogether, onEdges - k);
-        readRecords(picture.type(), picture.points(brick), codes + k, count, records.data());
-        interpolateVertices(records.data(), count, origin, isovalue, positions + k, normals + k);
-    }
+    placeVertices(picture.type(), picture.points(brick), codes, onEdges, origin, isovalue, positions, normals);
     for (std::uint32_t k = 0; k < brick.innerCount; ++k)
         expandInner(picture, brick, k, isovalue, positions[onEdges + k], normals[onEdges + k]);
 }
@@ -141,17 +136,16 @@ void expandSome(const BrickPicture<float>& picture, const PictureBrick& brick, s
     const auto value = static_cast<float>(isovalue);
     const std::uint32_t onEdges = brick.vertexCount - std::uint32_t{brick.innerCount};
     const VertexCode* const codes = picture.codes(brick);
-    std::array<VertexCode, kRecordsTogether> some;
-    std::array<EdgeRecord<float>, kRecordsTogether> records;
+    std::array<VertexCode, kCodesOfSome> some;
     std::size_t at = 0;
     while (at < which.size() && which[at] < onEdges) {
         std::uint32_t count = 0;
-        for (; count < kRecordsTogether && at + count < which.size() && which[at + count] < onEdges; ++count)
+        for (; count < kCodesOfSome && at + count < which.size() && which[at + count] < onEdges; ++count)
             some[count] = codes[which[at + count]];
         for (std::uint32_t k = count; k % kCodesTogether != 0; ++k)
             some[k] = some[0];
-        readRecords(picture.type(), picture.points(brick), some.data(), count, records.data());
-        interpolateVertices(records.data(), count, brick.origin(), value, positions + at, normals + at);
+        placeVertices(picture.type(), picture.points(brick), some.data(), count, brick.origin(), value, positions + at,
+                      normals + at);
         at += count;
     }
     for (; at < which.size(); ++at)

@@ -111,15 +111,12 @@ void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, co
                 4 * listed.cell.index() + kPlaceOfCellEdge[static_cast<std::size_t>(std::countr_zero(mask))]));
     const std::size_t count = edges.codes.size();
     edges.codes.resize(count + kCodesTogether);
-    if (edges.records.size() < count) {
-        edges.records.resize(count);
+    if (edges.positions.size() < count) {
         edges.positions.resize(count);
         edges.normals.resize(count);
     }
-    const auto number = static_cast<std::uint32_t>(count);
-    extract::readRecords(arenas_->type, points, edges.codes.data(), number, edges.records.data());
-    interpolateVertices(edges.records.data(), number, origin, static_cast<Live>(isovalue), edges.positions.data(),
-                        edges.normals.data());
+    placeVertices(arenas_->type, points, edges.codes.data(), static_cast<std::uint32_t>(count), origin,
+                  static_cast<Live>(isovalue), edges.positions.data(), edges.normals.data());
     InnerVertexCell placed;
     std::array<InnerVertex, cell::kMaxInnerVertices> inside;
     std::size_t next = 0;

@@ -160,6 +160,89 @@ static_assert([] {
     return true;
 }());
 
+// Vertices that are placed together, and where they go.
+template <class D>
+class Placing {
+public:
+    using V = hn::Vec<D>;
+    using I = hn::Vec<hn::RebindToSigned<D>>;
+    using M = hn::Mask<D>;
+
+    HWY_INLINE Placing(const std::array<std::int32_t, 3>& origin, glm::vec3* HWY_RESTRICT positions,
+                       glm::vec3* HWY_RESTRICT normals)
+        : first_{hn::Set(d_, static_cast<float>(origin[0])), hn::Set(d_, static_cast<float>(origin[1])),
+                 hn::Set(d_, static_cast<float>(origin[2]))},
+          positions_(positions),
+          normals_(normals) {}
+
+    // edgeFraction() of edge_interpolation.h, lane by lane.
+    HWY_INLINE V fraction(V s1, V s2, float isovalue) const {
+        const auto half = hn::Set(d_, 0.5f), one = hn::Set(d_, 1.0f);
+        const auto halfS1 = hn::Mul(s1, half);
+        const auto t =
+            hn::Div(hn::Sub(hn::Mul(hn::Set(d_, isovalue), half), halfS1), hn::Sub(hn::Mul(s2, half), halfS1));
+        const auto above = hn::IfThenElseZero(hn::Gt(t, hn::Zero(d_)), t);
+        return hn::IfThenElse(hn::Lt(above, one), above, one);
+    }
+
+    // Of edges, or leaf edges, of `side` cells along `axis` from the brick's points p on; normals as codes side by
+    // side.
+    HWY_INLINE void place(std::uint32_t at, std::uint32_t count, I p, I axis, I side, V t, M rises, I codes) const {
+        const auto ninth = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints_, 7282))),
+                   z = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints_, 810)));
+        const auto y = hn::Sub(ninth, hn::Mul(z, hn::Set(ints_, 9))), x = hn::Sub(p, hn::Mul(ninth, hn::Set(ints_, 9)));
+        const auto inside = hn::Sub(side, hn::Set(ints_, 1));
+        const auto lower = [&](I local, int a) HWY_ATTR { // of the leaf edge
+            return hn::ConvertTo(d_, hn::IfThenElse(hn::Eq(axis, hn::Set(ints_, a)), hn::AndNot(inside, local), local));
+        };
+        place(at, count, hn::Add(first_[0], lower(x, 0)), hn::Add(first_[1], lower(y, 1)),
+              hn::Add(first_[2], lower(z, 2)), t, hn::Mul(t, hn::ConvertTo(d_, side)), axis, rises,
+              hn::ShiftRight<24>(hn::ShiftLeft<24>(codes)), hn::ShiftRight<24>(hn::ShiftLeft<16>(codes)),
+              hn::ShiftRight<24>(hn::ShiftLeft<8>(codes)), hn::ShiftRight<24>(codes));
+    }
+
+    HWY_INLINE void place(std::uint32_t at, std::uint32_t count, V x, V y, V z, V t, V along, I axis, M rises, I u1,
+                          I v1, I u2, I v2) const {
+        const auto zero = hn::Zero(d_), one = hn::Set(d_, 1.0f);
+        const auto alongX = hn::RebindMask(d_, hn::Eq(axis, hn::Zero(ints_))),
+                   alongY = hn::RebindMask(d_, hn::Eq(axis, hn::Set(ints_, 1))),
+                   alongZ = hn::RebindMask(d_, hn::Eq(axis, hn::Set(ints_, 2)));
+        store(hn::Add(x, hn::IfThenElseZero(alongX, along)), hn::Add(y, hn::IfThenElseZero(alongY, along)),
+              hn::Add(z, hn::IfThenElseZero(alongZ, along)), count, positions_ + at);
+        auto x1 = zero, y1 = zero, z1 = zero, x2 = zero, y2 = zero, z2 = zero;
+        decode(d_, u1, v1, x1, y1, z1);
+        decode(d_, u2, v2, x2, y2, z2);
+        // edgeNormal() of edge_interpolation.h, lane by lane.
+        const auto nx = hn::Add(x1, hn::Mul(t, hn::Sub(x2, x1)));
+        const auto ny = hn::Add(y1, hn::Mul(t, hn::Sub(y2, y1)));
+        const auto nz = hn::Add(z1, hn::Mul(t, hn::Sub(z2, z1)));
+        const auto square = hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz));
+        const auto isFlat = hn::Lt(square, hn::Set(d_, kLeastNormalSquare));
+        const auto scale = hn::Div(one, hn::Sqrt(hn::IfThenElse(isFlat, one, square)));
+        const auto down = hn::IfThenElse(rises, hn::Neg(one), one);
+        store(hn::IfThenElse(isFlat, hn::IfThenElseZero(alongX, down), hn::Mul(nx, scale)),
+              hn::IfThenElse(isFlat, hn::IfThenElseZero(alongY, down), hn::Mul(ny, scale)),
+              hn::IfThenElse(isFlat, hn::IfThenElseZero(alongZ, down), hn::Mul(nz, scale)), count, normals_ + at);
+    }
+
+private:
+    HWY_INLINE void store(V x, V y, V z, std::uint32_t count, glm::vec3* out) const {
+        if (count >= hn::Lanes(d_)) {
+            hn::StoreInterleaved3(x, y, z, d_, &out->x);
+            return;
+        }
+        alignas(64) float group[3 * VertexColumns::kMost];
+        hn::StoreInterleaved3(x, y, z, d_, group);
+        std::copy_n(group, 3 * count, &out->x);
+    }
+
+    D d_;
+    hn::RebindToSigned<D> ints_;
+    V first_[3];
+    glm::vec3* positions_;
+    glm::vec3* normals_;
+};
+
 template <class Live>
 void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t count,
                  const std::array<std::int32_t, 3>& origin, Live isovalue, glm::vec3* HWY_RESTRICT positions,
@@ -167,41 +250,9 @@ void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t cou
     const hn::CappedTag<float, VertexColumns::kMost> d;
     const hn::RebindToSigned<decltype(d)> ints;
     const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
-    const glm::vec3 first(static_cast<float>(origin[0]), static_cast<float>(origin[1]), static_cast<float>(origin[2]));
-    const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-    alignas(64) float group[3 * VertexColumns::kMost];
+    const Placing<hn::CappedTag<float, VertexColumns::kMost>> placing(origin, positions, normals);
     for (std::uint32_t at = 0; at < count; at += lanes) {
         const std::uint32_t here = std::min(lanes, count - at);
-        const auto store = [&](auto x, auto y, auto z, glm::vec3* out) HWY_ATTR {
-            if (here == lanes) {
-                hn::StoreInterleaved3(x, y, z, d, &out[at].x);
-                return;
-            }
-            hn::StoreInterleaved3(x, y, z, d, group);
-            std::copy_n(group, 3 * here, &out[at].x);
-        };
-        const auto place = [&](auto x, auto y, auto z, auto t, auto along, auto axis, auto rises, auto u1, auto v1,
-                               auto u2, auto v2) HWY_ATTR {
-            const auto alongX = hn::RebindMask(d, hn::Eq(axis, hn::Zero(ints))),
-                       alongY = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 1))),
-                       alongZ = hn::RebindMask(d, hn::Eq(axis, hn::Set(ints, 2)));
-            store(hn::Add(x, hn::IfThenElseZero(alongX, along)), hn::Add(y, hn::IfThenElseZero(alongY, along)),
-                  hn::Add(z, hn::IfThenElseZero(alongZ, along)), positions);
-            auto x1 = zero, y1 = zero, z1 = zero, x2 = zero, y2 = zero, z2 = zero;
-            decode(d, u1, v1, x1, y1, z1);
-            decode(d, u2, v2, x2, y2, z2);
-            // edgeNormal() of edge_interpolation.h, lane by lane.
-            const auto nx = hn::Add(x1, hn::Mul(t, hn::Sub(x2, x1)));
-            const auto ny = hn::Add(y1, hn::Mul(t, hn::Sub(y2, y1)));
-            const auto nz = hn::Add(z1, hn::Mul(t, hn::Sub(z2, z1)));
-            const auto square = hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz));
-            const auto isFlat = hn::Lt(square, hn::Set(d, kLeastNormalSquare));
-            const auto scale = hn::Div(one, hn::Sqrt(hn::IfThenElse(isFlat, one, square)));
-            const auto down = hn::IfThenElse(rises, hn::Neg(one), one);
-            store(hn::IfThenElse(isFlat, hn::IfThenElseZero(alongX, down), hn::Mul(nx, scale)),
-                  hn::IfThenElse(isFlat, hn::IfThenElseZero(alongY, down), hn::Mul(ny, scale)),
-                  hn::IfThenElse(isFlat, hn::IfThenElseZero(alongZ, down), hn::Mul(nz, scale)), normals);
-        };
         if constexpr (std::is_same_v<Live, float>) {
             std::array<EdgeRecord<float>, VertexColumns::kMost> last; // whole vectors are read
             const EdgeRecord<float>* from = records + at;
@@ -214,36 +265,72 @@ void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t cou
             const auto level = hn::ShiftRight<16>(places),
                        axis = hn::ShiftRight<kEdgeAxisShift>(hn::And(places, hn::Set(ints, 0xffff))),
                        p = hn::And(places, hn::Set(ints, kEdgePointMask));
-            const auto ninth = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 7282))),
-                       z = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints, 810)));
-            const auto y = hn::Sub(ninth, hn::Mul(z, hn::Set(ints, 9))),
-                       x = hn::Sub(p, hn::Mul(ninth, hn::Set(ints, 9)));
-            const auto side = hn::Shl(hn::Set(ints, 1), level), inside = hn::Sub(side, hn::Set(ints, 1));
-            const auto lower = [&](auto local, int a) HWY_ATTR { // of the leaf edge
-                return hn::ConvertTo(d,
-                                     hn::IfThenElse(hn::Eq(axis, hn::Set(ints, a)), hn::AndNot(inside, local), local));
-            };
-            const auto s1 = hn::BitCast(d, bits1), s2 = hn::BitCast(d, bits2), half = hn::Set(d, 0.5f);
-            // edgeFraction() of edge_interpolation.h, lane by lane.
-            const auto halfS1 = hn::Mul(s1, half);
-            auto t = hn::Div(hn::Sub(hn::Mul(hn::Set(d, isovalue), half), halfS1), hn::Sub(hn::Mul(s2, half), halfS1));
-            t = hn::IfThenElseZero(hn::Gt(t, zero), t);
-            t = hn::IfThenElse(hn::Lt(t, one), t, one);
-            place(hn::Add(hn::Set(d, first.x), lower(x, 0)), hn::Add(hn::Set(d, first.y), lower(y, 1)),
-                  hn::Add(hn::Set(d, first.z), lower(z, 2)), t, hn::Mul(t, hn::ConvertTo(d, side)), axis,
-                  hn::Lt(s1, s2), hn::ShiftRight<24>(hn::ShiftLeft<24>(codes)),
-                  hn::ShiftRight<24>(hn::ShiftLeft<16>(codes)), hn::ShiftRight<24>(hn::ShiftLeft<8>(codes)),
-                  hn::ShiftRight<24>(codes));
+            const auto s1 = hn::BitCast(d, bits1), s2 = hn::BitCast(d, bits2);
+            placing.place(at, here, p, axis, hn::Shl(hn::Set(ints, 1), level), placing.fraction(s1, s2, isovalue),
+                          hn::Lt(s1, s2), codes);
         } else {
+            const glm::vec3 first(static_cast<float>(origin[0]), static_cast<float>(origin[1]),
+                                  static_cast<float>(origin[2]));
             VertexColumns columns;
             takeApart(records + at, here, lanes, first, isovalue, columns);
             const auto rises = hn::RebindMask(d, hn::Ne(hn::Load(ints, columns.rises), hn::Zero(ints)));
-            place(hn::Load(d, columns.x), hn::Load(d, columns.y), hn::Load(d, columns.z), hn::Load(d, columns.t),
-                  hn::Load(d, columns.along), hn::Load(ints, columns.axis), rises, hn::Load(ints, columns.u1),
-                  hn::Load(ints, columns.v1), hn::Load(ints, columns.u2), hn::Load(ints, columns.v2));
+            placing.place(at, here, hn::Load(d, columns.x), hn::Load(d, columns.y), hn::Load(d, columns.z),
+                          hn::Load(d, columns.t), hn::Load(d, columns.along), hn::Load(ints, columns.axis), rises,
+                          hn::Load(ints, columns.u1), hn::Load(ints, columns.v1), hn::Load(ints, columns.u2),
+                          hn::Load(ints, columns.v2));
         }
     }
 }
+
+// The same without records between: ends are taken one by one, for a gather takes longer, and placed together.
+template <class Sample>
+bool placePlainHere(const BrickPoints<Sample>& points, const VertexCode* HWY_RESTRICT codes, std::uint32_t count,
+                    const std::array<std::int32_t, 3>& origin, float isovalue, glm::vec3* HWY_RESTRICT positions,
+                    glm::vec3* HWY_RESTRICT normals) {
+    constexpr std::uint32_t kTogether = 256; // as many as stay in the nearest cache
+    static_assert(kTogether % kCodesTogether == 0);
+    const hn::CappedTag<float, VertexColumns::kMost> d;
+    const hn::RebindToSigned<decltype(d)> ints;
+    const hn::Rebind<std::uint16_t, decltype(d)> halves;
+    const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
+    const Placing<hn::CappedTag<float, VertexColumns::kMost>> placing(origin, positions, normals);
+    constexpr std::array<std::uint16_t, 4> kStrides{kPointStride[0], kPointStride[1], kPointStride[2], 0};
+    alignas(64) std::array<float, kTogether> lower, upper;
+    alignas(64) std::array<std::uint32_t, kTogether> itsNormals;
+    for (std::uint32_t begin = 0; begin < count; begin += kTogether) {
+        const std::uint32_t together = std::min(kTogether, count - begin);
+        const std::uint32_t whole = (together + kCodesTogether - 1) / kCodesTogether * kCodesTogether;
+        unsigned levels = 0;
+        for (std::uint32_t k = 0; k < whole; ++k) {
+            const unsigned code = codes[begin + k], p = (code & kCodePlaceMask) >> 2, q = p + kStrides[code & 3u];
+            levels |= code;
+            lower[k] = static_cast<float>(sampleOf<Sample>(points.samples[p]));
+            upper[k] = static_cast<float>(sampleOf<Sample>(points.samples[q]));
+            itsNormals[k] = points.normals[p] | static_cast<std::uint32_t>(points.normals[q]) << 16;
+        }
+        if (levels >> kCodeLevelShift != 0)
+            return false;
+        for (std::uint32_t k = 0; k < together; k += lanes) {
+            const auto code = hn::BitCast(
+                ints, hn::PromoteTo(hn::RebindToUnsigned<decltype(ints)>(), hn::LoadU(halves, codes + begin + k)));
+            const auto s1 = hn::Load(d, lower.data() + k), s2 = hn::Load(d, upper.data() + k);
+            placing.place(begin + k, together - k, hn::ShiftRight<2>(code), hn::And(code, hn::Set(ints, 3)),
+                          hn::Set(ints, 1), placing.fraction(s1, s2, isovalue), hn::Lt(s1, s2),
+                          hn::BitCast(ints, hn::Load(hn::RebindToUnsigned<decltype(ints)>(), itsNormals.data() + k)));
+        }
+    }
+    return true;
+}
+
+#define ISO_PLACE(Sample, Name) \
+    bool placePlain##Name(const BrickPoints<Sample>& p, const VertexCode* c, std::uint32_t n, \
+                          const std::array<std::int32_t, 3>& o, float i, glm::vec3* q, glm::vec3* r) { \
+        if constexpr (std::is_same_v<LiveOf<Sample>, float>) \
+            return placePlainHere<Sample>(p, c, n, o, i, q, r); \
+        return false; \
+    }
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_PLACE)
+#undef ISO_PLACE
 
 void interpolateF32(const EdgeRecord<float>* r, std::uint32_t n, const std::array<std::int32_t, 3>& o, float i,
                     glm::vec3* p, glm::vec3* q) {
@@ -262,7 +349,9 @@ namespace isoslider::extract {
 
 HWY_EXPORT(interpolateF32);
 HWY_EXPORT(interpolateF64);
-#define ISO_EXPORT(Sample, Name) HWY_EXPORT(readRecords##Name);
+#define ISO_EXPORT(Sample, Name) \
+    HWY_EXPORT(readRecords##Name); \
+    HWY_EXPORT(placePlain##Name);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_EXPORT)
 #undef ISO_EXPORT
 
@@ -307,6 +396,33 @@ void interpolateVertices(const EdgeRecord<double>* records, std::uint32_t count,
                          glm::vec3* normals) {
     HWY_DYNAMIC_DISPATCH(interpolateF64)(records, count, origin, isovalue, positions, normals);
 }
+
+template <class Live>
+void placeVertices(ScalarType type, const PointLine* points, const VertexCode* codes, std::uint32_t count,
+                   const std::array<std::int32_t, 3>& origin, Live isovalue, glm::vec3* positions, glm::vec3* normals) {
+    if constexpr (std::is_same_v<Live, float>)
+        switch (type) {
+#define ISO_CASE(Sample, Name) \
+    case ScalarType::Name: \
+        if (HWY_DYNAMIC_DISPATCH(placePlain##Name)(pointsIn<Sample>(points), codes, count, origin, isovalue, \
+                                                   positions, normals)) \
+            return; \
+        break;
+            ISO_FOR_EACH_SAMPLE_TYPE(ISO_CASE)
+#undef ISO_CASE
+        }
+    constexpr std::uint32_t kTogether = 256; // as many as stay in the nearest cache
+    std::array<EdgeRecord<Live>, kTogether> records;
+    for (std::uint32_t k = 0; k < count; k += kTogether) {
+        const std::uint32_t here = std::min(kTogether, count - k);
+        readRecords(type, points, codes + k, here, records.data());
+        interpolateVertices(records.data(), here, origin, isovalue, positions + k, normals + k);
+    }
+}
+template void placeVertices(ScalarType, const PointLine*, const VertexCode*, std::uint32_t,
+                            const std::array<std::int32_t, 3>&, float, glm::vec3*, glm::vec3*);
+template void placeVertices(ScalarType, const PointLine*, const VertexCode*, std::uint32_t,
+                            const std::array<std::int32_t, 3>&, double, glm::vec3*, glm::vec3*);
 
 } // namespace isoslider::extract
 #endif

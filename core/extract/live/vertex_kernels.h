@@ -30,4 +30,9 @@ void interpolateVertices(const EdgeRecord<Live>* records, std::uint32_t count,
                          const std::array<std::int32_t, 3>& origin, Live isovalue, glm::vec3* positions,
                          glm::vec3* normals);
 
+/// Both in one: the vertices of codes, without records where no leaf edges are among them. REQUIRES: as readRecords().
+template <class Live>
+void placeVertices(ScalarType type, const PointLine* points, const VertexCode* codes, std::uint32_t count,
+                   const std::array<std::int32_t, 3>& origin, Live isovalue, glm::vec3* positions, glm::vec3* normals);
+
 } // namespace isoslider::extract

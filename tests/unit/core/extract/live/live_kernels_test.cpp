@@ -138,6 +138,10 @@ constexpr ScalarType kScalarTypeOf = ScalarType::U8;
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_TYPE)
 #undef ISO_TYPE
 
+std::string toString(const glm::vec3& v) {
+    return std::to_string(v.x) + ' ' + std::to_string(v.y) + ' ' + std::to_string(v.z);
+}
+
 template <class Sample>
 void expectRecords(std::mt19937& random) {
     using Stored = StoredSample<Sample>;
@@ -166,6 +170,18 @@ void expectRecords(std::mt19937& random) {
             records[count].edge = ClosedEdge(4321);
             readRecords<Live>(kScalarTypeOf<Sample>, lines, codes.data(), count, records.data());
             EXPECT_EQ(records[count].edge, ClosedEdge(4321)) << "nothing is written behind the last";
+            const std::array<std::int32_t, 3> origin{8, 1600, 64};
+            const auto isovalue = static_cast<Live>(records[0].scalar1 / 2 + records[0].scalar2 / 2);
+            std::vector<glm::vec3> positions(count + 1, glm::vec3(4321.0f)), normals = positions;
+            placeVertices<Live>(kScalarTypeOf<Sample>, lines, codes.data(), count, origin, isovalue, positions.data(),
+                                normals.data());
+            EXPECT_EQ(positions[count], glm::vec3(4321.0f));
+            EXPECT_EQ(normals[count], glm::vec3(4321.0f));
+            for (std::uint32_t k = 0; k < count; ++k) {
+                const MeshVertex plain = vertexOf<Live>(records[k], origin, isovalue);
+                ASSERT_EQ(toString(positions[k]), toString(plain.position)) << k; // ends may be equal: NaN
+                ASSERT_EQ(normals[k], plain.normal) << k;
+            }
             for (std::uint32_t k = 0; k < count; ++k) {
                 const ClosedEdge edge = edgeOf(codes[k]);
                 const auto axis = static_cast<std::size_t>(axisOf(edge));
