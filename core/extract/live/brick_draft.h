@@ -26,7 +26,9 @@ struct AmbiguousCell {
     cell::StateInterval interval{};
     ClosedPoint cell{};
     cell::StateId state = 0;
+    std::uint8_t signs = 0, innerVertices = 0; ///< of the state
 };
+static_assert(sizeof(AmbiguousCell) == 24);
 
 /// The corner scalars of ambiguous cells, from wherever a brick's contents come.
 class CornerScalarsOfBrick {

@@ -159,8 +159,9 @@ void listCellsHere(const BitString& active, const BitString& above, CellList& li
 #if HWY_TARGET <= HWY_AVX3
 // The edges of a cell are in 32 lanes, four pieces of the vertex table, and one permutation brings them into the order
 // of its triangles; where its signs leave these open, with inner vertices in further lanes.
-std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
-                                 std::uint16_t* out) {
+template <bool kHasMany>
+HWY_INLINE std::uint32_t writeTrianglesOf(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
+                                          std::uint16_t* out) {
     const StateLanes& lanes = stateLanes();
     std::uint16_t* const begin = out;
     const __m512i upwards = _mm512_load_si512(StateLanes::kUpwards.data());
@@ -174,7 +175,7 @@ std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner,
             _mm256_inserti128_si256(_mm256_castsi128_si256(piece(at + 4 * 81)), piece(at + 4 * 90), 1);
         const cell::StateId state = list.states[k];
         const std::size_t count = lanes.counts[state];
-        if (HWY_LIKELY(state < 256)) {
+        if (!kHasMany && HWY_LIKELY(state < 256)) {
             const __m256i order =
                 _mm256_cvtepu8_epi16(_mm_load_si128(reinterpret_cast<const __m128i*>(lanes.plain[state].data())));
             _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_permutex2var_epi16(lower, order, upper));
@@ -191,6 +192,13 @@ std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner,
         firstInner += lanes.innerVertices[state];
     }
     return static_cast<std::uint32_t>(out - begin);
+}
+
+// Where many cells are ambiguous, which ones they are cannot be predicted, and a branch costs more than whole lanes.
+std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
+                                 std::uint16_t* out) {
+    return 32 * list.ambiguousCount > list.count ? writeTrianglesOf<true>(list, firstInner, vertices, out)
+                                                 : writeTrianglesOf<false>(list, firstInner, vertices, out);
 }
 #else
 std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,

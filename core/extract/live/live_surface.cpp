@@ -391,7 +391,7 @@ void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, Cor
     std::uint32_t innerVertices = 0;
     for (const AmbiguousCell& each : draft.ambiguous) {
         interval = {std::max(interval.below, each.interval.below), std::min(interval.above, each.interval.above)};
-        innerVertices += states_[each.state].innerVertices;
+        innerVertices += each.innerVertices;
     }
     // Plain cells have at most five triangles.
     const std::size_t room = 15 * std::size_t{list.count} + kMaxCellIndices * list.ambiguousCount + kIndexOverrun;

@@ -16,7 +16,8 @@ namespace {
 
 // Decides the first of the undecided cells.
 template <class Live>
-void decide(BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue, std::size_t count) {
+void decide(std::span<const cell::CellState> states, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+            double isovalue, std::size_t count) {
     UndecidedOfBrick& undecided = draft.undecided;
     undecided.cells.count = count;
     corners.cornerScalars(std::span(undecided.places).first(count), undecided.cells);
@@ -25,7 +26,8 @@ void decide(BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isova
         const cell::ResolvedCell& resolved = undecided.resolved[i];
         const ClosedPoint cell = undecided.places[i];
         const std::uint16_t number = undecided.numbers[i];
-        draft.ambiguous[number] = {resolved.interval, cell, resolved.state};
+        const cell::CellState& state = states[resolved.state];
+        draft.ambiguous[number] = {resolved.interval, cell, resolved.state, state.signs, state.innerVertices};
         draft.cells.states[draft.cells.ambiguous[number]] = resolved.state;
         // It may have changed though its signs have not.
         if (undecided.before[i] != resolved.state && !draft.changed.test(cell)) {
@@ -55,7 +57,7 @@ void LiveSurface<Live>::findStates(const Brick& brick, BrickDraft<Live>& draft, 
         while (known != knownEnd && known->cell < cell)
             ++known;
         const bool isKnown = known != knownEnd && known->cell == cell;
-        if (isKnown && known->interval.contains(isovalue) && states_[known->state].signs == list.signs[at]) {
+        if (isKnown && known->signs == list.signs[at] && known->interval.contains(isovalue)) {
             draft.ambiguous[k] = *known;
             list.states[at] = known->state;
             continue;
@@ -65,10 +67,10 @@ void LiveSurface<Live>::findStates(const Brick& brick, BrickDraft<Live>& draft, 
         undecided.numbers[count] = static_cast<std::uint16_t>(k);
         undecided.before[count] = isKnown ? known->state : -1;
         if (++count == cell::UndecidedCells::kMost)
-            decide(draft, corners, isovalue, std::exchange(count, 0));
+            decide(states_, draft, corners, isovalue, std::exchange(count, 0));
     }
     if (count > 0)
-        decide(draft, corners, isovalue, count);
+        decide(states_, draft, corners, isovalue, count);
 }
 
 // Appends the vertices inside merged cells to draft.inner. `indices`: of their triangles; those round a centre are in
