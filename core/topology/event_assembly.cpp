@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/topology/analysis/isovalue_order.h"
+#include "core/topology/event_coder.h"
 
 namespace isoslider::topology {
 namespace {

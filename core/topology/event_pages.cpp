@@ -8,6 +8,7 @@
 #include "core/grid/scalar_key.h"
 #include "core/index/format/byte_planes.h"
 #include "core/index/format/zigzag.h"
+#include "core/topology/event_coder.h"
 
 namespace isoslider::topology {
 namespace {
@@ -100,6 +101,13 @@ Result<std::vector<TopologyEvent>> decodeEvents(const EventPage& page, std::span
     return events;
 }
 
+EventCoder::~EventCoder() {
+    coding_.cancel(); // nobody wants what is not done
+    try {
+        coding_.wait();
+    } catch (...) {} // its error, if any, is on its way already
+}
+
 void EventCoder::add(const TopologyEvent& event) {
     events_.push_back(event);
     if (events_.size() == EventPage::kMostEvents)
@@ -108,8 +116,18 @@ void EventCoder::add(const TopologyEvent& event) {
 
 EventPages EventCoder::take() {
     endPage();
-    offset_ = 0;
-    return std::exchange(found_, {});
+    coding_.wait();
+    EventPages found;
+    std::uint64_t offset = 0;
+    for (std::size_t i = 0; i < pages_.size(); ++i) {
+        pages_[i].offset = offset;
+        pages_[i].bytes = static_cast<std::uint32_t>(bytes_[i].size());
+        offset += pages_[i].bytes;
+        found.bytes.push_back(std::move(bytes_[i]));
+    }
+    bytes_.clear();
+    found.pages = std::exchange(pages_, {});
+    return found;
 }
 
 void EventCoder::endPage() {
@@ -119,12 +137,21 @@ void EventCoder::endPage() {
     page.firstIsovalue = events_.front().isovalue;
     page.before = events_.front().below;
     page.events = static_cast<std::uint32_t>(events_.size());
-    found_.bytes.push_back(encodePage(events_));
-    found_.bytes.back().shrink_to_fit();
-    page.offset = offset_;
-    page.bytes = static_cast<std::uint32_t>(found_.bytes.back().size());
-    offset_ += page.bytes;
-    found_.pages.push_back(page);
+    pages_.push_back(page);
+    std::vector<std::byte>& bytes = bytes_.emplace_back();
+    const auto code = [&bytes](const std::vector<TopologyEvent>& events) {
+        bytes = encodePage(events);
+        bytes.shrink_to_fit();
+    };
+    if (waiting_ >= kMostWaiting) {
+        code(events_);
+    } else {
+        ++waiting_;
+        coding_.run([this, code, events = std::move(events_)] {
+            code(events);
+            --waiting_;
+        });
+    }
     events_.clear();
 }
 

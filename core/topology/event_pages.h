@@ -28,22 +28,6 @@ struct EventPages {
     std::vector<std::vector<std::byte>> bytes; ///< of each page: in one piece they would be held twice when it grows
 };
 
-class EventCoder {
-public:
-    /// REQUIRES: isovalues ascend; each begins with the counts that the one before it ends with. Positions are kept to
-    /// half a grid step.
-    void add(const TopologyEvent& event);
-    /// All that were added.
-    EventPages take();
-
-private:
-    void endPage();
-
-    std::vector<TopologyEvent> events_; ///< of the page to come
-    EventPages found_;
-    std::uint64_t offset_ = 0; ///< of the page to come
-};
-
 /// The events of a page. `path` is named in errors. Errors: Corruption.
 Result<std::vector<TopologyEvent>> decodeEvents(const EventPage& page, std::span<const std::byte> bytes,
                                                 const std::string& path);

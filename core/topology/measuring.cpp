@@ -7,6 +7,8 @@
 #include <limits>
 #include <span>
 
+#include <tbb/parallel_sort.h>
+
 #include "core/grid/classification.h"
 #include "core/grid/value_distribution.h"
 #include "core/topology/topology_analysis.h"
@@ -87,7 +89,7 @@ Result<LookedCells> lookAt(const PlaneSource& source, const JobControl& job) {
         });
     }
     for (auto* values : {&found.samples, &found.least, &found.greatest})
-        std::sort(values->begin(), values->end());
+        tbb::parallel_sort(values->begin(), values->end());
     const double all =
         static_cast<double>(dims[0] - 1) * static_cast<double>(dims[1] - 1) * static_cast<double>(dims[2] - 1);
     const double looked = cells / static_cast<double>(step * step);

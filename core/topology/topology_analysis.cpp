@@ -316,8 +316,17 @@ private:
 
     // ---- at once: layers
 
+    // What does not depend on each other at once, too: there are few layers, and the last ones are alone.
     void analyse(Layer& layer) {
         layer.window.prepare();
+        tbb::parallel_invoke([&] { findChanges(layer); },
+                             [&] {
+                                 layer.range = rangeOf(layer.window);
+                                 layer.measures = measureLayer(layer.window, options_.measures, source_.geometry);
+                             });
+    }
+
+    void findChanges(Layer& layer) {
         std::unique_ptr<Workspace> workspace = takeWorkspace();
         LayerSide &above = workspace->above, &below = workspace->below;
         tbb::parallel_invoke([&] { above.flood(layer.window); }, [&] { below.flood(layer.window); });
@@ -325,11 +334,9 @@ private:
         const auto take = [&](LayerSide& side) {
             return coarse_ ? side.takeForest(layer.window) : side.takeSettled(layer.window);
         };
-        tbb::parallel_invoke([&] { layer.above = take(above); }, [&] { layer.below = take(below); });
+        tbb::parallel_invoke([&] { layer.above = take(above); }, [&] { layer.below = take(below); },
+                             [&] { layer.boundary = DomainBoundary::partOf(layer.window, layer.changes); });
         giveBack(std::move(workspace));
-        layer.boundary = DomainBoundary::partOf(layer.window, layer.changes);
-        layer.range = rangeOf(layer.window);
-        layer.measures = measureLayer(layer.window, options_.measures, source_.geometry);
     }
 
     static std::pair<double, double> rangeOf(const LayerWindow<Sample>& window) {
@@ -357,11 +364,10 @@ private:
     }
 
     void addWhole(Layer& layer) {
-        euler_.add(layer.changes.euler);
-        boundary_.add(layer.boundary);
         Status status, statusBelow;
         tbb::parallel_invoke([&] { status = above_.add(layer.above, layer.window); },
-                             [&] { statusBelow = below_.add(layer.below, layer.window); });
+                             [&] { statusBelow = below_.add(layer.below, layer.window); },
+                             [&] { euler_.add(layer.changes.euler); }, [&] { boundary_.add(layer.boundary); });
         if (status.isOk())
             status = std::move(statusBelow);
         Findings found;
@@ -411,11 +417,11 @@ private:
     Result<TopologyCurve> assemble() {
         EventParts parts;
         const double span = std::min(greatest_ - least_, std::numeric_limits<double>::max());
-        tbb::parallel_invoke([&] { parts.above = above_.finish(span); }, [&] { parts.below = below_.finish(span); });
+        tbb::parallel_invoke([&] { parts.above = above_.finish(span); }, [&] { parts.below = below_.finish(span); },
+                             [&] { parts.aboveOnBoundary = boundary_.follow(Side::Above, span); },
+                             [&] { parts.belowOnBoundary = boundary_.follow(Side::Below, span); },
+                             [&] { parts.euler = euler_.take(); });
         job_.report(0.9, "analysing topology");
-        tbb::parallel_invoke([&] { parts.aboveOnBoundary = boundary_.follow(Side::Above, span); },
-                             [&] { parts.belowOnBoundary = boundary_.follow(Side::Below, span); });
-        parts.euler = euler_.take();
         if (job_.isStopRequested())
             return cancelledError();
         const bool areExact = boundary_.isOfSpheres(parts.aboveOnBoundary.lasting);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/topology/event_coder.h"
 
 namespace isoslider::topology {
 namespace {
