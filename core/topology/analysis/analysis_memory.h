@@ -22,7 +22,7 @@ struct Findings {
 /// Bytes of one layer while it is worked on; `found` in it. Measured on noise: vectors that grow are held one and a
 /// quarter times besides; of each sample, also, what it leads to, its star and the like; links are sorted in a copy.
 inline double layerBytes(double samples, const Findings& found) {
-    constexpr double kOfSample = 40.0, kGrowing = 2.25, kOfSeed = 48.0, kOfLink = 1.5 * sizeof(Link) + 36.0;
+    constexpr double kOfSample = 40.0, kGrowing = 2.25, kOfSeed = 48.0, kOfLink = 1.5 * sizeof(Link) + 20.0;
     return kOfSample * samples + kGrowing * found.keptBytes() + kOfSeed * found.seeds + kOfLink * found.links;
 }
 

@@ -26,13 +26,16 @@ TEST(IsovalueOrder, IsThatOfAStableSort) {
     std::mt19937_64 random(1);
     IsovalueOrder order;
     for (const std::size_t count : {0u, 1u, 17u, 255u, 256u, 5000u, 1000u}) // the memory of a longer one is used again
-        for (const int kind : {0, 1, 2, 3}) {
+        for (const int kind : {0, 1, 2, 3, 4, 5}) {
             std::vector<Item> items;
             for (std::size_t i = 0; i < count; ++i) {
                 const double any = std::bit_cast<double>(random());
-                const double value = kind == 0            ? 7.5
-                                     : kind == 1          ? static_cast<double>(random() % 20) - 10.0
-                                     : kind == 2          ? static_cast<double>(static_cast<std::int64_t>(random()))
+                const double value = kind == 0   ? 7.5
+                                     : kind == 1 ? static_cast<double>(random() % 20) - 10.0
+                                     : kind == 2 ? static_cast<double>(static_cast<std::int64_t>(random()))
+                                     : kind == 4 ? (random() % 30 == 0 ? -1e300 : 1.0) +
+                                                       static_cast<double>(random() % 50) * 0x1p-52 // side by side
+                                     : kind == 5          ? 1000.0 + static_cast<double>(random() % 70000) / 64.0
                                      : std::isfinite(any) ? any
                                                           : std::numeric_limits<double>::lowest();
                 items.push_back({i % 9 == 8 ? -0.0 * value : value, static_cast<int>(i)});
