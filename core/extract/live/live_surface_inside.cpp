@@ -123,13 +123,22 @@ void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, co
     std::array<InnerVertex, cell::kMaxInnerVertices> inside;
     std::size_t next = 0;
     for (const AmbiguousCell& listed : ambiguous) {
-        const cell::CellState& state = states_[listed.state];
-        if (state.innerVertices == 0)
+        if (listed.innerVertices == 0)
             continue;
-        placed.state = &state;
         const auto local = coordsOf(listed.cell);
         for (std::size_t a = 0; a < 3; ++a)
             placed.origin[a] = origin[a] + local[a];
+        if (listed.innerVertices == 1) { // nearly all: the mean of one loop, whose vertices stand side by side
+            const auto around = static_cast<std::size_t>(std::popcount(edgesOfInner_[listed.state]));
+            const InnerVertex centre =
+                placeLoopCentre(std::span(edges.positions).subspan(next, around),
+                                std::span(edges.normals).subspan(next, around), placed.origin, 1);
+            draft.inner.push_back({centre.place, centre.normal, 0});
+            next += around;
+            continue;
+        }
+        const cell::CellState& state = states_[listed.state];
+        placed.state = &state;
         for (unsigned mask = edgesOfInner_[listed.state]; mask != 0; mask &= mask - 1, ++next) {
             const auto e = static_cast<std::size_t>(std::countr_zero(mask));
             placed.edgePositions[e] = edges.positions[next];

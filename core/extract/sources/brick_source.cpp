@@ -278,6 +278,11 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
         for (std::size_t i = begin; i != end; ++i) {
+            constexpr std::size_t kAhead = 3; // few of a brick's lines are read
+            if (i + 2 * kAhead < refreshed.size())
+                surface.prefetchHead(refreshed[i + 2 * kAhead]);
+            if (i + kAhead < refreshed.size())
+                surface.prefetch(refreshed[i + kAhead]);
             Corners corners(pointsIn<Sample>(surface.points(refreshed[i])));
             surface.refreshInnerVertices(refreshed[i], scratch.draft, corners, move.isovalue);
         }
