@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/cell/cell_numbering.h"
+#include "core/cell/cell_polynomials.h"
 #include "core/cell/cell_states.h"
 #include "core/cell/plain_decisions.h"
 
@@ -42,9 +43,9 @@ public:
 
     HWY_INLINE std::uint64_t finiteCells() const {
         const V infinity = hn::Set(d_, std::numeric_limits<double>::infinity());
-        M finite = hn::Lt(hn::Abs(v_[0]), infinity);
-        for (std::size_t c = 1; c < 8; ++c)
-            finite = hn::And(finite, hn::Lt(hn::Abs(v_[c]), infinity));
+        M finite = hn::Eq(isovalue_, isovalue_);
+        for (const V& v : v_)
+            finite = hn::And(finite, hn::Lt(hn::Abs(v), infinity));
         return bitsOf(finite);
     }
 
@@ -85,7 +86,10 @@ public:
     }
 
 private:
-    static constexpr std::size_t kSlice[3][4] = {{0, 2, 4, 6}, {0, 1, 4, 5}, {0, 1, 2, 3}};
+    // The corner at place k of the lower slice across an axis, and the one of the upper slice.
+    static constexpr std::size_t corner(std::size_t axis, std::size_t k, std::size_t side = 0) {
+        return static_cast<std::size_t>(CellPolynomials<double>::kSlice[axis][k]) + (side << axis);
+    }
 
     HWY_INLINE std::uint64_t bitsOf(M mask) const {
         std::uint8_t bits = 0;
@@ -142,14 +146,12 @@ private:
 
     HWY_INLINE void findLeading() {
         const V zero = hn::Zero(d_);
-        M isSmall = hn::MaskFromVec(zero);
-        bool knowsSmall = false;
         isZero_ = hn::MaskFromVec(zero);
         isKnown_ = hn::Eq(zero, zero);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             V s[4];
             for (std::size_t k = 0; k < 4; ++k)
-                s[k] = hn::Sub(v_[kSlice[axis][k] + (std::size_t{1} << axis)], v_[kSlice[axis][k]]);
+                s[k] = hn::Sub(v_[corner(axis, k, 1)], v_[corner(axis, k)]);
             const V joining = hn::Mul(s[0], s[3]), parting = hn::Mul(s[1], s[2]);
             leading_[axis] = hn::Sub(joining, parting);
             leadingSize_[axis] = hn::Add(hn::Abs(joining), hn::Abs(parting));
@@ -161,20 +163,16 @@ private:
             const M isEqual = hn::Eq(joining, parting);
             if (hn::AllFalse(d_, isEqual))
                 continue;
-            if (!knowsSmall)
-                isSmall = areSmallIntegers();
-            knowsSmall = true;
             const M isFlat =
                 hn::And(hn::Or(hn::Eq(s[0], zero), hn::Eq(s[3], zero)), hn::Or(hn::Eq(s[1], zero), hn::Eq(s[2], zero)));
-            isZero_ = hn::Or(isZero_, hn::And(isEqual, hn::Or(isFlat, isSmall)));
+            isZero_ = hn::Or(isZero_, hn::And(isEqual, hn::Or(isFlat, areSmallIntegers())));
         }
     }
 
     HWY_INLINE M areSmallIntegers() const {
-        M are = hn::Le(hn::Abs(v_[0]), hn::Set(d_, kMostInteger));
-        for (std::size_t c = 0; c < 8; ++c)
-            are = hn::And(are,
-                          hn::And(hn::Le(hn::Abs(v_[c]), hn::Set(d_, kMostInteger)), hn::Eq(hn::Round(v_[c]), v_[c])));
+        M are = hn::Eq(isovalue_, isovalue_);
+        for (const V& v : v_)
+            are = hn::And(are, hn::And(hn::Le(hn::Abs(v), hn::Set(d_, kMostInteger)), hn::Eq(hn::Round(v), v)));
         return are;
     }
 
@@ -193,9 +191,8 @@ private:
         for (std::size_t axis = 0; axis < 3; ++axis) {
             V q[2], size[2], rates[2], rateSizes[2];
             for (std::size_t side = 0; side < 2; ++side) {
-                const std::size_t up = side << axis;
-                const std::size_t a = kSlice[axis][0] + up, b = kSlice[axis][1] + up, e = kSlice[axis][2] + up,
-                                  c = kSlice[axis][3] + up;
+                const std::size_t a = corner(axis, 0, side), b = corner(axis, 1, side), e = corner(axis, 2, side),
+                                  c = corner(axis, 3, side);
                 const V joining = hn::Mul(g_[a], g_[c]), parting = hn::Mul(g_[b], g_[e]);
                 q[side] = hn::Sub(joining, parting);
                 size[side] = hn::Add(hn::Abs(joining), hn::Abs(parting));

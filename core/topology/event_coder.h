@@ -15,10 +15,7 @@ namespace isoslider::topology {
 /// Codes pages while further events are added, on other threads where there are any.
 class EventCoder {
 public:
-    EventCoder() = default;
     ~EventCoder();
-    EventCoder(const EventCoder&) = delete;
-    EventCoder& operator=(const EventCoder&) = delete;
 
     /// REQUIRES: isovalues ascend; each begins with the counts that the one before it ends with. Positions are kept to
     /// half a grid step.

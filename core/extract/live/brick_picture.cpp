@@ -11,9 +11,6 @@
 namespace isoslider::extract {
 namespace {
 
-constexpr std::uint32_t kCodesOfSome = 256;
-static_assert(kCodesOfSome % kCodesTogether == 0);
-
 /// Of the brick's k-th vertex inside cells.
 template <class Live>
 void expandInner(const BrickPicture<Live>& picture, const PictureBrick& brick, std::uint32_t k, Live isovalue,
@@ -136,11 +133,11 @@ void expandSome(const BrickPicture<float>& picture, const PictureBrick& brick, s
     const auto value = static_cast<float>(isovalue);
     const std::uint32_t onEdges = brick.vertexCount - std::uint32_t{brick.innerCount};
     const VertexCode* const codes = picture.codes(brick);
-    std::array<VertexCode, kCodesOfSome> some;
+    std::array<VertexCode, kNearVertices> some;
     std::size_t at = 0;
     while (at < which.size() && which[at] < onEdges) {
         std::uint32_t count = 0;
-        for (; count < kCodesOfSome && at + count < which.size() && which[at + count] < onEdges; ++count)
+        for (; count < kNearVertices && at + count < which.size() && which[at + count] < onEdges; ++count)
             some[count] = codes[which[at + count]];
         for (std::uint32_t k = count; k % kCodesTogether != 0; ++k)
             some[k] = some[0];

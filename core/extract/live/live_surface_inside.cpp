@@ -20,7 +20,7 @@ void decide(std::span<const cell::CellState> states, BrickDraft<Live>& draft, Co
             double isovalue, std::size_t count) {
     UndecidedOfBrick& undecided = draft.undecided;
     undecided.cells.count = count;
-    corners.cornerScalars(std::span(undecided.places).first(count), undecided.cells);
+    corners.fill(std::span(undecided.places).first(count), undecided.cells);
     cell::resolveCells(undecided.cells, isovalue, undecided.resolved.data());
     for (std::size_t i = 0; i < count; ++i) {
         const cell::ResolvedCell& resolved = undecided.resolved[i];

@@ -160,6 +160,8 @@ static_assert([] {
     return true;
 }());
 
+using VertexLanes = hn::CappedTag<float, VertexColumns::kMost>;
+
 // Vertices that are placed together, and where they go.
 template <class D>
 class Placing {
@@ -247,10 +249,10 @@ template <class Live>
 void interpolate(const EdgeRecord<Live>* HWY_RESTRICT records, std::uint32_t count,
                  const std::array<std::int32_t, 3>& origin, Live isovalue, glm::vec3* HWY_RESTRICT positions,
                  glm::vec3* HWY_RESTRICT normals) {
-    const hn::CappedTag<float, VertexColumns::kMost> d;
+    const VertexLanes d;
     const hn::RebindToSigned<decltype(d)> ints;
     const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
-    const Placing<hn::CappedTag<float, VertexColumns::kMost>> placing(origin, positions, normals);
+    const Placing<VertexLanes> placing(origin, positions, normals);
     for (std::uint32_t at = 0; at < count; at += lanes) {
         const std::uint32_t here = std::min(lanes, count - at);
         if constexpr (std::is_same_v<Live, float>) {
@@ -287,18 +289,16 @@ template <class Sample>
 bool placePlainHere(const BrickPoints<Sample>& points, const VertexCode* HWY_RESTRICT codes, std::uint32_t count,
                     const std::array<std::int32_t, 3>& origin, float isovalue, glm::vec3* HWY_RESTRICT positions,
                     glm::vec3* HWY_RESTRICT normals) {
-    constexpr std::uint32_t kTogether = 256; // as many as stay in the nearest cache
-    static_assert(kTogether % kCodesTogether == 0);
-    const hn::CappedTag<float, VertexColumns::kMost> d;
+    const VertexLanes d;
     const hn::RebindToSigned<decltype(d)> ints;
     const hn::Rebind<std::uint16_t, decltype(d)> halves;
     const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
-    const Placing<hn::CappedTag<float, VertexColumns::kMost>> placing(origin, positions, normals);
+    const Placing<VertexLanes> placing(origin, positions, normals);
     constexpr std::array<std::uint16_t, 4> kStrides{kPointStride[0], kPointStride[1], kPointStride[2], 0};
-    alignas(64) std::array<float, kTogether> lower, upper;
-    alignas(64) std::array<std::uint32_t, kTogether> itsNormals;
-    for (std::uint32_t begin = 0; begin < count; begin += kTogether) {
-        const std::uint32_t together = std::min(kTogether, count - begin);
+    alignas(64) std::array<float, kNearVertices> lower, upper;
+    alignas(64) std::array<std::uint32_t, kNearVertices> itsNormals;
+    for (std::uint32_t begin = 0; begin < count; begin += kNearVertices) {
+        const std::uint32_t together = std::min(kNearVertices, count - begin);
         const std::uint32_t whole = (together + kCodesTogether - 1) / kCodesTogether * kCodesTogether;
         unsigned levels = 0;
         for (std::uint32_t k = 0; k < whole; ++k) {
@@ -411,10 +411,9 @@ void placeVertices(ScalarType type, const PointLine* points, const VertexCode* c
             ISO_FOR_EACH_SAMPLE_TYPE(ISO_CASE)
 #undef ISO_CASE
         }
-    constexpr std::uint32_t kTogether = 256; // as many as stay in the nearest cache
-    std::array<EdgeRecord<Live>, kTogether> records;
-    for (std::uint32_t k = 0; k < count; k += kTogether) {
-        const std::uint32_t here = std::min(kTogether, count - k);
+    std::array<EdgeRecord<Live>, kNearVertices> records;
+    for (std::uint32_t k = 0; k < count; k += kNearVertices) {
+        const std::uint32_t here = std::min(kNearVertices, count - k);
         readRecords(type, points, codes + k, here, records.data());
         interpolateVertices(records.data(), here, origin, isovalue, positions + k, normals + k);
     }

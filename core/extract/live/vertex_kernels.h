@@ -13,6 +13,9 @@ namespace isoslider::extract {
 
 /// Codes are read in whole vectors: behind the last there are others, of any edges, up to a multiple of this.
 inline constexpr std::uint32_t kCodesTogether = 16;
+/// So many vertices and what they are made from stay in the nearest cache.
+inline constexpr std::uint32_t kNearVertices = 256;
+static_assert(kNearVertices % kCodesTogether == 0);
 
 /// Records of `count` vertices on edges, from their codes and the brick's points: BrickPoints of samples of `type`.
 /// REQUIRES: Live is what such samples live as; what kCodesTogether says.

@@ -41,7 +41,7 @@ public:
             scalars[c] = scalarAt(cell, c);
         return true;
     }
-    void cornerScalars(std::span<const ClosedPoint> cells, cell::UndecidedCells& undecided) override {
+    void fill(std::span<const ClosedPoint> cells, cell::UndecidedCells& undecided) override {
         for (std::size_t i = 0; i < cells.size(); ++i)
             for (unsigned c = 0; c < 8; ++c)
                 undecided.scalars[c][i] = scalarAt(cells[i], c);

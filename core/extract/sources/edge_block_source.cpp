@@ -50,14 +50,6 @@ public:
         scalars[static_cast<std::size_t>(corner)] = *found.value();
         return true;
     }
-    void cornerScalars(std::span<const ClosedPoint> cells, cell::UndecidedCells& undecided) override {
-        cell::CornerScalars scalars{};
-        for (std::size_t i = 0; i < cells.size(); ++i) {
-            undecided.knowsHidden[i] = cornerScalars(cells[i], static_cast<std::uint8_t>(undecided.signs[i]), scalars);
-            for (std::size_t c = 0; c < 8; ++c)
-                undecided.scalars[c][i] = scalars[c];
-        }
-    }
 
 private:
     double scalarAt(ClosedPoint cell, unsigned corner) const {
