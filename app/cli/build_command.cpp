@@ -265,6 +265,7 @@ private:
             return reader.error();
         topology::AnalysisOptions options;
         options.memoryBytes = memoryLeft();
+        options.scratch = topology::scratchPathOf(indexPath_);
         topology::PlaneSource planes = preprocess::planesOf(source);
         if (reader.value()->info().kind == index::IndexKind::Metacells) // decoded faster than most files are read
             planes = topology::planesOf(*reader.value());

@@ -130,7 +130,8 @@ Result<AppendixState> appendixState(const std::filesystem::path& path, FileSyste
     return isUnfinished ? AppendixState::Unfinished : AppendixState::Damaged;
 }
 
-Status writeAppendix(const IndexReader& reader, std::span<const std::vector<std::byte>> parts,
+Status writeAppendix(const IndexReader& reader, std::size_t parts,
+                     const std::function<Result<std::vector<std::byte>>(std::size_t)>& part,
                      std::span<const std::byte> directory, bool replaces, FileSystem& fileSystem) {
     const std::filesystem::path path = reader.pathString();
     const std::uint64_t start = reader.info().indexBytes;
@@ -146,9 +147,12 @@ Status writeAppendix(const IndexReader& reader, std::span<const std::vector<std:
         // The header comes last: without it there is no appendix.
         ISO_TRY(out.writeAll(std::vector<std::byte>(kHeaderBytes)));
         std::uint64_t bodyBytes = 0;
-        for (const std::vector<std::byte>& part : parts) {
-            ISO_TRY(out.writeAll(part));
-            bodyBytes += part.size();
+        for (std::size_t i = 0; i < parts; ++i) {
+            const auto bytes = part(i);
+            if (!bytes.isOk())
+                return bytes.error();
+            ISO_TRY(out.writeAll(bytes.value()));
+            bodyBytes += bytes.value().size();
         }
         ISO_TRY(out.writeAll(directory));
         ISO_TRY(out.sync());

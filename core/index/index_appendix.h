@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -38,12 +40,12 @@ enum class AppendixState {
 /// Errors: those of readAppendix.
 Result<AppendixState> appendixState(const std::filesystem::path& index, FileSystem& fileSystem = defaultFileSystem());
 
-/// Adds one to the index that `reader` has open, and to no other: by then another may have its name. Its body is in
-/// `parts`, one after the other. It counts once all
-/// is on the disk; a whole one that is there already stays, unless `replaces`. On failure the file is as it was before
-/// anything was added. Errors: OutOfSpace, IoError, InvalidArgument (another program writes the index, or has replaced
-/// it).
-Status writeAppendix(const IndexReader& reader, std::span<const std::vector<std::byte>> parts,
+/// Adds one to the index that `reader` has open, and to no other: by then another may have its name. `part(i)` for i in
+/// [0, parts) are its body, one after the other. It counts once all is on the disk; a whole one that is there already
+/// stays, unless `replaces`. On failure the file is as it was before anything was added. Errors: OutOfSpace, IoError,
+/// InvalidArgument (another program writes the index, or has replaced it), those of `part`.
+Status writeAppendix(const IndexReader& reader, std::size_t parts,
+                     const std::function<Result<std::vector<std::byte>>(std::size_t)>& part,
                      std::span<const std::byte> directory, bool replaces, FileSystem& fileSystem = defaultFileSystem());
 
 } // namespace isoslider::index

@@ -6,34 +6,10 @@
 #include <tuple>
 #include <utility>
 
-#include "core/topology/analysis/isovalue_order.h"
 #include "core/topology/event_coder.h"
 
 namespace isoslider::topology {
 namespace {
-
-// Takes changes of one kind in the order of isovalues that rise.
-template <class Change>
-class Ascending {
-public:
-    explicit Ascending(std::vector<Change>& changes) : changes_(changes) {
-        const auto isLess = [](const Change& a, const Change& b) { return a.isovalue < b.isovalue; };
-        if (!std::is_sorted(changes_.begin(), changes_.end(), isLess))
-            IsovalueOrder().sort(changes_);
-    }
-    double isovalue() const {
-        return at_ < changes_.size() ? changes_[at_].isovalue : std::numeric_limits<double>::infinity();
-    }
-    template <class Function>
-    void takeAt(double isovalue, const Function& function) {
-        for (; at_ < changes_.size() && changes_[at_].isovalue == isovalue; ++at_)
-            function(changes_[at_]);
-    }
-
-private:
-    std::vector<Change>& changes_;
-    std::size_t at_ = 0;
-};
 
 // The place that an event is shown at: of a grid point rather than of a saddle, where most lasts, where most changes.
 class Place {
@@ -76,17 +52,11 @@ struct EulerSum {
 
 class Assembly {
 public:
-    explicit Assembly(EventParts& parts)
-        : euler_(parts.euler),
-          above_(parts.above),
-          below_(parts.below),
-          reached_(parts.below.reached),
-          aboveOuter_(parts.aboveOnBoundary),
-          belowOuter_(parts.belowOnBoundary) {}
+    explicit Assembly(EventParts parts) : parts_(std::move(parts)) {}
 
-    /// Calls `take(event, place)` for all events, ascending. Once.
+    /// Calls `take(event, place)` for all events, ascending. Once. Errors: those of reading changes.
     template <class Take>
-    void walk(const Take& take) {
+    Status walk(const Take& take) {
         // Below all isovalues everything is above. Each component of the cells, and of their boundary, counts as above,
         // as below, or twice where the surface parts it.
         SurfaceCounts counts;
@@ -97,30 +67,33 @@ public:
             Place place;
             takeEuler(event, counts, place);
             takePieces(event, counts, place);
-            reached_.takeAt(next, [&](const ClosedChange& change) { counts.voids -= change.count; });
+            parts_.below.reached.takeAt(next, [&](const ClosedChange& change) { counts.voids -= change.count; });
             takeLoops(event, counts, place);
             event.above = counts;
             if (!(event.above == event.below && event.pieces == PieceChanges()))
                 take(event, place);
         }
+        ISO_TRY(parts_.euler.status());
+        for (const SideChanges* side : {&parts_.above, &parts_.below, &parts_.aboveOnBoundary, &parts_.belowOnBoundary})
+            for (const Status& status : {side->births.status(), side->joins.status(), side->reached.status()})
+                ISO_TRY(status);
+        return {};
     }
 
 private:
-    struct OneSide {
-        explicit OneSide(ComponentHistory& history) : births(history.births), joins(history.joins) {}
-        Ascending<ComponentChange> births, joins;
-        double isovalue() const { return std::min(births.isovalue(), joins.isovalue()); }
-    };
-
+    static double isovalueOf(const SideChanges& side) {
+        return std::min(side.births.isovalue(), side.joins.isovalue());
+    }
     double nextIsovalue() const {
-        return std::min({euler_.isovalue(), above_.isovalue(), below_.isovalue(), reached_.isovalue(),
-                         aboveOuter_.isovalue(), belowOuter_.isovalue()});
+        return std::min({parts_.euler.isovalue(), isovalueOf(parts_.above), isovalueOf(parts_.below),
+                         parts_.below.reached.isovalue(), isovalueOf(parts_.aboveOnBoundary),
+                         isovalueOf(parts_.belowOnBoundary)});
     }
 
     void takeEuler(const TopologyEvent& event, SurfaceCounts& counts, Place& place) {
         std::array<EulerSum, 2> sums; // at grid points, at saddles
-        euler_.takeAt(event.isovalue,
-                      [&](const EulerChange& change) { sums[change.cause().isVertex() ? 0 : 1].add(change); });
+        parts_.euler.takeAt(event.isovalue,
+                            [&](const EulerChange& change) { sums[change.cause().isVertex() ? 0 : 1].add(change); });
         for (const EulerSum& sum : sums) {
             counts.euler += sum.euler;
             if (sum.euler != 0)
@@ -130,7 +103,7 @@ private:
 
     // What is above shrinks: its components go where they come when the isovalue falls, and are parted where they join.
     void takePieces(TopologyEvent& event, SurfaceCounts& counts, Place& place) {
-        const auto takeAt = [&](Ascending<ComponentChange>& changes, std::uint32_t& pieces, int components,
+        const auto takeAt = [&](SortedChanges<ComponentChange>& changes, std::uint32_t& pieces, int components,
                                 const auto& countVoids) {
             changes.takeAt(event.isovalue, [&](const ComponentChange& change) {
                 pieces += change.count;
@@ -141,42 +114,38 @@ private:
             });
         };
         const auto noVoids = [](const ComponentChange&) {};
-        takeAt(above_.joins, event.pieces.splits, 1, noVoids);
-        takeAt(above_.births, event.pieces.deaths, -1, noVoids);
+        takeAt(parts_.above.joins, event.pieces.splits, 1, noVoids);
+        takeAt(parts_.above.births, event.pieces.deaths, -1, noVoids);
         // A component below is a void until it reaches the boundary, itself or as a part of one that does.
-        takeAt(below_.joins, event.pieces.joins, -1,
+        takeAt(parts_.below.joins, event.pieces.joins, -1,
                [&](const ComponentChange& change) { counts.voids -= change.closed; });
-        takeAt(below_.births, event.pieces.births, 1,
+        takeAt(parts_.below.births, event.pieces.births, 1,
                [&](const ComponentChange& change) { counts.voids += change.count; });
     }
 
     void takeLoops(const TopologyEvent& event, SurfaceCounts& counts, Place& place) {
-        const auto takeAt = [&](Ascending<ComponentChange>& changes, int loops) {
+        const auto takeAt = [&](SortedChanges<ComponentChange>& changes, int loops) {
             changes.takeAt(event.isovalue, [&](const ComponentChange& change) {
                 counts.loops += loops * static_cast<std::int64_t>(change.count);
                 place.offer(change.cause, 0.0, 1);
             });
         };
-        takeAt(aboveOuter_.joins, 1);
-        takeAt(aboveOuter_.births, -1);
-        takeAt(belowOuter_.joins, -1);
-        takeAt(belowOuter_.births, 1);
+        takeAt(parts_.aboveOnBoundary.joins, 1);
+        takeAt(parts_.aboveOnBoundary.births, -1);
+        takeAt(parts_.belowOnBoundary.joins, -1);
+        takeAt(parts_.belowOnBoundary.births, 1);
     }
 
-    Ascending<EulerChange> euler_;
-    OneSide above_, below_;
-    Ascending<ClosedChange> reached_;
-    OneSide aboveOuter_, belowOuter_;
+    EventParts parts_;
 };
 
 } // namespace
 
-EventPages assembleEvents(EventParts parts, const GridDims& dims) {
-    EventCoder coder;
-    Assembly(parts).walk([&](TopologyEvent& event, const Place& place) {
+Result<EventPages> assembleEvents(EventParts parts, const GridDims& dims, EventCoder& coder) {
+    ISO_TRY(Assembly(std::move(parts)).walk([&](TopologyEvent& event, const Place& place) {
         place.describe(dims, event);
         coder.add(event);
-    });
+    }));
     return coder.take();
 }
 

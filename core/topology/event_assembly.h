@@ -1,21 +1,20 @@
 #pragma once
 
-#include <vector>
-
 #include "core/grid/grid_geometry.h"
-#include "core/topology/analysis/component_graph.h"
+#include "core/topology/analysis/isovalue_sums.h"
 #include "core/topology/analysis/packed_cause.h"
-#include "core/topology/event_pages.h"
+#include "core/topology/event_coder.h"
 
 namespace isoslider::topology {
 
 /// All that was found to change, kind by kind.
 struct EventParts {
-    std::vector<EulerChange> euler;
-    ComponentHistory above, below, aboveOnBoundary, belowOnBoundary;
+    SortedChanges<EulerChange> euler;
+    SideChanges above, below, aboveOnBoundary, belowOnBoundary;
 };
 
-/// One event for each isovalue at which the counts change, ascending. O(n log n).
-EventPages assembleEvents(EventParts parts, const GridDims& dims);
+/// One event for each isovalue at which the counts change, ascending. O(n log n). Errors: those of reading changes,
+/// and of `coder`.
+Result<EventPages> assembleEvents(EventParts parts, const GridDims& dims, EventCoder& coder);
 
 } // namespace isoslider::topology

@@ -101,6 +101,15 @@ Result<std::vector<TopologyEvent>> decodeEvents(const EventPage& page, std::span
     return events;
 }
 
+Result<std::vector<std::byte>> EventPages::bytesOf(std::size_t page) const {
+    const Bytes& coded = bytes[page];
+    if (!coded.held.empty())
+        return coded.held;
+    std::vector<std::byte> found(pages[page].bytes);
+    ISO_TRY(scratch->readAt(coded.offset, found));
+    return found;
+}
+
 EventCoder::~EventCoder() {
     coding_.cancel(); // nobody wants what is not done
     try {
@@ -114,20 +123,36 @@ void EventCoder::add(const TopologyEvent& event) {
         endPage();
 }
 
-EventPages EventCoder::take() {
+Result<EventPages> EventCoder::take() {
     endPage();
     coding_.wait();
-    EventPages found;
+    EventPages found{std::exchange(pages_, {}), {}, scratch_};
+    std::deque<Coded> coded = std::exchange(coded_, {});
+    heldBytes_ = 0;
     std::uint64_t offset = 0;
-    for (std::size_t i = 0; i < pages_.size(); ++i) {
-        pages_[i].offset = offset;
-        pages_[i].bytes = static_cast<std::uint32_t>(bytes_[i].size());
-        offset += pages_[i].bytes;
-        found.bytes.push_back(std::move(bytes_[i]));
+    for (std::size_t i = 0; i < coded.size(); ++i) {
+        ISO_TRY(coded[i].status);
+        found.pages[i].offset = offset;
+        found.pages[i].bytes = coded[i].size;
+        offset += coded[i].size;
+        found.bytes.push_back(std::move(coded[i].bytes));
     }
-    bytes_.clear();
-    found.pages = std::exchange(pages_, {});
     return found;
+}
+
+void EventCoder::code(const std::vector<TopologyEvent>& events, Coded& to) {
+    std::vector<std::byte> bytes = encodePage(events);
+    to.size = static_cast<std::uint32_t>(bytes.size());
+    if (!scratch_ || heldBytes_.fetch_add(bytes.size()) <= mostHeldBytes_) {
+        bytes.shrink_to_fit();
+        to.bytes.held = std::move(bytes);
+        return;
+    }
+    auto offset = scratch_->append(bytes);
+    if (offset.isOk())
+        to.bytes.offset = offset.value();
+    else
+        to.status = std::move(offset).error();
 }
 
 void EventCoder::endPage() {
@@ -138,17 +163,13 @@ void EventCoder::endPage() {
     page.before = events_.front().below;
     page.events = static_cast<std::uint32_t>(events_.size());
     pages_.push_back(page);
-    std::vector<std::byte>& bytes = bytes_.emplace_back();
-    const auto code = [&bytes](const std::vector<TopologyEvent>& events) {
-        bytes = encodePage(events);
-        bytes.shrink_to_fit();
-    };
+    Coded& coded = coded_.emplace_back();
     if (waiting_ >= kMostWaiting) {
-        code(events_);
+        code(events_, coded);
     } else {
         ++waiting_;
-        coding_.run([this, code, events = std::move(events_)] {
-            code(events);
+        coding_.run([this, &coded, events = std::move(events_)] {
+            code(events, coded);
             --waiting_;
         });
     }

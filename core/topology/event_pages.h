@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/scratch_file.h"
 #include "core/topology/topology_event.h"
 
 namespace isoslider::topology {
@@ -24,8 +26,17 @@ struct EventPage {
 /// Events in pages of a thousand, by columns of bytes: some 13 bytes each, a tenth of what they take otherwise.
 /// FORMAT.md, "Topology".
 struct EventPages {
+    /// The bytes of a page: in one piece they would be held twice when it grows.
+    struct Bytes {
+        std::vector<std::byte> held; ///< empty: in `scratch`
+        std::uint64_t offset = 0; ///< there
+    };
     std::vector<EventPage> pages;
-    std::vector<std::vector<std::byte>> bytes; ///< of each page: in one piece they would be held twice when it grows
+    std::vector<Bytes> bytes; ///< of each
+    std::shared_ptr<const ScratchFile> scratch; ///< null: all are held
+
+    /// Errors: those of ScratchFile::readAt.
+    Result<std::vector<std::byte>> bytesOf(std::size_t page) const;
 };
 
 /// The events of a page. `path` is named in errors. Errors: Corruption.

@@ -69,6 +69,12 @@ private:
 
 } // namespace
 
+std::filesystem::path scratchPathOf(const std::filesystem::path& index) {
+    std::filesystem::path path = index;
+    path += ".topology.partial";
+    return path;
+}
+
 PlaneSource planesOf(const index::IndexReader& reader) {
     PlaneSource source{reader.info().geometry, reader.info().type, {}};
     const GridDims& dims = source.geometry.dims;
@@ -92,6 +98,8 @@ Result<TopologyCurve> analyseIndex(const index::IndexReader& reader, AnalysisOpt
     if (!plan.isOk())
         return std::move(plan).error();
     options.measures = std::move(plan).value();
+    if (options.scratch.empty())
+        options.scratch = scratchPathOf(reader.pathString());
     return analyseTopology(planesOf(reader), options, job);
 }
 

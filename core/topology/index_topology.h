@@ -9,6 +9,9 @@
 
 namespace isoslider::topology {
 
+/// Where what is found may lie until events are made of it: beside the index.
+std::filesystem::path scratchPathOf(const std::filesystem::path& index);
+
 /// Planes of samples of an index of metacells, sixteen of them decoded at a time. `reader` must outlive it.
 PlaneSource planesOf(const index::IndexReader& reader);
 

@@ -112,9 +112,12 @@ Status storeTopology(const index::IndexReader& index, const TopologyCurve& summa
     out.put<std::uint64_t>(summary.pages().size());
     for (std::size_t i = 0; i < summary.pages().size(); ++i) {
         const EventPage& page = summary.pages()[i];
+        const auto bytes = summary.bytesOf(page);
+        if (!bytes.isOk())
+            return bytes.error();
         out.put<double>(page.firstIsovalue);
         out.put<std::uint64_t>(page.offset);
-        out.put<std::uint64_t>(index::pageChecksum(summary.bytes()[i], 0, page.offset));
+        out.put<std::uint64_t>(index::pageChecksum(bytes.value(), 0, page.offset));
         out.put<std::uint32_t>(page.bytes);
         out.put<std::uint32_t>(page.events);
         put(out, page.before);
@@ -127,7 +130,8 @@ Status storeTopology(const index::IndexReader& index, const TopologyCurve& summa
         for (const double measure : {at.area, at.volume, at.triangles, at.gradient})
             out.put<double>(measure);
     }
-    return index::writeAppendix(index, summary.bytes(), directory, replaces, fileSystem);
+    const auto bytesOf = [&](std::size_t page) { return summary.bytesOf(summary.pages()[page]); };
+    return index::writeAppendix(index, summary.pages().size(), bytesOf, directory, replaces, fileSystem);
 }
 
 Result<std::shared_ptr<const TopologySummary>> openTopology(const std::filesystem::path& index,

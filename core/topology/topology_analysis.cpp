@@ -1,12 +1,14 @@
 #include "core/topology/topology_analysis.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -15,6 +17,7 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include "core/base/scratch_file.h"
 #include "core/topology/analysis/analysis_memory.h"
 #include "core/topology/analysis/coarse_counts.h"
 #include "core/topology/analysis/component_graph.h"
@@ -35,12 +38,12 @@ namespace {
 // Noise of 32 bits, for each sample; there is hardly a volume with more. More memory than that is not asked after.
 constexpr Findings kMostFindings{1.25, 0.8, 0.4, 1.6, 0.0};
 constexpr double kMostBytesPerSample = 768.0;
-constexpr double kBoundaryBytesPerPoint = 80.0;
+constexpr double kBoundaryBytesPerPoint = 40.0;
 
 // One side of all layers, put together as they come.
 class SideGraph {
 public:
-    explicit SideGraph(Side side) : between_(side) { graph_.side = side; }
+    SideGraph(Side side, const ChangeStore& store) : sums_(store), between_(side) { graph_.side = side; }
 
     // Grid points between two layers belong to both: what they lead to above and below is one from their scalars on.
     template <class Sample>
@@ -67,38 +70,24 @@ public:
         opens.insert(opens.end(), layer.opens.begin(), layer.opens.end());
         ComponentHistory settled;
         const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, settled, between_.order());
-        add(layer.settled);
-        add(settled);
+        ISO_TRY(sums_.add(layer.settled));
+        ISO_TRY(sums_.add(settled));
         top_ = std::move(layer.top);
         for (std::uint32_t& seed : top_)
             seed = seed != kNoSeed ? parts[seed + first] : kNoSeed;
         return {};
     }
-    void reserve(double births, double joins) {
-        births_.reserve(births);
-        joins_.reserve(joins);
-    }
-    void countInto(Findings& found) const { found.changes += static_cast<double>(births_.count() + joins_.count()); }
-    ComponentHistory finish(double span) {
+    HistorySums& sums() { return sums_; }
+    Result<SideChanges> take(double span) {
         ComponentHistory history;
         finishComponents(std::move(graph_), span, history);
-        add(history);
-        history.births = births_.take();
-        history.joins = joins_.take();
-        history.reached = std::move(reached_);
-        return history;
+        ISO_TRY(sums_.add(history));
+        return sums_.take();
     }
 
 private:
-    void add(const ComponentHistory& history) {
-        births_.add(history.births);
-        joins_.add(history.joins);
-        reached_.insert(reached_.end(), history.reached.begin(), history.reached.end());
-    }
-
     ComponentGraph graph_;
-    IsovalueSums<ComponentChange> births_, joins_;
-    std::vector<ClosedChange> reached_;
+    HistorySums sums_;
     LinkCollector between_;
     std::vector<std::uint32_t> top_;
 };
@@ -124,7 +113,12 @@ template <class Sample>
 class Analysis {
 public:
     Analysis(const PlaneSource& source, const AnalysisOptions& options, Detail detail, const JobControl& job)
-        : source_(source), options_(options), job_(job), dims_(source.geometry.dims) {
+        : source_(source),
+          options_(options),
+          job_(job),
+          dims_(source.geometry.dims),
+          aimBytes_(aimBytes()),
+          scratch_(hasScratch() ? std::make_shared<ScratchFile>(options.scratch, *options.fileSystem) : nullptr) {
         if (detail == Detail::Counts)
             coarse_ = std::make_unique<CoarseCounts>(coarseIsovalues(options.measures));
         // Thick enough that little is said twice, thin enough for the caches and for many threads.
@@ -167,12 +161,32 @@ private:
                                                     megabytes(static_cast<double>(options_.memoryBytes)));
     }
 
+    bool hasScratch() const { return !options_.scratch.empty(); }
+    // What is to be taken: with a scratch file less than may be.
+    double aimBytes() const {
+        constexpr double kLeast = 96 << 20; // for which thicker layers save time
+        const double most = static_cast<double>(options_.memoryBytes);
+        const double each = static_cast<double>(kBytesPerSample) * static_cast<double>(pointCount(dims_));
+        return hasScratch() ? std::min(most, std::max(kLeast, each)) : most;
+    }
+    // There are five large kinds of changes and some small ones; each is held some 1.5 times where it is sorted.
+    ChangeStore store() { return {scratch_.get(), static_cast<std::size_t>(aimBytes_ / 64.0)}; }
+    std::size_t mostEventBytes() const { return static_cast<std::size_t>(aimBytes_ / 4.0); } // the rest in the file
+    double keptBytes(const Findings& found) const {
+        return hasScratch() ? std::min(found.keptBytes(), aimBytes_ / 8.0) : found.keptBytes();
+    }
+    // From when all layers are put together until events are stored.
+    double assemblyBytes(double kept, double eulerChanges) const {
+        const double events = eventBytes(eulerChanges);
+        return 1.25 * kept + (hasScratch() ? std::min(events, static_cast<double>(mostEventBytes())) : events);
+    }
+
     // Cubes spread over the volume state how much there is in it: where that is hopeless it shows at once.
     Status planMemory() {
         const auto points = static_cast<double>(pointCount(dims_)), memory = static_cast<double>(options_.memoryBytes);
         const auto plane = static_cast<double>(dims_[0] * dims_[1]);
         Findings each = kMostFindings;
-        const bool isTight = memory < kMostBytesPerSample * points;
+        const bool isTight = aimBytes_ < kMostBytesPerSample * points;
         expected_ = each * points;
         if (isTight)
             ISO_TRY(lookAt(each, expected_));
@@ -184,24 +198,31 @@ private:
         expected_.boundaryBytes = coarse_ ? 0.0 : 2.0 * sides * kBoundaryBytesPerPoint;
         const auto bytesOfLayer = [&](std::int64_t planes) {
             const double samples = plane * static_cast<double>(std::min(dims_[2], planes + 2));
-            return layerBytes(samples, each * samples) + (coarse_ ? coarseBytes(plane, each * samples) : 0.0);
+            return layerBytes(samples, sizeof(Sample), each * samples) +
+                   (coarse_ ? coarseBytes(plane, each * samples) : 0.0);
         };
-        const double room = memory - (isTight ? expected_.keptBytes() : 0.0);
-        while (options_.planesAtOnce == 0 && planesAtOnce_ > 3 && bytesOfLayer(planesAtOnce_) > room)
+        const double kept = isTight ? keptBytes(expected_) : 0.0, room = aimBytes_ - kept;
+        const auto threads = static_cast<double>(tbb::this_task_arena::max_concurrency());
+        const double wanted = hasScratch() ? std::min(2.0, threads) : 1.0; // thin layers cost less time than few
+        while (options_.planesAtOnce == 0 && planesAtOnce_ > 3 &&
+               bytesOfLayers(wanted, bytesOfLayer(planesAtOnce_)) > room)
             --planesAtOnce_;
-        neededBytes_ = std::max(assemblyBytes(expected_), expected_.keptBytes() + bytesOfLayer(planesAtOnce_));
+        neededBytes_ = std::max(assemblyBytes(kept, expected_.euler), kept + bytesOfLayer(planesAtOnce_));
         constexpr double kUncertainty = 1.25;
         if (isTight && (neededBytes_ > kUncertainty * memory || bytesOfLayer(planesAtOnce_) > memory))
             return tooLarge(neededBytes_);
-        if (isTight && !coarse_) { // grown step by step they would be held twice for a while
+        if (isTight && !coarse_ && !hasScratch()) { // grown step by step they would be held twice for a while
             constexpr double kMore = 1.25; // than expected; those that come and are not summed up yet
             euler_.reserve(kMore * distinct_[0]);
-            above_.reserve(kMore * distinct_[1], kMore * distinct_[2]);
-            below_.reserve(kMore * distinct_[3], kMore * distinct_[4]);
+            above_.sums().births.reserve(kMore * distinct_[1]);
+            above_.sums().joins.reserve(kMore * distinct_[2]);
+            below_.sums().births.reserve(kMore * distinct_[3]);
+            below_.sums().joins.reserve(kMore * distinct_[4]);
         }
         // A layer for each thread, and one that is read or put together; fewer where memory is scarce.
-        const double most = 1.0 + tbb::this_task_arena::max_concurrency();
-        layersAtOnce_ = static_cast<std::size_t>(std::clamp(room / bytesOfLayer(planesAtOnce_), 1.0, most));
+        while (static_cast<double>(layersAtOnce_) <= threads &&
+               bytesOfLayers(static_cast<double>(layersAtOnce_ + 1), bytesOfLayer(planesAtOnce_)) <= room)
+            ++layersAtOnce_;
         return {};
     }
 
@@ -364,18 +385,15 @@ private:
     }
 
     void addWhole(Layer& layer) {
-        Status status, statusBelow;
-        tbb::parallel_invoke([&] { status = above_.add(layer.above, layer.window); },
-                             [&] { statusBelow = below_.add(layer.below, layer.window); },
-                             [&] { euler_.add(layer.changes.euler); }, [&] { boundary_.add(layer.boundary); });
-        if (status.isOk())
-            status = std::move(statusBelow);
-        Findings found;
-        found.euler = static_cast<double>(euler_.count());
-        above_.countInto(found);
-        below_.countInto(found);
-        found.boundaryBytes = static_cast<double>(boundary_.sizeBytes());
-        const double bytes = assemblyBytes(found);
+        std::array<Status, 4> statuses;
+        tbb::parallel_invoke([&] { statuses[0] = above_.add(layer.above, layer.window); },
+                             [&] { statuses[1] = below_.add(layer.below, layer.window); },
+                             [&] { statuses[2] = euler_.add(layer.changes.euler); },
+                             [&] { statuses[3] = boundary_.add(layer.boundary); });
+        Status status = firstProblem(statuses);
+        const double kept = static_cast<double>(euler_.count() * sizeof(EulerChange) + above_.sums().sizeBytes() +
+                                                below_.sums().sizeBytes() + boundary_.sizeBytes());
+        const double bytes = assemblyBytes(kept, static_cast<double>(euler_.count() + euler_.spilledCount()));
         if (status.isOk() && bytes > static_cast<double>(options_.memoryBytes))
             status = tooLarge(std::max(neededBytes_, bytes * static_cast<double>(dims_[2] - 1) /
                                                          static_cast<double>(layer.window.zEnd)));
@@ -383,6 +401,12 @@ private:
             fail(std::move(status));
         least_ = std::min(least_, layer.range.first);
         greatest_ = std::max(greatest_, layer.range.second);
+    }
+
+    static Status firstProblem(std::span<Status> statuses) {
+        const auto first =
+            std::find_if(statuses.begin(), statuses.end(), [](const Status& status) { return !status.isOk(); });
+        return first != statuses.end() ? std::move(*first) : Status();
     }
 
     void addCoarsely(const Layer& layer) {
@@ -417,22 +441,38 @@ private:
     Result<TopologyCurve> assemble() {
         EventParts parts;
         const double span = std::min(greatest_ - least_, std::numeric_limits<double>::max());
-        tbb::parallel_invoke([&] { parts.above = above_.finish(span); }, [&] { parts.below = below_.finish(span); },
-                             [&] { parts.aboveOnBoundary = boundary_.follow(Side::Above, span); },
-                             [&] { parts.belowOnBoundary = boundary_.follow(Side::Below, span); },
+        std::array<Status, 4> statuses;
+        const auto take = [span](auto& from, SideChanges& to, Status& status, auto... side) {
+            auto taken = from.take(side..., span);
+            if (taken.isOk())
+                to = std::move(taken).value();
+            else
+                status = std::move(taken).error();
+        };
+        tbb::parallel_invoke([&] { take(above_, parts.above, statuses[0]); },
+                             [&] { take(below_, parts.below, statuses[1]); },
+                             [&] { take(boundary_, parts.aboveOnBoundary, statuses[2], Side::Above); },
+                             [&] { take(boundary_, parts.belowOnBoundary, statuses[3], Side::Below); },
                              [&] { parts.euler = euler_.take(); });
+        ISO_TRY(firstProblem(statuses));
         job_.report(0.9, "analysing topology");
         if (job_.isStopRequested())
             return cancelledError();
         const bool areExact = boundary_.isOfSpheres(parts.aboveOnBoundary.lasting);
-        return TopologyCurve(assembleEvents(std::move(parts), dims_),
-                             measures_.curves(options_.measures, source_.geometry), areExact);
+        EventCoder coder(scratch_, mostEventBytes());
+        auto events = assembleEvents(std::move(parts), dims_, coder);
+        if (!events.isOk())
+            return std::move(events).error();
+        return TopologyCurve(std::move(events).value(), measures_.curves(options_.measures, source_.geometry),
+                             areExact);
     }
 
     const PlaneSource& source_;
     const AnalysisOptions& options_;
     const JobControl& job_;
     GridDims dims_;
+    double aimBytes_; ///< of memory
+    std::shared_ptr<ScratchFile> scratch_; ///< null: none; a curve may go on with it
     std::int64_t planesAtOnce_ = 0;
     Findings expected_; ///< of the whole volume, about
     std::array<double, 5> distinct_{}; ///< of it: isovalues of each kind of changes
@@ -445,9 +485,9 @@ private:
     Status problem_;
     std::atomic<bool> hasFailed_ = false;
     std::unique_ptr<CoarseCounts> coarse_; ///< then nothing goes into what follows but the measures
-    IsovalueSums<EulerChange> euler_;
-    SideGraph above_{Side::Above}, below_{Side::Below};
-    DomainBoundary boundary_;
+    IsovalueSums<EulerChange> euler_{store()};
+    SideGraph above_{Side::Above, store()}, below_{Side::Below, store()};
+    DomainBoundary boundary_{store()};
     MeasureSums measures_;
     double least_ = std::numeric_limits<double>::infinity(), greatest_ = -std::numeric_limits<double>::infinity();
 };
@@ -474,6 +514,11 @@ Result<TopologyCurve> analyseTopology(const PlaneSource& source, const AnalysisO
     return visitScalarType(source.type, [&](auto sample) {
         using Sample = decltype(sample);
         auto whole = Analysis<Sample>(source, own, Detail::Events, job).run();
+        // What can be done without the file is.
+        if (!whole.isOk() && !own.scratch.empty() && whole.error().path == own.scratch.string()) {
+            own.scratch.clear();
+            whole = Analysis<Sample>(source, own, Detail::Events, job).run();
+        }
         if (whole.isOk() || whole.error().code != ErrorCode::OutOfSpace || !options.mayLackEvents ||
             options.measures.isovalues.empty())
             return whole;

@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <span>
 
+#include "core/base/file_system.h"
 #include "core/base/job_control.h"
 #include "core/grid/grid_geometry.h"
 #include "core/grid/scalar_grid.h"
@@ -14,6 +16,9 @@
 #include "core/topology/topology_curve.h"
 
 namespace isoslider::topology {
+
+/// Memory for each sample that an analysis takes at most where it may put off the rest to a file.
+inline constexpr std::uint64_t kBytesPerSample = 8;
 
 /// A volume to analyse, read in planes that rise.
 struct PlaneSource {
@@ -36,12 +41,17 @@ struct AnalysisOptions {
     /// Planes read at once, 3 or more; 0: layers of a million samples. Events are the same with any number, but for
     /// which of several places of one isovalue is stated.
     std::int64_t planesAtOnce = 0;
+    /// A file for what is found and memory does not hold, gone when events are made of it; empty: none. With one, no
+    /// more is taken than kBytesPerSample, as far as layers allow, whatever `memoryBytes`.
+    std::filesystem::path scratch;
+    FileSystem* fileSystem = &defaultFileSystem(); ///< of that
 };
 
 /// Every isovalue at which the topology of the volume's surface changes. TOPOLOGY.md.
-/// O(n) in samples, O(m log m) in what can be an event; all threads. Memory: some planes, and what can be an event.
-/// Where that is more than `options.memoryBytes`, and events may be lacking: counts only, at some thousand isovalues
-/// (TopologySummary::hasEvents), in memory for some planes. Samples may then be read twice.
+/// O(n) in samples, O(m log m) in what can be an event; all threads. Memory: some planes, and what can be an event
+/// as far as it is not put off to `options.scratch`. Where that is more than `options.memoryBytes`, and events may be
+/// lacking: counts only, at some thousand isovalues (TopologySummary::hasEvents), in memory for some planes. Samples
+/// may then be read twice, also where the file fails.
 /// Errors: those of `source`; InvalidArgument (planes of 2^27 samples or more); OutOfSpace (more than
 /// `options.memoryBytes` even so); Cancelled.
 Result<TopologyCurve> analyseTopology(const PlaneSource& source, const AnalysisOptions& options = {},

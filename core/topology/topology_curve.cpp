@@ -12,16 +12,16 @@ EventPages pagesOf(const std::vector<TopologyEvent>& events) {
     EventCoder coder;
     for (const TopologyEvent& event : events)
         coder.add(event);
-    return coder.take();
+    return coder.take().value(); // without a file nothing fails
 }
 
 } // namespace
 
 TopologyCurve::TopologyCurve(EventPages events, MeasureCurves curves, bool areCountsExact, bool hasEvents)
-    : bytes_(std::move(events.bytes)) {
+    : coded_(std::move(events)) {
     areCountsExact_ = areCountsExact;
     hasEvents_ = hasEvents;
-    pages_ = std::move(events.pages);
+    pages_ = coded_.pages;
     curves_ = std::move(curves);
 }
 
@@ -42,7 +42,7 @@ std::vector<TopologyEvent> TopologyCurve::events() const {
 SurfaceCounts TopologyCurve::countsAt(double isovalue) const { return at(isovalue).value(); }
 
 Result<std::vector<std::byte>> TopologyCurve::bytesOf(const EventPage& page) const {
-    return bytes_[static_cast<std::size_t>(&page - pages_.data())];
+    return coded_.bytesOf(static_cast<std::size_t>(&page - pages_.data()));
 }
 
 } // namespace isoslider::topology

@@ -7,7 +7,8 @@
 
 namespace isoslider::topology {
 
-/// The counts at every isovalue, by the isovalues at which they change, in memory. TOPOLOGY.md
+/// The counts at every isovalue, by the isovalues at which they change, in memory, or in a scratch file what it does
+/// not hold. TOPOLOGY.md
 class TopologyCurve final : public PagedTopology {
 public:
     TopologyCurve() = default;
@@ -16,17 +17,15 @@ public:
     TopologyCurve(const std::vector<TopologyEvent>& events, MeasureCurves curves, bool areCountsExact,
                   bool hasEvents = true);
 
-    /// Ascending. Decodes all of them: O(events).
+    /// Ascending. Decodes all of them: O(events). REQUIRES: all are in memory.
     std::vector<TopologyEvent> events() const;
-    /// Microseconds.
+    /// Microseconds. REQUIRES: the same.
     SurfaceCounts countsAt(double isovalue) const;
 
-    /// The bytes of each page.
-    const std::vector<std::vector<std::byte>>& bytes() const { return bytes_; }
     Result<std::vector<std::byte>> bytesOf(const EventPage& page) const override;
 
 private:
-    std::vector<std::vector<std::byte>> bytes_; ///< of each page
+    EventPages coded_;
 };
 
 } // namespace isoslider::topology

@@ -104,9 +104,20 @@ TEST_F(CliMemory, MetacellsAreBuiltWithinTheBudgetWhateverTheType) {
     expectBudgetKept<double>("f64", 250, Field::Noise, "metacells");
 }
 
-// Its events would take some 500 MB: that shows before any of them is found.
+// Its events would take some 500 MB.
+TEST_F(CliMemory, TopologyThatTakesMoreIsPutOffToTheDisk) {
+    writeField<std::uint8_t>(path("volume.raw"), 128, Field::Noise);
+    const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "128,128,128", "--raw-type", "u8"});
+    ASSERT_TRUE(json.is_object());
+    EXPECT_GT(json["topology_events"], 100'000);
+    EXPECT_FALSE(std::filesystem::exists(path("a.isx.topology.partial")));
+    EXPECT_TRUE(runJson({"validate", path("a.isx"), "--full"})["sound"].get<bool>());
+}
+
+// Where the disk cannot help, that shows before any of them is found.
 TEST_F(CliMemory, TopologyThatTakesMoreIsCountedWithoutEvents) {
     writeField<std::uint8_t>(path("volume.raw"), 128, Field::Noise);
+    std::filesystem::create_directory(path("a.isx.topology.partial")); // no file may have this name
     const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "128,128,128", "--raw-type", "u8"});
     ASSERT_TRUE(json.is_object());
     EXPECT_FALSE(json.contains("topology_problem"));

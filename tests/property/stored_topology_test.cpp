@@ -198,9 +198,9 @@ TEST_F(StoredTopologyTest, OfCountsWithoutEventsHasNone) {
 TEST_F(StoredTopologyTest, IsRefusedOnePastItsLimits) {
     build(noise({5, 5, 5}, ScalarType::U8, 1));
     constexpr std::uint32_t kMostBytes = 1u << 20, kMostEvents = 1024;
-    const std::vector<std::vector<std::byte>> body{std::vector<std::byte>(kMostBytes + 1)};
+    const auto body = [](std::size_t) { return std::vector<std::byte>(kMostBytes + 1); };
     const auto open = [&](std::uint32_t pageBytes, std::uint32_t events) {
-        EXPECT_THAT(index::writeAppendix(*reader(), body, directoryOf(pageBytes, events), true), IsOk());
+        EXPECT_THAT(index::writeAppendix(*reader(), 1, body, directoryOf(pageBytes, events), true), IsOk());
         return openTopology(path_);
     };
     const auto atLimit = open(kMostBytes, kMostEvents);
@@ -377,12 +377,13 @@ TEST_F(StoredTopologyTest, DamagedIsMadeAgain) {
     EXPECT_EQ(readFile(path_), whole);
 }
 
-// Counts without events were stored where memory was scarce.
+// Counts without events were stored where memory was scarce, and the disk could not help.
 TEST_F(StoredTopologyTest, EventsAreAddedWhereThereIsMemory) {
     const auto grid = noise({20, 20, 60}, ScalarType::F32, 5);
     build(grid);
     AnalysisOptions little;
     little.memoryBytes = 9 << 17;
+    little.scratch = path_.parent_path() / "no folder" / "found"; // and nowhere to put it off to
     const auto counts = topologyOfIndex(path_, little, {});
     ASSERT_THAT(counts, IsOk());
     ASSERT_THAT(counts.value().storing, IsOk());

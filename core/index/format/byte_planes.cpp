@@ -14,9 +14,9 @@ namespace {
 constexpr int kCompressionLevel = 1;
 constexpr std::size_t kMinGain = 16; // smaller savings do not pay for a decompression call
 
-enum PlaneMode : std::uint32_t { kConstant = 0, kRaw = 1, kZstd = 2 };
-constexpr std::uint32_t kPlaneModeShift = 30;
-constexpr std::uint32_t kPlaneLengthMask = (1u << kPlaneModeShift) - 1;
+enum BytePlaneMode : std::uint32_t { kConstantBytes = 0, kRawBytes = 1, kZstdBytes = 2 };
+constexpr std::uint32_t kBytePlaneModeShift = 30;
+constexpr std::uint32_t kBytePlaneLengthMask = (1u << kBytePlaneModeShift) - 1;
 
 struct CompressionContext : ZstdContexts {
     std::vector<std::uint8_t> plane;
@@ -45,7 +45,7 @@ void PlaneWriter::addPlane(const std::vector<std::uint8_t>& plane) {
     const bool isConstant = std::all_of(plane.begin(), plane.end(), [&](std::uint8_t b) { return b == plane[0]; });
     if (plane.empty() || isConstant) {
         const std::uint8_t value = plane.empty() ? 0 : plane[0];
-        put(kConstant, std::as_bytes(std::span(&value, 1)));
+        put(kConstantBytes, std::as_bytes(std::span(&value, 1)));
         return;
     }
     CompressionContext& context = compressionContext();
@@ -54,15 +54,15 @@ void PlaneWriter::addPlane(const std::vector<std::uint8_t>& plane) {
         orOutOfMemory(ZSTD_compressCCtx(context.compress.get(), context.packed.data(), context.packed.size(),
                                         plane.data(), plane.size(), kCompressionLevel));
     if (!ZSTD_isError(packed) && packed + kMinGain < plane.size())
-        put(kZstd, std::span(context.packed).first(packed));
+        put(kZstdBytes, std::span(context.packed).first(packed));
     else
-        put(kRaw, std::as_bytes(std::span(plane)));
+        put(kRawBytes, std::as_bytes(std::span(plane)));
 }
 
 void PlaneWriter::put(std::uint32_t mode, std::span<const std::byte> data) {
     ISO_CHECK(slot_ < planes_);
     storeLittle<std::uint32_t>(page_.data() + tableAt_ + 4 * static_cast<std::size_t>(slot_++),
-                               static_cast<std::uint32_t>(data.size()) | (mode << kPlaneModeShift));
+                               static_cast<std::uint32_t>(data.size()) | (mode << kBytePlaneModeShift));
     page_.insert(page_.end(), data.begin(), data.end());
 }
 
@@ -76,17 +76,17 @@ Status PlaneReader::beginPlanes(std::size_t at, std::uint32_t count) {
 
 Status PlaneReader::readPlane(std::size_t count, Plane& plane) {
     const std::uint32_t entry = loadLittle<std::uint32_t>(page_.data() + tableAt_ + 4 * slot_++);
-    const std::uint32_t mode = entry >> kPlaneModeShift;
-    const std::size_t length = entry & kPlaneLengthMask;
+    const std::uint32_t mode = entry >> kBytePlaneModeShift;
+    const std::size_t length = entry & kBytePlaneLengthMask;
     if (length > page_.size() - dataAt_)
         return corrupt("plane length");
     const std::span<const std::byte> data = page_.subspan(dataAt_, length);
     dataAt_ += length;
-    if (mode == kConstant) {
+    if (mode == kConstantBytes) {
         if (data.size() != 1)
             return corrupt("constant plane");
         plane.constant = static_cast<std::uint8_t>(data[0]);
-    } else if (mode == kZstd) {
+    } else if (mode == kZstdBytes) {
         CompressionContext& context = compressionContext();
         context.plane.resize(count);
         const std::size_t size =
@@ -94,7 +94,7 @@ Status PlaneReader::readPlane(std::size_t count, Plane& plane) {
         if (ZSTD_isError(size) || size != count)
             return corrupt("compressed plane");
         plane.bytes = context.plane.data();
-    } else if (mode == kRaw && data.size() == count) {
+    } else if (mode == kRawBytes && data.size() == count) {
         plane.bytes = reinterpret_cast<const std::uint8_t*>(data.data());
     } else {
         return corrupt("plane mode or size");

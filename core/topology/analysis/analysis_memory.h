@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "core/topology/analysis/component_graph.h"
 #include "core/topology/analysis/layer_euler.h"
 
@@ -10,7 +12,7 @@ struct Findings {
     double euler = 0.0; ///< changes of the Euler number
     double changes = 0.0; ///< components that came and went: ComponentChange, of both sides
     double seeds = 0.0, links = 0.0; ///< of both sides, before they are sorted out
-    double boundaryBytes = 0.0; ///< that DomainBoundary keeps
+    double boundaryBytes = 0.0; ///< of changes that DomainBoundary keeps
 
     Findings operator*(double factor) const {
         return {euler * factor, changes * factor, seeds * factor, links * factor, boundaryBytes * factor};
@@ -21,10 +23,14 @@ struct Findings {
 
 /// Bytes of one layer while it is worked on; `found` in it. Measured on noise: vectors that grow are held one and a
 /// quarter times besides; of each sample, also, what it leads to, its star and the like; links are sorted in a copy.
-inline double layerBytes(double samples, const Findings& found) {
-    constexpr double kOfSample = 40.0, kGrowing = 2.25, kOfSeed = 48.0, kOfLink = 1.5 * sizeof(Link) + 20.0;
-    return kOfSample * samples + kGrowing * found.keptBytes() + kOfSeed * found.seeds + kOfLink * found.links;
+inline double layerBytes(double samples, std::size_t sampleBytes, const Findings& found) {
+    const double ofSample = 36.0 + 2.0 * static_cast<double>(sampleBytes);
+    constexpr double kGrowing = 2.25, kOfSeed = 48.0, kOfLink = 1.5 * sizeof(Link) + 20.0;
+    return ofSample * samples + kGrowing * found.keptBytes() + kOfSeed * found.seeds + kOfLink * found.links;
 }
+
+/// Bytes of several that are worked on at once: not all are where they take most. Measured.
+inline double bytesOfLayers(double layers, double bytesOfOne) { return bytesOfOne * (0.15 + 0.85 * layers); }
 
 /// Bytes of CoarseCounts beside a layer: of five forests nodes, links and sets, and of both planes between layers.
 inline double coarseBytes(double planeSamples, const Findings& found) {
@@ -32,11 +38,10 @@ inline double coarseBytes(double planeSamples, const Findings& found) {
     return kOfSeed * found.seeds + kOfPlanePoint * planeSamples;
 }
 
-/// Bytes at most from when all layers are put together until their events are stored. An upper bound where every change
-/// is an event, as in noise.
-inline double assemblyBytes(const Findings& found) {
+/// Bytes of events until they are stored, at most. An upper bound where every change is an event, as in noise.
+inline double eventBytes(double eulerChanges) {
     constexpr double kCoded = 30.0; // of an event, at most
-    return 1.25 * found.keptBytes() + 3.0 * found.boundaryBytes + kCoded * found.euler;
+    return kCoded * eulerChanges;
 }
 
 } // namespace isoslider::topology

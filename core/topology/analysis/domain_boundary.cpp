@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <utility>
+
+#include <tbb/parallel_invoke.h>
 
 #include "core/grid/scalar_type.h"
 
@@ -71,53 +74,116 @@ DomainBoundary::Part DomainBoundary::partOf(const LayerWindow<Sample>& window, c
     return part;
 }
 
-void DomainBoundary::add(const Part& part) {
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    append(all_.points, part.points);
-    append(all_.scalars, part.scalars);
-    append(all_.edges, part.edges);
-    append(all_.above, part.above);
-    append(all_.below, part.below);
-    all_.steps = part.steps;
-    all_.euler += part.euler;
-    all_.isManifold = all_.isManifold && part.isManifold;
+Status DomainBoundary::add(const Part& part) {
+    euler_ += part.euler;
+    isManifold_ = isManifold_ && part.isManifold;
+    Status status, statusBelow;
+    tbb::parallel_invoke([&] { status = above_.add(part); }, [&] { statusBelow = below_.add(part); });
+    return status.isOk() ? statusBelow : status;
 }
 
-ComponentHistory DomainBoundary::follow(Side side, double span) const {
-    ComponentGraph graph;
-    graph.side = side;
-    // Every point is a seed: there are few.
-    for (std::size_t i = 0; i < all_.points.size(); ++i)
-        graph.seeds.push_back({all_.scalars[i], std::numeric_limits<double>::quiet_NaN(), all_.points[i]});
-    const auto seedOf = [this](Point point) {
-        const auto at = std::lower_bound(all_.points.begin(), all_.points.end(), point);
-        return static_cast<std::uint32_t>(at - all_.points.begin());
-    };
-    // Edges come in the order of their first points; so do those along one axis in that of their second ones.
-    graph.links.reserve(all_.edges.size());
-    std::uint32_t first = 0;
-    std::array<std::uint32_t, 3> second{};
-    for (const Edge edge : all_.edges) {
-        const auto advance = [this](std::uint32_t& at, Point to) {
-            while (all_.points[at] < to)
-                ++at;
-            return at;
-        };
-        const std::uint32_t a = advance(first, edge.start()),
-                            b = advance(second[edge.axis()], edge.start() + all_.steps[edge.axis()]);
-        const std::uint32_t later = comesEarlier(side, all_.scalars[a], all_.scalars[b]) ? b : a;
-        graph.links.push_back({all_.scalars[later], Cause::vertex(all_.points[later]), a, b});
+Result<SideChanges> DomainBoundary::take(Side side, double span) {
+    return side == Side::Above ? above_.take(span) : below_.take(span);
+}
+
+Status DomainBoundary::OneSide::add(const Part& part) {
+    joins_ = graph_.side == Side::Above ? part.above : part.below;
+    std::sort(joins_.begin(), joins_.end(), [](const BoundaryJoin& a, const BoundaryJoin& b) {
+        return std::min(a.points[0], a.points[1]) < std::min(b.points[0], b.points[1]);
+    });
+    nextEdge_ = nextJoin_ = 0;
+    // A few rows at a time: the first and the last layer have a whole plane of it.
+    constexpr std::size_t kPoints = std::size_t{1} << 13;
+    for (std::size_t begin = 0; begin < part.points.size(); begin += kPoints)
+        ISO_TRY(addPoints(part, begin, std::min(part.points.size(), begin + kPoints)));
+    for (; nextJoin_ < joins_.size(); ++nextJoin_)
+        waiting_.push_back({joins_[nextJoin_].points, joins_[nextJoin_].isovalue, joins_[nextJoin_].cause, false});
+    return {};
+}
+
+Status DomainBoundary::OneSide::addPoints(const Part& part, std::size_t begin, std::size_t end) {
+    const std::size_t firstPlace = places_.size();
+    for (std::size_t i = begin; i < end; ++i) {
+        places_.push_back({part.points[i], part.scalars[i], static_cast<std::uint32_t>(graph_.seeds.size())});
+        graph_.seeds.push_back({part.scalars[i], std::numeric_limits<double>::quiet_NaN(), part.points[i]});
     }
-    for (const BoundaryJoin& join : side == Side::Above ? all_.above : all_.below)
-        graph.links.push_back({join.isovalue, join.cause, seedOf(join.points[0]), seedOf(join.points[1])});
-    ComponentHistory history;
-    finishComponents(std::move(graph), span, history);
-    return history;
+    const Point last = part.points[end - 1];
+    for (; nextJoin_ < joins_.size(); ++nextJoin_) {
+        const BoundaryJoin& join = joins_[nextJoin_];
+        if (std::min(join.points[0], join.points[1]) > last)
+            break;
+        waiting_.push_back({join.points, join.isovalue, join.cause, false});
+    }
+    std::erase_if(waiting_, [&](const Waiting& link) {
+        if (std::max(link.points[0], link.points[1]) > last)
+            return false;
+        addLink(link, *find(link.points[0]), *find(link.points[1]));
+        return true;
+    });
+    addEdges(part, firstPlace);
+    return settle();
 }
 
-std::uint64_t DomainBoundary::sizeBytes() const {
-    return all_.points.size() * 16 + all_.edges.size() * sizeof(all_.edges[0]) +
-           (all_.above.size() + all_.below.size()) * sizeof(BoundaryJoin);
+// Edges come in the order of their first points; so do those along one axis in that of their second ones.
+void DomainBoundary::OneSide::addEdges(const Part& part, std::size_t firstPlace) {
+    const Point last = places_.back().point;
+    std::size_t first = firstPlace;
+    std::array<std::size_t, 3> second{firstPlace, firstPlace, firstPlace};
+    const auto advance = [this](std::size_t& at, Point to) {
+        while (places_[at].point < to)
+            ++at;
+        return places_[at];
+    };
+    for (; nextEdge_ < part.edges.size() && part.edges[nextEdge_].start() <= last; ++nextEdge_) {
+        const Edge edge = part.edges[nextEdge_];
+        const Waiting link{{edge.start(), edge.start() + part.steps[edge.axis()]}, 0.0, Cause(), true};
+        if (link.points[1] <= last)
+            addLink(link, advance(first, link.points[0]), advance(second[edge.axis()], link.points[1]));
+        else
+            waiting_.push_back(link);
+    }
+}
+
+void DomainBoundary::OneSide::addLink(const Waiting& link, const Place& a, const Place& b) {
+    const Place& later = comesEarlier(graph_.side, a.scalar, b.scalar) ? b : a;
+    if (link.isEdge)
+        graph_.links.push_back({later.scalar, Cause::vertex(later.point), a.seed, b.seed});
+    else
+        graph_.links.push_back({link.isovalue, link.cause, a.seed, b.seed});
+}
+
+const DomainBoundary::OneSide::Place* DomainBoundary::OneSide::find(Point point) const {
+    const auto at = std::lower_bound(places_.begin(), places_.end(), point,
+                                     [](const Place& place, Point to) { return place.point < to; });
+    return at != places_.end() && at->point == point ? &*at : nullptr;
+}
+
+Status DomainBoundary::OneSide::settle() {
+    std::vector<double> opens(graph_.seeds.size(), std::numeric_limits<double>::quiet_NaN());
+    std::vector<char> isOpen(places_.size(), 0);
+    for (const Waiting& link : waiting_)
+        for (const Point point : link.points)
+            if (const Place* const place = find(point)) {
+                isOpen[static_cast<std::size_t>(place - places_.data())] = 1;
+                double& first = opens[place->seed];
+                if (std::isnan(first) || comesEarlier(graph_.side, place->scalar, first))
+                    first = place->scalar;
+            }
+    ComponentHistory settled;
+    const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, settled, order_);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < places_.size(); ++i)
+        if (isOpen[i] != 0)
+            places_[kept++] = {places_[i].point, places_[i].scalar, parts[places_[i].seed]};
+    places_.resize(kept);
+    return sums.add(settled);
+}
+
+Result<SideChanges> DomainBoundary::OneSide::take(double span) {
+    ComponentHistory history;
+    finishComponents(std::move(graph_), span, history);
+    ISO_TRY(sums.add(history));
+    return sums.take();
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \

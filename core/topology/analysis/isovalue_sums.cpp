@@ -60,4 +60,25 @@ void sumUp(std::vector<EulerChange>& changes) {
     changes.resize(kept);
 }
 
+void sumUp(std::vector<ClosedChange>& changes) {
+    std::size_t kept = 0;
+    for (std::size_t next = 0; next < changes.size(); ++next)
+        if (kept > 0 && changes[kept - 1].isovalue == changes[next].isovalue)
+            changes[kept - 1].count += changes[next].count;
+        else
+            changes[kept++] = changes[next];
+    changes.resize(kept);
+}
+
+Status HistorySums::add(const ComponentHistory& history) {
+    lasting += history.lasting;
+    ISO_TRY(births.add(history.births));
+    ISO_TRY(joins.add(history.joins));
+    return reached.add(history.reached);
+}
+
+std::size_t HistorySums::sizeBytes() const {
+    return (births.count() + joins.count()) * sizeof(ComponentChange) + reached.count() * sizeof(ClosedChange);
+}
+
 } // namespace isoslider::topology

@@ -456,7 +456,9 @@ TEST_P(Validation, TellsADamagedAppendixFromAnUnfinishedOne) {
     EXPECT_THAT(faultsOf(folder_.write("b.isx", good + std::string(100, '\0')), false), testing::IsEmpty());
     const auto reader = IndexReader::open(path).value();
     const std::vector<std::byte> text(40, std::byte{7});
-    ASSERT_THAT(writeAppendix(*reader, {&text, 1}, text, true), IsOk());
+    ASSERT_THAT(writeAppendix(
+                    *reader, 1, [&](std::size_t) { return text; }, text, true),
+                IsOk());
     EXPECT_THAT(faultsOf(path, false), testing::IsEmpty());
     std::string damaged = test::readText(path);
     damaged.back() = static_cast<char>(damaged.back() ^ 1);

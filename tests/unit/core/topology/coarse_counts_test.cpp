@@ -32,7 +32,7 @@ ScalarGrid gridOf(const GridDims& dims, ScalarType type, const Draw& draw) {
     return ScalarGrid::fromValues<Sample>(geometry, type, samples);
 }
 
-void expectTheCountsOfEvents(const ScalarGrid& grid, bool areExact) {
+void expectTheCountsOfEvents(const ScalarGrid& grid, bool areExact, std::uint64_t littleMemory = kLittleMemory) {
     AnalysisOptions options;
     options.measures = planMeasures(grid);
     for (double& share : options.measures.shares)
@@ -42,7 +42,7 @@ void expectTheCountsOfEvents(const ScalarGrid& grid, bool areExact) {
     ASSERT_TRUE(whole.value().hasEvents());
     ASSERT_EQ(whole.value().areCountsExact(), areExact);
     for (const std::int64_t planes : {0, 3, 7}) {
-        options.memoryBytes = kLittleMemory;
+        options.memoryBytes = littleMemory;
         options.planesAtOnce = planes;
         const auto counts = analyseTopology(planesOf(grid), options);
         ASSERT_THAT(counts, IsOk());
@@ -70,11 +70,22 @@ TEST(CoarseCounts, AreThoseOfNoise) {
         gridOf<float>({40, 37, 90}, ScalarType::F32, [&](auto, auto, auto) { return unit(random); }), true);
 }
 
+// The boundary's planes are put together a few rows at a time.
+TEST(CoarseCounts, AreThoseOfNoiseInLargePlanes) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
+    constexpr std::uint64_t kMemoryOfLayers = 40 << 20;
+    expectTheCountsOfEvents(
+        gridOf<float>({130, 110, 60}, ScalarType::F32, [&](auto, auto, auto) { return unit(random); }), true,
+        kMemoryOfLayers);
+}
+
 TEST(CoarseCounts, AreThoseOfFewValues) {
     std::mt19937 random(2);
     std::uniform_int_distribution<int> integers(0, 29);
     expectTheCountsOfEvents(
-        gridOf<std::uint8_t>({50, 41, 150}, ScalarType::U8, [&](auto, auto, auto) { return integers(random); }), true);
+        gridOf<std::uint8_t>({50, 41, 150}, ScalarType::U8, [&](auto, auto, auto) { return integers(random); }), true,
+        5 << 20);
 }
 
 // Pieces that are seen to be one only many layers later, and shells around voids.

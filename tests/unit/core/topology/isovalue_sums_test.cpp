@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <random>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -13,6 +15,8 @@
 
 #include "core/topology/analysis/isovalue_order.h"
 #include "core/topology/analysis/isovalue_sums.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
 
 namespace isoslider::topology {
 namespace {
@@ -53,6 +57,15 @@ TEST(IsovalueOrder, IsThatOfAStableSort) {
         }
 }
 
+template <class Change>
+std::vector<Change> allOf(SortedChanges<Change> changes) {
+    std::vector<Change> all;
+    while (changes.isovalue() < std::numeric_limits<double>::infinity())
+        changes.takeAt(changes.isovalue(), [&](const Change& change) { all.push_back(change); });
+    EXPECT_THAT(changes.status(), test::IsOk());
+    return all;
+}
+
 TEST(IsovalueSums, AddUpChangesOfTheEulerNumberPartByPart) {
     std::mt19937 random(2);
     IsovalueSums<EulerChange> sums;
@@ -69,16 +82,96 @@ TEST(IsovalueSums, AddUpChangesOfTheEulerNumberPartByPart) {
             changes.emplace_back(isovalue, isVertex ? Cause::vertex(point) : Cause::saddle(point, 3), euler);
             expected[{isovalue, isVertex}] += euler;
         }
-        sums.add(changes);
+        ASSERT_THAT(sums.add(changes), test::IsOk());
         EXPECT_LE(sums.count(), 8000u + 8000u / 3 + (1u << 15) + 3000u) << "not all that came";
     }
-    std::vector<EulerChange> found = sums.take();
+    const std::vector<EulerChange> found = allOf(sums.take());
     std::erase_if(expected, [](const auto& each) { return each.second == 0; });
     ASSERT_EQ(found.size(), expected.size());
     EXPECT_TRUE(std::is_sorted(found.begin(), found.end(),
                                [](const EulerChange& a, const EulerChange& b) { return a.isovalue < b.isovalue; }));
     for (const EulerChange& change : found)
         EXPECT_EQ(change.euler(), (expected[{change.isovalue, change.cause().isVertex()}])) << change.isovalue;
+}
+
+// Of a component that comes, by grid points and by saddles.
+using Totals = std::map<std::pair<double, bool>, std::tuple<std::uint64_t, std::uint64_t, double, std::uint64_t>>;
+void note(Totals& totals, const ComponentChange& change) {
+    auto& [count, closed, persistence, point] = totals[{change.isovalue, change.cause.isVertex()}];
+    if (change.persistence > persistence || count == 0)
+        point = change.cause.point();
+    else if (change.persistence == persistence)
+        point = std::min(point, change.cause.point());
+    persistence = std::max(persistence, change.persistence);
+    count += change.count;
+    closed += change.closed;
+}
+
+TEST(IsovalueSums, GoToAFileWhereMemoryDoesNotHoldThem) {
+    const test::TemporaryFolder folder;
+    for (const std::size_t most : {1000u, 20'000u, 300'000u}) {
+        ScratchFile scratch(folder / "changes");
+        std::mt19937 random(3);
+        IsovalueSums<ComponentChange> sums({&scratch, most}), held;
+        IsovalueSums<EulerChange> beside({&scratch, most}); // in the same file
+        Totals expected;
+        std::int64_t euler = 0;
+        for (int part = 0; part < 30; ++part) {
+            std::vector<ComponentChange> changes;
+            std::vector<EulerChange> others;
+            const unsigned count = 1 + static_cast<unsigned>(random() % 3000);
+            for (unsigned i = 0; i < count; ++i) {
+                const double isovalue = static_cast<double>(random() % 9000) / 8.0 - 100.0;
+                const Cause cause = random() % 2 == 0 ? Cause::vertex(random()) : Cause::saddle(random(), 3);
+                changes.push_back({isovalue, static_cast<double>(random() % 100), cause, 1,
+                                   static_cast<std::uint32_t>(random() % 2)});
+                note(expected, changes.back());
+                others.emplace_back(-isovalue, cause, 2);
+                euler += 2;
+            }
+            ASSERT_THAT(sums.add(changes), test::IsOk());
+            ASSERT_THAT(beside.add(others), test::IsOk());
+            ASSERT_THAT(held.add(changes), test::IsOk());
+            EXPECT_LE(sums.count() * sizeof(ComponentChange), 2 * most + changes.size() * sizeof(ComponentChange));
+        }
+        EXPECT_GT(sums.spilledCount(), 0u);
+        EXPECT_EQ(held.spilledCount(), 0u);
+        const std::vector<ComponentChange> found = allOf(sums.take()), whole = allOf(held.take());
+        EXPECT_TRUE(std::is_sorted(found.begin(), found.end(), [](const ComponentChange& a, const ComponentChange& b) {
+            return a.isovalue < b.isovalue;
+        }));
+        EXPECT_GE(found.size(), whole.size());
+        for (const auto* each : {&found, &whole}) {
+            Totals totals;
+            for (const ComponentChange& change : *each)
+                note(totals, change);
+            EXPECT_EQ(totals, expected);
+        }
+        std::int64_t eulerFound = 0;
+        for (const EulerChange& change : allOf(beside.take()))
+            eulerFound += change.euler();
+        EXPECT_EQ(eulerFound, euler);
+    }
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(IsovalueSums, ReportAFileThatCannotBeWritten) {
+    ScratchFile scratch("/nowhere/at/all");
+    IsovalueSums<ClosedChange> sums({&scratch, 1000});
+    EXPECT_THAT(sums.add(std::vector<ClosedChange>(10, {1.0, 1})), test::IsOk()) << "nothing to write yet";
+    std::vector<ClosedChange> many;
+    for (int i = 0; i < 1000; ++i)
+        many.push_back({static_cast<double>(i), 1});
+    EXPECT_THAT(sums.add(many), test::HasError(ErrorCode::NotFound));
+}
+
+TEST(IsovalueSums, AddUpComponentsThatReachTheBoundary) {
+    std::vector<ClosedChange> changes{{1.0, 2}, {1.0, 3}, {2.0, 1}, {4.0, 1}, {4.0, 7}};
+    sumUp(changes);
+    ASSERT_EQ(changes.size(), 3u);
+    EXPECT_EQ(changes[0].count, 5u);
+    EXPECT_EQ(changes[1].count, 1u);
+    EXPECT_EQ(changes[2].count, 8u);
 }
 
 TEST(IsovalueSums, KeepLargeChangesInParts) {

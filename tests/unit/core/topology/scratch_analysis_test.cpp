@@ -1,0 +1,122 @@
+// Events of volumes with more of them than memory holds: what is found goes to a file meanwhile.
+
+#include <cerrno>
+#include <climits>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/topology/topology_analysis.h"
+#include "tests/support/faulty_file_system.h"
+#include "tests/support/result_matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace isoslider::topology {
+namespace {
+
+using test::HasError;
+using test::IsOk;
+
+// Layers take half of it, events of noise several times as much.
+constexpr std::uint64_t kLittleMemory = 3 << 20;
+
+template <class Sample, class Draw>
+ScalarGrid gridOf(ScalarType type, const Draw& draw) {
+    GridGeometry geometry;
+    geometry.dims = {40, 40, 60};
+    std::vector<Sample> samples;
+    for (int z = 0; z < 60; ++z)
+        for (int y = 0; y < 40; ++y)
+            for (int x = 0; x < 40; ++x)
+                samples.push_back(static_cast<Sample>(draw(x, y, z)));
+    return ScalarGrid::fromValues<Sample>(geometry, type, samples);
+}
+
+ScalarGrid noise() {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
+    return gridOf<float>(ScalarType::F32, [&](int, int, int) { return unit(random); });
+}
+
+void expectTheEventsOfMemory(const ScalarGrid& grid) {
+    const auto held = analyseTopology(planesOf(grid));
+    ASSERT_THAT(held, IsOk());
+    const test::TemporaryFolder folder;
+    test::FaultyFileSystem counting(INT_MAX, EIO);
+    AnalysisOptions options;
+    options.memoryBytes = kLittleMemory;
+    ASSERT_THAT(analyseTopology(planesOf(grid), options), HasError(ErrorCode::OutOfSpace)) << "without a file";
+    options.scratch = folder / "found";
+    options.fileSystem = &counting;
+    const auto parted = analyseTopology(planesOf(grid), options);
+    ASSERT_THAT(parted, IsOk());
+    EXPECT_GT(counting.calls(), 10) << "the file was used";
+    EXPECT_TRUE(folder.names().empty()) << "it has no name";
+    EXPECT_EQ(parted.value().areCountsExact(), held.value().areCountsExact());
+    std::vector<TopologyEvent> events;
+    ASSERT_THAT(parted.value().visitEvents([&](const TopologyEvent& event) {
+        events.push_back(event);
+        return true;
+    }),
+                IsOk());
+    const std::vector<TopologyEvent> expected = held.value().events();
+    ASSERT_EQ(events.size(), expected.size());
+    for (std::size_t i = 0; i < events.size(); ++i) {
+        ASSERT_EQ(events[i].isovalue, expected[i].isovalue);
+        ASSERT_EQ(events[i].below, expected[i].below) << events[i].isovalue;
+        ASSERT_EQ(events[i].above, expected[i].above) << events[i].isovalue;
+        ASSERT_EQ(events[i].pieces, expected[i].pieces) << events[i].isovalue;
+        ASSERT_EQ(events[i].persistence, expected[i].persistence) << events[i].isovalue;
+    }
+}
+
+TEST(ScratchAnalysis, FindsTheEventsOfNoise) { expectTheEventsOfMemory(noise()); }
+
+// Changes of one isovalue lie in many runs.
+TEST(ScratchAnalysis, FindsTheEventsOfValuesThatRepeat) {
+    std::mt19937 random(2);
+    std::uniform_int_distribution<int> integers(-2000, 2000);
+    expectTheEventsOfMemory(gridOf<std::int16_t>(ScalarType::I16, [&](int, int, int) { return integers(random); }));
+}
+
+TEST(ScratchAnalysis, FindsTheEventsWhereSamplesAreMissing) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
+    expectTheEventsOfMemory(gridOf<float>(ScalarType::F32, [&](int x, int y, int z) {
+        const bool isHollow = std::hypot(x - 20, y - 20, z - 30) < 5, isTunnel = std::abs(x - 30) < 2 && y < 4;
+        return isHollow || isTunnel ? std::numeric_limits<float>::quiet_NaN() : unit(random);
+    }));
+}
+
+// A file that fails is done without: here that is too little memory for events.
+TEST(ScratchAnalysis, MakesCountsWhereTheFileFails) {
+    const ScalarGrid grid = noise();
+    const test::TemporaryFolder folder;
+    AnalysisOptions options;
+    options.memoryBytes = kLittleMemory;
+    options.measures = planMeasures(grid);
+    options.scratch = folder / "found";
+    int failed = 0;
+    for (int call = 0; call < INT_MAX; call += 1 + 2 * call) {
+        test::FaultyFileSystem faulty(call, call % 2 == 0 ? EIO : ENOSPC);
+        options.fileSystem = &faulty;
+        const auto found = analyseTopology(planesOf(grid), options);
+        ASSERT_THAT(found, IsOk()) << call;
+        EXPECT_TRUE(folder.names().empty()) << call;
+        if (faulty.calls() <= call)
+            break;
+        ++failed;
+        EXPECT_FALSE(found.value().hasEvents()) << call;
+    }
+    EXPECT_GT(failed, 3);
+    test::FaultyFileSystem full(0, ENOSPC);
+    options.fileSystem = &full;
+    options.mayLackEvents = false;
+    EXPECT_THAT(analyseTopology(planesOf(grid), options), HasError(ErrorCode::OutOfSpace));
+}
+
+} // namespace
+} // namespace isoslider::topology
