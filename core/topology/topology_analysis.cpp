@@ -164,7 +164,7 @@ private:
     bool hasScratch() const { return !options_.scratch.empty(); }
     // What is to be taken: with a scratch file less than may be.
     double aimBytes() const {
-        constexpr double kLeast = 96 << 20; // for which thicker layers save time
+        constexpr double kLeast = 80 << 20; // for which thicker layers save time
         const double most = static_cast<double>(options_.memoryBytes);
         const double each = static_cast<double>(kBytesPerSample) * static_cast<double>(pointCount(dims_));
         return hasScratch() ? std::min(most, std::max(kLeast, each)) : most;
@@ -226,47 +226,60 @@ private:
         return {};
     }
 
-    // `each`: of a cell, on average; `all`: of all layers, where changes of one isovalue are summed up.
-    Status lookAt(Findings& each, Findings& all) {
-        each = {};
-        std::int64_t cells = 0;
-        std::array<std::vector<std::vector<double>>, 5> isovalues; // of each kind of changes, of each cube
-        ISO_TRY(visitCubes<Sample>(source_, {}, job_,
-                                   [&](const LayerWindow<Sample>& window, const std::array<std::int64_t, 3>&) {
-                                       count(window, each, isovalues);
-                                       cells += (window.dims[0] - 1) * (window.dims[1] - 1) * (window.dims[2] - 1);
-                                   }));
-        each = each * (1.0 / static_cast<double>(cells));
-        const double points = static_cast<double>(pointCount(dims_));
-        tbb::parallel_for(std::size_t{0}, distinct_.size(), [&](std::size_t kind) {
-            distinct_[kind] = distinctInAll(isovalues[kind], points / static_cast<double>(cells));
-        });
-        all = each * points;
-        all.euler = distinct_[0];
-        all.changes = distinct_[1] + distinct_[2] + distinct_[3] + distinct_[4];
-        return {};
-    }
-
-    template <class Isovalues>
-    static void count(const LayerWindow<Sample>& window, Findings& found, Isovalues& isovalues) {
+    // What is in a cube.
+    struct Seen {
+        Findings found;
+        double cells = 0.0;
+        std::array<std::vector<double>, 5> isovalues; ///< of each kind of changes
+    };
+    static Seen lookAtCube(const LayerWindow<Sample>& window) {
+        Seen seen;
+        seen.cells = static_cast<double>((window.dims[0] - 1) * (window.dims[1] - 1) * (window.dims[2] - 1));
         const auto note = [&](std::size_t kind, const auto& changes) {
-            auto& cube = isovalues[kind].emplace_back();
             for (const auto& change : changes)
-                cube.push_back(change.isovalue);
+                seen.isovalues[kind].push_back(change.isovalue);
             return static_cast<double>(changes.size());
         };
         LayerSide above(Side::Above), below(Side::Below);
         above.flood(window);
         below.flood(window);
-        found.euler += note(0, findLayerChanges(window, above, below).euler);
+        seen.found.euler = note(0, findLayerChanges(window, above, below).euler);
         std::size_t kind = 1;
         for (LayerSide* each : {&above, &below}) {
-            found.seeds += static_cast<double>(each->seedCount());
-            found.links += static_cast<double>(each->linkCount());
+            seen.found.seeds += static_cast<double>(each->seedCount());
+            seen.found.links += static_cast<double>(each->linkCount());
             const ComponentHistory settled = each->takeSettled(window).settled;
-            found.changes += note(kind++, settled.births);
-            found.changes += note(kind++, settled.joins);
+            seen.found.changes += note(kind++, settled.births);
+            seen.found.changes += note(kind++, settled.joins);
         }
+        return seen;
+    }
+
+    // `each`: of a cell, on average; `all`: of all layers, where changes of one isovalue are summed up.
+    Status lookAt(Findings& each, Findings& all) {
+        auto cubes = lookAtCubes<Seen, Sample>(
+            source_, {}, job_,
+            [](const LayerWindow<Sample>& window, const std::array<std::int64_t, 3>&) { return lookAtCube(window); });
+        if (!cubes.isOk())
+            return std::move(cubes).error();
+        each = {};
+        double cells = 0.0;
+        for (const Seen& seen : cubes.value()) {
+            each = each + seen.found;
+            cells += seen.cells;
+        }
+        each = each * (1.0 / cells);
+        const double points = static_cast<double>(pointCount(dims_));
+        tbb::parallel_for(std::size_t{0}, distinct_.size(), [&](std::size_t kind) {
+            std::vector<std::vector<double>> isovalues;
+            for (Seen& seen : cubes.value())
+                isovalues.push_back(std::move(seen.isovalues[kind]));
+            distinct_[kind] = distinctInAll(isovalues, points / cells);
+        });
+        all = each * points;
+        all.euler = distinct_[0];
+        all.changes = distinct_[1] + distinct_[2] + distinct_[3] + distinct_[4];
+        return {};
     }
 
     void fail(Status status) {

@@ -58,17 +58,27 @@ Result<std::uint64_t> forecast(const PlaneSource& source, const JobControl& job)
     const GridDims& dims = source.geometry.dims;
     if (std::min({dims[0], dims[1], dims[2]}) < 2 || dims[0] * dims[1] >= kMostPlaneSamples)
         return std::uint64_t{0};
-    std::vector<std::vector<double>> cubes;
-    double seen = 0.0;
-    ISO_TRY(visitCubes<Sample>(source, {.levels = 8, .places = 16, .side = 18, .planes = 10}, job,
-                               [&](const LayerWindow<Sample>& window, const std::array<std::int64_t, 3>& origin) {
-                                   const CubeEvents<Sample> events(dims, origin, window.dims);
-                                   seen += events.points();
-                                   cubes.push_back(events.isovalues(window));
-                               }));
-    if (!(seen > 0.0))
+    struct Seen {
+        double points = 0.0;
+        std::vector<double> isovalues;
+    };
+    auto cubes = lookAtCubes<Seen, Sample>(
+        source, {.levels = 8, .places = 16, .side = 18, .planes = 10}, job,
+        [&](const LayerWindow<Sample>& window, const std::array<std::int64_t, 3>& origin) -> Seen {
+            const CubeEvents<Sample> events(dims, origin, window.dims);
+            return {events.points(), events.isovalues(window)};
+        });
+    if (!cubes.isOk())
+        return std::move(cubes).error();
+    std::vector<std::vector<double>> isovalues;
+    double points = 0.0;
+    for (Seen& seen : cubes.value()) {
+        points += seen.points;
+        isovalues.push_back(std::move(seen.isovalues));
+    }
+    if (!(points > 0.0))
         return std::uint64_t{0};
-    const double events = distinctInAll(cubes, static_cast<double>(pointCount(dims)) / seen);
+    const double events = distinctInAll(isovalues, static_cast<double>(pointCount(dims)) / points);
     return static_cast<std::uint64_t>(kCurvesBytes +
                                       events * (sizeof(Sample) > 2 ? kBytesPerPreciseEvent : kBytesPerEvent));
 }

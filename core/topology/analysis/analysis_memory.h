@@ -14,6 +14,10 @@ struct Findings {
     double seeds = 0.0, links = 0.0; ///< of both sides, before they are sorted out
     double boundaryBytes = 0.0; ///< of changes that DomainBoundary keeps
 
+    Findings operator+(const Findings& other) const {
+        return {euler + other.euler, changes + other.changes, seeds + other.seeds, links + other.links,
+                boundaryBytes + other.boundaryBytes};
+    }
     Findings operator*(double factor) const {
         return {euler * factor, changes * factor, seeds * factor, links * factor, boundaryBytes * factor};
     }

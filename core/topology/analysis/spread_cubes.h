@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include <tbb/parallel_for.h>
+
 #include "core/base/job_control.h"
 #include "core/topology/analysis/layer_window.h"
 #include "core/topology/topology_analysis.h"
@@ -20,13 +22,16 @@ struct SpreadCubes {
     std::int64_t side = 48, planes = 6; ///< grid points
 };
 
-/// Calls visit(window, origin) with each as if it were a separate volume; `window` is prepared. Planes are read in
-/// ascending order, once. O(cubes). Errors: those of the source; Cancelled.
-template <class Sample, class Visit>
-Status visitCubes(const PlaneSource& source, const SpreadCubes& cubes, const JobControl& job, const Visit& visit) {
+/// What look(window, origin) returns for each as if it were a separate volume, in their order; `window` is prepared.
+/// Some are looked at at once. Planes are read in ascending order, once. O(cubes). Errors: those of the source;
+/// Cancelled.
+template <class Seen, class Sample, class Look>
+Result<std::vector<Seen>> lookAtCubes(const PlaneSource& source, const SpreadCubes& cubes, const JobControl& job,
+                                      const Look& look) {
     constexpr double kStepX = 0.7548776662, kStepY = 0.5698402910; // no two places in a row or column
     const GridDims& dims = source.geometry.dims;
     const GridDims cube{std::min(dims[0], cubes.side), std::min(dims[1], cubes.side), std::min(dims[2], cubes.planes)};
+    std::vector<Seen> seen;
     std::vector<Sample> planes(static_cast<std::size_t>(dims[0] * dims[1] * cube[2]));
     std::int64_t end = 0;
     for (std::int64_t level = 0; level < cubes.levels; ++level) {
@@ -35,9 +40,11 @@ Status visitCubes(const PlaneSource& source, const SpreadCubes& cubes, const Job
             continue;
         end = z + cube[2];
         ISO_TRY(source.read(z, end, std::as_writable_bytes(std::span(planes))));
-        for (std::int64_t i = 0; i < cubes.places; ++i) {
+        const std::size_t first = seen.size();
+        seen.resize(first + static_cast<std::size_t>(cubes.places));
+        tbb::parallel_for(std::int64_t{0}, cubes.places, [&](std::int64_t i) {
             if (job.isStopRequested())
-                return cancelledError();
+                return;
             const auto spread = [&](double step, std::int64_t most) {
                 const double at = step * static_cast<double>(cubes.places * level + i + 1);
                 return static_cast<std::int64_t>((at - std::floor(at)) * static_cast<double>(most + 1));
@@ -54,10 +61,12 @@ Status visitCubes(const PlaneSource& source, const SpreadCubes& cubes, const Job
                     window.samples.insert(window.samples.end(), row, row + cube[0]);
                 }
             window.prepare();
-            visit(window, origin);
-        }
+            seen[first + static_cast<std::size_t>(i)] = look(window, origin);
+        });
+        if (job.isStopRequested())
+            return cancelledError();
     }
-    return {};
+    return seen;
 }
 
 } // namespace isoslider::topology
