@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <limits>
 #include <utility>
 
@@ -39,86 +38,103 @@ Status TopologySummary::visitEventsFrom(double isovalue, const std::function<boo
 
 namespace {
 
-// Weights of events that come one after the other, each known once the next change of its kind is.
-class Weighing {
+// The events of the greatest weight, of equal ones the first, while events come one after the other. The weight of an
+// event is known once the next change of each kind that it changes has come: so at most one for each kind waits.
+class MostNotable {
 public:
+    /// REQUIRES: count > 0.
+    explicit MostNotable(std::size_t count) : count_(count) {}
+
     void add(const TopologyEvent& event) {
-        const std::size_t at = weights_.size();
-        weights_.push_back(event.persistence);
-        const std::array<bool, 3> changes{event.below.handles() != event.above.handles(),
-                                          event.below.voids != event.above.voids,
-                                          event.below.loops != event.above.loops};
-        for (std::size_t kind = 0; kind < changes.size(); ++kind) {
-            if (!changes[kind])
-                continue;
-            const Last& last = last_[kind];
-            const double since = last.isThere ? distance(last.isovalue, event.isovalue) : kFar;
-            if (last.isThere)
-                raise(last.event, std::min(last.since, since));
-            last_[kind] = {true, at, event.isovalue, since};
-        }
-        first_ = at == 0 ? event.isovalue : first_;
-        end_ = event.isovalue;
+        Waiting now{seen_++, {event, event.persistence}, 0};
+        const std::array<bool, kKinds> changes{event.below.handles() != event.above.handles(),
+                                               event.below.voids != event.above.voids,
+                                               event.below.loops != event.above.loops};
+        for (std::size_t kind = 0; kind < kKinds; ++kind)
+            if (changes[kind]) {
+                const double since = seenOf_[kind] ? distance(at_[kind], event.isovalue) : kFar;
+                end(kind, since);
+                seenOf_[kind] = true;
+                at_[kind] = event.isovalue;
+                since_[kind] = since;
+                now.kinds |= 1u << kind;
+            }
+        first_ = now.place == 0 ? event.isovalue : first_;
+        last_ = event.isovalue;
+        if (now.kinds != 0)
+            waiting_.push_back(now);
+        else
+            keep(now);
     }
-    std::vector<double> take() {
-        for (const Last& last : last_)
-            if (last.isThere) // the last of its kind; if it is the only one, nothing is nearer than the ends
-                raise(last.event, std::min(last.since, distance(first_, end_)));
-        return std::move(weights_);
+    /// Ascending by isovalue.
+    std::vector<WeightedEvent> take() {
+        for (std::size_t kind = 0; kind < kKinds; ++kind) // if it is the only one, nothing is nearer than the ends
+            end(kind, distance(first_, last_));
+        std::sort(kept_.begin(), kept_.end(), [](const Waiting& a, const Waiting& b) { return a.place < b.place; });
+        std::vector<WeightedEvent> events;
+        for (const Waiting& kept : kept_)
+            events.push_back(kept.event);
+        return events;
     }
 
 private:
+    static constexpr std::size_t kKinds = 3; // tunnels, voids, loops
     static constexpr double kFar = std::numeric_limits<double>::max();
-    struct Last {
-        bool isThere = false;
-        std::size_t event = 0;
-        double isovalue = 0.0;
-        double since = 0.0; ///< distance to the one before
+    struct Waiting {
+        std::size_t place = 0;
+        WeightedEvent event;
+        unsigned kinds = 0; ///< a bit for each of which it is the last one
     };
 
     static double distance(double from, double to) { return std::min(to - from, kFar); } // of doubles from end to end
-    void raise(std::size_t event, double weight) { weights_[event] = std::max(weights_[event], weight); }
+    static bool isMoreNotable(const Waiting& a, const Waiting& b) {
+        return a.event.weight != b.event.weight ? a.event.weight > b.event.weight : a.place < b.place;
+    }
 
-    std::vector<double> weights_;
-    std::array<Last, 3> last_{};
-    double first_ = 0.0, end_ = 0.0;
+    // The last change of a kind is followed by another in `until`, or by none.
+    void end(std::size_t kind, double until) {
+        const auto found = std::find_if(waiting_.begin(), waiting_.end(),
+                                        [kind](const Waiting& each) { return (each.kinds >> kind & 1u) != 0; });
+        if (found == waiting_.end())
+            return;
+        found->event.weight = std::max(found->event.weight, std::min(since_[kind], until));
+        found->kinds &= ~(1u << kind);
+        if (found->kinds != 0)
+            return;
+        keep(*found);
+        waiting_.erase(found);
+    }
+    // A heap, the least notable on top.
+    void keep(const Waiting& event) {
+        if (kept_.size() == count_ && !isMoreNotable(event, kept_.front()))
+            return;
+        kept_.push_back(event);
+        std::push_heap(kept_.begin(), kept_.end(), isMoreNotable);
+        if (kept_.size() > count_) {
+            std::pop_heap(kept_.begin(), kept_.end(), isMoreNotable);
+            kept_.pop_back();
+        }
+    }
+
+    std::size_t count_;
+    std::size_t seen_ = 0;
+    std::vector<Waiting> waiting_, kept_;
+    std::array<bool, kKinds> seenOf_{};
+    std::array<double, kKinds> at_{}, since_{}; ///< of the last of each kind; from the one before it
+    double first_ = 0.0, last_ = 0.0;
 };
 
 } // namespace
 
 Result<std::vector<WeightedEvent>> TopologySummary::mostNotable(std::size_t count) const {
-    if (!hasEvents())
+    if (!hasEvents() || count == 0)
         return std::vector<WeightedEvent>();
-    Weighing weighing;
+    MostNotable notable(count);
     ISO_TRY(visitEvents([&](const TopologyEvent& event) {
-        weighing.add(event);
+        notable.add(event);
         return true;
     }));
-    const std::vector<double> weights = weighing.take();
-    std::vector<WeightedEvent> kept;
-    if (count == 0 || weights.empty())
-        return kept;
-    // The least weight that is kept, and how many of that very weight: of equal ones the first.
-    double least = 0.0;
-    std::size_t ofLeast = weights.size();
-    if (count < weights.size()) {
-        std::vector<double> sorted = weights;
-        const auto last = sorted.begin() + static_cast<std::ptrdiff_t>(count - 1);
-        std::nth_element(sorted.begin(), last, sorted.end(), std::greater<>());
-        least = *last;
-        const auto isMore = [least](double weight) { return weight > least; };
-        ofLeast = count - static_cast<std::size_t>(std::count_if(weights.begin(), weights.end(), isMore));
-    }
-    std::size_t at = 0;
-    ISO_TRY(visitEvents([&](const TopologyEvent& event) {
-        const double weight = weights[at++];
-        if (weight > least || (weight == least && ofLeast > 0)) {
-            ofLeast -= weight == least ? 1 : 0;
-            kept.push_back({event, weight});
-        }
-        return true;
-    }));
-    return kept;
+    return notable.take();
 }
 
 } // namespace isoslider::topology

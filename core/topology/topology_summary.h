@@ -43,7 +43,7 @@ public:
     virtual const MeasureCurves& curves() const = 0;
 
     /// The `count` events of the greatest weight, ascending by isovalue; all if there are fewer, none if !hasEvents().
-    /// O(events), in time and memory (32 bytes each).
+    /// O(events log count); memory for `count` of them.
     Result<std::vector<WeightedEvent>> mostNotable(std::size_t count) const;
 };
 

@@ -1,7 +1,9 @@
 #include "core/topology/topology_queries.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -266,6 +268,59 @@ TEST(TopologySummary, ListsTheMostPersistentEvents) {
     EXPECT_EQ(isovalues(2), (std::vector<double>{0, 10}));
     EXPECT_EQ(isovalues(4), (std::vector<double>{0, 2, 8, 10}));
     EXPECT_EQ(isovalues(99).size(), 6u);
+}
+
+// Against weights found by looking at all events for each.
+TEST(TopologySummary, ListsWhatIsMostNotableOfAnyEvents) {
+    std::mt19937 random(6);
+    for (int round = 0; round < 200; ++round) {
+        std::vector<TopologyEvent> events(1 + random() % 60);
+        SurfaceCounts counts;
+        double isovalue = 0.0;
+        const unsigned rare = 1 + random() % 20;
+        for (TopologyEvent& event : events) {
+            const auto change = [&] { return random() % rare == 0 ? static_cast<std::int64_t>(random() % 3) - 1 : 0; };
+            event.isovalue = isovalue += 1.0 + static_cast<double>(random() % 4);
+            event.persistence = static_cast<double>(random() % 6);
+            event.below = counts;
+            counts.voids += change();
+            counts.loops += 2 * change();
+            counts.euler += 2 * change();
+            event.above = counts;
+        }
+        const auto weightOf = [&](std::size_t at) {
+            double weight = events[at].persistence;
+            const auto rise = [&](const auto& countOf) {
+                const auto changes = [&](const TopologyEvent& event) {
+                    return countOf(event.below) != countOf(event.above);
+                };
+                if (!changes(events[at]))
+                    return;
+                double nearest = events.back().isovalue - events.front().isovalue;
+                for (std::size_t other = 0; other < events.size(); ++other)
+                    if (other != at && changes(events[other]))
+                        nearest = std::min(nearest, std::abs(events[other].isovalue - events[at].isovalue));
+                weight = std::max(weight, nearest);
+            };
+            rise([](const SurfaceCounts& each) { return each.handles(); });
+            rise([](const SurfaceCounts& each) { return each.voids; });
+            rise([](const SurfaceCounts& each) { return each.loops; });
+            return weight;
+        };
+        std::vector<std::pair<double, std::size_t>> ranked; // greatest weight first, of equal ones the first
+        for (std::size_t at = 0; at < events.size(); ++at)
+            ranked.emplace_back(-weightOf(at), at);
+        std::sort(ranked.begin(), ranked.end());
+        ranked.resize(std::min<std::size_t>(ranked.size(), 1 + random() % 30));
+        std::sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+        const auto found = TopologyCurve(events, {}, true).mostNotable(ranked.size());
+        ASSERT_THAT(found, IsOk());
+        ASSERT_EQ(found.value().size(), ranked.size());
+        for (std::size_t i = 0; i < ranked.size(); ++i) {
+            ASSERT_EQ(found.value()[i].event.isovalue, events[ranked[i].second].isovalue) << round;
+            ASSERT_EQ(found.value()[i].weight, -ranked[i].first) << round << ", " << ranked[i].second;
+        }
+    }
 }
 
 // One lone tunnel among pieces, and one that opens and closes again and again.
