@@ -4,6 +4,8 @@
 #include <iterator>
 #include <utility>
 
+#include <tbb/parallel_for.h>
+
 namespace isoslider::topology {
 
 std::uint64_t PagedTopology::eventCount() const {
@@ -45,15 +47,34 @@ Status PagedTopology::visitEventsFrom(double isovalue, const std::function<bool(
     return visitPagesFrom(page, [&](const TopologyEvent& event) { return event.isovalue < isovalue || visit(event); });
 }
 
+Result<std::optional<std::pair<double, double>>> PagedTopology::ends() const {
+    if (pages_.empty())
+        return std::optional<std::pair<double, double>>();
+    const auto last = read(pages_.back());
+    if (!last.isOk())
+        return last.error();
+    return std::optional(std::pair(pages_.front().firstIsovalue, last.value().back().isovalue));
+}
+
+// Pages are decoded on all threads, ahead of the visit: more of them the longer it goes on.
 Status PagedTopology::visitPagesFrom(std::vector<EventPage>::const_iterator page,
                                      const std::function<bool(const TopologyEvent&)>& visit) const {
-    for (; page != pages_.end(); ++page) {
-        const auto events = read(*page);
-        if (!events.isOk())
-            return events.error();
-        for (const TopologyEvent& event : events.value())
-            if (!visit(event))
-                return {};
+    constexpr std::ptrdiff_t kMostAhead = 32;
+    using Page = Result<std::vector<TopologyEvent>>;
+    std::vector<Page> decoded;
+    for (std::ptrdiff_t ahead = 1; page != pages_.end(); ahead = std::min(2 * ahead, kMostAhead)) {
+        const std::ptrdiff_t count = std::min(ahead, std::distance(page, pages_.end()));
+        decoded.assign(static_cast<std::size_t>(count), Page(std::vector<TopologyEvent>()));
+        tbb::parallel_for(std::ptrdiff_t{0}, count,
+                          [&](std::ptrdiff_t i) { decoded[static_cast<std::size_t>(i)] = read(page[i]); });
+        page += count;
+        for (const Page& events : decoded) {
+            if (!events.isOk())
+                return events.error();
+            for (const TopologyEvent& event : events.value())
+                if (!visit(event))
+                    return {};
+        }
     }
     return {};
 }

@@ -4,7 +4,9 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/topology/event_pages.h"
@@ -21,6 +23,7 @@ public:
     bool hasEvents() const override { return hasEvents_; }
     Status visitEvents(const std::function<bool(const TopologyEvent&)>& visit) const override;
     Status visitEventsFrom(double isovalue, const std::function<bool(const TopologyEvent&)>& visit) const override;
+    Result<std::optional<std::pair<double, double>>> ends() const override;
     const MeasureCurves& curves() const override { return curves_; }
 
     const std::vector<EventPage>& pages() const { return pages_; }

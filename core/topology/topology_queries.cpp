@@ -94,17 +94,14 @@ IsovalueInterval usualRange(const MeasureCurves& curves, double first, double la
 
 Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary) {
     std::vector<Suggestion> found;
-    std::optional<double> first;
-    double last = 0.0;
-    ISO_TRY(summary.visitEvents([&](const TopologyEvent& event) {
-        first = first.value_or(event.isovalue);
-        last = event.isovalue;
-        return true;
-    }));
-    if (!first || !(*first < last))
+    const auto ends = summary.ends();
+    if (!ends.isOk())
+        return ends.error();
+    if (!ends.value() || !(ends.value()->first < ends.value()->second))
         return found;
+    const double first = ends.value()->first, last = ends.value()->second;
     const MeasureCurves& curves = summary.curves();
-    const auto [low, high] = usualRange(curves, *first, last);
+    const auto [low, high] = usualRange(curves, first, last);
     const double halfRange = 0.5 * high - 0.5 * low; // a whole one may be more than a double holds
     double widest = 0.0, since = low, greatest = 0.0;
     std::optional<double> middle, ofPiece;
@@ -125,7 +122,7 @@ Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary)
             endInterval(event.isovalue);
         // Not where the eldest piece comes or goes, which lasts through all values.
         const bool isOfPiece =
-            event.pieces.joins + event.pieces.splits > 0 && 0.5 * event.persistence < 0.5 * last - 0.5 * *first;
+            event.pieces.joins + event.pieces.splits > 0 && 0.5 * event.persistence < 0.5 * last - 0.5 * first;
         if (isOfPiece && event.persistence > greatest && 0.5 * event.persistence >= kPersistent * halfRange) {
             greatest = event.persistence;
             ofPiece = nextAbove(event.isovalue);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace isoslider::topology {
@@ -34,6 +35,15 @@ SurfaceMeasures MeasureCurves::at(double isovalue) const {
 
 Status TopologySummary::visitEventsFrom(double isovalue, const std::function<bool(const TopologyEvent&)>& visit) const {
     return visitEvents([&](const TopologyEvent& event) { return event.isovalue < isovalue || visit(event); });
+}
+
+Result<std::optional<std::pair<double, double>>> TopologySummary::ends() const {
+    std::optional<std::pair<double, double>> found;
+    ISO_TRY(visitEvents([&](const TopologyEvent& event) {
+        found = {found ? found->first : event.isovalue, event.isovalue};
+        return true;
+    }));
+    return found;
 }
 
 namespace {

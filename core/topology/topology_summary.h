@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -39,6 +41,9 @@ public:
     /// The same without the events below `isovalue`. O(log n) and what is visited where the kind of summary can;
     /// otherwise all are passed over. Errors: IoError, Corruption.
     virtual Status visitEventsFrom(double isovalue, const std::function<bool(const TopologyEvent&)>& visit) const;
+    /// Isovalues of the first and of the last event; none where there are no events. O(1) where the kind of summary
+    /// can; otherwise all are passed over. Errors: IoError, Corruption.
+    virtual Result<std::optional<std::pair<double, double>>> ends() const;
     /// Empty where they were not made.
     virtual const MeasureCurves& curves() const = 0;
 

@@ -27,28 +27,22 @@ double valueOf(TopologyQuantity quantity, const topology::SurfaceMeasures& measu
     }
 }
 
-// All pages of a stored summary are read for it: not work for the window's thread.
+// Many pages of a stored summary are read for it: not work for the window's thread.
 Status drawCounts(TopologyModel::Content& content) {
-    std::optional<double> first;
-    double last = 0.0;
-    ISO_TRY(content.summary->visitEvents([&](const topology::TopologyEvent& event) {
-        first = first.value_or(event.isovalue);
-        last = event.isovalue;
-        return true;
-    }));
-    if (!first)
+    const auto ends = content.summary->ends();
+    if (!ends.isOk())
+        return ends.error();
+    if (!ends.value())
         return {};
+    const auto [first, last] = *ends.value();
     for (std::size_t i = 0; i <= kCurvePoints; ++i) {
-        const double part = static_cast<double>(i) / kCurvePoints;
-        content.isovalues.push_back(*first * (1.0 - part) + last * part);
+        const double part = static_cast<double>(i) / kCurvePoints, isovalue = first * (1.0 - part) + last * part;
+        const auto counts = content.summary->at(isovalue);
+        if (!counts.isOk())
+            return counts.error();
+        content.isovalues.push_back(isovalue);
+        content.counts.push_back(counts.value());
     }
-    ISO_TRY(content.summary->visitEvents([&](const topology::TopologyEvent& event) {
-        while (content.counts.size() < content.isovalues.size() &&
-               content.isovalues[content.counts.size()] <= event.isovalue)
-            content.counts.push_back(event.below);
-        return true;
-    }));
-    content.counts.resize(content.isovalues.size());
     return {};
 }
 
