@@ -270,6 +270,24 @@ TEST(TopologySummary, ListsTheMostPersistentEvents) {
     EXPECT_EQ(isovalues(99).size(), 6u);
 }
 
+TEST(TopologySummary, StatesWhereItsEventsBeginAndEnd) {
+    EXPECT_EQ(fivePieces().ends().value(), std::pair(0.0, 10.0));
+    EXPECT_FALSE(TopologyCurve().ends().value());
+    std::vector<TopologyEvent> events(5000); // of several pages
+    for (std::size_t i = 0; i < events.size(); ++i)
+        events[i].isovalue = 0.5 * static_cast<double>(i) - 7.0;
+    const TopologyCurve curve(events, {}, true);
+    EXPECT_EQ(curve.ends().value(), std::pair(-7.0, 2492.5));
+    EXPECT_EQ(curve.TopologySummary::ends().value(), curve.ends().value()) << "as where all are passed over";
+    std::size_t seen = 0;
+    EXPECT_THAT(curve.visitEvents([&](const TopologyEvent& event) {
+        EXPECT_EQ(event.isovalue, events[seen].isovalue);
+        return ++seen < 3333;
+    }),
+                IsOk());
+    EXPECT_EQ(seen, 3333u);
+}
+
 // Against weights found by looking at all events for each.
 TEST(TopologySummary, ListsWhatIsMostNotableOfAnyEvents) {
     std::mt19937 random(6);
