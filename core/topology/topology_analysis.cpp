@@ -181,6 +181,17 @@ private:
         return 1.25 * kept + (hasScratch() ? std::min(events, static_cast<double>(mostEventBytes())) : events);
     }
 
+    // On the disk, as far as the system reports it. Noise may need many times what its volume does.
+    Status checkRoom() const {
+        const std::filesystem::path folder = options_.scratch.parent_path();
+        const auto space = options_.fileSystem->space(folder.empty() ? "." : folder);
+        const double needed = expected_.keptBytes() + eventBytes(expected_.euler);
+        if (!space.isOk() || needed <= static_cast<double>(space.value().freeBytes) + aimBytes_)
+            return {};
+        return makeError(ErrorCode::OutOfSpace, "what is found of the topology does not fit on the disk",
+                         options_.scratch.string());
+    }
+
     // Cubes spread over the volume state how much there is in it: where that is hopeless it shows at once.
     Status planMemory() {
         const auto points = static_cast<double>(pointCount(dims_)), memory = static_cast<double>(options_.memoryBytes);
@@ -190,6 +201,8 @@ private:
         expected_ = each * points;
         if (isTight)
             ISO_TRY(lookAt(each, expected_));
+        if (hasScratch() && !coarse_)
+            ISO_TRY(checkRoom());
         if (coarse_) {
             each.changes = 0.0;
             expected_ = {};

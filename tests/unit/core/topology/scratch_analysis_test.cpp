@@ -5,12 +5,14 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/topology/topology_analysis.h"
 #include "tests/support/faulty_file_system.h"
+#include "tests/support/limited_file_system.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -116,6 +118,24 @@ TEST(ScratchAnalysis, MakesCountsWhereTheFileFails) {
     options.fileSystem = &full;
     options.mayLackEvents = false;
     EXPECT_THAT(analyseTopology(planesOf(grid), options), HasError(ErrorCode::OutOfSpace));
+}
+
+TEST(ScratchAnalysis, LeavesADiskAloneThatDoesNotHoldWhatIsFound) {
+    const ScalarGrid grid = noise();
+    const test::TemporaryFolder folder;
+    AnalysisOptions options;
+    options.memoryBytes = kLittleMemory;
+    options.measures = planMeasures(grid);
+    options.scratch = folder / "found";
+    for (const auto& [freeBytes, isEnough] : {std::pair(100'000u, false), {100'000'000u, true}}) {
+        test::LimitedFileSystem disk;
+        disk.set(folder.path(), freeBytes);
+        options.fileSystem = &disk;
+        const auto found = analyseTopology(planesOf(grid), options);
+        ASSERT_THAT(found, IsOk());
+        EXPECT_EQ(found.value().hasEvents(), isEnough) << freeBytes;
+        EXPECT_EQ(disk.created(), isEnough ? 1 : 0) << freeBytes;
+    }
 }
 
 } // namespace
