@@ -185,7 +185,7 @@ private:
     Status checkRoom() const {
         const std::filesystem::path folder = options_.scratch.parent_path();
         const auto space = options_.fileSystem->space(folder.empty() ? "." : folder);
-        const double needed = expected_.keptBytes() + eventBytes(expected_.euler);
+        const double needed = expected_.keptBytes() + 0.5 * eventBytes(expected_.euler); // most take half of that
         if (!space.isOk() || needed <= static_cast<double>(space.value().freeBytes) + aimBytes_)
             return {};
         return makeError(ErrorCode::OutOfSpace, "what is found of the topology does not fit on the disk",
