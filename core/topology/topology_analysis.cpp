@@ -216,7 +216,8 @@ private:
         };
         const double kept = isTight ? keptBytes(expected_) : 0.0, room = aimBytes_ - kept;
         const auto threads = static_cast<double>(tbb::this_task_arena::max_concurrency());
-        const double wanted = hasScratch() ? std::min(2.0, threads) : 1.0; // thin layers cost less time than few
+        // Two thin layers at once take less time than one that is thick.
+        const double wanted = hasScratch() ? std::min(2.0, threads) : 1.0;
         while (options_.planesAtOnce == 0 && planesAtOnce_ > 3 &&
                bytesOfLayers(wanted, bytesOfLayer(planesAtOnce_)) > room)
             --planesAtOnce_;
