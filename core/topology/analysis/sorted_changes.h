@@ -39,9 +39,9 @@ public:
             sources_.push_back({{}, 0, run});
         for (std::size_t s = 0; s < sources_.size(); ++s) {
             read(sources_[s]);
-            if (sources_[s].isovalue() < kNone)
-                push({sources_[s].isovalue(), s});
+            heap_.push_back({sources_[s].isovalue(), s});
         }
+        std::make_heap(heap_.begin(), heap_.end());
     }
 
     /// Of the next ones; infinite after all of them.
@@ -49,17 +49,14 @@ public:
     /// Calls `function` for the next ones if they are of this isovalue. Those of different runs are not summed up.
     template <class Function>
     void takeAt(double isovalue, const Function& function) {
-        while (!heap_.empty() && heap_.front().isovalue == isovalue) {
-            const std::size_t from = heap_.front().source;
-            Source& source = sources_[from];
+        while (this->isovalue() == isovalue && isovalue < kNone) {
+            Source& source = sources_[heap_.front().source];
             do {
                 function(source.changes[source.at++]);
                 read(source);
             } while (source.isovalue() == isovalue);
-            std::pop_heap(heap_.begin(), heap_.end());
-            heap_.pop_back();
-            if (source.isovalue() < kNone)
-                push({source.isovalue(), from});
+            heap_.front().isovalue = source.isovalue();
+            sinkFirst();
         }
     }
     const Status& status() const { return status_; }
@@ -82,9 +79,18 @@ private:
         }
     };
 
-    void push(const Next& next) {
-        heap_.push_back(next);
-        std::push_heap(heap_.begin(), heap_.end());
+    // The first of the heap has become a later one; sources at their ends stay, after all others.
+    void sinkFirst() {
+        const Next first = heap_.front();
+        std::size_t at = 0;
+        for (std::size_t below = 1; below < heap_.size(); below = 2 * at + 1) {
+            below += below + 1 < heap_.size() && heap_[below] < heap_[below + 1] ? 1 : 0;
+            if (!(first < heap_[below]))
+                break;
+            heap_[at] = heap_[below];
+            at = below;
+        }
+        heap_[at] = first;
     }
     void read(Source& source) {
         if (source.at < source.changes.size() || source.rest.changes == 0)
@@ -104,7 +110,7 @@ private:
     const ScratchFile* scratch_ = nullptr;
     std::size_t mostRead_ = 0; ///< changes of a run
     std::vector<Source> sources_;
-    std::vector<Next> heap_; ///< of sources that are not at their ends
+    std::vector<Next> heap_; ///< of all sources; the next one comes first
     Status status_;
 };
 
