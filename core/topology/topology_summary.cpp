@@ -62,11 +62,7 @@ public:
                                                event.below.loops != event.above.loops};
         for (std::size_t kind = 0; kind < kKinds; ++kind)
             if (changes[kind]) {
-                const double since = seenOf_[kind] ? distance(at_[kind], event.isovalue) : kFar;
-                end(kind, since);
-                seenOf_[kind] = true;
-                at_[kind] = event.isovalue;
-                since_[kind] = since;
+                since_[kind] = end(kind, [&](double isovalue) { return distance(isovalue, event.isovalue); });
                 now.kinds |= 1u << kind;
             }
         first_ = now.place == 0 ? event.isovalue : first_;
@@ -79,7 +75,7 @@ public:
     /// Ascending by isovalue.
     std::vector<WeightedEvent> take() {
         for (std::size_t kind = 0; kind < kKinds; ++kind) // if it is the only one, nothing is nearer than the ends
-            end(kind, distance(first_, last_));
+            end(kind, [this](double) { return distance(first_, last_); });
         std::sort(kept_.begin(), kept_.end(), [](const Waiting& a, const Waiting& b) { return a.place < b.place; });
         std::vector<WeightedEvent> events;
         for (const Waiting& kept : kept_)
@@ -101,18 +97,22 @@ private:
         return a.event.weight != b.event.weight ? a.event.weight > b.event.weight : a.place < b.place;
     }
 
-    // The last change of a kind is followed by another in `until`, or by none.
-    void end(std::size_t kind, double until) {
+    // Nothing is waited for any more by the last change of a kind; returns how far from it the next is, by its
+    // isovalue.
+    template <class Distance>
+    double end(std::size_t kind, const Distance& toNext) {
         const auto found = std::find_if(waiting_.begin(), waiting_.end(),
                                         [kind](const Waiting& each) { return (each.kinds >> kind & 1u) != 0; });
         if (found == waiting_.end())
-            return;
+            return kFar;
+        const double until = toNext(found->event.event.isovalue);
         found->event.weight = std::max(found->event.weight, std::min(since_[kind], until));
         found->kinds &= ~(1u << kind);
-        if (found->kinds != 0)
-            return;
-        keep(*found);
-        waiting_.erase(found);
+        if (found->kinds == 0) {
+            keep(*found);
+            waiting_.erase(found);
+        }
+        return until;
     }
     // A heap, the least notable on top.
     void keep(const Waiting& event) {
@@ -129,8 +129,7 @@ private:
     std::size_t count_;
     std::size_t seen_ = 0;
     std::vector<Waiting> waiting_, kept_;
-    std::array<bool, kKinds> seenOf_{};
-    std::array<double, kKinds> at_{}, since_{}; ///< of the last of each kind; from the one before it
+    std::array<double, kKinds> since_{}; ///< distance of the last of each kind from the one before it
     double first_ = 0.0, last_ = 0.0;
 };
 

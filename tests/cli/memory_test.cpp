@@ -114,6 +114,17 @@ TEST_F(CliMemory, TopologyThatTakesMoreIsPutOffToTheDisk) {
     EXPECT_TRUE(runJson({"validate", path("a.isx"), "--full"})["sound"].get<bool>());
 }
 
+// However much it may: 8 bytes a sample, beside the program itself.
+TEST_F(CliMemory, TopologyTakesEightBytesASampleWhateverTheBudget) {
+    constexpr std::uint64_t kSide = 224, kBytes = 8 * kSide * kSide * kSide;
+    writeField<std::uint16_t>(path("volume.raw"), kSide, Field::Noise);
+    const auto result = run({"build", path("volume.raw"), "--raw-dims", "224,224,224", "--raw-type", "u16", "-o",
+                             path("a.isx"), "--memory", "2G", "--json"});
+    EXPECT_EQ(result.exitCode, 0) << result.standardError;
+    EXPECT_LT(result.peakRssBytes, kBytes + kBytes / 10 + 64 * kMiB);
+    EXPECT_GT(OrderedJson::parse(result.standardOutput)["topology_events"], 1'000'000);
+}
+
 // Where the disk cannot help, that shows before any of them is found.
 TEST_F(CliMemory, TopologyThatTakesMoreIsCountedWithoutEvents) {
     writeField<std::uint8_t>(path("volume.raw"), 128, Field::Noise);

@@ -93,14 +93,19 @@ TEST(ScratchAnalysis, FindsTheEventsWhereSamplesAreMissing) {
     }));
 }
 
-// A file that fails is done without: here that is too little memory for events.
-TEST(ScratchAnalysis, MakesCountsWhereTheFileFails) {
-    const ScalarGrid grid = noise();
-    const test::TemporaryFolder folder;
+AnalysisOptions littleMemory(const ScalarGrid& grid, const test::TemporaryFolder& folder) {
     AnalysisOptions options;
     options.memoryBytes = kLittleMemory;
     options.measures = planMeasures(grid);
     options.scratch = folder / "found";
+    return options;
+}
+
+// A file that fails is done without: here that is too little memory for events.
+TEST(ScratchAnalysis, MakesCountsWhereTheFileFails) {
+    const ScalarGrid grid = noise();
+    const test::TemporaryFolder folder;
+    AnalysisOptions options = littleMemory(grid, folder);
     int failed = 0;
     for (int call = 0; call < INT_MAX; call += 1 + 2 * call) {
         test::FaultyFileSystem faulty(call, call % 2 == 0 ? EIO : ENOSPC);
@@ -123,10 +128,7 @@ TEST(ScratchAnalysis, MakesCountsWhereTheFileFails) {
 TEST(ScratchAnalysis, LeavesADiskAloneThatDoesNotHoldWhatIsFound) {
     const ScalarGrid grid = noise();
     const test::TemporaryFolder folder;
-    AnalysisOptions options;
-    options.memoryBytes = kLittleMemory;
-    options.measures = planMeasures(grid);
-    options.scratch = folder / "found";
+    AnalysisOptions options = littleMemory(grid, folder);
     for (const auto& [freeBytes, isEnough] : {std::pair(100'000u, false), {100'000'000u, true}}) {
         test::LimitedFileSystem disk;
         disk.set(folder.path(), freeBytes);
