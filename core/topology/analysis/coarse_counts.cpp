@@ -14,11 +14,6 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
 
-void open(Side side, double isovalue, double& opens) {
-    if (std::isnan(opens) || comesEarlier(side, isovalue, opens))
-        opens = isovalue;
-}
-
 } // namespace
 
 // ---- inside
@@ -51,7 +46,7 @@ void CoarseCounts::Components::add(const LayerComponents& layer, const std::vect
     for (std::size_t i = 0; i < top_.size(); ++i)
         if (layer.top[i] != kNoSeed) {
             top_[i] = layer.top[i] + first;
-            open(side_, top[i], opens[top_[i]]);
+            opens[top_[i]] = earlier(side_, opens[top_[i]], top[i]);
         }
     settle(std::move(opens));
 }
@@ -109,7 +104,7 @@ void CoarseCounts::OnBoundary::add(const DomainBoundary::Part& part) {
         waiting_.push_back(link);
         for (const Point point : link.points)
             if (const Place place = find(point); place.node != ForestStream::kNone)
-                open(side_, place.scalar, opens[place.node]);
+                opens[place.node] = earlier(side_, opens[place.node], place.scalar);
     }
     const std::vector<ForestStream::Node> numbers = forest.settle(opens);
     std::size_t kept = 0;

@@ -15,8 +15,6 @@ namespace {
 
 constexpr double kNoIsovalue = std::numeric_limits<double>::quiet_NaN();
 
-// The earlier of two isovalues; either may be kNoIsovalue.
-double earlier(Side side, double a, double b) { return std::isnan(a) || comesEarlier(side, b, a) ? b : a; }
 bool hasCome(Side side, double isovalue, double now) {
     return !std::isnan(isovalue) && !comesEarlier(side, now, isovalue);
 }

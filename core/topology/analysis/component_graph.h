@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace isoslider::topology {
 /// isovalue *comes earlier* than another when it is met first.
 enum class Side { Above, Below };
 inline bool comesEarlier(Side side, double a, double b) { return side == Side::Above ? a > b : a < b; }
+/// The earlier one; NaN stands for never.
+inline double earlier(Side side, double a, double b) { return std::isnan(a) || comesEarlier(side, b, a) ? b : a; }
 
 /// Where a component may come: a grid point none of whose neighbours comes earlier, or none in its layer.
 struct Seed {

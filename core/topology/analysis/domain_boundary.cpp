@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -165,9 +164,7 @@ Status DomainBoundary::OneSide::settle() {
         for (const Point point : link.points)
             if (const Place* const place = find(point)) {
                 isOpen[static_cast<std::size_t>(place - places_.data())] = 1;
-                double& first = opens[place->seed];
-                if (std::isnan(first) || comesEarlier(graph_.side, place->scalar, first))
-                    first = place->scalar;
+                opens[place->seed] = earlier(graph_.side, opens[place->seed], place->scalar);
             }
     ComponentHistory settled;
     const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, settled, order_);

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <bit>
-#include <cmath>
 #include <utility>
 
 #include "core/grid/scalar_type.h"
@@ -229,12 +228,8 @@ LayerComponents LayerSide::takeSettled(const LayerWindow<Sample>& window) {
     const auto open = [this](const std::vector<std::uint32_t>& seeds, const Sample* samples,
                              std::vector<double>& opens) {
         for (std::size_t i = 0; i < seeds.size(); ++i)
-            if (seeds[i] != kNoSeed) {
-                double& first = opens[seeds[i]];
-                const auto isovalue = static_cast<double>(samples[i]);
-                if (std::isnan(first) || comesEarlier(side_, isovalue, first))
-                    first = isovalue;
-            }
+            if (seeds[i] != kNoSeed)
+                opens[seeds[i]] = earlier(side_, opens[seeds[i]], static_cast<double>(samples[i]));
     };
     constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> opens(graph_.seeds.size(), kNever);
