@@ -25,7 +25,8 @@ struct WalkStep {
 /// What one move cost, counted where the work happens.
 struct SlideStats {
     double isovalue = 0.0;
-    /// Active edges. Of the grid where cells are merged, too; there, bricks that leave count their vertices.
+    /// Active edges. Of the grid where cells are merged, too; there, bricks that leave count their vertices, and so do
+    /// bricks of one cell.
     std::uint64_t edgesAdded = 0;
     std::uint64_t edgesRemoved = 0;
     std::uint64_t edgesTouched = 0; ///< edge entries looked at, redundant ones included

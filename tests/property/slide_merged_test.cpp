@@ -117,6 +117,51 @@ TEST(SlideMerged, IsExtractMergedOnRandomWalks) {
     EXPECT_EQ(seen.levels, 0b1110u);
 }
 
+// Of a brick that is one leaf among such only what is crossed on its edges matters: most steps leave most bricks as
+// they are. Beside rough bricks it is not alone, and where these change it comes to be.
+TEST(SlideMerged, MakesBricksOfOneLeafAgainOnlyWhereTheirEdgesAreCrossed) {
+    test::Random random(test::testSeed(64));
+    GridGeometry geometry;
+    geometry.dims = {65, 57, 49};
+    const auto grid =
+        test::makeVolume<float>(ScalarType::F32, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+            const double dx = static_cast<double>(x) + 31.0, dy = static_cast<double>(y) + 23.0,
+                         dz = static_cast<double>(z) + 17.0;
+            const bool isRough = x / 8 == 4 && y / 8 == 1 && z % 32 < 9;
+            return std::sqrt(dx * dx + dy * dy + dz * dz) + (isRough ? 2.0 * test::unitRandom(random) : 0.0);
+        });
+    Merges seen;
+    const test::TemporaryFolder folder;
+    std::vector<test::Way> ways = mergingWays(grid, folder / "");
+    const auto unmerged = preprocess::makeMemoryEngine(grid).value(),
+               merged = preprocess::makeMemoryEngine(grid).value();
+    const MergeBound bound{Measure::Distance, 0.5};
+    ASSERT_THAT(merged->setMergeBound(bound), IsOk());
+    double isovalue = 75.0;
+    ASSERT_THAT(unmerged->slideTo(isovalue), IsOk());
+    ASSERT_THAT(merged->slideTo(isovalue), IsOk());
+    std::uint64_t crossed = 0, made = 0;
+    for (int step = 0; step < 60 && !testing::Test::HasFatalFailure(); ++step) {
+        isovalue += (step % 10 == 9 ? 10.0 : 0.02) * (2.0 * test::unitRandom(random) - 1.0);
+        SCOPED_TRACE(testing::Message() << "step " << step << ", isovalue " << isovalue);
+        expectMerged(ways, *grid, isovalue, step % 20 == 19 ? MergeBound() : bound, seen);
+        const auto movedUnmerged = unmerged->slideTo(isovalue), movedMerged = merged->slideTo(isovalue);
+        ASSERT_THAT(movedUnmerged, IsOk());
+        ASSERT_THAT(movedMerged, IsOk());
+        if (step % 10 != 9) {
+            crossed += movedUnmerged.value().bricksRead;
+            made += movedMerged.value().bricksRead;
+        }
+    }
+    EXPECT_GT(made, 0u);
+    EXPECT_LT(3 * made, 2 * crossed);
+    ASSERT_THAT(merged->setMergeBound({}), IsOk());
+    const auto split = merged->slideTo(isovalue);
+    ASSERT_THAT(split, IsOk());
+    EXPECT_EQ(split.value().edgesAdded + split.value().edgesRemoved, 0u) << "nothing is crossed";
+    EXPECT_EQ(seen.levels, 0b1110u);
+}
+
 // An index of edges has its merged cells from its build.
 std::vector<test::Way> mergedEdges(const std::shared_ptr<const ScalarGrid>& grid, const std::filesystem::path& path,
                                    const MergeError& error) {

@@ -76,6 +76,14 @@ ISO_ALWAYS_INLINE std::uint64_t shiftedUp(const BitString& bits, int i) {
         return word(i - kWord) << kBit | word(i - kWord - 1) >> (64 - kBit);
 }
 
+/// At least 56 bits from a place on.
+template <class Bits>
+ISO_ALWAYS_INLINE std::uint64_t bitsFrom(const Bits& bits, ClosedPoint first) {
+    std::uint64_t found;
+    std::memcpy(&found, reinterpret_cast<const std::byte*>(bits.words.data()) + first.index() / 8, sizeof found);
+    return found >> (first.number() % 8);
+}
+
 /// Calls visit(p) for each set bit, ascending.
 template <class Visit>
 inline void forEachSetBit(const BitString& bits, const Visit& visit) {
@@ -86,14 +94,7 @@ inline void forEachSetBit(const BitString& bits, const Visit& visit) {
 
 /// Signs of the eight corners of a cell, bit c for corner c (core/cell/cell_numbering.h).
 ISO_ALWAYS_INLINE std::uint8_t signsOfCell(const BitString& above, ClosedPoint cell) {
-    // Eleven bits from any place lie in the eight bytes from its byte on; the guard words keep the last read inside.
-    const auto at = [&](unsigned p) {
-        std::uint64_t bits;
-        std::memcpy(&bits, reinterpret_cast<const std::byte*>(above.words.data()) + (p >> 3), sizeof bits);
-        return bits >> (p & 7);
-    };
-    const unsigned p = cell.number();
-    const std::uint64_t lower = at(p), upper = at(p + 81);
+    const std::uint64_t lower = bitsFrom(above, cell), upper = bitsFrom(above, cell + kPointStride[2]);
     return static_cast<std::uint8_t>((lower & 3) | (lower >> 9 & 3) << 2 | (upper & 3) << 4 | (upper >> 9 & 3) << 6);
 }
 

@@ -34,14 +34,17 @@ struct BrickLeaves {
     std::uint64_t levelsOfRow(int y, int z) const {
         if (level3)
             return 0x0303'0303'0303'0303;
-        if (level1 == 0)
-            return 0;
-        const auto pairs = level1 >> (4 * (y / 2) + 16 * (z / 2)) & 15,
-                   fours = std::uint64_t{level2} >> (2 * (y / 4) + 4 * (z / 4)) & 3;
         // Each larger leaf adds one to its halves' level.
-        std::uint64_t levels = (pairs & 1) * 0x0101 + (pairs >> 1 & 1) * 0x0101'0000 +
-                               (pairs >> 2 & 1) * 0x0101'0000'0000 + (pairs >> 3) * 0x0101'0000'0000'0000;
-        return levels + (fours & 1) * 0x0101'0101 + (fours >> 1) * 0x0101'0101'0000'0000;
+        constexpr auto kOfPairs = [] {
+            std::array<std::uint64_t, 16> levels{};
+            for (std::size_t pairs = 0; pairs < levels.size(); ++pairs)
+                for (unsigned i = 0; i < 4; ++i)
+                    levels[pairs] |= (pairs >> i & 1) * 0x0101 << (16 * i);
+            return levels;
+        }();
+        constexpr std::array<std::uint64_t, 4> kOfFours{0, 0x0101'0101, 0x0101'0101'0000'0000, 0x0101'0101'0101'0101};
+        return kOfPairs[level1 >> (4 * (y / 2) + 16 * (z / 2)) & 15] +
+               kOfFours[static_cast<unsigned>(level2) >> (2 * (y / 4) + 4 * (z / 4)) & 3];
     }
     friend bool operator==(const BrickLeaves&, const BrickLeaves&) = default;
 };

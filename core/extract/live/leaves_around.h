@@ -91,61 +91,24 @@ private:
     }
 
     void takeOutBesideBox(const std::array<int, 3>& begin, const std::array<int, 3>& end) {
-        for (int z = -1; z <= kCellSide; ++z)
-            for (int y = -1; y <= kCellSide; ++y)
-                for (int x = -1; x <= kCellSide; ++x)
-                    if (x < begin[0] || y < begin[1] || z < begin[2] || x >= end[0] || y >= end[1] || z >= end[2])
-                        levels_[placeOf(x, y, z)] = kNoLevel;
+        for (int z = -1; z <= kCellSide; ++z) {
+            const bool isOutsideZ = z < begin[2] || z >= end[2];
+            for (int y = -1; y <= kCellSide; ++y) {
+                std::int8_t* const row = levels_.data() + placeOf(-1, y, z);
+                if (isOutsideZ || y < begin[1] || y >= end[1]) {
+                    std::fill_n(row, kSide, static_cast<std::int8_t>(kNoLevel));
+                    continue;
+                }
+                if (begin[0] == 0)
+                    row[0] = kNoLevel;
+                for (int x = end[0]; x <= kCellSide; ++x)
+                    row[x + 1] = kNoLevel;
+            }
+        }
     }
 
     const BitString* above_ = nullptr;
     std::array<std::int8_t, kSide * kSide * kSide> levels_{};
 };
-
-/// A brick that is one leaf, where all around it that matters is as large: as MergedPolygon asks for it.
-class OneLeafAlone {
-public:
-    explicit OneLeafAlone(const BitString& above) : above_(above) {}
-
-    static std::int64_t pointStride(std::size_t axis) { return kPointStride[axis]; }
-    static std::int64_t cellStride(std::size_t) { return 0; }
-    static std::array<std::int32_t, 3> coordsOf(std::int64_t point) { return LeavesAround::coordsOf(point); }
-    static std::int64_t cellAt(std::int64_t) { return 0; }
-    bool isAboveAt(std::int64_t point) const { return above_.test(ClosedPoint(static_cast<int>(point))); }
-    static int levelAt(std::int64_t) { return 3; }
-
-private:
-    const BitString& above_;
-};
-
-/// Whether OneLeafAlone is what lies around a brick that is one leaf: wherever one of its faces or edges is crossed,
-/// the bricks beside are one leaf each or outside the volume. `leavesAt` as LeavesAround::fill() takes it.
-template <class LeavesAt>
-bool isAloneAsOneLeaf(const BitString& above, const LeavesAt& leavesAt) {
-    unsigned signs = 0;
-    for (int c = 0; c < 8; ++c)
-        signs |= unsigned{above.test(closedPoint(c & 1 ? kCellSide : 0, c & 2 ? kCellSide : 0, c & 4 ? kCellSide : 0))}
-                 << c;
-    const auto isLarge = [&](const BrickStep& step) {
-        const BrickLeaves* const leaves = leavesAt(step);
-        return leaves == nullptr || leaves->level3;
-    };
-    for (unsigned mask = cell::activeEdges(static_cast<std::uint8_t>(signs)); mask != 0; mask &= mask - 1) {
-        const cell::CellEdge& edge = cell::kCellEdges[static_cast<std::size_t>(std::countr_zero(mask))];
-        BrickStep across{};
-        for (std::size_t a = 0; a < 3; ++a)
-            if (a != static_cast<std::size_t>(edge.axis))
-                across[a] = edge.lowerCorner >> a & 1 ? 1 : -1;
-        for (std::size_t a = 0; a < 3; ++a) { // the two faces, both crossed
-            BrickStep beside{};
-            beside[a] = across[a];
-            if (across[a] != 0 && !isLarge(beside))
-                return false;
-        }
-        if (!isLarge(across))
-            return false;
-    }
-    return true;
-}
 
 } // namespace isoslider::extract

@@ -22,12 +22,12 @@ constexpr cell::StateInterval kAlways{-std::numeric_limits<double>::infinity(),
 // Whether one of the cells in a leaf is in the string.
 bool hasAnyCell(const BitString& cells, ClosedPoint first, int level) {
     const int side = 1 << level;
+    const std::uint64_t row = (std::uint64_t{1} << side) - 1;
+    std::uint64_t any = 0;
     for (int z = 0; z < side; ++z)
         for (int y = 0; y < side; ++y)
-            for (int x = 0; x < side; ++x)
-                if (cells.test(first + x + kPointStride[1] * y + kPointStride[2] * z))
-                    return true;
-    return false;
+            any |= bitsFrom(cells, first + kPointStride[1] * y + kPointStride[2] * z) & row;
+    return any != 0;
 }
 
 } // namespace
@@ -384,6 +384,13 @@ template <class Live>
 void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
                                     double isovalue) {
     const Brick& brick = bricks_[slot.index()];
+    if (draft.active.cells.isEmpty()) { // all are merged
+        draft.ambiguous.clear();
+        draft.indexCount = 0;
+        intervals_[slot.index()] = kAlways;
+        hasInner_[slot.index()] = 0;
+        return;
+    }
     CellList& list = draft.cells;
     listCells(draft.active.cells, draft.above, list);
     findStates(brick, draft, corners, isovalue);

@@ -81,7 +81,7 @@ void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, Ac
         if (leaf.level == 1)
             addSmall(leaf, around);
         else
-            addLarger(leaf, around, polygon_);
+            addLarger(leaf, around);
     }
     std::array<BitString, 3> vertices;
     edgesOfCells(active.cells, vertices);
@@ -92,12 +92,14 @@ void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, Ac
         active.edges[static_cast<std::size_t>(axisOf(corner.edge))].set(startOf(corner.edge));
 }
 
-void MergedCells::findOneLeaf(const BitString& above, ActiveBits& active) {
+void MergedCells::set(const OneLeaf& leaf) {
     clear();
-    active = {};
-    addLarger({0, OneLeafAlone::cellAt(0), 3}, OneLeafAlone(above), polygonAlone_);
-    for (const Corner& corner : corners_)
-        active.edges[static_cast<std::size_t>(axisOf(corner.edge))].set(startOf(corner.edge));
+    const CellPolygon& polygon = cellPolygons()[leaf.signs];
+    for (std::size_t i = 0; i < polygon.edgeCount; ++i)
+        corners_.push_back({leaf.activeEdge(polygon.edges[i]), kMaxBrickMergeLevel});
+    for (std::size_t i = 0; i < polygon.triangleCount; ++i)
+        triangles_.insert(triangles_.end(), polygon.triangles[i].begin(), polygon.triangles[i].end());
+    finishLeaf({0, 0, kMaxBrickMergeLevel}, 0, 0);
 }
 
 void MergedCells::addSmall(const LeafCell& leaf, const LeavesAround& around) {
@@ -117,14 +119,13 @@ void MergedCells::addSmall(const LeafCell& leaf, const LeavesAround& around) {
     finishLeaf(leaf, firstCorner, firstTriangle);
 }
 
-template <class Leaves>
-void MergedCells::addLarger(const LeafCell& leaf, const Leaves& leaves, MergedPolygon<Leaves>& polygon) {
-    polygon.make(leaves, leaf);
+void MergedCells::addLarger(const LeafCell& leaf, const LeavesAround& around) {
+    polygon_.make(around, leaf);
     const std::size_t firstCorner = corners_.size(), firstTriangle = triangles_.size();
-    for (const std::int64_t edge : polygon.corners())
+    for (const std::int64_t edge : polygon_.corners())
         corners_.push_back({closedEdge(static_cast<int>(edge & 3), ClosedPoint(static_cast<int>(edge >> 2))),
-                            static_cast<std::uint16_t>(smallestLevelAt(leaves, edge))});
-    for (const auto& triangle : polygon.triangles())
+                            static_cast<std::uint16_t>(smallestLevelAt(around, edge))});
+    for (const auto& triangle : polygon_.triangles())
         for (const std::uint32_t corner : triangle)
             triangles_.push_back(static_cast<std::uint32_t>(firstCorner) + corner);
     finishLeaf(leaf, firstCorner, firstTriangle);

@@ -7,7 +7,9 @@
 
 #include "core/extract/live/active_bits.h"
 #include "core/extract/live/leaves_around.h"
+#include "core/extract/live/one_leaf.h"
 #include "core/extract/live/small_leaf_polygons.h"
+#include "core/extract/merged/merge_bound.h"
 #include "core/extract/merged/merged_polygon.h"
 
 namespace isoslider::extract {
@@ -37,8 +39,8 @@ public:
     /// Finds the polygons of the merged cells in `active`. Leaves there what else there is: the active cells that are
     /// not merged, and the edges that have a vertex.
     void find(const BrickLeaves& leaves, const LeavesAround& around, ActiveBits& active);
-    /// The same for a brick of which isAloneAsOneLeaf() holds.
-    void findOneLeaf(const BitString& above, ActiveBits& active);
+    /// Of a brick that is one leaf and isAloneAsOneLeaf().
+    void set(const OneLeaf& leaf);
 
     /// In the order of their cells.
     std::span<const MergedLeaf> leaves() const { return leaves_; }
@@ -52,13 +54,11 @@ public:
 
 private:
     void addSmall(const LeafCell& leaf, const LeavesAround& around);
-    template <class Leaves>
-    void addLarger(const LeafCell& leaf, const Leaves& leaves, MergedPolygon<Leaves>& polygon);
+    void addLarger(const LeafCell& leaf, const LeavesAround& around);
     void finishLeaf(const LeafCell& leaf, std::size_t firstCorner, std::size_t firstTriangle);
 
     SmallLeafPolygons smallPolygons_;
     MergedPolygon<LeavesAround> polygon_;
-    MergedPolygon<OneLeafAlone> polygonAlone_;
     std::vector<MergedLeaf> leaves_;
     std::vector<Corner> corners_;
     std::vector<std::uint32_t> triangles_;

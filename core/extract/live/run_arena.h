@@ -51,9 +51,9 @@ public:
     /// Gives `run` room for `count` elements; keeps it as it is where there is room already, and not more than twice as
     /// much. What the run held is lost. Throws std::bad_alloc.
     void resize(ArenaRun& run, std::uint32_t count) {
-        if (count <= run.capacity && count >= run.capacity / 2)
+        if (isFit(run, count))
             return;
-        const std::uint32_t wanted = (count + Granule - 1) / Granule * Granule;
+        const std::uint32_t wanted = wholeGranules(count);
         const std::lock_guard lock(mutex_); // once: several threads want it all the time
         giveBack(std::exchange(run, {}));
         if (wanted > 0)
@@ -61,9 +61,9 @@ public:
     }
     /// The same where several threads want runs all the time, each with its own `ahead`.
     void resize(ArenaRun& run, std::uint32_t count, Ahead& ahead) {
-        if (count <= run.capacity && count >= run.capacity / 2)
+        if (isFit(run, count))
             return;
-        const std::uint32_t granules = (count + Granule - 1) / Granule;
+        const std::uint32_t granules = wholeGranules(count) / Granule;
         if (run.capacity > 0 || granules == 0 || granules >= kMostAhead)
             return resize(run, count);
         if (ahead.bySize_.empty())
@@ -114,6 +114,11 @@ public:
 private:
     static constexpr std::uint64_t kChunk = ChunkedArray<T, ChunkBits>::kChunk;
     static_assert(kChunk % Granule == 0);
+
+    static std::uint32_t wholeGranules(std::uint32_t count) { return (count + Granule - 1) / Granule * Granule; }
+    static bool isFit(const ArenaRun& run, std::uint32_t count) {
+        return count <= run.capacity && (count >= run.capacity / 2 || wholeGranules(count) == run.capacity);
+    }
 
     // REQUIRES for this and what follows, but take(): the mutex is held.
     void giveBack(const ArenaRun& run) {

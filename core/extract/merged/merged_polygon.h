@@ -148,7 +148,7 @@ private:
                     break;
                 }
         }
-        triangulatePolygon(corners_, triangles_);
+        triangulation_.make(corners_, triangles_);
     }
 
     // The segments of the finest leaves in a square of a face: its first point, the cell on the other side there, and
@@ -212,6 +212,7 @@ private:
     /// From the edge where the inside of the surface is entered to that where it is left.
     std::vector<std::pair<std::int64_t, std::int64_t>> segments_;
     std::vector<PolygonCorner> corners_;
+    PolygonTriangulation triangulation_;
     std::vector<std::int64_t> edges_;
     std::vector<std::array<std::uint32_t, 3>> triangles_;
 };

@@ -33,7 +33,8 @@ const std::array<CellPolygon, 256>& cellPolygons() {
     return polygons;
 }
 
-void triangulatePolygon(std::span<const PolygonCorner> corners, std::vector<std::array<std::uint32_t, 3>>& triangles) {
+void PolygonTriangulation::make(std::span<const PolygonCorner> corners,
+                                std::vector<std::array<std::uint32_t, 3>>& triangles) {
     constexpr float kNone = std::numeric_limits<float>::infinity();
     const std::size_t k = corners.size();
     triangles.clear();
@@ -44,38 +45,37 @@ void triangulatePolygon(std::span<const PolygonCorner> corners, std::vector<std:
         return glm::length(
             glm::cross(corners[m].position - corners[i].position, corners[j].position - corners[i].position));
     };
-    // least[i][j]: of the polygon i, i + 1, ..., j; apex: of its triangle on the side from i to j.
-    std::vector<float> least(k * k, kNone);
-    std::vector<std::uint32_t> apex(k * k, 0);
+    least_.assign(k * k, kNone);
+    apex_.resize(k * k);
     for (std::size_t i = 0; i + 1 < k; ++i)
-        least[i * k + i + 1] = 0.0f;
+        least_[i * k + i + 1] = 0.0f;
     for (std::size_t span = 2; span < k; ++span)
         for (std::size_t i = 0; i + span < k; ++i) {
             const std::size_t j = i + span;
             if (!isAllowed(i, j))
                 continue;
             for (std::size_t m = i + 1; m < j; ++m) {
-                const float parts = least[i * k + m] + least[m * k + j];
+                const float parts = least_[i * k + m] + least_[m * k + j];
                 if (parts == kNone)
                     continue;
-                if (const float all = parts + area(i, m, j); all < least[i * k + j]) {
-                    least[i * k + j] = all;
-                    apex[i * k + j] = static_cast<std::uint32_t>(m);
+                if (const float all = parts + area(i, m, j); all < least_[i * k + j]) {
+                    least_[i * k + j] = all;
+                    apex_[i * k + j] = static_cast<std::uint32_t>(m);
                 }
             }
         }
-    if (least[k - 1] == kNone)
+    if (least_[k - 1] == kNone)
         return;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{0, static_cast<std::uint32_t>(k - 1)}};
-    while (!open.empty()) {
-        const auto [i, j] = open.back();
-        open.pop_back();
+    open_.assign(1, {0, static_cast<std::uint32_t>(k - 1)});
+    while (!open_.empty()) {
+        const auto [i, j] = open_.back();
+        open_.pop_back();
         if (j - i < 2)
             continue;
-        const std::uint32_t m = apex[i * k + j];
+        const std::uint32_t m = apex_[i * k + j];
         triangles.push_back({i, m, j});
-        open.emplace_back(i, m);
-        open.emplace_back(m, j);
+        open_.emplace_back(i, m);
+        open_.emplace_back(m, j);
     }
 }
 

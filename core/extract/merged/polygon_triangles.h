@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -26,8 +27,16 @@ const std::array<CellPolygon, 256>& cellPolygons();
 
 /// The triangulation of least area without a diagonal between corners of one face: such an edge could be one of the
 /// neighbour's mesh, too. Three corner numbers each, in the order of the corners. Empty where there is none; then the
-/// polygon is to be spanned from a vertex inside the cell. O(k^3) time, O(k^2) memory.
-/// REQUIRES: at least three corners.
-void triangulatePolygon(std::span<const PolygonCorner> corners, std::vector<std::array<std::uint32_t, 3>>& triangles);
+/// polygon is to be spanned from a vertex inside the cell. O(k^3) time, O(k^2) memory, kept for the next polygon.
+class PolygonTriangulation {
+public:
+    /// REQUIRES: at least three corners.
+    void make(std::span<const PolygonCorner> corners, std::vector<std::array<std::uint32_t, 3>>& triangles);
+
+private:
+    std::vector<float> least_; ///< by i and j: of the polygon i, i + 1, ..., j
+    std::vector<std::uint32_t> apex_; ///< likewise: of its triangle on the side from i to j
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> open_;
+};
 
 } // namespace isoslider::extract

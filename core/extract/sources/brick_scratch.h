@@ -15,6 +15,8 @@ template <class Sample>
 struct BrickSource<Sample>::Scratch {
     Points points; ///< of a brick that arrives
     ClassifiedBrick<Stored> found;
+    ClassifiedLeafEdges<Stored> foundOnEdges;
+    BitString aboveBefore; ///< the signs that the brick had, where the surface does not have them
     BrickDraft<Live> draft;
     std::vector<Job> pending; ///< jobs that want samples which are not ready yet
     std::vector<BrickIndex> read; ///< bricks whose samples were

@@ -30,6 +30,8 @@ BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<
       inverseSpacing_(inverseSpacingOf(bricks.info().geometry)),
       slotOf_(bricks.grid().brickCount()),
       leavesOf_(bricks.grid().brickCount()),
+      sureCells_(bricks.grid().brickCount()),
+      edgeSamples_(bricks.grid().brickCount()),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     slotOf_.grow(bricks.grid().brickCount());
 }
@@ -52,8 +54,8 @@ void BrickSource<Sample>::reset() {
     watch_.clear();
     brickOf_.clear();
     usableLeaves_.clear();
-    sureCells_.clear();
     shownLeaves_.clear();
+    isMadeOfEdges_.clear();
 }
 
 // Bricks that come or go between two thresholds.
@@ -214,8 +216,8 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
             watch_.resize(slot.index() + 1);
             brickOf_.resize(slot.index() + 1);
             usableLeaves_.resize(slot.index() + 1);
-            sureCells_.resize(slot.index() + 1);
             shownLeaves_.resize(slot.index() + 1);
+            isMadeOfEdges_.resize(slot.index() + 1);
         }
         watch_[slot.index()] = {};
         brickOf_[slot.index()] = brick;
@@ -267,13 +269,18 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         scratch.draft.beginMove();
         scratch.bricks = scratch.edgesAdded = scratch.edgesRemoved = 0;
     }
-    if (hasNewBound_ && bound_.limit == 0.0)
+    if (hasNewBound_)
+        sureCells_.release(0);
+    if (hasNewBound_ && bound_.limit == 0.0) {
         for (const BrickIndex brick : brickOf_)
             leavesOf_[brick.index()] = {};
+        edgeSamples_.shrink(0);
+    }
     if (bound_.limit > 0.0)
         ISO_TRY(runMerging(move, surface, std::move(jobs), stats, control));
     else
-        ISO_TRY(runJobs(move, surface, std::move(jobs), stats, control, &BrickSource::rebuild));
+        ISO_TRY(runJobs(move, surface, std::move(jobs), stats, control,
+                        {&BrickSource::rebuild, &BrickSource::prefetchPoints}));
     hasNewBound_ = hasNewRegion_ = false;
     forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
@@ -332,7 +339,7 @@ void BrickSource<Sample>::prefetchPoints(const LiveSurface<Live>& surface, const
 // read.
 template <class Sample>
 Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
-                                    SlideStats& stats, const JobControl& control, Work work) {
+                                    SlideStats& stats, const JobControl& control, const Work& work) {
     constexpr std::size_t kAhead =
         2; // bricks; one is too few where other programs have been in the caches, three are no better
     const std::stop_token& stop = control.stop;
@@ -342,17 +349,15 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
             Scratch& scratch = scratches_->local();
             std::size_t done = 0;
             for (std::size_t i = begin; i < std::min(begin + kAhead, end); ++i)
-                prefetchPoints(surface, some[i]);
+                (this->*work.prefetch)(surface, some[i]);
             for (std::size_t i = begin; i != end && !stop.stop_requested(); ++i) {
                 if (i + 2 * kAhead < some.size())
                     surface.prefetchHead(some[i + 2 * kAhead].slot);
                 if (i + kAhead < end) { // beyond, another thread may be changing them
-                    prefetchPoints(surface, some[i + kAhead]);
+                    (this->*work.prefetch)(surface, some[i + kAhead]);
                     surface.prefetch(some[i + kAhead].slot);
-                    if (bound_.limit > 0.0)
-                        prefetchLeavesAround(surface, some[i + kAhead].slot);
                 }
-                if ((this->*work)(move, surface, some[i], scratch))
+                if ((this->*work.make)(move, surface, some[i], scratch))
                     ++done;
                 else
                     scratch.pending.push_back(some[i]);
@@ -395,8 +400,15 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
 template <class Sample>
 void BrickSource<Sample>::classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job,
                                       Scratch& scratch) const {
-    classify(pointsOf(surface, job, scratch).samples, storedThreshold<Sample>(move.to), surface.masks(job.slot),
-             job.isNew ? nullptr : &surface.brick(job.slot).above, scratch.found);
+    const Stored* const samples = pointsOf(surface, job, scratch).samples;
+    const BrickMasks& masks = surface.masks(job.slot);
+    const BitString* before = job.isNew ? nullptr : &surface.brick(job.slot).above;
+    if (before != nullptr && isMadeOfEdges_[job.slot.index()] != 0) {
+        classify(samples, storedThreshold<Sample>(move.from), masks, nullptr, scratch.found);
+        scratch.aboveBefore = scratch.found.above;
+        before = &scratch.aboveBefore;
+    }
+    classify(samples, storedThreshold<Sample>(move.to), masks, before, scratch.found);
 }
 
 // Reads the points of a brick that arrives, with the normals of all: a handle that moves on goes through the brick, and
@@ -452,6 +464,7 @@ void BrickSource<Sample>::finish(const Move& move, LiveSurface<Live>& surface, c
     Corners corners(pointsOf(surface, job, scratch));
     surface.replace(job.slot, draft, corners, move.isovalue);
     watch_[job.slot.index()] = {keyOf(sampleOf<Sample>(found.up)), keyOf(sampleOf<Sample>(found.down))};
+    isMadeOfEdges_[job.slot.index()] = 0;
     scratch.edgesAdded += found.edgesAdded;
     scratch.edgesRemoved += found.edgesRemoved;
     ++scratch.bricks;

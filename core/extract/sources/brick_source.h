@@ -9,6 +9,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "core/extract/live/chunked_array.h"
+#include "core/extract/live/one_leaf.h"
 #include "core/extract/sources/leaf_finding.h"
 #include "core/extract/sources/point_kernels.h"
 #include "core/extract/sources/sample_kernels.h"
@@ -91,8 +92,8 @@ private:
 
     using Points = BrickPoints<Sample>;
 
-    /// The nearest keys of a live brick: `up` is the least that is not below the position, `down` the greatest that
-    /// is. A slot without a brick is never crossed.
+    /// The nearest keys of a live brick, of those of its samples that its surface depends on: `up` is the least that
+    /// is not below the position, `down` the greatest that is. A slot without a brick is never crossed.
     struct Watch {
         std::uint64_t up = ~std::uint64_t{0};
         std::uint64_t down = 0;
@@ -108,8 +109,12 @@ private:
     struct Scratch;
     class Corners;
 
-    // What a move does with a brick; false when samples are wanted that are not ready.
-    using Work = bool (BrickSource::*)(const Move&, LiveSurface<Live>&, const Job&, Scratch&);
+    /// What a move does with each of its bricks.
+    struct Work {
+        bool (BrickSource::*make)(const Move&, LiveSurface<Live>&, const Job&, Scratch&); ///< false when samples are
+                                                                                          ///< wanted that are not ready
+        void (BrickSource::*prefetch)(const LiveSurface<Live>&, const Job&) const; ///< asks for what is read first
+    };
 
     bool isEnd(KeyThreshold at) const { return at == lowest() || at == highest(); }
     void reset();
@@ -124,7 +129,7 @@ private:
     void listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs,
                      std::vector<BrickSlot>& refreshed) const;
     Status runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
-                   const JobControl& control, Work work);
+                   const JobControl& control, const Work& work);
     Status runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
                       const JobControl& control);
     void prefetchPoints(const LiveSurface<Live>& surface, const Job& job) const;
@@ -133,9 +138,13 @@ private:
     void addOtherLeaves(BrickSlot slot, Scratch& scratch);
     bool findLeaves(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     bool rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    void makeOneLeaf(const Move& move, LiveSurface<Live>& surface, const Job& job, const OneLeaf& leaf,
+                     Scratch& scratch);
+    void prefetchMerged(const LiveSurface<Live>& surface, const Job& job) const;
+    SureCells& sureCellsOf(BrickSlot slot) { return sureCells_[brickOf_[slot.index()].index()]; }
+    const SureCells& sureCellsOf(BrickSlot slot) const { return sureCells_[brickOf_[slot.index()].index()]; }
     BrickLeaves& leavesOf(BrickSlot slot) { return leavesOf_[brickOf_[slot.index()].index()]; }
     const BrickLeaves& leavesOf(BrickSlot slot) const { return leavesOf_[brickOf_[slot.index()].index()]; }
-    void prefetchLeavesAround(const LiveSurface<Live>& surface, BrickSlot slot) const;
     void addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const;
     bool begin(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
     void finish(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
@@ -157,8 +166,11 @@ private:
     /// around a brick is found without a look at slots.
     VirtualArray<BrickLeaves> leavesOf_;
     std::vector<BrickLeaves> usableLeaves_; ///< by slot, likewise
-    std::vector<SureCells> sureCells_; ///< by slot, likewise
+    VirtualArray<SureCells> sureCells_; ///< by brick, of those that have been live since the bound is this one
+    ChunkedArray<LeafEdgeSamples<Stored>, 10> edgeSamples_; ///< by slot, where sureCells_ has one leaf
     std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
+    std::vector<std::uint8_t>
+        isMadeOfEdges_; ///< by slot: by makeOneLeaf(); the signs that the surface has are no one's
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;

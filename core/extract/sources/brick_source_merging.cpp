@@ -11,17 +11,23 @@
 namespace isoslider::extract {
 
 // In two steps, because a brick's merged cells depend on the leaves beside it: first each brick that has changed finds
-// its leaves, and is made if none is merged; then the others are made, and with them those beside whose neighbours'
-// leaves have become others.
+// its leaves, if they may be others, and is made if none is merged; then the others are made, and with them those
+// beside whose neighbours' leaves have become others.
 template <class Sample>
 Status BrickSource<Sample>::runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
                                        SlideStats& stats, const JobControl& control) {
+    edgeSamples_.grow(watch_.size());
     for (Scratch& scratch : *scratches_)
         scratch.otherLeaves.clear();
-    ISO_TRY(runJobs(move, surface, jobs, stats, control.part(0.0, 0.5), &BrickSource::findLeaves));
+    const auto firstKnown = std::partition(jobs.begin(), jobs.end(), [this](const Job& job) {
+        return job.isNew || hasNewBound_ || !sureCellsOf(job.slot).isOneLeaf;
+    });
+    ISO_TRY(runJobs(move, surface, {jobs.begin(), firstKnown}, stats, control.part(0.0, 0.5),
+                    {&BrickSource::findLeaves, &BrickSource::prefetchPoints}));
     std::erase_if(jobs, [this](const Job& job) { return !leavesOf(job.slot).hasMerged(); });
     addBricksBeside(surface, jobs);
-    return runJobs(move, surface, std::move(jobs), stats, control.part(0.5, 1.0), &BrickSource::rebuildMerged);
+    return runJobs(move, surface, std::move(jobs), stats, control.part(0.5, 1.0),
+                   {&BrickSource::rebuildMerged, &BrickSource::prefetchMerged});
 }
 
 template <class Sample>
@@ -30,12 +36,13 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
         return false;
     const Stored* const samples = pointsOf(surface, job, scratch).samples;
     BrickLeaves& usable = usableLeaves_[job.slot.index()];
-    SureCells& sure = sureCells_[job.slot.index()];
+    SureCells& sure = sureCellsOf(job.slot);
     const BitString& validCells = surface.masks(job.slot).cells;
     const bool startsAgain = job.isNew || hasNewBound_;
-    if (startsAgain)
+    if (!sure.isKnown)
         sure = findSureCells<Sample>(samples, validCells, bound_);
     if (sure.isOneLeaf) { // a brick that is live is crossed
+        edgeSamples_[job.slot.index()].fill(samples);
         usable = leafBits(3, 0);
         const BrickLeaves before = std::exchange(leavesOf(job.slot), usable);
         if (!job.isNew && before != usable)
@@ -74,17 +81,26 @@ void BrickSource<Sample>::addOtherLeaves(BrickSlot slot, Scratch& scratch) {
         scratch.found.changed.words[w] |= others.words[w];
 }
 
-// Those of a row of bricks lie together.
 template <class Sample>
-void BrickSource<Sample>::prefetchLeavesAround(const LiveSurface<Live>& surface, BrickSlot slot) const {
+void BrickSource<Sample>::prefetchMerged(const LiveSurface<Live>& surface, const Job& job) const {
+    // Of a row of bricks they lie together.
     const BrickGrid& grid = surface.shapes().grid();
-    const auto brick = static_cast<std::int64_t>(brickOf_[slot.index()].number()),
+    const auto brick = static_cast<std::int64_t>(brickOf_[job.slot.index()].number()),
                last = static_cast<std::int64_t>(grid.brickCount()) - 1;
     for (std::int64_t z = -1; z <= 1; ++z)
         for (std::int64_t y = -1; y <= 1; ++y) {
             const std::int64_t other = brick + grid.bricks()[0] * (y + grid.bricks()[1] * z);
             __builtin_prefetch(&leavesOf_[static_cast<std::size_t>(std::clamp<std::int64_t>(other, 0, last))]);
         }
+    if (!sureCellsOf(job.slot).isOneLeaf) {
+        prefetchPoints(surface, job);
+        return;
+    }
+    const auto* const edges = reinterpret_cast<const char*>(&edgeSamples_[job.slot.index()]);
+    for (std::size_t line = 0; line < sizeof(LeafEdgeSamples<Stored>); line += 64)
+        __builtin_prefetch(edges + line);
+    if (!job.isNew && isMadeOfEdges_[job.slot.index()] == 0)
+        prefetchPoints(surface, job); // it was not alone, and mostly is not now
 }
 
 // Bricks that arrive or leave change nothing beside them: what they share with a brick in which no sample is crossed
@@ -113,27 +129,31 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
                                         Scratch& scratch) {
     BrickDraft<Live>& draft = scratch.draft;
     draft.newPoints = nullptr;
+    const BrickLeaves& leaves = leavesOf(job.slot);
+    const BrickGrid& grid = surface.shapes().grid();
+    const auto coords = grid.brickCoords(brickOf_[job.slot.index()]);
+    const auto leavesAt = [&](const BrickStep& step) -> const BrickLeaves* {
+        for (std::size_t a = 0; a < 3; ++a)
+            if (coords[a] + step[a] < 0 || coords[a] + step[a] >= grid.bricks()[a])
+                return nullptr;
+        return &leaves + step[0] + grid.bricks()[0] * (step[1] + grid.bricks()[1] * step[2]);
+    };
+    if (sureCellsOf(job.slot).isOneLeaf) {
+        classifyLeafEdges(edgeSamples_[job.slot.index()], storedThreshold<Sample>(move.to), scratch.foundOnEdges);
+        if (const OneLeaf leaf = oneLeafOf(scratch.foundOnEdges.above); isAloneAsOneLeaf(leaf.signs, leavesAt)) {
+            makeOneLeaf(move, surface, job, leaf, scratch);
+            return true;
+        }
+    }
     classifyFor(move, surface, job, scratch);
     addOtherLeaves(job.slot, scratch);
     draft.active = scratch.found.active;
     draft.ownedEdges = scratch.found.ownedEdges;
     draft.merged.clear();
-    if (const BrickLeaves& leaves = leavesOf(job.slot); leaves.hasMerged()) {
-        const BrickGrid& grid = surface.shapes().grid();
-        const auto coords = grid.brickCoords(brickOf_[job.slot.index()]);
-        const auto leavesAt = [&](const BrickStep& step) -> const BrickLeaves* {
-            for (std::size_t a = 0; a < 3; ++a)
-                if (coords[a] + step[a] < 0 || coords[a] + step[a] >= grid.bricks()[a])
-                    return nullptr;
-            return &leaves + step[0] + grid.bricks()[0] * (step[1] + grid.bricks()[1] * step[2]);
-        };
-        if (leaves.level3 && isAloneAsOneLeaf(scratch.found.above, leavesAt)) {
-            draft.merged.findOneLeaf(scratch.found.above, draft.active);
-        } else {
-            scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brickOf_[job.slot.index()]),
-                                scratch.found.above, leavesAt);
-            draft.merged.find(leaves, scratch.around, draft.active);
-        }
+    if (leaves.hasMerged()) {
+        scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brickOf_[job.slot.index()]),
+                            scratch.found.above, leavesAt);
+        draft.merged.find(leaves, scratch.around, draft.active);
         const std::array<BitString, 3>& owned = surface.masks(job.slot).owned;
         draft.ownedEdges = 0;
         for (std::size_t a = 0; a < 3; ++a)
@@ -145,9 +165,56 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
     return true;
 }
 
+// Makes a brick that is one leaf at any isovalue, and alone: from its leaf edges. As long as no sample on these is
+// crossed, the surface in it stays as it is, whatever else is: the brick's samples ascend or descend throughout along
+// each axis, so each face has a sign where its corners have, and what arrives beside it, or leaves, meets it nowhere.
+template <class Sample>
+void BrickSource<Sample>::makeOneLeaf(const Move& move, LiveSurface<Live>& surface, const Job& job, const OneLeaf& leaf,
+                                      Scratch& scratch) {
+    BrickDraft<Live>& draft = scratch.draft;
+    draft.active.cells = {};
+    draft.merged.set(leaf);
+    const auto corners = draft.merged.corners();
+    std::array<VertexCode, 12> codes;
+    std::transform(corners.begin(), corners.end(), codes.begin(),
+                   [](const MergedCells::Corner& corner) { return vertexCode(corner.edge, corner.level); });
+    const std::span<VertexCode> now(codes.data(), corners.size());
+    std::sort(now.begin(), now.end(), [](VertexCode a, VertexCode b) { return edgeOf(a) < edgeOf(b); });
+    std::copy(now.begin(), now.end(), draft.codes.begin());
+    draft.edgeVertices = static_cast<std::uint32_t>(now.size());
+    for (std::size_t i = 0; i < now.size(); ++i)
+        draft.vertices.of(edgeOf(now[i])) = static_cast<std::uint16_t>(i);
+
+    const std::array<BitString, 3>& owned = surface.masks(job.slot).owned;
+    const auto isOwned = [&](VertexCode code) {
+        return owned[static_cast<std::size_t>(axisOf(edgeOf(code)))].test(startOf(edgeOf(code)));
+    };
+    draft.ownedEdges = static_cast<std::uint32_t>(std::count_if(now.begin(), now.end(), isOwned));
+    const LiveBrick& brick = surface.brick(job.slot);
+    const std::span<const VertexCode> before(brick.edgeVertices > 0 ? surface.codes(job.slot) : nullptr,
+                                             brick.edgeVertices);
+    const auto countOnly = [&](std::span<const VertexCode> some, std::span<const VertexCode> others) {
+        return std::count_if(some.begin(), some.end(), [&](VertexCode code) {
+            return isOwned(code) && std::none_of(others.begin(), others.end(),
+                                                 [&](VertexCode other) { return edgeOf(other) == edgeOf(code); });
+        });
+    };
+    scratch.edgesAdded += static_cast<std::uint64_t>(countOnly(now, before));
+    scratch.edgesRemoved += static_cast<std::uint64_t>(countOnly(before, now));
+    const bool isSame = std::equal(now.begin(), now.end(), before.begin(), before.end());
+    draft.changed.words.fill(isSame ? 0 : ~std::uint64_t{0});
+    shownLeaves_[job.slot.index()] = leavesOf(job.slot);
+
+    Corners cornerScalars(pointsOf(surface, job, scratch));
+    surface.replace(job.slot, draft, cornerScalars, move.isovalue);
+    watch_[job.slot.index()] = {keyOf(sampleOf<Sample>(scratch.foundOnEdges.up)),
+                                keyOf(sampleOf<Sample>(scratch.foundOnEdges.down))};
+    isMadeOfEdges_[job.slot.index()] = true;
+    ++scratch.bricks;
+}
+
 #define ISO_INSTANTIATE(Sample, Name) \
     template void BrickSource<Sample>::addOtherLeaves(BrickSlot, Scratch&); \
-    template void BrickSource<Sample>::prefetchLeavesAround(const LiveSurface<Live>&, BrickSlot) const; \
     template Status BrickSource<Sample>::runMerging(const Move&, LiveSurface<Live>&, std::vector<Job>, SlideStats&, \
                                                     const JobControl&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)

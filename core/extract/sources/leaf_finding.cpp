@@ -16,14 +16,6 @@
 namespace isoslider::extract {
 namespace {
 
-// At least 56 bits from a place on.
-template <class Bits>
-std::uint64_t bitsFrom(const Bits& bits, ClosedPoint first) {
-    std::uint64_t found;
-    std::memcpy(&found, reinterpret_cast<const std::byte*>(bits.words.data()) + first.index() / 8, sizeof found);
-    return found >> (first.number() % 8);
-}
-
 // Of a row of nine bits those at even places side by side, and those at odd ones.
 struct SplitRow {
     std::uint8_t even, odd;
@@ -349,8 +341,9 @@ BrickLeaves findMonotone(const Stored* samples) {
 
 template <class Sample>
 SureCells findSureCells(const StoredSample<Sample>* samples, const BitString& validCells, const MergeBound& bound) {
-    SureCells sure{findWithin<Sample>(samples, bound), findMonotone(samples), false};
-    sure.isOneLeaf = sure.within.level3 && sure.monotone.level3 && allOfEight(validCells) == ~std::uint64_t{0};
+    SureCells sure{findWithin<Sample>(samples, bound), findMonotone(samples), false, true};
+    sure.isOneLeaf =
+        sure.within == leafBits(3, 0) && sure.monotone.level3 && allOfEight(validCells) == ~std::uint64_t{0};
     return sure;
 }
 

@@ -14,6 +14,7 @@ struct SureCells {
     /// reaches one corner of the cell along all three axes.
     BrickLeaves monotone;
     bool isOneLeaf = false; ///< the brick is one leaf whenever the surface passes through it
+    bool isKnown = false;
 };
 
 /// Errs on the side of fewer. Some three thousand operations, for as long as the samples and the bound stay.

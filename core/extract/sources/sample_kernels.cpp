@@ -64,8 +64,10 @@ namespace isoslider::extract::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// A bit for each of 64 * `words` samples.
 template <class T>
-void findSigns(const T* HWY_RESTRICT samples, T threshold, BitString& above, T& leastAbove, T& greatestBelow) {
+void findSigns(const T* HWY_RESTRICT samples, T threshold, std::size_t words, std::uint64_t* HWY_RESTRICT above,
+               T& leastAbove, T& greatestBelow) {
     const hn::CappedTag<T, 64> d;
     constexpr std::size_t lanes = hn::MaxLanes(d); // no instruction set of unknown length has less than one word's
     // As wide as a mask is stored: reading it wider than it was written would wait until it is in the cache.
@@ -77,7 +79,7 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, BitString& above, T& 
     const auto greatest = hn::Set(d, std::numeric_limits<T>::max()),
                least = hn::Set(d, std::numeric_limits<T>::lowest());
     auto up = greatest, down = least;
-    for (std::size_t w = 0; w < kBitWords; ++w) {
+    for (std::size_t w = 0; w < words; ++w) {
         std::uint64_t word = 0;
         for (std::size_t i = 0; i < 64; i += lanes) {
             const auto sample = hn::Load(d, samples + 64 * w + i);
@@ -90,9 +92,9 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, BitString& above, T& 
                 bits &= static_cast<Mask>((1u << lanes) - 1);
             word |= std::uint64_t{bits} << i;
         }
-        above.words[w] = ~word;
+        above[w] = ~word;
     }
-    // Lane by lane: reductions of some types are missing in some sets, and this is once in 768 samples.
+    // Lane by lane: reductions of some types are missing in some sets, and this is once in many samples.
     alignas(64) T ups[64], downs[64];
     hn::Store(up, d, ups);
     hn::Store(down, d, downs);
@@ -108,7 +110,7 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, BitString& above, T& 
 template <class T>
 void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMasks& masks, const BitString* before,
                        ClassifiedBrick<T>& out) {
-    findSigns(samples, threshold, out.above, out.up, out.down);
+    findSigns(samples, threshold, kBitWords, out.above.words.data(), out.up, out.down);
     finishClassification(masks, before, out);
 }
 
@@ -116,6 +118,9 @@ void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMa
     void classify##Name(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, \
                         ClassifiedBrick<Stored>& out) { \
         classifyInVectors(s, t, m, b, out); \
+    } \
+    void classifyLeafEdges##Name(const LeafEdgeSamples<Stored>& e, Stored t, ClassifiedLeafEdges<Stored>& out) { \
+        findSigns(e.samples.data(), t, out.above.size(), out.above.data(), out.up, out.down); \
     }
 ISO_FOR_EACH_STORED_TYPE(ISO_CLASSIFY)
 #undef ISO_CLASSIFY
@@ -143,6 +148,11 @@ namespace isoslider::extract {
     template <> \
     void classify(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) { \
         HWY_DYNAMIC_DISPATCH(classify##Name)(s, t, m, b, out); \
+    } \
+    HWY_EXPORT(classifyLeafEdges##Name); \
+    template <> \
+    void classifyLeafEdges(const LeafEdgeSamples<Stored>& e, Stored t, ClassifiedLeafEdges<Stored>& out) { \
+        HWY_DYNAMIC_DISPATCH(classifyLeafEdges##Name)(e, t, out); \
     }
 ISO_FOR_EACH_STORED_TYPE(ISO_CLASSIFY)
 #undef ISO_CLASSIFY

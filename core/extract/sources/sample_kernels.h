@@ -9,6 +9,7 @@
 #include "core/extract/live/brick_bits.h"
 #include "core/extract/live/brick_points.h"
 #include "core/extract/live/cell_triangles.h"
+#include "core/extract/live/one_leaf.h"
 #include "core/extract/live/vertex_code.h"
 
 namespace isoslider::extract {
@@ -33,6 +34,15 @@ void classify(const Stored* samples, Stored threshold, const BrickMasks& masks, 
 template <class Stored>
 void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
                        ClassifiedBrick<Stored>& out);
+
+/// What it makes of the samples on the edges of a brick that is one leaf.
+template <class Stored>
+struct ClassifiedLeafEdges {
+    LeafEdgeSigns above;
+    Stored up, down; ///< as in ClassifiedBrick
+};
+template <class Stored>
+void classifyLeafEdges(const LeafEdgeSamples<Stored>& edges, Stored threshold, ClassifiedLeafEdges<Stored>& out);
 
 /// Codes of a brick's active edges in their order, and their numbers in the vertex table; returns how many there are.
 /// `codes` has room for kMaxEdgeCodes.

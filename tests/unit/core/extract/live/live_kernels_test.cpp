@@ -104,6 +104,69 @@ TEST_P(LiveKernels, ClassifyAsPlainCodeDoes) {
     expectSameClassification<double>(random_);
 }
 
+// Of samples that ascend or descend along each axis.
+template <class Stored>
+void expectOneLeafOfItsSamples(std::mt19937& random) {
+    for (int round = 0; round < 50; ++round) {
+        struct alignas(64) {
+            Stored values[kPaddedPoints];
+        } brick;
+        std::array<std::array<int, kPointSide>, 3> steps{};
+        for (auto& along : steps) {
+            const bool ascends = random() % 2 != 0;
+            for (int& step : along)
+                step = static_cast<int>(random() % 4);
+            for (std::size_t i = 1; i < along.size(); ++i)
+                along[i] += along[i - 1];
+            if (!ascends)
+                std::reverse(along.begin(), along.end());
+        }
+        for (int p = 0; p < kClosedPoints; ++p) {
+            const auto at = coordsOf(ClosedPoint(p));
+            int value = 0;
+            for (std::size_t a = 0; a < 3; ++a)
+                value += steps[a][static_cast<std::size_t>(at[a])];
+            brick.values[p] = static_cast<Stored>(value);
+        }
+        LeafEdgeSamples<Stored> edges;
+        edges.fill(brick.values);
+        const auto threshold = static_cast<Stored>(random() % 80);
+        ClassifiedLeafEdges<Stored> found;
+        classifyLeafEdges(edges, threshold, found);
+        const OneLeaf leaf = oneLeafOf(found.above);
+        Stored up = std::numeric_limits<Stored>::max(), down = std::numeric_limits<Stored>::lowest();
+        for (int p = 0; p < kClosedPoints; ++p) {
+            const auto at = coordsOf(ClosedPoint(p));
+            if ((at[0] % 8 == 0) + (at[1] % 8 == 0) + (at[2] % 8 == 0) < 2)
+                continue; // on no leaf edge
+            if (brick.values[p] >= threshold)
+                up = std::min(up, brick.values[p]);
+            else
+                down = std::max(down, brick.values[p]);
+        }
+        ASSERT_EQ(found.up, up);
+        ASSERT_EQ(found.down, down);
+        const auto isAbove = [&](ClosedPoint p) { return brick.values[p.index()] >= threshold; };
+        for (unsigned c = 0; c < 8; ++c)
+            ASSERT_EQ(leaf.signs >> c & 1, unsigned{isAbove(cornerOfBrick(c))});
+        for (std::size_t e = 0; e < 12; ++e) {
+            if ((cell::activeEdges(leaf.signs) >> e & 1) == 0)
+                continue;
+            const ClosedEdge edge = leaf.activeEdge(e);
+            ASSERT_EQ(axisOf(edge), cell::kCellEdges[e].axis);
+            ASSERT_NE(isAbove(startOf(edge)), isAbove(startOf(edge) + kPointStride[cell::kCellEdges[e].axis]));
+        }
+    }
+}
+
+TEST_P(LiveKernels, FindOneLeafOfItsEdgesAlone) {
+    expectOneLeafOfItsSamples<std::uint8_t>(random_);
+    expectOneLeafOfItsSamples<std::uint16_t>(random_);
+    expectOneLeafOfItsSamples<std::int32_t>(random_);
+    expectOneLeafOfItsSamples<float>(random_);
+    expectOneLeafOfItsSamples<double>(random_);
+}
+
 // The bits themselves, from first principles.
 TEST_P(LiveKernels, FindTheEdgesAndCellsThatTheSignsSay) {
     const BrickMasks& masks = innerMasks();

@@ -55,6 +55,15 @@ TEST(RunArena, KeepsARunThatFits) {
     EXPECT_EQ(run.begin, before.begin);
     arena.resize(run, 10);
     EXPECT_LE(run.capacity, 32u) << "much too large a run is given back";
+    const ArenaRun small = run;
+    ArenaRun other;
+    for (const std::uint32_t count : {1u, 3u, 7u}) { // less than half of the smallest that there is
+        arena.resize(run, count);
+        EXPECT_EQ(run.begin, small.begin);
+        EXPECT_EQ(run.capacity, Arena::kGranule);
+    }
+    arena.resize(other, 5);
+    EXPECT_NE(other.begin, run.begin);
 }
 
 // Threads that take runs ahead, in turns: what they were given is nobody else's, and all of it comes back.

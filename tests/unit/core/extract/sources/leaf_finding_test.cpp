@@ -105,6 +105,31 @@ TEST(SureCells, AreNoneBesideMissingSamples) {
     EXPECT_FALSE(sure.isOneLeaf);
 }
 
+// A large cell may be within the bound though its halves are not: the last sample along each axis pulls their
+// interpolant away. Cells are merged from small to large, so it is none.
+TEST(SureCells, AreOneLeafOnlyWithAllTheirHalves) {
+    FieldSamples samples{};
+    for (int p = 0; p < kClosedPoints; ++p) {
+        const auto at = coordsOf(ClosedPoint(p));
+        samples.values[p] = static_cast<float>(10 * (at[0] + at[1] + at[2]));
+    }
+    const BitString& cells = masksOfInnerBrick().cells;
+    const auto isOneLeaf = [&](double limit) {
+        return findSureCells<float>(samples.values, cells, {MergeBound::Measure::Scalar, limit}).isOneLeaf;
+    };
+    EXPECT_TRUE(isOneLeaf(0.5)) << "a plane";
+    for (int p = 0; p < kClosedPoints; ++p) { // up and down in turn inside, nothing at the corners
+        const auto at = coordsOf(ClosedPoint(p));
+        if (at[0] % 8 != 0)
+            samples.values[p] += at[0] % 2 == 0 ? 1.0f : -1.0f;
+    }
+    const SureCells sure = findSureCells<float>(samples.values, cells, {MergeBound::Measure::Scalar, 1.5});
+    EXPECT_TRUE(sure.within.level3 && sure.monotone.level3);
+    EXPECT_NE(sure.within.level1, ~std::uint64_t{0}) << "its middle is 2 away from what its ends say";
+    EXPECT_FALSE(sure.isOneLeaf);
+    EXPECT_TRUE(isOneLeaf(2.5));
+}
+
 BrickLeaves someLeaves(std::mt19937& random) {
     BrickLeaves leaves;
     for (unsigned i = 0; i < 64; ++i)
