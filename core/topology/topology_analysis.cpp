@@ -306,7 +306,7 @@ private:
         LayerWindow<Sample> window;
         LayerChanges changes;
         LayerComponents above, below;
-        DomainBoundary::Part boundary;
+        BoundaryPart boundary;
         MeasureSums measures;
         std::pair<double, double> range; ///< of samples with cells
     };
@@ -383,7 +383,7 @@ private:
             return coarse_ ? side.takeForest(layer.window) : side.takeSettled(layer.window);
         };
         tbb::parallel_invoke([&] { layer.above = take(above); }, [&] { layer.below = take(below); },
-                             [&] { layer.boundary = DomainBoundary::partOf(layer.window, layer.changes); });
+                             [&] { layer.boundary = BoundaryPart::of(layer.window, layer.changes); });
         giveBack(std::move(workspace));
     }
 

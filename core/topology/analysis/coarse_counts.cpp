@@ -66,59 +66,6 @@ void CoarseCounts::Components::end() {
     settle(std::vector<double>(forest.nodes(), kNever));
 }
 
-// ---- on the boundary
-
-CoarseCounts::OnBoundary::Place CoarseCounts::OnBoundary::find(Point point) const {
-    const auto at = std::lower_bound(points_.begin(), points_.end(), point);
-    if (at == points_.end() || *at != point)
-        return {ForestStream::kNone, 0.0};
-    return places_[static_cast<std::size_t>(at - points_.begin())];
-}
-
-// False while one of its ends is not there.
-bool CoarseCounts::OnBoundary::addLink(const Waiting& link) {
-    const Place a = find(link.points[0]), b = find(link.points[1]);
-    if (a.node == ForestStream::kNone || b.node == ForestStream::kNone)
-        return false;
-    const double later = comesEarlier(side_, a.scalar, b.scalar) ? b.scalar : a.scalar;
-    forest.addLink(link.isEdge ? later : link.isovalue, a.node, b.node);
-    return true;
-}
-
-void CoarseCounts::OnBoundary::add(const DomainBoundary::Part& part) {
-    // Of the layer before, grid points with links that wait are left.
-    for (std::size_t i = 0; i < part.points.size(); ++i) {
-        points_.push_back(part.points[i]);
-        places_.push_back({forest.addNode(part.scalars[i]), part.scalars[i]});
-    }
-    std::vector<Waiting> links = std::move(waiting_);
-    waiting_.clear();
-    for (const auto& edge : part.edges)
-        links.push_back({find(edge.start()).scalar, {edge.start(), edge.start() + part.steps[edge.axis()]}, true});
-    for (const BoundaryJoin& join : side_ == Side::Above ? part.above : part.below)
-        links.push_back({join.isovalue, join.points, false});
-    std::vector<double> opens(forest.nodes(), kNever);
-    for (const Waiting& link : links) {
-        if (addLink(link))
-            continue;
-        waiting_.push_back(link);
-        for (const Point point : link.points)
-            if (const Place place = find(point); place.node != ForestStream::kNone)
-                opens[place.node] = earlier(side_, opens[place.node], place.scalar);
-    }
-    const std::vector<ForestStream::Node> numbers = forest.settle(opens);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < points_.size(); ++i)
-        if (const ForestStream::Node node = numbers[places_[i].node]; node != ForestStream::kNone) {
-            points_[kept] = points_[i];
-            places_[kept++] = {node, places_[i].scalar};
-        }
-    points_.resize(kept);
-    places_.resize(kept);
-}
-
-void CoarseCounts::OnBoundary::end() { forest.settle(std::vector<double>(forest.nodes(), kNever)); }
-
 // ---- all of it
 
 CoarseCounts::CoarseCounts(std::vector<double> isovalues)
@@ -126,12 +73,12 @@ CoarseCounts::CoarseCounts(std::vector<double> isovalues)
       above_(Side::Above, isovalues_, false),
       below_(Side::Below, isovalues_, false),
       voids_(Side::Below, isovalues_, true),
-      boundaryAbove_(Side::Above, isovalues_),
-      boundaryBelow_(Side::Below, isovalues_),
+      boundaryAbove_(Side::Above, {ForestStream(Side::Above, isovalues_)}),
+      boundaryBelow_(Side::Below, {ForestStream(Side::Below, isovalues_)}),
       euler_(isovalues_.size() + 1) {}
 
 void CoarseCounts::add(const LayerComponents& above, const LayerComponents& below, const LayerChanges& changes,
-                       const DomainBoundary::Part& boundary, const std::vector<double>& bottom,
+                       const BoundaryPart& boundary, const std::vector<double>& bottom,
                        const std::vector<double>& top) {
     tbb::parallel_invoke([&] { above_.add(above, bottom, top); }, [&] { below_.add(below, bottom, top); },
                          [&] { voids_.add(below, bottom, top); }, [&] { boundaryAbove_.add(boundary); },
@@ -146,8 +93,8 @@ void CoarseCounts::add(const LayerComponents& above, const LayerComponents& belo
 
 std::uint64_t CoarseCounts::sizeBytes() const {
     std::uint64_t bytes = 0;
-    for (const ForestStream* forest :
-         {&above_.forest, &below_.forest, &voids_.forest, &boundaryAbove_.forest, &boundaryBelow_.forest})
+    for (const ForestStream* forest : {&above_.forest, &below_.forest, &voids_.forest, &boundaryAbove_.graph().forest,
+                                       &boundaryBelow_.graph().forest})
         bytes += forest->sizeBytes();
     return bytes;
 }
@@ -155,21 +102,24 @@ std::uint64_t CoarseCounts::sizeBytes() const {
 std::vector<SurfaceCounts> CoarseCounts::finish() {
     for (Components* each : {&above_, &below_, &voids_})
         each->end();
-    for (OnBoundary* each : {&boundaryAbove_, &boundaryBelow_})
-        each->end();
+    ForestStream &outerAbove = boundaryAbove_.graph().forest, &outerBelow = boundaryBelow_.graph().forest;
+    for (ForestStream* each : {&outerAbove, &outerBelow})
+        each->settle(std::vector<double>(each->nodes(), kNever));
     const auto above = above_.forest.counts(), below = below_.forest.counts(), voids = voids_.forest.counts(),
-               outerAbove = boundaryAbove_.forest.counts(), outerBelow = boundaryBelow_.forest.counts();
+               loopsAbove = outerAbove.counts(), loopsBelow = outerBelow.counts();
     // Where the surface parts nothing, each part of what is there counts as one side or the other.
-    const std::int64_t parts = above_.forest.lasting(), outerParts = boundaryAbove_.forest.lasting();
+    const std::int64_t parts = above_.forest.lasting(), outerParts = outerAbove.lasting();
     std::vector<SurfaceCounts> counts(isovalues_.size());
     std::int64_t euler = 0;
     for (std::size_t i = 0; i < counts.size(); ++i) {
         euler += euler_[i];
-        counts[i] = {above[i] + below[i] - parts, euler, outerAbove[i] + outerBelow[i] - outerParts, voids[i]};
+        counts[i] = {above[i] + below[i] - parts, euler, loopsAbove[i] + loopsBelow[i] - outerParts, voids[i]};
     }
     return counts;
 }
 
-bool CoarseCounts::areExact() const { return isManifold_ && boundaryEuler_ == 2 * boundaryAbove_.forest.lasting(); }
+bool CoarseCounts::areExact() const {
+    return isManifold_ && boundaryEuler_ == 2 * boundaryAbove_.graph().forest.lasting();
+}
 
 } // namespace isoslider::topology

@@ -3,7 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/topology/analysis/domain_boundary.h"
+#include "core/topology/analysis/boundary_part.h"
+#include "core/topology/analysis/boundary_rows.h"
 #include "core/topology/analysis/forest_stream.h"
 #include "core/topology/analysis/layer_components.h"
 #include "core/topology/analysis/layer_euler.h"
@@ -22,7 +23,7 @@ public:
 
     /// The next layer; `bottom` and `top`: scalars of its outer planes.
     void add(const LayerComponents& above, const LayerComponents& below, const LayerChanges& changes,
-             const DomainBoundary::Part& boundary, const std::vector<double>& bottom, const std::vector<double>& top);
+             const BoundaryPart& boundary, const std::vector<double>& bottom, const std::vector<double>& top);
     std::uint64_t sizeBytes() const;
 
     /// Once all layers are there. At each isovalue.
@@ -47,36 +48,21 @@ private:
         std::vector<ForestStream::Node> top_; ///< by grid point of the last plane
     };
 
-    // The same on the domain's boundary, where each grid point is a component at first.
-    class OnBoundary {
-    public:
-        OnBoundary(Side side, const std::vector<double>& isovalues) : forest(side, isovalues), side_(side) {}
-        void add(const DomainBoundary::Part& part);
-        void end();
+    // The same on the domain's boundary, as BoundaryRows fills it.
+    struct OnBoundary {
+        ForestStream::Node addNode(Point, double scalar) { return forest.addNode(scalar); }
+        void addLink(double isovalue, const Cause&, ForestStream::Node a, ForestStream::Node b) {
+            forest.addLink(isovalue, a, b);
+        }
+        ForestStream::Node nodes() const { return forest.nodes(); }
+        std::vector<ForestStream::Node> settle(const std::vector<double>& opens) { return forest.settle(opens); }
+
         ForestStream forest;
-
-    private:
-        struct Waiting { // a link to a grid point of the next layer
-            double isovalue; ///< the earliest that it may have
-            std::array<Point, 2> points;
-            bool isEdge; ///< of the grid: from the later of both scalars on
-        };
-        struct Place {
-            ForestStream::Node node;
-            double scalar;
-        };
-        Place find(Point point) const;
-        bool addLink(const Waiting& link);
-
-        Side side_;
-        std::vector<Point> points_; ///< of the last layer, ascending
-        std::vector<Place> places_; ///< of each
-        std::vector<Waiting> waiting_;
     };
 
     std::vector<double> isovalues_;
     Components above_, below_, voids_;
-    OnBoundary boundaryAbove_, boundaryBelow_;
+    BoundaryRows<OnBoundary> boundaryAbove_, boundaryBelow_;
     std::vector<std::int64_t> euler_; ///< changes, as in ForestStream
     std::int64_t boundaryEuler_ = 0;
     bool isManifold_ = true;

@@ -1,0 +1,76 @@
+#include "core/topology/analysis/boundary_part.h"
+
+#include <bit>
+
+#include "core/grid/scalar_type.h"
+
+namespace isoslider::topology {
+namespace {
+
+// Whether the cells of a star hang together by faces, and those that are not there, too.
+bool isManifoldStar(unsigned star) {
+    const auto isOnePart = [](unsigned cells) {
+        unsigned reached = cells & (~cells + 1);
+        for (unsigned before = 0; before != reached;) {
+            before = reached;
+            for (unsigned axis = 0; axis < 3; ++axis)
+                for (unsigned c = 0; c < 8; ++c)
+                    if ((before >> c & 1u) != 0)
+                        reached |= cells & 1u << (c ^ 1u << axis);
+        }
+        return reached == cells;
+    };
+    return isOnePart(star) && isOnePart(~star & 255u);
+}
+
+const std::array<bool, 256>& manifoldStars() {
+    static const std::array<bool, 256> table = [] {
+        std::array<bool, 256> is{};
+        for (unsigned star = 0; star < 256; ++star)
+            is[star] = isManifoldStar(star);
+        return is;
+    }();
+    return table;
+}
+
+} // namespace
+
+template <class Sample>
+BoundaryPart BoundaryPart::of(const LayerWindow<Sample>& window, const LayerChanges& changes) {
+    BoundaryPart part;
+    const std::array<std::int64_t, 3> steps{1, window.rowStep(), window.planeStep()};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        part.steps[axis] = static_cast<Point>(steps[axis]);
+    const std::int64_t owned = window.planeStep() * (window.ownedEnd() - window.zBegin);
+    const Sample* const samples = window.layer();
+    for (std::int64_t at = 0; at < owned; ++at) {
+        const CellStar star = window.stars[static_cast<std::size_t>(at)];
+        if (star == kWholeStar || star == 0)
+            continue;
+        const Point point = window.firstPoint() + static_cast<Point>(at);
+        part.points.push_back(point);
+        part.scalars.push_back(static_cast<double>(samples[at]));
+        part.isManifold = part.isManifold && manifoldStars()[star];
+        ++part.euler;
+        // Edges and faces that go up from here.
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const unsigned round = star & kStarSides[2 * axis + 1];
+            if (round != 0 && round != kStarSides[2 * axis + 1]) {
+                part.edges.emplace_back(point, axis);
+                --part.euler;
+            }
+            const unsigned beside = star & kStarSides[(2 * axis + 3) % 6] & kStarSides[(2 * axis + 5) % 6];
+            part.euler += std::popcount(beside) == 1;
+        }
+    }
+    part.above = changes.boundaryAbove;
+    part.below = changes.boundaryBelow;
+    return part;
+}
+
+#define ISO_INSTANTIATE(Sample, Name) \
+    template BoundaryPart BoundaryPart::of(const LayerWindow<Sample>&, const LayerChanges&);
+ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
+#undef ISO_INSTANTIATE
+
+} // namespace isoslider::topology
