@@ -1,6 +1,9 @@
 // Sliding with merged cells is extracting with them: at every isovalue, from wherever, and after the bound was changed.
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -117,19 +120,32 @@ TEST(SlideMerged, IsExtractMergedOnRandomWalks) {
     EXPECT_EQ(seen.levels, 0b1110u);
 }
 
+struct BricksOfSteps {
+    std::uint64_t crossed = 0, made = 0; ///< without merging, and with it
+};
+
 // Of a brick that is one leaf among such only what is crossed on its edges matters: most steps leave most bricks as
 // they are. Beside rough bricks it is not alone, and where these change it comes to be.
-TEST(SlideMerged, MakesBricksOfOneLeafAgainOnlyWhereTheirEdgesAreCrossed) {
+//
+// `scale`: of the values, which start at the least of the type and end at its greatest; `step`: of the isovalue, in
+// cells.
+template <class Sample>
+void stepAmongBricksOfOneLeaf(ScalarType type, double scale, double step, const GridDims& dims, BricksOfSteps& bricks) {
     test::Random random(test::testSeed(64));
+    constexpr bool kIsWhole = std::numeric_limits<Sample>::is_integer;
+    const double least = kIsWhole ? static_cast<double>(std::numeric_limits<Sample>::lowest()) : 42.0,
+                 greatest = kIsWhole ? static_cast<double>(std::numeric_limits<Sample>::max()) : 1e9;
+    const auto valueAt = [&](double distance) {
+        return std::clamp(least + scale * (distance - 42.0), least, greatest);
+    };
     GridGeometry geometry;
-    geometry.dims = {65, 57, 49};
-    const auto grid =
-        test::makeVolume<float>(ScalarType::F32, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-            const double dx = static_cast<double>(x) + 31.0, dy = static_cast<double>(y) + 23.0,
-                         dz = static_cast<double>(z) + 17.0;
-            const bool isRough = x / 8 == 4 && y / 8 == 1 && z % 32 < 9;
-            return std::sqrt(dx * dx + dy * dy + dz * dz) + (isRough ? 2.0 * test::unitRandom(random) : 0.0);
-        });
+    geometry.dims = dims;
+    const auto grid = test::makeVolume<Sample>(type, geometry, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+        const double dx = static_cast<double>(x) + 31.0, dy = static_cast<double>(y) + 23.0,
+                     dz = static_cast<double>(z) + 17.0;
+        const bool isRough = x / 8 == 4 && y / 8 == 1 && z % 32 < 9;
+        return valueAt(std::sqrt(dx * dx + dy * dy + dz * dz) + (isRough ? 2.0 * test::unitRandom(random) : 0.0));
+    });
     Merges seen;
     const test::TemporaryFolder folder;
     std::vector<test::Way> ways = mergingWays(grid, folder / "");
@@ -137,29 +153,42 @@ TEST(SlideMerged, MakesBricksOfOneLeafAgainOnlyWhereTheirEdgesAreCrossed) {
                merged = preprocess::makeMemoryEngine(grid).value();
     const MergeBound bound{Measure::Distance, 0.5};
     ASSERT_THAT(merged->setMergeBound(bound), IsOk());
-    double isovalue = 75.0;
+    double isovalue = valueAt(75.0);
     ASSERT_THAT(unmerged->slideTo(isovalue), IsOk());
     ASSERT_THAT(merged->slideTo(isovalue), IsOk());
-    std::uint64_t crossed = 0, made = 0;
-    for (int step = 0; step < 60 && !testing::Test::HasFatalFailure(); ++step) {
-        isovalue += (step % 10 == 9 ? 10.0 : 0.02) * (2.0 * test::unitRandom(random) - 1.0);
-        SCOPED_TRACE(testing::Message() << "step " << step << ", isovalue " << isovalue);
-        expectMerged(ways, *grid, isovalue, step % 20 == 19 ? MergeBound() : bound, seen);
+    for (int k = 0; k < 60 && !testing::Test::HasFatalFailure(); ++k) {
+        const bool isFar = k % 10 == 9;
+        isovalue += scale * (isFar ? 10.0 : step) * (2.0 * test::unitRandom(random) - 1.0);
+        SCOPED_TRACE(testing::Message() << "step " << k << ", isovalue " << isovalue);
+        expectMerged(ways, *grid, isovalue, k % 20 == 19 ? MergeBound() : bound, seen);
         const auto movedUnmerged = unmerged->slideTo(isovalue), movedMerged = merged->slideTo(isovalue);
         ASSERT_THAT(movedUnmerged, IsOk());
         ASSERT_THAT(movedMerged, IsOk());
-        if (step % 10 != 9) {
-            crossed += movedUnmerged.value().bricksRead;
-            made += movedMerged.value().bricksRead;
-        }
+        bricks.crossed += isFar ? 0 : movedUnmerged.value().bricksRead;
+        bricks.made += isFar ? 0 : movedMerged.value().bricksRead;
     }
-    EXPECT_GT(made, 0u);
-    EXPECT_LT(3 * made, 2 * crossed);
     ASSERT_THAT(merged->setMergeBound({}), IsOk());
     const auto split = merged->slideTo(isovalue);
     ASSERT_THAT(split, IsOk());
     EXPECT_EQ(split.value().edgesAdded + split.value().edgesRemoved, 0u) << "nothing is crossed";
     EXPECT_EQ(seen.levels, 0b1110u);
+}
+
+TEST(SlideMerged, MakesBricksOfOneLeafAgainOnlyWhereTheirEdgesAreCrossed) {
+    BricksOfSteps bricks;
+    stepAmongBricksOfOneLeaf<float>(ScalarType::F32, 1.0, 0.02, {65, 57, 49}, bricks);
+    EXPECT_GT(bricks.made, 0u);
+    EXPECT_LT(3 * bricks.made, 2 * bricks.crossed);
+}
+TEST(SlideMerged, MakesBricksOfOneLeafAgainLikewiseInShortIntegers) {
+    BricksOfSteps bricks;
+    stepAmongBricksOfOneLeaf<std::int16_t>(ScalarType::I16, 620.0, 0.02, {67, 57, 54}, bricks);
+    EXPECT_LT(3 * bricks.made, 2 * bricks.crossed);
+}
+TEST(SlideMerged, MakesBricksOfOneLeafAgainLikewiseInBytes) { // where a value is on most bricks' edges
+    BricksOfSteps bricks;
+    stepAmongBricksOfOneLeaf<std::uint8_t>(ScalarType::U8, 2.4, 0.3, {64, 57, 49}, bricks);
+    EXPECT_GT(bricks.made, 0u);
 }
 
 // An index of edges has its merged cells from its build.

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/extract/full_extraction.h"
+#include "core/extract/merged/merged_extraction.h"
 #include "core/extract/slide_engine.h"
 #include "preprocess/build_index.h"
 #include "preprocess/metacells/brick_list.h"
@@ -177,11 +178,16 @@ TEST(SlideWays, SurviveBeingStoppedAnywhere) {
     const auto engine = openIndex(grid, folder / "m.isx", index::IndexKind::Metacells, std::uint64_t{2} << 20);
     ASSERT_NE(engine, nullptr);
     int stopped = 0;
-    for (int round = 0; round < 60; ++round) {
+    MergeBound bound;
+    for (int round = 0; round < 90; ++round) {
         const double isovalue = 30000.0 + 300.0 * (round * 37 % 60);
+        if (round % 9 == 8) {
+            bound = {MergeBound::Measure::Distance, 0.1 * (round / 9 % 3)};
+            ASSERT_THAT(engine->setMergeBound(bound), IsOk());
+        }
         std::stop_source stop;
         std::jthread stopper([&] {
-            std::this_thread::sleep_for(std::chrono::microseconds(40 * round));
+            std::this_thread::sleep_for(std::chrono::microseconds(40 * (round % 60)));
             stop.request_stop();
         });
         if (round % 10 == 0) // at least these are, however busy the machine
@@ -196,7 +202,9 @@ TEST(SlideWays, SurviveBeingStoppedAnywhere) {
             ASSERT_THAT(engine->slideTo(isovalue), IsOk());
         }
         if (moved.isOk() || round % 5 == 4) {
-            ASSERT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*grid, isovalue).value()));
+            const auto fresh = bound.limit > 0.0 ? extractMerged(*grid, isovalue, bound, kMaxBrickMergeLevel)
+                                                 : extractFull(*grid, isovalue);
+            ASSERT_TRUE(test::isSameSurface(engine->mesh().value(), fresh.value())) << "round " << round;
         }
     }
     EXPECT_GT(stopped, 0);

@@ -56,6 +56,7 @@ void BrickSource<Sample>::reset() {
     usableLeaves_.clear();
     shownLeaves_.clear();
     isMadeOfEdges_.clear();
+    edgeSamples_.shrink(0);
 }
 
 // Bricks that come or go between two thresholds.

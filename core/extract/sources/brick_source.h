@@ -82,6 +82,7 @@ public:
     void dropCaches() override {
         walk_.dropCaches();
         samples_.dropCaches();
+        sureCells_.release(0); // found again where they are wanted
     }
 
 private:

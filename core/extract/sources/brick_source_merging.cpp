@@ -133,8 +133,8 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
     const BrickGrid& grid = surface.shapes().grid();
     const auto coords = grid.brickCoords(brickOf_[job.slot.index()]);
     const auto leavesAt = [&](const BrickStep& step) -> const BrickLeaves* {
-        for (std::size_t a = 0; a < 3; ++a)
-            if (coords[a] + step[a] < 0 || coords[a] + step[a] >= grid.bricks()[a])
+        for (std::size_t a = 0; a < 3; ++a) // the last bricks along an axis may have no cells
+            if (coords[a] + step[a] < 0 || (coords[a] + step[a]) * kCellSide >= reader_.info().geometry.dims[a] - 1)
                 return nullptr;
         return &leaves + step[0] + grid.bricks()[0] * (step[1] + grid.bricks()[1] * step[2]);
     };
