@@ -78,6 +78,7 @@ struct Built {
     std::uint64_t topologyBytes = 0; ///< behind the index in its file
     double topologySeconds = 0.0;
     bool hasEvents = true; ///< else counts and curves only
+    std::string scratchProblem; ///< why the analysis did without a temporary file; empty: it had one, or needed none
     std::string topologyProblem; ///< why the index has none; empty: it has, or it was not wanted
 };
 
@@ -95,6 +96,8 @@ Json jsonOf(const Built& built) {
     json["levels"] = levelsJson(report.info);
     json["kind"] = index::indexKindName(report.info.kind);
     json["resumed"] = report.isResumed;
+    if (!built.scratchProblem.empty())
+        json["topology_scratch_problem"] = built.scratchProblem;
     if (!built.topologyProblem.empty()) {
         json["topology_problem"] = built.topologyProblem;
     } else if (built.topologySeconds > 0.0) {
@@ -266,6 +269,7 @@ private:
         topology::AnalysisOptions options;
         options.memoryBytes = memoryLeft();
         options.scratch = topology::scratchPathOf(indexPath_);
+        options.scratchProblem = &built.scratchProblem;
         topology::PlaneSource planes = preprocess::planesOf(source);
         if (reader.value()->info().kind == index::IndexKind::Metacells) // decoded faster than most files are read
             planes = topology::planesOf(*reader.value());
@@ -319,8 +323,9 @@ private:
             text += fmt::format("without topology: {}\n", built.topologyProblem);
         else if (withTopology_ && !built.hasEvents)
             text += fmt::format("topology without events and persistence, which take more memory: counts at {} "
-                                "isovalues and curves in {:.2f} s; {}\n",
-                                built.events, built.topologySeconds, otherWay(report.info.kind));
+                                "isovalues and curves in {:.2f} s; {}{}\n",
+                                built.events, built.topologySeconds, otherWay(report.info.kind),
+                                built.scratchProblem.empty() ? "" : "; no temporary file: " + built.scratchProblem);
         else if (withTopology_)
             text += fmt::format("{} events of topology in {:.2f} s, {} behind the index\n", built.events,
                                 built.topologySeconds, sizeText(built.topologyBytes));

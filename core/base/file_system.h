@@ -17,7 +17,7 @@ class RandomAccessFile {
 public:
     virtual ~RandomAccessFile() = default;
     virtual const std::filesystem::path& path() const = 0;
-    /// Size when the file was opened.
+    /// Size when the file was opened. What is appended later can be read where the file is one of the system's.
     virtual std::uint64_t sizeBytes() const = 0;
 
     /// Reads up to out.size() bytes; fewer only where the file ends. Errors: IoError.

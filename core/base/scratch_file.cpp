@@ -7,13 +7,22 @@ Status ScratchFile::create() {
     if (!out.isOk())
         return std::move(out).error();
     auto in = fileSystem_.openForReading(path_);
-    const Status removed = fileSystem_.removeFile(path_); // open files stay readable and writable without a name
-    if (!in.isOk())
-        return std::move(in).error();
-    ISO_TRY(removed);
-    in_ = std::move(in).value();
-    out_ = std::move(out).value();
-    return {};
+    Status removed = fileSystem_.removeFile(path_); // open files stay readable and writable without a name
+    if (in.isOk() && removed.isOk()) {
+        in_ = std::move(in).value();
+        out_ = std::move(out).value();
+        return {};
+    }
+    Status problem = in.isOk() ? std::move(removed) : Status(in.error());
+    in = Error();
+    out = Error();
+    (void)fileSystem_.removeFile(path_); // some systems do so with closed files only
+    return problem;
+}
+
+Status ScratchFile::begin() {
+    const std::lock_guard lock(mutex_);
+    return out_ ? Status() : create();
 }
 
 Result<std::uint64_t> ScratchFile::append(std::span<const std::byte> bytes) {

@@ -12,15 +12,18 @@
 
 namespace isoslider {
 
-/// A file for what memory does not hold while something is made. It comes to be with the first bytes, and has no name
-/// from then on: nothing of it is left, however the program ends. Any number of threads at once.
+/// A file for what memory does not hold while something is made. It comes to be with begin() or the first bytes, and
+/// has no name from then on: nothing of it is left, however the program ends. Any number of threads at once.
 class ScratchFile {
 public:
     /// An earlier file at `path` would be lost.
     explicit ScratchFile(std::filesystem::path path, FileSystem& fileSystem = defaultFileSystem())
         : path_(std::move(path)), fileSystem_(fileSystem) {}
 
-    /// Returns where they are. Errors: those of FileSystem::create and WritableFile.
+    /// Makes the file without bytes, where it is not there: what is wrong with its place shows before they are found.
+    /// Errors: those of FileSystem::create.
+    Status begin();
+    /// Returns where they are. Errors: those of begin() and WritableFile.
     Result<std::uint64_t> append(std::span<const std::byte> bytes);
     /// REQUIRES: they were appended. Errors: IoError, Corruption (another program cut the file off).
     Status readAt(std::uint64_t offset, std::span<std::byte> out) const;

@@ -126,7 +126,7 @@ void EventCoder::add(const TopologyEvent& event) {
 Result<EventPages> EventCoder::take() {
     endPage();
     coding_.wait();
-    EventPages found{std::exchange(pages_, {}), {}, scratch_};
+    EventPages found{std::exchange(pages_, {}), {}, {}};
     std::deque<Coded> coded = std::exchange(coded_, {});
     heldBytes_ = 0;
     std::uint64_t offset = 0;
@@ -135,6 +135,8 @@ Result<EventPages> EventCoder::take() {
         found.pages[i].offset = offset;
         found.pages[i].bytes = coded[i].size;
         offset += coded[i].size;
+        if (coded[i].bytes.held.empty())
+            found.scratch = scratch_;
         found.bytes.push_back(std::move(coded[i].bytes));
     }
     return found;

@@ -118,9 +118,9 @@ public:
           job_(job),
           dims_(source.geometry.dims),
           aimBytes_(aimBytes()),
-          scratch_(hasScratch() ? std::make_shared<ScratchFile>(options.scratch, *options.fileSystem) : nullptr) {
+          changesFile_(scratchFile()) {
         if (detail == Detail::Counts)
-            coarse_ = std::make_unique<CoarseCounts>(coarseIsovalues(options.measures));
+            coarse_ = std::make_unique<CoarseCounts>(coarseIsovalues(options.measures), options.boundaryPointsAtOnce);
         // Thick enough that little is said twice, thin enough for the caches and for many threads.
         constexpr std::int64_t kLayerSamples = 1 << 19;
         const std::int64_t plane = std::max<std::int64_t>(1, dims_[0] * dims_[1]);
@@ -162,6 +162,9 @@ private:
     }
 
     bool hasScratch() const { return !options_.scratch.empty(); }
+    std::shared_ptr<ScratchFile> scratchFile() const {
+        return hasScratch() ? std::make_shared<ScratchFile>(options_.scratch, *options_.fileSystem) : nullptr;
+    }
     // What is to be taken: with a scratch file less than may be.
     double aimBytes() const {
         constexpr double kLeast = 80 << 20; // for which thicker layers save time
@@ -170,7 +173,7 @@ private:
         return hasScratch() ? std::min(most, std::max(kLeast, each)) : most;
     }
     // There are five large kinds of changes and some small ones; each is held some 1.5 times where it is sorted.
-    ChangeStore store() { return {scratch_.get(), static_cast<std::size_t>(aimBytes_ / 64.0)}; }
+    ChangeStore store() const { return {changesFile_.get(), static_cast<std::size_t>(aimBytes_ / 64.0)}; }
     std::size_t mostEventBytes() const { return static_cast<std::size_t>(aimBytes_ / 4.0); } // the rest in the file
     double keptBytes(const Findings& found) const {
         return hasScratch() ? std::min(found.keptBytes(), aimBytes_ / 8.0) : found.keptBytes();
@@ -185,8 +188,12 @@ private:
     Status checkRoom() const {
         const std::filesystem::path folder = options_.scratch.parent_path();
         const auto space = options_.fileSystem->space(folder.empty() ? "." : folder);
-        const double needed = expected_.keptBytes() + 0.5 * eventBytes(expected_.euler); // most take half of that
-        if (!space.isOk() || needed <= static_cast<double>(space.value().freeBytes) + aimBytes_)
+        // The file of changes is gone when the index gets its events; pages that memory does not hold are there with
+        // both. Most events take half of what they may.
+        const double events = 0.5 * eventBytes(expected_.euler);
+        const double pages = std::max(0.0, events - static_cast<double>(mostEventBytes())),
+                     changes = std::max(0.0, expected_.keptBytes() - static_cast<double>(store().mostBytes));
+        if (!space.isOk() || pages + std::max(changes, events) <= static_cast<double>(space.value().freeBytes))
             return {};
         return makeError(ErrorCode::OutOfSpace, "what is found of the topology does not fit on the disk",
                          options_.scratch.string());
@@ -201,8 +208,11 @@ private:
         expected_ = each * points;
         if (isTight)
             ISO_TRY(lookAt(each, expected_));
-        if (hasScratch() && !coarse_)
+        if (hasScratch() && !coarse_) {
             ISO_TRY(checkRoom());
+            if (expected_.keptBytes() > static_cast<double>(store().mostBytes))
+                ISO_TRY(changesFile_->begin());
+        }
         if (coarse_) {
             each.changes = 0.0;
             expected_ = {};
@@ -486,7 +496,7 @@ private:
         if (job_.isStopRequested())
             return cancelledError();
         const bool areExact = boundary_.isOfSpheres(parts.aboveOnBoundary.lasting);
-        EventCoder coder(scratch_, mostEventBytes());
+        EventCoder coder(scratchFile(), mostEventBytes());
         auto events = assembleEvents(std::move(parts), dims_, coder);
         if (!events.isOk())
             return std::move(events).error();
@@ -499,7 +509,7 @@ private:
     const JobControl& job_;
     GridDims dims_;
     double aimBytes_; ///< of memory
-    std::shared_ptr<ScratchFile> scratch_; ///< null: none; a curve may go on with it
+    std::shared_ptr<ScratchFile> changesFile_; ///< null: none
     std::int64_t planesAtOnce_ = 0;
     Findings expected_; ///< of the whole volume, about
     std::array<double, 5> distinct_{}; ///< of it: isovalues of each kind of changes
@@ -514,7 +524,7 @@ private:
     std::unique_ptr<CoarseCounts> coarse_; ///< then nothing goes into what follows but the measures
     IsovalueSums<EulerChange> euler_{store()};
     SideGraph above_{Side::Above, store()}, below_{Side::Below, store()};
-    DomainBoundary boundary_{store()};
+    DomainBoundary boundary_{store(), options_.boundaryPointsAtOnce};
     MeasureSums measures_;
     double least_ = std::numeric_limits<double>::infinity(), greatest_ = -std::numeric_limits<double>::infinity();
 };
@@ -543,8 +553,16 @@ Result<TopologyCurve> analyseTopology(const PlaneSource& source, const AnalysisO
         auto whole = Analysis<Sample>(source, own, Detail::Events, job).run();
         // What can be done without the file is.
         if (!whole.isOk() && !own.scratch.empty() && whole.error().path == own.scratch.string()) {
+            const std::string problem = whole.error().line();
+            if (options.scratchProblem != nullptr)
+                *options.scratchProblem = problem;
             own.scratch.clear();
             whole = Analysis<Sample>(source, own, Detail::Events, job).run();
+            if (!whole.isOk() && whole.error().code == ErrorCode::OutOfSpace) {
+                Error error = whole.error();
+                error.message += "; a temporary file would do, but: " + problem;
+                whole = std::move(error);
+            }
         }
         if (whole.isOk() || whole.error().code != ErrorCode::OutOfSpace || !options.mayLackEvents ||
             options.measures.isovalues.empty())

@@ -41,10 +41,14 @@ struct AnalysisOptions {
     /// Planes read at once, 3 or more; 0: layers of a million samples. Events are the same with any number, but for
     /// which of several places of one isovalue is stated.
     std::int64_t planesAtOnce = 0;
-    /// A file for what is found and memory does not hold, gone when events are made of it; empty: none. With one, no
+    /// Two files, one after the other, for what is found and memory does not hold: changes, until events are made of
+    /// them, then pages of these, as long as the curve is there. They have no name. Empty: none. With them, no
     /// more is taken than kBytesPerSample, as far as layers allow, whatever `memoryBytes`.
     std::filesystem::path scratch;
     FileSystem* fileSystem = &defaultFileSystem(); ///< of that
+    std::string* scratchProblem = nullptr; ///< is told why the file was done without, where it was
+    /// Points of the boundary of all cells that are settled together, 1 or more; events are the same with any number.
+    std::size_t boundaryPointsAtOnce = std::size_t{1} << 13;
 };
 
 /// Every isovalue at which the topology of the volume's surface changes. TOPOLOGY.md.

@@ -133,6 +133,7 @@ TEST_F(CliMemory, TopologyThatTakesMoreIsCountedWithoutEvents) {
     ASSERT_TRUE(json.is_object());
     EXPECT_FALSE(json.contains("topology_problem"));
     EXPECT_TRUE(json["topology_events"].is_null());
+    EXPECT_THAT(json["topology_scratch_problem"], ::testing::HasSubstr("a.isx.topology.partial"));
     const auto checked = runJson({"validate", path("a.isx"), "--full"});
     EXPECT_TRUE(checked["sound"].get<bool>());
     EXPECT_TRUE(checked["topology_events"].is_null());

@@ -92,6 +92,7 @@ TEST(CountsOfMeshes, AreThoseWhereSamplesAreMissing) {
         const TopologyCurve curve = analysed(grid);
         AnalysisOptions thin;
         thin.planesAtOnce = 3;
+        thin.boundaryPointsAtOnce = 3;
         EXPECT_EQ(analysed(grid, thin).events().size(), curve.events().size());
         EXPECT_TRUE(curve.areCountsExact());
         std::mt19937 random(seed);
@@ -258,6 +259,7 @@ TEST(Persistence, IsThatOfAMergeTreeMadeByFlooding) {
         const ScalarGrid grid = gridOf({6, 5, 7}, noise(seed));
         AnalysisOptions thin;
         thin.planesAtOnce = 3;
+        thin.boundaryPointsAtOnce = 3;
         const TopologyCurve curve = analysed(grid, thin);
         const std::map<double, double> lasting = lastingSummits(grid, curve);
         std::map<double, double> found;

@@ -12,13 +12,19 @@ namespace isoslider::test {
 /// write, sync, close, rename and removal) fails with `errorNumber`. -1: none fails.
 class FaultyFileSystem final : public FileSystem {
 public:
-    explicit FaultyFileSystem(int failingCall, int errorNumber)
-        : failingCall_(failingCall), errorNumber_(errorNumber) {}
+    enum class Fails { Writing, Reading };
+
+    explicit FaultyFileSystem(int failingCall, int errorNumber, Fails fails = Fails::Writing)
+        : failingCall_(failingCall), errorNumber_(errorNumber), fails_(fails) {}
 
     int calls() const { return *calls_; }
 
     Result<std::unique_ptr<RandomAccessFile>> openForReading(const std::filesystem::path& path) override {
-        return defaultFileSystem().openForReading(path);
+        ISO_TRY(countReading(path));
+        auto file = defaultFileSystem().openForReading(path);
+        if (!file.isOk())
+            return std::move(file).error();
+        return std::unique_ptr<RandomAccessFile>(std::make_unique<Source>(*this, std::move(file).value()));
     }
 
     Result<std::unique_ptr<WritableFile>> create(const std::filesystem::path& path) override {
@@ -80,14 +86,36 @@ private:
         std::unique_ptr<WritableFile> file_;
     };
 
+    class Source final : public RandomAccessFile {
+    public:
+        Source(FaultyFileSystem& owner, std::unique_ptr<RandomAccessFile> file)
+            : owner_(owner), file_(std::move(file)) {}
+        const std::filesystem::path& path() const override { return file_->path(); }
+        std::uint64_t sizeBytes() const override { return file_->sizeBytes(); }
+        Result<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> out) const override {
+            ISO_TRY(owner_.countReading(path()));
+            return file_->readAt(offset, out);
+        }
+
+    private:
+        FaultyFileSystem& owner_;
+        std::unique_ptr<RandomAccessFile> file_;
+    };
+
     Status countCall(const std::filesystem::path& path) {
-        if ((*calls_)++ == failingCall_)
+        if (fails_ == Fails::Writing && (*calls_)++ == failingCall_)
             return systemError(errorNumber_, "cannot write", path);
+        return {};
+    }
+    Status countReading(const std::filesystem::path& path) {
+        if (fails_ == Fails::Reading && (*calls_)++ == failingCall_)
+            return systemError(errorNumber_, "cannot read", path);
         return {};
     }
 
     int failingCall_;
     int errorNumber_;
+    Fails fails_;
     std::shared_ptr<std::atomic<int>> calls_ = std::make_shared<std::atomic<int>>(0);
 };
 

@@ -29,7 +29,9 @@ class BoundaryRows {
 public:
     using Node = std::uint32_t;
 
-    explicit BoundaryRows(Side side, Graph graph) : graph_(std::move(graph)), side_(side) {}
+    /// `pointsAtOnce`: those that are settled together.
+    BoundaryRows(Side side, std::size_t pointsAtOnce, Graph graph)
+        : graph_(std::move(graph)), side_(side), pointsAtOnce_(pointsAtOnce) {}
 
     /// In the order of layers.
     void add(const BoundaryPart& part) {
@@ -39,9 +41,8 @@ public:
         });
         nextEdge_ = nextJoin_ = 0;
         // The first and the last layer have a whole plane of it.
-        constexpr std::size_t kPoints = std::size_t{1} << 13;
-        for (std::size_t begin = 0; begin < part.points.size(); begin += kPoints)
-            addPoints(part, begin, std::min(part.points.size(), begin + kPoints));
+        for (std::size_t begin = 0; begin < part.points.size(); begin += pointsAtOnce_)
+            addPoints(part, begin, std::min(part.points.size(), begin + pointsAtOnce_));
         for (; nextJoin_ < joins_.size(); ++nextJoin_)
             waiting_.push_back({joins_[nextJoin_].points, joins_[nextJoin_].isovalue, joins_[nextJoin_].cause, false});
     }
@@ -136,6 +137,7 @@ private:
 
     Graph graph_;
     Side side_;
+    std::size_t pointsAtOnce_;
     std::vector<Place> places_; ///< with links that wait, and those that have just come; ascending
     std::vector<Waiting> waiting_;
     std::vector<BoundaryJoin> joins_; ///< of the part that comes, by their first points

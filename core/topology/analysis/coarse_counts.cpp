@@ -68,13 +68,13 @@ void CoarseCounts::Components::end() {
 
 // ---- all of it
 
-CoarseCounts::CoarseCounts(std::vector<double> isovalues)
+CoarseCounts::CoarseCounts(std::vector<double> isovalues, std::size_t boundaryPointsAtOnce)
     : isovalues_(std::move(isovalues)),
       above_(Side::Above, isovalues_, false),
       below_(Side::Below, isovalues_, false),
       voids_(Side::Below, isovalues_, true),
-      boundaryAbove_(Side::Above, {ForestStream(Side::Above, isovalues_)}),
-      boundaryBelow_(Side::Below, {ForestStream(Side::Below, isovalues_)}),
+      boundaryAbove_(Side::Above, boundaryPointsAtOnce, {ForestStream(Side::Above, isovalues_)}),
+      boundaryBelow_(Side::Below, boundaryPointsAtOnce, {ForestStream(Side::Below, isovalues_)}),
       euler_(isovalues_.size() + 1) {}
 
 void CoarseCounts::add(const LayerComponents& above, const LayerComponents& below, const LayerChanges& changes,

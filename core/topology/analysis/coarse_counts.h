@@ -16,8 +16,8 @@ namespace isoslider::topology {
 /// holds. Takes layers as they come, and keeps what the next may change: memory for some planes of samples.
 class CoarseCounts {
 public:
-    /// `isovalues` ascend.
-    explicit CoarseCounts(std::vector<double> isovalues);
+    /// `isovalues` ascend; `boundaryPointsAtOnce` as in BoundaryRows.
+    CoarseCounts(std::vector<double> isovalues, std::size_t boundaryPointsAtOnce);
     CoarseCounts(const CoarseCounts&) = delete;
     CoarseCounts& operator=(const CoarseCounts&) = delete;
 

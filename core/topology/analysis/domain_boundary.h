@@ -15,8 +15,10 @@ namespace isoslider::topology {
 /// boundary loops.
 class DomainBoundary {
 public:
-    explicit DomainBoundary(const ChangeStore& store = {})
-        : above_(Side::Above, Components(Side::Above, store)), below_(Side::Below, Components(Side::Below, store)) {}
+    /// `pointsAtOnce` as in BoundaryRows.
+    DomainBoundary(const ChangeStore& store, std::size_t pointsAtOnce)
+        : above_(Side::Above, pointsAtOnce, Components(Side::Above, store)),
+          below_(Side::Below, pointsAtOnce, Components(Side::Below, store)) {}
 
     /// In the order of layers. Errors: those of HistorySums::add.
     Status add(const BoundaryPart& part);

@@ -30,12 +30,12 @@ public:
     SortedChanges(std::vector<Change> changes, std::span<const ChangeRun> runs = {},
                   const ScratchFile* scratch = nullptr, std::size_t bufferBytes = 0)
         : scratch_(scratch) {
-        sources_.push_back({std::move(changes), 0, {}});
         constexpr std::size_t kLeast = 4096, kMost = 65536; // of a run
         if (!runs.empty())
             mostRead_ = std::clamp(bufferBytes / runs.size(), kLeast, kMost) / sizeof(Change);
         for (const ChangeRun& run : runs)
             sources_.push_back({{}, 0, run});
+        sources_.push_back({std::move(changes), 0, {}}); // they came last
         for (std::size_t s = 0; s < sources_.size(); ++s) {
             read(sources_[s]);
             heap_.push_back({sources_[s].isovalue(), s});

@@ -104,6 +104,11 @@ TEST(EventCoder, PutsPagesOffToAFile) {
         EXPECT_TRUE(std::any_of(parted.bytes.begin(), parted.bytes.end(), isHeld));
     }
     EXPECT_EQ(bytesOf(parted), bytesOf(whole)) << "the file lasts as long as the pages";
+    const auto unused = std::make_shared<ScratchFile>(folder / "pages");
+    EventCoder roomy(unused, 100'000'000);
+    for (const TopologyEvent& event : events)
+        roomy.add(event);
+    EXPECT_EQ(roomy.take().value().scratch, nullptr) << "all are held";
     EventCoder lost(std::make_shared<ScratchFile>("/nowhere/at/all"), 0);
     for (const TopologyEvent& event : events)
         lost.add(event);
