@@ -164,6 +164,9 @@ void stepAmongBricksOfOneLeaf(ScalarType type, double scale, double step, const 
         const auto movedUnmerged = unmerged->slideTo(isovalue), movedMerged = merged->slideTo(isovalue);
         ASSERT_THAT(movedUnmerged, IsOk());
         ASSERT_THAT(movedMerged, IsOk());
+        SurfaceFrame frame;
+        merged->copyFrame(frame, {.changes = true});
+        EXPECT_EQ(frame.bricks->changedTriangles().empty(), movedMerged.value().cellsRetriangulated == 0);
         bricks.crossed += isFar ? 0 : movedUnmerged.value().bricksRead;
         bricks.made += isFar ? 0 : movedMerged.value().bricksRead;
     }
@@ -189,6 +192,39 @@ TEST(SlideMerged, MakesBricksOfOneLeafAgainLikewiseInBytes) { // where a value i
     BricksOfSteps bricks;
     stepAmongBricksOfOneLeaf<std::uint8_t>(ScalarType::U8, 2.4, 0.3, {64, 57, 49}, bricks);
     EXPECT_GT(bricks.made, 0u);
+}
+
+// Where all bricks are one leaf each, those that are made again are those whose vertices are on other edges.
+TEST(SlideMerged, PointsOutBricksOfOneLeafThatAreMadeAgain) {
+    test::Random random(test::testSeed(65));
+    GridGeometry geometry;
+    geometry.dims = {33, 41, 33};
+    const auto engine =
+        preprocess::makeMemoryEngine(test::makeVolume<float>(ScalarType::F32, geometry,
+                                                             [](std::int64_t x, std::int64_t y, std::int64_t z) {
+                                                                 return std::hypot(static_cast<double>(x) + 70.0,
+                                                                                   static_cast<double>(y) + 80.0,
+                                                                                   static_cast<double>(z) + 90.0);
+                                                             }))
+            .value();
+    ASSERT_THAT(engine->setMergeBound({Measure::Distance, 0.5}), IsOk());
+    double isovalue = 168.0;
+    ASSERT_THAT(engine->slideTo(isovalue), IsOk());
+    std::uint64_t made = 0, unchanged = 0;
+    for (int step = 0; step < 40; ++step) {
+        isovalue += 0.01 * (2.0 * test::unitRandom(random) - 1.0);
+        const SlideStats moved = engine->slideTo(isovalue).value();
+        ASSERT_EQ(moved.activeLeaves[3],
+                  std::accumulate(moved.activeLeaves.begin(), moved.activeLeaves.end(), std::uint64_t{0}));
+        EXPECT_EQ(moved.cellsRetriangulated, moved.bricksRead);
+        SurfaceFrame frame;
+        engine->copyFrame(frame, {.changes = true});
+        EXPECT_EQ(frame.bricks->changedTriangles().size(), moved.bricksRead);
+        made += moved.bricksRead;
+        unchanged += moved.activeLeaves[3] - moved.bricksRead;
+    }
+    EXPECT_GT(made, 0u);
+    EXPECT_GT(unchanged, 30 * made) << "also at the upper faces, where bricks without cells follow";
 }
 
 // An index of edges has its merged cells from its build.
