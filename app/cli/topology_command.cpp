@@ -27,23 +27,24 @@ namespace {
 constexpr std::int64_t kMostEvents = std::int64_t{1} << 40;
 constexpr int kCurveSteps = 256;
 
-Json countsJson(const topology::SurfaceCounts& counts) {
+// `areExact`: else tunnels are not known, as samples are missing.
+Json countsJson(const topology::SurfaceCounts& counts, bool areExact) {
     Json json;
     json["components"] = counts.components;
     json["euler"] = counts.euler;
     json["boundary_loops"] = counts.loops;
-    json["handles"] = counts.handles();
+    json["handles"] = areExact ? Json(counts.handles()) : Json();
     json["voids"] = counts.voids;
     return json;
 }
 
-Json eventJson(const topology::TopologyEvent& event) {
+Json eventJson(const topology::TopologyEvent& event, bool areExact) {
     Json json;
     json["isovalue"] = event.isovalue;
     json["kind"] = topology::eventKindName(event.kind);
     json["position"] = event.position;
-    json["before"] = countsJson(event.below);
-    json["after"] = countsJson(event.above);
+    json["before"] = countsJson(event.below, areExact);
+    json["after"] = countsJson(event.above, areExact);
     json["persistence"] = event.persistence;
     json["births"] = event.pieces.births;
     json["deaths"] = event.pieces.deaths;
@@ -61,9 +62,13 @@ Json measuresJson(const topology::SurfaceMeasures& measures) {
     return json;
 }
 
-std::string countsText(const topology::SurfaceCounts& counts) {
+std::string tunnelsText(const topology::SurfaceCounts& counts, bool areExact) {
+    return areExact ? std::to_string(counts.handles()) : "unknown";
+}
+
+std::string countsText(const topology::SurfaceCounts& counts, bool areExact) {
     return fmt::format("{} pieces, {} tunnels, {} boundary loops, {} voids, Euler number {}", counts.components,
-                       counts.handles(), counts.loops, counts.voids, counts.euler);
+                       tunnelsText(counts, areExact), counts.loops, counts.voids, counts.euler);
 }
 
 class TopologyCommand final : public Command {
@@ -199,9 +204,10 @@ private:
                 return counts.components == pieces_;
             });
         if (*hasTunnels_)
-            return showIntervals(summary, answer, [this](const topology::SurfaceCounts& counts) {
-                return counts.handles() == tunnels_;
-            });
+            return showIntervals(summary, answer,
+                                 [this, areExact = summary.areCountsExact()](const topology::SurfaceCounts& counts) {
+                                     return areExact && counts.handles() == tunnels_;
+                                 });
         if (area_)
             return showIsovalues(summary, answer, &topology::SurfaceMeasures::area, *area_);
         if (enclosed_)
@@ -227,8 +233,8 @@ private:
         if (!counts.isOk())
             return counts.error();
         answer.json["isovalue"] = *at_;
-        answer.json.update(countsJson(counts.value()));
-        answer.text = fmt::format("isovalue {}: {}\n", *at_, countsText(counts.value()));
+        answer.json.update(countsJson(counts.value(), summary.areCountsExact()));
+        answer.text = fmt::format("isovalue {}: {}\n", *at_, countsText(counts.value(), summary.areCountsExact()));
         if (!summary.curves().isEmpty()) {
             const topology::SurfaceMeasures measures = summary.curves().at(*at_);
             answer.json.update(measuresJson(measures));
@@ -254,13 +260,14 @@ private:
             return before == after ? fmt::format("{}", before) : fmt::format("{} > {}", before, after);
         };
         for (const auto& [event, weight] : events.value()) {
-            answer.json["events"].push_back(eventJson(event));
-            answer.text += fmt::format(
-                "{:>14.7g} {:<12} {:>12.5g} {:>18} {:>18} {:>18} {:>20}\n", event.isovalue,
-                topology::eventKindName(event.kind), event.persistence,
-                change(event.below.components, event.above.components),
-                change(event.below.handles(), event.above.handles()), change(event.below.loops, event.above.loops),
-                fmt::format("{:g} {:g} {:g}", event.position[0], event.position[1], event.position[2]));
+            answer.json["events"].push_back(eventJson(event, summary.areCountsExact()));
+            answer.text +=
+                fmt::format("{:>14.7g} {:<12} {:>12.5g} {:>18} {:>18} {:>18} {:>20}\n", event.isovalue,
+                            topology::eventKindName(event.kind), event.persistence,
+                            change(event.below.components, event.above.components),
+                            summary.areCountsExact() ? change(event.below.handles(), event.above.handles()) : "unknown",
+                            change(event.below.loops, event.above.loops),
+                            fmt::format("{:g} {:g} {:g}", event.position[0], event.position[1], event.position[2]));
         }
         return {};
     }
@@ -299,14 +306,15 @@ private:
                 return counts.error();
             const topology::SurfaceMeasures measures = summary.curves().at(isovalue);
             answer.json["isovalue"].push_back(isovalue);
-            Json all = countsJson(counts.value());
+            Json all = countsJson(counts.value(), summary.areCountsExact());
             all.update(measuresJson(measures));
             for (const auto& [name, value] : all.items())
                 answer.json[name].push_back(value);
-            answer.text += fmt::format(
-                "{:>14.7g} {:>10} {:>10} {:>14} {:>8} {:>12} {:>12.5g} {:>12.5g} {:>10.0f} {:>12.5g}\n", isovalue,
-                counts.value().components, counts.value().handles(), counts.value().loops, counts.value().voids,
-                counts.value().euler, measures.area, measures.volume, measures.triangles, measures.gradient);
+            answer.text +=
+                fmt::format("{:>14.7g} {:>10} {:>10} {:>14} {:>8} {:>12} {:>12.5g} {:>12.5g} {:>10.0f} {:>12.5g}\n",
+                            isovalue, counts.value().components, tunnelsText(counts.value(), summary.areCountsExact()),
+                            counts.value().loops, counts.value().voids, counts.value().euler, measures.area,
+                            measures.volume, measures.triangles, measures.gradient);
         }
         return {};
     }
@@ -342,11 +350,12 @@ private:
         if (!found.isOk())
             return found.error();
         const topology::SurfaceDifference& difference = found.value();
-        answer.json["from"] = countsJson(difference.from);
-        answer.json["to"] = countsJson(difference.to);
+        answer.json["from"] = countsJson(difference.from, summary.areCountsExact());
+        answer.json["to"] = countsJson(difference.to, summary.areCountsExact());
         answer.json["volume_between"] = difference.volume;
-        answer.text = fmt::format("{}: {}\n{}: {}\n", between_[0], countsText(difference.from), between_[1],
-                                  countsText(difference.to));
+        answer.text =
+            fmt::format("{}: {}\n{}: {}\n", between_[0], countsText(difference.from, summary.areCountsExact()),
+                        between_[1], countsText(difference.to, summary.areCountsExact()));
         if (summary.hasEvents()) {
             answer.json["events"] = difference.events;
             answer.json["births"] = difference.births;

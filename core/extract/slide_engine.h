@@ -76,8 +76,8 @@ public:
     /// In which the surface is as it stands; none: in all of the volume.
     virtual std::optional<BrickBox> region() const = 0;
     /// From the next move on, the surface has whole bricks of the region and nothing else: a move costs what changes
-    /// there. Merged cells of bricks at its border are those of a volume that ends there. The first move after it looks
-    /// at all active bricks. REQUIRES: canBound(), unless it is none.
+    /// there. To merged cells of bricks at its border, what lies beyond is as fine as the grid. The first move after it
+    /// looks at all active bricks. REQUIRES: canBound(), unless it is none.
     virtual void setRegion(const std::optional<BrickBox>& region) = 0;
 
     /// Waits until nothing is read ahead any more, and no level is built.

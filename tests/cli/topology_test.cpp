@@ -3,11 +3,14 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <random>
 #include <set>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -35,6 +38,33 @@ TEST_F(CliTopology, CountsWhatExtractionCounts) {
             EXPECT_EQ(ofIndex[key], counts[key]) << key << " at " << isovalue;
         EXPECT_NEAR(ofIndex["area"].get<double>(), counts["area"].get<double>(), 0.01 * counts["area"].get<double>());
     }
+}
+
+// Two columns of cells that have an edge in common: the surface would touch itself there, and is two pieces in the
+// mesh.
+TEST_F(CliTopology, SaysWhatIsKnownWhereSamplesAreMissing) {
+    std::vector<float> samples;
+    for (int z = 0; z < 2; ++z)
+        for (int y = 0; y < 3; ++y)
+            for (int x = 0; x < 3; ++x)
+                samples.push_back(std::abs(x - y) == 2 ? std::numeric_limits<float>::quiet_NaN()
+                                                       : static_cast<float>(z));
+    std::ofstream(path("v.raw"), std::ios::binary)
+        .write(reinterpret_cast<const char*>(samples.data()),
+               static_cast<std::streamsize>(samples.size() * sizeof(float)));
+    const std::vector<std::string> volume{path("v.raw"), "--raw-dims", "3,3,2", "--raw-type", "f32"};
+    const auto answer = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin() + 1, volume.begin(), volume.end());
+        return arguments;
+    };
+    const auto counts = runJson(answer({"topology", "--at", "0.5"}));
+    const auto surface = runJson(answer({"extract", "--isovalue", "0.5"}));
+    EXPECT_FALSE(counts["counts_exact"].get<bool>());
+    EXPECT_EQ(counts["euler"], 2);
+    EXPECT_EQ(counts["euler"], surface["euler"]);
+    EXPECT_LE(counts["components"], surface["components"]);
+    EXPECT_TRUE(counts["handles"].is_null());
+    EXPECT_THAT(run(answer({"topology", "--at", "0.5"})).standardOutput, testing::HasSubstr("unknown tunnels"));
 }
 
 /// What is counted of a mesh here, by its vertices and triangles alone.

@@ -122,6 +122,31 @@ TEST(CountsOfMeshes, AreAtLeastThoseStatedWhereWhatIsThereHasATunnel) {
     }
 }
 
+// Cells that have an edge of the grid in common and no more: the mesh has a vertex for each, and so have the counts.
+TEST(CountsOfMeshes, HaveTheEulerNumberWhereWhatIsThereTouchesItself) {
+    int split = 0;
+    for (unsigned seed = 1; seed <= 40; ++seed) {
+        const auto base = noise(seed);
+        std::mt19937 random(seed);
+        const double missing = std::uniform_real_distribution<double>(0.02, 0.2)(random);
+        const ScalarGrid grid = gridOf({8, 7, 6}, [&](double x, double y, double z) {
+            const bool isMissing = std::uniform_real_distribution<double>(0.0, 1.0)(random) < missing;
+            return isMissing ? std::numeric_limits<double>::quiet_NaN() : base(x, y, z);
+        });
+        const TopologyCurve curve = analysed(grid);
+        for (int i = 0; i < 10; ++i) {
+            const double isovalue = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
+            const mesh::MeshReport mesh = meshAt(grid, isovalue);
+            const SurfaceCounts counts = curve.countsAt(isovalue);
+            ASSERT_EQ(counts.euler, mesh.euler) << "seed " << seed << " at " << isovalue;
+            ASSERT_LE(counts.components, static_cast<std::int64_t>(mesh.components));
+            ASSERT_LE(counts.loops, static_cast<std::int64_t>(mesh.boundaryLoops));
+            split += counts.components < static_cast<std::int64_t>(mesh.components) ? 1 : 0;
+        }
+    }
+    EXPECT_GT(split, 20);
+}
+
 TEST(KnownShapes, HaveTheirCounts) {
     const auto ring = [](double x, double y, double z, double cx) {
         return std::hypot(std::hypot(x - cx, y - 20.1) - 10.0, z - 10.2);

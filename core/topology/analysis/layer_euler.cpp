@@ -16,13 +16,22 @@ namespace {
 // the other side, and passes by as one disc or not at all where they differ or are on the same.
 int cellChange(int higherNeighbours) { return higherNeighbours == 3 ? 1 : higherNeighbours == 0 ? -1 : 0; }
 
+// By the cells around an edge: where two of them have no more than the edge in common the surface would only touch
+// itself, and extraction makes a vertex for each.
+int verticesOnEdge(CellStar around) {
+    if (std::popcount(around) != 2)
+        return around != 0 ? 1 : 0;
+    const int first = std::countr_zero(around), last = std::bit_width(around) - 1;
+    return std::popcount(static_cast<unsigned>(first ^ last)) == 2 ? 2 : 1;
+}
+
 // What the surface's Euler number changes by where the isovalue rises beyond a grid point: vertices less segments plus
 // discs. `higher`: bit of each neighbour that is; neighbours in the order of kStarSides.
 int pointChange(CellStar star, unsigned higher) {
     int change = 0;
     const auto side = [&](std::size_t d) { return (higher >> d & 1u) != 0 ? 1 : -1; };
     for (std::size_t d = 0; d < 6; ++d)
-        change += (star & kStarSides[d]) != 0 ? side(d) : 0;
+        change += side(d) * verticesOnEdge(star & kStarSides[d]);
     for (std::size_t d = 0; d < 4; ++d)
         for (std::size_t e = d / 2 * 2 + 2; e < 6; ++e)
             if ((star & kStarSides[d] & kStarSides[e]) != 0)
