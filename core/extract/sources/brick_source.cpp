@@ -270,8 +270,10 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         scratch.draft.beginMove();
         scratch.bricks = scratch.edgesAdded = scratch.edgesRemoved = 0;
     }
-    if (hasNewBound_)
+    if (bound_.limit > 0.0 && bound_ != sureBound_) { // a handle that is dragged merges cells, one that rests may not
         sureCells_.release(0);
+        sureBound_ = bound_;
+    }
     if (hasNewBound_ && bound_.limit == 0.0) {
         for (const BrickIndex brick : brickOf_)
             leavesOf_[brick.index()] = {};

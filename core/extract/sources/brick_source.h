@@ -167,7 +167,8 @@ private:
     /// around a brick is found without a look at slots.
     VirtualArray<BrickLeaves> leavesOf_;
     std::vector<BrickLeaves> usableLeaves_; ///< by slot, likewise
-    VirtualArray<SureCells> sureCells_; ///< by brick, of those that have been live since the bound is this one
+    VirtualArray<SureCells> sureCells_; ///< by brick, of those that have been live with this bound:
+    MergeBound sureBound_;
     ChunkedArray<LeafEdgeSamples<Stored>, 10> edgeSamples_; ///< by slot, where sureCells_ has one leaf
     std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
     std::vector<std::uint8_t>
