@@ -139,6 +139,7 @@ TEST(ScratchAnalysis, MakesCountsWhereTheFileFails) {
     }
     test::FaultyFileSystem full(0, ENOSPC);
     options.fileSystem = &full;
+    options.scratchProblem = nullptr;
     options.mayLackEvents = false;
     const auto found = analyseTopology(planesOf(grid), options);
     ASSERT_THAT(found, HasError(ErrorCode::OutOfSpace));
