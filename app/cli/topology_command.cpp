@@ -27,7 +27,7 @@ namespace {
 constexpr std::int64_t kMostEvents = std::int64_t{1} << 40;
 constexpr int kCurveSteps = 256;
 
-// `areExact`: else tunnels are not known, as samples are missing.
+// `areExact`, here and below: else tunnels are not known, as samples are missing.
 Json countsJson(const topology::SurfaceCounts& counts, bool areExact) {
     Json json;
     json["components"] = counts.components;
@@ -188,7 +188,7 @@ private:
         }
         if (!summary.areCountsExact()) {
             answer.json["counts_exact"] = false;
-            answer.text += "samples are missing: pieces and boundary loops are at least as many\n";
+            answer.text += "samples are missing: pieces and boundary loops are at least as many, tunnels are unknown\n";
         }
         return {};
     }

@@ -41,8 +41,8 @@ struct AnalysisOptions {
     /// Planes read at once, 3 or more; 0: layers of a million samples. Events are the same with any number, but for
     /// which of several places of one isovalue is stated.
     std::int64_t planesAtOnce = 0;
-    /// Two files, one after the other, for what is found and memory does not hold: changes, until events are made of
-    /// them, then pages of these, as long as the curve is there. They have no name. Empty: none. With them, no
+    /// Two files for what is found and memory does not hold: changes, until events are made of them, and pages of
+    /// these, as long as the curve is there. They have no name once they are there. Empty: none. With them, no
     /// more is taken than kBytesPerSample, as far as layers allow, whatever `memoryBytes`.
     std::filesystem::path scratch;
     FileSystem* fileSystem = &defaultFileSystem(); ///< of that

@@ -171,8 +171,7 @@ private:
     MergeBound sureBound_;
     ChunkedArray<LeafEdgeSamples<Stored>, 10> edgeSamples_; ///< by slot, where sureCells_ has one leaf
     std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
-    std::vector<std::uint8_t>
-        isMadeOfEdges_; ///< by slot: by makeOneLeaf(); the signs that the surface has are no one's
+    std::vector<std::uint8_t> isMadeOfEdges_; ///< by slot: by makeOneLeaf(), which leaves no signs in the surface
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;

@@ -44,7 +44,8 @@ void expectTheCountsOfEvents(const ScalarGrid& grid, bool areExact, std::uint64_
     for (const std::int64_t planes : {0, 3, 7}) {
         options.memoryBytes = littleMemory;
         options.planesAtOnce = planes;
-        options.boundaryPointsAtOnce = planes > 0 ? static_cast<std::size_t>(planes) : 1 << 13;
+        options.boundaryPointsAtOnce =
+            planes > 0 ? static_cast<std::size_t>(planes) : AnalysisOptions().boundaryPointsAtOnce;
         const auto counts = analyseTopology(planesOf(grid), options);
         ASSERT_THAT(counts, IsOk());
         ASSERT_FALSE(counts.value().hasEvents());

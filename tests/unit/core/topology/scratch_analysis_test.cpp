@@ -127,7 +127,6 @@ TEST(ScratchAnalysis, MakesCountsWhereTheFileFails) {
             const auto found = analyseTopology(planesOf(grid), options);
             ASSERT_THAT(found, IsOk());
             EXPECT_TRUE(folder.names().empty());
-            // The last reads may be those of pages of events that were found.
             if (faulty.calls() <= call)
                 break;
             ++failed;
