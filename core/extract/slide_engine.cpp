@@ -82,7 +82,8 @@ public:
     explicit Engine(const SlideOptions& options, Arguments&&... arguments)
         : readsAhead_(options.readsAhead),
           backing_(std::forward<Arguments>(arguments)...),
-          surface_(meta().info.geometry, meta().info.type, meta().missingCells),
+          surface_(meta().info.geometry, meta().info.type, meta().missingCells,
+                   options.keepsGroups || std::is_same_v<Live, double>),
           position_(backing_.source.lowest()),
           wantedBound_(boundOf(builtError(meta().info), meta().info.min, meta().info.max)),
           mergeBound_(wantedBound_) {

@@ -25,6 +25,9 @@ struct SlideOptions {
     bool readsAhead = true; ///< between moves, what the next one in the same direction would need is read
     /// Skip levels that jumps come to need are built in the background, and kept beside the index.
     bool buildsLevels = true;
+    /// What each vertex is made from is kept side by side, 16 bytes: for who wants all of them as floats after every
+    /// move (expandVertices()). Where scalars live as double it always is.
+    bool keepsGroups = false;
 };
 
 /// What a frame is to hold beside the surface.

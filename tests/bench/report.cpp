@@ -106,11 +106,11 @@ void printStepFigures(const std::vector<VolumeReport>& reports, bool isCold, Fig
     for (const VolumeReport& report : reports)
         for (const SlideRow& row : report.rows) {
             slowestUpdate.takeLarger(row.ours().nsPerChange, placeOf(row));
-            slowestInterpolation.takeLarger(row.ours().copyRatio(), placeOf(row));
+            slowestInterpolation.takeLarger(row.withArrays().copyRatio(), placeOf(row));
             if (row.ours().nsPerChange > 0.0)
                 updates.push_back(row.ours().nsPerChange);
-            if (row.ours().copyRatio() > 0.0)
-                interpolations.push_back(row.ours().copyRatio());
+            if (row.withArrays().copyRatio() > 0.0)
+                interpolations.push_back(row.withArrays().copyRatio());
         }
     if (isCold)
         return;
@@ -184,11 +184,11 @@ void printRow(const SlideRow& row) {
         "{:<16} {:>6g} {:>9.2f} {:>9} {:>7} {:>8.2f} {:>7} {:>7} {:>9.0f} {:>9.0f} {:>7} {:>10.0f} {:>8.0f} {:>6.2f} {:>4} {:>9} {:>8.0f} {:>8.0f}{}\n",
         shortName(row.volume), row.percent, ours.times.median,
         orDash(row.peer.has_value(), row.peer ? row.peer->times.median : 0, 2),
-        orDash(row.peer.has_value(), row.ratio(), 2), ours.times.median + ours.arraysMs,
+        orDash(row.peer.has_value(), row.ratio(), 2), row.arraysMs(),
         orDash(row.peer.has_value(), row.arraysRatio(), 2), orDash(ours.nsPerChange > 0, ours.nsPerChange, 0),
         ours.activeEdges, ours.edgesChanged,
         orDash(ours.edgesChanged > 0, ours.edgesTouched / std::max(1.0, ours.edgesChanged), 2), ours.bytesRead,
-        ours.sentBytes / 1024.0, ours.copyRatio(), ours.rebuilds,
+        ours.sentBytes / 1024.0, row.withArrays().copyRatio(), ours.rebuilds,
         orDash(row.baseline.has_value(), row.baseline ? row.baseline->median : 0, 2), ours.ambiguousCells,
         ours.cellsResolved, row.disagreements > 0 ? fmt::format("  DISAGREES at {} steps", row.disagreements) : "");
     std::fflush(stdout);

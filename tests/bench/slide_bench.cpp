@@ -55,7 +55,10 @@ Result<VolumeReport> runVolume(const std::string& spec, const Options& options, 
     printVolume(report);
     printRowHeading();
     const std::uint64_t baseBytes = residentBytes();
-    const std::vector<Contestant> contestants{contestantOnIndex("isoslider", report.index.path)};
+    std::vector<Contestant> contestants{
+        contestantOnIndex("isoslider", report.index.path),
+        contestantOnIndex("isoslider, V+N", report.index.path, {.readsAhead = false, .keepsGroups = true})};
+    contestants.back().makesArrays = true;
     for (const double percent : options.percents) {
         RowOptions rowOptions = options.row;
         rowOptions.percent = percent;

@@ -105,8 +105,8 @@ public:
         else
             add(moved.value(), elapsed);
         const double sent = frame.bricks ? sentBytes(*frame.bricks) : 0.0;
-        if (frame.bricks && !isFirst) {
-            row_.sentBytes += sent;
+        row_.sentBytes += isFirst ? 0.0 : sent;
+        if (contestant_.makesArrays && frame.bricks && !isFirst) {
             const double before = nowMs();
             expandVertices(*frame.bricks, isovalue, positions_, normals_);
             arrayTimes_.push_back(nowMs() - before);

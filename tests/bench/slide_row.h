@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@ struct Contestant {
     std::string name;
     std::filesystem::path file; ///< the index; empty: nothing on disk
     std::function<Result<std::unique_ptr<extract::SlideEngine>>()> open;
+    bool makesArrays = false; ///< positions and normals as floats besides
 };
 
 /// An index. Reading ahead is off unless asked for: it would go on while others are timed.
@@ -50,7 +52,7 @@ struct EngineRow {
     Spread times;
     double firstMs = 0.0; ///< to the first isovalue of the slide, which is no step
     double updateMs = 0.0; ///< median of the engine's part of a step; the rest is the table of the picture
-    double arraysMs = 0.0; ///< median of what it takes further to have positions and normals as floats
+    double arraysMs = 0.0; ///< median of what it takes further to have positions and normals as floats; 0: not made
     double sentBytes = 0.0; ///< mean: records and indices of bricks that differ from the picture before
     double copyMs = 0.0; ///< median; memcpy of as many bytes as interpolation reads and writes
     double nsPerChange = 0.0; ///< median over steps that change anything; 0 when none does
@@ -91,11 +93,18 @@ struct SlideRow {
     int disagreements = 0; ///< steps at which a contestant has another number of vertices or triangles
 
     const EngineRow& ours() const { return engines.front(); }
+    /// The first that makes arrays; where scalars live as double all of them do, in their steps.
+    const EngineRow& withArrays() const {
+        const auto found =
+            std::find_if(engines.begin(), engines.end(), [](const EngineRow& row) { return row.arraysMs > 0.0; });
+        return found != engines.end() ? *found : ours();
+    }
+    double arraysMs() const { return withArrays().times.median + withArrays().arraysMs; }
     /// How many times faster than the peer; 0 without it.
     double ratio(const EngineRow& engine) const { return peer ? peer->times.median / engine.times.median : 0.0; }
     double ratio() const { return ratio(ours()); }
     /// The same with positions and normals as floats.
-    double arraysRatio() const { return peer ? peer->times.median / (ours().times.median + ours().arraysMs) : 0.0; }
+    double arraysRatio() const { return peer ? peer->times.median / arraysMs() : 0.0; }
 };
 
 /// Measures one row. Peers see samples that are missing as below every isovalue and make vertices there:

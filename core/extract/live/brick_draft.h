@@ -16,6 +16,7 @@
 #include "core/extract/live/merged_cells.h"
 #include "core/extract/live/run_arena.h"
 #include "core/extract/live/vertex_code.h"
+#include "core/extract/live/vertex_kernels.h"
 #include "core/extract/merged/merge_bound.h"
 
 namespace isoslider::extract {
@@ -82,6 +83,7 @@ struct BrickDraft {
     std::vector<AmbiguousCell> ambiguous;
     UndecidedOfBrick undecided;
     std::array<EdgeRecord<Live>, kMaxBrickEdges> records; ///< where there are vertices inside merged cells
+    std::array<VertexGroup<Live>, groupCount(kMaxBrickEdges)> groups; ///< where the surface keeps them
     std::vector<InnerRecord> inner;
     struct { ///< vertices on edges that those inside cells depend on
         std::vector<VertexCode> codes;

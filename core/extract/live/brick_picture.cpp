@@ -21,14 +21,15 @@ void expandInner(const BrickPicture<Live>& picture, const PictureBrick& brick, s
 }
 
 template <class Live>
-void expandBrick(const BrickPicture<Live>& picture, const PictureBrick& brick, Live isovalue, glm::vec3* positions,
-                 glm::vec3* normals) {
+void expandBrick(const BrickPicture<Live>& picture, const PictureBrick& brick, Live isovalue, const VertexRoom& room) {
     const auto origin = brick.origin();
     const std::uint32_t onEdges = brick.vertexCount - std::uint32_t{brick.innerCount};
-    const VertexCode* const codes = picture.codes(brick);
-    placeVertices(picture.type(), picture.points(brick), codes, onEdges, origin, isovalue, positions, normals);
+    if (const VertexGroup<Live>* const groups = picture.groups(brick))
+        placeVertices(groups, onEdges, origin, isovalue, room);
+    else
+        placeVertices(picture.type(), picture.points(brick), picture.codes(brick), onEdges, origin, isovalue, room);
     for (std::uint32_t k = 0; k < brick.innerCount; ++k)
-        expandInner(picture, brick, k, isovalue, positions[onEdges + k], normals[onEdges + k]);
+        expandInner(picture, brick, k, isovalue, room.positions[onEdges + k], room.normals[onEdges + k]);
 }
 
 // Where each brick's vertices begin, and at the end how many there are.
@@ -46,26 +47,32 @@ void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t
                 std::vector<glm::vec3>& positions, std::vector<glm::vec3>& normals) {
     positions.resize(first.back());
     normals.resize(first.back());
+    constexpr std::uint64_t kFarRoom = std::uint64_t{1} << 31;
     constexpr std::size_t kAhead = 2; // bricks whose lines are asked for
     const auto bricks = picture.bricks();
     const std::size_t pointBytes = pointLineCount(scalarTypeSizeBytes(picture.type())) * sizeof(PointLine);
+    const auto fetchLines = [](const auto* from, std::size_t bytes) {
+        for (std::size_t line = 0; line < bytes; line += 64)
+            __builtin_prefetch(reinterpret_cast<const char*>(from) + line);
+    };
     const auto fetch = [&](const PictureBrick& brick) {
         if (brick.indexCount == 0)
             return;
-        const auto* const points = reinterpret_cast<const char*>(picture.points(brick));
-        for (std::size_t line = 0; line < pointBytes; line += 64)
-            __builtin_prefetch(points + line);
-        const auto* const codes = reinterpret_cast<const char*>(picture.codes(brick));
-        for (std::size_t line = 0; line < brick.vertexCount * sizeof(VertexCode); line += 64)
-            __builtin_prefetch(codes + line);
+        if (const auto* const groups = picture.groups(brick)) {
+            fetchLines(groups, groupCount(brick.vertexCount) * sizeof(*groups));
+            return;
+        }
+        fetchLines(picture.points(brick), pointBytes);
+        fetchLines(picture.codes(brick), brick.vertexCount * sizeof(VertexCode));
     };
     forRanges(bricks.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             if (slot + kAhead < bricks.size())
                 fetch(bricks[slot + kAhead]);
-            if (const PictureBrick& brick = bricks[slot]; brick.indexCount > 0)
-                expandBrick(picture, brick, static_cast<Live>(isovalue), &positions[first[slot]],
-                            &normals[first[slot]]);
+            if (const PictureBrick& brick = bricks[slot]; brick.indexCount > 0) // what it overwrites comes after it
+                expandBrick(picture, brick, static_cast<Live>(isovalue),
+                            {&positions[first[slot]], &normals[first[slot]],
+                             static_cast<std::uint32_t>(std::min<std::uint64_t>(first[end] - first[slot], kFarRoom))});
         }
     });
 }
@@ -103,10 +110,8 @@ std::shared_ptr<const BrickPicture<Live>> separateCopy(const BrickPicture<Live>&
             bricks.push_back({.place = brick.place, .version = brick.version});
             continue;
         }
-        // Codes are read in whole vectors: all of them are copied to where a vector ends.
-        const std::uint32_t codes = (brick.vertexCount + kCodesTogether - 1) / kCodesTogether * kCodesTogether;
         const PictureBrick its = brick;
-        brick.firstVertex = copyRun(arenas->vertices, picture.codes(its), codes);
+        brick.firstVertex = copyRun(arenas->vertices, picture.codes(its), its.vertexCount);
         brick.firstIndex = copyRun(arenas->indices, picture.indices(its), its.indexCount);
         brick.firstInner = its.innerCount > 0 ? copyRun(arenas->inner, picture.inner(its), its.innerCount) : 0;
         brick.firstPointLine = copyRun(arenas->points, picture.points(its), pointLines);
@@ -125,7 +130,7 @@ void placesOf(const BrickPicture<float>& picture, const PictureBrick& brick, dou
     thread_local std::vector<glm::vec3> normals;
     places.resize(brick.vertexCount);
     normals.resize(brick.vertexCount);
-    expandBrick(picture, brick, static_cast<float>(isovalue), places.data(), normals.data());
+    expandBrick(picture, brick, static_cast<float>(isovalue), {places.data(), normals.data(), brick.vertexCount});
 }
 
 void expandSome(const BrickPicture<float>& picture, const PictureBrick& brick, std::span<const std::uint16_t> which,
@@ -133,16 +138,15 @@ void expandSome(const BrickPicture<float>& picture, const PictureBrick& brick, s
     const auto value = static_cast<float>(isovalue);
     const std::uint32_t onEdges = brick.vertexCount - std::uint32_t{brick.innerCount};
     const VertexCode* const codes = picture.codes(brick);
-    std::array<VertexCode, kNearVertices> some;
+    constexpr std::uint32_t kTogether = 256;
+    std::array<VertexCode, kTogether> some;
     std::size_t at = 0;
     while (at < which.size() && which[at] < onEdges) {
         std::uint32_t count = 0;
-        for (; count < kNearVertices && at + count < which.size() && which[at + count] < onEdges; ++count)
+        for (; count < kTogether && at + count < which.size() && which[at + count] < onEdges; ++count)
             some[count] = codes[which[at + count]];
-        for (std::uint32_t k = count; k % kCodesTogether != 0; ++k)
-            some[k] = some[0];
-        placeVertices(picture.type(), picture.points(brick), some.data(), count, brick.origin(), value, positions + at,
-                      normals + at);
+        placeVertices(picture.type(), picture.points(brick), some.data(), count, brick.origin(), value,
+                      {positions + at, normals + at, count});
         at += count;
     }
     for (; at < which.size(); ++at)

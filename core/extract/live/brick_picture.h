@@ -2,36 +2,55 @@
 
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <set>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/extract/live/brick_points.h"
+#include "core/extract/live/chunked_array.h"
 #include "core/extract/live/edge_record.h"
 #include "core/extract/live/run_arena.h"
 #include "core/extract/live/vertex_code.h"
+#include "core/extract/live/vertex_kernels.h"
 #include "core/extract/surface_frame.h"
 
 namespace isoslider::extract {
 
 /// Where all that is drawn of the live bricks lies.
 struct BrickArenas {
-    explicit BrickArenas(ScalarType scalarType) : type(scalarType) {}
+    explicit BrickArenas(ScalarType scalarType, bool withGroups = false) : type(scalarType), hasGroups(withGroups) {}
+    /// Empty ones of the same kind.
+    std::shared_ptr<BrickArenas> alike() const { return std::make_shared<BrickArenas>(type, hasGroups); }
 
     /// No brick's points lie on both sides of a multiple of 2^kPointChunkBits lines.
     static constexpr int kPointChunkBits = 20;
 
     const ScalarType type; ///< of the samples in `points`
+    const bool hasGroups; ///< beside codes, for who wants all vertices as floats again and again
     ShortArena vertices; ///< VertexCode
     ShortArena indices;
     RunArena<InnerRecord, 4, 14> inner;
     RunArena<PointLine, 4, kPointChunkBits> points;
     const std::uint64_t series = nextSeries(); ///< no other arenas have the same number
+
+    /// What the vertices of a run are made from begins where its codes do, in an array of its own.
+    template <class Live>
+    VertexGroup<Live>* groupsFor(const ArenaRun& run) {
+        auto& groups = groupsOf<Live>(*this);
+        groups.grow((std::uint64_t{run.begin} + run.capacity) / kGroupSize);
+        return groups.at(run.begin / kGroupSize);
+    }
+    template <class Live>
+    const VertexGroup<Live>* groupsAt(std::uint32_t firstVertex) const {
+        return groupsOf<Live>(*this).at(firstVertex / kGroupSize);
+    }
 
     /// RunArena::clear() and trim() of all, isSparse() of any.
     void clear() {
@@ -52,9 +71,24 @@ struct BrickArenas {
         indices.trim();
         inner.trim();
         points.trim();
+        groups_.shrink(vertices.top() / kGroupSize);
+        doubleGroups_.shrink(vertices.top() / kGroupSize);
     }
 
 private:
+    template <class Live, class Arenas>
+    static auto& groupsOf(Arenas& arenas) {
+        if constexpr (std::is_same_v<Live, float>)
+            return arenas.groups_;
+        else
+            return arenas.doubleGroups_;
+    }
+    // No run of codes lies on both sides of a chunk's end here either.
+    template <class Live>
+    using Groups = ChunkedArray<VertexGroup<Live>, ShortArena::kChunkBits - std::countr_zero(kGroupSize)>;
+    Groups<float> groups_{ShortArena::kMost / kGroupSize};
+    Groups<double> doubleGroups_{ShortArena::kMost / kGroupSize};
+    static_assert(ShortArena::kGranule % kGroupSize == 0);
     static std::uint64_t nextSeries() {
         static std::atomic<std::uint64_t> last{0};
         return ++last;
@@ -136,11 +170,15 @@ public:
 
     /// By slot of the live surface.
     std::span<const PictureBrick> bricks() const { return bricks_; }
-    /// Behind them stand others, see readRecords().
     const VertexCode* codes(const PictureBrick& brick) const { return arenas_->vertices.at(brick.firstVertex); }
     const std::uint16_t* indices(const PictureBrick& brick) const { return arenas_->indices.at(brick.firstIndex); }
     const InnerRecord* inner(const PictureBrick& brick) const { return arenas_->inner.at(brick.firstInner); }
     const PointLine* points(const PictureBrick& brick) const { return arenas_->points.at(brick.firstPointLine); }
+    /// What the brick's vertices on edges are made from, where the surface keeps it (SlideOptions::keepsGroups); else
+    /// null.
+    const VertexGroup<Live>* groups(const PictureBrick& brick) const {
+        return arenas_->hasGroups ? arenas_->template groupsAt<Live>(brick.firstVertex) : nullptr;
+    }
     /// Of the samples of points.
     ScalarType type() const { return arenas_->type; }
     /// All that the brick's vertices are made from; `room` holds them.

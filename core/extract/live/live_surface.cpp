@@ -34,14 +34,14 @@ bool hasAnyCell(const BitString& cells, ClosedPoint first, int level) {
 
 template <class Live>
 LiveSurface<Live>::LiveSurface(const GridGeometry& geometry, ScalarType type,
-                               const std::vector<index::MissingCells>& missingCells)
+                               const std::vector<index::MissingCells>& missingCells, bool keepsGroups)
     : geometry_(geometry),
       pointLines_(pointLineCount(scalarTypeSizeBytes(type))),
       inverseSpacing_(1.0 / glm::abs(geometry.spacing)),
       shapes_(geometry.dims, missingCells),
       hasMissing_(!missingCells.empty()),
       bricks_(shapes_.grid().brickCount()),
-      arenas_(std::make_shared<BrickArenas>(type)),
+      arenas_(std::make_shared<BrickArenas>(type, keepsGroups)),
       kept_(shapes_.grid().brickCount()) {
     for (const cell::CellState& state : cell::cellStates())
         ISO_CHECK(state.innerVertices <= cell::kMaxInnerVertices && state.triangles.size() <= kMaxCellIndices);
@@ -188,7 +188,7 @@ void LiveSurface<Live>::prefetch(BrickSlot slot) const {
 template <class Live>
 void LiveSurface<Live>::beginMove() {
     if (!spare_)
-        spare_ = std::make_shared<BrickArenas>(arenas_->type);
+        spare_ = arenas_->alike();
     replaced_.clear();
     ++version_;
     const std::uint32_t oldest = leases_->oldest();
@@ -226,7 +226,7 @@ void LiveSurface<Live>::compact() {
     if (sparseMoves_ == 0 || (sparseMoves_ < kSparseMoves && !arenas_->isSparse(kVerySparse)))
         return;
     sparseMoves_ = 0;
-    auto compacted = std::make_shared<BrickArenas>(arenas_->type);
+    auto compacted = arenas_->alike();
     const auto moveRun = [](auto& to, const auto& from, ArenaRun& run) {
         const ArenaRun moved = to.alike(run);
         if (moved.capacity > 0)
@@ -237,7 +237,12 @@ void LiveSurface<Live>::compact() {
         Brick& brick = bricks_[slot.index()];
         if (!brick.isLive)
             continue;
+        const std::uint32_t vertices = brick.vertices.begin;
         moveRun(compacted->vertices, arenas_->vertices, brick.vertices);
+        if (compacted->hasGroups && brick.edgeVertices > 0) {
+            const auto* const groups = arenas_->template groupsAt<Live>(vertices);
+            std::copy_n(groups, groupCount(brick.edgeVertices), compacted->template groupsFor<Live>(brick.vertices));
+        }
         moveRun(compacted->indices, arenas_->indices, brick.indices);
         moveRun(compacted->inner, arenas_->inner, brick.inner);
         moveRun(compacted->points, arenas_->points, brick.points);
@@ -345,11 +350,11 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     if (isWatched_ && brick.vertices.capacity > 0)
         draft.retired.push_back(
             {std::exchange(brick.vertices, {}), std::exchange(brick.indices, {}), std::exchange(brick.inner, {}), {}});
+    const PointLine* const its = draft.newPoints ? draft.newPoints : points(slot); // those that are in the cache
     putPoints(slot, draft);
     std::uint32_t vertices = draft.edgeVertices;
     for (std::uint32_t k = 0; k < inner; ++k)
         draft.codes[vertices++] = insideCode(k);
-    std::fill_n(&draft.codes[vertices], kCodesTogether, VertexCode{0}); // they are read in whole vectors
     arenas_->vertices.resize(brick.vertices, vertices, draft.verticesAhead);
     arenas_->indices.resize(brick.indices, draft.indexCount, draft.indicesAhead);
     arenas_->inner.resize(brick.inner, inner);
@@ -358,6 +363,11 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     ambiguous_.resize(brick.ambiguous, static_cast<std::uint32_t>(draft.ambiguous.size()));
     if (vertices > 0)
         streamCopy(arenas_->vertices.at(brick.vertices.begin), draft.codes.data(), vertices * sizeof(VertexCode));
+    if (arenas_->hasGroups && draft.edgeVertices > 0) {
+        gatherVertices(arenas_->type, its, draft.codes.data(), draft.edgeVertices, draft.groups.data());
+        streamCopy(arenas_->template groupsFor<Live>(brick.vertices), draft.groups.data(),
+                   groupCount(draft.edgeVertices) * sizeof(VertexGroup<Live>));
+    }
     if (draft.indexCount > 0)
         streamCopy(arenas_->indices.at(brick.indices.begin), draft.indices.data(),
                    draft.indexCount * sizeof(std::uint16_t));

@@ -47,8 +47,11 @@ public:
     using Brick = LiveBrick;
 
     /// `type`: of the samples that the points of bricks hold. `missingCells` must outlive the surface; sorted by brick.
-    LiveSurface(const GridGeometry& geometry, ScalarType type, const std::vector<index::MissingCells>& missingCells);
+    /// `keepsGroups`: what vertices are made from, in the arenas of its pictures.
+    LiveSurface(const GridGeometry& geometry, ScalarType type, const std::vector<index::MissingCells>& missingCells,
+                bool keepsGroups = false);
 
+    bool keepsGroups() const { return arenas_->hasGroups; }
     /// From now on points of bricks that leave are kept, up to that many bytes of them, for when the bricks come back.
     /// REQUIRES: bricks have all their points from the first replace() on.
     void keepPoints(std::uint64_t bytes) { kept_.setBound(bytes / (pointLines_ * sizeof(PointLine))); }

@@ -112,13 +112,13 @@ void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, co
             edges.codes.push_back(static_cast<VertexCode>(
                 4 * listed.cell.index() + kPlaceOfCellEdge[static_cast<std::size_t>(std::countr_zero(mask))]));
     const std::size_t count = edges.codes.size();
-    edges.codes.resize(count + kCodesTogether);
-    if (edges.positions.size() < count) {
+    if (edges.normals.size() < count) { // these last: memory may be short in between
         edges.positions.resize(count);
         edges.normals.resize(count);
     }
     placeVertices(arenas_->type, points, edges.codes.data(), static_cast<std::uint32_t>(count), origin,
-                  static_cast<Live>(isovalue), edges.positions.data(), edges.normals.data());
+                  static_cast<Live>(isovalue),
+                  {edges.positions.data(), edges.normals.data(), static_cast<std::uint32_t>(edges.normals.size())});
     InnerVertexCell placed;
     std::array<InnerVertex, cell::kMaxInnerVertices> inside;
     std::size_t next = 0;

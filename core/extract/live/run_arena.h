@@ -26,8 +26,10 @@ template <class T, std::uint32_t Granule, int ChunkBits>
 class RunArena {
 public:
     static constexpr std::uint32_t kGranule = Granule;
+    static constexpr int kChunkBits = ChunkBits;
+    static constexpr std::uint64_t kMost = std::uint64_t{1} << 32;
 
-    explicit RunArena(std::uint64_t maxCount = std::uint64_t{1} << 32) : elements_(maxCount), limit_(maxCount) {}
+    explicit RunArena(std::uint64_t maxCount = kMost) : elements_(maxCount), limit_(maxCount) {}
 
     /// Free runs that one thread has taken for itself, a few of each size it needs: the arena's own lists are in
     /// another thread's cache most of the time, and a look at them costs more than making a small run. Belongs to the

@@ -11,31 +11,48 @@
 
 namespace isoslider::extract {
 
-/// Codes are read in whole vectors: behind the last there are others, of any edges, up to a multiple of this.
-inline constexpr std::uint32_t kCodesTogether = 16;
-/// So many vertices and what they are made from stay in the nearest cache.
-inline constexpr std::uint32_t kNearVertices = 256;
-static_assert(kNearVertices % kCodesTogether == 0);
+inline constexpr std::uint32_t kGroupSize = 16;
+
+/// The records (edge_record.h) of so many vertices on edges, a column per field. Behind the last vertex of a brick
+/// there is anything.
+template <class Live>
+struct alignas(64) VertexGroup {
+    Live lower[kGroupSize], upper[kGroupSize]; ///< scalars at the ends of the edge or leaf edge
+    std::uint32_t normals[kGroupSize]; ///< NormalCode of the lower end, and in the upper half that of the upper
+    std::uint32_t codes[kGroupSize]; ///< VertexCode
+};
+
+constexpr std::uint32_t groupCount(std::uint32_t count) { return (count + kGroupSize - 1) / kGroupSize; }
+
+/// Where positions (grid index units) and unit normals go: there is room for `count` of each, at least as many as are
+/// asked for. What is behind those may be written to, and holds nothing then.
+struct VertexRoom {
+    glm::vec3 *positions, *normals;
+    std::uint32_t count;
+
+    VertexRoom from(std::uint32_t begin) const { return {positions + begin, normals + begin, count - begin}; }
+};
 
 /// Records of `count` vertices on edges, from their codes and the brick's points: BrickPoints of samples of `type`.
-/// REQUIRES: Live is what such samples live as; what kCodesTogether says.
+/// REQUIRES: Live is what such samples live as.
 template <class Live>
 void readRecords(ScalarType type, const PointLine* points, const VertexCode* codes, std::uint32_t count,
                  EdgeRecord<Live>* records);
 /// The same of one vertex.
 template <class Live>
 EdgeRecord<Live> readRecord(ScalarType type, const PointLine* points, VertexCode code);
-
-/// Positions (grid index units) and unit normals of `count` records on edges, as floats: vertexOf() of each, several at
-/// a time, equal to the bit. REQUIRES: none of them is inside a cell.
+/// The same in groups, as many as are needed.
 template <class Live>
-void interpolateVertices(const EdgeRecord<Live>* records, std::uint32_t count,
-                         const std::array<std::int32_t, 3>& origin, Live isovalue, glm::vec3* positions,
-                         glm::vec3* normals);
+void gatherVertices(ScalarType type, const PointLine* points, const VertexCode* codes, std::uint32_t count,
+                    VertexGroup<Live>* groups);
 
-/// Both in one: the vertices of codes, without records where no leaf edges are among them. REQUIRES: as readRecords().
+/// vertexOf() of the first `count` vertices of groups, several at a time, equal to the bit.
+template <class Live>
+void placeVertices(const VertexGroup<Live>* groups, std::uint32_t count, const std::array<std::int32_t, 3>& origin,
+                   Live isovalue, const VertexRoom& room);
+/// The same from codes and points. REQUIRES: as gatherVertices().
 template <class Live>
 void placeVertices(ScalarType type, const PointLine* points, const VertexCode* codes, std::uint32_t count,
-                   const std::array<std::int32_t, 3>& origin, Live isovalue, glm::vec3* positions, glm::vec3* normals);
+                   const std::array<std::int32_t, 3>& origin, Live isovalue, const VertexRoom& room);
 
 } // namespace isoslider::extract

@@ -311,6 +311,47 @@ TEST_F(SlideEngineTest, KeptPointsSurviveThatMemoryIsGivenBack) {
     EXPECT_GT(cameBack, 5);
 }
 
+// What vertices are made from may be kept beside them: the arrays are the same, also when bricks have moved in memory,
+// while a picture is held and while none is, with merged cells and without.
+TEST_F(SlideEngineTest, ArraysFromKeptGroupsAreThoseFromPoints) {
+    const auto path = buildMetacells();
+    SlideOptions options;
+    options.cacheBytes = std::uint64_t{128} << 10; // small: memory is given back
+    const auto plain = SlideEngine::open(path, options);
+    options.keepsGroups = true;
+    const auto keeping = SlideEngine::open(path, options);
+    ASSERT_THAT(plain, IsOk());
+    ASSERT_THAT(keeping, IsOk());
+    std::set<std::uint64_t> series;
+    std::vector<glm::vec3> positions, normals, keptPositions, keptNormals;
+    std::uint64_t mergedLeaves = 0;
+    for (const double limit : {0.0, 0.4})
+        for (const bool holdsPicture : {true, false}) {
+            SurfaceFrame held;
+            for (const double isovalue : {300.5, 301.0, 310.25, 290.0, 291.0, 900.0, 903.0, 950.0, 951.0, 953.0, 953.5,
+                                          954.0, 955.0, 956.0, 957.0, 300.0}) {
+                SurfaceFrame frame, kept;
+                for (const auto& engine : {std::pair(&plain, &frame), std::pair(&keeping, &kept)}) {
+                    ASSERT_THAT((*engine.first).value()->setMergeBound({MergeBound::Measure::Distance, limit}), IsOk());
+                    ASSERT_THAT((*engine.first).value()->slideTo(isovalue), IsOk());
+                    (*engine.first).value()->copyFrame(*engine.second);
+                }
+                expandVertices(*frame.bricks, isovalue, positions, normals);
+                expandVertices(*kept.bricks, isovalue, keptPositions, keptNormals);
+                ASSERT_EQ(positions, keptPositions) << isovalue;
+                ASSERT_EQ(normals, keptNormals) << isovalue;
+                EXPECT_EQ(kept.bricks->groups(kept.bricks->bricks()[0]) != nullptr, true);
+                EXPECT_EQ(frame.bricks->groups(frame.bricks->bricks()[0]), nullptr);
+                mergedLeaves += kept.stats.activeLeaves[1];
+                series.insert(kept.bricks->series());
+                if (holdsPicture)
+                    held = std::move(kept);
+            }
+        }
+    EXPECT_GT(series.size(), 1u) << "nothing was given back";
+    EXPECT_GT(mergedLeaves, 0u);
+}
+
 // A handle that goes to and fro does not pay for it again and again: little is never given back.
 TEST_F(SlideEngineTest, LittleMemoryStaysWithASurfaceThatShrinks) {
     const auto engine = SlideEngine::open(buildMetacells());

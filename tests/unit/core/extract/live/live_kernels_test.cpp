@@ -228,23 +228,32 @@ void expectRecords(std::mt19937& random) {
                 codes.push_back(
                     vertexCode(closedEdge(static_cast<int>(axis), closedPoint(at[0], at[1], at[2])), level));
             }
-            codes.resize((count + kCodesTogether - 1) / kCodesTogether * kCodesTogether, VertexCode{0});
             std::vector<EdgeRecord<Live>> records(count + 1);
             records[count].edge = ClosedEdge(4321);
             readRecords<Live>(kScalarTypeOf<Sample>, lines, codes.data(), count, records.data());
             EXPECT_EQ(records[count].edge, ClosedEdge(4321)) << "nothing is written behind the last";
             const std::array<std::int32_t, 3> origin{8, 1600, 64};
             const auto isovalue = static_cast<Live>(records[0].scalar1 / 2 + records[0].scalar2 / 2);
-            std::vector<glm::vec3> positions(count + 1, glm::vec3(4321.0f)), normals = positions;
-            placeVertices<Live>(kScalarTypeOf<Sample>, lines, codes.data(), count, origin, isovalue, positions.data(),
-                                normals.data());
-            EXPECT_EQ(positions[count], glm::vec3(4321.0f));
-            EXPECT_EQ(normals[count], glm::vec3(4321.0f));
-            for (std::uint32_t k = 0; k < count; ++k) {
-                const MeshVertex plain = vertexOf<Live>(records[k], origin, isovalue);
-                ASSERT_EQ(toString(positions[k]), toString(plain.position)) << k; // ends may be equal: NaN
-                ASSERT_EQ(normals[k], plain.normal) << k;
-            }
+            std::vector<VertexGroup<Live>> groups(groupCount(count) + 1);
+            groups.back().codes[0] = 4321;
+            gatherVertices<Live>(kScalarTypeOf<Sample>, lines, codes.data(), count, groups.data());
+            EXPECT_EQ(groups.back().codes[0], 4321u);
+            for (const bool fromGroups : {false, true})
+                for (const std::uint32_t room : {count, count + kGroupSize}) {
+                    std::vector<glm::vec3> positions(room + 1, glm::vec3(4321.0f)), normals = positions;
+                    const VertexRoom here{positions.data(), normals.data(), room};
+                    if (fromGroups)
+                        placeVertices<Live>(groups.data(), count, origin, isovalue, here);
+                    else
+                        placeVertices<Live>(kScalarTypeOf<Sample>, lines, codes.data(), count, origin, isovalue, here);
+                    EXPECT_EQ(positions[room], glm::vec3(4321.0f));
+                    EXPECT_EQ(normals[room], glm::vec3(4321.0f));
+                    for (std::uint32_t k = 0; k < count; ++k) {
+                        const MeshVertex plain = vertexOf<Live>(records[k], origin, isovalue);
+                        ASSERT_EQ(toString(positions[k]), toString(plain.position)) << k; // ends may be equal: NaN
+                        ASSERT_EQ(normals[k], plain.normal) << k;
+                    }
+                }
             for (std::uint32_t k = 0; k < count; ++k) {
                 const ClosedEdge edge = edgeOf(codes[k]);
                 const auto axis = static_cast<std::size_t>(axisOf(edge));
@@ -376,9 +385,18 @@ void expectVertices(std::mt19937& random) {
     }
     const std::array<std::int32_t, 3> origin{8, 1600, 64};
     for (const std::uint32_t count : {0u, 1u, 7u, 16u, 17u, 333u}) {
+        std::vector<VertexGroup<Live>> groups(groupCount(count));
+        for (std::uint32_t k = 0; k < count; ++k) {
+            VertexGroup<Live>& group = groups[k / kGroupSize];
+            const std::size_t lane = k % kGroupSize;
+            group.lower[lane] = records[k].scalar1;
+            group.upper[lane] = records[k].scalar2;
+            group.normals[lane] = records[k].normal1 | static_cast<std::uint32_t>(records[k].normal2) << 16;
+            group.codes[lane] = vertexCode(records[k].edge, records[k].levelOrUpperZ);
+        }
         std::vector<glm::vec3> positions(count), normals(count);
-        interpolateVertices<Live>(records.data(), count, origin, static_cast<Live>(100), positions.data(),
-                                  normals.data());
+        placeVertices<Live>(groups.data(), count, origin, static_cast<Live>(100),
+                            {positions.data(), normals.data(), count});
         for (std::uint32_t k = 0; k < count; ++k) {
             const MeshVertex plain = vertexOf<Live>(records[k], origin, static_cast<Live>(100));
             ASSERT_EQ(positions[k], plain.position) << k;
