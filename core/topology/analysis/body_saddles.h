@@ -27,9 +27,8 @@ struct BodySaddle {
 /// at one isovalue is what any other order would count there.
 class CellSaddles {
 public:
-    /// `faces`: bit f: two opposite corners of face f come after both others, in that order. `mayHaveInner`: along no
-    /// axis do all four edges ascend, or all descend. False where rounding leaves anything open; nothing is known then.
-    /// REQUIRES: all finite.
+    /// `faces`, `mayHaveInner`: as in the cell's code (cell_codes.h). False where rounding leaves anything open;
+    /// nothing is known then. REQUIRES: all finite.
     bool find(const cell::CornerScalars& scalars, unsigned faces, bool mayHaveInner);
 
     /// Discs less tubes of the cell, when the isovalue rises beyond the saddle of one of `faces`: 1 or -1.

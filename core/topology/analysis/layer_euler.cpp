@@ -6,6 +6,7 @@
 
 #include "core/grid/scalar_type.h"
 #include "core/topology/analysis/body_saddles.h"
+#include "core/topology/analysis/cell_codes.h"
 #include "core/topology/analysis/euler_sums.h"
 #include "core/topology/cell_saddles.h"
 
@@ -87,9 +88,6 @@ public:
     }
 
 private:
-    /// Bits of a cell: CellSaddles::find, `faces` and `mayHaveInner`.
-    static constexpr unsigned kFaces = 63, kInner = 64;
-
     std::int64_t placeOf(std::int64_t y, std::int64_t z) const { return row_ * y + plane_ * (z - window_.zBegin); }
     // Places count from the layer's first grid point; one plane before it is there, too.
     const std::uint8_t* edgesAt(std::int64_t place) const { return window_.higher.edges() + window_.inPlanes(place); }
@@ -123,28 +121,9 @@ private:
 
     // ---- cells that are ambiguous at some isovalue
 
-    // From the edges of a row of cells: on which faces opposite corners come together, and whether all four edges of an
-    // axis point the same way.
-    void findCodes(const std::uint8_t* edges) {
-        constexpr int kUpX = 1, kUpY = 3, kUpZ = 5; // bits: the next point along an axis is higher
-        for (std::int64_t x = 0; x + 1 < nx_; ++x) {
-            const unsigned p = edges[x], px = edges[x + 1], py = edges[x + row_], pz = edges[x + plane_],
-                           pxy = edges[x + row_ + 1], pxz = edges[x + plane_ + 1], pyz = edges[x + plane_ + row_];
-            // Opposite edges of a face point against each other, both pairs from the same corner.
-            const auto isSaddle = [](unsigned a0, unsigned a1, unsigned b0, unsigned b1) {
-                return (a0 ^ a1) & (b0 ^ b1) & ~(a0 ^ b0) & 1u;
-            };
-            const unsigned faces = isSaddle(p >> kUpY, pz >> kUpY, p >> kUpZ, py >> kUpZ) |
-                                   isSaddle(px >> kUpY, pxz >> kUpY, px >> kUpZ, pxy >> kUpZ) << 1 |
-                                   isSaddle(p >> kUpX, pz >> kUpX, p >> kUpZ, px >> kUpZ) << 2 |
-                                   isSaddle(py >> kUpX, pyz >> kUpX, py >> kUpZ, pxy >> kUpZ) << 3 |
-                                   isSaddle(p >> kUpX, py >> kUpX, p >> kUpY, px >> kUpY) << 4 |
-                                   isSaddle(pz >> kUpX, pyz >> kUpX, pz >> kUpY, pxz >> kUpY) << 5;
-            const unsigned differX = (p ^ py) | (p ^ pz) | (p ^ pyz), differY = (p ^ px) | (p ^ pz) | (p ^ pxz),
-                           differZ = (p ^ px) | (p ^ py) | (p ^ pxy);
-            const unsigned inner = differX >> kUpX & differY >> kUpY & differZ >> kUpZ & 1u;
-            codes_[along(x)] = static_cast<std::uint8_t>(faces | inner << 6);
-        }
+    // Of a row of cells.
+    void findCodes(std::int64_t start) {
+        findCellCodes(window_.layer() + start, edgesAt(start), row_, plane_, nx_ - 1, codes_.data());
     }
 
     void loadCell(std::int64_t first) {
@@ -159,7 +138,7 @@ private:
         constexpr unsigned kTop = 5;
         for (std::int64_t y = 0; y + 1 < window_.dims[1]; ++y) {
             const std::int64_t start = placeOf(y, window_.zBegin - 1);
-            findCodes(edgesAt(start));
+            findCodes(start);
             for (std::int64_t x = 0; x + 1 < nx_; ++x) {
                 const unsigned code = codes_[along(x)];
                 const CellStar star = window_.stars[along(start + x + plane_)];
@@ -167,7 +146,7 @@ private:
                 if ((code >> kTop & 1u) == 0 || !areBothThere)
                     continue;
                 loadCell(start + x);
-                if (saddles_.find(scalars_, code & kFaces, (code & kInner) != 0))
+                if (saddles_.find(scalars_, code & kSaddleFaces, (code & kMayHaveInner) != 0))
                     passedZ_[along(x + row_ * y)] = static_cast<std::int8_t>(saddles_.eulerAtFace(kTop));
             }
         }
@@ -175,7 +154,7 @@ private:
 
     void scanCells(std::int64_t y, std::int64_t z) {
         const std::int64_t start = placeOf(y, z);
-        findCodes(edgesAt(start));
+        findCodes(start);
         const CellStar* const stars = window_.stars.data() + start;
         passedX_ = 0;
         for (std::int64_t x = 0; x + 1 < nx_; ++x)
@@ -186,7 +165,7 @@ private:
     // `x`, `inPlane`: where what is passed to the next cells along y and z is kept.
     void addCell(std::int64_t first, std::int64_t x, std::int64_t inPlane, unsigned code) {
         loadCell(first);
-        const bool isCertain = saddles_.find(scalars_, code & kFaces, (code & kInner) != 0);
+        const bool isCertain = saddles_.find(scalars_, code & kSaddleFaces, (code & kMayHaveInner) != 0);
         if (isCertain) {
             for (const BodySaddle& saddle : saddles_.inner())
                 addInner(saddle);
@@ -195,7 +174,7 @@ private:
         }
         const std::array<std::int8_t*, 3> passed{&passedX_, &passedY_[along(x)], &passedZ_[along(inPlane)]};
         const bool isNextLayers = window_.zEnd == window_.zBegin + first / plane_ + 1 && !window_.isLast();
-        for (unsigned faces = code & kFaces; faces != 0; faces &= faces - 1) {
+        for (unsigned faces = code & kSaddleFaces; faces != 0; faces &= faces - 1) {
             const auto face = static_cast<unsigned>(std::countr_zero(faces));
             const int own = isCertain ? saddles_.eulerAtFace(static_cast<int>(face)) : 0;
             std::int8_t& other = *passed[face / 2];
@@ -294,7 +273,7 @@ private:
     const LayerWindow<Sample>& window_;
     LayerSide &above_, &below_;
     std::int64_t nx_, row_, plane_;
-    std::vector<std::uint8_t> codes_; ///< of a row of cells
+    std::vector<CellCode> codes_; ///< of a row of cells
     // What cells add to the changes at their far faces, until the next cell takes it.
     std::int8_t passedX_;
     std::vector<std::int8_t> passedY_, passedZ_;
