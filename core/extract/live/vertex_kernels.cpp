@@ -36,21 +36,15 @@ namespace isoslider::extract::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// decodeDirection() of normal_codec.h, lane by lane.
+// decodeDirection() of normal_codec.h, lane by lane, of codes that stand for a direction.
 template <class D, class I, class V>
 HWY_INLINE void decode(D d, I bytesU, I bytesV, V& x, V& y, V& z) {
-    const hn::RebindToSigned<D> ints;
-    const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f), step = hn::Set(d, 1.0f / 127.0f);
+    const auto step = hn::Set(d, 1.0f / 127.0f);
     const auto u = hn::Mul(hn::ConvertTo(d, bytesU), step), v = hn::Mul(hn::ConvertTo(d, bytesV), step);
-    z = hn::Sub(hn::Sub(one, hn::Abs(u)), hn::Abs(v));
-    const auto fold = hn::Max(hn::Neg(z), zero);
-    x = hn::Add(u, hn::IfThenElse(hn::Ge(u, zero), hn::Neg(fold), fold));
-    y = hn::Add(v, hn::IfThenElse(hn::Ge(v, zero), hn::Neg(fold), fold));
-    const auto isNone =
-        hn::RebindMask(d, hn::And(hn::Eq(bytesU, hn::Set(ints, -128)), hn::Eq(bytesV, hn::Set(ints, -128))));
-    x = hn::IfThenZeroElse(isNone, x);
-    y = hn::IfThenZeroElse(isNone, y);
-    z = hn::IfThenZeroElse(isNone, z);
+    z = hn::Sub(hn::Sub(hn::Set(d, 1.0f), hn::Abs(u)), hn::Abs(v));
+    const auto fold = hn::Max(hn::Neg(z), hn::Zero(d));
+    x = hn::Sub(u, hn::CopySignToAbs(fold, u));
+    y = hn::Sub(v, hn::CopySignToAbs(fold, v));
 }
 
 // Places of the points p of a brick, as coordsOf(): quotients by 9 and 81 as products.
@@ -86,33 +80,57 @@ public:
         return hn::IfThenElse(hn::Lt(above, one), above, one);
     }
 
-    // Vertex `at` and those behind it, `count` of them at most, on edges or leaf edges of `side` cells along `axis`
-    // from the brick's points p on; normals as codes side by side.
-    HWY_INLINE void place(std::uint32_t at, std::uint32_t count, I p, I axis, I side, V t, M rises, I codes) const {
-        const auto zero = hn::Zero(d_), one = hn::Set(d_, 1.0f);
+    // Vertex `at` and those behind it, `count` of them at most, on edges, or leaf edges of 2^level cells, along `axis`
+    // from the brick's points p on; normals as codes side by side. What is rare is left out where no lane has it.
+    HWY_INLINE void place(std::uint32_t at, std::uint32_t count, I p, I axis, I level, V t, M rises, I codes) const {
         const auto ninth = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints_, 7282))),
                    z = hn::ShiftRight<16>(hn::Mul(p, hn::Set(ints_, 810)));
         const auto y = hn::Sub(ninth, hn::Mul(z, hn::Set(ints_, 9))), x = hn::Sub(p, hn::Mul(ninth, hn::Set(ints_, 9)));
-        const auto inside = hn::Sub(side, hn::Set(ints_, 1));
         const auto alongX = hn::Eq(axis, hn::Zero(ints_)), alongY = hn::Eq(axis, hn::Set(ints_, 1)),
                    alongZ = hn::Eq(axis, hn::Set(ints_, 2));
-        const auto along = hn::Mul(t, hn::ConvertTo(d_, side));
-        const auto position = [&](V first, I local, auto isAlong) HWY_ATTR { // from the leaf edge's lower end
-            const auto lower = hn::ConvertTo(d_, hn::IfThenElse(isAlong, hn::AndNot(inside, local), local));
-            return hn::Add(hn::Add(first, lower), hn::IfThenElseZero(hn::RebindMask(d_, isAlong), along));
+        const auto position = [&](V first, I lower, auto isAlong, V along) HWY_ATTR {
+            return hn::Add(hn::Add(first, hn::ConvertTo(d_, lower)),
+                           hn::IfThenElseZero(hn::RebindMask(d_, isAlong), along));
         };
-        store(position(first_[0], x, alongX), position(first_[1], y, alongY), position(first_[2], z, alongZ), at, count,
-              room_.positions);
+        if (hn::AllTrue(ints_, hn::Eq(level, hn::Zero(ints_)))) {
+            store(position(first_[0], x, alongX, t), position(first_[1], y, alongY, t),
+                  position(first_[2], z, alongZ, t), at, count, room_.positions);
+        } else {
+            const auto side = hn::Shl(hn::Set(ints_, 1), level);
+            const auto inside = hn::Sub(side, hn::Set(ints_, 1));
+            const auto along = hn::Mul(t, hn::ConvertTo(d_, side));
+            const auto lower = [&](I local, auto isAlong) HWY_ATTR { // end of the leaf edge
+                return hn::IfThenElse(isAlong, hn::AndNot(inside, local), local);
+            };
+            store(position(first_[0], lower(x, alongX), alongX, along),
+                  position(first_[1], lower(y, alongY), alongY, along),
+                  position(first_[2], lower(z, alongZ), alongZ, along), at, count, room_.positions);
+        }
+        const auto zero = hn::Zero(d_), one = hn::Set(d_, 1.0f);
         auto x1 = zero, y1 = zero, z1 = zero, x2 = zero, y2 = zero, z2 = zero;
         decode(d_, hn::ShiftRight<24>(hn::ShiftLeft<24>(codes)), hn::ShiftRight<24>(hn::ShiftLeft<16>(codes)), x1, y1,
                z1);
         decode(d_, hn::ShiftRight<24>(hn::ShiftLeft<8>(codes)), hn::ShiftRight<24>(codes), x2, y2, z2);
+        const auto none = hn::Set(ints_, kNoNormal);
+        const auto isNone1 = hn::Eq(hn::And(codes, hn::Set(ints_, 0xffff)), none),
+                   isNone2 = hn::Eq(hn::And(hn::ShiftRight<16>(codes), hn::Set(ints_, 0xffff)), none);
+        if (!hn::AllFalse(ints_, hn::Or(isNone1, isNone2))) {
+            for (V* each : {&x1, &y1, &z1})
+                *each = hn::IfThenZeroElse(hn::RebindMask(d_, isNone1), *each);
+            for (V* each : {&x2, &y2, &z2})
+                *each = hn::IfThenZeroElse(hn::RebindMask(d_, isNone2), *each);
+        }
         // edgeNormal() of edge_interpolation.h, lane by lane.
         const auto nx = hn::Add(x1, hn::Mul(t, hn::Sub(x2, x1)));
         const auto ny = hn::Add(y1, hn::Mul(t, hn::Sub(y2, y1)));
         const auto nz = hn::Add(z1, hn::Mul(t, hn::Sub(z2, z1)));
         const auto square = hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz));
         const auto isFlat = hn::Lt(square, hn::Set(d_, kLeastNormalSquare));
+        if (hn::AllFalse(d_, isFlat)) {
+            const auto scale = hn::Div(one, hn::Sqrt(square));
+            store(hn::Mul(nx, scale), hn::Mul(ny, scale), hn::Mul(nz, scale), at, count, room_.normals);
+            return;
+        }
         const auto scale = hn::Div(one, hn::Sqrt(hn::IfThenElse(isFlat, one, square)));
         const auto down = hn::IfThenElse(rises, hn::Neg(one), one);
         const auto unit = [&](V n, auto isAlong) HWY_ATTR {
@@ -153,10 +171,10 @@ void placeHere(const VertexGroup<Live>* HWY_RESTRICT groups, std::uint32_t count
         const auto normals = hn::BitCast(ints, hn::Load(words, group.normals + k));
         const auto axis = hn::And(code, hn::Set(ints, 3)),
                    p = hn::And(hn::ShiftRight<2>(code), hn::Set(ints, kEdgePointMask)),
-                   side = hn::Shl(hn::Set(ints, 1), hn::ShiftRight<kCodeLevelShift>(code));
+                   level = hn::ShiftRight<kCodeLevelShift>(code);
         if constexpr (std::is_same_v<Live, float>) {
             const auto s1 = hn::Load(d, group.lower + k), s2 = hn::Load(d, group.upper + k);
-            placing.place(at, count - at, p, axis, side, placing.fraction(s1, s2, isovalue), hn::Lt(s1, s2), normals);
+            placing.place(at, count - at, p, axis, level, placing.fraction(s1, s2, isovalue), hn::Lt(s1, s2), normals);
         } else {
             alignas(64) float t[kGroupSize], rises[kGroupSize];
             for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -164,7 +182,7 @@ void placeHere(const VertexGroup<Live>* HWY_RESTRICT groups, std::uint32_t count
                 t[lane] = static_cast<float>(edgeFraction(s1, s2, isovalue));
                 rises[lane] = s1 < s2 ? 1.0f : 0.0f;
             }
-            placing.place(at, count - at, p, axis, side, hn::Load(d, t), hn::Ne(hn::Load(d, rises), hn::Zero(d)),
+            placing.place(at, count - at, p, axis, level, hn::Load(d, t), hn::Ne(hn::Load(d, rises), hn::Zero(d)),
                           normals);
         }
     }
