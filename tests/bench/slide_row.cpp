@@ -38,10 +38,11 @@ std::unique_ptr<FlyingEdges> makePeer(const BenchVolume& volume, const RowOption
 }
 #endif
 
-// What interpolation reads and writes for an active edge: two scalars, normals, local edge; V, N.
+// What interpolation reads and writes for an active edge: what a vertex is made from; V, N.
 std::size_t interpolationBytes(ScalarType type) {
-    const std::size_t scalar = realType(type) == ScalarType::F64 ? sizeof(double) : sizeof(float);
-    return 2 * scalar + sizeof(std::uint32_t) + sizeof(std::uint16_t) + 2 * sizeof(glm::vec3);
+    const std::size_t group =
+        realType(type) == ScalarType::F64 ? sizeof(extract::VertexGroup<double>) : sizeof(extract::VertexGroup<float>);
+    return group / extract::kGroupSize + 2 * sizeof(glm::vec3);
 }
 
 // Copies bytes, one piece per thread.

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -20,8 +21,14 @@ class ChunkedArray {
 public:
     static constexpr std::size_t kChunk = std::size_t{1} << ChunkBits;
 
-    /// At most `maxCount` elements; the table of chunks is made for as many.
-    explicit ChunkedArray(std::uint64_t maxCount) : chunks_((maxCount >> ChunkBits) + 1) {}
+    /// At most `maxCount` elements; the table of chunks is made for as many, and takes memory where it is used. Throws
+    /// std::bad_alloc.
+    explicit ChunkedArray(std::uint64_t maxCount)
+        : tableSize_(static_cast<std::size_t>(maxCount >> ChunkBits) + 1),
+          chunks_(static_cast<T**>(std::calloc(tableSize_, sizeof(T*)))) {
+        if (chunks_ == nullptr)
+            throw std::bad_alloc();
+    }
 
     /// Makes the elements below `count` usable. Throws std::bad_alloc.
     void grow(std::uint64_t count) {
@@ -30,19 +37,19 @@ public:
         const std::lock_guard lock(mutex_);
         while (usable_.load(std::memory_order_relaxed) < count) {
             const std::size_t chunk = owned_.size();
-            if (chunk >= chunks_.size())
+            if (chunk >= tableSize_)
                 throw std::bad_alloc();
             owned_.push_back(std::make_unique<VirtualMemory>(kChunk * sizeof(T)));
-            chunks_[chunk].store(reinterpret_cast<T*>(owned_.back()->data()), std::memory_order_release);
+            entry(chunk).store(reinterpret_cast<T*>(owned_.back()->data()), std::memory_order_release);
             usable_.store((chunk + 1) * kChunk, std::memory_order_release);
         }
     }
     /// REQUIRES: below grow()'s count, and a run from there stays inside the chunk.
     T* at(std::uint64_t index) {
-        return chunks_[index >> ChunkBits].load(std::memory_order_acquire) + (index & (kChunk - 1));
+        return entry(index >> ChunkBits).load(std::memory_order_acquire) + (index & (kChunk - 1));
     }
     const T* at(std::uint64_t index) const {
-        return chunks_[index >> ChunkBits].load(std::memory_order_acquire) + (index & (kChunk - 1));
+        return entry(index >> ChunkBits).load(std::memory_order_acquire) + (index & (kChunk - 1));
     }
     T& operator[](std::uint64_t index) { return *at(index); }
     const T& operator[](std::uint64_t index) const { return *at(index); }
@@ -55,12 +62,18 @@ public:
             return;
         usable_.store(needed * kChunk, std::memory_order_relaxed);
         for (std::size_t chunk = needed; chunk < owned_.size(); ++chunk)
-            chunks_[chunk].store(nullptr, std::memory_order_relaxed);
+            entry(chunk).store(nullptr, std::memory_order_relaxed);
         owned_.resize(needed);
     }
 
 private:
-    std::vector<std::atomic<T*>> chunks_;
+    struct Free {
+        void operator()(T** table) const { std::free(table); }
+    };
+    std::atomic_ref<T*> entry(std::uint64_t chunk) const { return std::atomic_ref<T*>(chunks_.get()[chunk]); }
+
+    std::size_t tableSize_;
+    std::unique_ptr<T*, Free> chunks_; ///< zero bytes from the system, most of which nobody ever touches
     std::atomic<std::uint64_t> usable_{0};
     std::mutex mutex_;
     std::vector<std::unique_ptr<VirtualMemory>> owned_;

@@ -22,8 +22,8 @@ static_assert(sizeof(InnerRecord) == 16);
 
 /// A mesh vertex of a live brick with all that it is made from: what does not change while the isovalue slides between
 /// the scalars of its edge. Position and normal are functions of the record and the isovalue (vertexOf()); a vertex
-/// shader evaluates the same formula. Records are read from a brick's codes and points where they are wanted, and kept
-/// nowhere (vertex_kernels.h).
+/// shader evaluates the same formula. Records are read from a brick's codes and points where they are wanted; some
+/// surfaces keep those of vertices on edges, too, a column per field (VertexGroup in vertex_kernels.h).
 ///
 /// Two kinds. On an active edge: its place, the scalars and quantised normals at both ends; beside merged cells, at the
 /// ends of the leaf edge of 2^level cells that contains the active edge. Inside a cell (few have such vertices): the
