@@ -47,7 +47,6 @@ void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t
                 std::vector<glm::vec3>& positions, std::vector<glm::vec3>& normals) {
     positions.resize(first.back());
     normals.resize(first.back());
-    constexpr std::uint64_t kFarRoom = std::uint64_t{1} << 31;
     constexpr std::size_t kAhead = 2; // bricks whose lines are asked for
     const auto bricks = picture.bricks();
     const std::size_t pointBytes = pointLineCount(scalarTypeSizeBytes(picture.type())) * sizeof(PointLine);
@@ -72,7 +71,7 @@ void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t
             if (const PictureBrick& brick = bricks[slot]; brick.indexCount > 0) // what it overwrites comes after it
                 expandBrick(picture, brick, static_cast<Live>(isovalue),
                             {&positions[first[slot]], &normals[first[slot]],
-                             static_cast<std::uint32_t>(std::min<std::uint64_t>(first[end] - first[slot], kFarRoom))});
+                             static_cast<std::uint32_t>(first[end] - first[slot])});
         }
     });
 }

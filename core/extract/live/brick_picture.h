@@ -40,7 +40,7 @@ struct BrickArenas {
     RunArena<PointLine, 4, kPointChunkBits> points;
     const std::uint64_t series = nextSeries(); ///< no other arenas have the same number
 
-    /// What the vertices of a run are made from begins where its codes do, in an array of its own.
+    /// What the vertices of a run are made from, in a separate array, at the place that its codes have in theirs.
     template <class Live>
     VertexGroup<Live>* groupsFor(const ArenaRun& run) {
         auto& groups = groupsOf<Live>(*this);

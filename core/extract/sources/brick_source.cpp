@@ -332,7 +332,7 @@ void BrickSource<Sample>::prefetchPoints(const LiveSurface<Live>& surface, const
         samples_.prefetch(brickOf_[job.slot.index()]);
         return;
     }
-    // Else nothing reads the normals until the picture is drawn.
+    // Without groups nothing reads the normals until the picture is drawn.
     const std::size_t bytes = surface.keepsGroups() ? sizeof(Points) : sizeof(Points::samples);
     const auto* const points = reinterpret_cast<const char*>(surface.points(job.slot));
     for (std::size_t line = 0; line < bytes; line += 64)

@@ -98,6 +98,10 @@ HWY_INLINE hn::Mask<D> mayHaveInner(D d, const Sample* HWY_RESTRICT samples, std
     const auto at = [&](int axis, int side, int k)
                         HWY_ATTR { return corner[Slices::kSlice[axis][k] + side * Slices::step(axis)]; };
     V leading[3], length[3], leadingSize[3], low[3], high[3], rateSize[3];
+    // Of smaller products digits are lost, without a trace where they are multiplied by large ones; NaN is no size.
+    const auto isPlainSize = [&](V size) HWY_ATTR {
+        return hn::And(hn::Gt(size, hn::Set(d, kLeastSize)), hn::Lt(size, hn::Set(d, kMostSize)));
+    };
     auto isCertain = hn::Eq(corner[0], corner[0]);
     auto error = hn::Set(d, 8 * kUnit);
     for (int axis = 0; axis < 3; ++axis) {
@@ -106,6 +110,7 @@ HWY_INLINE hn::Mask<D> mayHaveInner(D d, const Sample* HWY_RESTRICT samples, std
         leading[axis] = hn::Sub(joining, parting);
         leadingSize[axis] = hn::Add(hn::Abs(joining), hn::Abs(parting));
         length[axis] = hn::Abs(leading[axis]);
+        isCertain = hn::And(isCertain, isPlainSize(leadingSize[axis]));
         isCertain = hn::And(isCertain, hn::Gt(length[axis], hn::Mul(hn::Set(d, kRoundings), leadingSize[axis])));
         V rate[2], size[2];
         for (int side = 0; side < 2; ++side) {
@@ -118,9 +123,8 @@ HWY_INLINE hn::Mask<D> mayHaveInner(D d, const Sample* HWY_RESTRICT samples, std
         high[axis] = hn::Max(rate[0], rate[1]);
         rateSize[axis] = hn::Max(size[0], size[1]);
     }
-    const auto product = hn::Neg(hn::Mul(hn::Mul(leading[0], leading[1]), leading[2]));
-    const auto size = hn::Abs(product);
-    isCertain = hn::And(isCertain, hn::And(hn::Gt(size, hn::Set(d, kLeastSize)), hn::Lt(size, hn::Set(d, kMostSize))));
+    const auto ofTwo = hn::Mul(leading[0], leading[1]), product = hn::Neg(hn::Mul(ofTwo, leading[2]));
+    isCertain = hn::And(isCertain, hn::And(isPlainSize(hn::Abs(ofTwo)), isPlainSize(hn::Abs(product))));
     const auto mayBe = hn::Gt(product, hn::Zero(d)); // else no isovalue has a tunnel
     if (hn::AllTrue(d, hn::And(isCertain, hn::Not(mayBe))))
         return hn::MaskFromVec(hn::Zero(d));

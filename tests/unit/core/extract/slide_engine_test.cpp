@@ -331,16 +331,16 @@ TEST_F(SlideEngineTest, ArraysFromKeptGroupsAreThoseFromPoints) {
             for (const double isovalue : {300.5, 301.0, 310.25, 290.0, 291.0, 900.0, 903.0, 950.0, 951.0, 953.0, 953.5,
                                           954.0, 955.0, 956.0, 957.0, 300.0}) {
                 SurfaceFrame frame, kept;
-                for (const auto& engine : {std::pair(&plain, &frame), std::pair(&keeping, &kept)}) {
-                    ASSERT_THAT((*engine.first).value()->setMergeBound({MergeBound::Measure::Distance, limit}), IsOk());
-                    ASSERT_THAT((*engine.first).value()->slideTo(isovalue), IsOk());
-                    (*engine.first).value()->copyFrame(*engine.second);
+                for (const auto& [engine, its] : {std::pair(&plain, &frame), std::pair(&keeping, &kept)}) {
+                    ASSERT_THAT(engine->value()->setMergeBound({MergeBound::Measure::Distance, limit}), IsOk());
+                    ASSERT_THAT(engine->value()->slideTo(isovalue), IsOk());
+                    engine->value()->copyFrame(*its);
                 }
                 expandVertices(*frame.bricks, isovalue, positions, normals);
                 expandVertices(*kept.bricks, isovalue, keptPositions, keptNormals);
                 ASSERT_EQ(positions, keptPositions) << isovalue;
                 ASSERT_EQ(normals, keptNormals) << isovalue;
-                EXPECT_EQ(kept.bricks->groups(kept.bricks->bricks()[0]) != nullptr, true);
+                EXPECT_NE(kept.bricks->groups(kept.bricks->bricks()[0]), nullptr);
                 EXPECT_EQ(frame.bricks->groups(frame.bricks->bricks()[0]), nullptr);
                 mergedLeaves += kept.stats.activeLeaves[1];
                 series.insert(kept.bricks->series());

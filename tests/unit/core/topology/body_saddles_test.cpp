@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "core/topology/cell_saddles.h"
+#include "tests/unit/core/topology/cell_code_reference.h"
 
 namespace isoslider::topology {
 namespace {
@@ -49,49 +50,19 @@ Changes byStates(const cell::CornerScalars& scalars) {
     return changes;
 }
 
-bool isHigher(const cell::CornerScalars& scalars, unsigned a, unsigned b) {
-    return std::pair(scalars[a], a) > std::pair(scalars[b], b);
-}
-
-unsigned saddleFaces(const cell::CornerScalars& scalars) {
-    unsigned faces = 0;
-    for (unsigned face = 0; face < 6; ++face) {
-        const auto& c = cell::kFaceCorners[face];
-        const auto are = [&](std::size_t up) {
-            for (const std::size_t low : {up + 1, (up + 3) % 4})
-                if (!isHigher(scalars, c[up], c[low]) || !isHigher(scalars, c[(up + 2) % 4], c[low]))
-                    return false;
-            return true;
-        };
-        faces |= (are(0) || are(1) ? 1u : 0u) << face;
-    }
-    return faces;
-}
-
-bool mayHaveInner(const cell::CornerScalars& scalars) {
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        int rising = 0;
-        for (unsigned c = 0; c < 8; ++c)
-            rising += (c >> axis & 1u) == 0 && isHigher(scalars, c ^ 1u << axis, c) ? 1 : 0;
-        if (rising == 0 || rising == 4)
-            return false;
-    }
-    return true;
-}
-
 Changes byDerivatives(const cell::CornerScalars& scalars, const CellSaddles& saddles, unsigned faces) {
     Changes changes;
     for (unsigned c = 0; c < 8; ++c) {
         int higher = 0;
         for (unsigned axis = 0; axis < 3; ++axis)
-            higher += isHigher(scalars, c ^ 1u << axis, c) ? 1 : 0;
+            higher += test::isHigher(scalars, c ^ 1u << axis, c) ? 1 : 0;
         add(changes.euler, scalars[c], higher == 3 ? 1 : higher == 0 ? -1 : 0);
     }
     for (; faces != 0; faces &= faces - 1) {
         const int face = std::countr_zero(faces);
         const auto& f = cell::kFaceCorners[static_cast<std::size_t>(face)];
         const std::array<double, 4> at{scalars[f[0]], scalars[f[1]], scalars[f[2]], scalars[f[3]]};
-        const std::size_t up = isHigher(scalars, f[0], f[1]) ? 0 : 1;
+        const std::size_t up = test::isHigher(scalars, f[0], f[1]) ? 0 : 1;
         const double a = at[up], b = at[up + 1], c = at[up + 2], d = at[(up + 3) % 4];
         add(changes.euler, std::min(a, c) > std::max(b, d) ? cell::lastJoined(a, b, c, d) : std::max(b, d),
             saddles.eulerAtFace(face));
@@ -115,9 +86,9 @@ Tally expectTheSame(const char* name, int cells, const Draw& draw) {
         cell::CornerScalars scalars;
         for (double& scalar : scalars)
             scalar = draw();
-        const unsigned faces = saddleFaces(scalars);
+        const unsigned code = test::cellCodeOf(scalars), faces = code & kSaddleFaces;
         CellSaddles saddles;
-        if (!saddles.find(scalars, faces, mayHaveInner(scalars)))
+        if (!saddles.find(scalars, faces, (code & kMayHaveInner) != 0))
             continue;
         ++tally.certain;
         tally.inner += static_cast<int>(saddles.inner().size());
