@@ -35,7 +35,8 @@ public:
         above.flood(window);
         below.flood(window);
         std::vector<double> found;
-        for (const EulerChange& change : findLayerChanges(window, above, below).euler) {
+        EulerWork work;
+        for (const EulerChange& change : findLayerChanges(window, above, below, work).euler) {
             const auto point = static_cast<std::int64_t>(change.cause().point());
             const std::array<std::int64_t, 3> at{point % cube_[0], point / cube_[0] % cube_[1],
                                                  point / (cube_[0] * cube_[1])};

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <utility>
 
 #include "core/grid/scalar_type.h"
 #include "core/topology/analysis/body_saddles.h"
 #include "core/topology/analysis/cell_codes.h"
-#include "core/topology/analysis/euler_sums.h"
 #include "core/topology/cell_saddles.h"
 
 namespace isoslider::topology {
@@ -59,7 +59,7 @@ const std::array<std::int8_t, 64>& wholeStarChanges() {
 template <class Sample>
 class LayerScan {
 public:
-    LayerScan(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below)
+    LayerScan(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below, EulerWork& work)
         : window_(window),
           above_(above),
           below_(below),
@@ -67,10 +67,13 @@ public:
           row_(window.rowStep()),
           plane_(window.planeStep()),
           codes_(static_cast<std::size_t>(nx_)),
+          grows_(codes_.size()),
+          isKnown_(codes_.size()),
+          needless_(codes_.size()),
           passedX_(0),
           passedY_(codes_.size()),
           passedZ_(static_cast<std::size_t>(plane_)),
-          sums_(window.points()) {}
+          sums_(window.points(), work) {}
 
     LayerChanges run() {
         if (window_.zBegin > window_.firstPlane)
@@ -123,10 +126,14 @@ private:
 
     // Of a row of cells.
     void findCodes(std::int64_t start) {
-        findCellCodes(window_.layer() + start, edgesAt(start), row_, plane_, nx_ - 1, codes_.data());
+        const Sample* const samples = window_.layer() + start;
+        findCellCodes(samples, edgesAt(start), row_, plane_, nx_ - 1, codes_.data());
+        findFaceSides(samples, row_, plane_, nx_ - 1, grows_.data(), isKnown_.data());
     }
 
     void loadCell(std::int64_t first) {
+        if (std::exchange(loaded_, first) == first)
+            return;
         for (unsigned c = 0; c < 8; ++c) {
             corners_[c] = first + offsetOf(c);
             scalars_[c] = scalarAt(corners_[c]);
@@ -145,18 +152,40 @@ private:
                 const bool areBothThere = (star & 0x08) != 0 && (star & 0x80) != 0;
                 if ((code >> kTop & 1u) == 0 || !areBothThere)
                     continue;
-                loadCell(start + x);
-                if (saddles_.find(scalars_, code & kSaddleFaces, (code & kMayHaveInner) != 0))
-                    passedZ_[along(x + row_ * y)] = static_cast<std::int8_t>(saddles_.eulerAtFace(kTop));
+                unsigned grows = 0;
+                if (findGrowing(start + x, x, grows))
+                    passedZ_[along(x + row_ * y)] = eulerAt(kTop, grows);
             }
         }
     }
 
+    // Whether all of a cell that its code is about is certain. `grows`: at which saddles of its faces scalars grow into
+    // it. Where there may be an inner critical point it is in `saddles_`.
+    bool findGrowing(std::int64_t first, std::int64_t x, unsigned& grows) {
+        const unsigned code = codes_[along(x)];
+        unsigned open = code & kSaddleFaces & ~unsigned{isKnown_[along(x)]};
+        grows = grows_[along(x)] & ~open;
+        if (open == 0 && (code & kMayHaveInner) == 0)
+            return true;
+        loadCell(first);
+        if (!saddles_.find(scalars_, open, (code & kMayHaveInner) != 0))
+            return false;
+        for (; open != 0; open &= open - 1) {
+            const int face = std::countr_zero(open);
+            grows |= saddles_.eulerAtFace(face) < 0 ? 1u << face : 0u;
+        }
+        return true;
+    }
+    static std::int8_t eulerAt(unsigned face, unsigned grows) { return (grows >> face & 1u) != 0 ? -1 : 1; }
+
     void scanCells(std::int64_t y, std::int64_t z) {
         const std::int64_t start = placeOf(y, z);
         findCodes(start);
+        findNeedlessJoins(above_.leadsTo() + start, below_.leadsTo() + start, edgesAt(start), row_, plane_, nx_ - 1,
+                          needless_.data());
         const CellStar* const stars = window_.stars.data() + start;
         passedX_ = 0;
+        isNextLayers_ = z + 1 == window_.zEnd && !window_.isLast();
         for (std::int64_t x = 0; x + 1 < nx_; ++x)
             if (codes_[along(x)] != 0 && (stars[x] & 0x80) != 0)
                 addCell(start + x, x, x + row_ * y, codes_[along(x)]);
@@ -164,26 +193,28 @@ private:
 
     // `x`, `inPlane`: where what is passed to the next cells along y and z is kept.
     void addCell(std::int64_t first, std::int64_t x, std::int64_t inPlane, unsigned code) {
-        loadCell(first);
-        const bool isCertain = saddles_.find(scalars_, code & kSaddleFaces, (code & kMayHaveInner) != 0);
-        if (isCertain) {
+        unsigned grows = 0;
+        const bool isCertain = findGrowing(first, x, grows);
+        if (!isCertain)
+            addHistory();
+        else if ((code & kMayHaveInner) != 0)
             for (const BodySaddle& saddle : saddles_.inner())
                 addInner(saddle);
-        } else {
-            addHistory();
-        }
         const std::array<std::int8_t*, 3> passed{&passedX_, &passedY_[along(x)], &passedZ_[along(inPlane)]};
-        const bool isNextLayers = window_.zEnd == window_.zBegin + first / plane_ + 1 && !window_.isLast();
         for (unsigned faces = code & kSaddleFaces; faces != 0; faces &= faces - 1) {
             const auto face = static_cast<unsigned>(std::countr_zero(faces));
-            const int own = isCertain ? saddles_.eulerAtFace(static_cast<int>(face)) : 0;
+            const int own = isCertain ? eulerAt(face, grows) : 0;
             std::int8_t& other = *passed[face / 2];
-            if (face % 2 == 0)
-                addFace(face, own + std::exchange(other, std::int8_t{0}), isBoundaryFace(face));
-            else if (isBoundaryFace(face))
-                addFace(face, own, true);
-            else if (face != 5 || !isNextLayers)
+            const bool isBoundary = isBoundaryFace(first, face);
+            if (face % 2 == 0) {
+                const int euler = own + std::exchange(other, std::int8_t{0});
+                if (euler != 0 || isBoundary || (needless_[along(x)] >> face & 1u) == 0)
+                    addFace(first, face, euler, isBoundary);
+            } else if (isBoundary) {
+                addFace(first, face, own, true);
+            } else if (face != 5 || !isNextLayers_) {
                 other = static_cast<std::int8_t>(own);
+            }
         }
     }
 
@@ -214,7 +245,8 @@ private:
     }
 
     // Once for both cells: where one has a disc more and the other one less nothing changes.
-    void addFace(unsigned face, int euler, bool isBoundary) {
+    void addFace(std::int64_t first, unsigned face, int euler, bool isBoundary) {
+        loadCell(first);
         const auto& f = cell::kFaceCorners[face];
         const bool isFirstUp = isHigher(corners_[f[0]], corners_[f[1]]);
         const std::size_t up = isFirstUp ? 0 : 1;
@@ -262,9 +294,9 @@ private:
     }
 
     // Whether no cell lies beyond a face: by the star of one of its corners.
-    bool isBoundaryFace(unsigned face) const {
+    bool isBoundaryFace(std::int64_t first, unsigned face) const {
         const unsigned axis = face / 2, corner = (face & 1u) << axis; // a corner of the face; the cell's others lie up
-        const CellStar star = window_.stars[along(corners_[corner])];
+        const CellStar star = window_.stars[along(first + offsetOf(corner))];
         // The cell is upwards of that corner along the other axes; beyond the face it is the opposite along this one.
         const unsigned beyond = (7u & ~(1u << axis)) | ((face & 1u) << axis);
         return (star >> beyond & 1u) == 0;
@@ -273,12 +305,16 @@ private:
     const LayerWindow<Sample>& window_;
     LayerSide &above_, &below_;
     std::int64_t nx_, row_, plane_;
-    std::vector<CellCode> codes_; ///< of a row of cells
+    std::vector<CellCode> codes_; ///< of a row of cells, as what follows
+    std::vector<std::uint8_t> grows_, isKnown_; ///< see findFaceSides()
+    std::vector<std::uint8_t> needless_; ///< see findNeedlessJoins()
     // What cells add to the changes at their far faces, until the next cell takes it.
     std::int8_t passedX_;
     std::vector<std::int8_t> passedY_, passedZ_;
+    bool isNextLayers_ = false; ///< the far faces along z
     std::array<std::int64_t, 8> corners_{}; ///< of the present cell
     cell::CornerScalars scalars_{};
+    std::int64_t loaded_ = std::numeric_limits<std::int64_t>::min();
     CellSaddles saddles_;
     CellHistory history_;
     EulerSums<Sample> sums_;
@@ -288,12 +324,12 @@ private:
 } // namespace
 
 template <class Sample>
-LayerChanges findLayerChanges(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below) {
-    return LayerScan<Sample>(window, above, below).run();
+LayerChanges findLayerChanges(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below, EulerWork& work) {
+    return LayerScan<Sample>(window, above, below, work).run();
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
-    template LayerChanges findLayerChanges(const LayerWindow<Sample>&, LayerSide&, LayerSide&);
+    template LayerChanges findLayerChanges(const LayerWindow<Sample>&, LayerSide&, LayerSide&, EulerWork&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 
