@@ -146,7 +146,6 @@ public:
                 tbb::make_filter<std::shared_ptr<Layer>, void>(
                     tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Layer>& layer) { add(*layer); }));
         spare_.clear();
-        spareWindows_.clear();
         if (job_.isStopRequested())
             return cancelledError();
         ISO_TRY(problem_);
@@ -269,8 +268,7 @@ private:
         LayerSide above(Side::Above), below(Side::Below);
         above.flood(window);
         below.flood(window);
-        EulerWork work;
-        seen.found.euler = note(0, findLayerChanges(window, above, below, work).euler);
+        seen.found.euler = note(0, findLayerChanges(window, above, below).euler);
         std::size_t kind = 1;
         for (LayerSide* each : {&above, &below}) {
             seen.found.seeds += static_cast<double>(each->seedCount());
@@ -327,20 +325,7 @@ private:
     // What a layer is worked on with, and the memory of it, serves others after it.
     struct Workspace {
         LayerSide above{Side::Above}, below{Side::Below};
-        EulerWork euler;
     };
-    LayerWindow<Sample> takeWindow() {
-        const std::lock_guard lock(spareMutex_);
-        if (spareWindows_.empty())
-            return {};
-        LayerWindow<Sample> window = std::move(spareWindows_.back());
-        spareWindows_.pop_back();
-        return window;
-    }
-    void giveBack(LayerWindow<Sample>&& window) {
-        const std::lock_guard lock(spareMutex_);
-        spareWindows_.push_back(std::move(window));
-    }
     std::unique_ptr<Workspace> takeWorkspace() {
         const std::lock_guard lock(spareMutex_);
         if (spare_.empty())
@@ -362,7 +347,6 @@ private:
             return {};
         }
         auto layer = std::make_shared<Layer>();
-        layer->window = takeWindow();
         LayerWindow<Sample>& window = layer->window;
         const std::int64_t step = dims_[0] * dims_[1];
         // The last plane read lies beyond the layer, but at the end of the grid.
@@ -405,7 +389,7 @@ private:
         std::unique_ptr<Workspace> workspace = takeWorkspace();
         LayerSide &above = workspace->above, &below = workspace->below;
         tbb::parallel_invoke([&] { above.flood(layer.window); }, [&] { below.flood(layer.window); });
-        layer.changes = findLayerChanges(layer.window, above, below, workspace->euler);
+        layer.changes = findLayerChanges(layer.window, above, below);
         const auto take = [&](LayerSide& side) {
             return coarse_ ? side.takeForest(layer.window) : side.takeSettled(layer.window);
         };
@@ -436,7 +420,6 @@ private:
         else
             addWhole(layer);
         job_.report(0.8 * static_cast<double>(layer.window.zEnd) / static_cast<double>(dims_[2]), "analysing topology");
-        giveBack(std::move(layer.window));
     }
 
     void addWhole(Layer& layer) {
@@ -537,7 +520,6 @@ private:
     std::vector<Sample> kept_; ///< planes read that the next layer needs, too
     std::mutex problemMutex_, spareMutex_;
     std::vector<std::unique_ptr<Workspace>> spare_;
-    std::vector<LayerWindow<Sample>> spareWindows_;
     Status problem_;
     std::atomic<bool> hasFailed_ = false;
     std::unique_ptr<CoarseCounts> coarse_; ///< then nothing goes into what follows but the measures

@@ -35,8 +35,7 @@ public:
         above.flood(window);
         below.flood(window);
         std::vector<double> found;
-        EulerWork work;
-        for (const EulerChange& change : findLayerChanges(window, above, below, work).euler) {
+        for (const EulerChange& change : findLayerChanges(window, above, below).euler) {
             const auto point = static_cast<std::int64_t>(change.cause().point());
             const std::array<std::int64_t, 3> at{point % cube_[0], point / cube_[0] % cube_[1],
                                                  point / (cube_[0] * cube_[1])};

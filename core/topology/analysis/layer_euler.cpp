@@ -8,6 +8,7 @@
 #include "core/grid/scalar_type.h"
 #include "core/topology/analysis/body_saddles.h"
 #include "core/topology/analysis/cell_codes.h"
+#include "core/topology/analysis/euler_sums.h"
 #include "core/topology/cell_saddles.h"
 
 namespace isoslider::topology {
@@ -59,7 +60,7 @@ const std::array<std::int8_t, 64>& wholeStarChanges() {
 template <class Sample>
 class LayerScan {
 public:
-    LayerScan(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below, EulerWork& work)
+    LayerScan(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below)
         : window_(window),
           above_(above),
           below_(below),
@@ -73,7 +74,7 @@ public:
           passedX_(0),
           passedY_(codes_.size()),
           passedZ_(static_cast<std::size_t>(plane_)),
-          sums_(window.points(), work) {}
+          sums_(window.points()) {}
 
     LayerChanges run() {
         if (window_.zBegin > window_.firstPlane)
@@ -324,12 +325,12 @@ private:
 } // namespace
 
 template <class Sample>
-LayerChanges findLayerChanges(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below, EulerWork& work) {
-    return LayerScan<Sample>(window, above, below, work).run();
+LayerChanges findLayerChanges(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below) {
+    return LayerScan<Sample>(window, above, below).run();
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
-    template LayerChanges findLayerChanges(const LayerWindow<Sample>&, LayerSide&, LayerSide&, EulerWork&);
+    template LayerChanges findLayerChanges(const LayerWindow<Sample>&, LayerSide&, LayerSide&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "core/topology/analysis/euler_sums.h"
 #include "core/topology/analysis/layer_components.h"
 #include "core/topology/analysis/layer_window.h"
 
@@ -24,6 +23,6 @@ struct LayerChanges {
 /// Finds what changes the Euler number, and joins `above` and `below` across faces and through the inside of cells.
 /// O(points), and some ten nanoseconds for each cell that is ambiguous at some isovalue. REQUIRES: both are flooded.
 template <class Sample>
-LayerChanges findLayerChanges(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below, EulerWork& work);
+LayerChanges findLayerChanges(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below);
 
 } // namespace isoslider::topology
