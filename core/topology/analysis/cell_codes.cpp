@@ -219,12 +219,17 @@ HWY_INLINE void findSide(D d, const hn::Vec<D>* corner, hn::Vec<D>& grows, hn::V
 }
 
 template <class Sample>
-void findSides(const Sample* HWY_RESTRICT samples, std::int64_t row, std::int64_t plane, std::int64_t count,
-               std::uint8_t* HWY_RESTRICT grows, std::uint8_t* HWY_RESTRICT isKnown) {
+void findSides(const Sample* HWY_RESTRICT samples, const CellCode* HWY_RESTRICT codes, std::int64_t row,
+               std::int64_t plane, std::int64_t count, std::uint8_t* HWY_RESTRICT grows,
+               std::uint8_t* HWY_RESTRICT isKnown) {
     const hn::CappedTag<Number<Sample>, 16> wide;
     const auto find = [&](auto d, std::int64_t at) HWY_ATTR {
         using D = decltype(d);
         const hn::RebindToUnsigned<D> bits;
+        const hn::Rebind<std::uint8_t, D> bytes;
+        if (hn::AllFalse(bytes,
+                         hn::Ne(hn::And(hn::LoadU(bytes, codes + at), hn::Set(bytes, kSaddleFaces)), hn::Zero(bytes))))
+            return;
         hn::Vec<D> corner[8];
         for (std::int64_t c = 0; c < 8; ++c)
             corner[c] = scalarsFrom(d, samples + at + (c & 1) + row * (c >> 1 & 1) + plane * (c >> 2));
@@ -235,7 +240,6 @@ void findSides(const Sample* HWY_RESTRICT samples, std::int64_t row, std::int64_
         findSide<3, D, Sample>(d, corner, growing, known);
         findSide<4, D, Sample>(d, corner, growing, known);
         findSide<5, D, Sample>(d, corner, growing, known);
-        const hn::Rebind<std::uint8_t, D> bytes;
         hn::StoreU(hn::TruncateTo(bytes, hn::BitCast(bits, growing)), bytes, grows + at);
         hn::StoreU(hn::TruncateTo(bytes, hn::BitCast(bits, known)), bytes, isKnown + at);
     };
@@ -285,9 +289,9 @@ void findNeedless(const std::uint32_t* HWY_RESTRICT above, const std::uint32_t* 
 }
 
 #define ISO_KERNEL(Sample, Name) \
-    void findSides##Name(const Sample* s, std::int64_t row, std::int64_t plane, std::int64_t n, std::uint8_t* g, \
-                         std::uint8_t* k) { \
-        findSides(s, row, plane, n, g, k); \
+    void findSides##Name(const Sample* s, const CellCode* c, std::int64_t row, std::int64_t plane, std::int64_t n, \
+                         std::uint8_t* g, std::uint8_t* k) { \
+        findSides(s, c, row, plane, n, g, k); \
     } \
     void findCodes##Name(const Sample* s, const std::uint8_t* e, std::int64_t row, std::int64_t plane, std::int64_t n, \
                          CellCode* c) { \
@@ -311,9 +315,9 @@ void findNeedlessJoins(const std::uint32_t* above, const std::uint32_t* below, c
 #define ISO_EXPORT(Sample, Name) \
     HWY_EXPORT(findSides##Name); \
     template <> \
-    void findFaceSides(const Sample* s, std::int64_t row, std::int64_t plane, std::int64_t n, std::uint8_t* g, \
-                       std::uint8_t* k) { \
-        HWY_DYNAMIC_DISPATCH(findSides##Name)(s, row, plane, n, g, k); \
+    void findFaceSides(const Sample* s, const CellCode* c, std::int64_t row, std::int64_t plane, std::int64_t n, \
+                       std::uint8_t* g, std::uint8_t* k) { \
+        HWY_DYNAMIC_DISPATCH(findSides##Name)(s, c, row, plane, n, g, k); \
     } \
     HWY_EXPORT(findCodes##Name); \
     template <> \

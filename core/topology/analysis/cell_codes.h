@@ -21,8 +21,8 @@ void findCellCodes(const Sample* samples, const std::uint8_t* edges, std::int64_
 /// error. Bit f of `grows`: scalars grow into the cell at that of face f; bit f of `isKnown`: this is certain. Of faces
 /// without a saddle they mean nothing. O(count).
 template <class Sample>
-void findFaceSides(const Sample* samples, std::int64_t row, std::int64_t plane, std::int64_t count, std::uint8_t* grows,
-                   std::uint8_t* isKnown);
+void findFaceSides(const Sample* samples, const CellCode* codes, std::int64_t row, std::int64_t plane,
+                   std::int64_t count, std::uint8_t* grows, std::uint8_t* isKnown);
 
 /// Bits 0, 2 and 4: at the saddle of the face at the low end of an axis neither of its pairs of opposite corners comes
 /// together, as what grid points lead to is the same already. `above`, `below`: what they lead to on each side, from

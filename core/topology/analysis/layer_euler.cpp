@@ -129,7 +129,7 @@ private:
     void findCodes(std::int64_t start) {
         const Sample* const samples = window_.layer() + start;
         findCellCodes(samples, edgesAt(start), row_, plane_, nx_ - 1, codes_.data());
-        findFaceSides(samples, row_, plane_, nx_ - 1, grows_.data(), isKnown_.data());
+        findFaceSides(samples, codes_.data(), row_, plane_, nx_ - 1, grows_.data(), isKnown_.data());
     }
 
     void loadCell(std::int64_t first) {
@@ -182,6 +182,8 @@ private:
     void scanCells(std::int64_t y, std::int64_t z) {
         const std::int64_t start = placeOf(y, z);
         findCodes(start);
+        if (std::all_of(codes_.begin(), codes_.end() - 1, [](CellCode code) { return code == 0; }))
+            return; // nor is anything passed on to it: both cells of a face have its saddle
         findNeedlessJoins(above_.leadsTo() + start, below_.leadsTo() + start, edgesAt(start), row_, plane_, nx_ - 1,
                           needless_.data());
         const CellStar* const stars = window_.stars.data() + start;

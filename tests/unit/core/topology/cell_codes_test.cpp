@@ -69,7 +69,7 @@ Left expectCodes(std::int64_t nx, const Make& make) {
     std::vector<CellCode> codes(static_cast<std::size_t>(nx), 255);
     findCellCodes(samples.data(), higher.edges(), nx, 2 * nx, nx - 1, codes.data());
     std::vector<std::uint8_t> grows(codes.size(), 255), isKnown(codes.size(), 255);
-    findFaceSides(samples.data(), nx, 2 * nx, nx - 1, grows.data(), isKnown.data());
+    findFaceSides(samples.data(), codes.data(), nx, 2 * nx, nx - 1, grows.data(), isKnown.data());
     EXPECT_EQ(std::min({codes.back(), grows.back(), isKnown.back()}), 255) << "nothing is written behind the last";
     Left left;
     for (std::int64_t x = 0; x + 1 < nx; ++x) {
