@@ -16,7 +16,7 @@ class Place {
 public:
     void offer(Cause cause, double persistence, int changes) {
         const auto rank = std::tuple(cause.isVertex(), persistence, std::abs(changes));
-        if (hasOne_ && (rank < rank_ || (rank == rank_ && !(cause < cause_))))
+        if (hasOne_ && rank <= rank_)
             return;
         hasOne_ = true;
         rank_ = rank;

@@ -121,8 +121,8 @@ public:
           changesFile_(scratchFile()) {
         if (detail == Detail::Counts)
             coarse_ = std::make_unique<CoarseCounts>(coarseIsovalues(options.measures), options.boundaryPointsAtOnce);
-        // Thick enough that little is said twice, thin enough for the caches and for many threads. Twice as many take a
-        // scan a tenth longer and its memory is half as much again; half as many gain little.
+        // Thick enough that little is said twice, thin enough for the caches and for many threads. With twice as many a
+        // scan takes as long, and a fifth more memory.
         constexpr std::int64_t kLayerSamples = 1 << 18;
         const std::int64_t plane = std::max<std::int64_t>(1, dims_[0] * dims_[1]);
         planesAtOnce_ = options.planesAtOnce > 0 ? std::max<std::int64_t>(3, options.planesAtOnce)

@@ -6,7 +6,6 @@
 #include <limits>
 #include <type_traits>
 
-#include "core/cell/cell_numbering.h"
 #include "core/cell/cell_polynomials.h"
 #include "core/grid/scalar_type.h"
 
@@ -179,120 +178,7 @@ void findCodes(const Sample* HWY_RESTRICT samples, const std::uint8_t* HWY_RESTR
     }
 }
 
-// ---- sides of faces
-
-// Of each face the terms of its derivative along the normal at the saddle, see CellSaddles::findFace(); each in the
-// order of the face's corners. Bits of faces are set in `grows` and `isKnown`.
-template <std::size_t kFace, class D, class Sample>
-HWY_INLINE void findSide(D d, const hn::Vec<D>* corner, hn::Vec<D>& grows, hn::Vec<D>& isKnown) {
-    using T = hn::TFromD<D>;
-    constexpr T kCertain = 16 * std::numeric_limits<T>::epsilon();
-    constexpr T kLeastSize = sizeof(T) == 4 ? T(1e-30) : T(1e-280), kMostSize = 1 / kLeastSize;
-    constexpr auto kCorners = cell::kFaceCorners[kFace];
-    constexpr std::size_t kAcross = std::size_t{1} << (kFace / 2);
-    const auto zero = hn::Zero(d);
-    const auto inwards = [&](std::size_t i)
-                             HWY_ATTR { return hn::Sub(corner[kCorners[i] ^ kAcross], corner[kCorners[i]]); };
-    const auto in0 = inwards(0), in1 = inwards(1), in2 = inwards(2), in3 = inwards(3);
-    const auto least = hn::Min(hn::Min(in0, in1), hn::Min(in2, in3)),
-               most = hn::Max(hn::Max(in0, in1), hn::Max(in2, in3));
-    // Of equal scalars the one with the greater place counts as higher.
-    const auto allGrow = kFace % 2 == 0 ? hn::Ge(least, zero) : hn::Gt(least, zero),
-               noneGrows = kFace % 2 == 0 ? hn::Lt(most, zero) : hn::Le(most, zero);
-    const auto difference = [&](std::size_t i, std::size_t k)
-                                HWY_ATTR { return hn::Sub(corner[kCorners[i]], corner[kCorners[k]]); };
-    const auto ab = difference(0, 1), ad = difference(0, 3), cb = difference(2, 1), cd = difference(2, 3);
-    const auto atA = hn::Mul(cb, cd), atB = hn::Mul(ad, cd), atC = hn::Mul(ad, ab), atD = hn::Mul(cb, ab);
-    const auto ofA = hn::Mul(atA, in0), ofB = hn::Mul(atB, in1), ofC = hn::Mul(atC, in2), ofD = hn::Mul(atD, in3);
-    const auto sum = hn::Add(hn::Add(ofA, ofB), hn::Add(ofC, ofD));
-    const auto size = hn::Add(hn::Add(hn::Abs(ofA), hn::Abs(ofB)), hn::Add(hn::Abs(ofC), hn::Abs(ofD)));
-    auto isCertain = hn::And(hn::Gt(hn::Abs(sum), hn::Mul(hn::Set(d, kCertain), size)),
-                             hn::And(hn::Gt(size, hn::Set(d, kLeastSize)), hn::Lt(size, hn::Set(d, kMostSize))));
-    if constexpr (!std::is_integral_v<Sample>) { // smaller products may have lost their digits
-        const auto smallest = hn::Min(hn::Min(hn::Abs(atA), hn::Abs(atB)), hn::Min(hn::Abs(atC), hn::Abs(atD)));
-        isCertain = hn::And(isCertain, hn::Gt(smallest, hn::Set(d, kLeastSize)));
-    }
-    using Bits = hn::RebindToUnsigned<D>;
-    const auto bit = hn::BitCast(d, hn::Set(Bits(), hn::TFromD<Bits>{1} << kFace));
-    grows = hn::Or(grows, hn::IfThenElseZero(hn::Or(allGrow, hn::AndNot(noneGrows, hn::Gt(sum, zero))), bit));
-    isKnown = hn::Or(isKnown, hn::IfThenElseZero(hn::Or(hn::Or(allGrow, noneGrows), isCertain), bit));
-}
-
-template <class Sample>
-void findSides(const Sample* HWY_RESTRICT samples, const CellCode* HWY_RESTRICT codes, std::int64_t row,
-               std::int64_t plane, std::int64_t count, std::uint8_t* HWY_RESTRICT grows,
-               std::uint8_t* HWY_RESTRICT isKnown) {
-    const hn::CappedTag<Number<Sample>, 16> wide;
-    const auto find = [&](auto d, std::int64_t at) HWY_ATTR {
-        using D = decltype(d);
-        const hn::RebindToUnsigned<D> bits;
-        const hn::Rebind<std::uint8_t, D> bytes;
-        if (hn::AllFalse(bytes,
-                         hn::Ne(hn::And(hn::LoadU(bytes, codes + at), hn::Set(bytes, kSaddleFaces)), hn::Zero(bytes))))
-            return;
-        hn::Vec<D> corner[8];
-        for (std::int64_t c = 0; c < 8; ++c)
-            corner[c] = scalarsFrom(d, samples + at + (c & 1) + row * (c >> 1 & 1) + plane * (c >> 2));
-        auto growing = hn::Zero(d), known = hn::Zero(d);
-        findSide<0, D, Sample>(d, corner, growing, known);
-        findSide<1, D, Sample>(d, corner, growing, known);
-        findSide<2, D, Sample>(d, corner, growing, known);
-        findSide<3, D, Sample>(d, corner, growing, known);
-        findSide<4, D, Sample>(d, corner, growing, known);
-        findSide<5, D, Sample>(d, corner, growing, known);
-        hn::StoreU(hn::TruncateTo(bytes, hn::BitCast(bits, growing)), bytes, grows + at);
-        hn::StoreU(hn::TruncateTo(bytes, hn::BitCast(bits, known)), bytes, isKnown + at);
-    };
-    const auto lanes = static_cast<std::int64_t>(hn::Lanes(wide));
-    if (count < lanes) {
-        for (std::int64_t at = 0; at < count; ++at)
-            find(hn::CappedTag<Number<Sample>, 1>(), at);
-        return;
-    }
-    for (std::int64_t next = 0; next < count; next += lanes)
-        find(wide, std::min(next, count - lanes)); // the last ones twice
-}
-
-// ---- joins
-
-void findNeedless(const std::uint32_t* HWY_RESTRICT above, const std::uint32_t* HWY_RESTRICT below,
-                  const std::uint8_t* HWY_RESTRICT edges, std::int64_t row, std::int64_t plane, std::int64_t count,
-                  std::uint8_t* HWY_RESTRICT needless) {
-    const hn::CappedTag<std::uint32_t, 16> wide;
-    const auto find = [&](auto d, std::int64_t at) HWY_ATTR {
-        const hn::Rebind<std::uint8_t, decltype(d)> bytes;
-        const auto directions = hn::PromoteTo(d, hn::LoadU(bytes, edges + at));
-        auto found = hn::Zero(d);
-        // Opposite corners: the first two, or the other two, are those above, as the first edge rises or not.
-        const auto look = [&](std::int64_t u, std::int64_t v, std::uint32_t rises, std::uint32_t bit) HWY_ATTR {
-            const auto differ = [&](const std::uint32_t* side, std::int64_t a, std::int64_t b) HWY_ATTR {
-                return hn::Xor(hn::LoadU(d, side + at + a), hn::LoadU(d, side + at + b));
-            };
-            const auto falls = hn::Eq(hn::And(directions, hn::Set(d, rises)), hn::Zero(d));
-            const auto joins = hn::IfThenElse(falls, hn::Or(differ(above, 0, u + v), differ(below, u, v)),
-                                              hn::Or(differ(above, u, v), differ(below, 0, u + v)));
-            found = hn::Or(found, hn::IfThenElseZero(hn::Eq(joins, hn::Zero(d)), hn::Set(d, bit)));
-        };
-        look(row, plane, 1u << 3, 1u << 0);
-        look(1, plane, 1u << 1, 1u << 2);
-        look(1, row, 1u << 1, 1u << 4);
-        hn::StoreU(hn::TruncateTo(bytes, found), bytes, needless + at);
-    };
-    const auto lanes = static_cast<std::int64_t>(hn::Lanes(wide));
-    if (count < lanes) {
-        for (std::int64_t at = 0; at < count; ++at)
-            find(hn::CappedTag<std::uint32_t, 1>(), at);
-        return;
-    }
-    for (std::int64_t next = 0; next < count; next += lanes)
-        find(wide, std::min(next, count - lanes)); // the last ones twice
-}
-
 #define ISO_KERNEL(Sample, Name) \
-    void findSides##Name(const Sample* s, const CellCode* c, std::int64_t row, std::int64_t plane, std::int64_t n, \
-                         std::uint8_t* g, std::uint8_t* k) { \
-        findSides(s, c, row, plane, n, g, k); \
-    } \
     void findCodes##Name(const Sample* s, const std::uint8_t* e, std::int64_t row, std::int64_t plane, std::int64_t n, \
                          CellCode* c) { \
         findCodes(s, e, row, plane, n, c); \
@@ -306,19 +192,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace isoslider::topology {
 
-HWY_EXPORT(findNeedless);
-void findNeedlessJoins(const std::uint32_t* above, const std::uint32_t* below, const std::uint8_t* edges,
-                       std::int64_t row, std::int64_t plane, std::int64_t count, std::uint8_t* needless) {
-    HWY_DYNAMIC_DISPATCH(findNeedless)(above, below, edges, row, plane, count, needless);
-}
-
 #define ISO_EXPORT(Sample, Name) \
-    HWY_EXPORT(findSides##Name); \
-    template <> \
-    void findFaceSides(const Sample* s, const CellCode* c, std::int64_t row, std::int64_t plane, std::int64_t n, \
-                       std::uint8_t* g, std::uint8_t* k) { \
-        HWY_DYNAMIC_DISPATCH(findSides##Name)(s, c, row, plane, n, g, k); \
-    } \
     HWY_EXPORT(findCodes##Name); \
     template <> \
     void findCellCodes(const Sample* s, const std::uint8_t* e, std::int64_t row, std::int64_t plane, std::int64_t n, \

@@ -41,8 +41,6 @@ public:
     bool areApart(std::int64_t a, std::int64_t b) const {
         return leadsTo_[static_cast<std::size_t>(a)] != leadsTo_[static_cast<std::size_t>(b)];
     }
-    /// What grid points lead to, from the layer's first one on.
-    const std::uint32_t* leadsTo() const { return leadsTo_.data(); }
     void join(double isovalue, Cause cause, std::int64_t a, std::int64_t b) {
         links_.add(isovalue, cause, leadsTo_[static_cast<std::size_t>(a)], leadsTo_[static_cast<std::size_t>(b)]);
     }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <utility>
 
 #include "core/grid/scalar_type.h"
@@ -68,9 +67,6 @@ public:
           row_(window.rowStep()),
           plane_(window.planeStep()),
           codes_(static_cast<std::size_t>(nx_)),
-          grows_(codes_.size()),
-          isKnown_(codes_.size()),
-          needless_(codes_.size()),
           passedX_(0),
           passedY_(codes_.size()),
           passedZ_(static_cast<std::size_t>(plane_)),
@@ -127,14 +123,10 @@ private:
 
     // Of a row of cells.
     void findCodes(std::int64_t start) {
-        const Sample* const samples = window_.layer() + start;
-        findCellCodes(samples, edgesAt(start), row_, plane_, nx_ - 1, codes_.data());
-        findFaceSides(samples, codes_.data(), row_, plane_, nx_ - 1, grows_.data(), isKnown_.data());
+        findCellCodes(window_.layer() + start, edgesAt(start), row_, plane_, nx_ - 1, codes_.data());
     }
 
     void loadCell(std::int64_t first) {
-        if (std::exchange(loaded_, first) == first)
-            return;
         for (unsigned c = 0; c < 8; ++c) {
             corners_[c] = first + offsetOf(c);
             scalars_[c] = scalarAt(corners_[c]);
@@ -153,42 +145,18 @@ private:
                 const bool areBothThere = (star & 0x08) != 0 && (star & 0x80) != 0;
                 if ((code >> kTop & 1u) == 0 || !areBothThere)
                     continue;
-                unsigned grows = 0;
-                if (findGrowing(start + x, x, grows))
-                    passedZ_[along(x + row_ * y)] = eulerAt(kTop, grows);
+                loadCell(start + x);
+                if (saddles_.find(scalars_, code & kSaddleFaces, (code & kMayHaveInner) != 0))
+                    passedZ_[along(x + row_ * y)] = static_cast<std::int8_t>(saddles_.eulerAtFace(kTop));
             }
         }
     }
 
-    // Whether all of a cell that its code is about is certain. `grows`: at which saddles of its faces scalars grow into
-    // it. Where there may be an inner critical point it is in `saddles_`.
-    bool findGrowing(std::int64_t first, std::int64_t x, unsigned& grows) {
-        const unsigned code = codes_[along(x)];
-        unsigned open = code & kSaddleFaces & ~unsigned{isKnown_[along(x)]};
-        grows = grows_[along(x)] & ~open;
-        if (open == 0 && (code & kMayHaveInner) == 0)
-            return true;
-        loadCell(first);
-        if (!saddles_.find(scalars_, open, (code & kMayHaveInner) != 0))
-            return false;
-        for (; open != 0; open &= open - 1) {
-            const int face = std::countr_zero(open);
-            grows |= saddles_.eulerAtFace(face) < 0 ? 1u << face : 0u;
-        }
-        return true;
-    }
-    static std::int8_t eulerAt(unsigned face, unsigned grows) { return (grows >> face & 1u) != 0 ? -1 : 1; }
-
     void scanCells(std::int64_t y, std::int64_t z) {
         const std::int64_t start = placeOf(y, z);
         findCodes(start);
-        if (std::all_of(codes_.begin(), codes_.end() - 1, [](CellCode code) { return code == 0; }))
-            return; // nor is anything passed on to it: both cells of a face have its saddle
-        findNeedlessJoins(above_.leadsTo() + start, below_.leadsTo() + start, edgesAt(start), row_, plane_, nx_ - 1,
-                          needless_.data());
         const CellStar* const stars = window_.stars.data() + start;
         passedX_ = 0;
-        isNextLayers_ = z + 1 == window_.zEnd && !window_.isLast();
         for (std::int64_t x = 0; x + 1 < nx_; ++x)
             if (codes_[along(x)] != 0 && (stars[x] & 0x80) != 0)
                 addCell(start + x, x, x + row_ * y, codes_[along(x)]);
@@ -196,28 +164,26 @@ private:
 
     // `x`, `inPlane`: where what is passed to the next cells along y and z is kept.
     void addCell(std::int64_t first, std::int64_t x, std::int64_t inPlane, unsigned code) {
-        unsigned grows = 0;
-        const bool isCertain = findGrowing(first, x, grows);
-        if (!isCertain)
-            addHistory();
-        else if ((code & kMayHaveInner) != 0)
+        loadCell(first);
+        const bool isCertain = saddles_.find(scalars_, code & kSaddleFaces, (code & kMayHaveInner) != 0);
+        if (isCertain) {
             for (const BodySaddle& saddle : saddles_.inner())
                 addInner(saddle);
+        } else {
+            addHistory();
+        }
         const std::array<std::int8_t*, 3> passed{&passedX_, &passedY_[along(x)], &passedZ_[along(inPlane)]};
+        const bool isNextLayers = window_.zEnd == window_.zBegin + first / plane_ + 1 && !window_.isLast();
         for (unsigned faces = code & kSaddleFaces; faces != 0; faces &= faces - 1) {
             const auto face = static_cast<unsigned>(std::countr_zero(faces));
-            const int own = isCertain ? eulerAt(face, grows) : 0;
+            const int own = isCertain ? saddles_.eulerAtFace(static_cast<int>(face)) : 0;
             std::int8_t& other = *passed[face / 2];
-            const bool isBoundary = isBoundaryFace(first, face);
-            if (face % 2 == 0) {
-                const int euler = own + std::exchange(other, std::int8_t{0});
-                if (euler != 0 || isBoundary || (needless_[along(x)] >> face & 1u) == 0)
-                    addFace(first, face, euler, isBoundary);
-            } else if (isBoundary) {
-                addFace(first, face, own, true);
-            } else if (face != 5 || !isNextLayers_) {
+            if (face % 2 == 0)
+                addFace(face, own + std::exchange(other, std::int8_t{0}), isBoundaryFace(face));
+            else if (isBoundaryFace(face))
+                addFace(face, own, true);
+            else if (face != 5 || !isNextLayers)
                 other = static_cast<std::int8_t>(own);
-            }
         }
     }
 
@@ -248,8 +214,7 @@ private:
     }
 
     // Once for both cells: where one has a disc more and the other one less nothing changes.
-    void addFace(std::int64_t first, unsigned face, int euler, bool isBoundary) {
-        loadCell(first);
+    void addFace(unsigned face, int euler, bool isBoundary) {
         const auto& f = cell::kFaceCorners[face];
         const bool isFirstUp = isHigher(corners_[f[0]], corners_[f[1]]);
         const std::size_t up = isFirstUp ? 0 : 1;
@@ -297,9 +262,9 @@ private:
     }
 
     // Whether no cell lies beyond a face: by the star of one of its corners.
-    bool isBoundaryFace(std::int64_t first, unsigned face) const {
+    bool isBoundaryFace(unsigned face) const {
         const unsigned axis = face / 2, corner = (face & 1u) << axis; // a corner of the face; the cell's others lie up
-        const CellStar star = window_.stars[along(first + offsetOf(corner))];
+        const CellStar star = window_.stars[along(corners_[corner])];
         // The cell is upwards of that corner along the other axes; beyond the face it is the opposite along this one.
         const unsigned beyond = (7u & ~(1u << axis)) | ((face & 1u) << axis);
         return (star >> beyond & 1u) == 0;
@@ -308,16 +273,12 @@ private:
     const LayerWindow<Sample>& window_;
     LayerSide &above_, &below_;
     std::int64_t nx_, row_, plane_;
-    std::vector<CellCode> codes_; ///< of a row of cells, as what follows
-    std::vector<std::uint8_t> grows_, isKnown_; ///< see findFaceSides()
-    std::vector<std::uint8_t> needless_; ///< see findNeedlessJoins()
+    std::vector<CellCode> codes_; ///< of a row of cells
     // What cells add to the changes at their far faces, until the next cell takes it.
     std::int8_t passedX_;
     std::vector<std::int8_t> passedY_, passedZ_;
-    bool isNextLayers_ = false; ///< the far faces along z
     std::array<std::int64_t, 8> corners_{}; ///< of the present cell
     cell::CornerScalars scalars_{};
-    std::int64_t loaded_ = std::numeric_limits<std::int64_t>::min();
     CellSaddles saddles_;
     CellHistory history_;
     EulerSums<Sample> sums_;
