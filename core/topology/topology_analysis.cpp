@@ -24,12 +24,12 @@
 #include "core/topology/analysis/distinct_growth.h"
 #include "core/topology/analysis/domain_boundary.h"
 #include "core/topology/analysis/isovalue_sums.h"
-#include "core/topology/analysis/layer_components.h"
-#include "core/topology/analysis/layer_euler.h"
-#include "core/topology/analysis/layer_measures.h"
 #include "core/topology/analysis/layer_window.h"
-#include "core/topology/analysis/link_collector.h"
+#include "core/topology/analysis/side_graph.h"
 #include "core/topology/analysis/spread_cubes.h"
+#include "core/topology/analysis/strip_changes.h"
+#include "core/topology/analysis/strip_components.h"
+#include "core/topology/analysis/strip_measures.h"
 #include "core/topology/event_assembly.h"
 
 namespace isoslider::topology {
@@ -39,58 +39,6 @@ namespace {
 constexpr Findings kMostFindings{1.25, 0.8, 0.4, 1.6, 0.0};
 constexpr double kMostBytesPerSample = 768.0;
 constexpr double kBoundaryBytesPerPoint = 40.0;
-
-// One side of all layers, put together as they come.
-class SideGraph {
-public:
-    SideGraph(Side side, const ChangeStore& store) : sums_(store), between_(side) { graph_.side = side; }
-
-    // Grid points between two layers belong to both: what they lead to above and below is one from their scalars on.
-    template <class Sample>
-    Status add(LayerComponents& layer, const LayerWindow<Sample>& window) {
-        const std::size_t base = graph_.seeds.size();
-        if (base + layer.graph.seeds.size() >= kNoSeed)
-            return makeError(ErrorCode::OutOfSpace, "the volume has too many extremes for its topology to be analysed");
-        graph_.seeds.insert(graph_.seeds.end(), layer.graph.seeds.begin(), layer.graph.seeds.end());
-        const auto first = static_cast<std::uint32_t>(base);
-        for (Link link : layer.graph.links) {
-            link.a += first;
-            link.b += first;
-            graph_.links.push_back(link);
-        }
-        for (std::size_t i = 0; i < top_.size(); ++i)
-            if (top_[i] != kNoSeed && layer.bottom[i] != kNoSeed)
-                between_.add(static_cast<double>(window.layer()[i]), Cause::vertex(window.firstPoint() + i), top_[i],
-                             layer.bottom[i] + first);
-        std::vector<Link> links = between_.take();
-        graph_.links.insert(graph_.links.end(), links.begin(), links.end());
-        between_.giveMemory(links);
-        // What no longer touches anything that is to come is settled: the rest is about as much as a plane has.
-        std::vector<double> opens(base, std::numeric_limits<double>::quiet_NaN());
-        opens.insert(opens.end(), layer.opens.begin(), layer.opens.end());
-        ComponentHistory settled;
-        const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, settled, between_.order());
-        ISO_TRY(sums_.add(layer.settled));
-        ISO_TRY(sums_.add(settled));
-        top_ = std::move(layer.top);
-        for (std::uint32_t& seed : top_)
-            seed = seed != kNoSeed ? parts[seed + first] : kNoSeed;
-        return {};
-    }
-    HistorySums& sums() { return sums_; }
-    Result<SideChanges> take(double span) {
-        ComponentHistory history;
-        finishComponents(std::move(graph_), span, history);
-        ISO_TRY(sums_.add(history));
-        return sums_.take();
-    }
-
-private:
-    ComponentGraph graph_;
-    HistorySums sums_;
-    LinkCollector between_;
-    std::vector<std::uint32_t> top_;
-};
 
 // Where counts are made if there are no events: where surfaces are measured, and between.
 std::vector<double> coarseIsovalues(const MeasurePlan& plan) {
@@ -121,12 +69,13 @@ public:
           changesFile_(scratchFile()) {
         if (detail == Detail::Counts)
             coarse_ = std::make_unique<CoarseCounts>(coarseIsovalues(options.measures), options.boundaryPointsAtOnce);
-        // Thick enough that little is said twice, thin enough for the caches and for many threads. With twice as many a
-        // scan takes as long, and a fifth more memory.
-        constexpr std::int64_t kLayerSamples = 1 << 18;
-        const std::int64_t plane = std::max<std::int64_t>(1, dims_[0] * dims_[1]);
-        planesAtOnce_ = options.planesAtOnce > 0 ? std::max<std::int64_t>(3, options.planesAtOnce)
-                                                 : std::clamp<std::int64_t>(kLayerSamples / plane, 3, 16);
+        planesAtOnce_ = std::max(kFewestPlanes, options.planesAtOnce);
+        if (options.planesAtOnce == 0 && coarse_)
+            planesAtOnce_ =
+                std::clamp(kStripSamples / std::max<std::int64_t>(1, dims_[0] * dims_[1]), kFewestPlanes, kUsualPlanes);
+        else if (options.planesAtOnce == 0)
+            planesAtOnce_ = kUsualPlanes;
+        rowsAtOnce_ = rowsFor(planesAtOnce_);
     }
 
     Result<TopologyCurve> run() {
@@ -134,17 +83,17 @@ public:
             return TopologyCurve(); // no cells, no surface
         ISO_TRY(planMemory());
         tbb::parallel_pipeline(
-            layersAtOnce_,
-            tbb::make_filter<void, std::shared_ptr<Layer>>(tbb::filter_mode::serial_in_order,
-                                                           [this](tbb::flow_control& flow) { return next(flow); }) &
-                tbb::make_filter<std::shared_ptr<Layer>, std::shared_ptr<Layer>>(tbb::filter_mode::parallel,
-                                                                                 [this](std::shared_ptr<Layer> layer) {
-                                                                                     if (!job_.isStopRequested())
-                                                                                         analyse(*layer);
-                                                                                     return layer;
-                                                                                 }) &
-                tbb::make_filter<std::shared_ptr<Layer>, void>(
-                    tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Layer>& layer) { add(*layer); }));
+            stripsAtOnce_,
+            tbb::make_filter<void, std::shared_ptr<Part>>(tbb::filter_mode::serial_in_order,
+                                                          [this](tbb::flow_control& flow) { return next(flow); }) &
+                tbb::make_filter<std::shared_ptr<Part>, std::shared_ptr<Part>>(tbb::filter_mode::parallel,
+                                                                               [this](std::shared_ptr<Part> part) {
+                                                                                   if (!job_.isStopRequested())
+                                                                                       analyse(*part);
+                                                                                   return part;
+                                                                               }) &
+                tbb::make_filter<std::shared_ptr<Part>, void>(
+                    tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Part>& part) { add(*part); }));
         spare_.clear();
         if (job_.isStopRequested())
             return cancelledError();
@@ -154,6 +103,24 @@ public:
 
 private:
     // ---- before: what it will take
+
+    // Large enough that little is said twice, small enough for the caches.
+    static constexpr std::int64_t kStripSamples = 1 << 17;
+    static constexpr std::int64_t kUsualPlanes = 16, kFewestPlanes = 3, kFewestRows = 24;
+
+    std::int64_t rowsFor(std::int64_t planes) const {
+        const std::int64_t all = std::max<std::int64_t>(1, dims_[1] - 1);
+        if (coarse_)
+            return all;
+        return std::clamp(options_.rowsAtOnce > 0 ? options_.rowsAtOnce
+                                                  : std::max(kFewestRows, kStripSamples / (planes * dims_[0])),
+                          std::int64_t{1}, all);
+    }
+    std::int64_t stripCount() const { return (dims_[1] - 2 + rowsAtOnce_) / rowsAtOnce_; }
+    Strip stripAt(std::int64_t number) const {
+        const auto rowAt = [this](std::int64_t strip) { return (dims_[1] - 1) * strip / stripCount(); };
+        return {rowAt(number), rowAt(number + 1)};
+    }
 
     Error tooLarge(double bytes) const {
         const auto megabytes = [](double of) { return std::to_string(static_cast<std::uint64_t>(of) >> 20) + " MB"; };
@@ -220,21 +187,27 @@ private:
         }
         const auto sides = static_cast<double>(dims_[0] * dims_[1] + dims_[1] * dims_[2] + dims_[2] * dims_[0]);
         expected_.boundaryBytes = coarse_ ? 0.0 : 2.0 * sides * kBoundaryBytesPerPoint;
-        const auto bytesOfLayer = [&](std::int64_t planes) {
-            const double samples = plane * static_cast<double>(std::min(dims_[2], planes + 2));
-            return layerBytes(samples, sizeof(Sample), each * samples) +
+        // So many strips at once, and the layers that they are part of.
+        const auto bytesOf = [&](double strips) {
+            const auto planes = static_cast<double>(std::min(dims_[2], planesAtOnce_ + 2));
+            const double samples = static_cast<double>(dims_[0] * std::min(dims_[1], rowsAtOnce_ + 1)) * planes;
+            const double layers =
+                strips > 1.0 ? 2.0 + std::floor((strips - 2.0) / static_cast<double>(stripCount())) : 1.0;
+            return layers * layerBytes(plane * planes, sizeof(Sample)) +
+                   bytesOfStrips(strips, stripBytes(samples, each * samples)) +
                    (coarse_ ? coarseBytes(plane, each * samples) : 0.0);
         };
         const double kept = isTight ? keptBytes(expected_) : 0.0, room = aimBytes_ - kept;
         const auto threads = static_cast<double>(tbb::this_task_arena::max_concurrency());
-        // Two thin layers at once take less time than one that is thick.
+        // Two small strips at once take less time than a large one.
         const double wanted = hasScratch() ? std::min(2.0, threads) : 1.0;
-        while (options_.planesAtOnce == 0 && planesAtOnce_ > 3 &&
-               bytesOfLayers(wanted, bytesOfLayer(planesAtOnce_)) > room)
-            --planesAtOnce_;
-        neededBytes_ = std::max(assemblyBytes(kept, expected_.euler), kept + bytesOfLayer(planesAtOnce_));
+        while (options_.planesAtOnce == 0 && planesAtOnce_ > kFewestPlanes && bytesOf(wanted) > room)
+            rowsAtOnce_ = rowsFor(--planesAtOnce_);
+        while (options_.rowsAtOnce == 0 && !coarse_ && rowsAtOnce_ > kFewestRows && bytesOf(wanted) > room)
+            rowsAtOnce_ = std::max(kFewestRows, rowsAtOnce_ / 2);
+        neededBytes_ = std::max(assemblyBytes(kept, expected_.euler), kept + bytesOf(1.0));
         constexpr double kUncertainty = 1.25;
-        if (isTight && (neededBytes_ > kUncertainty * memory || bytesOfLayer(planesAtOnce_) > memory))
+        if (isTight && (neededBytes_ > kUncertainty * memory || bytesOf(1.0) > memory))
             return tooLarge(neededBytes_);
         if (isTight && !coarse_ && !hasScratch()) { // grown step by step they would be held twice for a while
             constexpr double kMore = 1.25; // than expected; those that come and are not summed up yet
@@ -244,10 +217,9 @@ private:
             below_.sums().births.reserve(kMore * distinct_[3]);
             below_.sums().joins.reserve(kMore * distinct_[4]);
         }
-        // A layer for each thread, and one that is read or put together; fewer where memory is scarce.
-        while (static_cast<double>(layersAtOnce_) <= threads &&
-               bytesOfLayers(static_cast<double>(layersAtOnce_ + 1), bytesOfLayer(planesAtOnce_)) <= room)
-            ++layersAtOnce_;
+        // A strip for each thread, and one that is read or put together; fewer where memory is scarce.
+        while (static_cast<double>(stripsAtOnce_) <= threads && bytesOf(static_cast<double>(stripsAtOnce_ + 1)) <= room)
+            ++stripsAtOnce_;
         return {};
     }
 
@@ -265,15 +237,16 @@ private:
                 seen.isovalues[kind].push_back(change.isovalue);
             return static_cast<double>(changes.size());
         };
-        LayerSide above(Side::Above), below(Side::Below);
-        above.flood(window);
-        below.flood(window);
-        seen.found.euler = note(0, findLayerChanges(window, above, below).euler);
+        const Strip whole = window.wholeStrip();
+        StripSide above(Side::Above), below(Side::Below);
+        above.flood(window, whole);
+        below.flood(window, whole);
+        seen.found.euler = note(0, findStripChanges(window, whole, above, below).euler);
         std::size_t kind = 1;
-        for (LayerSide* each : {&above, &below}) {
+        for (StripSide* each : {&above, &below}) {
             seen.found.seeds += static_cast<double>(each->seedCount());
             seen.found.links += static_cast<double>(each->linkCount());
-            const ComponentHistory settled = each->takeSettled(window).settled;
+            const ComponentHistory settled = each->takeSettled(window, whole).settled;
             seen.found.changes += note(kind++, settled.births);
             seen.found.changes += note(kind++, settled.joins);
         }
@@ -315,16 +288,22 @@ private:
 
     struct Layer {
         LayerWindow<Sample> window;
-        LayerChanges changes;
-        LayerComponents above, below;
         BoundaryPart boundary;
+    };
+    struct Part { // of a layer: a strip
+        std::shared_ptr<Layer> layer;
+        Strip strip;
+        StripChanges changes;
+        StripComponents above, below;
         MeasureSums measures;
         std::pair<double, double> range; ///< of samples with cells
+
+        bool isLast() const { return layer->window.isLast(strip); }
     };
 
-    // What a layer is worked on with, and the memory of it, serves others after it.
+    // What a strip is worked on with, and the memory of it, serves others after it.
     struct Workspace {
-        LayerSide above{Side::Above}, below{Side::Below};
+        StripSide above{Side::Above}, below{Side::Below};
     };
     std::unique_ptr<Workspace> takeWorkspace() {
         const std::lock_guard lock(spareMutex_);
@@ -341,11 +320,22 @@ private:
 
     // ---- in turn: reading
 
-    std::shared_ptr<Layer> next(tbb::flow_control& flow) {
-        if (zBegin_ + 1 >= dims_[2] || job_.isStopRequested() || hasFailed_) {
+    std::shared_ptr<Part> next(tbb::flow_control& flow) {
+        if (!layer_ && zBegin_ + 1 < dims_[2] && !job_.isStopRequested() && !hasFailed_)
+            readLayer();
+        if (!layer_ || job_.isStopRequested() || hasFailed_) {
             flow.stop();
             return {};
         }
+        auto part = std::make_shared<Part>();
+        part->layer = layer_;
+        part->strip = stripAt(nextStrip_++);
+        if (part->isLast())
+            layer_.reset();
+        return part;
+    }
+
+    void readLayer() {
         auto layer = std::make_shared<Layer>();
         LayerWindow<Sample>& window = layer->window;
         const std::int64_t step = dims_[0] * dims_[1];
@@ -360,85 +350,104 @@ private:
         std::copy(kept_.begin(), kept_.end(), window.samples.begin());
         const auto fresh =
             std::span(window.samples).subspan(static_cast<std::size_t>(step * (readEnd_ - window.firstPlane)));
-        if (Status status = source_.read(readEnd_, read, std::as_writable_bytes(fresh)); !status.isOk()) {
-            fail(std::move(status));
-            flow.stop();
-            return {};
-        }
+        if (Status status = source_.read(readEnd_, read, std::as_writable_bytes(fresh)); !status.isOk())
+            return fail(std::move(status));
         readEnd_ = read;
         zBegin_ = window.zEnd;
         const std::int64_t keepFrom = std::max<std::int64_t>(0, zBegin_ - 1);
         kept_.assign(window.samples.begin() + static_cast<std::ptrdiff_t>(step * (keepFrom - window.firstPlane)),
                      window.samples.end());
-        return layer;
+        window.prepare();
+        layer_ = std::move(layer);
+        nextStrip_ = 0;
     }
 
-    // ---- at once: layers
+    // ---- at once: strips
 
-    // What does not depend on each other at once, too: there are few layers, and the last ones are alone.
-    void analyse(Layer& layer) {
-        layer.window.prepare();
-        tbb::parallel_invoke([&] { findChanges(layer); },
+    // What does not depend on each other at once, too: there may be few strips, and the last ones are alone.
+    void analyse(Part& part) {
+        Layer& layer = *part.layer;
+        tbb::parallel_invoke([&] { findChanges(part); },
                              [&] {
-                                 layer.range = rangeOf(layer.window);
-                                 layer.measures = measureLayer(layer.window, options_.measures, source_.geometry);
+                                 part.range = rangeOf(layer.window, part.strip);
+                                 part.measures =
+                                     measureStrip(layer.window, part.strip, options_.measures, source_.geometry);
+                             },
+                             [&] {
+                                 if (part.strip.yBegin == 0)
+                                     layer.boundary = BoundaryPart::of(layer.window);
                              });
     }
 
-    void findChanges(Layer& layer) {
+    void findChanges(Part& part) {
+        const LayerWindow<Sample>& window = part.layer->window;
         std::unique_ptr<Workspace> workspace = takeWorkspace();
-        LayerSide &above = workspace->above, &below = workspace->below;
-        tbb::parallel_invoke([&] { above.flood(layer.window); }, [&] { below.flood(layer.window); });
-        layer.changes = findLayerChanges(layer.window, above, below);
-        const auto take = [&](LayerSide& side) {
-            return coarse_ ? side.takeForest(layer.window) : side.takeSettled(layer.window);
+        StripSide &above = workspace->above, &below = workspace->below;
+        tbb::parallel_invoke([&] { above.flood(window, part.strip); }, [&] { below.flood(window, part.strip); });
+        part.changes = findStripChanges(window, part.strip, above, below);
+        const auto take = [&](StripSide& side) {
+            return coarse_ ? side.takeForest() : side.takeSettled(window, part.strip);
         };
-        tbb::parallel_invoke([&] { layer.above = take(above); }, [&] { layer.below = take(below); },
-                             [&] { layer.boundary = BoundaryPart::of(layer.window, layer.changes); });
+        tbb::parallel_invoke([&] { part.above = take(above); }, [&] { part.below = take(below); });
         giveBack(std::move(workspace));
     }
 
-    static std::pair<double, double> rangeOf(const LayerWindow<Sample>& window) {
+    static std::pair<double, double> rangeOf(const LayerWindow<Sample>& window, const Strip& strip) {
         constexpr double kInfinity = std::numeric_limits<double>::infinity();
         std::pair range(kInfinity, -kInfinity);
-        for (std::int64_t at = 0; at < window.points(); ++at)
-            if (window.stars[static_cast<std::size_t>(at)] != 0) {
-                const auto scalar = static_cast<double>(window.layer()[at]);
-                range = {std::min(range.first, scalar), std::max(range.second, scalar)};
-            }
+        for (std::int64_t z = window.zBegin; z <= window.zEnd; ++z) {
+            const std::int64_t first = window.planeStep() * (z - window.zBegin);
+            for (std::int64_t at = first + window.rowStep() * strip.yBegin;
+                 at < first + window.rowStep() * (strip.yEnd + 1); ++at)
+                if (window.stars[static_cast<std::size_t>(at)] != 0) {
+                    const auto scalar = static_cast<double>(window.layer()[at]);
+                    range = {std::min(range.first, scalar), std::max(range.second, scalar)};
+                }
+        }
         return range;
     }
 
     // ---- in turn: putting together
 
-    void add(Layer& layer) {
+    void add(Part& part) {
         if (job_.isStopRequested() || hasFailed_)
             return;
-        measures_.add(layer.measures);
+        measures_.add(part.measures);
+        part.layer->boundary.add(part.changes);
         if (coarse_)
-            addCoarsely(layer);
+            addCoarsely(part);
         else
-            addWhole(layer);
-        job_.report(0.8 * static_cast<double>(layer.window.zEnd) / static_cast<double>(dims_[2]), "analysing topology");
+            addWhole(part);
+        job_.report(0.8 * doneBy(part), "analysing topology");
+    }
+    // Of all cells.
+    double doneBy(const Part& part) const {
+        const LayerWindow<Sample>& window = part.layer->window;
+        const double ofLayer = static_cast<double>(part.strip.yEnd) / static_cast<double>(dims_[1] - 1);
+        return (static_cast<double>(window.zBegin) + static_cast<double>(window.zEnd - window.zBegin) * ofLayer) /
+               static_cast<double>(dims_[2] - 1);
     }
 
-    void addWhole(Layer& layer) {
+    void addWhole(Part& part) {
+        const LayerWindow<Sample>& window = part.layer->window;
         std::array<Status, 4> statuses;
-        tbb::parallel_invoke([&] { statuses[0] = above_.add(layer.above, layer.window); },
-                             [&] { statuses[1] = below_.add(layer.below, layer.window); },
-                             [&] { statuses[2] = euler_.add(layer.changes.euler); },
-                             [&] { statuses[3] = boundary_.add(layer.boundary); });
+        tbb::parallel_invoke([&] { statuses[0] = above_.add(part.above, window, part.strip); },
+                             [&] { statuses[1] = below_.add(part.below, window, part.strip); },
+                             [&] { statuses[2] = euler_.add(part.changes.euler); },
+                             [&] {
+                                 if (part.isLast())
+                                     statuses[3] = boundary_.add(part.layer->boundary);
+                             });
         Status status = firstProblem(statuses);
         const double kept = static_cast<double>(euler_.count() * sizeof(EulerChange) + above_.sums().sizeBytes() +
                                                 below_.sums().sizeBytes() + boundary_.sizeBytes());
         const double bytes = assemblyBytes(kept, static_cast<double>(euler_.count() + euler_.spilledCount()));
         if (status.isOk() && bytes > static_cast<double>(options_.memoryBytes))
-            status = tooLarge(std::max(neededBytes_, bytes * static_cast<double>(dims_[2] - 1) /
-                                                         static_cast<double>(layer.window.zEnd)));
+            status = tooLarge(std::max(neededBytes_, bytes / doneBy(part)));
         if (!status.isOk())
             fail(std::move(status));
-        least_ = std::min(least_, layer.range.first);
-        greatest_ = std::max(greatest_, layer.range.second);
+        least_ = std::min(least_, part.range.first);
+        greatest_ = std::max(greatest_, part.range.second);
     }
 
     static Status firstProblem(std::span<Status> statuses) {
@@ -447,13 +456,15 @@ private:
         return first != statuses.end() ? std::move(*first) : Status();
     }
 
-    void addCoarsely(const Layer& layer) {
+    // REQUIRES: a strip is all of its layer.
+    void addCoarsely(const Part& part) {
+        const LayerWindow<Sample>& window = part.layer->window;
         const auto planeAt = [&](std::int64_t z) {
-            const Sample* const first = layer.window.layer() + layer.window.planeStep() * (z - layer.window.zBegin);
-            return std::vector<double>(first, first + layer.window.planeStep());
+            const Sample* const first = window.layer() + window.planeStep() * (z - window.zBegin);
+            return std::vector<double>(first, first + window.planeStep());
         };
-        coarse_->add(layer.above, layer.below, layer.changes, layer.boundary, planeAt(layer.window.zBegin),
-                     planeAt(layer.window.zEnd));
+        coarse_->add(part.above, part.below, part.changes, part.layer->boundary, planeAt(window.zBegin),
+                     planeAt(window.zEnd));
         const double bytes = static_cast<double>(coarse_->sizeBytes());
         if (bytes > static_cast<double>(options_.memoryBytes))
             fail(tooLarge(bytes));
@@ -511,12 +522,14 @@ private:
     GridDims dims_;
     double aimBytes_; ///< of memory
     std::shared_ptr<ScratchFile> changesFile_; ///< null: none
-    std::int64_t planesAtOnce_ = 0;
+    std::int64_t planesAtOnce_ = 0, rowsAtOnce_ = 0; ///< of cells, of a layer and a strip
     Findings expected_; ///< of the whole volume, about
     std::array<double, 5> distinct_{}; ///< of it: isovalues of each kind of changes
     double neededBytes_ = 0.0; ///< likewise
-    std::size_t layersAtOnce_ = 1;
+    std::size_t stripsAtOnce_ = 1;
     std::int64_t zBegin_ = 0, readEnd_ = 0; ///< of the next layer; planes read so far
+    std::shared_ptr<Layer> layer_; ///< not all of whose strips are given out
+    std::int64_t nextStrip_ = 0; ///< of it
     std::vector<Sample> kept_; ///< planes read that the next layer needs, too
     std::mutex problemMutex_, spareMutex_;
     std::vector<std::unique_ptr<Workspace>> spare_;

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/topology/analysis/distinct_growth.h"
-#include "core/topology/analysis/layer_euler.h"
 #include "core/topology/analysis/spread_cubes.h"
+#include "core/topology/analysis/strip_changes.h"
 
 namespace isoslider::topology {
 namespace {
@@ -31,11 +31,12 @@ public:
         return product;
     }
     std::vector<double> isovalues(const LayerWindow<Sample>& window) const {
-        LayerSide above(Side::Above), below(Side::Below);
-        above.flood(window);
-        below.flood(window);
+        const Strip whole = window.wholeStrip();
+        StripSide above(Side::Above), below(Side::Below);
+        above.flood(window, whole);
+        below.flood(window, whole);
         std::vector<double> found;
-        for (const EulerChange& change : findLayerChanges(window, above, below).euler) {
+        for (const EulerChange& change : findStripChanges(window, whole, above, below).euler) {
             const auto point = static_cast<std::int64_t>(change.cause().point());
             const std::array<std::int64_t, 3> at{point % cube_[0], point / cube_[0] % cube_[1],
                                                  point / (cube_[0] * cube_[1])};

@@ -92,6 +92,7 @@ TEST(CountsOfMeshes, AreThoseWhereSamplesAreMissing) {
         const TopologyCurve curve = analysed(grid);
         AnalysisOptions thin;
         thin.planesAtOnce = 3;
+        thin.rowsAtOnce = 1 + static_cast<std::int64_t>(seed);
         thin.boundaryPointsAtOnce = 3;
         EXPECT_EQ(analysed(grid, thin).events().size(), curve.events().size());
         EXPECT_TRUE(curve.areCountsExact());
@@ -284,6 +285,7 @@ TEST(Persistence, IsThatOfAMergeTreeMadeByFlooding) {
         const ScalarGrid grid = gridOf({6, 5, 7}, noise(seed));
         AnalysisOptions thin;
         thin.planesAtOnce = 3;
+        thin.rowsAtOnce = 2;
         thin.boundaryPointsAtOnce = 3;
         const TopologyCurve curve = analysed(grid, thin);
         const std::map<double, double> lasting = lastingSummits(grid, curve);
@@ -491,6 +493,7 @@ TEST(MeasureCurves, AreThoseOfMeshes) {
         },
         spacing);
     AnalysisOptions options;
+    options.rowsAtOnce = 5;
     options.measures = planMeasures(closed);
     const MeasureCurves noisy = analysed(closed, options).curves();
     ASSERT_GT(noisy.isovalues.size(), 200u);

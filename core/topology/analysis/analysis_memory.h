@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "core/topology/analysis/component_graph.h"
-#include "core/topology/analysis/layer_euler.h"
+#include "core/topology/analysis/strip_changes.h"
 
 namespace isoslider::topology {
 
@@ -25,16 +25,20 @@ struct Findings {
     double keptBytes() const { return euler * sizeof(EulerChange) + changes * sizeof(ComponentChange) + boundaryBytes; }
 };
 
-/// Bytes of one layer while it is worked on; `found` in it. Measured on noise: vectors that grow are held one and a
-/// quarter times besides; of each sample, also, what it leads to, its star and the like; links are sorted in a copy.
-inline double layerBytes(double samples, std::size_t sampleBytes, const Findings& found) {
-    const double ofSample = 36.0 + 2.0 * static_cast<double>(sampleBytes);
-    constexpr double kGrowing = 2.25, kOfSeed = 48.0, kOfLink = 1.5 * sizeof(Link) + 20.0;
-    return ofSample * samples + kGrowing * found.keptBytes() + kOfSeed * found.seeds + kOfLink * found.links;
+/// Bytes of the window of a layer: samples, their stars and which neighbours are higher; some planes are held twice.
+inline double layerBytes(double samples, std::size_t sampleBytes) {
+    return (1.5 * static_cast<double>(sampleBytes) + 4.0) * samples;
+}
+
+/// Bytes of one strip while it is worked on; `found` in it. Measured on noise: vectors that grow are held one and a
+/// quarter times besides; of each sample, also, what it leads to and the like; links are sorted in a copy.
+inline double stripBytes(double samples, const Findings& found) {
+    constexpr double kOfSample = 32.0, kGrowing = 2.25, kOfSeed = 48.0, kOfLink = 1.5 * sizeof(Link) + 20.0;
+    return kOfSample * samples + kGrowing * found.keptBytes() + kOfSeed * found.seeds + kOfLink * found.links;
 }
 
 /// Bytes of several that are worked on at once: not all are where they take most. Measured.
-inline double bytesOfLayers(double layers, double bytesOfOne) { return bytesOfOne * (0.15 + 0.85 * layers); }
+inline double bytesOfStrips(double strips, double bytesOfOne) { return bytesOfOne * (0.15 + 0.85 * strips); }
 
 /// Bytes of CoarseCounts beside a layer: of five forests nodes, links and sets, and of both planes between layers.
 inline double coarseBytes(double planeSamples, const Findings& found) {

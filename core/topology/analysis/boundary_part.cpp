@@ -36,7 +36,7 @@ const std::array<bool, 256>& manifoldStars() {
 } // namespace
 
 template <class Sample>
-BoundaryPart BoundaryPart::of(const LayerWindow<Sample>& window, const LayerChanges& changes) {
+BoundaryPart BoundaryPart::of(const LayerWindow<Sample>& window) {
     BoundaryPart part;
     const std::array<std::int64_t, 3> steps{1, window.rowStep(), window.planeStep()};
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -63,13 +63,15 @@ BoundaryPart BoundaryPart::of(const LayerWindow<Sample>& window, const LayerChan
             part.euler += std::popcount(beside) == 1;
         }
     }
-    part.above = changes.boundaryAbove;
-    part.below = changes.boundaryBelow;
     return part;
 }
 
-#define ISO_INSTANTIATE(Sample, Name) \
-    template BoundaryPart BoundaryPart::of(const LayerWindow<Sample>&, const LayerChanges&);
+void BoundaryPart::add(const StripChanges& changes) {
+    above.insert(above.end(), changes.boundaryAbove.begin(), changes.boundaryAbove.end());
+    below.insert(below.end(), changes.boundaryBelow.begin(), changes.boundaryBelow.end());
+}
+
+#define ISO_INSTANTIATE(Sample, Name) template BoundaryPart BoundaryPart::of(const LayerWindow<Sample>&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/topology/analysis/component_graph.h"
-#include "core/topology/analysis/layer_euler.h"
 #include "core/topology/analysis/layer_window.h"
+#include "core/topology/analysis/strip_changes.h"
 
 namespace isoslider::topology {
 
@@ -33,8 +33,10 @@ struct BoundaryPart {
     std::int64_t euler = 0; ///< of the boundary: points less edges plus faces
     bool isManifold = true; ///< no edge or point at which it only touches itself
 
+    /// But for `above` and `below`, which strips add.
     template <class Sample>
-    static BoundaryPart of(const LayerWindow<Sample>& window, const LayerChanges& changes);
+    static BoundaryPart of(const LayerWindow<Sample>& window);
+    void add(const StripChanges& changes);
 };
 
 } // namespace isoslider::topology

@@ -24,7 +24,7 @@ CoarseCounts::Components::Components(Side side, const std::vector<double>& isova
         outside_ = forest.addUncounted();
 }
 
-void CoarseCounts::Components::add(const LayerComponents& layer, const std::vector<double>& bottom,
+void CoarseCounts::Components::add(const StripComponents& layer, const std::vector<double>& bottom,
                                    const std::vector<double>& top) {
     const ForestStream::Node first = forest.nodes();
     for (const Seed& seed : layer.graph.seeds) {
@@ -77,7 +77,7 @@ CoarseCounts::CoarseCounts(std::vector<double> isovalues, std::size_t boundaryPo
       boundaryBelow_(Side::Below, boundaryPointsAtOnce, {ForestStream(Side::Below, isovalues_)}),
       euler_(isovalues_.size() + 1) {}
 
-void CoarseCounts::add(const LayerComponents& above, const LayerComponents& below, const LayerChanges& changes,
+void CoarseCounts::add(const StripComponents& above, const StripComponents& below, const StripChanges& changes,
                        const BoundaryPart& boundary, const std::vector<double>& bottom,
                        const std::vector<double>& top) {
     tbb::parallel_invoke([&] { above_.add(above, bottom, top); }, [&] { below_.add(below, bottom, top); },

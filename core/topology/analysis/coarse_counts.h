@@ -6,8 +6,8 @@
 #include "core/topology/analysis/boundary_part.h"
 #include "core/topology/analysis/boundary_rows.h"
 #include "core/topology/analysis/forest_stream.h"
-#include "core/topology/analysis/layer_components.h"
-#include "core/topology/analysis/layer_euler.h"
+#include "core/topology/analysis/strip_changes.h"
+#include "core/topology/analysis/strip_components.h"
 #include "core/topology/topology_event.h"
 
 namespace isoslider::topology {
@@ -22,7 +22,7 @@ public:
     CoarseCounts& operator=(const CoarseCounts&) = delete;
 
     /// The next layer; `bottom` and `top`: scalars of its outer planes.
-    void add(const LayerComponents& above, const LayerComponents& below, const LayerChanges& changes,
+    void add(const StripComponents& above, const StripComponents& below, const StripChanges& changes,
              const BoundaryPart& boundary, const std::vector<double>& bottom, const std::vector<double>& top);
     std::uint64_t sizeBytes() const;
 
@@ -37,7 +37,7 @@ private:
     class Components {
     public:
         Components(Side side, const std::vector<double>& isovalues, bool areVoids);
-        void add(const LayerComponents& layer, const std::vector<double>& bottom, const std::vector<double>& top);
+        void add(const StripComponents& layer, const std::vector<double>& bottom, const std::vector<double>& top);
         void end();
         ForestStream forest;
 

@@ -19,6 +19,14 @@ inline constexpr CellStar kWholeStar = 255;
 /// Cells of a star on each side of the point: those with x = 0, with x = 1, with y = 0 ...
 inline constexpr std::array<CellStar, 6> kStarSides{0x55, 0xaa, 0x33, 0xcc, 0x0f, 0xf0};
 
+/// Rows of a layer's grid points, in all of its planes, and the cells between them: as much as is worked on at once.
+/// Rows `yEnd` belong to the strip after it, too.
+struct Strip {
+    std::int64_t yBegin = 0, yEnd = 0;
+
+    std::int64_t rows() const { return yEnd - yBegin + 1; }
+};
+
 /// Planes of samples around one layer of cells: those of the layer's grid points, and one more on each side where the
 /// grid has one, by which the cells round the outer points are known.
 template <class Sample>
@@ -38,6 +46,17 @@ public:
     /// Planes of grid points that belong to this layer and to no other.
     std::int64_t ownedEnd() const { return isLast() ? zEnd + 1 : zEnd; }
     std::int64_t points() const { return planeStep() * (zEnd - zBegin + 1); }
+    Strip wholeStrip() const { return {0, dims[1] - 1}; }
+    bool isLast(const Strip& strip) const { return strip.yEnd + 1 == dims[1]; }
+    /// Rows of grid points that belong to this strip and to no other.
+    std::int64_t ownedEnd(const Strip& strip) const { return isLast(strip) ? strip.yEnd + 1 : strip.yEnd; }
+    /// Of one plane.
+    std::int64_t points(const Strip& strip) const { return dims[0] * strip.rows(); }
+    /// What the place of a grid point in plane `z`, from the layer's first, is more than that from the strip's first,
+    /// counting none but the strip's.
+    std::int64_t shift(const Strip& strip, std::int64_t z) const {
+        return rowStep() * strip.yBegin + (planeStep() - points(strip)) * (z - zBegin);
+    }
     /// Of the whole grid.
     Point firstPoint() const { return static_cast<Point>(planeStep() * zBegin); }
     /// The layer's samples: element 0 is its first grid point. Planes before and after it are there too.

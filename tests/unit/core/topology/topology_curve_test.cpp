@@ -60,6 +60,7 @@ TEST_P(EveryKindOfGrid, HasTheCountsOfTheOracleAtAndBetweenAllEvents) {
         const test::TopologyGrid grid = test::randomTopologyGrid(kind, 2, 6, random);
         AnalysisOptions thin;
         thin.planesAtOnce = 3; // layers of one or two cells
+        thin.rowsAtOnce = 1 + static_cast<std::int64_t>(seed % 3);
         thin.boundaryPointsAtOnce = 5;
         const TopologyCurve curve = curveOf(grid, thin);
         expectSameEvents(curve, curveOf(grid));

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
-#include "core/topology/analysis/layer_components.h"
 #include "core/topology/analysis/layer_window.h"
+#include "core/topology/analysis/strip_components.h"
 
 namespace isoslider::topology {
 
@@ -14,8 +15,8 @@ struct BoundaryJoin {
     std::array<Point, 2> points;
 };
 
-/// What is local in a layer of cells.
-struct LayerChanges {
+/// What is local in a strip of cells.
+struct StripChanges {
     std::vector<EulerChange> euler; ///< those of one isovalue add up
     std::vector<BoundaryJoin> boundaryAbove, boundaryBelow;
 };
@@ -23,6 +24,7 @@ struct LayerChanges {
 /// Finds what changes the Euler number, and joins `above` and `below` across faces and through the inside of cells.
 /// O(points), and some ten nanoseconds for each cell that is ambiguous at some isovalue. REQUIRES: both are flooded.
 template <class Sample>
-LayerChanges findLayerChanges(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below);
+StripChanges findStripChanges(const LayerWindow<Sample>& window, const Strip& strip, StripSide& above,
+                              StripSide& below);
 
 } // namespace isoslider::topology

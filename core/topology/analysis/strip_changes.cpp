@@ -1,4 +1,4 @@
-#include "core/topology/analysis/layer_euler.h"
+#include "core/topology/analysis/strip_changes.h"
 
 #include <algorithm>
 #include <bit>
@@ -57,10 +57,11 @@ const std::array<std::int8_t, 64>& wholeStarChanges() {
 }
 
 template <class Sample>
-class LayerScan {
+class StripScan {
 public:
-    LayerScan(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below)
+    StripScan(const LayerWindow<Sample>& window, const Strip& strip, StripSide& above, StripSide& below)
         : window_(window),
+          strip_(strip),
           above_(above),
           below_(below),
           nx_(window.dims[0]),
@@ -69,19 +70,22 @@ public:
           codes_(static_cast<std::size_t>(nx_)),
           passedX_(0),
           passedY_(codes_.size()),
-          passedZ_(static_cast<std::size_t>(plane_)),
-          sums_(window.points()) {}
+          passedZ_(static_cast<std::size_t>(window.points(strip))),
+          sums_(window.points(strip) * (window.zEnd - window.zBegin + 1)) {}
 
-    LayerChanges run() {
+    StripChanges run() {
         if (window_.zBegin > window_.firstPlane)
             passCellsBelow();
         for (std::int64_t z = window_.zBegin; z <= window_.zEnd && !window_.stop.stop_requested(); ++z) {
             if (z < window_.ownedEnd())
-                for (std::int64_t y = 0; y < window_.dims[1]; ++y)
+                for (std::int64_t y = strip_.yBegin; y < window_.ownedEnd(strip_); ++y)
                     scanPoints(y, z);
-            if (z < window_.zEnd)
-                for (std::int64_t y = 0; y + 1 < window_.dims[1]; ++y)
+            if (z < window_.zEnd) {
+                shift_ = window_.shift(strip_, z);
+                passCellsBefore(z);
+                for (std::int64_t y = strip_.yBegin; y < strip_.yEnd; ++y)
                     scanCells(y, z);
+            }
         }
         found_.euler = sums_.take();
         return std::move(found_);
@@ -135,20 +139,28 @@ private:
 
     // What cells of the layer below add at its top faces, which are this layer's.
     void passCellsBelow() {
-        constexpr unsigned kTop = 5;
-        for (std::int64_t y = 0; y + 1 < window_.dims[1]; ++y) {
-            const std::int64_t start = placeOf(y, window_.zBegin - 1);
-            findCodes(start);
-            for (std::int64_t x = 0; x + 1 < nx_; ++x) {
-                const unsigned code = codes_[along(x)];
-                const CellStar star = window_.stars[along(start + x + plane_)];
-                const bool areBothThere = (star & 0x08) != 0 && (star & 0x80) != 0;
-                if ((code >> kTop & 1u) == 0 || !areBothThere)
-                    continue;
-                loadCell(start + x);
-                if (saddles_.find(scalars_, code & kSaddleFaces, (code & kMayHaveInner) != 0))
-                    passedZ_[along(x + row_ * y)] = static_cast<std::int8_t>(saddles_.eulerAtFace(kTop));
-            }
+        for (std::int64_t y = strip_.yBegin; y < strip_.yEnd; ++y)
+            passRow(placeOf(y, window_.zBegin - 1), 5, plane_, 0x08, &passedZ_[along(row_ * (y - strip_.yBegin))]);
+    }
+    // The same of the strip before.
+    void passCellsBefore(std::int64_t z) {
+        std::fill(passedY_.begin(), passedY_.end(), std::int8_t{0});
+        if (strip_.yBegin > 0)
+            passRow(placeOf(strip_.yBegin - 1, z), 3, row_, 0x20, passedY_.data());
+    }
+    // Of cells in a row that begins at `start`; `step`: to the points beyond the face; `before`: the cell on this side
+    // of it in the star of such a point.
+    void passRow(std::int64_t start, unsigned face, std::int64_t step, CellStar before, std::int8_t* passed) {
+        findCodes(start);
+        for (std::int64_t x = 0; x + 1 < nx_; ++x) {
+            const unsigned code = codes_[along(x)];
+            const CellStar star = window_.stars[along(start + x + step)];
+            const bool areBothThere = (star & before) != 0 && (star & 0x80) != 0;
+            if ((code >> face & 1u) == 0 || !areBothThere)
+                continue;
+            loadCell(start + x);
+            if (saddles_.find(scalars_, code & kSaddleFaces, (code & kMayHaveInner) != 0))
+                passed[x] = static_cast<std::int8_t>(saddles_.eulerAtFace(static_cast<int>(face)));
         }
     }
 
@@ -159,7 +171,12 @@ private:
         passedX_ = 0;
         for (std::int64_t x = 0; x + 1 < nx_; ++x)
             if (codes_[along(x)] != 0 && (stars[x] & 0x80) != 0)
-                addCell(start + x, x, x + row_ * y, codes_[along(x)]);
+                addCell(start + x, x, x + row_ * (y - strip_.yBegin), codes_[along(x)]);
+    }
+
+    // Of a corner of the present cell, in its strip.
+    std::int64_t inStrip(unsigned corner) const {
+        return corners_[corner] - shift_ - static_cast<std::int64_t>(corner >> 2) * (plane_ - window_.points(strip_));
     }
 
     // `x`, `inPlane`: where what is passed to the next cells along y and z is kept.
@@ -173,7 +190,6 @@ private:
             addHistory();
         }
         const std::array<std::int8_t*, 3> passed{&passedX_, &passedY_[along(x)], &passedZ_[along(inPlane)]};
-        const bool isNextLayers = window_.zEnd == window_.zBegin + first / plane_ + 1 && !window_.isLast();
         for (unsigned faces = code & kSaddleFaces; faces != 0; faces &= faces - 1) {
             const auto face = static_cast<unsigned>(std::countr_zero(faces));
             const int own = isCertain ? saddles_.eulerAtFace(static_cast<int>(face)) : 0;
@@ -182,7 +198,7 @@ private:
                 addFace(face, own + std::exchange(other, std::int8_t{0}), isBoundaryFace(face));
             else if (isBoundaryFace(face))
                 addFace(face, own, true);
-            else if (face != 5 || !isNextLayers)
+            else
                 other = static_cast<std::int8_t>(own);
         }
     }
@@ -207,8 +223,8 @@ private:
 
     void addInner(const BodySaddle& saddle) {
         addEuler(saddle.isovalue, saddle.face, saddle.euler());
-        LayerSide& side = saddle.isOfAbove ? above_ : below_;
-        const std::int64_t a = corners_[saddle.corners[0]], b = corners_[saddle.corners[1]];
+        StripSide& side = saddle.isOfAbove ? above_ : below_;
+        const std::int64_t a = inStrip(saddle.corners[0]), b = inStrip(saddle.corners[1]);
         if (saddle.face < 0 && side.areApart(a, b))
             side.join(saddle.isovalue, causeAt(saddle.isovalue, -1), a, b);
     }
@@ -218,27 +234,28 @@ private:
         const auto& f = cell::kFaceCorners[face];
         const bool isFirstUp = isHigher(corners_[f[0]], corners_[f[1]]);
         const std::size_t up = isFirstUp ? 0 : 1;
-        const std::array<std::int64_t, 4> at{corners_[f[up]], corners_[f[up + 1]], corners_[f[up + 2]],
-                                             corners_[f[(up + 3) % 4]]};
-        const double a = scalars_[f[up]], b = scalars_[f[up + 1]], c = scalars_[f[up + 2]],
-                     d = scalars_[f[(up + 3) % 4]];
+        const std::array<unsigned, 4> at{f[up], f[up + 1], f[up + 2], f[(up + 3) % 4]};
+        const double a = scalars_[at[0]], b = scalars_[at[1]], c = scalars_[at[2]], d = scalars_[at[3]];
         if (!(std::min(a, c) > std::max(b, d))) { // equal corners: joined along edges as soon as they are there
             addEuler(std::max(b, d), static_cast<int>(face), euler);
             return;
         }
-        const bool joinsAbove = above_.areApart(at[0], at[2]), joinsBelow = below_.areApart(at[1], at[3]);
+        const std::array<std::int64_t, 4> places{inStrip(at[0]), inStrip(at[1]), inStrip(at[2]), inStrip(at[3])};
+        const bool joinsAbove = above_.areApart(places[0], places[2]),
+                   joinsBelow = below_.areApart(places[1], places[3]);
         if (euler == 0 && !joinsAbove && !joinsBelow && !isBoundary)
             return;
         const double isovalue = cell::lastJoined(a, b, c, d);
         addEuler(isovalue, static_cast<int>(face), euler);
         const Cause cause = causeAt(isovalue, static_cast<int>(face));
         if (joinsAbove)
-            above_.join(isovalue, cause, at[0], at[2]);
+            above_.join(isovalue, cause, places[0], places[2]);
         if (joinsBelow)
-            below_.join(isovalue, cause, at[1], at[3]);
+            below_.join(isovalue, cause, places[1], places[3]);
         if (isBoundary) {
-            found_.boundaryAbove.push_back({isovalue, cause, {pointAt(at[0]), pointAt(at[2])}});
-            found_.boundaryBelow.push_back({isovalue, cause, {pointAt(at[1]), pointAt(at[3])}});
+            const auto pointOf = [this](unsigned corner) { return pointAt(corners_[corner]); };
+            found_.boundaryAbove.push_back({isovalue, cause, {pointOf(at[0]), pointOf(at[2])}});
+            found_.boundaryBelow.push_back({isovalue, cause, {pointOf(at[1]), pointOf(at[3])}});
         }
     }
 
@@ -257,8 +274,8 @@ private:
         for (const CellJoin& join : history_.joins())
             if (join.face < 0)
                 (join.isOfAbove ? above_ : below_)
-                    .join(join.isovalue, causeAt(join.isovalue, -1), corners_[join.corners[0]],
-                          corners_[join.corners[1]]);
+                    .join(join.isovalue, causeAt(join.isovalue, -1), inStrip(join.corners[0]),
+                          inStrip(join.corners[1]));
     }
 
     // Whether no cell lies beyond a face: by the star of one of its corners.
@@ -271,8 +288,10 @@ private:
     }
 
     const LayerWindow<Sample>& window_;
-    LayerSide &above_, &below_;
+    const Strip strip_;
+    StripSide &above_, &below_;
     std::int64_t nx_, row_, plane_;
+    std::int64_t shift_ = 0; ///< of the present cells' lower corners: LayerWindow::shift
     std::vector<CellCode> codes_; ///< of a row of cells
     // What cells add to the changes at their far faces, until the next cell takes it.
     std::int8_t passedX_;
@@ -282,18 +301,19 @@ private:
     CellSaddles saddles_;
     CellHistory history_;
     EulerSums<Sample> sums_;
-    LayerChanges found_;
+    StripChanges found_;
 };
 
 } // namespace
 
 template <class Sample>
-LayerChanges findLayerChanges(const LayerWindow<Sample>& window, LayerSide& above, LayerSide& below) {
-    return LayerScan<Sample>(window, above, below).run();
+StripChanges findStripChanges(const LayerWindow<Sample>& window, const Strip& strip, StripSide& above,
+                              StripSide& below) {
+    return StripScan<Sample>(window, strip, above, below).run();
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
-    template LayerChanges findLayerChanges(const LayerWindow<Sample>&, LayerSide&, LayerSide&);
+    template StripChanges findStripChanges(const LayerWindow<Sample>&, const Strip&, StripSide&, StripSide&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

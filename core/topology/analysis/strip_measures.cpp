@@ -1,4 +1,4 @@
-#include "core/topology/analysis/layer_measures.h"
+#include "core/topology/analysis/strip_measures.h"
 
 #include <algorithm>
 #include <array>
@@ -106,7 +106,8 @@ MeasureCurves MeasureSums::curves(const MeasurePlan& plan, const GridGeometry& g
 }
 
 template <class Sample>
-MeasureSums measureLayer(const LayerWindow<Sample>& window, const MeasurePlan& plan, const GridGeometry& geometry) {
+MeasureSums measureStrip(const LayerWindow<Sample>& window, const Strip& strip, const MeasurePlan& plan,
+                         const GridGeometry& geometry) {
     MeasureSums found;
     if (plan.isovalues.empty())
         return found;
@@ -119,7 +120,7 @@ MeasureSums measureLayer(const LayerWindow<Sample>& window, const MeasurePlan& p
     std::vector<MeasuredCell> cells; // of a row
     cells.reserve(least.size());
     for (std::int64_t z = window.zBegin; z < window.zEnd; ++z)
-        for (std::int64_t y = 0; y + 1 < window.dims[1] && !window.stop.stop_requested(); ++y) {
+        for (std::int64_t y = strip.yBegin; y < strip.yEnd && !window.stop.stop_requested(); ++y) {
             const std::int64_t start = row * y + plane * (z - window.zBegin);
             const Sample* const s = window.layer() + start;
             for (std::int64_t x = 0; x + 1 < nx; ++x) {
@@ -164,7 +165,8 @@ MeasureSums measureLayer(const LayerWindow<Sample>& window, const MeasurePlan& p
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
-    template MeasureSums measureLayer(const LayerWindow<Sample>&, const MeasurePlan&, const GridGeometry&);
+    template MeasureSums measureStrip(const LayerWindow<Sample>&, const Strip&, const MeasurePlan&, \
+                                      const GridGeometry&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

@@ -1,7 +1,8 @@
-#include "core/topology/analysis/layer_components.h"
+#include "core/topology/analysis/strip_components.h"
 
 #include <array>
 #include <bit>
+#include <span>
 #include <utility>
 
 #include "core/grid/scalar_type.h"
@@ -14,7 +15,7 @@ constexpr Neighbours kEdgesOnly = (1u << kEdgeNeighbours) - 1;
 /// What follows from which of a point's neighbours are there and come earlier.
 struct NeighbourTables {
     std::array<Neighbours, 256> existing{}; ///< by star
-    Neighbours below = 0, above = 0; ///< those in the planes below and above
+    std::array<Neighbours, kEdgeNeighbours> beyond{}; ///< those in the next row or plane that way
     std::array<std::uint8_t, 64> first{}; ///< by those along edges: the one that the point leads to; 6: none
     /// Those along edges are joined before the point where the corner between two of them, across a face, comes
     /// earlier too. Bits of one of each component that is left, but for that of `first`.
@@ -60,8 +61,8 @@ const NeighbourTables& neighbourTables() {
                     all |= 1u << (kEdgeNeighbours + f);
             return all;
         };
-        made.below = with(4);
-        made.above = with(5);
+        for (unsigned n = 0; n < kEdgeNeighbours; ++n)
+            made.beyond[n] = with(n);
         for (unsigned edges = 0; edges < made.first.size(); ++edges) {
             unsigned way = kEdgeNeighbours;
             for (const unsigned n : {5u, 3u, 1u, 4u, 2u, 0u})
@@ -77,19 +78,21 @@ const NeighbourTables& neighbourTables() {
 }
 
 template <class Sample, Side kSide>
-class LayerFlood {
+class StripFlood {
 public:
-    LayerFlood(const LayerWindow<Sample>& window, std::vector<std::uint32_t>& leadsTo, std::vector<Seed>& seeds,
-               LinkCollector& links, std::vector<PointMeeting>& meetings)
+    StripFlood(const LayerWindow<Sample>& window, const Strip& strip, std::vector<std::uint32_t>& leadsTo,
+               std::vector<Seed>& seeds, LinkCollector& links, std::vector<PointMeeting>& meetings)
         : window_(window),
+          strip_(strip),
           samples_(window.layer()),
           row_(window.rowStep()),
-          plane_(window.planeStep()),
+          plane_(window.points(strip)),
+          planes_(window.zEnd - window.zBegin + 1),
           leadsTo_(leadsTo),
           seeds_(seeds),
           links_(links),
           meetings_(meetings) {
-        leadsTo_.resize(static_cast<std::size_t>(window.points()));
+        leadsTo_.resize(static_cast<std::size_t>(plane_ * planes_));
     }
 
     void run() {
@@ -102,6 +105,8 @@ public:
 
 private:
     std::uint32_t leadsTo(std::int64_t at) const { return leadsTo_[static_cast<std::size_t>(at)]; }
+    // A place in the strip's plane is one in the layer with this added.
+    std::int64_t shift(std::int64_t plane) const { return window_.shift(strip_, window_.zBegin + plane); }
 
     // The first neighbour found that comes earlier, or the point itself; those before it first: where they lead to is
     // known then, as far as it was. Of equal scalars that come earlier to the side above has the greater place.
@@ -109,15 +114,19 @@ private:
         const NeighbourTables& tables = neighbourTables();
         const std::array<std::int64_t, 7> steps{-1, 1, -row_, row_, -plane_, plane_, 0};
         std::size_t count = 0;
-        for (std::int64_t first = 0; first < window_.points(); first += row_) {
+        for (std::int64_t first = 0; first < plane_ * planes_; first += row_) {
             if (meetings_.size() < count + static_cast<std::size_t>(row_))
                 meetings_.resize(2 * count + static_cast<std::size_t>(row_));
-            const Neighbours inLayer = (first < plane_ ? ~tables.below : kAllNeighbours) &
-                                       (first + plane_ >= window_.points() ? ~tables.above : kAllNeighbours);
+            const std::int64_t plane = first / plane_, inPlane = first % plane_, rowShift = shift(plane);
+            const auto inside = [&](bool isOutermost, unsigned way) {
+                return isOutermost ? ~tables.beyond[way] : kAllNeighbours;
+            };
+            const Neighbours inStrip = inside(inPlane == 0, 2) & inside(inPlane + row_ == plane_, 3) &
+                                       inside(plane == 0, 4) & inside(plane + 1 == planes_, 5);
             for (std::int64_t at = first; at < first + row_; ++at) {
-                const Neighbours higher = window_.higher.at(window_.inPlanes(at));
-                const Neighbours earlier = (kSide == Side::Above ? higher : ~higher) & inLayer &
-                                           tables.existing[window_.stars[static_cast<std::size_t>(at)]];
+                const Neighbours higher = window_.higher.at(window_.inPlanes(at + rowShift));
+                const Neighbours earlier = (kSide == Side::Above ? higher : ~higher) & inStrip &
+                                           tables.existing[window_.stars[static_cast<std::size_t>(at + rowShift)]];
                 const unsigned way = tables.first[earlier & kEdgesOnly];
                 const std::int64_t to = at + steps[way];
                 leadsTo_[static_cast<std::size_t>(at)] = to < at ? leadsTo(to) : static_cast<std::uint32_t>(to);
@@ -136,6 +145,16 @@ private:
         return at;
     }
 
+    // function(place in the strip, place in the layer)
+    template <class Function>
+    void forEachPoint(const Function& function) const {
+        for (std::int64_t plane = 0; plane < planes_; ++plane) {
+            const std::int64_t planeShift = shift(plane);
+            for (std::int64_t at = plane_ * plane; at < plane_ * (plane + 1); ++at)
+                function(static_cast<std::uint32_t>(at), static_cast<std::size_t>(at + planeShift));
+        }
+    }
+
     void numberSeeds() {
         const auto count = static_cast<std::uint32_t>(leadsTo_.size());
         for (std::uint32_t at = 0; at < count; ++at)
@@ -143,24 +162,25 @@ private:
         // Seeds first, by their own places; then numbers stand there, which have a bit that places have not.
         constexpr std::uint32_t kIsNumber = std::uint32_t{1} << 31;
         seeds_.clear();
-        for (std::uint32_t at = 0; at < count; ++at)
-            if (window_.stars[at] == 0) {
+        forEachPoint([&](std::uint32_t at, std::size_t place) {
+            if (window_.stars[place] == 0) {
                 leadsTo_[at] = kNoSeed;
             } else if (leadsTo_[at] == at) {
                 leadsTo_[at] = static_cast<std::uint32_t>(seeds_.size()) | kIsNumber;
-                seeds_.push_back({static_cast<double>(samples_[at]), std::numeric_limits<double>::quiet_NaN(),
-                                  window_.firstPoint() + at});
+                seeds_.push_back({static_cast<double>(samples_[place]), std::numeric_limits<double>::quiet_NaN(),
+                                  window_.firstPoint() + place});
             }
+        });
         for (std::uint32_t at = 0; at < count; ++at)
             if ((leadsTo_[at] & kIsNumber) == 0)
                 leadsTo_[at] = leadsTo_[leadsTo_[at]];
-        for (std::uint32_t at = 0; at < count; ++at) {
+        forEachPoint([&](std::uint32_t at, std::size_t place) {
             if (leadsTo_[at] == kNoSeed)
-                continue;
+                return;
             leadsTo_[at] &= ~kIsNumber;
-            if (kSide == Side::Below && window_.stars[at] != kWholeStar)
-                reachBoundary(seeds_[leadsTo_[at]], static_cast<double>(samples_[at]));
-        }
+            if (kSide == Side::Below && window_.stars[place] != kWholeStar)
+                reachBoundary(seeds_[leadsTo_[at]], static_cast<double>(samples_[place]));
+        });
     }
     static void reachBoundary(Seed& seed, double isovalue) {
         if (!(seed.reachesBoundary <= isovalue)) // or not a number
@@ -170,19 +190,26 @@ private:
     // Where a point's neighbours have not come together before it they do so here.
     void linkNeighbours() {
         const std::array<std::int64_t, 6> steps{-1, 1, -row_, row_, -plane_, plane_};
-        for (const PointMeeting& meeting : meetings_) {
-            const std::uint32_t seed = leadsTo_[meeting.at];
-            for (unsigned apart = meeting.apart; apart != 0; apart &= apart - 1) {
-                const auto way = static_cast<std::size_t>(std::countr_zero(apart));
-                links_.add(static_cast<double>(samples_[meeting.at]), Cause::vertex(window_.firstPoint() + meeting.at),
-                           seed, leadsTo(meeting.at + steps[way]));
+        auto meeting = meetings_.begin();
+        for (std::int64_t plane = 0; plane < planes_; ++plane) {
+            const std::int64_t planeShift = shift(plane);
+            for (; meeting != meetings_.end() && meeting->at < plane_ * (plane + 1); ++meeting) {
+                const auto place = static_cast<std::size_t>(meeting->at + planeShift);
+                const std::uint32_t seed = leadsTo_[meeting->at];
+                for (unsigned apart = meeting->apart; apart != 0; apart &= apart - 1) {
+                    const auto way = static_cast<std::size_t>(std::countr_zero(apart));
+                    links_.add(static_cast<double>(samples_[place]), Cause::vertex(window_.firstPoint() + place), seed,
+                               leadsTo(meeting->at + steps[way]));
+                }
             }
         }
     }
 
     const LayerWindow<Sample>& window_;
+    const Strip strip_;
     const Sample* samples_;
-    std::int64_t row_, plane_;
+    std::int64_t row_, plane_; ///< steps within the strip
+    std::int64_t planes_;
     std::vector<std::uint32_t>& leadsTo_; ///< a point; in the end a seed
     std::vector<Seed>& seeds_;
     LinkCollector& links_;
@@ -192,25 +219,32 @@ private:
 } // namespace
 
 template <class Sample>
-void LayerSide::flood(const LayerWindow<Sample>& window) {
+void StripSide::flood(const LayerWindow<Sample>& window, const Strip& strip) {
+    row_ = static_cast<std::size_t>(window.rowStep());
+    plane_ = static_cast<std::size_t>(window.points(strip));
     if (side_ == Side::Above)
-        LayerFlood<Sample, Side::Above>(window, leadsTo_, seeds_, links_, meetings_).run();
+        StripFlood<Sample, Side::Above>(window, strip, leadsTo_, seeds_, links_, meetings_).run();
     else
-        LayerFlood<Sample, Side::Below>(window, leadsTo_, seeds_, links_, meetings_).run();
+        StripFlood<Sample, Side::Below>(window, strip, leadsTo_, seeds_, links_, meetings_).run();
 }
 
-template <class Sample>
-LayerComponents LayerSide::planesOf(const LayerWindow<Sample>& window) const {
-    LayerComponents found;
-    const auto plane = static_cast<std::ptrdiff_t>(window.planeStep());
-    found.bottom.assign(leadsTo_.begin(), leadsTo_.begin() + plane);
-    found.top.assign(leadsTo_.end() - plane, leadsTo_.end());
+StripComponents StripSide::sidesOf() const {
+    StripComponents found;
+    const auto copy = [this](std::size_t from, std::size_t count, std::vector<std::uint32_t>& to) {
+        const auto begin = leadsTo_.begin() + static_cast<std::ptrdiff_t>(from);
+        to.insert(to.end(), begin, begin + static_cast<std::ptrdiff_t>(count));
+    };
+    copy(0, plane_, found.bottom);
+    copy(leadsTo_.size() - plane_, plane_, found.top);
+    for (std::size_t plane = 0; plane < leadsTo_.size(); plane += plane_) {
+        copy(plane, row_, found.front);
+        copy(plane + plane_ - row_, row_, found.back);
+    }
     return found;
 }
 
-template <class Sample>
-LayerComponents LayerSide::takeForest(const LayerWindow<Sample>& window) {
-    LayerComponents found = planesOf(window);
+StripComponents StripSide::takeForest() {
+    StripComponents found = sidesOf();
     graph_.links = links_.take();
     keepForest(side_, seeds_.size(), graph_.links, links_.order());
     found.graph = {side_, seeds_, graph_.links};
@@ -219,41 +253,49 @@ LayerComponents LayerSide::takeForest(const LayerWindow<Sample>& window) {
 }
 
 template <class Sample>
-LayerComponents LayerSide::takeSettled(const LayerWindow<Sample>& window) {
-    LayerComponents found = planesOf(window);
+StripComponents StripSide::takeSettled(const LayerWindow<Sample>& window, const Strip& strip) {
+    StripComponents found = sidesOf();
     graph_.side = side_;
     graph_.seeds.swap(seeds_);
     graph_.links = links_.take();
-    const Sample *const bottom = window.layer(), *const top = bottom + window.points() - window.planeStep();
-    const auto open = [this](const std::vector<std::uint32_t>& seeds, const Sample* samples,
-                             std::vector<double>& opens) {
-        for (std::size_t i = 0; i < seeds.size(); ++i)
-            if (seeds[i] != kNoSeed)
-                opens[seeds[i]] = earlier(side_, opens[seeds[i]], static_cast<double>(samples[i]));
+    const auto open = [this](std::span<const std::uint32_t> row, const Sample* samples, std::vector<double>& opens) {
+        for (std::size_t i = 0; i < row.size(); ++i)
+            if (row[i] != kNoSeed)
+                opens[row[i]] = earlier(side_, opens[row[i]], static_cast<double>(samples[i]));
+    };
+    const auto rowAt = [&](std::int64_t y, std::int64_t z) {
+        return window.layer() + window.rowStep() * y + window.planeStep() * (z - window.zBegin);
+    };
+    const auto openRows = [&](const std::vector<std::uint32_t>& rows, std::int64_t y, std::vector<double>& opens) {
+        for (std::int64_t z = window.zBegin; z <= window.zEnd; ++z)
+            open(std::span(rows).subspan(row_ * static_cast<std::size_t>(z - window.zBegin), row_), rowAt(y, z), opens);
     };
     constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> opens(graph_.seeds.size(), kNever);
     if (window.zBegin > 0)
-        open(found.bottom, bottom, opens);
+        open(found.bottom, rowAt(strip.yBegin, window.zBegin), opens);
     if (!window.isLast())
-        open(found.top, top, opens);
+        open(found.top, rowAt(strip.yBegin, window.zEnd), opens);
+    if (strip.yBegin > 0)
+        openRows(found.front, strip.yBegin, opens);
+    if (!window.isLast(strip))
+        openRows(found.back, strip.yEnd, opens);
     const std::vector<std::uint32_t> parts = settleComponents(graph_, opens, found.settled, links_.order());
-    for (auto* plane : {&found.bottom, &found.top})
-        for (std::uint32_t& seed : *plane)
+    for (auto* outer : {&found.bottom, &found.top, &found.front, &found.back})
+        for (std::uint32_t& seed : *outer)
             seed = seed != kNoSeed ? parts[seed] : kNoSeed;
     found.graph = {side_, graph_.seeds, graph_.links};
     links_.giveMemory(graph_.links);
     seeds_.swap(graph_.seeds);
     found.opens.assign(found.graph.seeds.size(), kNever);
     if (!window.isLast())
-        open(found.top, top, found.opens);
+        open(found.top, rowAt(strip.yBegin, window.zEnd), found.opens);
     return found;
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
-    template void LayerSide::flood(const LayerWindow<Sample>&); \
-    template LayerComponents LayerSide::takeForest(const LayerWindow<Sample>&); \
-    template LayerComponents LayerSide::takeSettled(const LayerWindow<Sample>&);
+    template void StripSide::flood(const LayerWindow<Sample>&, const Strip&); \
+    template StripComponents StripSide::takeSettled(const LayerWindow<Sample>&, const Strip&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

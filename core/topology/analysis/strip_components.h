@@ -15,29 +15,30 @@ inline constexpr std::uint32_t kNoSeed = std::numeric_limits<std::uint32_t>::max
 
 /// A grid point at which components meet.
 struct PointMeeting {
-    std::uint32_t at; ///< from the layer's first grid point
+    std::uint32_t at; ///< from the strip's first grid point
     std::uint8_t apart; ///< neighbours along edges: one of each component but that which the point leads to
 };
 
-/// The components of one side within one layer, and what ties them to the layers around it.
-struct LayerComponents {
+/// The components of one side within one strip, and what ties them to those around it.
+struct StripComponents {
     ComponentGraph graph; ///< what may still matter
     std::vector<std::uint32_t> bottom, top; ///< the seed that each grid point of the outer planes leads to
+    std::vector<std::uint32_t> front, back; ///< and of the first and the last row, plane by plane
     std::vector<double> opens; ///< by seed: the earliest isovalue of those of the upper plane; NaN: none
-    ComponentHistory settled; ///< what came and went within the layer
+    ComponentHistory settled; ///< what came and went within the strip
 };
 
-/// One side of a layer while it is worked on; after that of the next one, which finds what memory it takes. Every grid
+/// One side of a strip while it is worked on; after that of the next one, which finds what memory it takes. Every grid
 /// point leads to a seed along neighbours that come ever earlier: what it joins first, so that no other of its links
 /// matters until then. Links between seeds follow.
-class LayerSide {
+class StripSide {
 public:
-    explicit LayerSide(Side side) : side_(side), links_(side) {}
+    explicit StripSide(Side side) : side_(side), links_(side) {}
 
     /// Finds seeds, and links along edges of the grid. O(points), nearly.
     template <class Sample>
-    void flood(const LayerWindow<Sample>& window);
-    /// Whether a link of two grid points with cells could matter. Places count from the layer's first grid point.
+    void flood(const LayerWindow<Sample>& window, const Strip& strip);
+    /// Whether a link of two grid points with cells could matter. Places count from the strip's first grid point.
     bool areApart(std::int64_t a, std::int64_t b) const {
         return leadsTo_[static_cast<std::size_t>(a)] != leadsTo_[static_cast<std::size_t>(b)];
     }
@@ -47,17 +48,16 @@ public:
     std::size_t seedCount() const { return seeds_.size(); }
     std::size_t linkCount() const { return links_.count(); }
     /// All seeds, and the links between them that matter; nothing settled, no `opens`.
+    StripComponents takeForest();
+    /// What other strips may have a part in, and the rest as settled. REQUIRES: that which was flooded.
     template <class Sample>
-    LayerComponents takeForest(const LayerWindow<Sample>& window);
-    /// What other layers may have a part in, and the rest as settled.
-    template <class Sample>
-    LayerComponents takeSettled(const LayerWindow<Sample>& window);
+    StripComponents takeSettled(const LayerWindow<Sample>& window, const Strip& strip);
 
 private:
-    template <class Sample>
-    LayerComponents planesOf(const LayerWindow<Sample>& window) const;
+    StripComponents sidesOf() const;
 
     Side side_;
+    std::size_t row_ = 0, plane_ = 0; ///< points of each
     std::vector<std::uint32_t> leadsTo_; ///< by grid point: a seed
     std::vector<PointMeeting> meetings_;
     std::vector<Seed> seeds_;

@@ -9,7 +9,7 @@
 
 namespace isoslider::topology {
 
-/// Sums over the cells of a layer, one for each isovalue of the plan.
+/// Sums over the cells of a strip, one for each isovalue of the plan.
 struct MeasureSums {
     struct Sum {
         double area = 0.0, volume = 0.0, triangles = 0.0, gradient = 0.0; ///< the last times the area
@@ -25,6 +25,7 @@ struct MeasureSums {
 
 /// Measures the triangles that the surface has in cells. O(cells), and what CellBatches takes.
 template <class Sample>
-MeasureSums measureLayer(const LayerWindow<Sample>& window, const MeasurePlan& plan, const GridGeometry& geometry);
+MeasureSums measureStrip(const LayerWindow<Sample>& window, const Strip& strip, const MeasurePlan& plan,
+                         const GridGeometry& geometry);
 
 } // namespace isoslider::topology
