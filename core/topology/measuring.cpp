@@ -47,10 +47,11 @@ struct LookedCells {
 };
 
 template <class Sample>
-void look(std::span<const Sample> planes, const GridDims& dims, std::int64_t step, LookedCells& found) {
+void look(std::span<const Sample> planes, const GridDims& dims, std::int64_t stepX, std::int64_t stepY,
+          LookedCells& found) {
     const std::int64_t plane = dims[0] * dims[1];
-    for (std::int64_t y = 0; y + 1 < dims[1]; y += step)
-        for (std::int64_t x = 0; x + 1 < dims[0]; x += step) {
+    for (std::int64_t y = 0; y + 1 < dims[1]; y += stepY)
+        for (std::int64_t x = 0; x + 1 < dims[0]; x += stepX) {
             const std::int64_t first = x + dims[0] * y;
             Sample low = planes[static_cast<std::size_t>(first)], high = low;
             bool isWhole = true;
@@ -75,7 +76,13 @@ Result<LookedCells> lookAt(const PlaneSource& source, const JobControl& job) {
     const std::int64_t slabs = std::min(kSlabs, dims[2] - 1);
     const double cells =
         static_cast<double>(slabs) * static_cast<double>(dims[0] - 1) * static_cast<double>(dims[1] - 1);
-    const auto step = std::max<std::int64_t>(1, std::llround(std::sqrt(cells / kLooked)));
+    const double skipped = std::max(1.0, cells / kLooked);
+    const auto stepX = static_cast<std::int64_t>(std::sqrt(skipped));
+    const std::int64_t stepY = std::llround(skipped / static_cast<double>(stepX));
+    const auto countOf = [](std::int64_t points, std::int64_t step) { return (points - 2 + step) / step; };
+    const auto most = static_cast<std::size_t>(slabs * countOf(dims[0], stepX) * countOf(dims[1], stepY));
+    for (auto* values : {&found.samples, &found.least, &found.greatest})
+        values->reserve(most);
     std::vector<std::byte> bytes(2 * static_cast<std::size_t>(dims[0] * dims[1]) * scalarTypeSizeBytes(source.type));
     for (std::int64_t slab = 0; slab < slabs; ++slab) {
         if (job.isStopRequested())
@@ -84,15 +91,15 @@ Result<LookedCells> lookAt(const PlaneSource& source, const JobControl& job) {
         ISO_TRY(source.read(z, z + 2, bytes));
         visitScalarType(source.type, [&](auto sample) {
             using Sample = decltype(sample);
-            look(std::span(reinterpret_cast<const Sample*>(bytes.data()), bytes.size() / sizeof(Sample)), dims, step,
-                 found);
+            look(std::span(reinterpret_cast<const Sample*>(bytes.data()), bytes.size() / sizeof(Sample)), dims, stepX,
+                 stepY, found);
         });
     }
     for (auto* values : {&found.samples, &found.least, &found.greatest})
         tbb::parallel_sort(values->begin(), values->end());
     const double all =
         static_cast<double>(dims[0] - 1) * static_cast<double>(dims[1] - 1) * static_cast<double>(dims[2] - 1);
-    const double looked = cells / static_cast<double>(step * step);
+    const double looked = cells / static_cast<double>(stepX * stepY);
     found.weight = std::max(1.0, all / std::max(1.0, looked));
     return found;
 }

@@ -83,4 +83,19 @@ Result<BuildProbeResult> probeBuild(const BuildProbeRequest& request) {
     return result;
 }
 
+Result<TopologyProbeResult> probeTopology(const std::filesystem::path& index, int threads) {
+    const auto output = outputOf("topology_cost_probe", fmt::format("{} {}", quoted(index), threads));
+    if (!output.isOk())
+        return output.error();
+    TopologyProbeResult result;
+    unsigned long long bytes[2] = {}, events = 0;
+    if (std::sscanf(output.value().c_str(), "%lf %lf %llu %llu %llu", &result.seconds, &result.processorSeconds,
+                    &bytes[0], &bytes[1], &events) != 5)
+        return makeError(ErrorCode::IoError, "did not answer", "topology_cost_probe");
+    result.emptyBytes = bytes[0];
+    result.peakBytes = bytes[1];
+    result.events = events;
+    return result;
+}
+
 } // namespace isoslider::bench

@@ -58,4 +58,16 @@ struct BuildProbeRequest {
 /// Errors: IoError (the probe cannot be started or fails).
 Result<BuildProbeResult> probeBuild(const BuildProbeRequest& request);
 
+/// An analysis of topology in a separate process (topology_cost_probe).
+struct TopologyProbeResult {
+    double seconds = 0.0;
+    double processorSeconds = 0.0; ///< of all threads
+    std::uint64_t emptyBytes = 0; ///< resident before
+    std::uint64_t peakBytes = 0; ///< resident at most, the program itself included
+    std::uint64_t events = 0;
+};
+
+/// Adds the topology to an index of metacells that has none. Errors: IoError (the probe cannot be started or fails).
+Result<TopologyProbeResult> probeTopology(const std::filesystem::path& index, int threads);
+
 } // namespace isoslider::bench

@@ -37,7 +37,9 @@ double busySeconds() {
     return (user + nice + system + interrupts + softInterrupts) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
-double ownSeconds() {
+} // namespace
+
+double processorSeconds() {
     double seconds = 0.0;
     for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
         rusage usage{};
@@ -47,8 +49,6 @@ double ownSeconds() {
     }
     return seconds;
 }
-
-} // namespace
 
 double nowMs() {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -83,10 +83,10 @@ double geometricMean(const std::vector<double>& values) {
 std::uint64_t residentBytes() { return statusBytes("VmRSS:"); }
 std::uint64_t peakResidentBytes() { return statusBytes("VmHWM:"); }
 
-NoiseWitness::NoiseWitness() : startMs_(nowMs()), startBusy_(busySeconds()), startOwn_(ownSeconds()) {}
+NoiseWitness::NoiseWitness() : startMs_(nowMs()), startBusy_(busySeconds()), startOwn_(processorSeconds()) {}
 
 double NoiseWitness::othersBusy() const {
-    const double others = busySeconds() - startBusy_ - (ownSeconds() - startOwn_);
+    const double others = busySeconds() - startBusy_ - (processorSeconds() - startOwn_);
     return std::max(0.0, others / std::max(1e-3, 1e-3 * (nowMs() - startMs_)));
 }
 

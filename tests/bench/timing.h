@@ -7,6 +7,8 @@ namespace isoslider::bench {
 
 /// Milliseconds of a clock that never goes back.
 double nowMs();
+/// Of all threads of this process, and of processes that it has started and that have ended.
+double processorSeconds();
 
 struct Spread {
     double median = 0.0;

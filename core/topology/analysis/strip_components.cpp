@@ -69,9 +69,16 @@ const NeighbourTables& neighbourTables() {
                 way = (edges >> n & 1u) != 0 ? n : way;
             made.first[edges] = static_cast<std::uint8_t>(way);
         }
+        // Corners matter only between two neighbours that come earlier: those that do not are left out first.
         made.apart.resize(kAllNeighbours + 1);
-        for (Neighbours earlier = 0; earlier <= kAllNeighbours; ++earlier)
-            made.apart[earlier] = apartOf(earlier, made.first[earlier & kEdgesOnly]);
+        for (Neighbours earlier = 0; earlier <= kAllNeighbours; ++earlier) {
+            Neighbours matter = earlier & kEdgesOnly;
+            for (std::size_t f = 0; f < kFacePairs.size(); ++f)
+                if ((matter >> kFacePairs[f][0] & matter >> kFacePairs[f][1] & 1u) != 0)
+                    matter |= earlier & 1u << (kEdgeNeighbours + f);
+            made.apart[earlier] =
+                matter < earlier ? made.apart[matter] : apartOf(earlier, made.first[earlier & kEdgesOnly]);
+        }
         return made;
     }();
     return tables;
