@@ -99,8 +99,7 @@ Result<LookedCells> lookAt(const PlaneSource& source, const JobControl& job) {
         tbb::parallel_sort(values->begin(), values->end());
     const double all =
         static_cast<double>(dims[0] - 1) * static_cast<double>(dims[1] - 1) * static_cast<double>(dims[2] - 1);
-    const double looked = cells / static_cast<double>(stepX * stepY);
-    found.weight = std::max(1.0, all / std::max(1.0, looked));
+    found.weight = std::max(1.0, all / std::max(1.0, static_cast<double>(most)));
     return found;
 }
 

@@ -17,6 +17,7 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include "core/base/process_memory.h"
 #include "core/base/scratch_file.h"
 #include "core/topology/analysis/analysis_memory.h"
 #include "core/topology/analysis/coarse_counts.h"
@@ -29,6 +30,7 @@
 #include "core/topology/analysis/spread_cubes.h"
 #include "core/topology/analysis/strip_changes.h"
 #include "core/topology/analysis/strip_components.h"
+#include "core/topology/analysis/strip_cut.h"
 #include "core/topology/analysis/strip_measures.h"
 #include "core/topology/event_assembly.h"
 
@@ -66,16 +68,10 @@ public:
           job_(job),
           dims_(source.geometry.dims),
           aimBytes_(aimBytes()),
-          changesFile_(scratchFile()) {
+          changesFile_(scratchFile()),
+          cut_(source.geometry.dims, {options.planesAtOnce, options.rowsAtOnce, detail == Detail::Counts}) {
         if (detail == Detail::Counts)
             coarse_ = std::make_unique<CoarseCounts>(coarseIsovalues(options.measures), options.boundaryPointsAtOnce);
-        planesAtOnce_ = std::max(kFewestPlanes, options.planesAtOnce);
-        if (options.planesAtOnce == 0 && coarse_)
-            planesAtOnce_ =
-                std::clamp(kStripSamples / std::max<std::int64_t>(1, dims_[0] * dims_[1]), kFewestPlanes, kUsualPlanes);
-        else if (options.planesAtOnce == 0)
-            planesAtOnce_ = kUsualPlanes;
-        rowsAtOnce_ = rowsFor(planesAtOnce_);
     }
 
     Result<TopologyCurve> run() {
@@ -95,6 +91,8 @@ public:
                 tbb::make_filter<std::shared_ptr<Part>, void>(
                     tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Part>& part) { add(*part); }));
         spare_.clear();
+        kept_ = {};
+        returnFreeBlocks(); // what follows takes others
         if (job_.isStopRequested())
             return cancelledError();
         ISO_TRY(problem_);
@@ -103,24 +101,6 @@ public:
 
 private:
     // ---- before: what it will take
-
-    // Large enough that little is said twice, small enough for the caches.
-    static constexpr std::int64_t kStripSamples = 1 << 17;
-    static constexpr std::int64_t kUsualPlanes = 16, kFewestPlanes = 3, kFewestRows = 24;
-
-    std::int64_t rowsFor(std::int64_t planes) const {
-        const std::int64_t all = std::max<std::int64_t>(1, dims_[1] - 1);
-        if (coarse_)
-            return all;
-        return std::clamp(options_.rowsAtOnce > 0 ? options_.rowsAtOnce
-                                                  : std::max(kFewestRows, kStripSamples / (planes * dims_[0])),
-                          std::int64_t{1}, all);
-    }
-    std::int64_t stripCount() const { return (dims_[1] - 2 + rowsAtOnce_) / rowsAtOnce_; }
-    Strip stripAt(std::int64_t number) const {
-        const auto rowAt = [this](std::int64_t strip) { return (dims_[1] - 1) * strip / stripCount(); };
-        return {rowAt(number), rowAt(number + 1)};
-    }
 
     Error tooLarge(double bytes) const {
         const auto megabytes = [](double of) { return std::to_string(static_cast<std::uint64_t>(of) >> 20) + " MB"; };
@@ -170,7 +150,6 @@ private:
     // Cubes spread over the volume state how much there is in it: where that is hopeless it shows at once.
     Status planMemory() {
         const auto points = static_cast<double>(pointCount(dims_)), memory = static_cast<double>(options_.memoryBytes);
-        const auto plane = static_cast<double>(dims_[0] * dims_[1]);
         Findings each = kMostFindings;
         const bool isTight = aimBytes_ < kMostBytesPerSample * points;
         expected_ = each * points;
@@ -187,24 +166,13 @@ private:
         }
         const auto sides = static_cast<double>(dims_[0] * dims_[1] + dims_[1] * dims_[2] + dims_[2] * dims_[0]);
         expected_.boundaryBytes = coarse_ ? 0.0 : 2.0 * sides * kBoundaryBytesPerPoint;
-        // So many strips at once, and the layers that they are part of.
-        const auto bytesOf = [&](double strips) {
-            const auto planes = static_cast<double>(std::min(dims_[2], planesAtOnce_ + 2));
-            const double samples = static_cast<double>(dims_[0] * std::min(dims_[1], rowsAtOnce_ + 1)) * planes;
-            const double layers =
-                strips > 1.0 ? 2.0 + std::floor((strips - 2.0) / static_cast<double>(stripCount())) : 1.0;
-            return layers * layerBytes(plane * planes, sizeof(Sample)) +
-                   bytesOfStrips(strips, stripBytes(samples, each * samples)) +
-                   (coarse_ ? coarseBytes(plane, each * samples) : 0.0);
-        };
+        const auto bytesOf = [&](double strips) { return cut_.bytes(strips, sizeof(Sample), each); };
         const double kept = isTight ? keptBytes(expected_) : 0.0, room = aimBytes_ - kept;
         const auto threads = static_cast<double>(tbb::this_task_arena::max_concurrency());
         // Two small strips at once take less time than a large one.
         const double wanted = hasScratch() ? std::min(2.0, threads) : 1.0;
-        while (options_.planesAtOnce == 0 && planesAtOnce_ > kFewestPlanes && bytesOf(wanted) > room)
-            rowsAtOnce_ = rowsFor(--planesAtOnce_);
-        while (options_.rowsAtOnce == 0 && !coarse_ && rowsAtOnce_ > kFewestRows && bytesOf(wanted) > room)
-            rowsAtOnce_ = std::max(kFewestRows, rowsAtOnce_ / 2);
+        while (bytesOf(wanted) > room && cut_.shrink(wanted, sizeof(Sample), each))
+            continue;
         neededBytes_ = std::max(assemblyBytes(kept, expected_.euler), kept + bytesOf(1.0));
         constexpr double kUncertainty = 1.25;
         if (isTight && (neededBytes_ > kUncertainty * memory || bytesOf(1.0) > memory))
@@ -329,7 +297,7 @@ private:
         }
         auto part = std::make_shared<Part>();
         part->layer = layer_;
-        part->strip = stripAt(nextStrip_++);
+        part->strip = cut_.stripAt(nextStrip_++);
         if (part->isLast())
             layer_.reset();
         return part;
@@ -340,7 +308,7 @@ private:
         LayerWindow<Sample>& window = layer->window;
         const std::int64_t step = dims_[0] * dims_[1];
         // The last plane read lies beyond the layer, but at the end of the grid.
-        const std::int64_t read = std::min(dims_[2], readEnd_ + planesAtOnce_);
+        const std::int64_t read = std::min(dims_[2], readEnd_ + cut_.planes());
         window.dims = dims_;
         window.stop = job_.stop;
         window.zBegin = zBegin_;
@@ -522,7 +490,7 @@ private:
     GridDims dims_;
     double aimBytes_; ///< of memory
     std::shared_ptr<ScratchFile> changesFile_; ///< null: none
-    std::int64_t planesAtOnce_ = 0, rowsAtOnce_ = 0; ///< of cells, of a layer and a strip
+    StripCut cut_;
     Findings expected_; ///< of the whole volume, about
     std::array<double, 5> distinct_{}; ///< of it: isovalues of each kind of changes
     double neededBytes_ = 0.0; ///< likewise

@@ -38,8 +38,8 @@ struct AnalysisOptions {
     std::uint64_t memoryBytes = std::numeric_limits<std::uint64_t>::max();
     MeasurePlan measures; ///< none: the curves stay empty
     bool mayLackEvents = true; ///< where memory does not hold them, and measures are planned
-    /// Planes read at once, 3 or more, and rows of cells worked on at once, 1 or more; 0: strips of a quarter of a
-    /// million samples. Events are the same with any number, but for which of several places of one isovalue is stated.
+    /// Planes read at once, 3 to 16, and rows of cells worked on at once; 0: as is best (StripCut). Events are the same
+    /// with any number, but for which of several places of one isovalue is stated.
     std::int64_t planesAtOnce = 0, rowsAtOnce = 0;
     /// Two files for what is found and memory does not hold: changes, until events are made of them, and pages of
     /// these, as long as the curve is there. They have no name once they are there. Empty: none. With them, no

@@ -1,7 +1,9 @@
 // What the topology of a volume takes, beside the build of its index and a sort of its samples, in turn. See README.md.
 
-#include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -79,7 +81,7 @@ int main(int argc, char** argv) {
                "index s", "sort s", "topology", "ratio", "least-most", "ns/sample", "peak MB", "B/sample");
     for (const std::string& spec : options.volumes)
         if (const Status status = runVolume(spec, options); !status.isOk()) {
-            if (isFurtherVolume(spec)) {
+            if (isFurtherVolume(spec) && status.error().code == ErrorCode::NotFound) {
                 fmt::print("{:<12} not there\n", spec);
                 continue;
             }

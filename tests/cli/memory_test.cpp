@@ -151,8 +151,8 @@ TEST_F(CliMemory, TopologyThatTakesMoreIsCountedWithoutEvents) {
 
 // Three planes take more than there is.
 TEST_F(CliMemory, TopologyOfPlanesThatTakeMoreIsLeftOutAndSaysWhatItWouldTake) {
-    std::ofstream(path("volume.raw"), std::ios::binary) << std::string(2500 * 2500 * 3, 'a');
-    const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "2500,2500,3", "--raw-type", "u8"});
+    std::ofstream(path("volume.raw"), std::ios::binary) << std::string(1000 * 1000 * 3, 'a');
+    const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "1000,1000,3", "--raw-type", "u8"});
     ASSERT_TRUE(json.is_object());
     EXPECT_THAT(json["topology_problem"], ::testing::ContainsRegex("takes about [0-9]+ MB of memory.*--memory"));
     EXPECT_FALSE(json.contains("topology_events"));

@@ -30,6 +30,19 @@ inline double layerBytes(double samples, std::size_t sampleBytes) {
     return (1.5 * static_cast<double>(sampleBytes) + 4.0) * samples;
 }
 
+/// Bytes of what is as large as a plane: at both ends the graph of the boundary; seeds of the upper planes of two
+/// layers, of both sides.
+inline double planeBytes(double samples) {
+    constexpr double kOfPoint = 56.0;
+    return kOfPoint * samples;
+}
+
+/// Bytes of what is left of strips until their layer is there; `found` at the grid points between them.
+inline double openBytes(const Findings& found) {
+    constexpr double kOfSeed = 160.0; // itself, a link, a copy of that while it is settled, numbers and sets
+    return kOfSeed * found.seeds;
+}
+
 /// Bytes of one strip while it is worked on; `found` in it. Measured on noise: vectors that grow are held one and a
 /// quarter times besides; of each sample, also, what it leads to and the like; links are sorted in a copy.
 inline double stripBytes(double samples, const Findings& found) {

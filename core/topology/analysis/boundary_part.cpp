@@ -33,6 +33,12 @@ const std::array<bool, 256>& manifoldStars() {
     return table;
 }
 
+// Whether the edge up along an axis is of the boundary: some of the cells round it are there, not all.
+bool isEdgeUp(unsigned star, std::size_t axis) {
+    const unsigned round = star & kStarSides[2 * axis + 1];
+    return round != 0 && round != kStarSides[2 * axis + 1];
+}
+
 } // namespace
 
 template <class Sample>
@@ -42,7 +48,20 @@ BoundaryPart BoundaryPart::of(const LayerWindow<Sample>& window) {
     for (std::size_t axis = 0; axis < 3; ++axis)
         part.steps[axis] = static_cast<Point>(steps[axis]);
     const std::int64_t owned = window.planeStep() * (window.ownedEnd() - window.zBegin);
-    const Sample* const samples = window.layer();
+    const Sample* samples = window.layer();
+    // Held twice while they grow the first and the last plane's would be half as large again.
+    std::array<std::int64_t, 256> counts{};
+    for (std::int64_t at = 0; at < owned; ++at)
+        ++counts[window.stars[static_cast<std::size_t>(at)]];
+    std::size_t points = 0, edges = 0;
+    for (unsigned star = 1; star < kWholeStar; ++star) {
+        points += static_cast<std::size_t>(counts[star]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            edges += isEdgeUp(star, axis) ? static_cast<std::size_t>(counts[star]) : 0;
+    }
+    part.points.reserve(points);
+    part.scalars.reserve(points);
+    part.edges.reserve(edges);
     for (std::int64_t at = 0; at < owned; ++at) {
         const CellStar star = window.stars[static_cast<std::size_t>(at)];
         if (star == kWholeStar || star == 0)
@@ -54,8 +73,7 @@ BoundaryPart BoundaryPart::of(const LayerWindow<Sample>& window) {
         ++part.euler;
         // Edges and faces that go up from here.
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const unsigned round = star & kStarSides[2 * axis + 1];
-            if (round != 0 && round != kStarSides[2 * axis + 1]) {
+            if (isEdgeUp(star, axis)) {
                 part.edges.emplace_back(point, axis);
                 --part.euler;
             }

@@ -16,7 +16,7 @@ inline bool comesEarlier(Side side, double a, double b) { return side == Side::A
 /// The earlier one; NaN stands for never.
 inline double earlier(Side side, double a, double b) { return std::isnan(a) || comesEarlier(side, b, a) ? b : a; }
 
-/// Where a component may come: a grid point none of whose neighbours comes earlier, or none in its layer.
+/// Where a component may come: a grid point none of whose neighbours comes earlier, or none in its strip.
 struct Seed {
     double isovalue;
     double reachesBoundary; ///< earliest isovalue at which the points that lead here reach the boundary; NaN: never

@@ -30,7 +30,7 @@ public:
         }
         if (recent.a != recent.b) {
             if (links_.size() >= most_)
-                keepForest(side_, seeds_, links_, order_); // a sixth of them at most
+                keepForest(side_, seeds_, links_, order_); // a ninth of them at most
             links_.push_back(recent);
         }
         recent = {isovalue, cause, a, b};

@@ -1,7 +1,6 @@
 #include "core/topology/analysis/side_graph.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -12,7 +11,7 @@ namespace isoslider::topology {
 // Grid points between two strips belong to both: what they lead to in each is one from their scalars on. Those of a
 // strip's last row are the next one's first row, which is linked with all that is around it.
 template <class Sample>
-Status SideGraph::add(StripComponents& part, const LayerWindow<Sample>& window, const Strip& strip) {
+Status SideGraph::add(const StripComponents& part, const LayerWindow<Sample>& window, const Strip& strip) {
     const std::size_t base = graph_.seeds.size();
     if (base + part.graph.seeds.size() >= kNoSeed)
         return makeError(ErrorCode::OutOfSpace, "the volume has too many extremes for its topology to be analysed");
@@ -71,7 +70,7 @@ Result<SideChanges> SideGraph::take(double span) {
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
-    template Status SideGraph::add(StripComponents&, const LayerWindow<Sample>&, const Strip&);
+    template Status SideGraph::add(const StripComponents&, const LayerWindow<Sample>&, const Strip&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE
 

@@ -19,7 +19,7 @@ public:
 
     /// Errors: OutOfSpace (2^32 extremes); those of ScratchFile::append.
     template <class Sample>
-    Status add(StripComponents& part, const LayerWindow<Sample>& window, const Strip& strip);
+    Status add(const StripComponents& part, const LayerWindow<Sample>& window, const Strip& strip);
     HistorySums& sums() { return sums_; }
     /// Once all are there. `span`: how long a component that lasts has lasted.
     Result<SideChanges> take(double span);

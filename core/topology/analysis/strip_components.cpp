@@ -3,7 +3,6 @@
 #include <array>
 #include <bit>
 #include <span>
-#include <utility>
 
 #include "core/grid/scalar_type.h"
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -312,6 +313,28 @@ TEST(TopologyCurve, PairsHillsWithThePassesWhereTheyJoinHigherOnes) {
     EXPECT_EQ(persistence, expected);
     EXPECT_EQ(curve.countsAt(4.5).components, 3);
     EXPECT_EQ(curve.countsAt(3.5).components, 2);
+}
+
+// Layers of long rows are thin ones, of short rows thick, with many strips or one.
+TEST(TopologyCurve, IsTheSameWhicheverWayALongVolumeLies) {
+    const std::array<std::int64_t, 3> sizes{15'000, 3, 4};
+    std::vector<double> scalars(static_cast<std::size_t>(sizes[0] * sizes[1] * sizes[2]));
+    std::iota(scalars.begin(), scalars.end(), 0.0); // no ties
+    std::shuffle(scalars.begin(), scalars.end(), std::mt19937(1));
+    const auto turned = [&](const std::array<std::size_t, 3>& axes) { // which of the sizes x, y and z have
+        const std::array<std::int64_t, 3> steps{1, sizes[0], sizes[0] * sizes[1]};
+        std::vector<double> samples;
+        for (std::int64_t z = 0; z < sizes[axes[2]]; ++z)
+            for (std::int64_t y = 0; y < sizes[axes[1]]; ++y)
+                for (std::int64_t x = 0; x < sizes[axes[0]]; ++x)
+                    samples.push_back(scalars[static_cast<std::size_t>(x * steps[axes[0]] + y * steps[axes[1]] +
+                                                                       z * steps[axes[2]])]);
+        return curveOf(test::makeTopologyGrid(samples, {sizes[axes[0]], sizes[axes[1]], sizes[axes[2]]}, "long"));
+    };
+    const TopologyCurve along = turned({0, 1, 2});
+    EXPECT_GT(along.eventCount(), scalars.size() / 2);
+    expectSameEvents(along, turned({1, 0, 2}));
+    expectSameEvents(along, turned({2, 1, 0}));
 }
 
 TEST(TopologyCurve, IsEmptyWithoutCellsAndRefusesMissingValues) {
