@@ -153,8 +153,11 @@ private:
         Findings each = kMostFindings;
         const bool isTight = aimBytes_ < kMostBytesPerSample * points;
         expected_ = each * points;
+        // Half as many cubes tell enough of a small volume, where the disk holds the most that there can be.
+        constexpr double kSmall = 1 << 23;
+        const bool isRoomy = hasScratch() && !coarse_ && points < kSmall && checkRoom().isOk();
         if (isTight)
-            ISO_TRY(lookAt(each, expected_));
+            ISO_TRY(lookAt({.levels = isRoomy ? 4 : 8}, each, expected_));
         if (hasScratch() && !coarse_) {
             ISO_TRY(checkRoom());
             if (expected_.keptBytes() > static_cast<double>(store().mostBytes))
@@ -222,9 +225,9 @@ private:
     }
 
     // `each`: of a cell, on average; `all`: of all layers, where changes of one isovalue are summed up.
-    Status lookAt(Findings& each, Findings& all) {
+    Status lookAt(const SpreadCubes& spread, Findings& each, Findings& all) {
         auto cubes = lookAtCubes<Seen, Sample>(
-            source_, {}, job_,
+            source_, spread, job_,
             [](const LayerWindow<Sample>& window, const std::array<std::int64_t, 3>&) { return lookAtCube(window); });
         if (!cubes.isOk())
             return std::move(cubes).error();
