@@ -151,11 +151,15 @@ TEST_F(CliMemory, TopologyThatTakesMoreIsCountedWithoutEvents) {
 
 // Three planes take more than there is.
 TEST_F(CliMemory, TopologyOfPlanesThatTakeMoreIsLeftOutAndSaysWhatItWouldTake) {
-    std::ofstream(path("volume.raw"), std::ios::binary) << std::string(1000 * 1000 * 3, 'a');
-    const auto json = expectLimitKept({"build", path("volume.raw"), "--raw-dims", "1000,1000,3", "--raw-type", "u8"});
-    ASSERT_TRUE(json.is_object());
-    EXPECT_THAT(json["topology_problem"], ::testing::ContainsRegex("takes about [0-9]+ MB of memory.*--memory"));
-    EXPECT_FALSE(json.contains("topology_events"));
+    for (const int side : {1000, 1500}) {
+        std::ofstream(path("volume.raw"), std::ios::binary)
+            << std::string(static_cast<std::size_t>(side) * static_cast<std::size_t>(side) * 3, 'a');
+        const auto json = expectLimitKept(
+            {"build", path("volume.raw"), "--raw-dims", fmt::format("{0},{0},3", side), "--raw-type", "u8"});
+        ASSERT_TRUE(json.is_object());
+        EXPECT_THAT(json["topology_problem"], ::testing::ContainsRegex("takes about [0-9]+ MB of memory.*--memory"));
+        EXPECT_FALSE(json.contains("topology_events"));
+    }
 }
 
 TEST_F(CliMemory, TopologyThatFitsIsMadeWithinTheBudget) {

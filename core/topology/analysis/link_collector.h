@@ -30,7 +30,7 @@ public:
         }
         if (recent.a != recent.b) {
             if (links_.size() >= most_)
-                keepForest(side_, seeds_, links_, order_); // a ninth of them at most
+                keepForest(side_, seeds_, links_, order_); // a sixth of them at most
             links_.push_back(recent);
         }
         recent = {isovalue, cause, a, b};
@@ -60,7 +60,7 @@ public:
 private:
     static constexpr unsigned kRecentBits = 12;
     static constexpr std::size_t kRecent = std::size_t{1} << kRecentBits;
-    static constexpr std::size_t kUsualPerSeed = 5, kMostPerSeed = 9; // the latter: hardly any noise has as many
+    static constexpr std::size_t kUsualPerSeed = 4, kMostPerSeed = 6; // the latter: hardly any noise has as many
     Side side_;
     std::size_t seeds_ = 0, most_ = std::numeric_limits<std::size_t>::max();
     std::vector<Link> recent_; ///< by a hash of both seeds

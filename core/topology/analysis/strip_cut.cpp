@@ -6,15 +6,19 @@
 namespace isoslider::topology {
 namespace {
 
-// Where rows or planes are very long layers are thinner: nobody has gigabytes for one. A strip has 2^30 points at most.
-constexpr std::int64_t kStripSamples = 1 << 17, kMostStripSamples = 1 << 20, kMostLayerSamples = 1 << 26;
+// Where rows or planes are very long layers are thinner: nobody has gigabytes for one. A strip has kMostPoints at
+// most, whatever is asked for.
+constexpr std::int64_t kStripSamples = 1 << 17, kMostStripSamples = 1 << 20, kMostLayerSamples = 1 << 26,
+                       kMostPoints = 1 << 30;
 constexpr std::int64_t kUsualPlanes = 16, kFewestPlanes = 3, kFewestRows = 24;
 
 } // namespace
 
 StripCut::StripCut(const GridDims& dims, const Wanted& wanted)
     : dims_{std::max<std::int64_t>(1, dims[0]), std::max<std::int64_t>(1, dims[1]), dims[2]}, wanted_(wanted) {
-    planes_ = wanted.planes > 0 ? std::clamp(wanted.planes, kFewestPlanes, kUsualPlanes) : usualPlanes();
+    const std::int64_t mostPlanes =
+        std::max(kFewestPlanes, std::min(kUsualPlanes, kMostPoints / (dims_[0] * dims_[1]) - 2));
+    planes_ = wanted.planes > 0 ? std::clamp(wanted.planes, kFewestPlanes, mostPlanes) : usualPlanes();
     rows_ = rowsFor(planes_);
 }
 

@@ -15,7 +15,7 @@ class StripCut {
 public:
     /// What is asked for; 0: as is best.
     struct Wanted {
-        std::int64_t planes = 0; ///< of cells in a layer; 3 or more
+        std::int64_t planes = 0; ///< of cells in a layer; 3 to 16, fewer where planes are very large
         std::int64_t rows = 0; ///< of cells in a strip
         bool isWhole = false; ///< a strip is all of its layer
     };

@@ -33,7 +33,7 @@ TEST(LinkCollector, KeepsTheSameForestWhileLinksCome) {
             std::vector<Link> links = all.take(), kept = fewer.take();
             IsovalueOrder order;
             EXPECT_GT(links.size(), kLinks / 2);
-            EXPECT_LT(kept.size(), 10 * kSeeds + 2 * 4096) << "nine a seed, and those looked at last";
+            EXPECT_LT(kept.size(), 7 * kSeeds + 2 * 4096) << "six a seed, and those looked at last";
             keepForest(side, kSeeds, links, order);
             keepForest(side, kSeeds, kept, order);
             EXPECT_EQ(links.size(), kSeeds - 1) << "so many links make one tree of it";
