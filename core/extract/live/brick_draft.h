@@ -14,6 +14,7 @@
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/edge_record.h"
 #include "core/extract/live/merged_cells.h"
+#include "core/extract/live/retired_runs.h"
 #include "core/extract/live/run_arena.h"
 #include "core/extract/live/vertex_code.h"
 #include "core/extract/live/vertex_kernels.h"
@@ -55,11 +56,6 @@ struct UndecidedOfBrick {
     std::array<std::uint16_t, cell::UndecidedCells::kMost> numbers; ///< in the brick's list of ambiguous cells
     std::array<std::int32_t, cell::UndecidedCells::kMost> before; ///< their last states; -1: none
     std::array<cell::ResolvedCell, cell::UndecidedCells::kMost> resolved;
-};
-
-/// What a brick has had of the arenas.
-struct RetiredRuns {
-    ArenaRun vertices, indices, inner, points;
 };
 
 /// What is made of a brick before it takes its place in the live surface: scratch memory of one thread.

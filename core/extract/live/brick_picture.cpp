@@ -52,7 +52,7 @@ void expandFrom(const BrickPicture<Live>& picture, std::span<const std::uint64_t
     const std::size_t pointBytes = pointLineCount(scalarTypeSizeBytes(picture.type())) * sizeof(PointLine);
     const auto fetchLines = [](const auto* from, std::size_t bytes) {
         for (std::size_t line = 0; line < bytes; line += 64)
-            __builtin_prefetch(reinterpret_cast<const char*>(from) + line);
+            __builtin_prefetch(reinterpret_cast<const char*>(from) + line, 0, 2);
     };
     const auto fetch = [&](const PictureBrick& brick) {
         if (brick.indexCount == 0)

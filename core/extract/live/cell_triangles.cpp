@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include "core/extract/live/bit_lists-inl.h"
+#include "core/extract/live/wide_bits-inl.h"
 
 #ifndef ISO_CELL_SHUFFLES
 #define ISO_CELL_SHUFFLES
@@ -73,7 +74,7 @@ namespace isoslider::extract::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if HWY_TARGET <= HWY_AVX3
+#if HWY_TARGET <= HWY_AVX3 && HWY_TARGET > HWY_AVX3_DL
 // Signs of the cells at all points, 64 at a time: a bit string per corner, each shifted by the corner's place.
 HWY_INLINE void findAllSigns(const BitString& above, std::uint8_t* HWY_RESTRICT signs) {
     const hn::CappedTag<std::uint8_t, 64> d;
@@ -109,12 +110,22 @@ HWY_INLINE std::uint64_t whichAreAmbiguous(__m512i signs, __m512i table) {
 void listCellsHere(const BitString& active, const BitString& above, CellList& list) {
     auto* const cells = reinterpret_cast<std::uint16_t*>(list.cells.data());
     list.count = static_cast<std::uint32_t>(listBits<1>(active, 0, cells) - cells);
-    alignas(64) std::array<std::uint8_t, kPaddedPoints> allSigns;
-    findAllSigns(above, allSigns.data());
+    const WideBits here = WideBits::load(above);
+    std::array<UnsetBits, 8> corners; // above, at the place of each corner
+    here.store(corners[0]);
+    here.down<1>().store(corners[1]);
+    here.down<9>().store(corners[2]);
+    here.down<10>().store(corners[3]);
+    here.down<81>().store(corners[4]);
+    here.down<82>().store(corners[5]);
+    here.down<90>().store(corners[6]);
+    here.down<91>().store(corners[7]);
     std::uint8_t* end = list.signs.data();
     for (std::size_t w = 0; w < kBitWords; ++w) {
-        _mm512_storeu_si512(end,
-                            _mm512_maskz_compress_epi8(active.words[w], _mm512_load_si512(allSigns.data() + 64 * w)));
+        __m512i signs = _mm512_setzero_si512();
+        for (std::size_t c = 0; c < corners.size(); ++c)
+            signs = _mm512_or_si512(signs, _mm512_maskz_set1_epi8(corners[c].words[w], static_cast<char>(1 << c)));
+        _mm512_storeu_si512(end, _mm512_maskz_compress_epi8(active.words[w], signs));
         end += std::popcount(active.words[w]);
     }
     const __m512i table =

@@ -59,7 +59,7 @@ void LiveSurface<Live>::clear() {
             if (Brick& brick = bricks_[slot.index()]; brick.isLive)
                 all.push_back(takeRuns(brick));
         addKeptRuns(all);
-        retire(version_ + 1, all);
+        retired_.add(version_ + 1, all);
     }
     forgetBricks();
 }
@@ -159,7 +159,7 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
     ambiguousCells_ -= brick.ambiguousCells;
     leavePoints(brick);
     if (RetiredRuns runs = takeRuns(brick); isWatched_)
-        retire(version_, std::span(&runs, 1));
+        retired_.add(version_, runs);
     else
         release(runs);
     ambiguous_.release(brick.ambiguous);
@@ -194,11 +194,7 @@ void LiveSurface<Live>::beginMove() {
     const std::uint32_t oldest = leases_->oldest();
     isWatched_ = oldest != PictureLeases::kNone;
     // What was replaced in move m is part of the pictures made before it.
-    while (!retired_.empty() && retired_.front().version <= oldest) {
-        for (RetiredRuns& runs : retired_.front().runs)
-            release(runs);
-        retired_.pop_front();
-    }
+    retired_.releaseUntil(oldest, [this](std::span<const RetiredRuns> runs) { release(runs); });
 }
 
 template <class Live>
@@ -211,7 +207,7 @@ void LiveSurface<Live>::finishMove(BrickDraft<Live>& draft) {
     for (std::size_t level = 0; level < activeLeaves_.size(); ++level)
         activeLeaves_[level] += static_cast<std::uint64_t>(draft.counts.leaves[level]);
     replaced_.insert(replaced_.end(), draft.replaced.begin(), draft.replaced.end());
-    retire(version_, draft.retired);
+    retired_.add(version_, draft.retired);
 }
 
 // Memory, here and on the card, follows the highest run: where most of what is below it stays free, all runs move into
@@ -292,22 +288,32 @@ RetiredRuns LiveSurface<Live>::takeRuns(Brick& brick) {
             std::exchange(brick.points, {})};
 }
 
-// Runs that pictures made before the move refer to.
-template <class Live>
-void LiveSurface<Live>::retire(std::uint32_t version, std::span<const RetiredRuns> runs) {
-    if (runs.empty())
-        return;
-    if (retired_.empty() || retired_.back().version != version)
-        retired_.push_back({version, {}});
-    retired_.back().runs.insert(retired_.back().runs.end(), runs.begin(), runs.end());
-}
-
 template <class Live>
 void LiveSurface<Live>::release(RetiredRuns& runs) {
     arenas_->vertices.release(runs.vertices);
     arenas_->indices.release(runs.indices);
     arenas_->inner.release(runs.inner);
     arenas_->points.release(runs.points);
+}
+
+template <class Live>
+void LiveSurface<Live>::release(std::span<const RetiredRuns> runs) {
+    constexpr std::size_t kWorthATeam = 512;
+    const auto releaseSome = [&](std::size_t part) {
+        if (part == 0) {
+            arenas_->vertices.releaseEach(runs, &RetiredRuns::vertices);
+            arenas_->inner.releaseEach(runs, &RetiredRuns::inner);
+        } else {
+            arenas_->indices.releaseEach(runs, &RetiredRuns::indices);
+            arenas_->points.releaseEach(runs, &RetiredRuns::points);
+        }
+    };
+    if (runs.size() >= kWorthATeam) {
+        forEachIndex(2, 1, releaseSome);
+    } else {
+        releaseSome(0);
+        releaseSome(1);
+    }
 }
 
 template <class Live>
@@ -347,9 +353,12 @@ template <class Live>
 void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     Brick& brick = bricks_[slot.index()];
     const auto inner = static_cast<std::uint32_t>(draft.inner.size());
-    if (isWatched_ && brick.vertices.capacity > 0)
-        draft.retired.push_back(
-            {std::exchange(brick.vertices, {}), std::exchange(brick.indices, {}), std::exchange(brick.inner, {}), {}});
+    if (isWatched_ && brick.vertices.capacity > 0) {
+        RetiredRuns& retired = draft.retired.emplace_back(); // written in place: a copy would wait for its parts
+        retired.vertices = std::exchange(brick.vertices, {});
+        retired.indices = std::exchange(brick.indices, {});
+        retired.inner = std::exchange(brick.inner, {});
+    }
     const PointLine* const its = draft.newPoints ? draft.newPoints : points(slot); // those that are in the cache
     putPoints(slot, draft);
     std::uint32_t vertices = draft.edgeVertices;

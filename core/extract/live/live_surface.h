@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,6 +17,7 @@
 #include "core/extract/live/chunked_array.h"
 #include "core/extract/live/kept_points.h"
 #include "core/extract/live/live_brick.h"
+#include "core/extract/live/retired_runs.h"
 #include "core/extract/live/run_arena.h"
 #include "core/extract/merged/merge_bound.h"
 #include "core/extract/surface_mesh.h"
@@ -143,7 +143,7 @@ private:
     void addKeptRuns(std::vector<RetiredRuns>& runs);
     void leavePoints(Brick& brick);
     void release(RetiredRuns& runs);
-    void retire(std::uint32_t version, std::span<const RetiredRuns> runs);
+    void release(std::span<const RetiredRuns> runs);
     void show(BrickSlot slot);
     void listChanges(std::vector<ChangedTriangles>& triangles, std::vector<std::uint16_t>& indices) const;
     /// An active cell of a brick, merged or not, and where its triangles are among the brick's indices.
@@ -183,12 +183,7 @@ private:
     std::shared_ptr<BrickArenas> spare_; ///< empty; for drop(), which cannot make any
     RunArena<AmbiguousCell, 4, 16> ambiguous_;
     RunArena<MergedLeaf, 8, 16> merged_;
-    /// Runs that pictures up to a version refer to, in the order of their versions.
-    struct Retired {
-        std::uint32_t version;
-        std::vector<RetiredRuns> runs;
-    };
-    std::deque<Retired> retired_;
+    RetiredList retired_;
     std::shared_ptr<PictureLeases> leases_ = std::make_shared<PictureLeases>();
     std::uint32_t version_ = 0; ///< counts moves
     static constexpr int kSparseMoves = 8;

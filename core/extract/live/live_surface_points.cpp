@@ -43,7 +43,7 @@ void LiveSurface<Live>::dropKeptPoints() {
     std::vector<RetiredRuns> runs;
     addKeptRuns(runs);
     kept_.clear();
-    retire(version_ + 1, runs); // there may be pictures of them
+    retired_.add(version_ + 1, runs); // there may be pictures of them
 }
 
 #define ISO_INSTANTIATE(Live) \

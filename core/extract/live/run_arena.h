@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <mutex>
 #include <new>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -89,6 +90,13 @@ public:
             return;
         const std::lock_guard lock(mutex_);
         giveBack(std::exchange(run, {}));
+    }
+    /// Of each of `owners` the run that is a member of it.
+    template <class Owner>
+    void releaseEach(std::span<const Owner> owners, ArenaRun Owner::*run) {
+        const std::lock_guard lock(mutex_);
+        for (const Owner& owner : owners)
+            giveBack(owner.*run);
     }
     /// A run of the same size as `run`, of another arena. Throws std::bad_alloc.
     ArenaRun alike(const ArenaRun& run) {

@@ -1,6 +1,7 @@
 #include "core/extract/sources/brick_source.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <exception>
@@ -228,17 +229,29 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
     return {};
 }
 
-// Bricks active before and after: those in which something changes, and others whose vertices inside cells move.
+// Bricks active before and after: those in which something changes, and others whose vertices inside cells move. Which
+// ones cannot be predicted, so lists are written without branches.
 template <class Sample>
 void BrickSource<Sample>::listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs,
                                       std::vector<BrickSlot>& refreshed) const {
-    for (const BrickSlot slot : firstIds<BrickSlot>(watch_.size())) {
-        if (hasNewBound_ ? surface.brick(slot).isLive
-                         : watch_[slot.index()].isCrossed(move.from, move.to) ||
-                               !surface.stateInterval(slot).contains(move.isovalue))
-            jobs.push_back({slot, false});
-        else if (surface.hasInnerVertices(slot))
-            refreshed.push_back(slot);
+    constexpr std::size_t kTogether = 512;
+    std::array<BrickSlot, kTogether> crossed, others;
+    const bool goesUp = move.from < move.to;
+    for (std::size_t begin = 0; begin < watch_.size(); begin += kTogether) {
+        std::size_t crossedCount = 0, otherCount = 0;
+        for (std::size_t s = begin; s < std::min(watch_.size(), begin + kTogether); ++s) {
+            const BrickSlot slot(s);
+            const Watch& watch = watch_[s];
+            const bool isCrossed =
+                watch.isSet() & ((goesUp ? watch.up < move.to : watch.down >= move.to) | hasNewBound_ |
+                                 !surface.stateInterval(slot).contains(move.isovalue));
+            crossed[crossedCount] = others[otherCount] = slot;
+            crossedCount += isCrossed;
+            otherCount += !isCrossed & surface.hasInnerVertices(slot); // none, where there is no brick
+        }
+        for (std::size_t i = 0; i < crossedCount; ++i)
+            jobs.push_back({crossed[i], false});
+        refreshed.insert(refreshed.end(), others.begin(), others.begin() + static_cast<std::ptrdiff_t>(otherCount));
     }
 }
 
@@ -251,19 +264,10 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         reset();
     // Merged cells look different where there are none beside them: a brick at the region's border may be no longer.
     hasNewBound_ = hasNewBound_ || (hasNewRegion_ && bound_.limit > 0.0);
-    std::vector<Job> jobs;
+    std::vector<Job> arrived, jobs;
     std::vector<BrickSlot> refreshed;
-    listCrossed(move, surface, jobs, refreshed);
-    std::vector<Job> arrived;
     ISO_TRY(changeActiveSet(move, surface, stats, control.stop, arrived));
-    std::erase_if(jobs, [&](const Job& job) { return !surface.brick(job.slot).isLive; }); // crossed and left
-    std::erase_if(refreshed, [&](BrickSlot slot) { return !surface.brick(slot).isLive; });
-    // A slot that a leaving brick gave up may be an arriving one's.
-    std::vector<bool> isNew(watch_.size(), false);
-    for (const Job& job : arrived)
-        isNew[job.slot.index()] = true;
-    std::erase_if(jobs, [&](const Job& job) { return isNew[job.slot.index()]; });
-    std::erase_if(refreshed, [&](BrickSlot slot) { return isNew[slot.index()]; });
+    listCrossed(move, surface, jobs, refreshed); // nothing crosses those that have left or are to be made
     jobs.insert(jobs.end(), arrived.begin(), arrived.end());
 
     for (Scratch& scratch : *scratches_) {

@@ -98,7 +98,7 @@ private:
     struct Watch {
         std::uint64_t up = ~std::uint64_t{0};
         std::uint64_t down = 0;
-        bool isCrossed(KeyThreshold from, KeyThreshold to) const { return from < to ? up < to : down >= to; }
+        bool isSet() const { return up != ~std::uint64_t{0} || down != 0; } ///< the brick has been made
     };
     struct Job {
         BrickSlot slot;

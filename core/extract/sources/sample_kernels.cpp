@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include "core/extract/live/bit_lists-inl.h"
+#include "core/extract/live/wide_bits-inl.h"
 
 #ifndef ISO_FINISH_CLASSIFICATION
 #define ISO_FINISH_CLASSIFICATION
@@ -107,11 +108,58 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, std::size_t words, st
     greatestBelow = downs[0];
 }
 
+#if HWY_TARGET <= HWY_AVX3_DL
+// As finishClassification().
+template <class T>
+HWY_INLINE void finish(const BrickMasks& masks, const BitString* before, ClassifiedBrick<T>& out) {
+    const WideBits above = WideBits::load(out.above);
+    const WideBits right = above.down<1>();
+    const std::array<WideBits, 3> edges{(above ^ right) & WideBits::load(masks.edges[0]),
+                                        (above ^ above.down<9>()) & WideBits::load(masks.edges[1]),
+                                        (above ^ above.down<81>()) & WideBits::load(masks.edges[2])};
+    const WideBits anyX = above | right, allX = above & right;
+    const WideBits anyXy = anyX | anyX.down<9>(), allXy = allX & allX.down<9>();
+    ((anyXy | anyXy.down<81>()) & WideBits::load(masks.cells))
+        .without(allXy & allXy.down<81>())
+        .store(out.active.cells);
+    __m512i owned = _mm512_setzero_si512(), added = owned, removed = owned;
+    const auto count = [&](std::size_t axis, const WideBits& were) HWY_ATTR {
+        edges[axis].store(out.active.edges[axis]);
+        const WideBits own = WideBits::load(masks.owned[axis]), now = edges[axis] & own, was = were & own;
+        owned = _mm512_add_epi64(owned, now.counts());
+        added = _mm512_add_epi64(added, now.without(was).counts());
+        removed = _mm512_add_epi64(removed, was.without(now).counts());
+    };
+    if (before) {
+        const WideBits had = WideBits::load(*before);
+        count(0, had ^ had.down<1>());
+        count(1, had ^ had.down<9>());
+        count(2, had ^ had.down<81>());
+        const WideBits flipped = had ^ above;
+        const WideBits x = flipped | flipped.down<1>(), xy = x | x.down<9>();
+        (xy | xy.down<81>()).store(out.changed);
+    } else {
+        const WideBits none{_mm512_setzero_si512(), _mm512_setzero_si512()};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            count(axis, none);
+        out.changed.words.fill(~std::uint64_t{0});
+    }
+    out.ownedEdges = static_cast<std::uint32_t>(_mm512_reduce_add_epi64(owned));
+    out.edgesAdded = static_cast<std::uint32_t>(_mm512_reduce_add_epi64(added));
+    out.edgesRemoved = static_cast<std::uint32_t>(_mm512_reduce_add_epi64(removed));
+}
+#else
+template <class T>
+HWY_INLINE void finish(const BrickMasks& masks, const BitString* before, ClassifiedBrick<T>& out) {
+    finishClassification(masks, before, out);
+}
+#endif
+
 template <class T>
 void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMasks& masks, const BitString* before,
                        ClassifiedBrick<T>& out) {
     findSigns(samples, threshold, kBitWords, out.above.words.data(), out.up, out.down);
-    finishClassification(masks, before, out);
+    finish(masks, before, out);
 }
 
 #define ISO_CLASSIFY(Stored, Name) \
