@@ -11,6 +11,11 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#if defined(__linux__)
+#include <pthread.h>
+#include <sched.h>
+#endif
+
 namespace isoslider {
 namespace {
 
@@ -27,6 +32,44 @@ bool spinUntil(const Condition& isDone) {
     }
     return false;
 }
+
+#if defined(__linux__)
+/// Which processors sleeping workers are woken on: others than the caller's. Where a program has been idle, as between
+/// two moves of a handle, Linux was seen to wake them on the processor that wakes them, which is busy, and to move them
+/// a millisecond and a half later: by then a loop is over. Awake they may run anywhere again.
+class Placement {
+public:
+    /// The caller's processors but the one it runs on, for those that wake next.
+    void prepare(std::vector<std::thread>& workers) {
+        cpu_set_t others;
+        const int here = sched_getcpu();
+        if (here < 0 || pthread_getaffinity_np(pthread_self(), sizeof allowed_, &allowed_) != 0 ||
+            CPU_COUNT(&allowed_) < 2 || CPU_COUNT(&allowed_) > kFew)
+            return;
+        others = allowed_;
+        CPU_CLR(here, &others);
+        for (std::thread& worker : workers)
+            (void)pthread_setaffinity_np(worker.native_handle(), sizeof others, &others);
+        arePlaced_ = true;
+    }
+    /// For a worker that has been woken. REQUIRES for both: one at a time.
+    void freeWorker() const {
+        if (arePlaced_)
+            (void)pthread_setaffinity_np(pthread_self(), sizeof allowed_, &allowed_);
+    }
+
+private:
+    static constexpr int kFew = 8; ///< of more, some are idle where the scheduler looks for one
+    cpu_set_t allowed_;
+    bool arePlaced_ = false;
+};
+#else
+class Placement {
+public:
+    void prepare(std::vector<std::thread>& /*workers*/) {}
+    void freeWorker() const {}
+};
+#endif
 
 /// One loop while it runs. Lives on its caller's stack: a worker counts itself among `helpers` while it looks at it.
 struct Loop {
@@ -75,6 +118,8 @@ public:
             const std::lock_guard lock(loopMutex_);
             loop.seats = threads - 1;
             loop_ = &loop;
+            if (sleeping_.load(std::memory_order_relaxed) > 0)
+                placement_.prepare(workers_);
         }
         wake();
         loop.work();
@@ -108,20 +153,27 @@ private:
     void serve() {
         std::uint32_t seen = 0;
         for (;;) {
+            bool hasSlept = false;
             const auto isCalled = [&] { return calls_.load(std::memory_order_acquire) != seen; };
-            if (!spinUntil(isCalled))
+            if (!spinUntil(isCalled)) {
+                sleeping_.fetch_add(1, std::memory_order_relaxed);
                 calls_.wait(seen, std::memory_order_acquire);
+                sleeping_.fetch_sub(1, std::memory_order_relaxed);
+                hasSlept = true;
+            }
             seen = calls_.load(std::memory_order_acquire);
             if (isEnding_.load())
                 return;
-            if (Loop* const loop = join()) {
+            if (Loop* const loop = join(hasSlept)) {
                 loop->work();
                 leave(*loop);
             }
         }
     }
-    Loop* join() {
+    Loop* join(bool hasSlept) {
         const std::lock_guard lock(loopMutex_);
+        if (hasSlept)
+            placement_.freeWorker();
         if (!loop_ || loop_->seats == 0)
             return nullptr;
         --loop_->seats;
@@ -137,7 +189,9 @@ private:
     std::atomic_flag isBusy_; ///< somebody runs a loop
     std::mutex loopMutex_;
     Loop* loop_ = nullptr;
+    Placement placement_; ///< guarded by the mutex, too
     std::atomic<std::uint32_t> calls_{0};
+    std::atomic<int> sleeping_{0}; ///< workers
     std::atomic<bool> isEnding_{false};
     std::vector<std::thread> workers_; ///< changed by whoever runs a loop
 };

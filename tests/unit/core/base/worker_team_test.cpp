@@ -1,5 +1,6 @@
 #include "core/base/worker_team.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -10,6 +11,11 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#if defined(__linux__)
+#include <pthread.h>
+#include <sched.h>
+#endif
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -69,6 +75,54 @@ TEST(WorkerTeam, UsesTheThreadsThatTbbMayUse) {
     const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
     EXPECT_EQ(threadsOfALoop(), 1u);
 }
+
+#if defined(__linux__)
+// How long after the start of a loop another thread takes a piece of it, at most `longest`; and whether it may run
+// wherever the caller may.
+struct Help {
+    std::chrono::duration<double> after;
+    bool runsAnywhere = true;
+};
+Help helpInALoop(std::chrono::duration<double> longest) {
+    using Clock = std::chrono::steady_clock;
+    const auto processors = [] {
+        cpu_set_t set;
+        CPU_ZERO(&set);
+        EXPECT_EQ(pthread_getaffinity_np(pthread_self(), sizeof set, &set), 0);
+        return set;
+    };
+    const std::thread::id caller = std::this_thread::get_id();
+    const cpu_set_t allowed = processors();
+    std::atomic<bool> hasHelp{false};
+    Help help{longest};
+    const auto start = Clock::now();
+    forEachIndex(2, 1, [&](std::size_t) {
+        if (std::this_thread::get_id() != caller) {
+            const cpu_set_t own = processors();
+            help = {Clock::now() - start, CPU_EQUAL(&own, &allowed) != 0};
+            hasHelp = true;
+        } else {
+            while (!hasHelp && Clock::now() - start < longest) {}
+        }
+    });
+    return help;
+}
+
+// As when a handle moves on after a pause. The best of many, since other programs may have the processors.
+TEST(WorkerTeam, IsThereAtOnceAfterAPause) {
+    if (std::thread::hardware_concurrency() < 2)
+        GTEST_SKIP() << "one processor";
+    std::vector<double> after;
+    for (int round = 0; round < 41; ++round) {
+        std::this_thread::sleep_for(20ms); // longer than workers wait without sleeping
+        const Help help = helpInALoop(1s);
+        EXPECT_TRUE(help.runsAnywhere);
+        after.push_back(help.after.count());
+    }
+    std::sort(after.begin(), after.end());
+    EXPECT_LT(after[after.size() / 4], 0.7e-3) << "seconds";
+}
+#endif
 
 TEST(WorkerTeam, HandsOnWhatAPieceThrows) {
     for (int round = 0; round < 200; ++round) {
