@@ -21,6 +21,7 @@ struct BrickSource<Sample>::Scratch {
     std::vector<Job> pending; ///< jobs that want samples which are not ready yet
     std::vector<BrickIndex> read; ///< bricks whose samples were
     LeavesAround around;
+    LinesAhead ahead; ///< of a brick that is made soon
     /// Bricks whose leaves are others now, and what they were.
     std::vector<std::pair<BrickSlot, BrickLeaves>> otherLeaves;
     std::uint64_t bricks = 0, edgesAdded = 0, edgesRemoved = 0;

@@ -329,18 +329,21 @@ void BrickSource<Sample>::sortForReading(std::vector<BrickIndex>& bricks, bool b
     std::transform(placed.begin(), placed.end(), bricks.begin(), [](const Placed& p) { return p.brick; });
 }
 
-// Most of a move is waiting for memory: a brick's lines are asked for while the one before is made.
+// Most of a move is waiting for memory: a brick's lines are asked for while those before are made.
 template <class Sample>
-void BrickSource<Sample>::prefetchPoints(const LiveSurface<Live>& surface, const Job& job) const {
+void BrickSource<Sample>::prefetchPoints(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const {
     if (!surface.brick(job.slot).hasPoints) {
         samples_.prefetch(brickOf_[job.slot.index()]);
         return;
     }
     // Without groups nothing reads the normals until the picture is drawn.
-    const std::size_t bytes = surface.keepsGroups() ? sizeof(Points) : sizeof(Points::samples);
-    const auto* const points = reinterpret_cast<const char*>(surface.points(job.slot));
-    for (std::size_t line = 0; line < bytes; line += 64)
-        __builtin_prefetch(points + line, 0, 2);
+    ahead = {surface.points(job.slot), surface.keepsGroups() ? sizeof(Points) : sizeof(Points::samples)};
+}
+
+template <class Sample>
+void BrickSource<Sample>::prefetchAllPoints(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const {
+    prefetchPoints(surface, job, ahead);
+    ahead.fetchRest();
 }
 
 // First what needs nothing but what is in memory; then, in batches and in the order in which samples lie, what must be
@@ -356,13 +359,15 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
         forRanges(some.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
             Scratch& scratch = scratches_->local();
             std::size_t done = 0;
-            for (std::size_t i = begin; i < std::min(begin + kAhead, end); ++i)
-                (this->*work.prefetch)(surface, some[i]);
+            for (std::size_t i = begin; i < std::min(begin + kAhead, end); ++i) {
+                (this->*work.prefetch)(surface, some[i], scratch.ahead);
+                scratch.ahead.fetchRest();
+            }
             for (std::size_t i = begin; i != end && !stop.stop_requested(); ++i) {
                 if (i + 2 * kAhead < some.size())
                     surface.prefetchHead(some[i + 2 * kAhead].slot);
                 if (i + kAhead < end) { // beyond, another thread may be changing them
-                    (this->*work.prefetch)(surface, some[i + kAhead]);
+                    (this->*work.prefetch)(surface, some[i + kAhead], scratch.ahead);
                     surface.prefetch(some[i + kAhead].slot);
                 }
                 if ((this->*work.make)(move, surface, some[i], scratch))
@@ -443,7 +448,9 @@ template <class Sample>
 bool BrickSource<Sample>::rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch) {
     if (!begin(surface, job, scratch))
         return false;
+    scratch.ahead.fetchPart();
     classifyFor(move, surface, job, scratch);
+    scratch.ahead.fetchPart();
     if (hasNewBound_)
         addOtherLeaves(job.slot, scratch);
     makeUnmerged(move, surface, job, scratch);
@@ -469,8 +476,10 @@ void BrickSource<Sample>::finish(const Move& move, LiveSurface<Live>& surface, c
     draft.edgeVertices = numberEdges(draft.active, draft.codes.data(), draft.vertices);
     for (const MergedCells::Corner& corner : draft.merged.corners())
         draft.codes[draft.vertices.of(corner.edge)] = vertexCode(corner.edge, corner.level);
+    scratch.ahead.fetchPart();
     Corners corners(pointsOf(surface, job, scratch));
     surface.replace(job.slot, draft, corners, move.isovalue);
+    scratch.ahead.fetchRest();
     watch_[job.slot.index()] = {keyOf(sampleOf<Sample>(found.up)), keyOf(sampleOf<Sample>(found.down))};
     isMadeOfEdges_[job.slot.index()] = 0;
     scratch.edgesAdded += found.edgesAdded;

@@ -11,6 +11,7 @@
 #include "core/extract/live/chunked_array.h"
 #include "core/extract/live/one_leaf.h"
 #include "core/extract/sources/leaf_finding.h"
+#include "core/extract/sources/lines_ahead.h"
 #include "core/extract/sources/point_kernels.h"
 #include "core/extract/sources/sample_kernels.h"
 #include "core/extract/sources/sample_reader.h"
@@ -114,7 +115,8 @@ private:
     struct Work {
         bool (BrickSource::*make)(const Move&, LiveSurface<Live>&, const Job&, Scratch&); ///< false when samples are
                                                                                           ///< wanted that are not ready
-        void (BrickSource::*prefetch)(const LiveSurface<Live>&, const Job&) const; ///< asks for what is read first
+        /// Asks for what is read first, or leaves it to others to do so.
+        void (BrickSource::*prefetch)(const LiveSurface<Live>&, const Job&, LinesAhead&) const;
     };
 
     bool isEnd(KeyThreshold at) const { return at == lowest() || at == highest(); }
@@ -133,7 +135,8 @@ private:
                    const JobControl& control, const Work& work);
     Status runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
                       const JobControl& control);
-    void prefetchPoints(const LiveSurface<Live>& surface, const Job& job) const;
+    void prefetchPoints(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const;
+    void prefetchAllPoints(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const;
     bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void makeUnmerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void addOtherLeaves(BrickSlot slot, Scratch& scratch);
@@ -141,7 +144,7 @@ private:
     bool rebuildMerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void makeOneLeaf(const Move& move, LiveSurface<Live>& surface, const Job& job, const OneLeaf& leaf,
                      Scratch& scratch);
-    void prefetchMerged(const LiveSurface<Live>& surface, const Job& job) const;
+    void prefetchMerged(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const;
     SureCells& sureCellsOf(BrickSlot slot) { return sureCells_[brickOf_[slot.index()].index()]; }
     const SureCells& sureCellsOf(BrickSlot slot) const { return sureCells_[brickOf_[slot.index()].index()]; }
     BrickLeaves& leavesOf(BrickSlot slot) { return leavesOf_[brickOf_[slot.index()].index()]; }

@@ -23,7 +23,7 @@ Status BrickSource<Sample>::runMerging(const Move& move, LiveSurface<Live>& surf
         return job.isNew || hasNewBound_ || !sureCellsOf(job.slot).isOneLeaf;
     });
     ISO_TRY(runJobs(move, surface, {jobs.begin(), firstKnown}, stats, control.part(0.0, 0.5),
-                    {&BrickSource::findLeaves, &BrickSource::prefetchPoints}));
+                    {&BrickSource::findLeaves, &BrickSource::prefetchAllPoints}));
     std::erase_if(jobs, [this](const Job& job) { return !leavesOf(job.slot).hasMerged(); });
     addBricksBeside(surface, jobs);
     return runJobs(move, surface, std::move(jobs), stats, control.part(0.5, 1.0),
@@ -82,7 +82,7 @@ void BrickSource<Sample>::addOtherLeaves(BrickSlot slot, Scratch& scratch) {
 }
 
 template <class Sample>
-void BrickSource<Sample>::prefetchMerged(const LiveSurface<Live>& surface, const Job& job) const {
+void BrickSource<Sample>::prefetchMerged(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const {
     // Of a row of bricks they lie together.
     const BrickGrid& grid = surface.shapes().grid();
     const auto brick = static_cast<std::int64_t>(brickOf_[job.slot.index()].number()),
@@ -93,14 +93,14 @@ void BrickSource<Sample>::prefetchMerged(const LiveSurface<Live>& surface, const
             __builtin_prefetch(&leavesOf_[static_cast<std::size_t>(std::clamp<std::int64_t>(other, 0, last))]);
         }
     if (!sureCellsOf(job.slot).isOneLeaf) {
-        prefetchPoints(surface, job);
+        prefetchAllPoints(surface, job, ahead);
         return;
     }
     const auto* const edges = reinterpret_cast<const char*>(&edgeSamples_[job.slot.index()]);
     for (std::size_t line = 0; line < sizeof(LeafEdgeSamples<Stored>); line += 64)
         __builtin_prefetch(edges + line);
     if (!job.isNew && isMadeOfEdges_[job.slot.index()] == 0)
-        prefetchPoints(surface, job); // it was not alone, and mostly is not now
+        prefetchAllPoints(surface, job, ahead); // it was not alone, and mostly is not now
 }
 
 // Bricks that arrive or leave change nothing beside them: what they share with a brick in which no sample is crossed
