@@ -359,7 +359,11 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
         retired.indices = std::exchange(brick.indices, {});
         retired.inner = std::exchange(brick.inner, {});
     }
-    const PointLine* const its = draft.newPoints ? draft.newPoints : points(slot); // those that are in the cache
+    const bool hasGroups = arenas_->hasGroups && draft.edgeVertices > 0;
+    if (hasGroups) { // what was just written in parts cannot be read in vectors at once: copied last
+        const PointLine* const its = draft.newPoints ? draft.newPoints : points(slot); // those that are in the cache
+        gatherVertices(arenas_->type, its, draft.codes.data(), draft.edgeVertices, draft.groups.data());
+    }
     putPoints(slot, draft);
     std::uint32_t vertices = draft.edgeVertices;
     for (std::uint32_t k = 0; k < inner; ++k)
@@ -372,11 +376,6 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     ambiguous_.resize(brick.ambiguous, static_cast<std::uint32_t>(draft.ambiguous.size()));
     if (vertices > 0)
         streamCopy(arenas_->vertices.at(brick.vertices.begin), draft.codes.data(), vertices * sizeof(VertexCode));
-    if (arenas_->hasGroups && draft.edgeVertices > 0) {
-        gatherVertices(arenas_->type, its, draft.codes.data(), draft.edgeVertices, draft.groups.data());
-        streamCopy(arenas_->template groupsFor<Live>(brick.vertices), draft.groups.data(),
-                   groupCount(draft.edgeVertices) * sizeof(VertexGroup<Live>));
-    }
     if (draft.indexCount > 0)
         streamCopy(arenas_->indices.at(brick.indices.begin), draft.indices.data(),
                    draft.indexCount * sizeof(std::uint16_t));
@@ -385,6 +384,9 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     if (!draft.ambiguous.empty())
         std::memcpy(ambiguous_.at(brick.ambiguous.begin), draft.ambiguous.data(),
                     draft.ambiguous.size() * sizeof(AmbiguousCell));
+    if (hasGroups)
+        streamCopy(arenas_->template groupsFor<Live>(brick.vertices), draft.groups.data(),
+                   groupCount(draft.edgeVertices) * sizeof(VertexGroup<Live>));
     std::copy(merged.begin(), merged.end(), merged.empty() ? nullptr : merged_.at(brick.merged.begin));
     brick.mergedCells = static_cast<std::uint16_t>(merged.size());
     brick.edgeVertices = static_cast<std::uint16_t>(draft.edgeVertices);
