@@ -170,7 +170,9 @@ private:
         const auto sides = static_cast<double>(dims_[0] * dims_[1] + dims_[1] * dims_[2] + dims_[2] * dims_[0]);
         expected_.boundaryBytes = coarse_ ? 0.0 : 2.0 * sides * kBoundaryBytesPerPoint;
         const auto bytesOf = [&](double strips) { return cut_.bytes(strips, sizeof(Sample), each); };
-        const double kept = isTight ? keptBytes(expected_) : 0.0, room = aimBytes_ - kept;
+        // What threads have given back to the allocator, and it not to the system, is memory of the process, too.
+        constexpr double kPlanned = 0.85;
+        const double kept = isTight ? keptBytes(expected_) : 0.0, room = std::min(aimBytes_, kPlanned * memory) - kept;
         const auto threads = static_cast<double>(tbb::this_task_arena::max_concurrency());
         // Two small strips at once take less time than a large one.
         const double wanted = hasScratch() ? std::min(2.0, threads) : 1.0;
