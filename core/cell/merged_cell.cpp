@@ -100,37 +100,51 @@ Word areSet(std::array<Word, Count> words, unsigned number) {
     return number == 0 ? ~differs : Word{};
 }
 
-// Calls visit(first corner, step along u, step along v) for the squares of the given spacing.
+// Calls visit(first corner, axis u, axis v) for the squares of the given spacing.
 template <class Visit>
 void forEachSquare(std::size_t step, const Visit& visit) {
     for (std::size_t normal = 0; normal < 3; ++normal) {
-        const auto stride = [&](std::size_t axis) { return static_cast<std::size_t>(kStride[axis % 3]); };
-        const std::size_t u = stride(normal + 1), v = stride(normal + 2), w = stride(normal);
+        const std::size_t axisU = (normal + 1) % 3, axisV = (normal + 2) % 3;
+        const auto stride = [](std::size_t axis) { return static_cast<std::size_t>(kStride[axis]); };
         for (std::size_t i = 0; i < 3; i += step)
             for (std::size_t j = 0; j + step < 3; j += step)
                 for (std::size_t k = 0; k + step < 3; k += step)
-                    visit(i * w + j * u + k * v, step * u, step * v);
+                    visit(i * stride(normal) + j * stride(axisU) + k * stride(axisV), axisU, axisV);
     }
+}
+
+// Of cells without an ambiguous face, by the signs of their corners.
+template <class Word>
+struct Corners {
+    Word isCrossed; ///< they differ
+    Word hasTwoLoops; ///< two opposite corners differ from the six others
+};
+template <class Word>
+Corners<Word> lookAtCorners(const std::array<Word, 27>& s, std::size_t first, std::size_t step) {
+    std::array<Word, 4> all, any; // of opposite corners
+    for (std::size_t c = 0; c < 4; ++c) {
+        const auto corner = [&](std::size_t k) {
+            return s[first + step * ((k & 1) + 3 * (k >> 1 & 1) + 9 * (k >> 2))];
+        };
+        all[c] = corner(c) & corner(7 - c);
+        any[c] = corner(c) | corner(7 - c);
+    }
+    const Word any01 = any[0] | any[1], any23 = any[2] | any[3], all01 = all[0] & all[1], all23 = all[2] & all[3];
+    const Word above = (all[0] & ~(any[1] | any23)) | (all[1] & ~(any[0] | any23)) | (all[2] & ~(any01 | any[3])) |
+                       (all[3] & ~(any01 | any[2]));
+    const Word below = (all[1] & all23 & ~any[0]) | (all[0] & all23 & ~any[1]) | (all01 & all[3] & ~any[2]) |
+                       (all01 & all[2] & ~any[3]);
+    return {(any01 | any23) & ~(all01 & all23), above | below};
 }
 
 // For each bit of a word what keepsTopology() answers.
 template <class Word>
 Word keepsTopologyOf(const std::array<Word, 27>& s) {
     Word fails{};
+    std::array<std::array<Word, 27>, 3> edges; // by axis and lower point: the signs at its ends differ
     std::array<Word, 54 + 36 + 8> counted; // vertices, loops, and the segments that are not there
     std::size_t count = 0;
     constexpr unsigned kSegments = 36;
-    for (const std::size_t step : {std::size_t{1}, std::size_t{2}})
-        forEachSquare(step, [&](std::size_t p, std::size_t u, std::size_t v) {
-            const Word a = s[p], b = s[p + u], c = s[p + v], d = s[p + u + v];
-            fails |= ~(a ^ d) & ~(b ^ c) & (a ^ b);
-            if (step == 1) {
-                counted[count++] = ~((a | b | c | d) & ~(a & b & c & d));
-            } else { // the middle of a face
-                const Word m = s[p + (u + v) / 2];
-                fails |= (m ^ s[p + u / 2]) & (m ^ s[p + v / 2]) & (m ^ s[p + u + v / 2]) & (m ^ s[p + u / 2 + v]);
-            }
-        });
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto along = static_cast<std::size_t>(kStride[axis]),
                    u = static_cast<std::size_t>(kStride[(axis + 1) % 3]),
@@ -139,35 +153,32 @@ Word keepsTopologyOf(const std::array<Word, 27>& s) {
             for (std::size_t j = 0; j < 3; ++j) {
                 const std::size_t p = i * u + j * v;
                 const Word first = s[p] ^ s[p + along], second = s[p + along] ^ s[p + 2 * along];
-                counted[count++] = first;
-                counted[count++] = second;
+                edges[axis][p] = counted[count++] = first;
+                edges[axis][p + along] = counted[count++] = second;
                 if (i != 1 && j != 1) // an edge of the cell
                     fails |= first & second;
             }
     }
-    // Without ambiguous faces, a cell has two loops when two opposite corners differ from the six others.
-    const auto look = [&](std::size_t first, std::size_t step) {
-        std::array<Word, 8> corners;
-        Word any{}, all = ~Word{};
-        for (std::size_t c = 0; c < 8; ++c) {
-            corners[c] = s[first + step * ((c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2))];
-            any |= corners[c];
-            all &= corners[c];
-        }
-        for (std::size_t c = 0; c < 4; ++c) {
-            Word anyOther{}, allOthers = ~Word{};
-            for (std::size_t k = 0; k < 8; ++k)
-                if (k != c && k != 7 - c) {
-                    anyOther |= corners[k];
-                    allOthers &= corners[k];
-                }
-            fails |= (corners[c] & corners[7 - c] & ~anyOther) | (~corners[c] & ~corners[7 - c] & allOthers);
-        }
-        return any & ~all;
-    };
-    fails |= ~look(0, 2); // no loop
-    for (std::size_t c = 0; c < 8; ++c)
-        counted[count++] = look((c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2), 1);
+    forEachSquare(1, [&](std::size_t p, std::size_t axisU, std::size_t axisV) {
+        const auto u = static_cast<std::size_t>(kStride[axisU]), v = static_cast<std::size_t>(kStride[axisV]);
+        const Word a = edges[axisU][p], b = edges[axisU][p + v], c = edges[axisV][p], d = edges[axisV][p + u];
+        fails |= a & b & c & d; // ambiguous
+        counted[count++] = ~(a | b | c);
+    });
+    forEachSquare(2, [&](std::size_t p, std::size_t axisU, std::size_t axisV) {
+        const auto u = static_cast<std::size_t>(kStride[axisU]), v = static_cast<std::size_t>(kStride[axisV]);
+        const Word a = s[p], b = s[p + 2 * u], c = s[p + 2 * v], d = s[p + 2 * (u + v)];
+        fails |= ~(a ^ d) & ~(b ^ c) & (a ^ b);
+        // The middle of the face, which differs from those of all its edges.
+        fails |= edges[axisU][p + v] & edges[axisU][p + u + v] & edges[axisV][p + u] & edges[axisV][p + u + v];
+    });
+    const Corners<Word> whole = lookAtCorners(s, 0, 2);
+    fails |= ~whole.isCrossed | whole.hasTwoLoops; // no loop, or two
+    for (std::size_t c = 0; c < 8; ++c) {
+        const Corners<Word> half = lookAtCorners(s, (c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2), 1);
+        fails |= half.hasTwoLoops;
+        counted[count++] = half.isCrossed;
+    }
     Word any{}, all = ~Word{};
     for (const Word sign : s) {
         any |= sign;

@@ -42,6 +42,7 @@ void LeafIntervals<Key>::find(const extract::StoredSample<Sample>* samples, cons
     extract::ClassifiedBrick<Stored> classified;
     extract::BitString before;
     extract::BrickLeaves usable;
+    extract::ExceedingEdges exceeding;
     CellBits open{extract::BrickLeaves()};
     const extract::SureCells sure = extract::findSureCells<Sample>(samples, masks.cells, bound);
     const auto keyAt = [&](std::size_t i) { return keyOf(extract::sampleOf<Sample>(values[i])); };
@@ -51,9 +52,9 @@ void LeafIntervals<Key>::find(const extract::StoredSample<Sample>* samples, cons
     for (std::size_t i = 1; i < values.size(); ++i) {
         extract::classify(samples, values[i], masks, i == 1 ? nullptr : &before, classified);
         usable = i == 1 ? extract::findBrickLeaves<Sample>(samples, classified.above, classified.active, masks.cells,
-                                                           bound, sure)
+                                                           bound, sure, exceeding)
                         : extract::updateBrickLeaves<Sample>(usable, classified.changed, samples, classified.above,
-                                                             classified.active, masks.cells, bound, sure);
+                                                             classified.active, masks.cells, bound, sure, exceeding);
         before = classified.above;
         const CellBits now(extract::crossedLeaves(usable, classified.active.cells));
         const Key passed = keyAt(i - 1);

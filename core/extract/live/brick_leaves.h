@@ -3,13 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/extract/live/brick_bits.h"
 #include "core/extract/live/brick_slot.h"
+#include "core/extract/live/pair_cells.h"
 #include "core/grid/brick_grid.h"
 
 namespace isoslider::extract {
@@ -30,45 +30,8 @@ struct BrickLeaves {
             return 2;
         return static_cast<int>(level1 >> (x / 2 + 4 * (y / 2) + 16 * (z / 2)) & 1);
     }
-    /// Of the leaves that hold the cells (0, y, z) to (7, y, z), a byte each, the first in the lowest.
-    std::uint64_t levelsOfRow(int y, int z) const {
-        if (level3)
-            return 0x0303'0303'0303'0303;
-        // Each larger leaf adds one to its halves' level.
-        constexpr auto kOfPairs = [] {
-            std::array<std::uint64_t, 16> levels{};
-            for (std::size_t pairs = 0; pairs < levels.size(); ++pairs)
-                for (unsigned i = 0; i < 4; ++i)
-                    levels[pairs] |= (pairs >> i & 1) * 0x0101 << (16 * i);
-            return levels;
-        }();
-        constexpr std::array<std::uint64_t, 4> kOfFours{0, 0x0101'0101, 0x0101'0101'0000'0000, 0x0101'0101'0101'0101};
-        return kOfPairs[level1 >> (4 * (y / 2) + 16 * (z / 2)) & 15] +
-               kOfFours[static_cast<unsigned>(level2) >> (2 * (y / 4) + 4 * (z / 4)) & 3];
-    }
     friend bool operator==(const BrickLeaves&, const BrickLeaves&) = default;
 };
-
-/// Calls change(word, mask, shift, row) for each row of cells of the brick that lie in the given cells of side 2, which
-/// are bits x + 4 y + 16 z: `mask << shift` are their bits in `word`, which holds the row; `row` is y + 4 z of the
-/// cells of side 2.
-template <class Change>
-void changeRows(std::uint64_t squares, BitString& cells, const Change& change) {
-    auto* const bytes = reinterpret_cast<std::byte*>(cells.words.data());
-    for (int row = 0; row < 16; ++row) {
-        const std::uint64_t four = squares >> (4 * row) & 15;
-        if (four == 0)
-            continue;
-        const std::uint64_t mask = (four & 1) * 3 | (four >> 1 & 1) * 12 | (four >> 2 & 1) * 48 | (four >> 3) * 192;
-        for (int k = 0; k < 4; ++k) {
-            const ClosedPoint first = closedPoint(0, 2 * (row % 4) + k % 2, 2 * (row / 4) + k / 2);
-            std::uint64_t word;
-            std::memcpy(&word, bytes + first.index() / 8, sizeof word);
-            change(word, mask, first.number() % 8, row);
-            std::memcpy(bytes + first.index() / 8, &word, sizeof word);
-        }
-    }
-}
 
 /// One merged cell with all its halves; `number` as its bit in BrickLeaves, 0 at level 3.
 inline BrickLeaves leafBits(int level, unsigned number) {
@@ -81,6 +44,15 @@ inline BrickLeaves leafBits(int level, unsigned number) {
     return {~std::uint64_t{0}, 0xff, true};
 }
 
+/// The cells of side 2 in a merged cell, which starts at `first`.
+inline std::uint64_t pairsOfLeaf(ClosedPoint first, int level) {
+    constexpr std::uint64_t kHalvesOfFirst = 0x330033;
+    if (level == 3)
+        return ~std::uint64_t{0};
+    const auto at = coordsOf(first);
+    return (level == 1 ? 1 : kHalvesOfFirst) << (at[0] / 2 + 4 * (at[1] / 2) + 16 * (at[2] / 2));
+}
+
 /// The cells of a brick whose leaf has another level.
 inline BitString cellsOfOtherLevel(const BrickLeaves& before, const BrickLeaves& now) {
     std::uint64_t others = before.level1 ^ now.level1; // cells of side 2
@@ -89,25 +61,23 @@ inline BitString cellsOfOtherLevel(const BrickLeaves& before, const BrickLeaves&
             others |= leafBits(2, i).level1;
     if (before.level3 != now.level3)
         others = ~std::uint64_t{0};
-    BitString cells;
-    changeRows(others, cells,
-               [](std::uint64_t& word, std::uint64_t mask, int shift, int /*row*/) { word |= mask << shift; });
-    return cells;
+    return cellsOfPairs(others);
 }
 
 /// A step to a brick beside, along one axis or two: -1, 0 or 1 each.
 using BrickStep = std::array<int, 3>;
 
-/// Calls visit(step) for the 18 bricks that share more than a point with a brick.
-template <class Visit>
-void forEachBrickStep(const Visit& visit) {
-    BrickStep step;
-    for (step[2] = -1; step[2] <= 1; ++step[2])
-        for (step[1] = -1; step[1] <= 1; ++step[1])
-            for (step[0] = -1; step[0] <= 1; ++step[0])
-                if ((step[0] == 0 || step[1] == 0 || step[2] == 0) && step != BrickStep{0, 0, 0})
-                    visit(step);
-}
+/// To the 18 bricks that share more than a point with a brick.
+inline constexpr std::array<BrickStep, 18> kBrickSteps = [] {
+    std::array<BrickStep, 18> steps{};
+    std::size_t count = 0;
+    for (int z = -1; z <= 1; ++z)
+        for (int y = -1; y <= 1; ++y)
+            for (int x = -1; x <= 1; ++x)
+                if ((x == 0 || y == 0 || z == 0) && (x != 0 || y != 0 || z != 0))
+                    steps[count++] = {x, y, z};
+    return steps;
+}();
 
 /// The cells of a brick that touch the brick a step away.
 inline BrickLeaves cellsBeside(const BrickStep& step) {
@@ -153,7 +123,8 @@ void forEachBesideChanged(const BrickGrid& grid, const std::array<std::int64_t, 
                           const BrickLeaves& now, const SlotOf& slotOf, const Visit& visit) {
     static const auto kBeside = [] {
         std::vector<std::pair<BrickStep, BrickLeaves>> cells;
-        forEachBrickStep([&](const BrickStep& step) { cells.emplace_back(step, cellsBeside(step)); });
+        for (const BrickStep& step : kBrickSteps)
+            cells.emplace_back(step, cellsBeside(step));
         return cells;
     }();
     for (const auto& [step, cells] : kBeside)

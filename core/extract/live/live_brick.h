@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "core/extract/live/brick_bits.h"
 #include "core/extract/live/run_arena.h"
+#include "core/extract/merged/merge_bound.h"
 #include "core/grid/brick_grid.h"
 
 namespace isoslider::extract {
@@ -18,6 +20,7 @@ struct LiveBrickHead {
     std::uint16_t innerVertices = 0;
     std::uint16_t ambiguousCells = 0;
     std::uint16_t mergedCells = 0; ///< that the surface passes through
+    std::array<std::uint8_t, kMaxBrickMergeLevel> mergedByLevel{}; ///< the same of side 2, 4 and 8
     std::uint16_t cellCount = 0; ///< of `cells`
     std::uint16_t ownedEdges = 0;
     bool isLive = false;

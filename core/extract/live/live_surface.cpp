@@ -103,11 +103,11 @@ void LiveSurface<Live>::trim() noexcept {
 
 template <class Live>
 template <class Counts>
-void LiveSurface<Live>::countLeaves(const Brick& brick, int sign, Counts& counts) const {
+void LiveSurface<Live>::countLeaves(const Brick& brick, int sign, Counts& counts) {
     using Count = typename Counts::value_type;
     counts[0] += static_cast<Count>(sign * brick.cellCount);
-    for (const MergedLeaf& leaf : mergedLeaves(brick))
-        counts[leaf.level] += static_cast<Count>(sign);
+    for (std::size_t level = 1; level <= brick.mergedByLevel.size(); ++level)
+        counts[level] += static_cast<Count>(sign * brick.mergedByLevel[level - 1]);
 }
 
 template <class Live>
@@ -260,8 +260,11 @@ void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerS
     for (std::size_t w = 0; w < kBitWords; ++w)
         draft.counts.cellsChanged += static_cast<std::uint64_t>(
             std::popcount(draft.changed.words[w] & (draft.active.cells.words[w] | (brick.cells.words[w] & before))));
-    for (const MergedLeaf& leaf : draft.merged.leaves())
-        draft.counts.cellsChanged += hasAnyCell(draft.changed, leaf.cell, leaf.level);
+    if (const auto leaves = draft.merged.leaves(); !leaves.empty()) {
+        const std::uint64_t changed = anyOfEight(draft.changed);
+        for (const MergedLeaf& leaf : leaves)
+            draft.counts.cellsChanged += (changed & pairsOfLeaf(leaf.cell, leaf.level)) != 0;
+    }
     triangulate(slot, draft, corners, isovalue);
     draft.inner.clear();
     const PointLine* const its = draft.newPoints ? draft.newPoints : points(slot);
@@ -389,6 +392,9 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
                    groupCount(draft.edgeVertices) * sizeof(VertexGroup<Live>));
     std::copy(merged.begin(), merged.end(), merged.empty() ? nullptr : merged_.at(brick.merged.begin));
     brick.mergedCells = static_cast<std::uint16_t>(merged.size());
+    brick.mergedByLevel = {};
+    for (const MergedLeaf& leaf : merged)
+        ++brick.mergedByLevel[leaf.level - 1u];
     brick.edgeVertices = static_cast<std::uint16_t>(draft.edgeVertices);
     brick.innerVertices = static_cast<std::uint16_t>(inner);
     brick.indexCount = draft.indexCount;
@@ -440,7 +446,7 @@ void LiveSurface<Live>::triangulateMerged(BrickSlot slot, BrickDraft<Live>& draf
     if (const std::size_t room = draft.indexCount + kIndexOverrun; draft.indices.size() < room)
         draft.indices.resize(room); // it is copied in whole vectors
     std::uint16_t* out = draft.indices.data() + first;
-    for (const std::uint32_t corner : draft.merged.triangles())
+    for (const std::uint16_t corner : draft.merged.triangles())
         *out++ = corner < MergedCells::kCentre
                      ? draft.vertices.of(corners[corner].edge)
                      : static_cast<std::uint16_t>(firstCentre + (corner - MergedCells::kCentre));

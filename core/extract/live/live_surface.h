@@ -162,7 +162,7 @@ private:
     }
     /// Adds a brick's active cells to numbers by level, times `sign`.
     template <class Counts>
-    void countLeaves(const Brick& brick, int sign, Counts& counts) const;
+    static void countLeaves(const Brick& brick, int sign, Counts& counts);
     class Welding;
 
     GridGeometry geometry_;

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/extract/live/active_bits.h"
 #include "core/extract/live/leaves_around.h"
@@ -36,33 +35,37 @@ public:
 
     /// The brick has none.
     void clear();
-    /// Finds the polygons of the merged cells in `active`. Leaves there what else there is: the active cells that are
-    /// not merged, and the edges that have a vertex.
+    /// Finds the polygons of the leaves, all of which the surface passes through. Leaves in `active` what else there
+    /// is: the active cells that are not merged, and the edges that have a vertex.
     void find(const BrickLeaves& leaves, const LeavesAround& around, ActiveBits& active);
     /// Of a brick that is one leaf and isAloneAsOneLeaf().
     void set(const OneLeaf& leaf);
 
     /// In the order of their cells.
-    std::span<const MergedLeaf> leaves() const { return leaves_; }
+    std::span<const MergedLeaf> leaves() const { return {leaves_.data(), leafCount_}; }
     /// Of the polygons. Each edge may be there several times.
-    std::span<const Corner> corners() const { return corners_; }
+    std::span<const Corner> corners() const { return {corners_.data(), cornerCount_}; }
     /// Three numbers of corners for each triangle, leaf by leaf; kCentre + k is the centre of the k-th leaf that has
     /// one.
-    static constexpr std::uint32_t kCentre = std::uint32_t{1} << 31;
-    std::span<const std::uint32_t> triangles() const { return triangles_; }
+    static constexpr std::uint16_t kCentre = 1u << 15;
+    std::span<const std::uint16_t> triangles() const { return {triangles_.data(), triangleCorners_}; }
     bool hasCentres() const { return centres_ > 0; }
 
+    /// A face square has one segment at most, and leaves of side 2 have the most squares; a segment is a corner.
+    static constexpr std::size_t kMostLeaves = 64, kMostCorners = kMostLeaves * 24;
+
 private:
-    void addSmall(const LeafCell& leaf, const LeavesAround& around);
+    void addSmall(const SmallLeafPolygons::Leaf& leaf, const LeavesAround& around);
     void addLarger(const LeafCell& leaf, const LeavesAround& around);
-    void finishLeaf(const LeafCell& leaf, std::size_t firstCorner, std::size_t firstTriangle);
+    void finishLeaf(ClosedPoint cell, int level, std::size_t firstCorner, std::size_t firstTriangle);
 
     SmallLeafPolygons smallPolygons_;
     MergedPolygon<LeavesAround> polygon_;
-    std::vector<MergedLeaf> leaves_;
-    std::vector<Corner> corners_;
-    std::vector<std::uint32_t> triangles_;
-    std::uint32_t centres_ = 0;
+    std::array<MergedLeaf, kMostLeaves> leaves_;
+    std::array<Corner, kMostCorners> corners_;
+    std::array<std::uint16_t, 3 * kMostCorners> triangles_;
+    std::size_t leafCount_ = 0, cornerCount_ = 0, triangleCorners_ = 0;
+    std::uint16_t centres_ = 0;
 };
 
 } // namespace isoslider::extract

@@ -1,16 +1,21 @@
 #include "core/extract/live/small_leaf_polygons.h"
 
-#include <cstring>
+#include <algorithm>
+
+#include "core/extract/live/pair_cells.h"
 
 namespace isoslider::extract {
 namespace {
 
 constexpr int kPatternPoints = 27;
-constexpr std::uint32_t kMiddle = 1u << 13;
+constexpr int kMiddlePoint = 13; ///< whose sign matters to no polygon
 
 /// Faces in the order of kCornersOfFaces: 2 * axis + whether it is the upper one.
 constexpr std::size_t kFaces = 6;
-constexpr std::array<std::uint32_t, kFaces> kFaceMiddles{1u << 12, 1u << 14, 1u << 10, 1u << 16, 1u << 4, 1u << 22};
+constexpr std::array<int, kFaces> kFaceMiddles{12, 14, 10, 16, 4, 22};
+constexpr std::array<unsigned, kFaces> kBesideFaces{LeavesAround::beside(-1, 0, 0), LeavesAround::beside(1, 0, 0),
+                                                    LeavesAround::beside(0, -1, 0), LeavesAround::beside(0, 1, 0),
+                                                    LeavesAround::beside(0, 0, -1), LeavesAround::beside(0, 0, 1)};
 
 /// By the signs of the corners, the faces whose corners differ.
 constexpr auto kCrossedFaces = [] {
@@ -26,24 +31,20 @@ constexpr auto kCrossedFaces = [] {
 constexpr auto kPointsThatMatter = [] {
     std::array<std::uint32_t, 1u << kFaces> points{};
     for (unsigned split = 0; split < points.size(); ++split) {
-        points[split] = (1u << kPatternPoints) - 1 - kMiddle;
+        points[split] = ((1u << kPatternPoints) - 1) & ~(1u << kMiddlePoint);
         for (std::size_t face = 0; face < kFaces; ++face)
             if ((split >> face & 1) == 0)
-                points[split] &= ~kFaceMiddles[face];
+                points[split] &= ~(1u << kFaceMiddles[face]);
     }
     return points;
 }();
 
-std::uint32_t signsOfLeaf(const BitString& above, std::int64_t point) {
-    std::uint32_t signs = 0;
-    for (int z = 0; z < 3; ++z) {
-        const auto first = static_cast<std::size_t>(point) + static_cast<std::size_t>(z * kPointStride[2]);
-        std::uint64_t plane; // 21 bits from any place lie in eight bytes
-        std::memcpy(&plane, reinterpret_cast<const std::byte*>(above.words.data()) + first / 8, sizeof plane);
-        plane >>= first % 8;
-        signs |= static_cast<std::uint32_t>((plane & 7) | (plane >> 9 & 7) << 3 | (plane >> 18 & 7) << 6) << (9 * z);
-    }
-    return signs;
+// The split faces take the places of the middle and behind the signs: 32 bits in all.
+constexpr std::uint32_t patternOf(std::uint32_t signs, unsigned split) {
+    return (signs & kPointsThatMatter[split]) | (split & 1) << kMiddlePoint | (split >> 1) << kPatternPoints;
+}
+constexpr unsigned splitFacesOf(std::uint32_t pattern) {
+    return (pattern >> kMiddlePoint & 1) | (pattern >> kPatternPoints) << 1;
 }
 
 unsigned signsOfCorners(std::uint32_t signs) {
@@ -51,89 +52,105 @@ unsigned signsOfCorners(std::uint32_t signs) {
            (signs >> 15 & 32) | (signs >> 18 & 64) | (signs >> 19 & 128);
 }
 
-unsigned facesBesideCells(const LeavesAround& leaves, const LeafCell& leaf) {
+unsigned facesBesideCells(std::uint64_t unmergedAround) {
     unsigned faces = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int64_t stride = LeavesAround::cellStride(axis);
-        faces |= unsigned{leaves.levelAt(leaf.cell - stride) == 0} << (2 * axis);
-        faces |= unsigned{leaves.levelAt(leaf.cell + 2 * stride) == 0} << (2 * axis + 1);
-    }
+    for (std::size_t face = 0; face < kFaces; ++face)
+        faces |= static_cast<unsigned>(unmergedAround >> kBesideFaces[face] & 1) << face;
     return faces;
 }
 
-/// Of an edge named from a leaf's first point on: what it is in the leaf.
+/// An edge in a leaf, by 3 * its lower point of the leaf's 27 + its axis.
 struct PlaceInLeaf {
+    ClosedEdge fromFirst{}; ///< named from the leaf's first point on
     bool isOnLeafEdge = false; ///< else inside a face
-    std::int16_t diagonal = 0; ///< then the cell across that edge, from the leaf's
+    std::uint8_t across = 0; ///< then the leaf across that edge, as LeavesAround::beside()
     std::uint8_t faces = 0; ///< that it lies in
 };
-constexpr std::size_t kEdgeNames = 4 * (2 + 2 * kPointStride[1] + 2 * kPointStride[2]) + 3;
-const std::array<PlaceInLeaf, kEdgeNames>& placesInLeaf() {
-    static const auto kPlaces = [] {
-        std::array<PlaceInLeaf, kEdgeNames> places{};
-        for (int p = 0; p < 27; ++p)
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const std::array<int, 3> at{p % 3, p / 3 % 3, p / 9};
-                if (at[axis] == 2)
-                    continue;
-                PlaceInLeaf place;
-                std::int64_t diagonal = 0;
-                int sides = 0;
-                for (std::size_t a = 0; a < 3; ++a) {
-                    const std::int64_t stride = LeavesAround::cellStride(a);
-                    if (a == axis) {
-                        diagonal += at[a] * stride;
-                    } else if (at[a] != 1) {
-                        ++sides;
-                        diagonal += at[a] == 0 ? -stride : 2 * stride;
-                        place.faces = static_cast<std::uint8_t>(place.faces | 1u << (2 * a + (at[a] == 0 ? 0 : 1)));
-                    }
+constexpr auto kPlacesInLeaf = [] {
+    std::array<PlaceInLeaf, std::size_t{3} * kPatternPoints> places{};
+    for (int p = 0; p < kPatternPoints; ++p)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::array<int, 3> at{p % 3, p / 3 % 3, p / 9};
+            PlaceInLeaf& place = places[3 * static_cast<std::size_t>(p) + axis];
+            place.fromFirst = closedEdge(static_cast<int>(axis), closedPoint(at[0], at[1], at[2]));
+            std::array<int, 3> across{};
+            int sides = 0;
+            for (std::size_t a = 0; a < 3; ++a)
+                if (a != axis && at[a] != 1) {
+                    ++sides;
+                    across[a] = at[a] - 1;
+                    place.faces = static_cast<std::uint8_t>(place.faces | 1u << (2 * a + (at[a] == 0 ? 0 : 1)));
                 }
-                place.isOnLeafEdge = sides == 2;
-                place.diagonal = static_cast<std::int16_t>(diagonal);
-                places[static_cast<std::size_t>(4 * closedPoint(at[0], at[1], at[2]).number()) + axis] = place;
-            }
-        return places;
-    }();
-    return kPlaces;
+            place.isOnLeafEdge = sides == 2;
+            place.across = static_cast<std::uint8_t>(LeavesAround::beside(across[0], across[1], across[2]));
+        }
+    return places;
+}();
+
+// Of an edge as MergedPolygon names it.
+std::uint8_t placeInLeaf(std::int64_t edge, ClosedPoint first) {
+    const auto at = coordsOf(ClosedPoint(static_cast<int>(edge >> 2))), from = coordsOf(first);
+    return static_cast<std::uint8_t>(3 * (at[0] - from[0] + 3 * (at[1] - from[1]) + 9 * (at[2] - from[2])) +
+                                     static_cast<int>(edge & 3));
 }
 
 } // namespace
 
-const SmallLeafPolygons::Polygon& SmallLeafPolygons::find(const LeavesAround& leaves, const LeafCell& leaf) {
-    const std::uint32_t signs = signsOfLeaf(leaves.above(), leaf.point);
-    const unsigned split = facesBesideCells(leaves, leaf) & kCrossedFaces[signsOfCorners(signs)];
-    // Which edges are split depends on no other faces: where an edge on the border of a face is active, it is crossed.
-    const std::uint64_t pattern = (signs & kPointsThatMatter[split]) | std::uint64_t{split} << kPatternPoints;
-    if (table_.empty())
-        table_.resize(std::size_t{1} << kTableBits);
-    Polygon& polygon = table_[static_cast<std::size_t>(pattern * 0x9e3779b97f4a7c15u >> (64 - kTableBits))];
-    if (polygon.pattern != pattern) {
-        make(leaves, leaf, split, polygon);
-        polygon.pattern = pattern;
-    }
-    return polygon;
+ClosedEdge SmallLeafPolygons::edgeOf(std::uint8_t edge, const Leaf& leaf) {
+    return kPlacesInLeaf[edge & ~kIsSplit].fromFirst + leaf.point.number();
 }
 
-int SmallLeafPolygons::levelOf(std::uint16_t edge, const LeavesAround& leaves, const LeafCell& leaf) {
+int SmallLeafPolygons::levelOf(std::uint8_t edge, const Leaf& leaf) {
     if ((edge & kIsSplit) != 0)
         return 0;
-    return leaves.levelAt(leaf.cell + placesInLeaf()[edge].diagonal) == 0 ? 0 : 1;
+    return (leaf.unmergedAround >> kPlacesInLeaf[edge].across & 1) != 0 ? 0 : 1;
 }
 
-void SmallLeafPolygons::make(const LeavesAround& leaves, const LeafCell& leaf, unsigned splitFaces, Polygon& polygon) {
-    polygon_.make(leaves, leaf);
-    polygon.cornerCount = static_cast<std::uint8_t>(polygon_.corners().size());
-    for (std::size_t i = 0; i < polygon_.corners().size(); ++i) {
-        const auto edge = static_cast<std::uint16_t>(polygon_.corners()[i] - 4 * leaf.point);
-        const PlaceInLeaf& place = placesInLeaf()[edge];
-        const bool isSplit = !place.isOnLeafEdge || (place.faces & splitFaces) != 0;
-        polygon.edges[i] = static_cast<std::uint16_t>(edge | (isSplit ? kIsSplit : 0));
+auto SmallLeafPolygons::placeOf(std::uint32_t pattern) -> Kept& {
+    return table_[pattern * 0x9e3779b1u >> (32 - kTableBits)];
+}
+
+auto SmallLeafPolygons::leafAt(const LeavesAround& leaves, int x, int y, int z) -> Leaf {
+    if (table_.empty())
+        table_.resize(std::size_t{1} << kTableBits);
+    Leaf leaf{closedPoint(2 * x, 2 * y, 2 * z), 0, leaves.unmergedAround(x, y, z)};
+    const std::uint32_t signs = signsOfPair(leaves.above(), leaf.point);
+    // Which edges are split depends on no other faces: where an edge on the border of a face is active, it is crossed.
+    leaf.pattern = patternOf(signs, facesBesideCells(leaf.unmergedAround) & kCrossedFaces[signsOfCorners(signs)]);
+    __builtin_prefetch(&placeOf(leaf.pattern));
+    return leaf;
+}
+
+auto SmallLeafPolygons::find(const LeavesAround& leaves, const Leaf& leaf) -> Polygon {
+    Kept& kept = placeOf(leaf.pattern);
+    if (kept.pattern != leaf.pattern) {
+        make(leaves, leaf);
+        if (edges_.size() + triangles_.size() > kept.bytes.size())
+            return {edges_, triangles_};
+        kept.pattern = leaf.pattern;
+        kept.edgeCount = static_cast<std::uint8_t>(edges_.size());
+        kept.triangleCount = static_cast<std::uint8_t>(triangles_.size() / 3);
+        std::copy(triangles_.begin(), triangles_.end(), std::copy(edges_.begin(), edges_.end(), kept.bytes.begin()));
     }
-    polygon.triangleCount = static_cast<std::uint8_t>(polygon_.triangles().size());
-    for (std::size_t i = 0; i < polygon_.triangles().size(); ++i)
-        for (std::size_t k = 0; k < 3; ++k)
-            polygon.triangles[i][k] = static_cast<std::uint8_t>(polygon_.triangles()[i][k]);
+    return {{kept.bytes.data(), kept.edgeCount},
+            {kept.bytes.data() + kept.edgeCount, std::size_t{3} * kept.triangleCount}};
+}
+
+void SmallLeafPolygons::make(const LeavesAround& leaves, const Leaf& leaf) {
+    const std::int64_t first = leaf.point.number();
+    polygon_.make(leaves, {first, LeavesAround::cellAt(first), 1});
+    const unsigned splitFaces = splitFacesOf(leaf.pattern);
+    edges_.clear();
+    for (const std::int64_t edge : polygon_.corners()) {
+        const std::uint8_t inLeaf = placeInLeaf(edge, leaf.point);
+        const PlaceInLeaf& place = kPlacesInLeaf[inLeaf];
+        const bool isSplit = !place.isOnLeafEdge || (place.faces & splitFaces) != 0;
+        edges_.push_back(isSplit ? inLeaf | kIsSplit : inLeaf);
+    }
+    triangles_.clear();
+    for (const auto& triangle : polygon_.triangles())
+        for (const std::uint32_t corner : triangle)
+            triangles_.push_back(static_cast<std::uint8_t>(corner));
 }
 
 } // namespace isoslider::extract

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/extract/live/leaves_around.h"
@@ -11,39 +12,50 @@
 namespace isoslider::extract {
 
 /// Polygons of leaves of side 2, which most leaves of rough data are, each made once: a leaf's polygon depends on the
-/// signs of its 27 points and on which leaves across its faces are smaller, and the same few thousand such patterns
-/// come again and again. A table with one place for each hash: what comes later replaces what is there.
+/// signs of its 27 points and on which leaves across its faces are smaller, and the same some ten thousand such
+/// patterns come again and again. A table with one place for each hash: what comes later replaces what is there.
 class SmallLeafPolygons {
 public:
-    /// No face square has more than one segment, and there are 24.
-    static constexpr std::size_t kMostCorners = 24;
+    /// A leaf and all that its polygon depends on.
+    struct Leaf {
+        ClosedPoint point{}; ///< its first
+        std::uint32_t pattern = 0; ///< signs x + 3 y + 9 z and which faces have smaller leaves beside them
+        std::uint64_t unmergedAround = 0; ///< as LeavesAround has it
+    };
+    /// The leaf that starts at the cell of side 2 at x, y, z = 0 to 3; asks for the memory that find() will read.
+    Leaf leafAt(const LeavesAround& leaves, int x, int y, int z);
 
     struct Polygon {
-        /// Signs x + 3 y + 9 z, then which faces have smaller leaves beside them; bits that do not matter are 0. 0:
-        /// none.
-        std::uint64_t pattern = 0;
-        std::uint8_t cornerCount = 0;
-        std::uint8_t triangleCount = 0; ///< 0: spanned from a vertex inside
-        /// As MergedPolygon names edges, from the leaf's first point on, and kIsSplit.
-        std::array<std::uint16_t, kMostCorners> edges{};
-        std::array<std::array<std::uint8_t, 3>, kMostCorners - 2> triangles{};
+        /// As places in the leaf; those that lie inside a face beside smaller leaves, or on the border of one, with
+        /// kIsSplit.
+        std::span<const std::uint8_t> edges;
+        /// Three numbers of edges each. None: spanned from a vertex inside.
+        std::span<const std::uint8_t> triangles;
     };
-    /// The edge lies inside a face beside smaller leaves, or on the border of one: it is of the grid.
-    static constexpr std::uint16_t kIsSplit = 1u << 15;
-    static constexpr std::uint16_t kEdgeMask = kIsSplit - 1;
+    /// What MergedPolygon makes of the leaf. REQUIRES: as there. The answer lasts until the next question.
+    Polygon find(const LeavesAround& leaves, const Leaf& leaf);
 
-    /// What MergedPolygon makes of the leaf. REQUIRES: as there; level 1. The answer lasts until the next question.
-    const Polygon& find(const LeavesAround& leaves, const LeafCell& leaf);
-
-    /// The level of a corner's edge, as smallestLevelAt() has it.
-    static int levelOf(std::uint16_t edge, const LeavesAround& leaves, const LeafCell& leaf);
+    /// Of a polygon's edge: where it is in the brick, and its level as smallestLevelAt() has it.
+    static ClosedEdge edgeOf(std::uint8_t edge, const Leaf& leaf);
+    static int levelOf(std::uint8_t edge, const Leaf& leaf);
 
 private:
-    void make(const LeavesAround& leaves, const LeafCell& leaf, unsigned splitFaces, Polygon& polygon);
+    static constexpr std::uint8_t kIsSplit = 0x80;
+    /// One cache line. A polygon of more edges than fit, which is rare, is made each time.
+    struct alignas(64) Kept {
+        std::uint32_t pattern = 0; ///< 0: none
+        std::uint8_t edgeCount = 0, triangleCount = 0;
+        std::array<std::uint8_t, 58> bytes{}; ///< edges, then triangles
+    };
+    static_assert(sizeof(Kept) == 64);
 
-    static constexpr int kTableBits = 12;
-    std::vector<Polygon> table_;
+    Kept& placeOf(std::uint32_t pattern);
+    void make(const LeavesAround& leaves, const Leaf& leaf);
+
+    static constexpr int kTableBits = 15;
+    std::vector<Kept> table_;
     MergedPolygon<LeavesAround> polygon_;
+    std::vector<std::uint8_t> edges_, triangles_; ///< of the polygon that was made last
 };
 
 } // namespace isoslider::extract

@@ -56,8 +56,8 @@ void PolygonTriangulation::make(std::span<const PolygonCorner> corners,
                 continue;
             for (std::size_t m = i + 1; m < j; ++m) {
                 const float parts = least_[i * k + m] + least_[m * k + j];
-                if (parts == kNone)
-                    continue;
+                if (parts >= least_[i * k + j])
+                    continue; // not there, or too much already
                 if (const float all = parts + area(i, m, j); all < least_[i * k + j]) {
                     least_[i * k + j] = all;
                     apex_[i * k + j] = static_cast<std::uint32_t>(m);

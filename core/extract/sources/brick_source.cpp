@@ -33,6 +33,7 @@ BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<
       leavesOf_(bricks.grid().brickCount()),
       sureCells_(bricks.grid().brickCount()),
       edgeSamples_(bricks.grid().brickCount()),
+      exceedingEdges_(bricks.grid().brickCount()),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     slotOf_.grow(bricks.grid().brickCount());
 }
@@ -58,6 +59,7 @@ void BrickSource<Sample>::reset() {
     shownLeaves_.clear();
     isMadeOfEdges_.clear();
     edgeSamples_.shrink(0);
+    exceedingEdges_.shrink(0);
 }
 
 // Bricks that come or go between two thresholds.
@@ -282,6 +284,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         for (const BrickIndex brick : brickOf_)
             leavesOf_[brick.index()] = {};
         edgeSamples_.shrink(0);
+        exceedingEdges_.shrink(0);
     }
     if (bound_.limit > 0.0)
         ISO_TRY(runMerging(move, surface, std::move(jobs), stats, control));
@@ -338,12 +341,6 @@ void BrickSource<Sample>::prefetchPoints(const LiveSurface<Live>& surface, const
     }
     // Without groups nothing reads the normals until the picture is drawn.
     ahead = {surface.points(job.slot), surface.keepsGroups() ? sizeof(Points) : sizeof(Points::samples)};
-}
-
-template <class Sample>
-void BrickSource<Sample>::prefetchAllPoints(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const {
-    prefetchPoints(surface, job, ahead);
-    ahead.fetchRest();
 }
 
 // First what needs nothing but what is in memory; then, in batches and in the order in which samples lie, what must be

@@ -136,7 +136,7 @@ private:
     Status runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs, SlideStats& stats,
                       const JobControl& control);
     void prefetchPoints(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const;
-    void prefetchAllPoints(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const;
+    void prefetchForLeaves(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const;
     bool rebuild(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void makeUnmerged(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void addOtherLeaves(BrickSlot slot, Scratch& scratch);
@@ -173,6 +173,7 @@ private:
     VirtualArray<SureCells> sureCells_; ///< by brick, of those that have been live with this bound:
     MergeBound sureBound_;
     ChunkedArray<LeafEdgeSamples<Stored>, 10> edgeSamples_; ///< by slot, where sureCells_ has one leaf
+    ChunkedArray<ExceedingEdges, 10> exceedingEdges_; ///< by slot, of the others
     std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
     std::vector<std::uint8_t> isMadeOfEdges_; ///< by slot: by makeOneLeaf(), which leaves no signs in the surface
     bool readsBackwards_ = false;

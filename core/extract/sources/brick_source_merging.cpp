@@ -17,17 +17,35 @@ template <class Sample>
 Status BrickSource<Sample>::runMerging(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
                                        SlideStats& stats, const JobControl& control) {
     edgeSamples_.grow(watch_.size());
+    exceedingEdges_.grow(watch_.size());
     for (Scratch& scratch : *scratches_)
         scratch.otherLeaves.clear();
     const auto firstKnown = std::partition(jobs.begin(), jobs.end(), [this](const Job& job) {
         return job.isNew || hasNewBound_ || !sureCellsOf(job.slot).isOneLeaf;
     });
     ISO_TRY(runJobs(move, surface, {jobs.begin(), firstKnown}, stats, control.part(0.0, 0.5),
-                    {&BrickSource::findLeaves, &BrickSource::prefetchAllPoints}));
+                    {&BrickSource::findLeaves, &BrickSource::prefetchForLeaves}));
     std::erase_if(jobs, [this](const Job& job) { return !leavesOf(job.slot).hasMerged(); });
     addBricksBeside(surface, jobs);
     return runJobs(move, surface, std::move(jobs), stats, control.part(0.5, 1.0),
                    {&BrickSource::rebuildMerged, &BrickSource::prefetchMerged});
+}
+
+template <class Sample>
+void BrickSource<Sample>::prefetchForLeaves(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const {
+    prefetchPoints(surface, job, ahead);
+    const std::size_t slot = job.slot.index();
+    const auto fetch = [](const auto& what) {
+        const auto* const bytes = reinterpret_cast<const char*>(&what);
+        for (std::size_t line = 0; line < sizeof what; line += 64)
+            __builtin_prefetch(bytes + line);
+    };
+    fetch(sureCellsOf(job.slot));
+    fetch(leavesOf(job.slot));
+    fetch(usableLeaves_[slot]);
+    fetch(shownLeaves_[slot]);
+    if (!job.isNew)
+        fetch(exceedingEdges_[slot]);
 }
 
 template <class Sample>
@@ -50,17 +68,24 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
         surface.putPoints(job.slot, scratch.draft);
         return true;
     }
+    scratch.ahead.fetchPart();
     classifyFor(move, surface, job, scratch);
-    if (startsAgain)
-        usable = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, sure);
-    else
+    scratch.ahead.fetchPart();
+    ExceedingEdges& exceeding = exceedingEdges_[job.slot.index()];
+    if (startsAgain) {
+        exceeding.forget();
+        usable = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, sure,
+                                         exceeding);
+    } else {
         usable = updateBrickLeaves<Sample>(usable, scratch.found.changed, samples, scratch.found.above,
-                                           scratch.found.active, validCells, bound_, sure);
+                                           scratch.found.active, validCells, bound_, sure, exceeding);
+    }
     BrickLeaves& leaves = leavesOf(job.slot);
     const BrickLeaves found = leavesOfSurface(usable, scratch.found.active.cells);
     if (!job.isNew && found != leaves)
         scratch.otherLeaves.emplace_back(job.slot, leaves);
     leaves = found;
+    scratch.ahead.fetchRest();
     if (found.hasMerged()) {
         surface.putPoints(job.slot, scratch.draft);
     } else {
@@ -92,15 +117,16 @@ void BrickSource<Sample>::prefetchMerged(const LiveSurface<Live>& surface, const
             const std::int64_t other = brick + grid.bricks()[0] * (y + grid.bricks()[1] * z);
             __builtin_prefetch(&leavesOf_[static_cast<std::size_t>(std::clamp<std::int64_t>(other, 0, last))]);
         }
+    __builtin_prefetch(&shownLeaves_[job.slot.index()]);
     if (!sureCellsOf(job.slot).isOneLeaf) {
-        prefetchAllPoints(surface, job, ahead);
+        prefetchPoints(surface, job, ahead);
         return;
     }
     const auto* const edges = reinterpret_cast<const char*>(&edgeSamples_[job.slot.index()]);
     for (std::size_t line = 0; line < sizeof(LeafEdgeSamples<Stored>); line += 64)
         __builtin_prefetch(edges + line);
     if (!job.isNew && isMadeOfEdges_[job.slot.index()] == 0)
-        prefetchAllPoints(surface, job, ahead); // it was not alone, and mostly is not now
+        prefetchPoints(surface, job, ahead); // it was not alone, and mostly is not now
 }
 
 // Bricks that arrive or leave change nothing beside them: what they share with a brick in which no sample is crossed
@@ -132,11 +158,14 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
     const BrickLeaves& leaves = leavesOf(job.slot);
     const BrickGrid& grid = surface.shapes().grid();
     const auto coords = grid.brickCoords(brickOf_[job.slot.index()]);
+    const auto leavesInBox = [&](const BrickStep& step) {
+        return &leaves + step[0] + grid.bricks()[0] * (step[1] + grid.bricks()[1] * step[2]);
+    };
     const auto leavesAt = [&](const BrickStep& step) -> const BrickLeaves* {
         for (std::size_t a = 0; a < 3; ++a) // the last bricks along an axis may have no cells
             if (coords[a] + step[a] < 0 || (coords[a] + step[a]) * kCellSide >= reader_.info().geometry.dims[a] - 1)
                 return nullptr;
-        return &leaves + step[0] + grid.bricks()[0] * (step[1] + grid.bricks()[1] * step[2]);
+        return leavesInBox(step);
     };
     if (sureCellsOf(job.slot).isOneLeaf) {
         classifyLeafEdges(edgeSamples_[job.slot.index()], storedThreshold<Sample>(move.to), scratch.foundOnEdges);
@@ -145,14 +174,16 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
             return true;
         }
     }
+    scratch.ahead.fetchPart();
     classifyFor(move, surface, job, scratch);
+    scratch.ahead.fetchPart();
     addOtherLeaves(job.slot, scratch);
     draft.active = scratch.found.active;
     draft.ownedEdges = scratch.found.ownedEdges;
     draft.merged.clear();
     if (leaves.hasMerged()) {
         scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brickOf_[job.slot.index()]),
-                            scratch.found.above, leavesAt);
+                            scratch.found.above, leavesInBox);
         draft.merged.find(leaves, scratch.around, draft.active);
         const std::array<BitString, 3>& owned = surface.masks(job.slot).owned;
         draft.ownedEdges = 0;

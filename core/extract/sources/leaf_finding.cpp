@@ -10,55 +10,50 @@
 #include <type_traits>
 
 #include "core/cell/merged_cell.h"
+#include "core/extract/live/pair_cells.h"
 #include "core/extract/merged/merged_interpolant.h"
 #include "core/grid/scalar_type.h"
 
 namespace isoslider::extract {
 namespace {
 
-// Of a row of nine bits those at even places side by side, and those at odd ones.
-struct SplitRow {
-    std::uint8_t even, odd;
-};
-constexpr std::array<SplitRow, 512> kSplitRows = [] {
-    std::array<SplitRow, 512> rows{};
-    for (unsigned row = 0; row < rows.size(); ++row)
-        for (unsigned x = 0; x < 9; ++x) {
-            std::uint8_t& half = x % 2 == 0 ? rows[row].even : rows[row].odd;
-            half = static_cast<std::uint8_t>(half | (row >> x & 1) << (x / 2));
-        }
-    return rows;
-}();
-constexpr const SplitRow& splitRow(std::uint64_t row) { return kSplitRows[row & 511]; }
-
-// Bits of the first cells of all cells of side 2: bit x + 4 y + 16 z.
-std::uint64_t firstCells(const UnsetBits& bits) {
-    std::uint64_t found = 0;
-    for (int k = 0; k < 16; ++k)
-        found |= std::uint64_t{splitRow(bitsFrom(bits, closedPoint(0, 2 * (k % 4), 2 * (k / 4)))).even & 15u}
-                 << (4 * k);
-    return found;
-}
-
 // The 27 signs of all cells of side 2, in words as keepsTopologyOf64() has them.
 using SignWords = std::array<std::uint64_t, 27>;
 
+// By rows of nine bits: for x = 0, 1 and 2 of a cell of side 2 the signs of the row's four cells, each in 20 bits.
+constexpr unsigned kRowsWidth = 20;
+constexpr std::array<std::uint64_t, 512> kRowSigns = [] {
+    std::array<std::uint64_t, 512> found{};
+    for (std::size_t row = 0; row < found.size(); ++row)
+        for (unsigned x = 0; x < 3; ++x)
+            for (unsigned cell = 0; cell < 4; ++cell)
+                found[row] |= std::uint64_t{row >> (2 * cell + x) & 1} << (kRowsWidth * x + cell);
+    return found;
+}();
+
 void gatherSigns(const BitString& above, SignWords& signs) {
     signs.fill(0);
-    for (int z = 0; z < kPointSide; ++z)
-        for (int y = 0; y < kPointSide; ++y) {
-            const SplitRow row = splitRow(bitsFrom(above, closedPoint(0, y, z)));
-            const std::array<std::uint64_t, 3> thirds{row.even & 15u, row.odd, std::uint64_t{row.even} >> 1};
-            // Of a point at an even place, which is the first of one cell and the last of the one before.
-            for (int sz = z % 2; sz < 3; sz += 2)
-                for (int sy = y % 2; sy < 3; sy += 2) {
-                    const int cellY = (y - sy) / 2, cellZ = (z - sz) / 2;
-                    if (y < sy || z < sz || cellY > 3 || cellZ > 3)
-                        continue;
-                    for (std::size_t sx = 0; sx < 3; ++sx)
-                        signs[sx + static_cast<std::size_t>(3 * sy + 9 * sz)] |= thirds[sx] << (4 * cellY + 16 * cellZ);
-                }
+#pragma GCC unroll 9
+    for (int z = 0; z < kPointSide; ++z) {
+        std::uint64_t even = 0, odd = 0; // rows, each behind the one before
+#pragma GCC unroll 9
+        for (int y = 0; y < kPointSide; ++y)
+            (y % 2 == 0 ? even : odd) |= kRowSigns[bitsFrom(above, closedPoint(0, y, z)) & 511] << (4 * (y / 2));
+        for (std::size_t x = 0; x < 3; ++x) {
+            const std::uint64_t evenRows = even >> (kRowsWidth * x), oddRows = odd >> (kRowsWidth * x);
+            const std::array<std::uint64_t, 3> planes{evenRows & 0xffff, oddRows & 0xffff, evenRows >> 4 & 0xffff};
+            for (std::size_t y = 0; y < 3; ++y) {
+                // A plane at an even place is the first of one layer of cells and the last of the one before.
+                std::uint64_t* const ofPoint = signs.data() + x + 3 * y;
+                if (z % 2 != 0)
+                    ofPoint[9] |= planes[y] << (16 * (z / 2));
+                else if (z < kCellSide)
+                    ofPoint[0] |= planes[y] << (16 * (z / 2));
+                if (z % 2 == 0 && z > 0)
+                    ofPoint[18] |= planes[y] << (16 * (z / 2 - 1));
+            }
         }
+    }
 }
 
 // The same of the 8 cells of side 4, and in bit 8 of the one of side 8.
@@ -86,21 +81,6 @@ void gatherSignsOfLarger(const BitString& above, SignWords& signs) {
         }
 }
 
-// For each cell of side 2 what its eight cells combine to: bit x + 4 y + 16 z.
-template <class Combine>
-std::uint64_t combineEight(const BitString& cells, const Combine& combine) {
-    UnsetBits x, xy, all;
-    for (std::size_t w = 0; w < kBitWords; ++w)
-        x.words[w] = combine(cells.words[w], shiftedDown<1>(cells, static_cast<int>(w)));
-    for (std::size_t w = 0; w < kBitWords; ++w)
-        xy.words[w] = combine(x.words[w], shiftedDown<9>(x, static_cast<int>(w)));
-    for (std::size_t w = 0; w < kBitWords; ++w)
-        all.words[w] = combine(xy.words[w], shiftedDown<81>(xy, static_cast<int>(w)));
-    return firstCells(all);
-}
-std::uint64_t allOfEight(const BitString& cells) { return combineEight(cells, std::bit_and<>()); }
-std::uint64_t anyOfEight(const BitString& cells) { return combineEight(cells, std::bit_or<>()); }
-
 // A cell of side 2^level by its first cell.
 struct MergedCell {
     std::array<int, 3> origin;
@@ -113,8 +93,8 @@ public:
     BoundCheck(const StoredSample<Sample>* samples, const ActiveBits& active, const MergeBound& bound)
         : samples_(samples), active_(active), bound_(bound) {}
 
-    // Of each active edge in the cell.
-    bool isWithin(const MergedCell& cell) const {
+    // Of each active edge in the cell, but for one of those that are not: the edge's number, or -1.
+    int findExceeding(const MergedCell& cell) const {
         const int side = 1 << cell.level;
         const auto [x0, y0, z0] = cell.origin;
         cell::CornerScalars corners;
@@ -126,21 +106,71 @@ public:
                       endZ = axis == 2 ? side : side + 1;
             for (int z = 0; z < endZ; ++z)
                 for (int y = 0; y < endY; ++y) {
-                    std::uint64_t row = bitsFrom(active_.edges[axis], closedPoint(x0, y0 + y, z0 + z)) &
-                                        ((std::uint64_t{1} << endX) - 1);
+                    const ClosedPoint first = closedPoint(x0, y0 + y, z0 + z);
+                    std::uint64_t row = bitsFrom(active_.edges[axis], first) & ((std::uint64_t{1} << endX) - 1);
                     for (; row != 0; row &= row - 1) {
                         const int x = std::countr_zero(row);
                         const double a = sampleAt(x0 + x, y0 + y, z0 + z),
                                      b = sampleAt(x0 + x + (axis == 0), y0 + y + (axis == 1), z0 + z + (axis == 2));
                         if (!interpolant.keepsWithin(bound_, {x, y, z}, axis, a, b))
-                            return false;
+                            return closedEdge(static_cast<int>(axis), first + x).number();
                     }
                 }
         }
-        return true;
+        return -1;
+    }
+    // Whether the bound holds for each active edge in the cell. `exceeding`: its place in ExceedingEdges::ofLarger.
+    bool isWithin(const MergedCell& cell, std::uint16_t& exceeding) const {
+        if (exceeding != 0) {
+            const ClosedEdge edge(exceeding - 1);
+            if (active_.edges[static_cast<std::size_t>(axisOf(edge))].test(startOf(edge)))
+                return false;
+        }
+        const int found = findExceeding(cell);
+        if (found >= 0)
+            exceeding = static_cast<std::uint16_t>(found + 1);
+        return found < 0;
+    }
+    // The same of a cell of side 2 with the given signs. Most of a brick that comes and goes are asked for once.
+    bool isWithin(int pair, std::uint32_t signs, ExceedingEdges& exceeding) const {
+        const auto number = static_cast<std::size_t>(pair);
+        const std::uint64_t bit = std::uint64_t{1} << pair;
+        const std::array<int, 3> origin{2 * (pair % 4), 2 * (pair / 4 % 4), 2 * (pair / 16)};
+        if ((exceeding.asked & bit) == 0) {
+            exceeding.asked |= bit;
+            return findExceeding({origin, 1}) < 0;
+        }
+        if ((exceeding.known & bit) == 0) {
+            exceeding.known |= bit;
+            exceeding.edges[number] = exceedingEdges(origin);
+        }
+        const std::array<std::uint32_t, 3>& edges = exceeding.edges[number];
+        return (((signs ^ signs >> 1) & edges[0]) | ((signs ^ signs >> 3) & edges[1]) |
+                ((signs ^ signs >> 9) & edges[2])) == 0;
     }
 
 private:
+    std::array<std::uint32_t, 3> exceedingEdges(const std::array<int, 3>& origin) const {
+        std::array<double, 27> values;
+        for (int i = 0; i < 27; ++i)
+            values[static_cast<std::size_t>(i)] = sampleAt(origin[0] + i % 3, origin[1] + i / 3 % 3, origin[2] + i / 9);
+        const MergedInterpolant interpolant(
+            {values[0], values[2], values[6], values[8], values[18], values[20], values[24], values[26]}, 2);
+        std::array<std::uint32_t, 3> exceeding{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            constexpr std::array<std::size_t, 3> kStride{1, 3, 9};
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                const std::array<int, 3> start{static_cast<int>(i % 3), static_cast<int>(i / 3 % 3),
+                                               static_cast<int>(i / 9)};
+                if (start[axis] == 2)
+                    continue;
+                const bool exceeds =
+                    !interpolant.keepsWithin(bound_, start, axis, values[i], values[i + kStride[axis]]);
+                exceeding[axis] |= std::uint32_t{exceeds} << i;
+            }
+        }
+        return exceeding;
+    }
     double sampleAt(int x, int y, int z) const {
         return static_cast<double>(sampleOf<Sample>(samples_[closedPoint(x, y, z).index()]));
     }
@@ -341,9 +371,8 @@ BrickLeaves findMonotone(const Stored* samples) {
 
 template <class Sample>
 SureCells findSureCells(const StoredSample<Sample>* samples, const BitString& validCells, const MergeBound& bound) {
-    SureCells sure{findWithin<Sample>(samples, bound), findMonotone(samples), false, true};
-    sure.isOneLeaf =
-        sure.within == leafBits(3, 0) && sure.monotone.level3 && allOfEight(validCells) == ~std::uint64_t{0};
+    SureCells sure{findWithin<Sample>(samples, bound), findMonotone(samples), allOfEight(validCells), false, true};
+    sure.isOneLeaf = sure.within == leafBits(3, 0) && sure.monotone.level3 && sure.valid == ~std::uint64_t{0};
     return sure;
 }
 
@@ -380,20 +409,21 @@ BrickLeaves leavesOfSurface(const BrickLeaves& leaves, const BitString& activeCe
 
 template <class Sample>
 BrickLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
-                            const BitString& validCells, const MergeBound& bound, const SureCells& sure) {
+                            const BitString& validCells, const MergeBound& bound, const SureCells& sure,
+                            ExceedingEdges& exceeding) {
     BitString all;
     all.words.fill(~std::uint64_t{0});
-    return updateBrickLeaves<Sample>({}, all, samples, above, active, validCells, bound, sure);
+    return updateBrickLeaves<Sample>({}, all, samples, above, active, validCells, bound, sure, exceeding);
 }
 
 template <class Sample>
 BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& changed, const StoredSample<Sample>* samples,
                               const BitString& above, const ActiveBits& active, const BitString& validCells,
-                              const MergeBound& bound, const SureCells& sure) {
+                              const MergeBound& bound, const SureCells& sure, ExceedingEdges& exceeding) {
     const std::uint64_t touched = anyOfEight(changed);
     if (touched == 0)
         return before;
-    const std::uint64_t valid = allOfEight(validCells), crossed = anyOfEight(active.cells);
+    const std::uint64_t valid = sure.isKnown ? sure.valid : allOfEight(validCells), crossed = anyOfEight(active.cells);
     const std::uint64_t asked = touched & valid & crossed;
     const BoundCheck<Sample> check(samples, active, bound);
 
@@ -421,7 +451,8 @@ BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& change
     leaves.level1 = (before.level1 & ~touched) | (touched & valid & ~crossed) | (kept & sure.within.level1);
     for (std::uint64_t open = kept & ~sure.within.level1; open != 0; open &= open - 1) {
         const int i = std::countr_zero(open);
-        if (check.isWithin({{2 * (i % 4), 2 * (i / 4 % 4), 2 * (i / 16)}, 1}))
+        const ClosedPoint first = closedPoint(2 * (i % 4), 2 * (i / 4 % 4), 2 * (i / 16));
+        if (check.isWithin(i, signsOfPair(above, first), exceeding))
             leaves.level1 |= std::uint64_t{1} << i;
     }
     const unsigned whole = halvesWhere([&](std::uint64_t parts) { return (leaves.level1 & parts) == parts; });
@@ -444,23 +475,25 @@ BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& change
             return (before.level2 >> i & 1) != 0;
         return (crossedHalves >> i & 1) == 0 ||
                ((keptLarger >> i & 1) != 0 && ((sure.within.level2 >> i & 1) != 0 ||
-                                               check.isWithin({{4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2)}, 2})));
+                                               check.isWithin({{4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2)}, 2},
+                                                              exceeding.ofLarger[static_cast<std::size_t>(i)])));
     };
     for (unsigned open = whole; open != 0; open &= open - 1)
         leaves.level2 = static_cast<std::uint8_t>(leaves.level2 | unsigned{isUsable(std::countr_zero(open))}
                                                                       << std::countr_zero(open));
-    leaves.level3 =
-        leaves.level2 == 0xff &&
-        (crossed == 0 || ((keptLarger >> 8 & 1) != 0 && (sure.within.level3 || check.isWithin({{0, 0, 0}, 3}))));
+    leaves.level3 = leaves.level2 == 0xff &&
+                    (crossed == 0 || ((keptLarger >> 8 & 1) != 0 &&
+                                      (sure.within.level3 || check.isWithin({{0, 0, 0}, 3}, exceeding.ofLarger[8]))));
     return leaves;
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \
     template BrickLeaves findBrickLeaves<Sample>(const StoredSample<Sample>*, const BitString&, const ActiveBits&, \
-                                                 const BitString&, const MergeBound&, const SureCells&); \
+                                                 const BitString&, const MergeBound&, const SureCells&, \
+                                                 ExceedingEdges&); \
     template BrickLeaves updateBrickLeaves<Sample>(const BrickLeaves&, const BitString&, const StoredSample<Sample>*, \
                                                    const BitString&, const ActiveBits&, const BitString&, \
-                                                   const MergeBound&, const SureCells&); \
+                                                   const MergeBound&, const SureCells&, ExceedingEdges&); \
     template SureCells findSureCells<Sample>(const StoredSample<Sample>*, const BitString&, const MergeBound&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "core/extract/live/active_bits.h"
 #include "core/extract/live/brick_leaves.h"
 #include "core/extract/merged/merge_bound.h"
@@ -13,6 +16,7 @@ struct SureCells {
     /// Along each axis the samples ascend or descend throughout: then topology is kept, for what is above the isovalue
     /// reaches one corner of the cell along all three axes.
     BrickLeaves monotone;
+    std::uint64_t valid = 0; ///< cells of side 2 in the box, all of whose samples are finite
     bool isOneLeaf = false; ///< the brick is one leaf whenever the surface passes through it
     bool isKnown = false;
 };
@@ -22,18 +26,36 @@ struct SureCells {
 template <class Sample>
 SureCells findSureCells(const StoredSample<Sample>* samples, const BitString& validCells, const MergeBound& bound);
 
+/// What has been found out of a brick's edges that exceed the bound in merged cells while they are active: whether they
+/// do depends on the samples and the bound, not on the isovalue.
+struct ExceedingEdges {
+    std::uint64_t asked = 0; ///< cells of side 2 that have been looked at; 0 where samples or bound are others
+    std::uint64_t known = 0; ///< of those, the cells whose edges are all known: when asked for a second time
+    /// By cell and axis: bit x + 3 y + 9 z of the edge's lower point.
+    std::array<std::array<std::uint32_t, 3>, 64> edges;
+    /// Of the cells of side 4, and then the one of side 8: an edge that exceeds the bound there, and one more; 0: none
+    /// known.
+    std::array<std::uint16_t, 9> ofLarger{};
+
+    void forget() {
+        asked = known = 0;
+        ofLarger.fill(0);
+    }
+};
+
 /// The leaves of a brick, from its own samples: those of LeafLevels::find() with cells of side 8 at most. They change
 /// only where the isovalue crosses a sample of the brick. `validCells`: in the box, all corners finite; `sure`: as
-/// findSureCells() has it, or nothing.
+/// findSureCells() has it, or nothing; `exceeding`: of these samples and this bound.
 template <class Sample>
 BrickLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
-                            const BitString& validCells, const MergeBound& bound, const SureCells& sure);
+                            const BitString& validCells, const MergeBound& bound, const SureCells& sure,
+                            ExceedingEdges& exceeding);
 
 /// The same where they were `before`, and only cells in `changed` have other signs since.
 template <class Sample>
 BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& changed, const StoredSample<Sample>* samples,
                               const BitString& above, const ActiveBits& active, const BitString& validCells,
-                              const MergeBound& bound, const SureCells& sure);
+                              const MergeBound& bound, const SureCells& sure, ExceedingEdges& exceeding);
 
 /// Those through which the surface passes, with all their halves; others stand as cells of the grid. Polygons and the
 /// bricks beside depend on no more: a leaf without the surface has no active edge, on its faces neither.

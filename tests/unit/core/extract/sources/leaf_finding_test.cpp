@@ -11,6 +11,7 @@
 
 #include "core/extract/live/brick_shapes.h"
 #include "core/extract/sources/sample_kernels.h"
+#include "tests/unit/core/extract/some_leaves.h"
 
 namespace isoslider::extract {
 namespace {
@@ -130,18 +131,6 @@ TEST(SureCells, AreOneLeafOnlyWithAllTheirHalves) {
     EXPECT_TRUE(isOneLeaf(2.5));
 }
 
-BrickLeaves someLeaves(std::mt19937& random) {
-    BrickLeaves leaves;
-    for (unsigned i = 0; i < 64; ++i)
-        leaves.level1 |= std::uint64_t{random() % 4 != 0} << i;
-    for (unsigned i = 0; i < 8; ++i)
-        if (const BrickLeaves larger = leafBits(2, i); random() % 3 == 0) {
-            leaves.level1 |= larger.level1;
-            leaves.level2 = static_cast<std::uint8_t>(leaves.level2 | larger.level2);
-        }
-    return random() % 8 == 0 ? leafBits(3, 0) : random() % 8 == 0 ? BrickLeaves() : leaves;
-}
-
 // Cells that merge or split are highlighted, and count as changed.
 TEST(BrickLeaves, ThatDifferInACellAreThoseOfAnotherLevel) {
     std::mt19937 random(6);
@@ -150,7 +139,6 @@ TEST(BrickLeaves, ThatDifferInACellAreThoseOfAnotherLevel) {
         BitString expected;
         for (int i = 0; i < 512; ++i) {
             const int x = i % 8, y = i / 8 % 8, z = i / 64;
-            ASSERT_EQ(now.levelsOfRow(y, z) >> (8 * x) & 0xff, static_cast<std::uint64_t>(now.levelOf(x, y, z)));
             if (before.levelOf(x, y, z) != now.levelOf(x, y, z))
                 expected.set(closedPoint(x, y, z));
         }
@@ -171,19 +159,21 @@ TEST(BrickLeaves, AreTheSameWithAndWithoutSureCells) {
                 const SureCells sure = findSureCells<float>(samples.values, masks.cells, bound);
                 BitString before;
                 BrickLeaves step;
+                ExceedingEdges kept;
                 for (int at = 0; at < 12; ++at) {
                     ClassifiedBrick<float> found;
                     classify(samples.values, samples.values[random() % kClosedPoints], masks,
                              at == 0 ? nullptr : &before, found);
                     before = found.above;
+                    ExceedingEdges none;
                     const BrickLeaves plain =
-                        findBrickLeaves<float>(samples.values, found.above, found.active, masks.cells, bound, {});
-                    ASSERT_EQ(
-                        findBrickLeaves<float>(samples.values, found.above, found.active, masks.cells, bound, sure),
-                        plain);
+                        findBrickLeaves<float>(samples.values, found.above, found.active, masks.cells, bound, {}, none);
+                    ASSERT_EQ(findBrickLeaves<float>(samples.values, found.above, found.active, masks.cells, bound,
+                                                     sure, kept),
+                              plain);
                     step = at == 0 ? plain
                                    : updateBrickLeaves<float>(step, found.changed, samples.values, found.above,
-                                                              found.active, masks.cells, bound, sure);
+                                                              found.active, masks.cells, bound, sure, kept);
                     ASSERT_EQ(step, plain);
                     ASSERT_TRUE(plain.level3 || !sure.isOneLeaf || found.active.cells.isEmpty());
                     oneLeaf += sure.isOneLeaf;
