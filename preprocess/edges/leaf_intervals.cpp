@@ -51,10 +51,12 @@ void LeafIntervals<Key>::find(const extract::StoredSample<Sample>* samples, cons
     };
     for (std::size_t i = 1; i < values.size(); ++i) {
         extract::classify(samples, values[i], masks, i == 1 ? nullptr : &before, classified);
-        usable = i == 1 ? extract::findBrickLeaves<Sample>(samples, classified.above, classified.active, masks.cells,
-                                                           bound, sure, exceeding)
-                        : extract::updateBrickLeaves<Sample>(usable, classified.changed, samples, classified.above,
-                                                             classified.active, masks.cells, bound, sure, exceeding);
+        usable =
+            (i == 1 ? extract::findBrickLeaves<Sample>(samples, classified.above, classified.active, masks.cells, bound,
+                                                       sure, exceeding)
+                    : extract::updateBrickLeaves<Sample>(usable, before, classified.changed, samples, classified.above,
+                                                         classified.active, masks.cells, bound, sure, exceeding))
+                .usable;
         before = classified.above;
         const CellBits now(extract::crossedLeaves(usable, classified.active.cells));
         const Key passed = keyAt(i - 1);

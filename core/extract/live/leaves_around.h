@@ -46,12 +46,10 @@ public:
     static std::int64_t pointStride(std::size_t axis) { return kPointStride[axis]; }
     static std::int64_t cellStride(std::size_t axis) { return axis == 0 ? 1 : axis == 1 ? kSide : kSide * kSide; }
     static std::array<std::int32_t, 3> coordsOf(std::int64_t point) {
-        return extract::coordsOf(ClosedPoint(static_cast<int>(point)));
+        const auto& at = kPoints[static_cast<std::size_t>(point)].at;
+        return {at[0], at[1], at[2]};
     }
-    static std::int64_t cellAt(std::int64_t point) {
-        const auto c = coordsOf(point);
-        return static_cast<std::int64_t>(placeOf(c[0], c[1], c[2]));
-    }
+    static std::int64_t cellAt(std::int64_t point) { return kPoints[static_cast<std::size_t>(point)].cell; }
     const BitString& above() const { return *above_; }
     bool isAboveAt(std::int64_t point) const { return above_->test(ClosedPoint(static_cast<int>(point))); }
     int levelAt(std::int64_t cell) const {
@@ -97,6 +95,11 @@ private:
         std::uint8_t brick, inLevel1, inLevel2;
     };
     static const std::array<Place, kSide * kSide * kSide> kPlaces;
+    struct Point {
+        std::array<std::int8_t, 3> at;
+        std::uint16_t cell; ///< the place of the cell that starts there
+    };
+    static const std::array<Point, kClosedPoints> kPoints;
 
     // Row by row, from bits x + 4 y + 16 z to bits x + 1 + kPairs * (y + 1) of plane z + 1.
     void findUnmergedPairs() {
@@ -160,5 +163,16 @@ inline constinit const std::array<LeavesAround::Place, LeavesAround::kSide* Leav
                 }
         return places;
     }();
+
+inline constinit const std::array<LeavesAround::Point, kClosedPoints> LeavesAround::kPoints = [] {
+    std::array<Point, kClosedPoints> points{};
+    for (int p = 0; p < kClosedPoints; ++p) {
+        const auto at = extract::coordsOf(ClosedPoint(p));
+        points[static_cast<std::size_t>(p)] = {
+            {static_cast<std::int8_t>(at[0]), static_cast<std::int8_t>(at[1]), static_cast<std::int8_t>(at[2])},
+            static_cast<std::uint16_t>(placeOf(at[0], at[1], at[2]))};
+    }
+    return points;
+}();
 
 } // namespace isoslider::extract

@@ -61,7 +61,7 @@ void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, Ac
     std::size_t count = 0;
     for (std::uint64_t rest = small; rest != 0; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
-        smallLeaves[count++] = smallPolygons_.leafAt(around, i % 4, i / 4 % 4, i / 16);
+        smallLeaves[count++] = SmallLeafPolygons::leafAt(around, i % 4, i / 4 % 4, i / 16);
     }
     count = 0;
     for (; firsts != 0; firsts &= firsts - 1) {

@@ -1,6 +1,8 @@
 #include "core/extract/live/small_leaf_polygons.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 
 #include "core/extract/live/pair_cells.h"
 
@@ -96,6 +98,23 @@ std::uint8_t placeInLeaf(std::int64_t edge, ClosedPoint first) {
 
 } // namespace
 
+// One cache line. What it holds is written once, before its pattern is.
+struct alignas(64) SmallLeafPolygons::Kept {
+    std::atomic<std::uint32_t> pattern{kNoPattern};
+    std::uint8_t edgeCount = 0, triangleCount = 0;
+    std::array<std::uint8_t, 58> bytes{}; ///< edges, then triangles; a polygon of more, which is rare, is not kept
+
+    // No leaf has these: all its points would be on one side.
+    static constexpr std::uint32_t kNoPattern = 0, kBeingWritten = ~std::uint32_t{0};
+    static constexpr int kTableBits = 17;
+    static constexpr std::size_t kPlaces = 4; ///< that a pattern may have, one behind the other
+    static std::array<Kept, (std::size_t{1} << kTableBits) + kPlaces> table;
+};
+// Eight megabytes, of which the system hands out what is used.
+constinit std::array<SmallLeafPolygons::Kept,
+                     (std::size_t{1} << SmallLeafPolygons::Kept::kTableBits) + SmallLeafPolygons::Kept::kPlaces>
+    SmallLeafPolygons::Kept::table;
+
 ClosedEdge SmallLeafPolygons::edgeOf(std::uint8_t edge, const Leaf& leaf) {
     return kPlacesInLeaf[edge & ~kIsSplit].fromFirst + leaf.point.number();
 }
@@ -106,34 +125,51 @@ int SmallLeafPolygons::levelOf(std::uint8_t edge, const Leaf& leaf) {
     return (leaf.unmergedAround >> kPlacesInLeaf[edge].across & 1) != 0 ? 0 : 1;
 }
 
-auto SmallLeafPolygons::placeOf(std::uint32_t pattern) -> Kept& {
-    return table_[pattern * 0x9e3779b1u >> (32 - kTableBits)];
+auto SmallLeafPolygons::keptAt(std::uint32_t pattern) -> Kept* {
+    static_assert(sizeof(Kept) == 64);
+    return &Kept::table[pattern * 0x9e3779b1u >> (32 - Kept::kTableBits)];
 }
 
 auto SmallLeafPolygons::leafAt(const LeavesAround& leaves, int x, int y, int z) -> Leaf {
-    if (table_.empty())
-        table_.resize(std::size_t{1} << kTableBits);
     Leaf leaf{closedPoint(2 * x, 2 * y, 2 * z), 0, leaves.unmergedAround(x, y, z)};
     const std::uint32_t signs = signsOfPair(leaves.above(), leaf.point);
     // Which edges are split depends on no other faces: where an edge on the border of a face is active, it is crossed.
     leaf.pattern = patternOf(signs, facesBesideCells(leaf.unmergedAround) & kCrossedFaces[signsOfCorners(signs)]);
-    __builtin_prefetch(&placeOf(leaf.pattern));
+    __builtin_prefetch(keptAt(leaf.pattern));
     return leaf;
 }
 
 auto SmallLeafPolygons::find(const LeavesAround& leaves, const Leaf& leaf) -> Polygon {
-    Kept& kept = placeOf(leaf.pattern);
-    if (kept.pattern != leaf.pattern) {
-        make(leaves, leaf);
-        if (edges_.size() + triangles_.size() > kept.bytes.size())
-            return {edges_, triangles_};
-        kept.pattern = leaf.pattern;
-        kept.edgeCount = static_cast<std::uint8_t>(edges_.size());
-        kept.triangleCount = static_cast<std::uint8_t>(triangles_.size() / 3);
-        std::copy(triangles_.begin(), triangles_.end(), std::copy(edges_.begin(), edges_.end(), kept.bytes.begin()));
+    const Kept* const first = keptAt(leaf.pattern);
+    for (const Kept* kept = first; kept != first + Kept::kPlaces; ++kept) {
+        const std::uint32_t its = kept->pattern.load(std::memory_order_acquire);
+        if (its == leaf.pattern && its != Kept::kNoPattern)
+            return {{kept->bytes.data(), kept->edgeCount},
+                    {kept->bytes.data() + kept->edgeCount, std::size_t{3} * kept->triangleCount}};
+        if (its == Kept::kNoPattern)
+            break;
     }
-    return {{kept.bytes.data(), kept.edgeCount},
-            {kept.bytes.data() + kept.edgeCount, std::size_t{3} * kept.triangleCount}};
+    make(leaves, leaf);
+    if (leaf.pattern != Kept::kNoPattern)
+        keep(leaf.pattern);
+    return {edges_, triangles_};
+}
+
+// Puts the polygon that was made last into the first free place of the pattern. Two threads may put the same.
+void SmallLeafPolygons::keep(std::uint32_t pattern) const {
+    Kept* const first = keptAt(pattern);
+    if (edges_.size() + triangles_.size() > first->bytes.size())
+        return;
+    for (Kept* kept = first; kept != first + Kept::kPlaces; ++kept) {
+        std::uint32_t none = Kept::kNoPattern;
+        if (!kept->pattern.compare_exchange_strong(none, Kept::kBeingWritten, std::memory_order_relaxed))
+            continue;
+        kept->edgeCount = static_cast<std::uint8_t>(edges_.size());
+        kept->triangleCount = static_cast<std::uint8_t>(triangles_.size() / 3);
+        std::copy(triangles_.begin(), triangles_.end(), std::copy(edges_.begin(), edges_.end(), kept->bytes.begin()));
+        kept->pattern.store(pattern, std::memory_order_release);
+        return;
+    }
 }
 
 void SmallLeafPolygons::make(const LeavesAround& leaves, const Leaf& leaf) {

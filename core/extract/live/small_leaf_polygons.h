@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,9 +10,10 @@
 
 namespace isoslider::extract {
 
-/// Polygons of leaves of side 2, which most leaves of rough data are, each made once: a leaf's polygon depends on the
-/// signs of its 27 points and on which leaves across its faces are smaller, and the same some ten thousand such
-/// patterns come again and again. A table with one place for each hash: what comes later replaces what is there.
+/// Polygons of leaves of side 2, which most leaves of rough data are: a leaf's polygon depends on the signs of its 27
+/// points and on which leaves across its faces are smaller, and the same some ten thousand such patterns come again and
+/// again, in any volume. So each is made once for all threads and surfaces of the program; a table keeps it. When its
+/// places are taken, further patterns are made each time. One object per thread.
 class SmallLeafPolygons {
 public:
     /// A leaf and all that its polygon depends on.
@@ -23,7 +23,7 @@ public:
         std::uint64_t unmergedAround = 0; ///< as LeavesAround has it
     };
     /// The leaf that starts at the cell of side 2 at x, y, z = 0 to 3; asks for the memory that find() will read.
-    Leaf leafAt(const LeavesAround& leaves, int x, int y, int z);
+    static Leaf leafAt(const LeavesAround& leaves, int x, int y, int z);
 
     struct Polygon {
         /// As places in the leaf; those that lie inside a face beside smaller leaves, or on the border of one, with
@@ -41,19 +41,12 @@ public:
 
 private:
     static constexpr std::uint8_t kIsSplit = 0x80;
-    /// One cache line. A polygon of more edges than fit, which is rare, is made each time.
-    struct alignas(64) Kept {
-        std::uint32_t pattern = 0; ///< 0: none
-        std::uint8_t edgeCount = 0, triangleCount = 0;
-        std::array<std::uint8_t, 58> bytes{}; ///< edges, then triangles
-    };
-    static_assert(sizeof(Kept) == 64);
+    struct Kept;
 
-    Kept& placeOf(std::uint32_t pattern);
+    static Kept* keptAt(std::uint32_t pattern);
     void make(const LeavesAround& leaves, const Leaf& leaf);
+    void keep(std::uint32_t pattern) const;
 
-    static constexpr int kTableBits = 15;
-    std::vector<Kept> table_;
     MergedPolygon<LeavesAround> polygon_;
     std::vector<std::uint8_t> edges_, triangles_; ///< of the polygon that was made last
 };

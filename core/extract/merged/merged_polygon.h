@@ -131,17 +131,19 @@ private:
 
     void followFinestSegments() {
         segments_.clear();
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            addSegments(leaf_.point, cellAcross(axis, false), leaf_.level, axis, false);
-            addSegments(leaf_.point + leaf_.side() * leaves_->pointStride(axis), cellAcross(axis, true), leaf_.level,
-                        axis, true);
-        }
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (const bool isUpper : {false, true}) {
+                const Face face(*leaves_, axis, isUpper);
+                const std::int64_t first = isUpper ? leaf_.side() * leaves_->pointStride(axis) : 0;
+                addSegments(face, leaf_.point + first, cellAcross(axis, isUpper), leaf_.level);
+            }
         // One loop, see keepsTopology(): brought into its order from the least edge on. There are few.
         std::swap(segments_.front(), *std::min_element(segments_.begin(), segments_.end()));
         corners_.clear();
+        const auto origin = leaves_->coordsOf(leaf_.point);
         for (std::size_t i = 0; i < segments_.size(); ++i) {
             edges_.push_back(segments_[i].first);
-            corners_.push_back(polygonCorner(segments_[i].first));
+            corners_.push_back(polygonCorner(segments_[i].first, origin));
             for (std::size_t k = i + 1; k < segments_.size(); ++k)
                 if (segments_[k].first == segments_[i].second) {
                     std::swap(segments_[i + 1], segments_[k]);
@@ -151,28 +153,36 @@ private:
         triangulation_.make(corners_, triangles_);
     }
 
+    /// The two axes of a face, so that the first turns to the second counter-clockwise, seen from outside.
+    struct Face {
+        Face(const Leaves& leaves, std::size_t axis, bool isUpper) {
+            const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+            axes = isUpper ? std::array{u, v} : std::array{v, u};
+            for (std::size_t k = 0; k < 2; ++k) {
+                pointStride[k] = leaves.pointStride(axes[k]);
+                cellStride[k] = leaves.cellStride(axes[k]);
+            }
+        }
+        std::array<std::size_t, 2> axes;
+        std::array<std::int64_t, 2> pointStride, cellStride;
+    };
+
     // The segments of the finest leaves in a square of a face: its first point, the cell on the other side there, and
-    // its side, 2^level.
-    void addSegments(std::int64_t corner, std::int64_t across, int level, std::size_t axis, bool isUpper) {
-        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-        const std::int64_t side = std::int64_t{1} << level;
-        // Round the square, counter-clockwise seen from outside.
-        const std::size_t first = isUpper ? u : v, second = isUpper ? v : u;
-        const std::int64_t alongFirst = side * leaves_->pointStride(first),
-                           alongSecond = side * leaves_->pointStride(second);
+    // its side, 2^level. Their order does not matter.
+    void addSegments(const Face& face, std::int64_t corner, std::int64_t across, int level) {
+        const std::int64_t alongFirst = face.pointStride[0] << level, alongSecond = face.pointStride[1] << level;
         const std::array<bool, 4> isAbove{leaves_->isAboveAt(corner), leaves_->isAboveAt(corner + alongFirst),
                                           leaves_->isAboveAt(corner + alongFirst + alongSecond),
                                           leaves_->isAboveAt(corner + alongSecond)};
         if (isAbove[0] == isAbove[1] && isAbove[0] == isAbove[2] && isAbove[0] == isAbove[3])
             return; // nor are its parts crossed: keepsTopology()
-        if (const int beside = leaves_->levelAt(across); beside != kNoLevel && beside < level) {
-            const std::int64_t half = side / 2;
-            for (int quarter = 0; quarter < 4; ++quarter) {
-                const std::int64_t alongU = quarter & 1 ? half : 0, alongV = quarter & 2 ? half : 0;
-                addSegments(corner + alongU * leaves_->pointStride(u) + alongV * leaves_->pointStride(v),
-                            across + alongU * leaves_->cellStride(u) + alongV * leaves_->cellStride(v), level - 1, axis,
-                            isUpper);
-            }
+        if (const int beside = level > 0 ? leaves_->levelAt(across) : kNoLevel; beside != kNoLevel && beside < level) {
+            const std::int64_t cellsFirst = face.cellStride[0] << (level - 1),
+                               cellsSecond = face.cellStride[1] << (level - 1);
+            addSegments(face, corner, across, level - 1);
+            addSegments(face, corner + alongFirst / 2, across + cellsFirst, level - 1);
+            addSegments(face, corner + alongSecond / 2, across + cellsSecond, level - 1);
+            addSegments(face, corner + alongFirst / 2 + alongSecond / 2, across + cellsFirst + cellsSecond, level - 1);
             return;
         }
         // Out of what is above, and back in.
@@ -180,7 +190,8 @@ private:
         std::int64_t leaving = 0, entering = 0;
         for (std::size_t i = 0; i < 4; ++i)
             if (isAbove[i] != isAbove[(i + 1) % 4])
-                (isAbove[i] ? leaving : entering) = activeEdgeFrom(lower[i], i % 2 == 0 ? first : second, side);
+                (isAbove[i] ? leaving : entering) =
+                    activeEdgeFrom(lower[i], face.axes[i % 2], std::int64_t{1} << level);
         segments_.emplace_back(entering, leaving);
     }
 
@@ -194,9 +205,9 @@ private:
         return 4 * lower + static_cast<std::int64_t>(axis);
     }
 
-    PolygonCorner polygonCorner(std::int64_t edge) const {
+    PolygonCorner polygonCorner(std::int64_t edge, const std::array<std::int32_t, 3>& origin) const {
         const auto axis = static_cast<std::size_t>(edge & 3);
-        const auto start = leaves_->coordsOf(edge >> 2), origin = leaves_->coordsOf(leaf_.point);
+        const auto start = leaves_->coordsOf(edge >> 2);
         PolygonCorner corner;
         for (std::size_t a = 0; a < 3; ++a) {
             const std::int32_t place = start[a] - origin[a];

@@ -3,7 +3,7 @@
 #include <limits>
 #include <utility>
 
-#include <glm/geometric.hpp>
+#include <hwy/highway.h>
 
 #include "core/cell/cell_numbering.h"
 #include "core/cell/cell_states.h"
@@ -35,34 +35,56 @@ const std::array<CellPolygon, 256>& cellPolygons() {
 
 void PolygonTriangulation::make(std::span<const PolygonCorner> corners,
                                 std::vector<std::array<std::uint32_t, 3>>& triangles) {
+    namespace hn = hwy::HWY_NAMESPACE;
+    const hn::CappedTag<float, 4> d;
+    const std::size_t lanes = hn::Lanes(d);
     constexpr float kNone = std::numeric_limits<float>::infinity();
-    const std::size_t k = corners.size();
+    const std::size_t k = corners.size(), row = (k / 4 + 2) * 4;
     triangles.clear();
+    for (auto* const places : {&x_, &y_, &z_})
+        places->resize(row);
+    for (std::size_t i = 0; i < k; ++i) {
+        x_[i] = corners[i].position.x;
+        y_[i] = corners[i].position.y;
+        z_[i] = corners[i].position.z;
+    }
     const auto isAllowed = [&](std::size_t i, std::size_t j) {
         return j == i + 1 || (i == 0 && j == k - 1) || (corners[i].faces & corners[j].faces) == 0;
     };
-    const auto area = [&](std::size_t i, std::size_t m, std::size_t j) {
-        return glm::length(
-            glm::cross(corners[m].position - corners[i].position, corners[j].position - corners[i].position));
-    };
-    least_.assign(k * k, kNone);
-    apex_.resize(k * k);
+    least_.assign(k * row, kNone);
+    leastTo_.assign(k * row, kNone);
+    apex_.resize(k * row);
     for (std::size_t i = 0; i + 1 < k; ++i)
-        least_[i * k + i + 1] = 0.0f;
+        least_[i * row + i + 1] = leastTo_[(i + 1) * row + i] = 0.0f;
     for (std::size_t span = 2; span < k; ++span)
         for (std::size_t i = 0; i + span < k; ++i) {
             const std::size_t j = i + span;
             if (!isAllowed(i, j))
                 continue;
-            for (std::size_t m = i + 1; m < j; ++m) {
-                const float parts = least_[i * k + m] + least_[m * k + j];
-                if (parts >= least_[i * k + j])
+            const auto xi = hn::Set(d, x_[i]), yi = hn::Set(d, y_[i]), zi = hn::Set(d, z_[i]);
+            const auto bx = hn::Sub(hn::Set(d, x_[j]), xi), by = hn::Sub(hn::Set(d, y_[j]), yi),
+                       bz = hn::Sub(hn::Set(d, z_[j]), zi);
+            float least = kNone;
+            // Beyond j there are no polygons yet, and the sum is infinite.
+            for (std::size_t m = i + 1; m < j; m += lanes) {
+                const auto parts = hn::Add(hn::LoadU(d, &least_[i * row + m]), hn::LoadU(d, &leastTo_[j * row + m]));
+                if (hn::AllFalse(d, hn::Lt(parts, hn::Set(d, least))))
                     continue; // not there, or too much already
-                if (const float all = parts + area(i, m, j); all < least_[i * k + j]) {
-                    least_[i * k + j] = all;
-                    apex_[i * k + j] = static_cast<std::uint32_t>(m);
-                }
+                const auto ax = hn::Sub(hn::LoadU(d, &x_[m]), xi), ay = hn::Sub(hn::LoadU(d, &y_[m]), yi),
+                           az = hn::Sub(hn::LoadU(d, &z_[m]), zi);
+                const auto cx = hn::Sub(hn::Mul(ay, bz), hn::Mul(by, az)),
+                           cy = hn::Sub(hn::Mul(az, bx), hn::Mul(bz, ax)),
+                           cz = hn::Sub(hn::Mul(ax, by), hn::Mul(bx, ay));
+                const auto area = hn::Sqrt(hn::Add(hn::Add(hn::Mul(cx, cx), hn::Mul(cy, cy)), hn::Mul(cz, cz)));
+                alignas(16) std::array<float, 4> all;
+                hn::Store(hn::Add(parts, area), d, all.data());
+                for (std::size_t lane = 0; lane < lanes; ++lane)
+                    if (all[lane] < least) { // the first of several
+                        least = all[lane];
+                        apex_[i * row + j] = static_cast<std::uint32_t>(m + lane);
+                    }
             }
+            least_[i * row + j] = leastTo_[j * row + i] = least;
         }
     if (least_[k - 1] == kNone)
         return;
@@ -72,7 +94,7 @@ void PolygonTriangulation::make(std::span<const PolygonCorner> corners,
         open_.pop_back();
         if (j - i < 2)
             continue;
-        const std::uint32_t m = apex_[i * k + j];
+        const std::uint32_t m = apex_[i * row + j];
         triangles.push_back({i, m, j});
         open_.emplace_back(i, m);
         open_.emplace_back(m, j);

@@ -34,8 +34,11 @@ public:
     void make(std::span<const PolygonCorner> corners, std::vector<std::array<std::uint32_t, 3>>& triangles);
 
 private:
+    // Rows are whole vectors, and one vector more.
     std::vector<float> least_; ///< by i and j: of the polygon i, i + 1, ..., j
-    std::vector<std::uint32_t> apex_; ///< likewise: of its triangle on the side from i to j
+    std::vector<float> leastTo_; ///< the same by j and i
+    std::vector<float> x_, y_, z_; ///< of the corners
+    std::vector<std::uint32_t> apex_; ///< by i and j: of the polygon's triangle on the side from i to j
     std::vector<std::pair<std::uint32_t, std::uint32_t>> open_;
 };
 

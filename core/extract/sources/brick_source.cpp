@@ -34,6 +34,7 @@ BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<
       sureCells_(bricks.grid().brickCount()),
       edgeSamples_(bricks.grid().brickCount()),
       exceedingEdges_(bricks.grid().brickCount()),
+      foundSigns_(bricks.grid().brickCount()),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     slotOf_.grow(bricks.grid().brickCount());
 }
@@ -57,9 +58,11 @@ void BrickSource<Sample>::reset() {
     brickOf_.clear();
     usableLeaves_.clear();
     shownLeaves_.clear();
+    isOneLeaf_.clear();
     isMadeOfEdges_.clear();
     edgeSamples_.shrink(0);
     exceedingEdges_.shrink(0);
+    foundSigns_.shrink(0);
 }
 
 // Bricks that come or go between two thresholds.
@@ -221,6 +224,7 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
             brickOf_.resize(slot.index() + 1);
             usableLeaves_.resize(slot.index() + 1);
             shownLeaves_.resize(slot.index() + 1);
+            isOneLeaf_.resize(slot.index() + 1);
             isMadeOfEdges_.resize(slot.index() + 1);
         }
         watch_[slot.index()] = {};
@@ -262,6 +266,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
                                  const JobControl& control) {
     ahead_ = {}; // stops it
     stats.bytesAhead += std::exchange(bytesAhead_, 0);
+    ++moves_;
     if (move.from == lowest() || move.from == highest()) // nothing is active there; perhaps a move was broken off
         reset();
     // Merged cells look different where there are none beside them: a brick at the region's border may be no longer.
@@ -285,6 +290,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
             leavesOf_[brick.index()] = {};
         edgeSamples_.shrink(0);
         exceedingEdges_.shrink(0);
+        foundSigns_.shrink(0);
     }
     if (bound_.limit > 0.0)
         ISO_TRY(runMerging(move, surface, std::move(jobs), stats, control));

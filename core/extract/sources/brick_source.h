@@ -172,9 +172,18 @@ private:
     std::vector<BrickLeaves> usableLeaves_; ///< by slot, likewise
     VirtualArray<SureCells> sureCells_; ///< by brick, of those that have been live with this bound:
     MergeBound sureBound_;
-    ChunkedArray<LeafEdgeSamples<Stored>, 10> edgeSamples_; ///< by slot, where sureCells_ has one leaf
+    ChunkedArray<LeafEdgeSamples<Stored>, 10> edgeSamples_; ///< by slot, where isOneLeaf_
     ChunkedArray<ExceedingEdges, 10> exceedingEdges_; ///< by slot, of the others
+    /// What findLeaves() has read of a brick's samples, for rebuildMerged() of the same move.
+    struct FoundSigns {
+        BitString above;
+        Stored up, down;
+        std::uint32_t move = 0; ///< as moves_ counts
+    };
+    ChunkedArray<FoundSigns, 10> foundSigns_; ///< by slot
+    std::uint32_t moves_ = 0;
     std::vector<BrickLeaves> shownLeaves_; ///< by slot: those that its surface was made with
+    std::vector<std::uint8_t> isOneLeaf_; ///< by slot, as sureCells_ has it
     std::vector<std::uint8_t> isMadeOfEdges_; ///< by slot: by makeOneLeaf(), which leaves no signs in the surface
     bool readsBackwards_ = false;
     std::uint64_t bytesAhead_ = 0;

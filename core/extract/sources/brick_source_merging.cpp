@@ -18,10 +18,11 @@ Status BrickSource<Sample>::runMerging(const Move& move, LiveSurface<Live>& surf
                                        SlideStats& stats, const JobControl& control) {
     edgeSamples_.grow(watch_.size());
     exceedingEdges_.grow(watch_.size());
+    foundSigns_.grow(watch_.size());
     for (Scratch& scratch : *scratches_)
         scratch.otherLeaves.clear();
     const auto firstKnown = std::partition(jobs.begin(), jobs.end(), [this](const Job& job) {
-        return job.isNew || hasNewBound_ || !sureCellsOf(job.slot).isOneLeaf;
+        return job.isNew || hasNewBound_ || isOneLeaf_[job.slot.index()] == 0;
     });
     ISO_TRY(runJobs(move, surface, {jobs.begin(), firstKnown}, stats, control.part(0.0, 0.5),
                     {&BrickSource::findLeaves, &BrickSource::prefetchForLeaves}));
@@ -59,6 +60,7 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
     const bool startsAgain = job.isNew || hasNewBound_;
     if (!sure.isKnown)
         sure = findSureCells<Sample>(samples, validCells, bound_);
+    isOneLeaf_[job.slot.index()] = sure.isOneLeaf;
     if (sure.isOneLeaf) { // a brick that is live is crossed
         edgeSamples_[job.slot.index()].fill(samples);
         usable = leafBits(3, 0);
@@ -72,22 +74,28 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
     classifyFor(move, surface, job, scratch);
     scratch.ahead.fetchPart();
     ExceedingEdges& exceeding = exceedingEdges_[job.slot.index()];
+    FoundLeaves both;
     if (startsAgain) {
         exceeding.forget();
-        usable = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, sure,
-                                         exceeding);
+        both = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, sure,
+                                       exceeding);
     } else {
-        usable = updateBrickLeaves<Sample>(usable, scratch.found.changed, samples, scratch.found.above,
-                                           scratch.found.active, validCells, bound_, sure, exceeding);
+        const BitString& before =
+            isMadeOfEdges_[job.slot.index()] != 0 ? scratch.aboveBefore : surface.brick(job.slot).above;
+        both = updateBrickLeaves<Sample>(usable, before, scratch.found.changed, samples, scratch.found.above,
+                                         scratch.found.active, validCells, bound_, sure, exceeding);
     }
+    usable = both.usable;
+    const BrickLeaves& found = both.ofSurface;
     BrickLeaves& leaves = leavesOf(job.slot);
-    const BrickLeaves found = leavesOfSurface(usable, scratch.found.active.cells);
     if (!job.isNew && found != leaves)
         scratch.otherLeaves.emplace_back(job.slot, leaves);
     leaves = found;
     scratch.ahead.fetchRest();
     if (found.hasMerged()) {
         surface.putPoints(job.slot, scratch.draft);
+        if (isMadeOfEdges_[job.slot.index()] == 0)
+            foundSigns_[job.slot.index()] = {scratch.found.above, scratch.found.up, scratch.found.down, moves_};
     } else {
         addOtherLeaves(job.slot, scratch);
         makeUnmerged(move, surface, job, scratch);
@@ -118,8 +126,13 @@ void BrickSource<Sample>::prefetchMerged(const LiveSurface<Live>& surface, const
             __builtin_prefetch(&leavesOf_[static_cast<std::size_t>(std::clamp<std::int64_t>(other, 0, last))]);
         }
     __builtin_prefetch(&shownLeaves_[job.slot.index()]);
-    if (!sureCellsOf(job.slot).isOneLeaf) {
-        prefetchPoints(surface, job, ahead);
+    if (isOneLeaf_[job.slot.index()] == 0) {
+        const FoundSigns& found = foundSigns_[job.slot.index()];
+        ahead = {&found, sizeof found};
+        ahead.fetchRest();
+        // Ambiguous cells and vertices inside cells want scalars.
+        if (found.move != moves_ || surface.brick(job.slot).ambiguousCells + surface.brick(job.slot).innerVertices > 0)
+            prefetchPoints(surface, job, ahead);
         return;
     }
     const auto* const edges = reinterpret_cast<const char*>(&edgeSamples_[job.slot.index()]);
@@ -167,16 +180,21 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
                 return nullptr;
         return leavesInBox(step);
     };
-    if (sureCellsOf(job.slot).isOneLeaf) {
+    if (isOneLeaf_[job.slot.index()] != 0) {
         classifyLeafEdges(edgeSamples_[job.slot.index()], storedThreshold<Sample>(move.to), scratch.foundOnEdges);
         if (const OneLeaf leaf = oneLeafOf(scratch.foundOnEdges.above); isAloneAsOneLeaf(leaf.signs, leavesAt)) {
             makeOneLeaf(move, surface, job, leaf, scratch);
             return true;
         }
     }
-    scratch.ahead.fetchPart();
-    classifyFor(move, surface, job, scratch);
-    scratch.ahead.fetchPart();
+    if (const FoundSigns& found = foundSigns_[job.slot.index()]; found.move == moves_) {
+        scratch.found.above = found.above;
+        scratch.found.up = found.up;
+        scratch.found.down = found.down;
+        classifyAgain(surface.masks(job.slot), job.isNew ? nullptr : &surface.brick(job.slot).above, scratch.found);
+    } else {
+        classifyFor(move, surface, job, scratch);
+    }
     addOtherLeaves(job.slot, scratch);
     draft.active = scratch.found.active;
     draft.ownedEdges = scratch.found.ownedEdges;

@@ -90,11 +90,12 @@ struct MergedCell {
 template <class Sample>
 class BoundCheck {
 public:
-    BoundCheck(const StoredSample<Sample>* samples, const ActiveBits& active, const MergeBound& bound)
-        : samples_(samples), active_(active), bound_(bound) {}
+    BoundCheck(const StoredSample<Sample>* samples, const ActiveBits& active, const BitString& aboveBefore,
+               const MergeBound& bound)
+        : samples_(samples), active_(active), aboveBefore_(aboveBefore), bound_(bound) {}
 
-    // Of each active edge in the cell, but for one of those that are not: the edge's number, or -1.
-    int findExceeding(const MergedCell& cell) const {
+    // An active edge that does not keep to the bound in the cell, or -1. `wasWithin`: those that were active before do.
+    int findExceeding(const MergedCell& cell, bool wasWithin) const {
         const int side = 1 << cell.level;
         const auto [x0, y0, z0] = cell.origin;
         cell::CornerScalars corners;
@@ -108,6 +109,8 @@ public:
                 for (int y = 0; y < endY; ++y) {
                     const ClosedPoint first = closedPoint(x0, y0 + y, z0 + z);
                     std::uint64_t row = bitsFrom(active_.edges[axis], first) & ((std::uint64_t{1} << endX) - 1);
+                    if (wasWithin && row != 0)
+                        row &= ~(bitsFrom(aboveBefore_, first) ^ bitsFrom(aboveBefore_, first + kPointStride[axis]));
                     for (; row != 0; row &= row - 1) {
                         const int x = std::countr_zero(row);
                         const double a = sampleAt(x0 + x, y0 + y, z0 + z),
@@ -120,25 +123,25 @@ public:
         return -1;
     }
     // Whether the bound holds for each active edge in the cell. `exceeding`: its place in ExceedingEdges::ofLarger.
-    bool isWithin(const MergedCell& cell, std::uint16_t& exceeding) const {
-        if (exceeding != 0) {
+    bool isWithin(const MergedCell& cell, bool wasWithin, std::uint16_t& exceeding) const {
+        if (!wasWithin && exceeding != 0) {
             const ClosedEdge edge(exceeding - 1);
             if (active_.edges[static_cast<std::size_t>(axisOf(edge))].test(startOf(edge)))
                 return false;
         }
-        const int found = findExceeding(cell);
+        const int found = findExceeding(cell, wasWithin);
         if (found >= 0)
             exceeding = static_cast<std::uint16_t>(found + 1);
         return found < 0;
     }
     // The same of a cell of side 2 with the given signs. Most of a brick that comes and goes are asked for once.
-    bool isWithin(int pair, std::uint32_t signs, ExceedingEdges& exceeding) const {
+    bool isWithin(int pair, std::uint32_t signs, bool wasWithin, ExceedingEdges& exceeding) const {
         const auto number = static_cast<std::size_t>(pair);
         const std::uint64_t bit = std::uint64_t{1} << pair;
         const std::array<int, 3> origin{2 * (pair % 4), 2 * (pair / 4 % 4), 2 * (pair / 16)};
         if ((exceeding.asked & bit) == 0) {
             exceeding.asked |= bit;
-            return findExceeding({origin, 1}) < 0;
+            return findExceeding({origin, 1}, wasWithin) < 0;
         }
         if ((exceeding.known & bit) == 0) {
             exceeding.known |= bit;
@@ -177,6 +180,7 @@ private:
 
     const StoredSample<Sample>* samples_;
     const ActiveBits& active_;
+    const BitString& aboveBefore_;
     const MergeBound& bound_;
 };
 
@@ -390,10 +394,11 @@ unsigned halvesWhere(const Condition& holds) {
     return halves;
 }
 
-BrickLeaves leavesOfSurface(const BrickLeaves& leaves, const BitString& activeCells) {
+namespace {
+// `crossed`: cells of side 2 with active cells in them.
+BrickLeaves leavesOfSurface(const BrickLeaves& leaves, std::uint64_t crossed) {
     if (!leaves.hasMerged())
         return {};
-    const std::uint64_t crossed = anyOfEight(activeCells);
     if (leaves.level3)
         return crossed != 0 ? leaves : BrickLeaves();
     BrickLeaves found{leaves.level1 & crossed, 0, false};
@@ -406,27 +411,25 @@ BrickLeaves leavesOfSurface(const BrickLeaves& leaves, const BitString& activeCe
     }
     return found;
 }
+} // namespace
 
 template <class Sample>
-BrickLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
+FoundLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
                             const BitString& validCells, const MergeBound& bound, const SureCells& sure,
                             ExceedingEdges& exceeding) {
     BitString all;
     all.words.fill(~std::uint64_t{0});
-    return updateBrickLeaves<Sample>({}, all, samples, above, active, validCells, bound, sure, exceeding);
+    return updateBrickLeaves<Sample>({}, above, all, samples, above, active, validCells, bound, sure, exceeding);
 }
 
+namespace {
 template <class Sample>
-BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& changed, const StoredSample<Sample>* samples,
-                              const BitString& above, const ActiveBits& active, const BitString& validCells,
-                              const MergeBound& bound, const SureCells& sure, ExceedingEdges& exceeding) {
-    const std::uint64_t touched = anyOfEight(changed);
+BrickLeaves updateUsable(const BrickLeaves& before, std::uint64_t touched, std::uint64_t crossed,
+                         const BoundCheck<Sample>& check, const BitString& above, std::uint64_t valid,
+                         const SureCells& sure, ExceedingEdges& exceeding) {
     if (touched == 0)
         return before;
-    const std::uint64_t valid = sure.isKnown ? sure.valid : allOfEight(validCells), crossed = anyOfEight(active.cells);
     const std::uint64_t asked = touched & valid & crossed;
-    const BoundCheck<Sample> check(samples, active, bound);
-
     BrickLeaves leaves;
     SignWords signs;
     std::uint64_t keptSmaller = sure.monotone.level1, keptLarger = 0;
@@ -452,7 +455,7 @@ BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& change
     for (std::uint64_t open = kept & ~sure.within.level1; open != 0; open &= open - 1) {
         const int i = std::countr_zero(open);
         const ClosedPoint first = closedPoint(2 * (i % 4), 2 * (i / 4 % 4), 2 * (i / 16));
-        if (check.isWithin(i, signsOfPair(above, first), exceeding))
+        if (check.isWithin(i, signsOfPair(above, first), (before.level1 >> i & 1) != 0, exceeding))
             leaves.level1 |= std::uint64_t{1} << i;
     }
     const unsigned whole = halvesWhere([&](std::uint64_t parts) { return (leaves.level1 & parts) == parts; });
@@ -471,29 +474,45 @@ BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& change
         }
     }
     const auto isUsable = [&](int i) {
+        const bool was = (before.level2 >> i & 1) != 0;
         if ((touchedHalves >> i & 1) == 0)
-            return (before.level2 >> i & 1) != 0;
+            return was;
         return (crossedHalves >> i & 1) == 0 ||
                ((keptLarger >> i & 1) != 0 && ((sure.within.level2 >> i & 1) != 0 ||
-                                               check.isWithin({{4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2)}, 2},
+                                               check.isWithin({{4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2)}, 2}, was,
                                                               exceeding.ofLarger[static_cast<std::size_t>(i)])));
     };
     for (unsigned open = whole; open != 0; open &= open - 1)
         leaves.level2 = static_cast<std::uint8_t>(leaves.level2 | unsigned{isUsable(std::countr_zero(open))}
                                                                       << std::countr_zero(open));
     leaves.level3 = leaves.level2 == 0xff &&
-                    (crossed == 0 || ((keptLarger >> 8 & 1) != 0 &&
-                                      (sure.within.level3 || check.isWithin({{0, 0, 0}, 3}, exceeding.ofLarger[8]))));
+                    (crossed == 0 ||
+                     ((keptLarger >> 8 & 1) != 0 &&
+                      (sure.within.level3 || check.isWithin({{0, 0, 0}, 3}, before.level3, exceeding.ofLarger[8]))));
     return leaves;
 }
 
+} // namespace
+
+template <class Sample>
+FoundLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& aboveBefore, const BitString& changed,
+                              const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
+                              const BitString& validCells, const MergeBound& bound, const SureCells& sure,
+                              ExceedingEdges& exceeding) {
+    const std::uint64_t crossed = anyOfEight(active.cells);
+    const BoundCheck<Sample> check(samples, active, aboveBefore, bound);
+    const BrickLeaves usable = updateUsable(before, anyOfEight(changed), crossed, check, above,
+                                            sure.isKnown ? sure.valid : allOfEight(validCells), sure, exceeding);
+    return {usable, leavesOfSurface(usable, crossed)};
+}
+
 #define ISO_INSTANTIATE(Sample, Name) \
-    template BrickLeaves findBrickLeaves<Sample>(const StoredSample<Sample>*, const BitString&, const ActiveBits&, \
+    template FoundLeaves findBrickLeaves<Sample>(const StoredSample<Sample>*, const BitString&, const ActiveBits&, \
                                                  const BitString&, const MergeBound&, const SureCells&, \
                                                  ExceedingEdges&); \
-    template BrickLeaves updateBrickLeaves<Sample>(const BrickLeaves&, const BitString&, const StoredSample<Sample>*, \
-                                                   const BitString&, const ActiveBits&, const BitString&, \
-                                                   const MergeBound&, const SureCells&, ExceedingEdges&); \
+    template FoundLeaves updateBrickLeaves<Sample>( \
+        const BrickLeaves&, const BitString&, const BitString&, const StoredSample<Sample>*, const BitString&, \
+        const ActiveBits&, const BitString&, const MergeBound&, const SureCells&, ExceedingEdges&); \
     template SureCells findSureCells<Sample>(const StoredSample<Sample>*, const BitString&, const MergeBound&);
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE

@@ -43,22 +43,28 @@ struct ExceedingEdges {
     }
 };
 
-/// The leaves of a brick, from its own samples: those of LeafLevels::find() with cells of side 8 at most. They change
-/// only where the isovalue crosses a sample of the brick. `validCells`: in the box, all corners finite; `sure`: as
-/// findSureCells() has it, or nothing; `exceeding`: of these samples and this bound.
+/// The leaves of a brick.
+struct FoundLeaves {
+    BrickLeaves usable; ///< those of LeafLevels::find() with cells of side 8 at most
+    /// Those through which the surface passes, with all their halves; others stand as cells of the grid. Polygons and
+    /// the bricks beside depend on no more: a leaf without the surface has no active edge, on its faces neither.
+    BrickLeaves ofSurface;
+};
+
+/// From the brick's own samples. They change only where the isovalue crosses a sample of the brick. `validCells`: in
+/// the box, all corners finite; `sure`: as findSureCells() has it, or nothing; `exceeding`: of these samples and this
+/// bound.
 template <class Sample>
-BrickLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
+FoundLeaves findBrickLeaves(const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
                             const BitString& validCells, const MergeBound& bound, const SureCells& sure,
                             ExceedingEdges& exceeding);
 
-/// The same where they were `before`, and only cells in `changed` have other signs since.
+/// The same where usable ones were `before`, with signs `aboveBefore`, and only cells in `changed` have other signs
+/// since.
 template <class Sample>
-BrickLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& changed, const StoredSample<Sample>* samples,
-                              const BitString& above, const ActiveBits& active, const BitString& validCells,
-                              const MergeBound& bound, const SureCells& sure, ExceedingEdges& exceeding);
-
-/// Those through which the surface passes, with all their halves; others stand as cells of the grid. Polygons and the
-/// bricks beside depend on no more: a leaf without the surface has no active edge, on its faces neither.
-BrickLeaves leavesOfSurface(const BrickLeaves& leaves, const BitString& activeCells);
+FoundLeaves updateBrickLeaves(const BrickLeaves& before, const BitString& aboveBefore, const BitString& changed,
+                              const StoredSample<Sample>* samples, const BitString& above, const ActiveBits& active,
+                              const BitString& validCells, const MergeBound& bound, const SureCells& sure,
+                              ExceedingEdges& exceeding);
 
 } // namespace isoslider::extract

@@ -167,6 +167,9 @@ void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMa
                         ClassifiedBrick<Stored>& out) { \
         classifyInVectors(s, t, m, b, out); \
     } \
+    void classifyAgain##Name(const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) { \
+        finish(m, b, out); \
+    } \
     void classifyLeafEdges##Name(const LeafEdgeSamples<Stored>& e, Stored t, ClassifiedLeafEdges<Stored>& out) { \
         findSigns(e.samples.data(), t, out.above.size(), out.above.data(), out.up, out.down); \
     }
@@ -196,6 +199,11 @@ namespace isoslider::extract {
     template <> \
     void classify(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) { \
         HWY_DYNAMIC_DISPATCH(classify##Name)(s, t, m, b, out); \
+    } \
+    HWY_EXPORT(classifyAgain##Name); \
+    template <> \
+    void classifyAgain(const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) { \
+        HWY_DYNAMIC_DISPATCH(classifyAgain##Name)(m, b, out); \
     } \
     HWY_EXPORT(classifyLeafEdges##Name); \
     template <> \

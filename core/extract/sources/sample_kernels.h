@@ -30,7 +30,10 @@ struct ClassifiedBrick {
 template <class Stored>
 void classify(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
               ClassifiedBrick<Stored>& out);
-/// The same, sample by sample: what the one above is tested against.
+/// What follows from signs that are known: `out.above`, `out.up` and `out.down` are given, the rest is filled in.
+template <class Stored>
+void classifyAgain(const BrickMasks& masks, const BitString* before, ClassifiedBrick<Stored>& out);
+/// As classify(), sample by sample: what that is tested against.
 template <class Stored>
 void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
                        ClassifiedBrick<Stored>& out);

@@ -166,7 +166,7 @@ TEST(SmallLeafPolygons, AreThoseOfMergedPolygon) {
                 !neighbourhood.isInBox({2 * x + 1, 2 * y + 1, 2 * z + 1}) || signs == 0 || signs == cell::kAllAbove ||
                 !cell::keepsTopology(signs))
                 continue;
-            const SmallLeafPolygons::Leaf leaf = polygons.leafAt(around, x, y, z);
+            const SmallLeafPolygons::Leaf leaf = SmallLeafPolygons::leafAt(around, x, y, z);
             const SmallLeafPolygons::Polygon polygon = polygons.find(around, leaf);
             oracle.make(around, {first.number(), LeavesAround::cellAt(first.number()), 1});
             ASSERT_EQ(polygon.edges.size(), oracle.corners().size());

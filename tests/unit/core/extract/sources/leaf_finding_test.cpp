@@ -158,23 +158,36 @@ TEST(BrickLeaves, AreTheSameWithAndWithoutSureCells) {
                 const BrickMasks& masks = masksOfInnerBrick();
                 const SureCells sure = findSureCells<float>(samples.values, masks.cells, bound);
                 BitString before;
-                BrickLeaves step;
+                FoundLeaves step;
                 ExceedingEdges kept;
                 for (int at = 0; at < 12; ++at) {
                     ClassifiedBrick<float> found;
                     classify(samples.values, samples.values[random() % kClosedPoints], masks,
                              at == 0 ? nullptr : &before, found);
-                    before = found.above;
                     ExceedingEdges none;
-                    const BrickLeaves plain =
+                    const FoundLeaves all =
                         findBrickLeaves<float>(samples.values, found.above, found.active, masks.cells, bound, {}, none);
+                    const BrickLeaves& plain = all.usable;
                     ASSERT_EQ(findBrickLeaves<float>(samples.values, found.above, found.active, masks.cells, bound,
-                                                     sure, kept),
+                                                     sure, kept)
+                                  .usable,
                               plain);
-                    step = at == 0 ? plain
-                                   : updateBrickLeaves<float>(step, found.changed, samples.values, found.above,
-                                                              found.active, masks.cells, bound, sure, kept);
-                    ASSERT_EQ(step, plain);
+                    if (at == 0)
+                        step = all;
+                    else
+                        step = updateBrickLeaves<float>(step.usable, before, found.changed, samples.values, found.above,
+                                                        found.active, masks.cells, bound, sure, kept);
+                    before = found.above;
+                    ASSERT_EQ(step.usable, plain);
+                    ASSERT_EQ(step.ofSurface, all.ofSurface);
+                    for (int i = 0; i < 64; ++i) {
+                        const int x = 2 * (i % 4), y = 2 * (i / 4 % 4), z = 2 * (i / 16),
+                                  level = plain.levelOf(x, y, z), side = std::max(2, 1 << level);
+                        const std::uint64_t its =
+                            pairsOfLeaf(closedPoint(x & -side, y & -side, z & -side), std::max(1, level));
+                        const bool isCrossed = (anyOfEight(found.active.cells) & its) != 0;
+                        ASSERT_EQ(all.ofSurface.levelOf(x, y, z), isCrossed ? level : 0);
+                    }
                     ASSERT_TRUE(plain.level3 || !sure.isOneLeaf || found.active.cells.isEmpty());
                     oneLeaf += sure.isOneLeaf;
                     ++merged[plain.level3 ? 3 : plain.level2 != 0 ? 2 : plain.level1 != 0 ? 1 : 0];
