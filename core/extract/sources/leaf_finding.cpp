@@ -134,46 +134,72 @@ public:
             exceeding = static_cast<std::uint16_t>(found + 1);
         return found < 0;
     }
-    // The same of a cell of side 2 with the given signs. Most of a brick that comes and goes are asked for once.
-    bool isWithin(int pair, std::uint32_t signs, bool wasWithin, ExceedingEdges& exceeding) const {
+    // The same of a cell of side 2. Most are asked for a few times, while a handle goes fast or turns round; of others
+    // it pays to look at all edges once.
+    bool isPairWithin(int pair, const BitString& above, bool wasWithin, ExceedingEdges& exceeding) const {
+        constexpr std::uint8_t kOften = 4;
         const auto number = static_cast<std::size_t>(pair);
-        const std::uint64_t bit = std::uint64_t{1} << pair;
-        const std::array<int, 3> origin{2 * (pair % 4), 2 * (pair / 4 % 4), 2 * (pair / 16)};
-        if ((exceeding.asked & bit) == 0) {
-            exceeding.asked |= bit;
-            return findExceeding({origin, 1}, wasWithin) < 0;
+        const ClosedPoint first = closedPoint(2 * (pair % 4), 2 * (pair / 4 % 4), 2 * (pair / 16));
+        PairEdges edges = activeEdges(signsOfPair(above, first));
+        std::uint8_t& asked = exceeding.asked[number];
+        if (asked >= kOften) {
+            PairEdges& all = exceeding.allOfPairs[number];
+            if (asked == kOften) {
+                all = findExceedingOfPair(first, kLowerPoints, [](std::uint8_t) { return true; });
+                ++asked;
+            }
+            return ((edges[0] & all[0]) | (edges[1] & all[1]) | (edges[2] & all[2])) == 0;
         }
-        if ((exceeding.known & bit) == 0) {
-            exceeding.known |= bit;
-            exceeding.edges[number] = exceedingEdges(origin);
+        ++asked;
+        std::uint8_t& known = exceeding.ofPairs[number];
+        if (wasWithin) {
+            const PairEdges before = activeEdges(signsOfPair(aboveBefore_, first));
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                edges[axis] &= ~before[axis];
+        } else if (known != 0 && (edges[(known - 1u) % 3] >> ((known - 1u) / 3) & 1) != 0) {
+            return false;
         }
-        const std::array<std::uint32_t, 3>& edges = exceeding.edges[number];
-        return (((signs ^ signs >> 1) & edges[0]) | ((signs ^ signs >> 3) & edges[1]) |
-                ((signs ^ signs >> 9) & edges[2])) == 0;
+        const PairEdges found = findExceedingOfPair(first, edges, [&](std::uint8_t edge) {
+            known = edge;
+            return false;
+        });
+        return (found[0] | found[1] | found[2]) == 0;
     }
 
 private:
-    std::array<std::uint32_t, 3> exceedingEdges(const std::array<int, 3>& origin) const {
-        std::array<double, 27> values;
-        for (int i = 0; i < 27; ++i)
-            values[static_cast<std::size_t>(i)] = sampleAt(origin[0] + i % 3, origin[1] + i / 3 % 3, origin[2] + i / 9);
-        const MergedInterpolant interpolant(
-            {values[0], values[2], values[6], values[8], values[18], values[20], values[24], values[26]}, 2);
-        std::array<std::uint32_t, 3> exceeding{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            constexpr std::array<std::size_t, 3> kStride{1, 3, 9};
-            for (std::size_t i = 0; i < values.size(); ++i) {
-                const std::array<int, 3> start{static_cast<int>(i % 3), static_cast<int>(i / 3 % 3),
-                                               static_cast<int>(i / 9)};
-                if (start[axis] == 2)
-                    continue;
-                const bool exceeds =
-                    !interpolant.keepsWithin(bound_, start, axis, values[i], values[i + kStride[axis]]);
-                exceeding[axis] |= std::uint32_t{exceeds} << i;
-            }
-        }
-        return exceeding;
+    using PairEdges = std::array<std::uint32_t, 3>; ///< by axis, bits x + 3 y + 9 z of the points where they start
+    static constexpr PairEdges kLowerPoints{0333333333, 0077077077, 0000777777}; ///< all edges
+    static PairEdges activeEdges(std::uint32_t signs) {
+        return {(signs ^ signs >> 1) & kLowerPoints[0], (signs ^ signs >> 3) & kLowerPoints[1],
+                (signs ^ signs >> 9) & kLowerPoints[2]};
     }
+
+    // Of the given edges of a cell of side 2 those that exceed the bound; goesOn(edge) says whether to look for more.
+    template <class GoesOn>
+    PairEdges findExceedingOfPair(ClosedPoint first, const PairEdges& among, const GoesOn& goesOn) const {
+        PairEdges found{};
+        if ((among[0] | among[1] | among[2]) == 0)
+            return found;
+        cell::CornerScalars corners;
+        for (std::size_t c = 0; c < 8; ++c)
+            corners[c] =
+                sampleAt(first + 2 * (static_cast<int>(c & 1) + kPointStride[1] * static_cast<int>(c >> 1 & 1) +
+                                      kPointStride[2] * static_cast<int>(c >> 2)));
+        const MergedInterpolant interpolant(corners, 2);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::uint32_t open = among[axis]; open != 0; open &= open - 1) {
+                const int i = std::countr_zero(open), x = i % 3, y = i / 3 % 3, z = i / 9;
+                const ClosedPoint lower = first + (x + kPointStride[1] * y + kPointStride[2] * z);
+                if (interpolant.keepsWithin(bound_, {x, y, z}, axis, sampleAt(lower),
+                                            sampleAt(lower + kPointStride[axis])))
+                    continue;
+                found[axis] |= std::uint32_t{1} << i;
+                if (!goesOn(static_cast<std::uint8_t>(1 + 3 * i + static_cast<int>(axis))))
+                    return found;
+            }
+        return found;
+    }
+    double sampleAt(ClosedPoint point) const { return static_cast<double>(sampleOf<Sample>(samples_[point.index()])); }
     double sampleAt(int x, int y, int z) const {
         return static_cast<double>(sampleOf<Sample>(samples_[closedPoint(x, y, z).index()]));
     }
@@ -454,8 +480,7 @@ BrickLeaves updateUsable(const BrickLeaves& before, std::uint64_t touched, std::
     leaves.level1 = (before.level1 & ~touched) | (touched & valid & ~crossed) | (kept & sure.within.level1);
     for (std::uint64_t open = kept & ~sure.within.level1; open != 0; open &= open - 1) {
         const int i = std::countr_zero(open);
-        const ClosedPoint first = closedPoint(2 * (i % 4), 2 * (i / 4 % 4), 2 * (i / 16));
-        if (check.isWithin(i, signsOfPair(above, first), (before.level1 >> i & 1) != 0, exceeding))
+        if (check.isPairWithin(i, above, (before.level1 >> i & 1) != 0, exceeding))
             leaves.level1 |= std::uint64_t{1} << i;
     }
     const unsigned whole = halvesWhere([&](std::uint64_t parts) { return (leaves.level1 & parts) == parts; });

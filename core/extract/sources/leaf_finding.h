@@ -26,19 +26,19 @@ struct SureCells {
 template <class Sample>
 SureCells findSureCells(const StoredSample<Sample>* samples, const BitString& validCells, const MergeBound& bound);
 
-/// What has been found out of a brick's edges that exceed the bound in merged cells while they are active: whether they
-/// do depends on the samples and the bound, not on the isovalue.
+/// What has been found out of a brick's edges that exceed the bound in merged cells while they are active: that they do
+/// depends on the samples and the bound, not on the isovalue. Nothing is known at first.
 struct ExceedingEdges {
-    std::uint64_t asked = 0; ///< cells of side 2 that have been looked at; 0 where samples or bound are others
-    std::uint64_t known = 0; ///< of those, the cells whose edges are all known: when asked for a second time
-    /// By cell and axis: bit x + 3 y + 9 z of the edge's lower point.
-    std::array<std::array<std::uint32_t, 3>, 64> edges;
-    /// Of the cells of side 4, and then the one of side 8: an edge that exceeds the bound there, and one more; 0: none
-    /// known.
-    std::array<std::uint16_t, 9> ofLarger{};
+    /// Of cells of side 2: how many times each has been asked for, and one such edge: 1 + 3 * its lower point, which is
+    /// x + 3 y + 9 z in the cell, + its axis.
+    std::array<std::uint8_t, 64> asked{}, ofPairs{};
+    /// All such edges, by axis: bits of the lower points. Of cells that have been asked for often.
+    std::array<std::array<std::uint32_t, 3>, 64> allOfPairs;
+    std::array<std::uint16_t, 9> ofLarger{}; ///< of side 4, then the one of side 8: one more than the ClosedEdge
 
     void forget() {
-        asked = known = 0;
+        asked.fill(0);
+        ofPairs.fill(0);
         ofLarger.fill(0);
     }
 };
