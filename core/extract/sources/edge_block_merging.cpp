@@ -119,8 +119,8 @@ void EdgeBlockSource<Sample>::changeLeaves(std::size_t partition, Scratch& scrat
                 }
     };
     const auto note = [&](BrickSlot slot) {
-        if (Chain& chain = chains_[slot.index()]; !chain.hasChangedLeaves) {
-            chain.hasChangedLeaves = true;
+        if (Changes& changes = changes_[slot.index()]; !changes.hasChangedLeaves) {
+            changes.hasChangedLeaves = true;
             scratch.otherLeaves.emplace_back(slot, leaves_[slot.index()]);
         }
     };
@@ -149,7 +149,7 @@ void EdgeBlockSource<Sample>::changeLeaves(std::size_t partition, Scratch& scrat
 template <class Sample>
 void EdgeBlockSource<Sample>::listBesideLeaves(const LiveSurface<Live>& surface, std::vector<BrickSlot>& beside) const {
     const BrickGrid& grid = surface.shapes().grid();
-    std::vector<bool> isListed(chains_.size(), false);
+    std::vector<bool> isListed(changes_.size(), false);
     for (const Scratch& scratch : *scratches_)
         for (const auto& [slot, before] : scratch.otherLeaves)
             forEachBesideChanged(

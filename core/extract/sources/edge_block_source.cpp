@@ -12,6 +12,7 @@
 #include "core/extract/live/cell_triangles.h"
 #include "core/extract/live/stream_copy.h"
 #include "core/extract/sources/edge_scratch.h"
+#include "core/extract/sources/lines_ahead.h"
 #include "core/extract/sources/sample_kernels.h"
 
 namespace isoslider::extract {
@@ -102,7 +103,7 @@ void EdgeBlockSource<Sample>::reset() {
     slotOf_.grow(reader_.grid().brickCount());
     edges_.shrink(0);
     leaves_.clear();
-    chains_.clear();
+    changes_.clear();
 }
 
 template <class Sample>
@@ -188,7 +189,7 @@ Status EdgeBlockSource<Sample>::addArrivingBricks(LiveSurface<Live>& surface, Sl
                 leaves_[added.index()] = {};
             slotOf_[brick.index()] = added.number() + 1;
         }
-    chains_.resize(surface.slotCount());
+    changes_.resize(surface.slotCount());
     leaves_.resize(surface.slotCount());
     if (!isConsistent)
         return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice",
@@ -216,39 +217,49 @@ Status EdgeBlockSource<Sample>::startPoints(LiveSurface<Live>& surface, std::vec
         stats, job);
 }
 
+// Brings what was collected for a partition into the order of its bricks: each is made from entries that lie together.
 template <class Sample>
-void EdgeBlockSource<Sample>::chainChanges(std::size_t partition, Scratch& scratch) {
+void EdgeBlockSource<Sample>::sortChanges(std::size_t partition, Scratch& scratch) {
     scratch.touched.clear();
-    scratch.activated.clear();
-    scratch.deactivated.clear();
-    scratch.nextActivated.clear();
-    scratch.nextDeactivated.clear();
-    const auto chainOf = [&](BrickIndex brick) -> Chain* {
-        const std::uint32_t slot = slotOf_[brick.index()];
-        if (slot == 0)
-            return nullptr;
-        Chain& chain = chains_[slot - 1];
-        if (chain.isEmpty())
-            scratch.touched.push_back(BrickSlot(slot - 1));
-        return &chain;
+    const auto forEachChange = [&](const auto& list, const auto& visit) {
+        for (const Lists& lists : *lists_)
+            for (const auto& change : (lists.*list)[partition])
+                if (const std::uint32_t slot = slotOf_[change.brick.index()]; slot != 0)
+                    visit(BrickSlot(slot - 1), changes_[slot - 1], change);
     };
-    for (const Lists& lists : *lists_) {
-        for (const Activated& change : lists.activated[partition])
-            if (Chain* chain = chainOf(change.brick)) {
-                scratch.nextActivated.push_back(chain->firstActivated);
-                chain->firstActivated = static_cast<std::uint32_t>(scratch.activated.size());
-                scratch.activated.push_back(&change);
-            }
-        for (const Deactivated& change : lists.deactivated[partition])
-            if (Chain* chain = chainOf(change.brick)) {
-                scratch.nextDeactivated.push_back(chain->firstDeactivated);
-                chain->firstDeactivated = static_cast<std::uint32_t>(scratch.deactivated.size());
-                scratch.deactivated.push_back(&change);
-            }
-        for (const ChangedLeaf& change : lists.leaves[partition])
-            if (Chain* chain = chainOf(change.brick))
-                chain->hasChangedLeaves = true;
+    const auto touch = [&](BrickSlot slot, const Changes& changes) {
+        if (changes.isEmpty())
+            scratch.touched.push_back(slot);
+    };
+    forEachChange(&Lists::activated, [&](BrickSlot slot, Changes& changes, const Activated&) {
+        touch(slot, changes);
+        ++changes.activated;
+    });
+    forEachChange(&Lists::deactivated, [&](BrickSlot slot, Changes& changes, const Deactivated&) {
+        touch(slot, changes);
+        ++changes.deactivated;
+    });
+    forEachChange(&Lists::leaves, [&](BrickSlot slot, Changes& changes, const ChangedLeaf&) {
+        touch(slot, changes);
+        changes.hasChangedLeaves = true;
+    });
+    std::sort(scratch.touched.begin(), scratch.touched.end());
+    std::uint32_t activated = 0, deactivated = 0;
+    for (const BrickSlot slot : scratch.touched) {
+        Changes& changes = changes_[slot.index()];
+        changes.activatedEnd = activated; // where the next one goes
+        changes.deactivatedEnd = deactivated;
+        activated += changes.activated;
+        deactivated += changes.deactivated;
     }
+    scratch.activated.resize(activated);
+    scratch.deactivated.resize(deactivated);
+    forEachChange(&Lists::activated, [&](BrickSlot, Changes& changes, const Activated& change) {
+        scratch.activated[changes.activatedEnd++] = change;
+    });
+    forEachChange(&Lists::deactivated, [&](BrickSlot, Changes& changes, const Deactivated& change) {
+        scratch.deactivated[changes.deactivatedEnd++] = change;
+    });
 }
 
 // Bricks in which a cell changes though none of its edges does, and those whose vertices inside cells move.
@@ -256,9 +267,8 @@ template <class Sample>
 void EdgeBlockSource<Sample>::listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface,
                                                  std::vector<BrickSlot>& crossed,
                                                  std::vector<BrickSlot>& refreshed) const {
-    for (const BrickSlot slot : firstIds<BrickSlot>(chains_.size())) {
-        const Chain& chain = chains_[slot.index()];
-        if (!chain.isEmpty())
+    for (const BrickSlot slot : firstIds<BrickSlot>(changes_.size())) {
+        if (!changes_[slot.index()].isEmpty())
             continue;
         if (!surface.stateInterval(slot).contains(move.isovalue))
             crossed.push_back(slot);
@@ -298,43 +308,50 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
         listBesideLeaves(surface, beside);
         for (Scratch& scratch : *scratches_)
             for (const auto& [slot, before] : scratch.otherLeaves)
-                chains_[slot.index()].hasChangedLeaves = false; // until it is chained
+                changes_[slot.index()].hasChangedLeaves = false; // until they are sorted
     }
 
-    // All chains first: which bricks change must be known before the others are looked through.
+    // Which bricks change must be known before the others are looked through.
     std::vector<BrickSlot> crossed, refreshed;
     std::array<std::vector<BrickSlot>, kPartitions> changedBy;
     const JobControl making = job.part(normals_ ? 0.5 : 0.0, 1.0);
     SharedProgress progress(making, kPartitions, "extracting");
     forEachIndex(kPartitions, 1, [&](std::size_t partition) {
         Scratch& scratch = scratches_->local();
-        chainChanges(partition, scratch);
-        std::sort(scratch.touched.begin(), scratch.touched.end());
+        sortChanges(partition, scratch);
         changedBy[partition] = scratch.touched;
-        for (const BrickSlot slot : changedBy[partition]) {
+        const std::vector<BrickSlot>& slots = changedBy[partition];
+        for (std::size_t i = 0; i < slots.size(); ++i) {
             if (stop.stop_requested())
                 return;
-            changeBrick(slot, move, surface, scratch);
+            constexpr std::size_t kAhead = 2;
+            if (i + 2 * kAhead < slots.size())
+                surface.prefetchHead(slots[i + 2 * kAhead]);
+            if (i + kAhead < slots.size())
+                prefetchBrick(slots[i + kAhead], surface);
+            changeBrick(slots[i], move, surface, scratch);
         }
         finishStreams();
         progress.add(1);
     });
     if (stop.stop_requested())
         return cancelledError();
-    for (const std::vector<BrickSlot>& slots : changedBy)
+    const auto mark = [&](std::span<const BrickSlot> slots, const Changes& changes) {
         for (const BrickSlot slot : slots)
-            chains_[slot.index()] = {0, 0, false}; // they are done
+            changes_[slot.index()] = changes;
+    };
+    Changes made;
+    made.isMade = true;
+    for (const std::vector<BrickSlot>& slots : changedBy)
+        mark(slots, made);
     for (const BrickSlot slot : beside)
-        if (chains_[slot.index()].isEmpty())
+        if (changes_[slot.index()].isEmpty())
             crossed.push_back(slot);
-    for (const BrickSlot slot : crossed)
-        chains_[slot.index()] = {0, 0, false};
+    mark(crossed, made);
     listCrossedSaddles(move, surface, crossed, refreshed);
     for (const std::vector<BrickSlot>& slots : changedBy)
-        for (const BrickSlot slot : slots)
-            chains_[slot.index()] = {};
-    for (const BrickSlot slot : crossed)
-        chains_[slot.index()] = {};
+        mark(slots, {});
+    mark(crossed, {});
     forEachIndex(crossed.size(), kBricksTogether, [&](std::size_t i) {
         if (!stop.stop_requested())
             changeBrick(crossed[i], move, surface, scratches_->local());
@@ -371,12 +388,21 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
     return {};
 }
 
+template <class Sample>
+void EdgeBlockSource<Sample>::prefetchBrick(BrickSlot slot, const LiveSurface<Live>& surface) const {
+    const auto* const edges = reinterpret_cast<const char*>(&edges_[slot.index()]);
+    for (std::size_t line = 0; line < sizeof edges_[slot.index()]; line += 64)
+        __builtin_prefetch(edges + line);
+    surface.prefetch(slot);
+    if (surface.brick(slot).hasPoints)
+        LinesAhead(surface.points(slot), sizeof(Points)).fetchRest();
+}
+
 // Applies the changes of a brick to its bits. False when they contradict each other.
 template <class Sample>
 bool EdgeBlockSource<Sample>::toggle(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch) {
     std::array<BitString, 3>& edges = edges_[slot.index()];
     const BrickMasks& masks = surface.masks(slot);
-    const Chain chain = chains_[slot.index()];
     const auto flip = [&](ClosedEdge edge, bool wasActive) {
         const auto axis = static_cast<std::size_t>(axisOf(edge));
         const ClosedPoint p = startOf(edge);
@@ -387,11 +413,11 @@ bool EdgeBlockSource<Sample>::toggle(BrickSlot slot, const LiveSurface<Live>& su
         edges[axis].flip(p);
         return true;
     };
-    for (std::uint32_t i = chain.firstDeactivated; i != kEndOfChain; i = scratch.nextDeactivated[i])
-        if (!flip(scratch.deactivated[i]->edge, true))
+    for (const Deactivated& change : deactivatedIn(slot, scratch))
+        if (!flip(change.edge, true))
             return false;
-    for (std::uint32_t i = chain.firstActivated; i != kEndOfChain; i = scratch.nextActivated[i])
-        if (!flip(scratch.activated[i]->edge, false))
+    for (const Activated& change : activatedIn(slot, scratch))
+        if (!flip(change.edge, false))
             return false;
     return true;
 }
@@ -409,15 +435,14 @@ template <class Sample>
 void EdgeBlockSource<Sample>::fillPoints(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
     scratch.draft.newPoints = nullptr;
     const bool isNew = !surface.brick(slot).hasPoints;
-    if (chains_[slot.index()].firstActivated == kEndOfChain && !isNew)
+    if (changes_[slot.index()].activated == 0 && !isNew)
         return;
     if (isNew && !normals_)
         std::memset(static_cast<void*>(&scratch.points), 0, sizeof scratch.points);
     else // pictures may refer to what is there
         std::memcpy(static_cast<void*>(&scratch.points), surface.points(slot), sizeof scratch.points);
     scratch.draft.newPoints = linesOf<Sample>(scratch.points);
-    for (std::uint32_t i = chains_[slot.index()].firstActivated; i != kEndOfChain; i = scratch.nextActivated[i]) {
-        const Activated& activated = *scratch.activated[i];
+    for (const Activated& activated : activatedIn(slot, scratch)) {
         const auto [lower, upper] = endsOf(vertexCode(activated.edge, activated.level));
         scratch.points.samples[lower] = activated.scalar1;
         scratch.points.samples[upper] = activated.scalar2;
@@ -444,100 +469,8 @@ void EdgeBlockSource<Sample>::numberVertices(BrickSlot slot, const LiveSurface<L
     const VertexCode* const old = had > 0 ? surface.codes(slot) : nullptr;
     for (std::uint32_t k = 0; k < had; ++k)
         setLevel(edgeOf(old[k]), levelOf(old[k]));
-    for (std::uint32_t i = chains_[slot.index()].firstActivated; i != kEndOfChain; i = scratch.nextActivated[i])
-        setLevel(scratch.activated[i]->edge, scratch.activated[i]->level);
-}
-
-// Signs of the corners of all active cells. Those at the ends of active edges follow from the edges' scalars; every
-// other corner of an active cell is at most two inactive edges of the cell away from one of these and has its sign.
-// The same holds of a leaf and its edges; inside it, nothing is known.
-template <class Sample>
-void EdgeBlockSource<Sample>::findSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const {
-    const std::array<BitString, 3>& edges = edges_[slot.index()];
-    const BrickMasks& masks = surface.masks(slot);
-    BrickDraft<Live>& draft = scratch.draft;
-    const Stored* const samples = pointsOf(slot, surface, scratch).samples;
-    BitString above;
-    for (std::uint32_t k = 0; k < draft.edgeVertices; ++k) {
-        const VertexCode code = draft.codes[k];
-        const ClosedEdge edge = edgeOf(code);
-        const auto axis = static_cast<std::size_t>(axisOf(edge));
-        const int stride = kPointStride[axis], side = 1 << levelOf(code);
-        const int along = coordsOf(startOf(edge))[axis] & (side - 1); // from the leaf edge's lower end
-        const auto [lower, upper] = endsOf(code);
-        const bool isLowerAbove = samples[lower] > samples[upper];
-        for (int i = isLowerAbove ? 0 : along + 1; i <= (isLowerAbove ? along : side); ++i)
-            above.set(ClosedPoint(startOf(edge).number() + (i - along) * stride));
-    }
-    // Cells of active edges: the edge's point and those one step back across it.
-    BitString cells;
-    for (int i = 0; i < kBitWords; ++i) {
-        const auto w = static_cast<std::size_t>(i);
-        const std::uint64_t x = edges[0].words[w] | shiftedDown<9>(edges[0], i) | shiftedDown<81>(edges[0], i) |
-                                shiftedDown<90>(edges[0], i);
-        const std::uint64_t y = edges[1].words[w] | shiftedDown<1>(edges[1], i) | shiftedDown<81>(edges[1], i) |
-                                shiftedDown<82>(edges[1], i);
-        const std::uint64_t z = edges[2].words[w] | shiftedDown<1>(edges[2], i) | shiftedDown<9>(edges[2], i) |
-                                shiftedDown<10>(edges[2], i);
-        cells.words[w] = (x | y | z) & masks.cells.words[w];
-    }
-    draft.active.cells = cells;
-    std::array<BitString, 3> still = masks.edges; // inactive edges, of which that is known
-    int rounds = 2;
-    if (leaves_[slot.index()].hasMerged()) {
-        rounds = kClosedPoints; // as long as they bring any
-        findLeafEdges(slot, scratch, still);
-    }
-    for (std::size_t a = 0; a < 3; ++a)
-        for (std::size_t w = 0; w < kBitWords; ++w)
-            still[a].words[w] &= masks.edges[a].words[w] & ~edges[a].words[w];
-    for (int round = 0; round < rounds; ++round) {
-        const auto spread = [&](const BitString& from) {
-            BitString to = from;
-            BitString up0, up1, up2;
-            for (std::size_t w = 0; w < kBitWords; ++w) {
-                up0.words[w] = from.words[w] & still[0].words[w];
-                up1.words[w] = from.words[w] & still[1].words[w];
-                up2.words[w] = from.words[w] & still[2].words[w];
-            }
-            for (int i = 0; i < kBitWords; ++i) {
-                const auto w = static_cast<std::size_t>(i);
-                to.words[w] |= shiftedUp<1>(up0, i) | shiftedUp<9>(up1, i) | shiftedUp<81>(up2, i);
-                to.words[w] |= (shiftedDown<1>(from, i) & still[0].words[w]) |
-                               (shiftedDown<9>(from, i) & still[1].words[w]) |
-                               (shiftedDown<81>(from, i) & still[2].words[w]);
-            }
-            return to;
-        };
-        const BitString further = spread(above);
-        if (further == above)
-            break;
-        above = further;
-    }
-    draft.above = above;
-}
-
-// Whether no active cell is without a sign at each corner, and no edge of one but as the signs state: false when the
-// edges are those of no scalars, which only a damaged index has.
-template <class Sample>
-bool EdgeBlockSource<Sample>::areSignsWhole(BrickSlot slot, const Scratch& scratch) const {
-    const std::array<BitString, 3>& edges = edges_[slot.index()];
-    const BitString &above = scratch.draft.above, &cells = scratch.draft.active.cells;
-    for (int i = 0; i < kBitWords; ++i) {
-        const auto w = static_cast<std::size_t>(i);
-        const std::uint64_t x =
-            cells.words[w] | shiftedUp<9>(cells, i) | shiftedUp<81>(cells, i) | shiftedUp<90>(cells, i);
-        const std::uint64_t y =
-            cells.words[w] | shiftedUp<1>(cells, i) | shiftedUp<81>(cells, i) | shiftedUp<82>(cells, i);
-        const std::uint64_t z =
-            cells.words[w] | shiftedUp<1>(cells, i) | shiftedUp<9>(cells, i) | shiftedUp<10>(cells, i);
-        const std::uint64_t wrong = (((above.words[w] ^ shiftedDown<1>(above, i)) ^ edges[0].words[w]) & x) |
-                                    (((above.words[w] ^ shiftedDown<9>(above, i)) ^ edges[1].words[w]) & y) |
-                                    (((above.words[w] ^ shiftedDown<81>(above, i)) ^ edges[2].words[w]) & z);
-        if (wrong != 0)
-            return false;
-    }
-    return true;
+    for (const Activated& change : activatedIn(slot, scratch))
+        setLevel(change.edge, change.level);
 }
 
 template <class Sample>
@@ -559,7 +492,7 @@ void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Move& move, Live
     const bool hasMerged = leaves_[slot.index()].hasMerged();
     if (hasMerged)
         findLeavesAround(slot, surface, scratch);
-    findSigns(slot, surface, scratch);
+    findSigns(slot, before, surface, scratch);
     if ((hasMerged && !mergeCells(slot, scratch)) || (merges_ && !areUnmergedWhole(scratch)) ||
         !areSignsWhole(slot, scratch)) {
         scratch.isConsistent = false;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
@@ -59,7 +60,6 @@ private:
     using Points = BrickPoints<Sample>;
 
     static constexpr std::size_t kPartitions = 64;
-    static constexpr std::uint32_t kEndOfChain = ~std::uint32_t{0};
     struct Deactivated {
         BrickIndex brick;
         ClosedEdge edge;
@@ -88,13 +88,13 @@ private:
         std::uint64_t edgesAdded = 0, edgesRemoved = 0;
         void clear();
     };
-    /// The changes of one brick, as chains through the lists of its partition.
-    struct Chain {
-        std::uint32_t firstActivated = kEndOfChain, firstDeactivated = kEndOfChain;
+    /// The changes of one brick: so many of what the thread has that makes it, up to an end.
+    struct Changes {
+        std::uint32_t activated = 0, deactivated = 0;
+        std::uint32_t activatedEnd = 0, deactivatedEnd = 0;
         bool hasChangedLeaves = false;
-        bool isEmpty() const {
-            return firstActivated == kEndOfChain && firstDeactivated == kEndOfChain && !hasChangedLeaves;
-        }
+        bool isMade = false; ///< or will be, by itself
+        bool isEmpty() const { return activated == 0 && deactivated == 0 && !hasChangedLeaves && !isMade; }
     };
     struct Scratch;
     class Corners;
@@ -110,15 +110,22 @@ private:
     Status addArrivingBricks(LiveSurface<Live>& surface, SlideStats& stats, const JobControl& job);
     Status startPoints(LiveSurface<Live>& surface, std::vector<BrickIndex> bricks, SlideStats& stats,
                        const JobControl& job);
-    void chainChanges(std::size_t partition, Scratch& scratch);
+    void sortChanges(std::size_t partition, Scratch& scratch);
+    std::span<const Activated> activatedIn(BrickSlot slot, const Scratch& scratch) const;
+    std::span<const Deactivated> deactivatedIn(BrickSlot slot, const Scratch& scratch) const;
     void changeBrick(BrickSlot slot, const Move& move, LiveSurface<Live>& surface, Scratch& scratch);
+    void prefetchBrick(BrickSlot slot, const LiveSurface<Live>& surface) const;
     void listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface, std::vector<BrickSlot>& crossed,
                             std::vector<BrickSlot>& refreshed) const;
     bool toggle(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch);
     void fillPoints(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
     void numberVertices(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
     static const Points& pointsOf(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch);
-    void findSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
+    void findSigns(BrickSlot slot, const std::array<BitString, 3>& edgesBefore, const LiveSurface<Live>& surface,
+                   Scratch& scratch) const;
+    void seedFromVertices(const Stored* samples, const BrickDraft<Live>& draft, BitString& above) const;
+    void seedFromChanges(BrickSlot slot, const std::array<BitString, 3>& edgesBefore, const BitString& aboveBefore,
+                         const Scratch& scratch, BitString& above) const;
     bool areSignsWhole(BrickSlot slot, const Scratch& scratch) const;
     void changeLeaves(std::size_t partition, Scratch& scratch);
     void listBesideLeaves(const LiveSurface<Live>& surface, std::vector<BrickSlot>& beside) const;
@@ -137,7 +144,7 @@ private:
     ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
     ChunkedArray<std::array<BitString, 3>, 8> edges_; ///< active ones, by slot
     std::vector<BrickLeaves> leaves_; ///< by slot: those that the surface passes through, with their halves
-    std::vector<Chain> chains_; ///< by slot, during a move
+    std::vector<Changes> changes_; ///< by slot, during a move
     std::unique_ptr<tbb::enumerable_thread_specific<Lists>> lists_;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;
     std::uint64_t lastCollected_ = 0;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -15,11 +16,10 @@ template <class Sample>
 struct EdgeBlockSource<Sample>::Scratch {
     BrickDraft<Live> draft;
     Points points; ///< of a brick that gets new ones
-    // Changes of the partition at hand: entries, and for each the next one of its brick.
+    // Changes of the partition at hand, brick by brick.
     std::vector<BrickSlot> touched;
-    std::vector<const Activated*> activated;
-    std::vector<const Deactivated*> deactivated;
-    std::vector<std::uint32_t> nextActivated, nextDeactivated;
+    std::vector<Activated> activated;
+    std::vector<Deactivated> deactivated;
     std::vector<BrickIndex> arriving; // bricks that have no slot yet
     LeavesAround around;
     std::vector<std::pair<BrickSlot, BrickLeaves>> otherLeaves; // bricks whose leaves change, and what they were
@@ -35,6 +35,18 @@ struct EdgeBlockSource<Sample>::Scratch {
         isConsistent = true;
     }
 };
+
+template <class Sample>
+auto EdgeBlockSource<Sample>::activatedIn(BrickSlot slot, const Scratch& scratch) const -> std::span<const Activated> {
+    const Changes& changes = changes_[slot.index()];
+    return std::span(scratch.activated).subspan(changes.activatedEnd - changes.activated, changes.activated);
+}
+template <class Sample>
+auto EdgeBlockSource<Sample>::deactivatedIn(BrickSlot slot, const Scratch& scratch) const
+    -> std::span<const Deactivated> {
+    const Changes& changes = changes_[slot.index()];
+    return std::span(scratch.deactivated).subspan(changes.deactivatedEnd - changes.deactivated, changes.deactivated);
+}
 
 // Calls visit(brick, edge) for the closed bricks that hold the edge: where it lies on a brick's lower face, the brick
 // below does, too.
