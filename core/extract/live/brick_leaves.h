@@ -35,22 +35,19 @@ struct BrickLeaves {
 
 /// One merged cell with all its halves; `number` as its bit in BrickLeaves, 0 at level 3.
 inline BrickLeaves leafBits(int level, unsigned number) {
-    constexpr std::uint64_t kHalvesOfFirst = 0x330033;
     if (level == 1)
         return {std::uint64_t{1} << number, 0, false};
     if (level == 2)
-        return {kHalvesOfFirst << (2 * (number & 1) + 8 * (number >> 1 & 1) + 32 * (number >> 2)),
-                static_cast<std::uint8_t>(1u << number), false};
+        return {pairsOfFour(number), static_cast<std::uint8_t>(1u << number), false};
     return {~std::uint64_t{0}, 0xff, true};
 }
 
 /// The cells of side 2 in a merged cell, which starts at `first`.
 inline std::uint64_t pairsOfLeaf(ClosedPoint first, int level) {
-    constexpr std::uint64_t kHalvesOfFirst = 0x330033;
     if (level == 3)
         return ~std::uint64_t{0};
     const auto at = coordsOf(first);
-    return (level == 1 ? 1 : kHalvesOfFirst) << (at[0] / 2 + 4 * (at[1] / 2) + 16 * (at[2] / 2));
+    return (level == 1 ? 1 : pairsOfFour(0)) << (at[0] / 2 + 4 * (at[1] / 2) + 16 * (at[2] / 2));
 }
 
 /// The cells of a brick whose leaf has another level.

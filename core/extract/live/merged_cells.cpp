@@ -41,17 +41,13 @@ void MergedCells::clear() {
 void MergedCells::find(const BrickLeaves& leaves, const LeavesAround& around, ActiveBits& active) {
     clear();
     // Of each leaf its first cell of side 2: their order is that of the leaves.
-    constexpr std::uint64_t kParts = 0x330033;
-    std::uint64_t small = leaves.level1, firsts = leaves.level1;
+    std::uint64_t small = leaves.level1, firsts = 1;
     if (leaves.level3) {
         small = 0;
-        firsts = 1;
     } else {
-        for (std::uint64_t first = firstOfHalves(leaves.level2); first != 0; first &= first - 1) {
-            const int i = std::countr_zero(first);
-            small &= ~(kParts << i);
-            firsts = (firsts & ~(kParts << i)) | std::uint64_t{1} << i;
-        }
+        for (unsigned open = leaves.level2; open != 0; open &= open - 1)
+            small &= ~pairsOfFour(static_cast<unsigned>(std::countr_zero(open)));
+        firsts = small | firstOfHalves(leaves.level2);
     }
     const BitString merged = cellsOfPairs(leaves.level1);
     for (std::size_t w = 0; w < kBitWords; ++w)

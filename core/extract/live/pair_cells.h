@@ -11,6 +11,11 @@ namespace isoslider::extract {
 
 // The 64 cells of side 2 of a brick as bits x + 4 y + 16 z of one word.
 
+/// Those in a cell of side 4, by its bit x + 2 y + 4 z.
+constexpr std::uint64_t pairsOfFour(unsigned number) {
+    return std::uint64_t{0x330033} << (2 * (number & 1) + 8 * (number >> 1 & 1) + 32 * (number >> 2));
+}
+
 /// Of a row of nine bits those at even places side by side, and those at odd ones.
 struct SplitRow {
     std::uint8_t even, odd;

@@ -36,11 +36,7 @@ template <class Sample>
 void BrickSource<Sample>::prefetchForLeaves(const LiveSurface<Live>& surface, const Job& job, LinesAhead& ahead) const {
     prefetchPoints(surface, job, ahead);
     const std::size_t slot = job.slot.index();
-    const auto fetch = [](const auto& what) {
-        const auto* const bytes = reinterpret_cast<const char*>(&what);
-        for (std::size_t line = 0; line < sizeof what; line += 64)
-            __builtin_prefetch(bytes + line);
-    };
+    const auto fetch = [](const auto& what) { LinesAhead(&what, sizeof what).fetchRest(); };
     fetch(sureCellsOf(job.slot));
     fetch(leavesOf(job.slot));
     fetch(usableLeaves_[slot]);
@@ -68,6 +64,7 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
         if (!job.isNew && before != usable)
             scratch.otherLeaves.emplace_back(job.slot, before);
         surface.putPoints(job.slot, scratch.draft);
+        scratch.ahead.fetchRest();
         return true;
     }
     scratch.ahead.fetchPart();
@@ -128,16 +125,13 @@ void BrickSource<Sample>::prefetchMerged(const LiveSurface<Live>& surface, const
     __builtin_prefetch(&shownLeaves_[job.slot.index()]);
     if (isOneLeaf_[job.slot.index()] == 0) {
         const FoundSigns& found = foundSigns_[job.slot.index()];
-        ahead = {&found, sizeof found};
-        ahead.fetchRest();
+        LinesAhead(&found, sizeof found).fetchRest();
         // Ambiguous cells and vertices inside cells want scalars.
         if (found.move != moves_ || surface.brick(job.slot).ambiguousCells + surface.brick(job.slot).innerVertices > 0)
             prefetchPoints(surface, job, ahead);
         return;
     }
-    const auto* const edges = reinterpret_cast<const char*>(&edgeSamples_[job.slot.index()]);
-    for (std::size_t line = 0; line < sizeof(LeafEdgeSamples<Stored>); line += 64)
-        __builtin_prefetch(edges + line);
+    LinesAhead(&edgeSamples_[job.slot.index()], sizeof(LeafEdgeSamples<Stored>)).fetchRest();
     if (!job.isNew && isMadeOfEdges_[job.slot.index()] == 0)
         prefetchPoints(surface, job, ahead); // it was not alone, and mostly is not now
 }
@@ -184,6 +178,7 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
         classifyLeafEdges(edgeSamples_[job.slot.index()], storedThreshold<Sample>(move.to), scratch.foundOnEdges);
         if (const OneLeaf leaf = oneLeafOf(scratch.foundOnEdges.above); isAloneAsOneLeaf(leaf.signs, leavesAt)) {
             makeOneLeaf(move, surface, job, leaf, scratch);
+            scratch.ahead.fetchRest();
             return true;
         }
     }

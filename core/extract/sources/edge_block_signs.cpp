@@ -6,8 +6,7 @@ namespace isoslider::extract {
 
 // Ends of active edges that are above, and on a leaf edge all points up to there.
 template <class Sample>
-void EdgeBlockSource<Sample>::seedFromVertices(const Stored* samples, const BrickDraft<Live>& draft,
-                                               BitString& above) const {
+void EdgeBlockSource<Sample>::seedFromVertices(const Stored* samples, const BrickDraft<Live>& draft, BitString& above) {
     for (std::uint32_t k = 0; k < draft.edgeVertices; ++k) {
         const VertexCode code = draft.codes[k];
         const ClosedEdge edge = edgeOf(code);

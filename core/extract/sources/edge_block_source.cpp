@@ -390,9 +390,7 @@ Status EdgeBlockSource<Sample>::move(const Move& move, LiveSurface<Live>& surfac
 
 template <class Sample>
 void EdgeBlockSource<Sample>::prefetchBrick(BrickSlot slot, const LiveSurface<Live>& surface) const {
-    const auto* const edges = reinterpret_cast<const char*>(&edges_[slot.index()]);
-    for (std::size_t line = 0; line < sizeof edges_[slot.index()]; line += 64)
-        __builtin_prefetch(edges + line);
+    LinesAhead(&edges_[slot.index()], sizeof edges_[slot.index()]).fetchRest();
     surface.prefetch(slot);
     if (surface.brick(slot).hasPoints)
         LinesAhead(surface.points(slot), sizeof(Points)).fetchRest();

@@ -123,7 +123,7 @@ private:
     static const Points& pointsOf(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch);
     void findSigns(BrickSlot slot, const std::array<BitString, 3>& edgesBefore, const LiveSurface<Live>& surface,
                    Scratch& scratch) const;
-    void seedFromVertices(const Stored* samples, const BrickDraft<Live>& draft, BitString& above) const;
+    static void seedFromVertices(const Stored* samples, const BrickDraft<Live>& draft, BitString& above);
     void seedFromChanges(BrickSlot slot, const std::array<BitString, 3>& edgesBefore, const BitString& aboveBefore,
                          const Scratch& scratch, BitString& above) const;
     bool areSignsWhole(BrickSlot slot, const Scratch& scratch) const;

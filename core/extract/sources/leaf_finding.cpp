@@ -406,17 +406,12 @@ SureCells findSureCells(const StoredSample<Sample>* samples, const BitString& va
     return sure;
 }
 
-// Bits x + 4 y + 16 z of the eight parts of a cell of side 4.
-constexpr std::uint64_t partsOf(int half) {
-    return std::uint64_t{0x330033} << (2 * (half & 1) + 8 * (half >> 1 & 1) + 32 * (half >> 2));
-}
-
 // Cells of side 4 for whose parts a condition holds.
 template <class Condition>
 unsigned halvesWhere(const Condition& holds) {
     unsigned halves = 0;
-    for (int i = 0; i < 8; ++i)
-        halves |= unsigned{holds(partsOf(i))} << i;
+    for (unsigned i = 0; i < 8; ++i)
+        halves |= unsigned{holds(pairsOfFour(i))} << i;
     return halves;
 }
 
@@ -429,10 +424,10 @@ BrickLeaves leavesOfSurface(const BrickLeaves& leaves, std::uint64_t crossed) {
         return crossed != 0 ? leaves : BrickLeaves();
     BrickLeaves found{leaves.level1 & crossed, 0, false};
     for (unsigned open = leaves.level2; open != 0; open &= open - 1) {
-        const int i = std::countr_zero(open);
-        if ((crossed & partsOf(i)) == 0)
+        const auto i = static_cast<unsigned>(std::countr_zero(open));
+        if ((crossed & pairsOfFour(i)) == 0)
             continue;
-        found.level1 |= partsOf(i);
+        found.level1 |= pairsOfFour(i);
         found.level2 = static_cast<std::uint8_t>(found.level2 | 1u << i);
     }
     return found;

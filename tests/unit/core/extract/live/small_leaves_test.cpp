@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <functional>
+#include <limits>
 #include <random>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "core/cell/merged_cell.h"
@@ -188,6 +191,66 @@ TEST(SmallLeafPolygons, AreThoseOfMergedPolygon) {
     EXPECT_GT(checked, 10000u);
     EXPECT_GT(split, 5000u);
     EXPECT_GT(mostCorners, 9u);
+}
+
+/// The triangulation of least area, triangle by triangle.
+std::vector<std::array<std::uint32_t, 3>> trianglesOfLeastArea(const std::vector<PolygonCorner>& corners) {
+    constexpr float kNone = std::numeric_limits<float>::infinity();
+    const std::size_t k = corners.size();
+    std::vector<float> least(k * k, kNone);
+    std::vector<std::size_t> apex(k * k);
+    for (std::size_t i = 0; i + 1 < k; ++i)
+        least[i * k + i + 1] = 0.0f;
+    for (std::size_t span = 2; span < k; ++span)
+        for (std::size_t i = 0; i + span < k; ++i) {
+            const std::size_t j = i + span;
+            if (span + 1 < k && (corners[i].faces & corners[j].faces) != 0)
+                continue;
+            for (std::size_t m = i + 1; m < j; ++m) {
+                const float all = least[i * k + m] + least[m * k + j] +
+                                  glm::length(glm::cross(corners[m].position - corners[i].position,
+                                                         corners[j].position - corners[i].position));
+                if (all < least[i * k + j]) {
+                    least[i * k + j] = all;
+                    apex[i * k + j] = m;
+                }
+            }
+        }
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    const std::function<void(std::size_t, std::size_t)> add = [&](std::size_t i, std::size_t j) {
+        if (j - i < 2)
+            return;
+        const std::size_t m = apex[i * k + j];
+        triangles.push_back(
+            {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(j)});
+        add(m, j);
+        add(i, m);
+    };
+    if (least[k - 1] != kNone)
+        add(0, k - 1);
+    return triangles;
+}
+
+TEST(PolygonTriangulation, IsOfLeastAreaWithoutDiagonalsInFaces) {
+    std::mt19937 random(14);
+    std::uniform_real_distribution<float> place(0.0f, 4.0f);
+    PolygonTriangulation triangulation;
+    std::vector<std::array<std::uint32_t, 3>> found;
+    int without = 0;
+    for (int round = 0; round < 2000; ++round) {
+        std::vector<PolygonCorner> corners(3 + random() % 30);
+        for (PolygonCorner& corner : corners)
+            corner = {{place(random), place(random), place(random)},
+                      static_cast<std::uint8_t>(random() % 2 == 0 ? 0 : 1u << random() % 6)};
+        if (round % 4 == 0) // most in one face
+            for (PolygonCorner& corner : corners)
+                corner.faces = static_cast<std::uint8_t>(corner.faces | (random() % 8 != 0 ? 1 : 0));
+        triangulation.make(corners, found);
+        ASSERT_EQ(found, trianglesOfLeastArea(corners)) << corners.size() << " corners";
+        without += found.empty();
+    }
+    EXPECT_GT(without, 20);
+    EXPECT_LT(without, 1500);
 }
 
 } // namespace
