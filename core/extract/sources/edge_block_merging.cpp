@@ -91,15 +91,14 @@ void EdgeBlockSource<Sample>::collectMerged(const Part& part, std::size_t record
     const int axis = form::axisOf(which);
     ++(isActivated ? lists.edgesAdded : lists.edgesRemoved);
     forEachHolder(id, axis, [&](BrickIndex brick, ClosedEdge edge) {
-        if (!isActivated) {
-            lists.deactivated[partitionOf(brick)].push_back({brick, edge});
-            return;
+        ChangedEdge changed{brick, edge, static_cast<std::uint8_t>(form::levelOf(which)), isActivated};
+        if (isActivated) {
+            changed.scalar1 = storedOf(sampleOfKey<Sample>(page.farKeys[entry + 1]));
+            changed.scalar2 = storedOf(sampleOfKey<Sample>(page.farKeys[entry + 2]));
+            changed.normal1 = page.hasNormals() ? page.normals[record] : kNoNormal;
+            changed.normal2 = page.hasNormals() ? page.farNormals[entry] : kNoNormal;
         }
-        const auto scalarAt = [&](std::size_t k) { return storedOf(sampleOfKey<Sample>(page.farKeys[entry + k])); };
-        lists.activated[partitionOf(brick)].push_back({brick, edge, static_cast<std::uint16_t>(form::levelOf(which)),
-                                                       page.hasNormals() ? page.normals[record] : kNoNormal,
-                                                       page.hasNormals() ? page.farNormals[entry] : kNoNormal,
-                                                       scalarAt(1), scalarAt(2)});
+        lists.edges[partitionOf(brick)].push_back(changed);
     });
 }
 
@@ -119,8 +118,8 @@ void EdgeBlockSource<Sample>::changeLeaves(std::size_t partition, Scratch& scrat
                 }
     };
     const auto note = [&](BrickSlot slot) {
-        if (Changes& changes = changes_[slot.index()]; !changes.hasChangedLeaves) {
-            changes.hasChangedLeaves = true;
+        if (marks_[slot.index()] == Mark::None) {
+            marks_[slot.index()] = Mark::LeavesChanged;
             scratch.otherLeaves.emplace_back(slot, leaves_[slot.index()]);
         }
     };
@@ -149,7 +148,7 @@ void EdgeBlockSource<Sample>::changeLeaves(std::size_t partition, Scratch& scrat
 template <class Sample>
 void EdgeBlockSource<Sample>::listBesideLeaves(const LiveSurface<Live>& surface, std::vector<BrickSlot>& beside) const {
     const BrickGrid& grid = surface.shapes().grid();
-    std::vector<bool> isListed(changes_.size(), false);
+    std::vector<bool> isListed(marks_.size(), false);
     for (const Scratch& scratch : *scratches_)
         for (const auto& [slot, before] : scratch.otherLeaves)
             forEachBesideChanged(
@@ -189,21 +188,61 @@ void EdgeBlockSource<Sample>::findLeavesAround(BrickSlot slot, const LiveSurface
     scratch.around.fill(reader_.info().geometry.dims, surface.shapes().origin(brick), scratch.draft.above, leavesAt);
 }
 
-// The polygons of the brick's leaves. False when a leaf has none, or when what carries a vertex then, at which level,
-// is not what the index states.
+// Ends of active edges that are above, and on a leaf edge all points up to there.
+template <class Sample>
+void EdgeBlockSource<Sample>::seedFromVertices(const Stored* samples, const BrickDraft<Live>& draft, BitString& above) {
+    for (std::uint32_t k = 0; k < draft.edgeVertices; ++k) {
+        const VertexCode code = draft.codes[k];
+        const ClosedEdge edge = edgeOf(code);
+        const auto axis = static_cast<std::size_t>(axisOf(edge));
+        const int stride = kPointStride[axis], side = 1 << levelOf(code);
+        const int along = coordsOf(startOf(edge))[axis] & (side - 1); // from the leaf edge's lower end
+        const auto [lower, upper] = endsOf(code);
+        const bool isLowerAbove = samples[lower] > samples[upper];
+        for (int i = isLowerAbove ? 0 : along + 1; i <= (isLowerAbove ? along : side); ++i)
+            above.set(ClosedPoint(startOf(edge).number() + (i - along) * stride));
+    }
+}
+
+// Signs of the corners of all active cells, and of leaves: those at the ends of active edges follow from the scalars
+// there, every other corner's along inactive edges. Inside a leaf nothing is known.
+template <class Sample>
+void EdgeBlockSource<Sample>::findMergedSigns(BrickSlot slot, const LiveSurface<Live>& surface,
+                                              Scratch& scratch) const {
+    const std::array<BitString, 3>& edges = edges_[slot.index()];
+    const BrickMasks& masks = surface.masks(slot);
+    BitString seeds;
+    seedFromVertices(pointsOf(slot, surface, scratch).samples, scratch.draft, seeds);
+    std::array<BitString, 3> still = masks.edges; // inactive edges, of which that is known
+    int rounds = kRoundsInCells;
+    if (leaves_[slot.index()].hasMerged()) {
+        rounds = kClosedPoints; // as long as they bring any
+        findLeavesAround(slot, surface, scratch);
+        findLeafEdges(slot, scratch, still);
+    }
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t w = 0; w < kBitWords; ++w)
+            still[a].words[w] &= masks.edges[a].words[w] & ~edges[a].words[w];
+    spreadSigns(edges, still, seeds, masks.cells, rounds, scratch.changed.signs);
+}
+
+// The polygons of the brick's leaves. False when a leaf has none, when what carries a vertex then, at which level, is
+// not what the index states, or when the edges are those of no signs.
 template <class Sample>
 bool EdgeBlockSource<Sample>::mergeCells(BrickSlot slot, Scratch& scratch) const {
     BrickDraft<Live>& draft = scratch.draft;
-    draft.merged.find(leaves_[slot.index()], scratch.around, draft.active);
-    for (const MergedLeaf& leaf : draft.merged.leaves())
-        if (leaf.indexCount < (leaf.hasCentre ? 9 : 3))
+    if (leaves_[slot.index()].hasMerged()) {
+        draft.merged.find(leaves_[slot.index()], scratch.around, draft.active);
+        for (const MergedLeaf& leaf : draft.merged.leaves())
+            if (leaf.indexCount < (leaf.hasCentre ? 9 : 3))
+                return false;
+        if (draft.active.edges != edges_[slot.index()])
             return false;
-    if (draft.active.edges != edges_[slot.index()])
-        return false;
-    for (const MergedCells::Corner& corner : draft.merged.corners())
-        if (levelOf(draft.codes[draft.vertices.of(corner.edge)]) != corner.level)
-            return false;
-    return true;
+        for (const MergedCells::Corner& corner : draft.merged.corners())
+            if (levelOf(draft.codes[draft.vertices.of(corner.edge)]) != corner.level)
+                return false;
+    }
+    return areUnmergedWhole(scratch) && areEdgesOfSigns(draft.active.edges, {draft.active.cells, draft.above});
 }
 
 // Whether the vertices of cells that are not merged lie on edges of the grid.
@@ -226,6 +265,7 @@ bool EdgeBlockSource<Sample>::areUnmergedWhole(const Scratch& scratch) const {
     template void EdgeBlockSource<Sample>::listBesideLeaves(const LiveSurface<Live>&, std::vector<BrickSlot>&) const; \
     template void EdgeBlockSource<Sample>::findLeafEdges(BrickSlot, const Scratch&, std::array<BitString, 3>&) const; \
     template void EdgeBlockSource<Sample>::findLeavesAround(BrickSlot, const LiveSurface<Live>&, Scratch&) const; \
+    template void EdgeBlockSource<Sample>::findMergedSigns(BrickSlot, const LiveSurface<Live>&, Scratch&) const; \
     template bool EdgeBlockSource<Sample>::mergeCells(BrickSlot, Scratch&) const; \
     template bool EdgeBlockSource<Sample>::areUnmergedWhole(const Scratch&) const;
 ISO_FOR_EACH_SAMPLE_TYPE(ISO_INSTANTIATE)

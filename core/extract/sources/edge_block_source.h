@@ -9,6 +9,8 @@
 
 #include "core/extract/live/brick_points.h"
 #include "core/extract/live/chunked_array.h"
+#include "core/extract/sources/crossed_points.h"
+#include "core/extract/sources/edge_kernels.h"
 #include "core/extract/sources/stored_normals.h"
 #include "core/extract/sources/walked_source.h"
 #include "core/index/hidden_corners.h"
@@ -22,11 +24,12 @@ namespace isoslider::extract {
 /// those whose far end is crossed too are redundant for the whole move, and each record carries the far end's
 /// scalar: so net changes need no bookkeeping between blocks, levels or threads.
 ///
-/// Each live brick keeps its active edges as bits, and the surface its points. An entry goes to every brick that holds
-/// the edge, at most four; there it toggles a bit and fills in the scalars at its ends. A brick that arrives has the
-/// normals of all its points read, which the index keeps by place (in earlier versions entries bring them). Signs
-/// follow from the edges. What is collected for a move is cut into partitions of brick numbers, so that threads share
-/// nothing.
+/// Each live brick keeps its active edges as bits, and the surface its points. A record goes, as it is, to every closed
+/// brick that holds the point, mostly one and at most eight; there its edges become bits, which toggle those that are
+/// kept, and the scalars at their ends are filled in. A brick that arrives has the normals of all its points read,
+/// which the index keeps by place (in earlier versions entries bring them). Signs follow from the edges. What is
+/// collected for a move is cut into partitions of brick numbers, so that threads share nothing, and brought into the
+/// order of the bricks.
 ///
 /// Where cells were merged when the index was built (PAPER 2.2), it states of each edge when it carries a vertex, and
 /// on a leaf edge of which level; and of each merged cell when it is a leaf. Those come and go like edges. A brick with
@@ -60,9 +63,15 @@ private:
     using Points = BrickPoints<Sample>;
 
     static constexpr std::size_t kPartitions = 64;
-    struct Deactivated {
+    /// An edge that becomes active or inactive by itself: where cells are merged. Activated with scalars, and normals
+    /// where pages have them, at the ends of the leaf edge of `level` that contains it.
+    struct ChangedEdge {
         BrickIndex brick;
         ClosedEdge edge;
+        std::uint8_t level;
+        bool isActivated;
+        NormalCode normal1, normal2;
+        Stored scalar1, scalar2;
     };
     /// A merged cell that becomes a leaf the surface passes through, or is none any more.
     struct ChangedLeaf {
@@ -71,62 +80,74 @@ private:
         std::uint8_t number; ///< as leafBits() has it
         bool isActivated;
     };
-    /// With scalars, and normals where pages have them, at the ends of the edge, or of the leaf edge of `level` that
-    /// contains it.
-    struct Activated {
-        BrickIndex brick;
-        ClosedEdge edge;
-        std::uint16_t level;
-        NormalCode normal1, normal2;
-        Stored scalar1, scalar2;
+    /// A point's number in a part, and its first entry in the page.
+    struct Changed {
+        std::uint32_t number, entry;
     };
-    /// What one thread has collected.
+    /// What one thread has collected, by partition.
     struct Lists {
-        std::array<std::vector<Activated>, kPartitions> activated;
-        std::array<std::vector<Deactivated>, kPartitions> deactivated;
+        std::array<std::vector<CrossedPoint<Key>>, kPartitions> points;
+        std::array<std::vector<CrossedNormals>, kPartitions> normals; ///< of the points; empty where entries have none
+        std::array<std::vector<ChangedEdge>, kPartitions> edges;
         std::array<std::vector<ChangedLeaf>, kPartitions> leaves;
         std::uint64_t edgesAdded = 0, edgesRemoved = 0;
+        std::vector<std::uint8_t> above, below; ///< of the part at hand
+        std::vector<Changed> heldOnce, heldOften; ///< likewise, by one brick and by several
         void clear();
     };
-    /// The changes of one brick: so many of what the thread has that makes it, up to an end.
-    struct Changes {
-        std::uint32_t activated = 0, deactivated = 0;
-        std::uint32_t activatedEnd = 0, deactivatedEnd = 0;
-        bool hasChangedLeaves = false;
-        bool isMade = false; ///< or will be, by itself
-        bool isEmpty() const { return activated == 0 && deactivated == 0 && !hasChangedLeaves && !isMade; }
+    /// A brick of which something was collected.
+    struct TouchedBrick {
+        BrickIndex brick;
+        std::uint32_t points, edges; ///< how many
+        bool hasActivated; ///< edges, and with them scalars
+        bool isTouched; ///< by that, or by leaves
     };
+    /// What was collected of one brick.
+    struct Changes {
+        std::span<const CrossedPoint<Key>> points;
+        std::span<const CrossedNormals> normals; ///< of the points, or none
+        std::span<const ChangedEdge> edges;
+        bool hasActivated = false;
+    };
+    /// By slot, during a move.
+    enum class Mark : std::uint8_t { None, LeavesChanged, Made };
     struct Scratch;
     class Corners;
 
     void reset();
     std::size_t collect(const Part& part, KeyThreshold lower, KeyThreshold upper, bool goesUp);
+    void addCrossed(const index::DecodedPage<Key>& page, std::size_t record, std::size_t entry,
+                    const CrossedEdges& edges, Lists& lists) const;
     void collectMerged(const Part& part, std::size_t record, std::size_t entry, bool goesUp, Lists& lists);
     template <class Visit>
     void forEachHolder(PointId start, int axis, const Visit& visit) const;
+    BrickSlot slotOf(const TouchedBrick& touched) const { return BrickSlot(slotOf_[touched.brick.index()] - 1); }
     std::size_t partitionOf(BrickIndex brick) const {
         return static_cast<std::size_t>(brick.number() * partitionScale_ >> 32);
     }
+    BrickIndex firstBrickOf(std::size_t partition) const {
+        return BrickIndex(((std::uint64_t{partition} << 32) + partitionScale_ - 1) / partitionScale_);
+    }
+    void countChanges(std::size_t partition, const LiveSurface<Live>& surface, Scratch& scratch);
     Status addArrivingBricks(LiveSurface<Live>& surface, SlideStats& stats, const JobControl& job);
     Status startPoints(LiveSurface<Live>& surface, std::vector<BrickIndex> bricks, SlideStats& stats,
                        const JobControl& job);
     void sortChanges(std::size_t partition, Scratch& scratch);
-    std::span<const Activated> activatedIn(BrickSlot slot, const Scratch& scratch) const;
-    std::span<const Deactivated> deactivatedIn(BrickSlot slot, const Scratch& scratch) const;
-    void changeBrick(BrickSlot slot, const Move& move, LiveSurface<Live>& surface, Scratch& scratch);
+    void changeBrick(BrickSlot slot, const Changes& changes, const Move& move, LiveSurface<Live>& surface,
+                     Scratch& scratch);
     void prefetchBrick(BrickSlot slot, const LiveSurface<Live>& surface) const;
     void listCrossedSaddles(const Move& move, const LiveSurface<Live>& surface, std::vector<BrickSlot>& crossed,
                             std::vector<BrickSlot>& refreshed) const;
-    bool toggle(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch);
-    void fillPoints(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
-    void numberVertices(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
+    void findToggled(const Changes& changes, const BrickMasks& masks, bool goesUp, Scratch& scratch) const;
+    template <class Visit>
+    static void forEachEnd(std::span<const CrossedPoint<Key>> points, const Visit& visit);
+    static bool hasAllEnds(const Points& points, std::span<const CrossedPoint<Key>> crossed);
+    void fillPoints(BrickSlot slot, const Changes& changes, const LiveSurface<Live>& surface, Scratch& scratch) const;
+    void numberVertices(BrickSlot slot, const Changes& changes, const LiveSurface<Live>& surface,
+                        Scratch& scratch) const;
     static const Points& pointsOf(BrickSlot slot, const LiveSurface<Live>& surface, const Scratch& scratch);
-    void findSigns(BrickSlot slot, const std::array<BitString, 3>& edgesBefore, const LiveSurface<Live>& surface,
-                   Scratch& scratch) const;
+    void findMergedSigns(BrickSlot slot, const LiveSurface<Live>& surface, Scratch& scratch) const;
     static void seedFromVertices(const Stored* samples, const BrickDraft<Live>& draft, BitString& above);
-    void seedFromChanges(BrickSlot slot, const std::array<BitString, 3>& edgesBefore, const BitString& aboveBefore,
-                         const Scratch& scratch, BitString& above) const;
-    bool areSignsWhole(BrickSlot slot, const Scratch& scratch) const;
     void changeLeaves(std::size_t partition, Scratch& scratch);
     void listBesideLeaves(const LiveSurface<Live>& surface, std::vector<BrickSlot>& beside) const;
     void findLeafEdges(BrickSlot slot, const Scratch& scratch, std::array<BitString, 3>& edges) const;
@@ -138,13 +159,14 @@ private:
     bool merges_; ///< the index has merged cells
     std::unique_ptr<StoredNormals> normals_; ///< null: entries bring them
     GridDims cellBricks_; ///< bricks with cells along each axis
-    bool allHaveCells_ = false;
+    PointHolders holders_;
     std::uint64_t partitionScale_;
     index::HiddenCorners hiddenCorners_;
     ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
     ChunkedArray<std::array<BitString, 3>, 8> edges_; ///< active ones, by slot
     std::vector<BrickLeaves> leaves_; ///< by slot: those that the surface passes through, with their halves
-    std::vector<Changes> changes_; ///< by slot, during a move
+    std::vector<Mark> marks_; ///< by slot, during a move
+    std::array<std::vector<TouchedBrick>, kPartitions> touched_; ///< during a move
     std::unique_ptr<tbb::enumerable_thread_specific<Lists>> lists_;
     std::unique_ptr<tbb::enumerable_thread_specific<Scratch>> scratches_;
     std::uint64_t lastCollected_ = 0;

@@ -17,36 +17,38 @@ struct EdgeBlockSource<Sample>::Scratch {
     BrickDraft<Live> draft;
     Points points; ///< of a brick that gets new ones
     // Changes of the partition at hand, brick by brick.
-    std::vector<BrickSlot> touched;
-    std::vector<Activated> activated;
-    std::vector<Deactivated> deactivated;
+    std::vector<CrossedPoint<Key>> crossed;
+    std::vector<CrossedNormals> normals;
+    std::vector<ChangedEdge> edges;
+    std::vector<TouchedBrick> byBrick; // of a partition, by place in it; nothing between uses
     std::vector<BrickIndex> arriving; // bricks that have no slot yet
+    ToggledEdges toggled; // of the brick at hand
+    ChangedBrick changed; // likewise
     LeavesAround around;
     std::vector<std::pair<BrickSlot, BrickLeaves>> otherLeaves; // bricks whose leaves change, and what they were
     std::vector<BrickSlot> emptied;
     std::optional<Error> error;
     bool isConsistent = true;
 
+    /// Of a brick of the partition at hand, before whose changes there are so many.
+    Changes changesOf(const TouchedBrick& brick, std::size_t pointsBefore, std::size_t edgesBefore) const {
+        Changes changes;
+        changes.points = std::span(crossed).subspan(pointsBefore, brick.points);
+        if (!normals.empty())
+            changes.normals = std::span(normals).subspan(pointsBefore, brick.points);
+        changes.edges = std::span(edges).subspan(edgesBefore, brick.edges);
+        changes.hasActivated = brick.hasActivated;
+        return changes;
+    }
     void beginMove() {
         draft.beginMove();
+        arriving.clear();
         emptied.clear();
         otherLeaves.clear();
         error.reset();
         isConsistent = true;
     }
 };
-
-template <class Sample>
-auto EdgeBlockSource<Sample>::activatedIn(BrickSlot slot, const Scratch& scratch) const -> std::span<const Activated> {
-    const Changes& changes = changes_[slot.index()];
-    return std::span(scratch.activated).subspan(changes.activatedEnd - changes.activated, changes.activated);
-}
-template <class Sample>
-auto EdgeBlockSource<Sample>::deactivatedIn(BrickSlot slot, const Scratch& scratch) const
-    -> std::span<const Deactivated> {
-    const Changes& changes = changes_[slot.index()];
-    return std::span(scratch.deactivated).subspan(changes.deactivatedEnd - changes.deactivated, changes.deactivated);
-}
 
 // Calls visit(brick, edge) for the closed bricks that hold the edge: where it lies on a brick's lower face, the brick
 // below does, too.
@@ -59,10 +61,6 @@ void EdgeBlockSource<Sample>::forEachHolder(PointId start, int axis, const Visit
     const std::array<int, 3> c{local & 7, local >> 3 & 7, local >> 6};
     const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
     const ClosedEdge base = closedEdge(axis, closedPoint(c[0], c[1], c[2]));
-    if (c[u] > 0 && c[v] > 0 && allHaveCells_) { // three edges in four
-        visit(brick, base);
-        return;
-    }
     const auto at = grid.brickCoords(brick);
     for (int k = 0; k < 4; ++k) {
         const bool isBelowU = k & 1, isBelowV = k >> 1;
