@@ -30,7 +30,7 @@ struct IndexBacking {
     static constexpr std::uint64_t keptPointBytes = 0; // edges bring the points of their ends only
 
     IndexBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
-        : reader(std::move(opened)), source(*reader, options.cacheBytes.value_or(kEdgesCacheBytes)) {}
+        : reader(std::move(opened)), source(*reader, options.cacheBytes.value_or(kIndexCacheBytes)) {}
 };
 
 template <class Sample>
@@ -48,8 +48,8 @@ struct MemoryBacking {
         : grid(std::move(volume)),
           reader(std::move(brickList)),
           samples(*grid),
-          source(*reader, samples, options.cacheBytes.value_or(kEdgesCacheBytes) / 2),
-          keptPointBytes(options.cacheBytes.value_or(kEdgesCacheBytes) / 2) {}
+          source(*reader, samples, options.cacheBytes.value_or(kSmallCacheBytes) / 2),
+          keptPointBytes(options.cacheBytes.value_or(kSmallCacheBytes) / 2) {}
 };
 
 template <class Sample>
@@ -64,7 +64,7 @@ struct StoreBacking {
     static constexpr std::uint64_t kPointsShare = 4; // at least; and what samples leave, up to half of the cache
 
     StoreBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
-        : StoreBacking(std::move(opened), options.cacheBytes.value_or(kMetacellsCacheBytes)) {}
+        : StoreBacking(std::move(opened), options.cacheBytes.value_or(kIndexCacheBytes)) {}
     StoreBacking(std::unique_ptr<index::IndexReader> opened, std::uint64_t cacheBytes)
         : reader(std::move(opened)),
           samples(*reader, cacheBytes - cacheBytes / kListShare - cacheBytes / kPointsShare),

@@ -15,10 +15,8 @@
 
 namespace isoslider::extract {
 
-/// What is kept of an index in memory unless it is stated otherwise. Samples want more: bricks on the surface are
-/// read again at every move, pages are not.
-inline constexpr std::uint64_t kEdgesCacheBytes = std::uint64_t{64} << 20;
-inline constexpr std::uint64_t kMetacellsCacheBytes = std::uint64_t{256} << 20;
+/// What is kept of an index in memory unless it is stated otherwise; and where little is read again.
+inline constexpr std::uint64_t kIndexCacheBytes = std::uint64_t{256} << 20, kSmallCacheBytes = std::uint64_t{64} << 20;
 
 struct SlideOptions {
     std::optional<std::uint64_t> cacheBytes; ///< bound on decoded pages, samples and points kept in memory

@@ -153,8 +153,7 @@ private:
         if (!bytes.isOk())
             return bytes.error();
         way.cost.indexBytes = bytes.value();
-        way.cost.cacheBytes =
-            kind == index::IndexKind::Edges ? extract::kEdgesCacheBytes : extract::kMetacellsCacheBytes;
+        way.cost.cacheBytes = extract::kIndexCacheBytes;
         if (options_.caches.empty())
             ways_.push_back(way);
         for (const std::uint64_t cacheBytes : options_.caches) {

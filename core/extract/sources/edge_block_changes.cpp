@@ -33,68 +33,74 @@ void EdgeBlockSource<Sample>::Lists::clear() {
     edgesAdded = edgesRemoved = 0;
 }
 
+// In batches that stay in the nearest cache.
 template <class Sample>
 std::size_t EdgeBlockSource<Sample>::collect(const Part& part, KeyThreshold lower, KeyThreshold upper, bool goesUp) {
     Lists& lists = lists_->local();
-    const index::DecodedPage<Key>& page = part.page;
-    const std::size_t records = part.end - part.begin;
-    makeRoom(lists.above, records);
-    makeRoom(lists.below, records);
-    findChangedEdges<Key>(std::span(page.masks).subspan(part.begin, records),
-                          std::span(page.farKeys).subspan(part.firstEntry), lower, upper, lists.above.data(),
-                          lists.below.data());
-    const std::vector<std::uint8_t>&activated = goesUp ? lists.above : lists.below,
-          &deactivated = goesUp ? lists.below : lists.above;
+    std::size_t entry = part.firstEntry;
+    for (std::size_t begin = part.begin; begin < part.end; begin += kBatch) {
+        const Part batch{part.page, begin, std::min(begin + kBatch, part.end), entry};
+        entry = collectBatch(batch, lower, upper, goesUp, lists);
+    }
+    return entry;
+}
+
+template <class Sample>
+std::size_t EdgeBlockSource<Sample>::collectBatch(const Part& batch, KeyThreshold lower, KeyThreshold upper,
+                                                  bool goesUp, Lists& lists) {
+    const index::DecodedPage<Key>& page = batch.page;
+    std::array<std::uint8_t, kBatch> above, below;
+    findChangedEdges<Key>(std::span(page.masks).subspan(batch.begin, batch.end - batch.begin),
+                          std::span(page.farKeys).subspan(batch.firstEntry), lower, upper, above.data(), below.data());
+    const auto &activated = goesUp ? above : below, &deactivated = goesUp ? below : above;
     // Which points change and which are held more than once can hardly be predicted: so they are listed first.
-    makeRoom(lists.heldOnce, records + 1);
-    makeRoom(lists.heldOften, records + 1);
+    std::array<Changed, kBatch + 1> heldOnce, heldOften;
     std::size_t once = 0, often = 0;
     std::uint64_t added = 0, removed = 0;
-    std::size_t entry = part.firstEntry;
-    for (std::size_t i = 0; i < records; ++i) {
-        const std::size_t record = part.begin + i;
-        bool isChanged = (activated[i] | deactivated[i]) != 0;
+    std::size_t entry = batch.firstEntry;
+    for (std::size_t record = batch.begin; record < batch.end; ++record) {
+        Changed changed{record, entry, activated[record - batch.begin], deactivated[record - batch.begin]};
         if (page.form(record) != index::record_form::kPoint) {
-            isChanged = false;
+            changed.activated = changed.deactivated = 0;
             if (const std::uint64_t other = page.farKeys[entry]; other < lower || other >= upper)
-                collectMerged(part, record, entry, goesUp, lists);
+                collectMerged(batch, record, entry, goesUp, lists);
         }
+        const bool isChanged = (changed.activated | changed.deactivated) != 0;
         const bool isOnce = holders_.isHeldOnce(PointId(page.ids[record]));
-        const Changed changed{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(entry)};
-        lists.heldOnce[once] = changed;
-        lists.heldOften[often] = changed;
+        heldOnce[once] = changed;
+        heldOften[often] = changed;
         once += isChanged && isOnce;
         often += isChanged && !isOnce;
-        added += isChanged ? static_cast<std::uint64_t>(std::popcount(activated[i])) : 0;
-        removed += isChanged ? static_cast<std::uint64_t>(std::popcount(deactivated[i])) : 0;
+        added += static_cast<std::uint64_t>(std::popcount(changed.activated));
+        removed += static_cast<std::uint64_t>(std::popcount(changed.deactivated));
         entry += static_cast<std::size_t>(std::popcount(page.masks[record]));
     }
     lists.edgesAdded += added;
     lists.edgesRemoved += removed;
-    const auto add = [&](const Changed& changed, BrickIndex holder, ClosedPoint point, unsigned inside) {
-        CrossedEdges edges{holder, point, static_cast<std::uint8_t>(activated[changed.number] & inside),
-                           static_cast<std::uint8_t>(deactivated[changed.number] & inside)};
-        if ((edges.activated | edges.deactivated) != 0)
-            addCrossed(page, part.begin + changed.number, changed.entry, edges, lists);
-    };
-    for (const Changed& changed : std::span(lists.heldOnce).first(once)) {
-        const PointId id(page.ids[part.begin + changed.number]);
-        add(changed, brickOf(id), PointHolders::closedPointOf(localOf(id)), ~0u);
+    for (const Changed& changed : std::span(heldOnce).first(once)) {
+        const PointId id(page.ids[changed.record]);
+        const ClosedPoint point = PointHolders::closedPointOf(localOf(id));
+        addCrossed(page, changed, {brickOf(id), point, changed.activated, changed.deactivated}, lists);
     }
-    for (const Changed& changed : std::span(lists.heldOften).first(often))
-        holders_.forEach(
-            PointId(page.ids[part.begin + changed.number]),
-            [&](BrickIndex holder, ClosedPoint point, unsigned inside) { add(changed, holder, point, inside); });
+    for (const Changed& changed : std::span(heldOften).first(often))
+        holders_.forEach(PointId(page.ids[changed.record]), [&](BrickIndex holder, ClosedPoint point, unsigned inside) {
+            const CrossedEdges edges{holder, point, static_cast<std::uint8_t>(changed.activated & inside),
+                                     static_cast<std::uint8_t>(changed.deactivated & inside)};
+            if ((edges.activated | edges.deactivated) != 0)
+                addCrossed(page, changed, edges, lists);
+        });
     return entry;
 }
 
 // Lists a crossed point for one of the bricks that hold it.
 template <class Sample>
-ISO_ALWAYS_INLINE void EdgeBlockSource<Sample>::addCrossed(const index::DecodedPage<Key>& page, std::size_t record,
-                                                           std::size_t entry, const CrossedEdges& edges,
-                                                           Lists& lists) const {
+ISO_ALWAYS_INLINE void EdgeBlockSource<Sample>::addCrossed(const index::DecodedPage<Key>& page, const Changed& changed,
+                                                           const CrossedEdges& edges, Lists& lists) const {
+    const std::size_t record = changed.record;
+    std::size_t entry = changed.entry;
     const std::size_t partition = partitionOf(edges.brick);
     CrossedPoint<Key>& crossed = lists.points[partition].emplace_back();
+    __builtin_prefetch(reinterpret_cast<const char*>(&crossed) + 256, 1); // more lists than a processor follows
     static_cast<CrossedEdges&>(crossed) = edges;
     crossed.mask = page.masks[record];
     crossed.key = page.keys[record];
@@ -118,6 +124,7 @@ void EdgeBlockSource<Sample>::countChanges(std::size_t partition, const LiveSurf
     std::vector<TouchedBrick>& touched = touched_[partition];
     touched.clear();
     const BrickIndex first = firstBrickOf(partition);
+    scratch.isByBrickInUse = true;
     makeRoom(scratch.byBrick, (firstBrickOf(partition + 1) - first));
     const auto countOf = [&](BrickIndex brick) -> TouchedBrick& {
         TouchedBrick& count = scratch.byBrick[(brick - first)];
@@ -154,6 +161,7 @@ void EdgeBlockSource<Sample>::countChanges(std::size_t partition, const LiveSurf
         touched[kept++] = {brick.brick, count.points, count.edges, count.hasActivated, true};
     }
     touched.resize(kept);
+    scratch.isByBrickInUse = false;
 }
 
 // Brings what was collected for a partition into the order of its bricks: each is made from what lies together.
@@ -164,6 +172,7 @@ void EdgeBlockSource<Sample>::sortChanges(std::size_t partition, Scratch& scratc
         return slotOf_[a.brick.index()] < slotOf_[b.brick.index()];
     });
     const BrickIndex first = firstBrickOf(partition);
+    scratch.isByBrickInUse = true;
     makeRoom(scratch.byBrick, (firstBrickOf(partition + 1) - first));
     std::uint32_t points = 0, edges = 0;
     for (const TouchedBrick& brick : touched) {
@@ -191,6 +200,7 @@ void EdgeBlockSource<Sample>::sortChanges(std::size_t partition, Scratch& scratc
     }
     for (const TouchedBrick& brick : touched)
         scratch.byBrick[(brick.brick - first)] = {};
+    scratch.isByBrickInUse = false;
 }
 
 // Edges of the brick that become active and inactive.

@@ -80,9 +80,11 @@ private:
         std::uint8_t number; ///< as leafBits() has it
         bool isActivated;
     };
-    /// A point's number in a part, and its first entry in the page.
+    static constexpr std::size_t kBatch = 512; ///< records
+    /// A record of a page, its first entry, and the edges of its point that change.
     struct Changed {
-        std::uint32_t number, entry;
+        std::size_t record, entry;
+        std::uint8_t activated, deactivated;
     };
     /// What one thread has collected, by partition.
     struct Lists {
@@ -91,8 +93,6 @@ private:
         std::array<std::vector<ChangedEdge>, kPartitions> edges;
         std::array<std::vector<ChangedLeaf>, kPartitions> leaves;
         std::uint64_t edgesAdded = 0, edgesRemoved = 0;
-        std::vector<std::uint8_t> above, below; ///< of the part at hand
-        std::vector<Changed> heldOnce, heldOften; ///< likewise, by one brick and by several
         void clear();
     };
     /// A brick of which something was collected.
@@ -116,8 +116,9 @@ private:
 
     void reset();
     std::size_t collect(const Part& part, KeyThreshold lower, KeyThreshold upper, bool goesUp);
-    void addCrossed(const index::DecodedPage<Key>& page, std::size_t record, std::size_t entry,
-                    const CrossedEdges& edges, Lists& lists) const;
+    std::size_t collectBatch(const Part& batch, KeyThreshold lower, KeyThreshold upper, bool goesUp, Lists& lists);
+    void addCrossed(const index::DecodedPage<Key>& page, const Changed& changed, const CrossedEdges& edges,
+                    Lists& lists) const;
     void collectMerged(const Part& part, std::size_t record, std::size_t entry, bool goesUp, Lists& lists);
     template <class Visit>
     void forEachHolder(PointId start, int axis, const Visit& visit) const;

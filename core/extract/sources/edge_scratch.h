@@ -21,6 +21,7 @@ struct EdgeBlockSource<Sample>::Scratch {
     std::vector<CrossedNormals> normals;
     std::vector<ChangedEdge> edges;
     std::vector<TouchedBrick> byBrick; // of a partition, by place in it; nothing between uses
+    bool isByBrickInUse = false;
     std::vector<BrickIndex> arriving; // bricks that have no slot yet
     ToggledEdges toggled; // of the brick at hand
     ChangedBrick changed; // likewise
@@ -42,6 +43,9 @@ struct EdgeBlockSource<Sample>::Scratch {
     }
     void beginMove() {
         draft.beginMove();
+        if (isByBrickInUse) // a move has failed, for want of memory
+            byBrick.clear();
+        isByBrickInUse = false;
         arriving.clear();
         emptied.clear();
         otherLeaves.clear();

@@ -150,7 +150,7 @@ std::unique_ptr<SurfaceSource> makeIndexSource(std::unique_ptr<extract::SlideEng
 SourceOpener openerOfIndex(std::filesystem::path index) {
     return [index = std::move(index)](const JobControl&) -> Result<std::unique_ptr<SurfaceSource>> {
         extract::SlideOptions options; // it moves once
-        options.cacheBytes = extract::kEdgesCacheBytes;
+        options.cacheBytes = extract::kSmallCacheBytes;
         options.readsAhead = options.buildsLevels = false;
         auto engine = extract::SlideEngine::open(index, options);
         if (!engine.isOk())
