@@ -317,6 +317,10 @@ void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Changes& changes
     findToggled(changes, masks, move.from < move.to, scratch);
     ChangedBrick& changed = scratch.changed;
     changeEdges(scratch.toggled, masks, surface.brick(slot).above, edges_[slot.index()], changed);
+    if (!changed.isConsistent) {
+        scratch.isConsistent = false;
+        return;
+    }
     fillPoints(slot, changes, surface, scratch);
     numberVertices(slot, changes, surface, scratch);
     if (draft.edgeVertices == 0)
@@ -328,7 +332,7 @@ void EdgeBlockSource<Sample>::changeBrick(BrickSlot slot, const Changes& changes
     draft.above = changed.signs.above;
     if (merges_)
         changed.isOfSigns = mergeCells(slot, scratch);
-    if (!changed.isConsistent || !changed.isOfSigns) {
+    if (!changed.isOfSigns) {
         scratch.isConsistent = false;
         return;
     }
