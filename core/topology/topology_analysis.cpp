@@ -171,7 +171,7 @@ private:
         expected_.boundaryBytes = coarse_ ? 0.0 : 2.0 * sides * kBoundaryBytesPerPoint;
         const auto bytesOf = [&](double strips) { return cut_.bytes(strips, sizeof(Sample), each); };
         // What threads have given back to the allocator, and it not to the system, is memory of the process, too.
-        constexpr double kPlanned = 0.85;
+        constexpr double kPlanned = 0.7;
         const double kept = isTight ? keptBytes(expected_) : 0.0, room = std::min(aimBytes_, kPlanned * memory) - kept;
         const auto threads = static_cast<double>(tbb::this_task_arena::max_concurrency());
         // Two small strips at once take less time than a large one.

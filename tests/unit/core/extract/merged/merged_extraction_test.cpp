@@ -73,6 +73,7 @@ TEST(MergedExtraction, HasNoCrackAndTheSameTopology) {
         }
     }
     EXPECT_GT(merges, 10000u);
+    EXPECT_GT(centres, 0u);
 }
 
 // On a vertex's active edge, the sample differs from the merged cell's interpolant by the bound at most, at both ends,

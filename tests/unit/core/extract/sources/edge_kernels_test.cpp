@@ -180,7 +180,8 @@ TEST_P(EdgeKernels, BringEdgesAndSignsToWhereSamplesHaveThem) {
     for (const GridDims& dims : kDims) {
         const SmallVolume volume(dims, random_);
         const BrickShapes& shapes = volume.shapes();
-        for (const auto& [from, to] : {std::pair{0, 5}, {5, 6}, {6, 3}, {3, 4}, {4, 12}, {12, 7}, {7, 0}}) {
+        for (const auto& step : {std::pair{0, 5}, {5, 6}, {6, 3}, {3, 4}, {4, 12}, {12, 7}, {7, 0}}) {
+            const int from = step.first, to = step.second;
             const auto crossed = crossedPoints(volume, from, to);
             for (const BrickIndex brick : firstIds<BrickIndex>(shapes.grid().brickCount())) {
                 if (!shapes.hasCells(brick)) {
